@@ -28,6 +28,9 @@ class Standing:
     def position_acs_mm(self, axis: str) -> float:
         return self.acs_mm[axis]
 
+    def channel_distance(self) -> None:
+        """There is no 3D distance control."""
+
 
 def arcs(text: str) -> list[Arc]:
     """Every arc of a program as the path sees it."""

@@ -159,3 +159,42 @@ def test_too_many_touches_under_way_are_an_error_with_their_place(load):
     with pytest.raises(FMICallException):
         fmu.step(1e-3)
     assert "more than four edges" in fmu.messages[-1]
+
+
+def touched(fmu, count):
+    """Ticks of 1 ms at 0.1 m/s: `count` times down into the workpiece and back; pre-travels."""
+    found = []
+    for k in range(count):
+        for away, v in ((1e-3, -0.1), (-1e-3, 0.1)):
+            at = 20 * 2 * k + (0 if v < 0 else 20)
+            for i in range(20):
+                start, t = away + v * 1e-3 * i, (at + i) * 1e-3
+                moved = {"z_start": start, "z_end": start + v * 1e-3}
+                fmu.set(step_time=t, step_size=1e-3, z_rate_start=v, z_rate_end=v, **moved)
+                fmu.step_to(t + 1e-3)
+        found.append((fmu.rising_time - fmu.contact_time) * 0.1)
+    return found
+
+
+def test_pretravel_differs_from_touch_to_touch_by_scatter_first_touch_and_drift(load):
+    """The same seed and no scatter: what is left is the first touch and the drift."""
+    start = {"pretravel": 20e-6, "first_touch": 10e-6, "drift": 2e-6, "seed": 3}
+    plain = touched(load("AxisRig.Sensors.WorkpieceProbe", z_start=1e-3, **start), 4)
+    assert plain == pytest.approx([30e-6, 22e-6, 24e-6, 26e-6], abs=1e-10)
+    drawn = touched(
+        load("AxisRig.Sensors.WorkpieceProbe", z_start=1e-3, pretravel_scatter=3e-6, **start), 4
+    )
+    assert len({round(a - b, 9) for a, b in zip(drawn, plain, strict=True)}) == 4
+    other = {**start, "seed": 4}
+    again = touched(
+        load("AxisRig.Sensors.WorkpieceProbe", z_start=1e-3, pretravel_scatter=3e-6, **other), 4
+    )
+    assert set(drawn).isdisjoint(again)
+
+
+def test_a_touch_never_switches_before_its_contact(load):
+    """A scatter of many times the pre-travel: the edge is at the contact at the earliest."""
+    start = {"pretravel": 1e-6, "pretravel_scatter": 50e-6, "z_start": 1e-3}
+    found = touched(load("AxisRig.Sensors.WorkpieceProbe", **start), 8)
+    assert min(found) == pytest.approx(0.0, abs=1e-10)
+    assert max(found) > 10e-6

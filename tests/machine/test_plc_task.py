@@ -166,6 +166,18 @@ def test_a_program_that_cannot_be_is_refused(run_plc: RunNc, body: str, words: s
         ("period_us = 2000\n[plc.terminal]\ninput_1 = 'prob'", "plc.terminal.input_1 must name"),
         ("period_us = 2000\nswitches = 'probe'", "must name a probe that can be switched on"),
         ("offset_us = 1", "lacks the key plc.period_us"),
+        (
+            "period_us = 2000\n[plc.terminal]\nsegment = 'can9'\nnode = 20",
+            "needs a simulated segment of this rig",
+        ),
+        (
+            "period_us = 2000\n[plc.terminal]\nsegment = 'can1'\nnode = 3",
+            "the terminal has the node id of axis Z on segment can1",
+        ),
+        (
+            "period_us = 2000\n[plc.terminal]\nsegment = 'can1'\nnode = 20\noffset_us = 5",
+            "a node on a CAN bus has none",
+        ),
     ],
 )
 def test_a_table_that_cannot_be_is_refused_with_its_line(

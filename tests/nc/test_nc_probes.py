@@ -126,20 +126,23 @@ def test_900227_for_values_that_cannot_be(run, text: str, values: tuple[str, ...
 
 
 @pytest.mark.parametrize(
-    ("text", "word"),
+    ("text", "word", "section"),
     [
-        ("#MEAS[TRIGGER]", "#MEAS [TRIGGER"),
-        ("#MEAS[AX=X G108]", "#MEAS [G108"),
-        ("G108", "G108"),
-        ("G107", "G107"),
+        ("#MEAS[TRIGGER]", "#MEAS [TRIGGER]", "P-CHAN-00257"),
+        ("#MEAS[AX=X G107]", "#MEAS [G107]", "207092107"),
+        ("#MEAS[AX=X G108]", "#MEAS [G108]", "207092107"),
+        ("G108", "G108", "206213899"),
+        ("G107", "G107", "206224907"),
     ],
 )
-@pytest.mark.provokes(900100, 2)
-def test_900100_and_a_note_of_the_check_for_what_belongs_to_later_functions(
-    run, text: str, word: str
+@pytest.mark.provokes(900430, 2)
+def test_900430_with_the_section_and_a_note_of_the_check_for_edge_banding(
+    run, text: str, word: str, section: str
 ) -> None:
     alarm = _alarm(run, f"N7 {text}")
-    assert (alarm.id, alarm.values["word"]) == (900100, word)
+    assert (alarm.id, alarm.values["word"]) == (900430, word)
+    assert section in str(alarm.values["section"])
+    assert "G106" in alarm.entry.remedy
     program = parse_program(f"N7 {text}\n", file="test.nc", axes=("X", "Y", "Z"))
     assert [n.word for block in program.blocks for n in block.not_acting] == [word]
 

@@ -7,6 +7,7 @@ import csv
 import math
 import re
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +97,20 @@ def test_the_coasting_distance_is_published_plus_the_ramp_of_the_bench(case: str
     published = [v * (0.035 - 0.001) + v * v / 2e3, v * (0.035 + 0.001) + v * v / 2e3]
     assert _numbers(row["check:overtravel_mm"]) == pytest.approx(published, abs=5e-6)
     assert _overtravel_mm(row) == pytest.approx(published, abs=1e-9)
+
+
+def test_a_skip_without_latch_is_off_by_the_time_between_two_looks() -> None:
+    """F/60 x 4 ms: SYNC, PLC and NC cycle of 4 ms are locked, level and position of one SYNC."""
+    row, rig = ROWS["r3"], _rig(ROWS["r3"])
+    v, period_s = float(row["plc:V.E.FEED"]) / 60, 0.004
+    assert [rig[key]["period_us"] for key in ("cycle", "plc")] == [4000, 4000]
+    assert rig["plc"]["offset_us"] < rig["cycle"]["cycle_offset_us"]  # of the same SYNC
+    assert _numbers(row["check:latch_error_um"]) == [-v * period_s * 1e3, 0.0]
+    places = _numbers(row["plant:probe.surface_mm"])
+    spacing = v * period_s / len(places)
+    steps = [b - a for a, b in pairwise(places)]
+    assert steps == pytest.approx([spacing] * (len(places) - 1))
+    assert _check(row, r"range\(latch_error_um\)") == [v * period_s * 1e3 - 2 * spacing * 1e3]
 
 
 def test_the_stop_is_found_half_a_millimetre_of_command_later() -> None:

@@ -22,7 +22,6 @@ from axisrig.bench.record.distance import (
     Controller,
     Diagnosis,
     DistanceChange,
-    DistanceRecord,
     PlcSensor,
 )
 from axisrig.bench.record.facts import Facts
@@ -129,25 +128,19 @@ def left(mode: str = "ECS") -> Facts:
             KinematicChange(KINEMATIC * MS, (9, 98), (), TOOL_MM),
             KinematicChange((ROWS - 1) * MS),
         ),
-        distance={
-            "channel": DistanceRecord(
-                "V.E.SENSOR",
-                False,
-                tuple(
-                    DistanceChange(row * MS, state, "NC", "V.E.SENSOR", False, CONTROLLER)
-                    for row, state in changes
-                ),
-                (GuideChange(KINEMATIC * MS, "MCS"), GuideChange(ON * MS, mode)),
-            )
-        },
         plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, 0)},
         distance_3d=ChannelDistanceRecord(
             "V.E.SENSOR",
-            (),
+            False,
+            tuple(
+                DistanceChange(row * MS, state, "NC", "V.E.SENSOR", False, CONTROLLER)
+                for row, state in changes
+            ),
             tuple(
                 Diagnosis(row * MS, {"zstd": state, "kp": "0.2", "cmd_offset": offset})
                 for row, (state, offset) in zip((0, ON, OFF), dumps, strict=True)
             ),
+            (GuideChange(KINEMATIC * MS, "MCS"), GuideChange(ON * MS, mode)),
         ),
     )
 

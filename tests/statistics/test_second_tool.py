@@ -16,6 +16,7 @@ from axisrig.bench.statistics.distribution import (
     histogram,
     normal_plot,
     normality,
+    spread_p_value,
     standardized_coefficients,
     trend,
     variance_share,
@@ -45,6 +46,13 @@ def test_the_spread_has_the_interval_by_chi_square() -> None:
     low, high = (s * (7 / stats.chi2.ppf(p, 7)) ** 0.5 for p in (0.975, 0.025))
     assert (found.value, found.lower, found.upper) == pytest.approx((s, low, high), rel=1e-10)
     assert found.bound == found.upper - found.value
+
+
+@pytest.mark.parametrize("stated", [0.1, 0.3, 0.5])
+def test_a_stated_spread_is_judged_by_chi_square(stated: float) -> None:
+    square = 7 * (stats.tstd(SAMPLE) / stated) ** 2
+    sides = (stats.chi2.cdf(square, 7), stats.chi2.sf(square, 7))
+    assert spread_p_value(SAMPLE, stated) == pytest.approx(2 * min(sides), rel=1e-12)
 
 
 def test_a_line_is_that_of_scipy() -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from edges import Edges, Vector, bounced, count_of, delayed, last_edge, within
+from edges import MODULUS, Edges, Vector, bounced, count_of, delayed, last_edge, within
 from numpy.polynomial import Polynomial
 from paths import crossings, cubic
 from scipy.optimize import root
@@ -37,6 +37,31 @@ def three_leg_seat(time_s: Vector) -> Mapping[str, Vector]:
     return {
         "pretravel": np.array(
             [seat_pretravel(n, 2.5, 50e-3, 10e-3, 0.2, 0.2e6, 2e6) for n in normals]
+        )
+    }
+
+
+def touch_difference(
+    number: int, scatter: float, first: float, drift: float, least: float, seed: int
+) -> float:
+    """Pre-travel of touch 1, 2, ... less the usual one: Box and Muller, first touch, drift.
+
+    State k of a sequence is a^k times its first one modulo 2^31 - 1, by powers of integers.
+    """
+    radius = pow(48271, number, MODULUS) * (1 + 1226874159 * seed % (MODULUS - 1)) % MODULUS
+    angle = pow(69621, number, MODULUS) * (1 + 62089911 * seed % (MODULUS - 1)) % MODULUS
+    normal = np.sqrt(-2 * np.log(radius / MODULUS)) * np.cos(2 * np.pi * angle / MODULUS)
+    wanted = scatter * normal + drift * (number - 1) + (first if number == 1 else 0.0)
+    return float(max(least, wanted))
+
+
+def pretravel_scatter(time_s: Vector) -> Mapping[str, Vector]:
+    """Touches that end at (pi (2 k - 1) + 0.4)/62.3."""
+    ended = np.floor((62.3 * time_s - 0.4 + np.pi) / (2 * np.pi)).astype(int)
+    numbers = 1 + np.maximum(0, ended)
+    return {
+        "difference": np.array(
+            [touch_difference(int(k), 5e-6, 20e-6, 2e-6, -2e-6, 12) for k in numbers]
         )
     }
 
@@ -97,15 +122,17 @@ def workpiece_probe(time_s: Vector) -> Mapping[str, Vector]:
         normal = np.array([-slope_x, -slope_y, 1.0]) / np.hypot(1.0, np.hypot(slope_x, slope_y))
         return float(normal @ (center - np.array([*foot, h]))), normal
 
-    def pretravel(normal: Vector) -> float:
-        return 5e-6 + seat_pretravel(normal, 2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+    grid = np.linspace(0, span, 81)
+    touch = crossings(lambda t: nearest(t)[0] - radius, grid)
+
+    def pretravel(normal: Vector, number: int) -> float:
+        usual = seat_pretravel(normal, 2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+        return 15e-6 + usual + touch_difference(number, 4e-6, 3e-6, 2e-6, -15e-6, 5)
 
     def switching(t: float) -> float:
         distance, normal = nearest(t)
-        return distance - radius + pretravel(normal)
+        return distance - radius + pretravel(normal, 1)
 
-    grid = np.linspace(0, span, 81)
-    touch = crossings(lambda t: nearest(t)[0] - radius, grid)
     on, off = crossings(switching, grid)
     late, under_way = delayed([(on, True), (off, False)], 10e-3, 2e-3, 5)
     contact, bouncing = bounced(late, 2, 1, 1.2e-3)
@@ -115,11 +142,14 @@ def workpiece_probe(time_s: Vector) -> Mapping[str, Vector]:
     steepest = np.tan(0.2) + 2 * np.pi * 0.3e-3 / 0.05
     free = np.maximum(0.0, (z(time_s) - height) / np.hypot(1.0, steepest) - radius)
     held_back = within([(0.0, ready), *under_way, *bouncing, (touch[0], touch[1])], time_s)
+    numbers = [2 if t > touch[1] else 1 for t in time_s]
     return {
         "gap": np.array(distances) - radius,
         "contact_time": last_edge([(touch[0], True)], True, time_s),
         "contact_x": np.where(time_s >= touch[0], x(touch[0]), 0.0),
-        "total_pretravel": np.array([pretravel(n) for n in normals]),
+        "total_pretravel": np.array(
+            [pretravel(n, k) for n, k in zip(normals, numbers, strict=True)]
+        ),
         "rising_time": last_edge(contact, True, time_s),
         "falling_time": last_edge(contact, False, time_s),
         "rising_count": count_of(contact, True, time_s),

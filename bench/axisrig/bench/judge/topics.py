@@ -31,7 +31,6 @@ from axisrig.bench.judge.statistics.verdict import (
     readings,
 )
 from axisrig.bench.judge.tool.findings import no_events, tool_blocks
-from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.statistic_checks import StatisticCheck
@@ -81,7 +80,9 @@ def _of_no_axis(observed: Observed, check: Check) -> bool:
     """Whether a check is about the channel: lengths of its tool and of its 3D distance control."""
     if check.axis is not None:
         return False
-    is_control = check.definition.name in DISTANCE_METRICS and CHANNEL in observed.facts.distance
+    is_control = (
+        check.definition.name in DISTANCE_METRICS and observed.facts.distance_3d is not None
+    )
     return is_control or check.definition.scope == "run"
 
 

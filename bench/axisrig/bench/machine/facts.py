@@ -8,6 +8,7 @@ from axisrig.bench.machine.recording.acting import acting_warnings
 from axisrig.bench.machine.recording.bus_figures import bus_figures
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
+from axisrig.bench.machine.recording.plc_sensor import plc_sensor
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.axes import (
     AxisRecord,
@@ -20,7 +21,7 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -31,6 +32,7 @@ from axisrig.bench.record.facts import (
     Timing,
 )
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
+from axisrig.bench.rig.arrival import TerminalGrid, terminal_grid
 from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.latches import unproved_notes
 from axisrig.bench.rig.printed import printed_log
@@ -68,11 +70,10 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
         probes=_probes(machine),
         plc_sensors={
-            name: PlcSensor(table.sensor, table.sign, table.delay_cycles)
-            for name, table in settings.rig.plc.items()
+            name: plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
-        distance={name: _distance(machine, name) for name in _controls(machine)},
+        distance={name: _distance(machine, name) for name in channel.distance.axes},
         distance_3d=_distance_3d(machine),
         kinematics=machine.kinematic_log.changes,
         channel=_written(settings, None),
@@ -217,12 +218,15 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
     if table is None or runner is None:
         return None
     terminal = table.terminal or TerminalTable()
+    grid = terminal_grid(machine.settings) or TerminalGrid(
+        terminal.cycle_ns(table), terminal.offset_ns(table), 0
+    )
     return PlcTaskRecord(
         period_ns=table.period_ns,
         offset_ns=table.offset_us * US,
         busy_ns=table.busy_us * US,
-        terminal_ns=terminal.cycle_ns(table),
-        terminal_offset_ns=terminal.offset_ns(table),
+        terminal_ns=grid.period_ns,
+        terminal_offset_ns=grid.offset_ns,
         filter_ns=round(terminal.filter_us * US),
         stamp_resolution_ns=terminal.stamp_resolution_ns,
         stamp_jitter_ns=terminal.stamp_jitter_ns,
@@ -232,24 +236,15 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
         assumed_drift_ppm=table.assumed_drift_ppm,
         left_out=runner.left_out,
         probes=tuple(terminal.inputs.values()),
+        terminal_late_ns=grid.late_ns,
     )
 
 
-def _controls(machine: Machine) -> list[str]:
-    """Return the axes with distance control, then the channel with 3D control."""
-    found = machine.channel.distance
-    return [*found.axes, *([] if found.channel is None else [CHANNEL])]
-
-
 def _distance(machine: Machine, name: str) -> DistanceRecord:
-    controls = machine.channel.distance
-    owner = controls.channel if name == CHANNEL else controls.axes[name]
-    assert owner is not None
     return DistanceRecord(
-        _variable(machine, owner.sensor),
+        _variable(machine, machine.channel.distance.axes[name].sensor),
         name in machine.referenced,
         machine.distance_log.recorded(name),
-        machine.distance_log.guides(name),
     )
 
 
@@ -258,7 +253,11 @@ def _distance_3d(machine: Machine) -> ChannelDistanceRecord | None:
     if found is None:
         return None
     return ChannelDistanceRecord(
-        _variable(machine, found.sensor), log.recorded(CHANNEL), log.dumps(machine.channel)
+        _variable(machine, found.sensor),
+        CHANNEL in machine.referenced,
+        log.recorded(CHANNEL),
+        log.dumps(machine.channel),
+        log.guides,
     )
 
 

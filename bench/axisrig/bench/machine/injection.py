@@ -207,6 +207,9 @@ class _Injection:
         telegram = self._fault.telegram or _TELEGRAM_OF_KIND[self._fault.kind]
         if telegram in _BUS_IDS:
             return _BUS_IDS[telegram]
+        task = self._world.settings.rig.plc_task
+        if not self._fault.axis and task is not None and task.terminal is not None:
+            return _AXIS_IDS[telegram] + (task.terminal.node or 0)
         return _AXIS_IDS[telegram] + self._world.settings.rig.axis[self._fault.axis].node
 
     def _frame_fault(self) -> None:

@@ -29,12 +29,11 @@ from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.moments import World
 from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
-from axisrig.bench.machine.parts import build_nodes, build_segments
+from axisrig.bench.machine.parts import build_nodes, build_segments, build_terminal
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.machine.plc.sensors import PlcSensors
 from axisrig.bench.machine.plc.side import PlcSide
 from axisrig.bench.machine.plc.task import PlcTaskRunner
-from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.kinematic_log import KinematicLog
@@ -46,6 +45,7 @@ from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
+from axisrig.bench.rig.io_node import synced_segments
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
@@ -192,10 +192,9 @@ class Machine:
         table, plant = self.settings.rig.plc_task, self.plant
         if table is None:
             return None
-        clock, channel, terminal = self.scheduler, self.channel, None
-        if table.terminal is not None:
-            signals = {name: probe.signal for name, probe in plant.probes.items()}
-            terminal = Terminal(table, table.terminal, signals, plant.advance_to, seed)
+        clock, channel = self.scheduler, self.channel
+        networks = self.networks
+        terminal = build_terminal(self.settings, clock, self.segments, networks, plant, seed)
         switched = None if table.switches is None else plant.probes[table.switches]
 
         def switch(is_on: bool) -> None:
@@ -306,7 +305,7 @@ class Machine:
             self.settings, self.links, self.networks, self.scheduler
         )
         # On a segment without a drive nobody would acknowledge a SYNC
-        used = {axis.segment for axis in self.settings.rig.axis.values()}
+        used = synced_segments(self.settings)
         networks = {name: n for name, n in self.networks.items() if name in used}
         operator = self.settings.operator
         channel = Channel(

@@ -80,8 +80,8 @@ class StatisticCheck(Check):
 
     of: the metric, with a condition that nobody judges. sides: what else each value needs, metrics
     as checks and columns by their header, in the order of the arguments. limits: of cp and cpk.
-    tolerance: of cg and cgk. is_last: of each run the last measurement run alone. is_each: over the
-    measurement runs of one run, among its checks.
+    tolerance: of cg and cgk, of spread_p the stated spread. is_last: of each run the last
+    measurement run alone. is_each: over the measurement runs of one run, among its checks.
     """
 
     of: Check | None = None
@@ -160,10 +160,10 @@ def _with_argument(check: StatisticCheck, kind: str, word: str, reference: str) 
         if condition.kind != "range" or condition.lower == condition.upper:
             raise UserError("not limits", value=word, allowed="-0.5 .. 0.5, <= 0.5, >= -0.5")
         return replace(check, limits=(condition.lower, condition.upper))
-    if kind == "tolerance":
-        tolerance = number("tolerance", word)
+    if kind in ("tolerance", "spread"):
+        tolerance = number(kind, word)
         if tolerance <= 0.0:
-            raise UserError("the tolerance must be positive", value=word)
+            raise UserError(f"the {kind} must be positive", value=word)
         return replace(check, tolerance=tolerance)
     if kind == "truth":
         truth = _metric(word, reference)

@@ -76,16 +76,14 @@ class DistanceChange(Frozen):
 
 @dataclass(frozen=True)
 class DistanceRecord(Frozen):
-    """Distance control of an axis or of the channel.
+    """Distance control of an axis. variable: V.E. name of the sensor in use, empty for 60E4.
 
-    variable: V.E. name of the sensor in use, empty for 60E4. is_referenced: the program has set the
-    zero of its sensor (REF). guides: of 3D control.
+    is_referenced: the program has set the zero of its sensor (REF).
     """
 
     variable: str = ""
     is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
-    guides: tuple[GuideChange, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,20 +96,30 @@ class Diagnosis(Frozen):
 
 @dataclass(frozen=True)
 class ChannelDistanceRecord(Frozen):
-    """3D distance control of the channel. variable: as in `DistanceRecord`.
+    """3D distance control of the channel. variable, is_referenced: as in `DistanceRecord`.
 
-    diagnosis: at every change, and at the end of the run.
+    diagnosis: at every change, and at the end of the run. guides: where the offset acted.
     """
 
     variable: str = ""
+    is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
     diagnosis: tuple[Diagnosis, ...] = ()
+    guides: tuple[GuideChange, ...] = ()
 
 
 @dataclass(frozen=True)
 class PlcSensor(Frozen):
-    """A V.E. variable in which the PLC side shows a distance sensor."""
+    """A V.E. variable in which the PLC side shows a distance sensor.
+
+    Of one at an inclined tool: is_along: it measures along the tool; is_normalised: the PLC takes
+    that times the cosine of the tilt; normal: of its workpiece as a whole, None where it gives
+    none.
+    """
 
     sensor: str
     sign: int
     delay_cycles: int
+    is_along: bool = False
+    is_normalised: bool = False
+    normal: tuple[float, float, float] | None = None

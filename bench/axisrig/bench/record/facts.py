@@ -32,7 +32,7 @@ from axisrig.kernel.time.clock import TimeNs
 VERSION: Final = 3
 """Counts up with every change after which an older version cannot read what is written."""
 READABLE: Final = (1, 2, 3)
-"""Versions that are read. 1 has no `blocks`, 1 and 2 no `kinematics`."""
+"""Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`."""
 
 _AGAIN = "run the case again with this version"
 
@@ -119,8 +119,7 @@ class Facts(Frozen):
 
     start_ns: first enabled cycle, None when the drives were never enabled. end_ns: end of the
     period in which the program ended. sim_ns: simulated time. is_stopped: by the operator.
-    axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes;
-    distance: `CHANNEL` is 3D control.
+    axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes.
     distance_3d: None where the channel has no 3D distance control.
     fine_ns: step in which the plants keep their motion. blocks: None in recordings of version 1.
     """

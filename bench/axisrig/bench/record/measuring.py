@@ -49,7 +49,8 @@ class PlcTaskRecord(Frozen):
 
     terminal_ns, terminal_offset_ns: cycle in which its image is exchanged, that of the task without
     a terminal. left_out: cycles that an overrun has cost. assumed_offset_ns, assumed_drift_ppm:
-    what the CNC believes of the clock. probes: wired to the terminal.
+    what the CNC believes of the clock. probes: wired to the terminal. terminal_late_ns: from the
+    exchange until the PLC has the image, at most.
     """
 
     period_ns: TimeNs
@@ -66,6 +67,7 @@ class PlcTaskRecord(Frozen):
     assumed_drift_ppm: float = 0.0
     left_out: int = 0
     probes: tuple[str, ...] = ()
+    terminal_late_ns: int = 0
 
 
 @dataclass(frozen=True)

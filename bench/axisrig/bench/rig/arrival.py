@@ -1,14 +1,17 @@
 """How late the status of a latch may arrive, and whether a time stamp gives its instant."""
 
+from dataclasses import dataclass
+
 from axisrig.bench.bus.arithmetic import SYNC
 from axisrig.bench.bus.frame import IFS_BITS, data_frame, frame_bits
 from axisrig.bench.drive.dictionary.profile import CLOCK_NS
-from axisrig.bench.rig.check import axis_telegrams, latch_object_of
+from axisrig.bench.rig.check import axis_telegrams, latch_object_of, segment_schedules
+from axisrig.bench.rig.io_node import node_table
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.mapping import FROM_LATCH_TO_STAMP
 from axisrig.kernel.measuring.latest_edge import StampClock
-from axisrig.kernel.time.clock import MS, US, S
+from axisrig.kernel.time.clock import MS, US, S, TimeNs
 
 
 def stamp_clock(settings: Settings, name: str) -> StampClock | None:
@@ -17,16 +20,47 @@ def stamp_clock(settings: Settings, name: str) -> StampClock | None:
     if is_real(settings, axis.segment):
         return None
     profile = settings.rig.drive[axis.drive].make()
-    bits = frame_bits(data_frame(SYNC.can_id, b"\0" if settings.rig.cycle.sync_counter else b""))
     return StampClock(
         CLOCK_NS[profile.timestamp_unit],
         profile.timestamp_start,
-        (bits - IFS_BITS) * S // settings.segment[axis.segment].bitrate,
+        _sync_end_ns(settings, axis.segment),
     )
 
 
+@dataclass(frozen=True)
+class TerminalGrid:
+    """When the inputs of a node are sampled: every period, offset_ns after the SYNC is requested.
+
+    late_ns: until its telegram is there, in the worst case of the cycle.
+    """
+
+    period_ns: TimeNs
+    offset_ns: TimeNs
+    late_ns: TimeNs
+
+
+def terminal_grid(settings: Settings) -> TerminalGrid | None:
+    """Return the instants of the node that is the terminal of the PLC; None where it is none."""
+    table = node_table(settings)
+    if table is None or table.segment is None:
+        return None
+    offset_ns = _sync_end_ns(settings, table.segment)
+    worst_ns = segment_schedules(settings)[table.segment].last_tpdo_ns
+    return TerminalGrid(settings.rig.cycle.period_us * US, offset_ns, worst_ns - offset_ns)
+
+
+def _sync_end_ns(settings: Settings, segment: str) -> TimeNs:
+    """Return the end of a SYNC frame after its request."""
+    data = b"\0" if settings.rig.cycle.sync_counter else b""
+    bits = frame_bits(data_frame(SYNC.can_id, data))
+    return (bits - IFS_BITS) * S // settings.segment[segment].bitrate
+
+
 def describe_arrival(settings: Settings) -> list[str]:
-    """Say for each axis that may measure how late the status of an edge at standstill may be."""
+    """Say for each axis that may measure how late the status of an edge at standstill may be.
+
+    And when the levels of a node that is the terminal of the PLC are there.
+    """
     cycle = settings.rig.cycle
     lines = []
     for name, axis in settings.rig.axis.items():
@@ -40,6 +74,13 @@ def describe_arrival(settings: Settings) -> list[str]:
             f"  update delay {delay} SYNCs, PDO {cycle.cycle_offset_us} us,"
             f" missing_cycles {missing}; {_stamp(settings, name)}",
         ]
+    grid = terminal_grid(settings)
+    if grid is not None:
+        there_us = (grid.offset_ns + grid.late_ns) / US
+        lines.append(
+            f"terminal of the PLC: sampled {grid.offset_ns / US:g} us after the SYNC is requested,"
+            f" its telegram is there after {there_us:g} us at most"
+        )
     return lines
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from axisrig.bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from axisrig.bench.drive.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.cause import blamed
+from axisrig.bench.rig.io_node import check_terminal, terminal_frames
 from axisrig.bench.rig.reading.file import LOAD, DriveTable, rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers, drive_input
 from axisrig.bench.rig.reading.startup import drive_dictionary, drive_steps
@@ -136,6 +137,9 @@ def schedule_of(
                 PlannedFrame(f"{name}.{telegram.name}", telegram.cob_id(axis.node), telegram.length)
             )
         frames["event"] += _event_frames(settings, name, rare)
+    sdo = [(what, base) for what, base in rare if (what, base) != _EMCY]
+    for kind, frame in terminal_frames(settings, segment, sdo):
+        frames[kind].append(frame)
     return cycle_arithmetic(
         settings.segment[segment].bitrate,
         cycle.period_us * US,
@@ -334,6 +338,7 @@ def _check_references(settings: Settings) -> None:
     task = rig.plc_task
     if task is not None and not Path(task.program).is_file():
         raise rig_error(files, ("plc", "program"), "the PLC program is no file", value=task.program)
+    check_terminal(settings)
     for name, table in rig.plc.items():
         if table.sensor not in rig.plant:
             raise rig_error(

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, US
 
 
 def describe_axes(settings: Settings) -> list[str]:
@@ -28,10 +28,13 @@ def describe_axes(settings: Settings) -> list[str]:
         channels = task.terminal.inputs if task.terminal else {}
         read |= {*channels.values(), *([task.switches] if task.switches else [])}
         inputs = ", ".join(f"input {number} = {name}" for number, name in channels.items())
+        late_ms = task.late_ns(rig.cycle.period_us * US) / MS
+        if task.terminal is not None and task.terminal.is_on_can:
+            inputs = f"node {task.terminal.node} on {task.terminal.segment}, {inputs or 'none'}"
         lines.append(
             f"PLC task: every {task.period_us} us from {task.offset_us} us on,"
             f" program {Path(task.program).name}; terminal: {inputs or 'none'};"
-            f" an edge is in its outputs {task.late_ns() / MS:g} ms later at most"
+            f" an edge is in its outputs {late_ms:g} ms later at most"
         )
     lines += [f"{name} of the PLC: {entry.sensor}" for name, entry in rig.plc.items()]
     lines += [

@@ -119,6 +119,20 @@ def normality(values: Sample) -> float:
     return float(shapiro((found - np.mean(found)) / np.ptp(found)).pvalue)
 
 
+def spread_p_value(values: Sample, stated: float) -> float:
+    """Return the p-value of the standard deviation `stated` > 0, two-sided.
+
+    (n - 1) s^2 / stated^2 under chi-square with n - 1 degrees of freedom, for normal values.
+    Source: NIST/SEMATECH e-Handbook, 7.2.3. Raises UserError for fewer than 2 values.
+    """
+    from scipy.special import chdtr, chdtrc  # noqa: PLC0415 - takes long to load
+
+    found = numbers(values, 2)
+    free = len(found) - 1
+    ratio = free * (float(np.std(found, ddof=1)) / stated) ** 2
+    return 2.0 * float(min(chdtr(free, ratio), chdtrc(free, ratio)))
+
+
 def grubbs(values: Sample) -> Distance:
     """Return Grubbs' test of the value that is farthest from the mean, two-sided.
 

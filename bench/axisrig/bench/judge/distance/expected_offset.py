@@ -47,6 +47,8 @@ def walk(truth: DistanceTruth) -> Walked:
             for read in _read(truth, law.mode, last.end, begin):
                 law.listen(*read.values_mm)
             law.stand()
+            # The cycle in which the program froze it has still made a step
+            law.offset_mm = truth.observed.value(truth.axis, "offset_mm", max(begin - 1, 0))
         else:
             law = _fresh(truth, stretch, begin)
             has_before[begin] = frozen
@@ -93,9 +95,10 @@ def programmed(truth: DistanceTruth, row: int) -> Control:
     listed, changes = truth.listed.control, truth.control.changes
     if not changes:
         return listed
-    time_ns, acting = truth.observed.time_ns(row), changes[0].controller.control
+    sync_ns = truth.observed.time_ns(row) // truth.period_ns * truth.period_ns
+    acting = changes[0].controller.control
     for change in changes:
-        if change.time_ns >= time_ns:
+        if change.time_ns >= sync_ns:
             break
         acting = change.controller.control
     first = changes[0].controller.control

@@ -91,11 +91,11 @@ def block_of(truth: DistanceTruth) -> dict[str, Any]:
 
 def distance_events(observed: Observed) -> list[Event]:
     """Return what the program commanded, as marks of the report; the PLC side has its own."""
-    return [
-        mark
-        for axis, record in observed.facts.distance.items()
-        for mark in _commands(axis, record.changes)
-    ]
+    facts, owners = observed.facts, {}
+    owners.update({axis: record.changes for axis, record in facts.distance.items()})
+    if facts.distance_3d is not None:
+        owners[CHANNEL] = facts.distance_3d.changes
+    return [mark for owner, changes in owners.items() for mark in _commands(owner, changes)]
 
 
 def _commands(axis: str, changes: Sequence[DistanceChange]) -> list[Event]:

@@ -7,6 +7,7 @@ positions of all axes; the sensor value counts the other way round, as the law o
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,13 @@ from axisrig.bench.judge.distance.truth import (
 )
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
-from axisrig.bench.oracles.distance.cycles import Measured, NotMeasurableError, Sent, measured
+from axisrig.bench.oracles.distance.cycles import (
+    QUIET_CYCLES,
+    Measured,
+    NotMeasurableError,
+    Sent,
+    measured,
+)
 from axisrig.bench.oracles.distance.lists import (
     CHANNEL,
     OF_CHANNEL,
@@ -31,6 +38,7 @@ from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.tool import ACS, ToolWay
 from axisrig.bench.oracles.kinematics.chain import Array, Chain
 from axisrig.bench.oracles.kinematics.lists import Program
+from axisrig.bench.record.distance import ChannelDistanceRecord
 from axisrig.bench.record.kinematics import GuideChange, KinematicChange
 from axisrig.bench.record.series import Signal
 from axisrig.kernel.time.clock import TimeNs
@@ -39,8 +47,8 @@ ALONG_NORMAL = ("actual_mm", "set_mm", "truth_mm")
 """Columns of the axes that are one position along the normal here."""
 # A rate below it is rounding
 _STILL = 1e-7
-# Least change of the clamping point from cycle to cycle that shows the slope of the surface
-_SHOWS_MM = 1e-4
+# Changes up to these count as none: of the sensor in 0.1 um, of what is superposed in mm
+_QUIET, _QUIET_MM = 20, 1e-3
 
 
 @dataclass(frozen=True)
@@ -107,7 +115,8 @@ class ToolTruth(DistanceTruth):
         """Where the offset acted from a SYNC on."""
         if isinstance(self.whole, ToolTruth):
             return self.whole.ways
-        return [(guide.time_ns, self._way(guide)) for guide in self.control.guides if guide.mode]
+        guides = self.control.guides
+        return [(guide.time_ns, self._way(guide)) for guide in guides if guide.mode]
 
     def _way(self, guide: GuideChange) -> ToolWay:
         if guide.mode == ACS:
@@ -212,6 +221,13 @@ class ToolTruth(DistanceTruth):
     # The control
 
     @cached_property
+    def control(self) -> ChannelDistanceRecord:
+        """What the run has left of it."""
+        found = self.observed.facts.distance_3d
+        assert found is not None
+        return found
+
+    @cached_property
     def listed(self) -> Listed:
         """What the list of the channel says."""
         if self.whole is not None:
@@ -253,32 +269,41 @@ class ToolTruth(DistanceTruth):
         begin = next(t.begin for t in self.states if t.value in (ACTIVE, ACTIVE_CONST_DIST))
         rows = slice(begin, None)
         sensor = np.round(self.gathered(lambda part: part.watched_mm, rows) * 1e4).astype(int)
-        moved = self.gathered(_any_axis, rows)
+        shifts = self.columns("superposed_mm")[rows]
+        first = _first_step(sensor, shifts)
+        moved = np.max(np.abs(shifts - shifts[first - 1]), axis=1) > _QUIET_MM
         times, late_ns = self.times_ns[rows], self.observed.facts.timing.offset_ns
-        told = [Sent(int(t), int(v)) for t, v in zip(times, sensor, strict=True)]
-        sent = [Sent(int(t) + late_ns, int(v)) for t, v in zip(times, moved, strict=True)]
-        return measured(sent, told, self.period_ns, quiet_increments)
+        from_row = slice(first - QUIET_CYCLES, None)
+        told = zip(times[from_row].tolist(), sensor[from_row].tolist(), strict=True)
+        sent = zip(times[from_row].tolist(), moved[from_row].tolist(), strict=True)
+        return measured(
+            [Sent(int(t) + late_ns, int(v)) for t, v in sent],
+            [Sent(int(t), int(v)) for t, v in told],
+            self.period_ns,
+            max(quiet_increments, _QUIET),
+        )
 
     @cached_property
     def surface_gain(self) -> float:
-        """By how much the distance grows for 1 mm of offset, of the plant's truth; 1 unmoved.
+        """By how much what the control sees grows for 1 mm of offset, in its last cycle on.
 
-        The median over the cycles in which the clamping point moved along the normal and the
-        program did not.
+        Of the workpiece as a whole, with its normal m: m w along the normal of the surface, w the
+        way of the clamping point; along the tool m w/m u; times u_z where the PLC normalises that.
         """
-        if not self.has_surface:
+        if isinstance(self.whole, ToolTruth):
+            return self.whole.surface_gain
+        sensor, on = self.variable, np.flatnonzero(self.is_active)
+        if sensor is None or sensor.normal is None or not len(on):
             return 1.0
-        gap, height, program = (
-            np.diff(self.gathered(signal))
-            for signal in (
-                lambda part: part.gap_true_mm,
-                lambda part: part["truth_mm"],
-                lambda part: part.program_mm,
-            )
-        )
-        active = self.gathered(lambda part: part.is_active.astype(float))[1:] > 0
-        rows = active & (np.abs(height) > _SHOWS_MM) & (np.abs(program) < 1e-9)
-        return float(np.median(gap[rows] / height[rows])) if rows.any() else 1.0
+        row = int(on[-1])
+        way = self.way_at(self.observed.time_ns(row))
+        if way is None or way.chain is None:
+            return 1.0
+        axes = self.columns("truth_mm")[row : row + 1]
+        gain = way.gain(axes, sensor.normal, along_tool=sensor.is_along)
+        if sensor.is_along and sensor.is_normalised:
+            gain *= float(way.leaning(axes)[0])
+        return gain
 
     def axes_allow(self, begin: int, end: int) -> Signal | None:
         """Return speed and acceleration that the axes leave the offset: theirs over their rates.
@@ -302,17 +327,24 @@ class ToolTruth(DistanceTruth):
         return np.stack(allow, axis=1)[place.reshape(-1)]
 
 
-def _any_axis(truth: DistanceTruth) -> Signal:
-    """Return a number that changes when the superposed position of any axis does, in 1e-7 mm."""
-    assert isinstance(truth, ToolTruth)
-    moved: Signal = np.round(np.sum(np.abs(truth.columns("superposed_mm")), axis=1) * 1e7)
-    return moved
+def _first_step(sensor: "np.ndarray[Any, Any]", shifts: Array) -> int:
+    """Return the first row whose sensor value steps after all was quiet for QUIET_CYCLES.
+
+    sensor: in 0.1 um, shape (n,). shifts: superposed on each axis, shape (n, axes).
+    """
+    steps = np.flatnonzero(np.abs(np.diff(sensor, prepend=sensor[:1])) > _QUIET)
+    for row in steps[steps >= QUIET_CYCLES].tolist():
+        before = slice(row - QUIET_CYCLES, row)
+        is_quiet = np.ptp(sensor[before]) <= _QUIET
+        if is_quiet and np.max(np.ptp(shifts[before], axis=0)) <= _QUIET_MM:
+            return int(row)
+    raise NotMeasurableError("the sensor value never stepped while the offset was constant")
 
 
 def _truths(observed: Observed) -> dict[str, DistanceTruth]:
     axes = [name for name in observed.axes if observed.has(name, "offset_mm")]
     found: dict[str, DistanceTruth] = {name: DistanceTruth(name, observed) for name in axes}
-    if CHANNEL in observed.facts.distance and observed.has(CHANNEL, "offset_mm"):
+    if observed.facts.distance_3d is not None and observed.has(CHANNEL, "offset_mm"):
         found[CHANNEL] = ToolTruth(CHANNEL, observed)
     return found
 

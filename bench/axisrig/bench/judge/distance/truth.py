@@ -22,7 +22,7 @@ from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.axes import AxisRecord
-from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.series import SECOND, TARGET, Signal, Telegrams, Times
 from axisrig.kernel.time.clock import S, TimeNs
 
@@ -126,7 +126,7 @@ class DistanceTruth:
         return self.observed.axes[self.axis]
 
     @cached_property
-    def control(self) -> DistanceRecord:
+    def control(self) -> DistanceRecord | ChannelDistanceRecord:
         """What the run has left of its control."""
         return self.observed.facts.distance[self.axis]
 

@@ -25,6 +25,7 @@ def _chain(observed: Observed, task: PlcTaskRecord) -> Chain:
         Grid(timing.period_ns, timing.offset_ns),
         task.filter_ns,
         task.busy_ns,
+        task.terminal_late_ns,
     )
 
 

@@ -9,6 +9,7 @@ from axisrig.bench.statistics.distribution import (
     first_apart,
     grubbs,
     normality,
+    spread_p_value,
     trend,
     variance_share,
 )
@@ -131,6 +132,13 @@ def _normality_p(sample: Collected) -> Found:
     return Found(normality(sample.values))
 
 
+def _spread_p(sample: Collected) -> Found:
+    assert sample.check.tolerance is not None
+    found, stated = spread(sample.values), sample.check.tolerance
+    words = f"s {found.value:.4g} against {stated:g}"
+    return Found(spread_p_value(sample.values, stated), words=words)
+
+
 def _first_sample(sample: Collected) -> Found:
     found = first_apart(sample.values)
     if found.ratio == float("inf"):
@@ -170,6 +178,7 @@ FUNCTIONS: Mapping[str, Function] = {
     "mean": lambda sample: _mean(sample.values, sample.uncertainty),
     "spread": partial(_spread, factor=1.0),
     "spread_2s": partial(_spread, factor=2.0),
+    "spread_p": _spread_p,
     "range": _range,
     "cp": _cp,
     "cpk": _cpk,

@@ -12,9 +12,8 @@ from typing import Any
 
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Program, Written
-from axisrig.bench.record.distance import DistanceRecord
+from axisrig.bench.record.distance import ChannelDistanceRecord
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.kinematics import KinematicChange
 from axisrig.kernel.time.clock import TimeNs
@@ -41,7 +40,7 @@ def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
     stretches = _stretches(facts.kinematics, last_ns)
     if not stretches:
         return []
-    control = facts.distance.get(CHANNEL)
+    control = facts.distance_3d
     return [
         {
             "axes": list(facts.axes),
@@ -74,7 +73,7 @@ def _stretches(changes: tuple[KinematicChange, ...], last_ns: int) -> list[dict[
     ]
 
 
-def _guides(control: DistanceRecord) -> list[dict[str, Any]]:
+def _guides(control: ChannelDistanceRecord) -> list[dict[str, Any]]:
     """Return where the offset acted; is_used: whether the control was on meanwhile."""
     changes = _spans([change.time_ns for change in control.changes])
     on = [
@@ -114,7 +113,7 @@ def _limits(written: Written, stretch: dict[str, Any]) -> dict[str, float]:
 def _sensor(observed: Observed) -> str | None:
     """Return the plant that sees the inclined tool: that of the control's variable, else any."""
     facts = observed.facts
-    control = facts.distance.get(CHANNEL)
+    control = facts.distance_3d
     chosen = facts.plc_sensors.get("" if control is None else control.variable)
     names = [name.partition(".")[0] for name in observed.series.names if name.endswith(".tcp_x_mm")]
     if chosen is not None and chosen.sensor in names:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Named, Variables
+from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
@@ -75,7 +76,7 @@ class PlcTaskRunner:
         channel: Channel,
         clock: Clock,
         *,
-        terminal: Terminal | None,
+        terminal: Terminal | IoTerminal | None,
         program: Callable[[], Iterator[Command]],
         switch: Callable[[bool], None],
         sync_ns: Callable[[str], TimeNs],
@@ -103,7 +104,7 @@ class PlcTaskRunner:
 
     def _connect(self) -> None:
         plc, table, timing = self._channel.plc, self._table, self._channel.timing
-        late_ns = table.late_ns() + timing.period_ns
+        late_ns = table.late_ns(timing.period_ns) + timing.period_ns
         plc.task = self._task = PlcTask(
             cycle_ns=timing.period_ns,
             watchdog_ns=table.watchdog_cycles * table.period_ns + timing.period_ns,

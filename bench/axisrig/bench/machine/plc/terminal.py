@@ -29,7 +29,7 @@ class ChannelInput:
     latch_neg_ns: int = 0
 
 
-class _Channel:
+class InputChannel:
     """The input circuit of one channel, and its two stamps."""
 
     def __init__(self, signal: SignalPort, table: TerminalTable, seed: int) -> None:
@@ -87,7 +87,7 @@ class Terminal:
         self._period_ns, self._offset_ns = table.cycle_ns(task), table.offset_ns(task)
         self._silent_ns = silent_ns(table.silent_from_ms)
         self._channels = {
-            number: _Channel(signals[name], table, seed + number)
+            number: InputChannel(signals[name], table, seed + number)
             for number, name in table.inputs.items()
         }
         self.image = {number: ChannelInput() for number in self._channels}

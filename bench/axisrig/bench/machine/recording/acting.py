@@ -1,6 +1,7 @@
 """Warnings of the controls that acted in a run: with mode, sensor and parameters of then."""
 
 from axisrig.bench.machine.recording.distance_log import DistanceLog
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.rig.distance.loops import unstable
 from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.settings import Settings
@@ -13,7 +14,7 @@ def acting_warnings(settings: Settings, log: DistanceLog) -> list[str]:
     does not have, such as a variable that the program writes.
     """
     found = []
-    for name in log.axes:
+    for name in (*log.axes, CHANNEL):
         sensors = {sensor.source: sensor for sensor in sensors_of(settings, name)}
         for change in log.recorded(name):
             sensor = sensors.get(change.sensor)

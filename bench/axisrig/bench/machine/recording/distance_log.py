@@ -76,13 +76,6 @@ class DistanceLog:
         )
         return True
 
-    def dumps(self, channel: Channel) -> tuple[Diagnosis, ...]:
-        """Return the diagnosis data of 3D control at every change, and as they are now."""
-        if channel.distance.channel is None:
-            return ()
-        last = Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis()))
-        return (*self._dumps, last)
-
     def _note_guide(self, guide: Guide | None, time_ns: TimeNs) -> None:
         if guide is self._guide:
             return
@@ -95,9 +88,17 @@ class DistanceLog:
             found = GuideChange(time_ns, guide.mode, guide.axes[0])
         self._guides.append(found)
 
-    def guides(self, name: str) -> tuple[GuideChange, ...]:
-        """Return where the offset of 3D control acted, none for the control of an axis."""
-        return tuple(self._guides) if name == CHANNEL else ()
+    @property
+    def guides(self) -> tuple[GuideChange, ...]:
+        """Where the offset of 3D control acted."""
+        return tuple(self._guides)
+
+    def dumps(self, channel: Channel) -> tuple[Diagnosis, ...]:
+        """Return the diagnosis data of 3D control at every change, and as they are now."""
+        if channel.distance.channel is None:
+            return ()
+        last = Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis()))
+        return (*self._dumps, last)
 
     def of(self, axis: str) -> list[Change]:
         """Return the changes of an axis, in order: those of the parameters alone only while it is

@@ -80,6 +80,28 @@ class ToolWay:
         share: Array = stretched * (frame[:, :3, 2] @ np.asarray(self.normal))
         return share
 
+    def gain(self, axes: Array, surface: Sequence[float], *, along_tool: bool) -> float:
+        """Return by how much a distance grows for 1 mm of offset at a pose (1, count).
+
+        surface: normal m of the plane. To its nearest point m w with the way w of the clamping
+        point, along the tool m w/m u.
+        """
+        ones = np.full(len(axes), _DISPLACEMENT)
+        points = [
+            self._kinematic().clamp_mm(self.superposed(axes, sign * ones)[:, : self.count])
+            for sign in (1.0, -1.0)
+        ]
+        rise = (points[0] - points[1])[0] / (2.0 * _DISPLACEMENT) @ np.asarray(surface)
+        direction = self._kinematic().direction(axes[:, : self.count])[0]
+        return float(rise / (direction @ np.asarray(surface)) if along_tool else rise)
+
+    def leaning(self, axes: Array) -> Array:
+        """Return the cosine of the angle between tool and Z of the machine, shape (n,)."""
+        if self.chain is None:
+            return np.ones(len(axes))
+        leaning: Array = self.chain.direction(axes[:, : self.count])[:, 2]
+        return leaning
+
     def superposed(self, axes: Array, offset_mm: Array) -> Array:
         """Return the axes with an offset, shape (n, count of all)."""
         moved = np.array(axes, dtype=float)

@@ -42,6 +42,8 @@ class Seen(NamedTuple):
 class Chain:
     """The cycles of terminal, PLC and CNC; filter_ns: of the input, busy_ns: of a PLC cycle.
 
+    late_ns: from the exchange until the PLC has the image: 0 for a fieldbus that it exchanges
+    itself, the way of the telegram for a node that samples at the SYNC.
     A PLC that is longer busy than its period leaves cycles out: its grid is then the whole number
     of periods that a cycle takes, from the cycle at offset on.
     """
@@ -51,6 +53,7 @@ class Chain:
     cnc: Grid
     filter_ns: TimeNs = 0
     busy_ns: TimeNs = 0
+    late_ns: TimeNs = 0
 
     @property
     def plc_every(self) -> Grid:
@@ -61,7 +64,7 @@ class Chain:
     def seen(self, edge_ns: TimeNs) -> Seen:
         """Return when an edge is seen."""
         exchange_ns = self.terminal.from_on(edge_ns + self.filter_ns)
-        plc_ns = self.plc_every.from_on(exchange_ns)
+        plc_ns = self.plc_every.from_on(exchange_ns + self.late_ns)
         return Seen(exchange_ns, plc_ns, self.cnc.after(plc_ns + self.busy_ns))
 
     def stamped(self, edge_ns: TimeNs, resolution_ns: int, offset_ns: int, drift_ppm: float) -> int:

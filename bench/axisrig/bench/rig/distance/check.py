@@ -28,10 +28,10 @@ from axisrig.bench.rig.reading.file import LOAD
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
 from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import MS
 
 RELEASED = "lr_param.distance_control_on"
-UNITS_PER_MM = 10_000  # of P-AXIS-00423, 0.1 um
 SIGNS = (
     ("P-AXIS-00230", "sensor value", "SET_POS, CONST_DIST and with both encoders"),
     ("0", "less when the tool lifts", "converge"),

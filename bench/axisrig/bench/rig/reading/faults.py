@@ -28,6 +28,8 @@ _PDOS = [f"{direction}PDO{number}" for direction in "TR" for number in (1, 2, 3,
 AXIS_TELEGRAMS = (*_PDOS, "SDO", "EMCY", "HEARTBEAT")
 """What a drive and the kernel exchange; SDO is the answer of the drive."""
 BUS_TELEGRAMS = ("SYNC", "NMT")
+TERMINAL, TERMINAL_TELEGRAMS = "terminal", ("TPDO1", "SDO", "HEARTBEAT")
+"""The node that is the terminal of the PLC, and what it sends."""
 
 
 @dataclass(frozen=True)
@@ -160,6 +162,8 @@ def _targets(kind: FaultKind, rig: RigFile) -> list[str]:
     if "telegram" in kind.targets:
         names += [f"{axis}.{telegram}" for axis in rig.axis for telegram in AXIS_TELEGRAMS]
         names += [f"{bus}.{telegram}" for bus in rig.segment for telegram in BUS_TELEGRAMS]
+        if _terminal_segment(rig):
+            names += [f"{TERMINAL}.{telegram}" for telegram in TERMINAL_TELEGRAMS]
     if "bus" in kind.targets:
         names += rig.segment
     if "axis" in kind.targets:
@@ -175,7 +179,14 @@ def _fault(kind: FaultKind, target: str, values: Mapping[str, Any], rig: RigFile
         same_place = [name for name in allowed if name.startswith(f"{place}.")]
         raise UserError(what, value=target, allowed=same_place or allowed)
     axis = place if place in rig.axis else ""
-    return Fault(kind.name, target, axis, "" if axis else place, telegram, values)
+    segment = "" if axis else _terminal_segment(rig) if place == TERMINAL else place
+    return Fault(kind.name, target, axis, segment, telegram, values)
+
+
+def _terminal_segment(rig: RigFile) -> str:
+    """Return the segment of the node that is the terminal of the PLC; empty where it is none."""
+    table = None if rig.plc_task is None else rig.plc_task.terminal
+    return "" if table is None else table.segment or ""
 
 
 def _read_values(kind: FaultKind, words: list[str]) -> dict[str, Any]:
@@ -311,6 +322,7 @@ def faults_table(kind: str | None = None) -> str:
     lines += [f"  {name:<10}{meaning}" for name, meaning in fault_moments().items()]
     lines += ["", "Telegrams: " + " ".join(f"AXIS.{name}" for name in AXIS_TELEGRAMS)]
     lines += ["           " + " ".join(f"BUS.{name}" for name in BUS_TELEGRAMS)]
+    lines += ["           " + " ".join(f"{TERMINAL}.{name}" for name in TERMINAL_TELEGRAMS)]
     return "\n".join(lines)
 
 

@@ -1,14 +1,16 @@
 """`[plc]` and `[plc.terminal]`: a PLC task with a cycle of its own, its program, its terminal."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from axisrig.bench.rig.reading.tables import Name, Table
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 _PeriodUs = Annotated[int, Field(ge=50, le=1_000_000)]
 _OffsetUs = Annotated[int, Field(ge=0, le=1_000_000)]
+_OF_FIELDBUS = ("cycle_us", "offset_us", "stamp_resolution_ns", "stamp_jitter_ns", "stamp_edge")
+_OF_NODE = ("heartbeat_ms", "missing_cycles")
 
 
 class TerminalTable(Table):
@@ -19,6 +21,9 @@ class TerminalTable(Table):
     nothing. stamp_resolution_ns, stamp_jitter_ns: of a stamp, rounded down and drawn from 0 to the
     jitter. stamp_edge: which edge of one direction in a cycle keeps its stamp. silent_from_ms:
     simulated loss, from this time of the run on nothing is exchanged.
+    segment, node: a node with digital inputs (CiA 401) on a CAN bus in place of it, sampled at the
+    SYNC, without stamps; heartbeat_ms: of this node, 0 = none; missing_cycles: so many SYNCs may be
+    without its telegram.
     """
 
     cycle_us: _PeriodUs | None = None
@@ -30,6 +35,29 @@ class TerminalTable(Table):
     stamp_jitter_ns: Annotated[int, Field(ge=0, le=1_000_000)] = 0
     stamp_edge: Literal["first", "last"] = "first"
     silent_from_ms: Annotated[float, Field(ge=0)] | None = None
+    segment: Name | None = None
+    node: Annotated[int, Field(ge=1, le=127)] | None = None
+    heartbeat_ms: Annotated[int, Field(ge=0, le=0xFFFF)] = 0
+    missing_cycles: Annotated[int, Field(ge=1, le=1000)] = 3
+
+    @model_validator(mode="after")
+    def _check_kind(self) -> Self:
+        """A node on a CAN bus has no cycle and no stamps; only it has a heartbeat."""
+        if (self.segment is None) != (self.node is None):
+            raise ValueError("a node on a CAN bus needs both segment and node")
+        own = _OF_FIELDBUS if self.is_on_can else _OF_NODE
+        changed = [key for key in own if getattr(self, key) != type(self).model_fields[key].default]
+        if changed:
+            kind = (
+                "a node on a CAN bus has none" if self.is_on_can else "only with segment and node"
+            )
+            raise ValueError(f"{changed[0]}: {kind}")
+        return self
+
+    @property
+    def is_on_can(self) -> bool:
+        """Whether it is a CiA 401 node."""
+        return self.node is not None
 
     def cycle_ns(self, task: "PlcTaskTable") -> TimeNs:
         """From one exchange to the next."""
@@ -81,12 +109,17 @@ class PlcTaskTable(Table):
         """From one cycle to the next."""
         return self.period_us * US
 
-    def late_ns(self) -> TimeNs:
-        """Return how long an edge may take from a probe to the outputs of the task."""
+    def late_ns(self, sync_ns: TimeNs) -> TimeNs:
+        """Return how long an edge may take from a probe to the outputs of the task.
+
+        sync_ns: period of the SYNC; the telegram of a node is there before the next one.
+        """
         periods = max(1, -(-self.busy_us // self.period_us))  # from a cycle to the next that runs
         found = periods * self.period_ns + self.busy_us * US
         if self.terminal is not None:
-            found += self.terminal.cycle_ns(self) + round(self.terminal.filter_us * US)
+            on_can = self.terminal.is_on_can
+            found += 2 * sync_ns if on_can else self.terminal.cycle_ns(self)
+            found += round(self.terminal.filter_us * US)
         return found
 
 

@@ -8,6 +8,13 @@ model WorkpieceProbe "Touch probe against a workpiece of any shape, with bounce,
     annotation(Dialog(group = "Parameters"));
   parameter Units.Length pretravel = 0 "Deflection from contact to the switching point, everywhere"
     annotation(Dialog(group = "Signal"));
+  parameter Units.Length pretravel_scatter(min = 0) = 0
+    "Standard deviation of the pre-travel from touch to touch"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Units.Position first_touch = 0 "More pre-travel in the first touch of the run"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Units.Position drift = 0 "More pre-travel with every touch"
+    annotation(Dialog(group = "Noise and jitter"));
   parameter Units.Force seat_force = 0 "Of the three-leg seat; adds pre-travel by direction"
     annotation(Dialog(group = "Three-leg seat"));
   parameter Units.Length stylus_length = 50e-3 "From the plane of the pads to the ball centre"
@@ -67,7 +74,8 @@ model WorkpieceProbe "Touch probe against a workpiece of any shape, with bounce,
     annotation(Placement(transformation(extent = {{100, -44}, {110, -34}})));
   Interfaces.PositionOutput gap "Distance of the ball from the workpiece"
     annotation(Placement(transformation(extent = {{100, -56}, {110, -46}})));
-  Interfaces.LengthOutput total_pretravel "In the direction of the surface"
+  Interfaces.LengthOutput total_pretravel
+    "In the direction of the surface, of the touch that is or comes next"
     annotation(Placement(transformation(extent = {{100, -69}, {110, -59}})));
   Interfaces.LengthOutput clearance
     "Distance that the ball can move without any edge; 0 while one is under way"
@@ -97,6 +105,14 @@ protected
     axial = axial_stiffness)
     "Seat of the stylus"
     annotation(Placement(transformation(extent = {{-34, -34}, {-6, -6}})));
+  PretravelScatter scatter(
+    scatter = pretravel_scatter,
+    first = first_touch,
+    drift = drift,
+    least = -pretravel,
+    random_seed = seed)
+    "What one touch differs from another"
+    annotation(Placement(transformation(extent = {{46, -74}, {74, -46}})));
   Boolean deflected "Deflected past the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(dead_time = trigger_delay + radio_delay, jitter = radio_jitter,
@@ -116,7 +132,7 @@ protected
   EdgeCounter falling "Counts falling edges"
     annotation(Placement(transformation(extent = {{6, -74}, {34, -46}})));
 initial equation
-  pre(deflected_at_start) = gap + total_pretravel <= 0;
+  pre(deflected_at_start) = gap + pretravel + seat.pretravel + scatter.first_difference <= 0;
 equation
   connect(x.position, workpiece.x[1])
     annotation(Line(points = {{-32, 45}, {-54, 45}, {-54, -7}, {-75, -7}}, color = {0, 0, 127}));
@@ -146,7 +162,8 @@ equation
   seat.normal_x = sideways*workpiece.beyond_x - upward*touched_x/touched_norm;
   seat.normal_y = sideways*workpiece.beyond_y - upward*touched_y/touched_norm;
   seat.normal_z = upward/touched_norm;
-  total_pretravel = pretravel + seat.pretravel;
+  scatter.u = contact;
+  total_pretravel = pretravel + seat.pretravel + scatter.y;
   contact = gap <= (if pre(contact) then rounding else 0);
   deflected = gap + total_pretravel <= (if pre(deflected) then rounding else 0);
   when contact then
@@ -198,7 +215,9 @@ f is found by two fixed-point steps from f = p, and the highest of the three can
 plane this is exact (the centre is r/cos b above the surface, an error of r (1/cos b - 1) against the
 lowest point of the ball), and it is never too early. Where the material ends, the distance is that
 from the wall or from the edge between wall and top. Contact at gap &lt;= 0, switching at
-gap &lt;= -total_pretravel; pre-travel by direction from the normal (ThreeLegSeat).</p>
+gap &lt;= -total_pretravel; pre-travel by direction from the normal (ThreeLegSeat),
+and of each touch (PretravelScatter: scatter, first touch, drift; together not below -pretravel, so
+that a touch never switches before its contact).</p>
 <p>The edge follows after trigger_delay + radio_delay, with a deviation of its own (EdgeDelay), and
 then bounces (ContactBounce). The signal is false until the probe is ready (SwitchOnDelay).</p>
 <p>clearance: with the largest slope L of the surface the ball cannot touch within

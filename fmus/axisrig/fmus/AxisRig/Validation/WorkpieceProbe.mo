@@ -3,7 +3,10 @@ model WorkpieceProbe "A ball scans down on waves, retreats, and is switched off"
   extends Icons.Experiment;
   Sensors.WorkpieceProbe probe(
     ball_radius = 3e-3,
-    pretravel = 5e-6,
+    pretravel = 15e-6,
+    pretravel_scatter = 4e-6,
+    first_touch = 3e-6,
+    drift = 2e-6,
     seat_force = 2.5,
     stylus_length = 50e-3,
     seat_radius = 10e-3,

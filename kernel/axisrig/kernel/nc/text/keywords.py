@@ -146,7 +146,7 @@ def _option(
 
 def _note_option(form: Form, row: Keyword, keyword: str, offset: int) -> None:
     if form.own.acts and not row.acts:
-        form.builder.note(f"{form.shown} [{keyword}", row.meaning, offset)
+        form.builder.note(f"{form.shown} [{keyword}]", row.meaning, offset)
 
 
 def _taken(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeVar
+from typing import Final, NamedTuple, Protocol, TypeVar
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
@@ -90,6 +90,16 @@ class VariableAccess(Protocol):
     ) -> Iterator[canon.Command]:
         """Give a variable a value; what the machine has to do for it is yielded."""
         ...
+
+
+EDGE_BANDING: Final[Mapping[str, str]] = {
+    "G108": "TF5200 programming manual 206213899",
+    "G107": "TF5200 programming manual 206224907",
+    "#MEAS [TRIGGER]": "TF5200 channel parameters 149024651, P-CHAN-00257",
+    "#MEAS [G107]": "TF5200 programming manual 207092107",
+    "#MEAS [G108]": "TF5200 programming manual 207092107",
+}
+"""Words of edge banding, a measurement that an M function (MNE_SNS) begins; their sections."""
 
 
 @dataclass
@@ -279,5 +289,10 @@ class Context:
         return str(block) if self.flow.file is None else f"{self.flow.file} {block}"
 
     def not_acting(self, block: Block, word: str, what: str) -> Alarm:
-        """Make the alarm of a word that the manuals contain and the kernel does not carry out."""
+        """Make the alarm of a word that the manuals contain and the kernel does not carry out.
+
+        900430 for a word of edge banding, else 900100.
+        """
+        if word in EDGE_BANDING:
+            return self.alarm(900430, block, word=word, section=EDGE_BANDING[word])
         return self.alarm(900100, block, word=word, what=what)

@@ -1,0 +1,120 @@
+"""A CiA 401 node on a CAN bus as the terminal of the PLC: the node, and the PLC's end of it.
+
+    edge -> filter -> SYNC: level sampled -> TPDO -> image -> cycle of the PLC
+
+The image has levels only, no time stamps. The PLC side starts the node when it boots: it checks
+1000, writes 1017 and sends NMT start (CiA 302-2). It counts as lost while it is not operational,
+when its telegram is missing for longer than `missing_cycles` periods, and when its heartbeat is
+missing for twice its time.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.drive.application.functions.ports import SignalPort
+from axisrig.bench.machine.plc.io_node import ERROR_CONTROL_ID, IoNode
+from axisrig.bench.machine.plc.terminal import ChannelInput, InputChannel
+from axisrig.bench.rig.reading.plc_task import TerminalTable, silent_ns
+from axisrig.kernel.drives.sdo import SdoClient, SdoError
+from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
+
+PROFILE: Final = 401
+TPDO_1: Final = 0x180
+_BOOT_UP, _OPERATIONAL = 0, 5
+_NMT_ID, _NMT_START = 0, 1
+
+
+class IoTerminal:
+    """The node of a rig and the PLC's image of it, as `Terminal`.
+
+    signals: the probes of the rig. node_port: the network of the node; master: the network of who
+    starts it and hears its telegrams. advance: steps the plants to an instant. period_ns: of SYNC.
+    wc_state: 0 while the telegrams come, 1 else; the image then stays as it was.
+    """
+
+    def __init__(
+        self,
+        table: TerminalTable,
+        signals: Mapping[str, SignalPort],
+        clock: Clock,
+        *,
+        node_port: SimNetwork,
+        master: SimNetwork,
+        advance: Callable[[TimeNs], None],
+        period_ns: TimeNs,
+    ) -> None:
+        assert table.node is not None
+        self._table, self._clock, self._master, self._advance = table, clock, master, advance
+        self._channels = {
+            number: InputChannel(signals[name], table, 0) for number, name in table.inputs.items()
+        }
+        self._sampled = {number: ChannelInput() for number in self._channels}
+        self.image = dict(self._sampled)
+        self._limit_ns = (table.missing_cycles + 1) * period_ns
+        self._came_ns: TimeNs | None = None
+        self._alive_ns: TimeNs | None = None  # None: not operational
+        self._sdo = SdoClient(master, clock, table.node)
+        self.node = IoNode(table.node, node_port, clock, self._levels)
+        master.subscribe(ERROR_CONTROL_ID + table.node, self._on_state)
+        master.subscribe(TPDO_1 + table.node, self._on_telegram)
+        off_ns = silent_ns(table.silent_from_ms)
+        if off_ns is not None:
+            clock.call_at(off_ns, Phase.APPLICATION, self.node.power_off)
+
+    def exchange_until(self, now_ns: TimeNs) -> None:
+        """Nothing: the telegrams of the node make the image."""
+
+    @property
+    def wc_state(self) -> int:
+        """0 while the node answers."""
+        now_ns, heartbeat_ns = self._clock.now_ns, self._table.heartbeat_ms * MS
+        if self._came_ns is None or now_ns - self._came_ns > self._limit_ns:
+            return 1
+        if self._alive_ns is None or (heartbeat_ns and now_ns - self._alive_ns > 2 * heartbeat_ns):
+            return 1
+        return 0
+
+    # In the node
+
+    def _levels(self, now_ns: TimeNs) -> int:
+        """Sample the inputs at the SYNC."""
+        self._advance(now_ns)
+        value = 0
+        for number, channel in self._channels.items():
+            seen = channel.exchange(now_ns, lambda _: 0, self._sampled[number])
+            self._sampled[number] = seen
+            value |= seen.input << number - 1
+        return value
+
+    # In the PLC
+
+    def _on_state(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
+        if len(data) != 1:
+            return
+        if data[0] == _BOOT_UP:
+            self._alive_ns = self._came_ns = None
+            self._sdo.read(0x1000, 0, self._on_device_type)
+        elif data[0] == _OPERATIONAL:
+            self._alive_ns = self._clock.now_ns
+        elif self._alive_ns is not None and self._came_ns is not None:
+            self._alive_ns = None  # somebody else has stopped it
+
+    def _on_device_type(self, answer: bytes | SdoError) -> None:
+        if isinstance(answer, SdoError) or int.from_bytes(answer, "little") & 0xFFFF != PROFILE:
+            return
+        heartbeat = self._table.heartbeat_ms.to_bytes(2, "little")
+        self._sdo.write(0x1017, 0, heartbeat, self._on_heartbeat_set)
+
+    def _on_heartbeat_set(self, answer: bytes | SdoError) -> None:
+        if not isinstance(answer, SdoError):
+            self._master.send_message(_NMT_ID, bytes((_NMT_START, self.node.node_id)))
+            self._alive_ns = self._clock.now_ns
+
+    def _on_telegram(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
+        if len(data) != 1:
+            return
+        self._came_ns = self._clock.now_ns
+        self.image = {
+            number: ChannelInput(bool(data[0] >> number - 1 & 1)) for number in self._channels
+        }

@@ -1,0 +1,72 @@
+"""The node with digital inputs that is the terminal of a PLC: where it is, what it sends."""
+
+from collections.abc import Sequence
+
+from axisrig.bench.bus.arithmetic import PlannedFrame
+from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.reading.plc_task import TerminalTable
+from axisrig.bench.rig.real_axes import is_real
+from axisrig.bench.rig.settings import Settings
+
+TPDO_1, HEARTBEAT = 0x180, 0x700
+
+
+def node_table(settings: Settings) -> TerminalTable | None:
+    """Return the table of the terminal where it is a node on a CAN bus."""
+    task = settings.rig.plc_task
+    table = None if task is None else task.terminal
+    return table if table is not None and table.is_on_can else None
+
+
+def synced_segments(settings: Settings) -> set[str]:
+    """Return the segments that carry the SYNC: those of axes, and that of the node."""
+    used, table = {axis.segment for axis in settings.rig.axis.values()}, node_table(settings)
+    return used if table is None or table.segment is None else used | {table.segment}
+
+
+def terminal_frames(
+    settings: Settings, segment: str, rare: Sequence[tuple[str, int]]
+) -> list[tuple[str, PlannedFrame]]:
+    """Return the frames of the node, if it is on this segment: "TPDO" or "event", and the frame.
+
+    rare: name and base identifier of what it may send, or be sent, besides.
+    """
+    table = node_table(settings)
+    if table is None or table.node is None or table.segment != segment:
+        return []
+    node = table.node
+    frames = [("TPDO", PlannedFrame("terminal.TPDO1", TPDO_1 + node, 1))]
+    if table.heartbeat_ms:
+        frames.append(("event", PlannedFrame("terminal.heartbeat", HEARTBEAT + node, 1)))
+    events = [PlannedFrame(f"terminal.{what}", base + node, 8) for what, base in rare]
+    return frames + [("event", frame) for frame in events]
+
+
+def check_terminal(settings: Settings) -> None:
+    """Check that the node is on a simulated segment, with a number of its own.
+
+    Raises UserError with the key of the rig.
+    """
+    rig, files, table = settings.rig, settings.files, node_table(settings)
+    if table is None:
+        return
+    simulated = [name for name in settings.segment if not is_real(settings, name)]
+    if table.segment not in simulated:
+        raise rig_error(
+            files,
+            ("plc", "terminal", "segment"),
+            "the node of the terminal needs a simulated segment of this rig",
+            value=table.segment,
+            allowed=simulated or "none in this rig",
+        )
+    taken = {
+        axis.node: f"axis {n}" for n, axis in rig.axis.items() if axis.segment == table.segment
+    }
+    taken |= {rig.cycle.master_node: "the kernel"} if rig.cycle.heartbeat_ms else {}
+    if table.node in taken:
+        raise rig_error(
+            files,
+            ("plc", "terminal", "node"),
+            f"the terminal has the node id of {taken[table.node]} on segment {table.segment}",
+            value=table.node,
+        )

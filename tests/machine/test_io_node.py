@@ -1,0 +1,266 @@
+"""The CiA 401 node of a PLC: what canopen and python-can read of it, and the PLC's end."""
+
+import io
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import can
+import canopen
+import pytest
+from canopen.objectdictionary.eds import import_eds
+from canopen.sdo.exceptions import SdoAbortedError
+
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.plc.io_node import IoNode, io_dictionary
+from axisrig.bench.machine.plc.io_terminal import IoTerminal
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.arrival import describe_arrival
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.reading.plc_task import TerminalTable
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
+
+NODE = 20
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+SYNC_NS = 48_000  # a SYNC frame at 1 Mbit/s: 44 bits and 4 stuff bits
+
+
+def foreign_dictionary() -> canopen.ObjectDictionary:
+    """The EDS as canopen writes it, read again."""
+    text = io.StringIO()
+    canopen.export_od(io_dictionary(NODE), text, "eds")  # type: ignore[no-untyped-call]
+    return import_eds(io.StringIO(text.getvalue()), NODE)  # type: ignore[no-untyped-call]
+
+
+@dataclass
+class Bus:
+    """A segment with a master of canopen; heard: time in ns, identifier and data of each frame."""
+
+    scheduler: Scheduler
+    segment: Segment
+    master: SimNetwork
+    remote: SimRemoteNode
+    heard: list[tuple[int, int, bytes]] = field(default_factory=list)
+
+    def until_ms(self, time_ms: float) -> None:
+        self.scheduler.run_until(round(time_ms * MS))
+
+    def syncs(self, first_ms: int, count: int) -> None:
+        """Send a SYNC at each of so many milliseconds and let the answers through."""
+        for time_ms in range(first_ms, first_ms + count):
+            self.until_ms(time_ms)
+            self.master.send_message(0x80, b"")
+        self.until_ms(first_ms + count - 0.1)
+
+    def frames(self, cob_id: int) -> list[bytes]:
+        return [data for _, can_id, data in self.heard if can_id == cob_id]
+
+
+@pytest.fixture
+def bus() -> Iterator[Bus]:
+    scheduler = new_scheduler()
+    with Segment("io bus", 1_000_000, scheduler) as segment:
+        port = segment.port("master")
+        heard: list[tuple[int, int, bytes]] = []
+        port.attach(lambda m: heard.append((segment.now_ns, m.arbitration_id, bytes(m.data))))
+        master = SimNetwork(port).connect()
+        remote = SimRemoteNode(NODE, foreign_dictionary())
+        master.add_node(remote)
+        yield Bus(scheduler, segment, master, remote, heard)
+
+
+def node_on(bus: Bus, levels: Callable[[int], int] = lambda _: 0) -> IoNode:
+    network = SimNetwork(bus.segment.port("io")).connect()
+    node = IoNode(NODE, network, bus.scheduler, levels)
+    bus.until_ms(1)
+    return node
+
+
+def test_it_boots_and_shows_its_objects_to_canopen(bus: Bus) -> None:
+    node_on(bus)
+    assert bus.frames(0x700 + NODE) == [b"\x00"]
+    sdo = bus.remote.sdo
+    assert (sdo[0x1000].raw, sdo[0x1018][2].raw, sdo[0x6000][1].raw) == (0x10191, 0x191, 0)
+    assert sdo[0x1A00][1].raw == 0x6000_0108
+
+
+def test_it_sends_the_levels_of_the_sync_while_it_is_operational(bus: Bus) -> None:
+    seen: list[int] = []
+
+    def levels(now_ns: int) -> int:
+        seen.append(now_ns)
+        return len(seen) % 2 * 3
+
+    node_on(bus, levels)
+    bus.syncs(2, 2)
+    assert not bus.frames(0x180 + NODE)
+    bus.remote.nmt.send_command(1)
+    bus.syncs(5, 3)
+    assert bus.frames(0x180 + NODE) == [b"\x03", b"\x00", b"\x03"]
+    assert [now_ns % MS for now_ns in seen] == [SYNC_NS] * 3
+    bus.remote.tpdo.read(from_od=True)
+    bus.syncs(8, 1)
+    (inputs,) = bus.remote.tpdo[1].map
+    assert (inputs.index, inputs.subindex, inputs.raw) == (0x6000, 1, 0)
+    bus.remote.nmt.send_command(2)
+    bus.syncs(9, 2)
+    assert len(bus.frames(0x180 + NODE)) == 4
+
+
+def test_transmission_type_counts_syncs_and_others_are_refused(bus: Bus) -> None:
+    node_on(bus)
+    bus.remote.sdo[0x1800][2].raw = 3
+    for index, sub, value, code in (
+        (0x1800, 2, 255, 0x06090030),
+        (0x1000, None, 1, 0x06010002),
+        (0x1800, 2, 0, 0x06090030),
+    ):
+        place = bus.remote.sdo[index] if sub is None else bus.remote.sdo[index][sub]
+        with pytest.raises(SdoAbortedError) as refused:
+            place.raw = value
+        assert refused.value.code == code
+    with pytest.raises(SdoAbortedError) as missing:
+        bus.remote.sdo.upload(0x6200, 1)
+    assert missing.value.code == 0x06020000
+    bus.remote.nmt.send_command(1)
+    first_ms = bus.segment.now_ns // MS + 1
+    bus.syncs(first_ms, 7)
+    assert len(bus.frames(0x180 + NODE)) == 2
+
+
+def test_its_heartbeat_shows_its_state_and_a_reset_boots_it(bus: Bus) -> None:
+    node_on(bus)
+    bus.remote.sdo[0x1017].raw = 20
+    begin_ns = bus.segment.now_ns
+    bus.remote.nmt.send_command(1)
+    bus.until_ms(begin_ns / MS + 45)
+    beats = [(t, data) for t, can_id, data in bus.heard if can_id == 0x700 + NODE][1:]
+    assert [data for _, data in beats] == [b"\x7f", b"\x05", b"\x05"]
+    assert beats[2][0] - beats[1][0] == pytest.approx(20 * MS, abs=10_000)
+    bus.remote.nmt.send_command(129)
+    bus.until_ms(begin_ns / MS + 145)
+    assert bus.frames(0x700 + NODE)[-1] == b"\x00"
+    assert bus.remote.sdo[0x1017].raw == 0
+
+
+class Signal:
+    """A probe that closes at 12.3 ms."""
+
+    level = False
+    edges = ((12_300_000, True),)
+
+
+def terminal_on(bus: Bus, **keys: int) -> IoTerminal:
+    table = TerminalTable(segment="can1", node=NODE, input_1="probe", **keys)
+    return IoTerminal(
+        table,
+        {"probe": Signal()},
+        bus.scheduler,
+        node_port=SimNetwork(bus.segment.port("io")).connect(),
+        master=bus.master,
+        advance=lambda _: None,
+        period_ns=MS,
+    )
+
+
+def test_the_plc_starts_the_node_and_sees_the_level_of_the_last_sync(bus: Bus) -> None:
+    terminal = terminal_on(bus, heartbeat_ms=10)
+    assert terminal.wc_state == 1
+    bus.syncs(5, 8)
+    assert (terminal.wc_state, terminal.image[1].input) == (0, False)
+    bus.syncs(13, 1)
+    assert (terminal.wc_state, terminal.image[1].input) == (0, True)
+
+
+def test_the_node_is_lost_without_its_telegram_or_its_heartbeat(bus: Bus) -> None:
+    """missing_cycles 3: the fourth period without one; a heartbeat of 10 ms: after 20 ms."""
+    terminal = terminal_on(bus)
+    bus.syncs(5, 3)
+    came_ns = next(t for t, can_id, _ in reversed(bus.heard) if can_id == 0x180 + NODE)
+    bus.scheduler.run_until(came_ns + 4 * MS)
+    assert terminal.wc_state == 0
+    bus.scheduler.run_until(came_ns + 4 * MS + 1)
+    assert (terminal.wc_state, terminal.image[1].input) == (1, False)
+    bus.syncs(14, 1)
+    assert terminal.wc_state == 0
+    bus.remote.nmt.send_command(129)  # another master resets it: the PLC starts it again
+    bus.until_ms(15.5)
+    assert terminal.wc_state == 1
+    bus.syncs(20, 2)
+    assert (terminal.wc_state, terminal.image[1].input) == (0, True)
+
+
+def test_a_node_without_heartbeats_that_were_wanted_is_lost(bus: Bus) -> None:
+    terminal = terminal_on(bus, heartbeat_ms=10)
+    bus.syncs(5, 2)
+    terminal.node._nmt.stop_heartbeat()
+    bus.syncs(7, 12)
+    assert terminal.wc_state == 0
+    bus.syncs(19, 12)
+    assert terminal.wc_state == 1
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"segment": "can1"}, "both segment and node"),
+        ({"segment": "can1", "node": NODE, "cycle_us": 1000}, "cycle_us"),
+        ({"segment": "can1", "node": NODE, "stamp_jitter_ns": 5}, "stamp_jitter_ns"),
+        ({"heartbeat_ms": 10}, "heartbeat_ms"),
+    ],
+)
+def test_keys_that_belong_to_the_other_kind_are_refused(
+    keys: dict[str, str | int], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        TerminalTable(**keys)
+
+
+def test_python_can_and_canopen_read_the_levels_that_the_probe_had(tmp_path: Path) -> None:
+    """Every frame of the log holds the level of the probe at its SYNC, the end of that frame."""
+    rig, files = read_rig(RIGS / "plc-io-node.toml")
+    settings = read_settings(rig, files, [(parse_assignment("plc:V.E.FEED=600"), as_written)])
+    (tmp_path / "touch.nc").write_text(
+        "%touch\nN10 G90 G100 Z98 F600\nN20 G1 Z101 F3000\nN30 M30\n"
+    )
+    settings.start.setdefault("z", []).append(
+        (parse_assignment("plant:z.position_start_mm=100.5"), lambda error, _: error)
+    )
+    log = tmp_path / "bus.blf"
+    with ExitStack() as stack:
+        machine = Machine(settings, read_program(tmp_path / "touch.nc", ("Z",)), bus_logs=[log])
+        stack.callback(machine.close)
+        machine.run()
+        edges = list(machine.plant.probes["probe"].signal.edges)
+    remote, reader = canopen.RemoteNode(NODE, foreign_dictionary()), canopen.Network()
+    reader.add_node(remote)
+    remote.tpdo.read(from_od=True)
+    levels = []
+    for frame in can.LogReader(log):
+        if frame.arbitration_id == 0x180 + NODE:
+            reader.notify(frame.arbitration_id, frame.data, frame.timestamp)
+            sync_ns = int(frame.timestamp * 1e9) // MS * MS + SYNC_NS
+            passed = [level for time_ns, level in edges if time_ns <= sync_ns]
+            levels.append((remote.tpdo[1].map[0].raw, int(bool(passed and passed[-1]))))
+    assert [read for read, _ in levels] == [true for _, true in levels]
+    assert {read for read, _ in levels} == {0, 1}
+
+
+def test_the_check_of_a_rig_shows_when_the_levels_are_there() -> None:
+    """SYNC, TPDO1 of drive and node, TPDO2, one event frame, without the last intermission.
+
+    55 + 10 n bits at most for a frame of n bytes, the intermission in it (Davis et al. 2007).
+    """
+    settings = read_settings(*read_rig(RIGS / "plc-io-node.toml"), [])
+    lines = [line for line in describe_arrival(settings) if line.startswith("terminal")]
+    bits = sum(55 + 10 * count for count in (0, 8, 1, 6, 4)) - 3
+    assert lines == [
+        "terminal of the PLC: sampled 48 us after the SYNC is requested,"
+        f" its telegram is there after {bits} us at most"
+    ]

@@ -1,0 +1,182 @@
+"""Where an offset leads an inclined tool, and what that does to a loop: chains, closed forms."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from axisrig.bench.oracles.distance.lists import OF_CHANNEL, Control, as_written, axis_limits
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
+from axisrig.bench.oracles.distance.model import Law, Rig, simulate
+from axisrig.bench.oracles.distance.smoothing import none, of_control
+from axisrig.bench.oracles.distance.stability import closed_limit, kp_limit, mean_limit
+from axisrig.bench.oracles.distance.tool import (
+    ACS,
+    ECS,
+    MCS,
+    ToolWay,
+    inclined_gain,
+    steepest_gain,
+    tcp_slopes,
+)
+from axisrig.bench.oracles.kinematics.chain import Chain
+from axisrig.kernel.time.clock import MS
+
+HEAD: Mapping[str, object] = {
+    "kin_step[0].trafo[0].id": 9,
+    "kin_step[1].trafo[0].id": 98,
+    "kin_step[1].trafo[0].param[0]": 1_000_000,
+    "kin_step[1].trafo[0].param[1]": 500_000,
+    "kin_step[1].trafo[0].param[2]": 700_000,
+    "kin_step[1].trafo[0].param[3]": 850_000,
+}
+ROBOT: Mapping[str, object] = {"trafo[0].id": 45} | {
+    f"trafo[0].param[{k}]": v
+    for k, v in {0: 500_000, 6: 4_500_000, 7: 6_000_000, 8: 6_400_000, 9: 1_000_000}.items()
+}
+SLOPES = [(60.0, 10.0, 1.286), (75.0, 10.0, 1.633), (60.0, 30.0, 1.732), (75.0, -10.0, 0.337)]
+
+
+def head(ids: tuple[int, ...] = (9, 98)) -> Chain:
+    return Chain(ids, HEAD, {}, 80.0)
+
+
+def test_along_the_tool_and_along_the_normal() -> None:
+    """Deviation 1.5 mm, A -35, C 20: 1.5/cos 35 along the tool, 1.5 tan 35 sideways."""
+    pose, offset = np.array([[10.0, 20.0, 300.0, 20.0, -35.0]]), np.array([1.5])
+    moved = ToolWay(ECS, 0, head(), 5).superposed(pose, offset)[0] - pose[0]
+    assert np.linalg.norm(moved) == pytest.approx(1.8312, abs=5e-5)
+    assert math.hypot(*moved[:2]) == pytest.approx(1.0503, abs=5e-5)
+    assert moved == pytest.approx([-0.3592, 0.9870, 1.5, 0.0, 0.0], abs=5e-5)
+    moved = ToolWay(MCS, 0, head(), 5).superposed(pose, offset)[0] - pose[0]
+    assert moved == pytest.approx([0.0, 0.0, 1.5, 0.0, 0.0], abs=1e-11)
+    moved = ToolWay(ACS, 2).superposed(pose, offset)[0] - pose[0]
+    assert moved == pytest.approx([0.0, 0.0, 1.5, 0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("mode", [ECS, MCS])
+def test_the_axes_of_a_robot_keep_the_orientation_of_the_tool(mode: str) -> None:
+    chain, random = Chain((45,), ROBOT, {}, 80.0), np.random.default_rng(2)
+    poses = np.array([0.0, 0.0, 0.0, 0.0, 80.0, 0.0]) + random.uniform(-15, 15, (20, 6))
+    way = ToolWay(mode, 0, chain, 6, normal=(0.0, -0.5, math.sqrt(0.75)))
+    moved = way.superposed(poses, np.full(20, 2.0))
+    before, after = chain.frame(poses), chain.frame(moved)
+    assert np.allclose(after[:, :3, :3], before[:, :3, :3], rtol=0, atol=1e-12)
+    shift = after[:, :3, 3] - before[:, :3, 3]
+    assert shift @ np.array(way.normal) == pytest.approx(np.full(20, 2.0), abs=1e-10)
+    direction = chain.direction(poses) if mode == ECS else np.array([way.normal] * 20)
+    assert np.cross(shift, direction) == pytest.approx(np.zeros((20, 3)), abs=1e-10)
+
+
+def test_the_distance_of_an_inclined_and_extended_tool() -> None:
+    """L1 80: [50; 70] at 70 deg 150.351 mm long; its distance is held at L1 cos 50."""
+    pose = np.array([[0.0, 0.0, 300.0, 0.0, 35.0], [0.0, 0.0, 300.0, 90.0, 70.0]])
+    share = ToolWay(ECS, 0, head(), 5).share(pose)
+    assert share == pytest.approx([math.cos(math.radians(35)), math.cos(math.radians(50))])
+    assert head().length_mm(head().frame(pose))[1] == pytest.approx(150.351, abs=5e-4)
+
+
+@pytest.mark.parametrize(("tilt", "slope", "gain"), SLOPES)
+def test_how_an_inclined_surface_changes_the_gain(tilt: float, slope: float, gain: float) -> None:
+    """Cos p + sin p tan b in ECS and cos p in MCS, beside the ways of the chains themselves."""
+    assert inclined_gain(ECS, tilt, slope) == pytest.approx(gain, abs=6e-4)
+    pose = np.array([[0.0, 0.0, 300.0, 0.0, -tilt]])  # leans to +Y
+    p = math.radians(slope)
+    surface = (0.0, math.sin(p), math.cos(p))
+    for mode in (ECS, MCS):
+        way = ToolWay(mode, 0, head((9,)), 5)
+        own = way.gain(pose, surface, along_tool=False)
+        assert own == pytest.approx(inclined_gain(mode, tilt, slope), abs=1e-7)
+    # A sensor along the tool, normalised by its tilt: one to one in ECS, whatever the surface
+    along = ToolWay(ECS, 0, head((9,)), 5).gain(pose, surface, along_tool=True)
+    assert along * math.cos(math.radians(tilt)) == pytest.approx(1.0, abs=1e-7)
+
+
+def test_a_surface_across_the_tool_is_the_worst() -> None:
+    for tilt in (30.0, 60.0, 85.0):
+        gains = [inclined_gain(ECS, tilt, slope) for slope in np.linspace(-89, 89, 1781)]
+        assert max(gains) == pytest.approx(steepest_gain(tilt), rel=1e-4)
+        assert inclined_gain(ECS, tilt, tilt) == pytest.approx(steepest_gain(tilt))
+
+
+@pytest.mark.parametrize("dead", [0, 1, 2])
+@pytest.mark.parametrize("gain", [1.286, 1.732, 0.337])
+def test_the_limit_of_the_constant_distance_is_divided_by_the_gain(dead: int, gain: float) -> None:
+    level = Loop(CONST_DIST, dead, of_control(Control(filter_type="MOVING_AVERAGE", count=4), MS))
+    inclined = Loop(CONST_DIST, dead, level.smoothing, gain=gain)
+    assert kp_limit(inclined) == pytest.approx(kp_limit(level) / gain, rel=1e-6)
+    assert closed_limit(inclined, 4) == pytest.approx(mean_limit(4, dead) / gain)
+
+
+@pytest.mark.parametrize("mode", [CONST_DIST, SET_POS, BOTH])
+def test_a_walked_loop_over_an_inclined_surface_grows_by_its_largest_pole(mode: str) -> None:
+    """Sensor and tool move by different amounts: the gap by `gain` for 1 mm of the position."""
+    gain, kp = 1.6, 0.3
+    loop = Loop(mode, 1, none(), gain=gain)
+    law, position, sent = Law(mode, Control(kp=kp), MS), [0.0, 0.0], [0.0, 0.0]
+    offsets = []
+    for _ in range(200):
+        actual, last = position[0], sent[-1]
+        wanted = -1.0 if mode == SET_POS else 1.0
+        offset = law.walk(-gain * actual, actual, last, wanted)
+        position, sent = [position[1], offset], [*sent, offset]
+        offsets.append(offset)
+    steps = np.abs(np.diff(offsets))
+    late = steps[60:][steps[60:] > 1e-12]
+    if len(late) > 20:
+        measured = (np.max(late[-10:]) / np.max(late[:10])) ** (1.0 / (len(late) - 10))
+        assert measured == pytest.approx(growth(loop, kp), abs=0.02)
+    else:
+        assert growth(loop, kp) < 0.7
+
+
+def test_the_list_of_the_channel_is_read_with_its_own_names() -> None:
+    """P-CHAN-00800 to 00827 beside the names of an axis, which do not act there."""
+    listed = as_written(
+        {
+            "dist_ctrl[0].kp": 0.2,
+            "dist_ctrl[0].max_pos": 1_500_000,
+            "dist_ctrl[0].tolerance": 1000,
+            "dist_ctrl[0].ref_offset": 5000,
+            "dist_ctrl[0].n_cycles": 7,
+            "kenngr.dist_ctrl[0].kp": 0.9,
+            "getriebe[0].dynamik.a_max": 4000,
+        },
+        OF_CHANNEL,
+    )
+    assert (listed.control.kp, listed.control.count, listed.ref_offset_mm) == (0.2, 7, 0.5)
+    assert listed.limits.high_mm == pytest.approx(149.9)
+    assert listed.limits.a_mm_s2 == 0.0, (
+        "the channel has no acceleration of an axis to fall back on"
+    )
+
+
+def test_what_an_axis_may_do_is_read_from_its_list() -> None:
+    ramps = {f"getriebe[0].lslope_profil.a_grenz_stufe_{k}": 1000.0 * k for k in (1, 2)}
+    speed = {"getriebe[0].vb_eilgang": 400_000, "getriebe[0].dynamik.vb_max": 500_000}
+    assert axis_limits({**ramps, **speed}) == pytest.approx((400.0, 1000.0))
+    assert axis_limits({**ramps, "getriebe[0].dynamik.a_max": 5000}) == (math.inf, 5000.0)
+
+
+def test_a_controller_that_changes_while_on_goes_on_from_what_it_gave() -> None:
+    law = Law(CONST_DIST, Control(kp=0.5), MS)
+    law.walk(-10.0, 0.0, 0.0, 12.0)
+    other = Control(kp=0.1, filter_type="MOVING_AVERAGE", count=4)
+    law.change(other, of_control(other, MS))
+    law.walk(-14.0, 0.0, 0.0, 12.0)
+    assert law.filtered_mm == pytest.approx((3 * 10.0 + 14.0) / 4)
+    assert law.step_mm == pytest.approx(0.1 * (12.0 - 11.0))
+
+
+def test_the_limits_of_the_axes_hold_the_law() -> None:
+    law = Law(CONST_DIST, Control(kp=1.0), MS, axes=(20.0, math.inf))
+    course = simulate(law, Rig(), np.zeros(5), 10.0, 12.0)
+    assert np.max(course.step_mm) == pytest.approx(0.02)
+
+
+def test_how_far_the_tool_moves_for_an_increment() -> None:
+    """180 mm lever, 1e-4 deg: half an increment of A is 0.157 um."""
+    pose = np.array([[0.0, 0.0, 300.0, 0.0, 0.0]])
+    slopes = tcp_slopes(head(), pose)[0]
+    assert np.linalg.norm(slopes[:, 4]) * 0.5e-4 * 1e3 == pytest.approx(0.157, abs=5e-4)
