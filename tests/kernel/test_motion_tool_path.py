@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from tests.kinematics.machines import MachineLists, params
 
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import HeadCA
 from axisrig.kernel.motion.curves import Arc, Line
 from axisrig.kernel.motion.dynamics import Dynamics
@@ -90,3 +92,89 @@ def test_an_axis_beside_the_kinematic_may_be_put_elsewhere() -> None:
     assert moved.at(3.0) == pytest.approx((*curve.at(3.0)[:5], 9.0))
     with pytest.raises(ValueError, match="belongs to the kinematic"):
         curve.with_axis(1, 9.0)
+
+
+def test_a_path_with_an_axis_elsewhere_is_not_walked_again() -> None:
+    """It is put there in every cycle while the path goes on."""
+    tool = (*HEAD.forward(START), 7.0)
+    curve = ToolCurve(Line(tool, (*tool[:4], 0.0, 7.0)), HEAD, (*START, 7.0))
+    moved = curve.with_axis(5, 9.0)
+    assert moved.places is curve.places
+    assert (moved.start_mm, moved.end_mm) == (
+        (*curve.start_mm[:5], 9.0),
+        (*curve.end_mm[:5], 9.0),
+    )
+
+
+def test_a_way_of_the_tool_that_is_rounding_is_none() -> None:
+    """A shift by 1e-12 mm must not make a feed in mm/min of one in degrees per minute."""
+    tool = HEAD.forward(START)
+    curve = curve_to(tool[0] + 1e-12, *tool[1:4], 60.0)
+    assert curve.length_mm == pytest.approx(90.0)
+
+
+@pytest.mark.parametrize("turns", [1, 10, 100])
+def test_limits_hold_on_turns_that_are_longer_than_the_places(turns: int) -> None:
+    """C turns on and on: |q'| and |q''| of X are the lever and the lever over a rad, by hand."""
+    tool = HEAD.forward(START)
+    curve = curve_to(*tool[:3], START[3] + 360.0 * turns, START[4])
+    per_deg = math.radians(1.0)
+    lever_mm = math.hypot(*(a - b for a, b in zip(tool[:2], (101.0, 52.0), strict=True)))
+    (slope, bend), *_ = curve.steepness()
+    assert lever_mm * per_deg <= slope <= lever_mm * per_deg * 1.6
+    assert lever_mm * per_deg**2 <= bend <= lever_mm * per_deg**2 * 1.3
+
+
+ROBOT = MachineLists(
+    (45,),
+    params("trafo[0].", (0, 0, 0, 0, 0, 0, 400, 500, 600, 0, 100)) + "\ntrafo[0].id 45\n",
+    (),
+    (),
+    tool_mm=0.0,
+).kernel()
+
+
+def past_the_stretched_wrist(miss_mm: float) -> ToolCurve:
+    """The wrist of a robot goes 200 mm down with a level tool; half way its forearm points along
+    the flange normal but for `miss_mm` to the side.
+    """
+    tool = ROBOT.forward((0.0, 0.0, 30.0, 0.0, 0.0, 0.0))
+    start, end = (
+        (tool[0], miss_mm, tool[2] + height_mm, *tool[3:]) for height_mm in (100.0, -100.0)
+    )
+    near = ROBOT.inverse(start, (0.0, 0.0, 20.0, 0.0, 10.0, 0.0))
+    return ToolCurve(Line(start, end), ROBOT, near)
+
+
+@pytest.mark.parametrize("miss_mm", [1e-4, 0.01, 0.3])
+def test_a_path_on_which_joints_would_jump_is_refused_before_it_begins(miss_mm: float) -> None:
+    """Joints 4 and 6 turn by 180 degrees within twice the miss."""
+    with pytest.raises(Alarm, match="axis 4 turns by") as alarm:
+        past_the_stretched_wrist(miss_mm)
+    assert alarm.value.id == 292016
+
+
+@pytest.mark.parametrize("miss_mm", [0.0, 1.0, 5.0, 20.0])
+def test_joints_keep_their_limits_beside_the_stretched_wrist_and_through_it(miss_mm: float) -> None:
+    curve = past_the_stretched_wrist(miss_mm)
+    dynamics = tool_dynamics([AXIS] * 6, curve, 200.0)
+    speed_mm_s = min(200.0, dynamics.speed_max_mm_s)
+    profile = dynamics.acceleration.plan(curve.length_mm, speed_mm_s, dynamics.deceleration)
+    step_s = max(profile.duration_s / 3_000, 1e-4)
+    times = np.arange(0.0, profile.duration_s + step_s, step_s)
+    places = np.array([curve.at(profile.at(t)[0]) for t in times])
+    assert np.abs(np.diff(places, axis=0)).max() / step_s <= 200.0 * (1.0 + 1e-3)
+    assert np.abs(np.diff(places, 2, axis=0)).max() / step_s**2 <= 1000.0 * (1.0 + 1e-3)
+
+
+def test_an_axis_beside_the_kinematic_goes_evenly_with_the_tool_and_limits_it() -> None:
+    """30 mm of it on 50 mm of the tool: at 60 mm/s the tool is no faster than 60 / 0.6."""
+    tool = (*HEAD.forward(START), 7.0)
+    target = (tool[0] + 30.0, tool[1] + 40.0, *tool[2:5], 37.0)
+    curve = ToolCurve(Line(tool, target), HEAD, (*START, 7.0))
+    assert curve.length_mm == pytest.approx(50.0)
+    assert curve.at(20.0)[5] == pytest.approx(7.0 + 0.4 * 30.0)
+    assert curve.moved == {0, 1, 5}
+    slow = Dynamics(AXIS.acceleration, AXIS.deceleration, AXIS.stop_deceleration, 60.0)
+    dynamics = tool_dynamics([*[AXIS] * 5, slow], curve)
+    assert dynamics.speed_max_mm_s == pytest.approx(60.0 / 0.6)

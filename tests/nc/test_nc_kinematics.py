@@ -219,3 +219,57 @@ def test_a_tool_of_the_list_with_offsets_is_refused() -> None:
     with pytest.raises(Alarm) as alarm:
         run5("D1\n#TRAFO [9]", tables=OffsetTables(tools=tools, rotary=frozenset("CA")))
     assert alarm.value.id == 900480
+
+
+@pytest.mark.parametrize(
+    ("program", "alarm_id"),
+    [
+        ("#SET AX LINK[1, C=X]\n#ENABLE AX LINK[1]\n#TRAFO [9]", 900196),
+        (ON + "#SET AX LINK[1, C=X]\n#ENABLE AX LINK[1]", 900482),
+        ("#PUT AX [A]\n#TRAFO [9]", 900195),
+    ],
+)
+def test_an_axis_of_the_kinematic_neither_follows_another_nor_is_away(
+    program: str, alarm_id: int
+) -> None:
+    """A slave goes where its master leads it, so that no path of the tool would hold."""
+    with pytest.raises(Alarm) as alarm:
+        run5(program)
+    assert alarm.value.id == alarm_id
+
+
+def test_the_transformation_waits_for_every_axis_of_the_kinematic() -> None:
+    """Also for a rotary one that a coordinate system would not wait for."""
+    commands = run5("A[INDP_ASYN G90 POS=30 G01 FEED=100]\n#TRAFO [9]")
+    kinds = [type(command).__name__ for command in commands]
+    waits = kinds.index("WaitIndependent")
+    assert waits < kinds.index("KinematicChoice")
+    assert commands[waits].axes == ("A",)
+
+
+def test_a_coordinate_system_that_is_on_stays_on_top() -> None:
+    at = machine()
+    run5("V.G.WZ_AKT.L = 80\n#CS ON[5,6,7,30,0,0]\n#TRAFO [9]\nG0 X1 Y2 Z3 A20", at)
+    tcp = np.array([5, 6, 7]) + Rotation.from_euler("X", 30, degrees=True).apply([1, 2, 3])
+    assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm(tcp, 0, 20), 0, 20])
+
+
+def test_what_was_chosen_is_in_the_command() -> None:
+    (on,) = [
+        c
+        for c in run5("V.G.KIN_STEP[0].ID[9].PARAM[0] = 1000\n" + ON)
+        if isinstance(c, KinematicChoice)
+    ]
+    assert (on.ids, on.tool_mm, on.written) == ((9,), 80.0, {(0, 9, 0): 1000.0})
+
+
+def test_the_ball_counts_in_the_direction_of_the_run_alone() -> None:
+    """X has moved before the run and not in it: its value has no share of the ball."""
+    tables = OffsetTables(rotary=frozenset("CA"), ball_radius_counts=True)
+    commands = run5(
+        "V.G.WZ_AKT.R = 2\n" + ON + "G0 X1 Y2 Z90\nG0 X7\nF500\nG100 Z40\n"
+        '#MSG ["%f %f", V.A.MEAS.PCS.VALUE.X, V.A.MEAS.PCS.VALUE.Z]',
+        machine(plane=("Z", 50.0)),
+        tables,
+    )
+    assert told(commands) == pytest.approx([7.0, 48.0])

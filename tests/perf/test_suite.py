@@ -208,16 +208,19 @@ def measured(kind: str, plan: str = "", row: str = "") -> dict[str, Any]:
 def test_a_run_is_timed_with_its_files_and_its_frames() -> None:
     told = measured("run", "latch_accuracy.csv", "actuated")
     assert told["value"] == pytest.approx(told["simulated_s"] / told["cpu_s"])
-    # The clock goes on by 1 ms whenever it is read: run, its wall time twice, its loop twice, end
-    assert told["cpu_s"] == pytest.approx(0.005)
+    # The clock goes on by 1 ms whenever it is read: run, its wall time twice, its loop twice, its
+    # folder twice, end
+    assert told["cpu_s"] == pytest.approx(0.007)
     assert re.fullmatch("[0-9a-f]{64}", told["frame_log_sha256"])
 
 
 def test_beyond_the_simulation_is_everything_but_its_loop() -> None:
     told = measured("next_run", "latch_accuracy.csv", "actuated")
     assert told["value"] == told["beyond_simulation_ms"]
-    # One tick for the check, five for the run without the one of the loop
-    assert told["value"] == pytest.approx(5.0)
+    # One tick for the check, seven for the run without the one of the loop
+    assert told["value"] == pytest.approx(7.0)
+    # Its folder takes one to open, and one to close
+    assert told["next_row_ms"] == pytest.approx(5.0)
 
 
 def test_rows_of_a_plan_are_checked_as_a_plan_of_their_own(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import csv
 import hashlib
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -178,6 +179,36 @@ def test_junit_carries_values_limits_and_requirement(plan: Plan, tmp_path: Path)
     assert error is not None
     assert (error.get("type"), error.get("message")) == ("aborted", "stopped \ufffd by hand")
     assert first.findtext("system-out") == "Z 67.0 \ufffd <&>"
+
+
+STRANGE = 'a<b>&"c"\'\t\n\u2028 \x07 \U0001f600'
+
+
+def test_junit_has_the_bytes_of_the_library_for_xml(plan: Plan, tmp_path: Path) -> None:
+    """Read by it, put in order by it and written by it, the file is the same."""
+    out = tmp_path / "out"
+    strange = replace(plan.cases[1], requirement=STRANGE)
+    changed = replace(plan, cases=(plan.cases[0], strange, *plan.cases[2:]))
+    with ResultsWriter(tmp_path / "none", [changed], {}):
+        pass
+    assert by_the_library(tmp_path / "none") == (tmp_path / "none/junit.xml").read_bytes()
+    with ResultsWriter(out, [changed], {}) as writer:
+        add(writer, changed.cases[0], 0.7, STRANGE)
+        add(writer, changed.cases[1])
+        writer.add(no_values(changed.cases[2], Verdict.ABORTED, STRANGE))
+    assert by_the_library(out) == (out / "junit.xml").read_bytes()
+    root = ElementTree.parse(out / "junit.xml").getroot()
+    legal = STRANGE.replace("\x07", "\ufffd")
+    assert legal in [item.get("value") for item in root.iter("property")]
+    assert [item.get("message") for item in root.iter("error")] == [legal]
+    assert [(item.text or "").startswith(legal) for item in root.iter("error")] == [True]
+
+
+def by_the_library(out: Path) -> bytes:
+    root = ElementTree.parse(out / "junit.xml").getroot()
+    ElementTree.indent(root, " ")
+    written: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return written
 
 
 def test_junit_counts_inconclusive_runs_as_failures(plan: Plan, tmp_path: Path) -> None:

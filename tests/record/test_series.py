@@ -105,7 +105,10 @@ def test_what_is_held_in_memory_is_what_the_file_has(tmp_path: Path, sizes: list
     held = writer.close()
     assert (held.held is None) is (len(sizes) > 1)
     read = held.released()
-    assert (read.source, read.held) == (held.source, None)
+    assert (read.source, read.held, read.listed) == (held.source, None, None)
+    assert held.listed is not None
+    assert held.listed.equals(pq.read_metadata(tmp_path / "a.parquet"))
+    assert pickle.loads(pickle.dumps(held)).listed is None
     assert pickle.loads(pickle.dumps(held)).held is None
     assert (held.names, held.about, held.units) == (read.names, read.about, read.units)
     assert held.blocks == read.blocks

@@ -13,8 +13,8 @@ import numpy.typing as npt
 import pyarrow as pa
 from tests.recordings import MS, facts, kept
 
+from axisrig.bench.judge.kinematics.findings import tool_blocks
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.tool.findings import tool_blocks
 from axisrig.bench.judge.topics import shown_facts
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import (
@@ -25,7 +25,7 @@ from axisrig.bench.record.distance import (
     PlcSensor,
 )
 from axisrig.bench.record.facts import Facts
-from axisrig.bench.record.kinematics import GuideChange, KinematicChange
+from axisrig.bench.record.kinematics import GuideChange, KinematicRecord
 
 Signal = npt.NDArray[np.float64]
 
@@ -124,10 +124,7 @@ def left(mode: str = "ECS") -> Facts:
     dumps = [("INACTIVE(0)", "0"), ("ACTIVE_CONST_DIST(4)", "0"), ("INACTIVE(0)", "15000")]
     return replace(
         facts(sim_ns=ROWS * MS, end_ns=ROWS * MS, axes=axes, channel=WRITTEN),
-        kinematics=(
-            KinematicChange(KINEMATIC * MS, (9, 98), (), TOOL_MM),
-            KinematicChange((ROWS - 1) * MS),
-        ),
+        kinematics=(KinematicRecord(KINEMATIC * MS, (ROWS - 1) * MS, AXES, (9, 98), TOOL_MM),),
         plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, 0)},
         distance_3d=ChannelDistanceRecord(
             "V.E.SENSOR",
@@ -146,7 +143,7 @@ def left(mode: str = "ECS") -> Facts:
 
 
 def tool(signals: pa.Table, of: Facts) -> dict[str, Any]:
-    """The block `tool` of the findings."""
+    """The block `kinematics` of the findings."""
     (found,) = tool_blocks(Observed(of, kept(signals)))
     return found
 
@@ -154,4 +151,4 @@ def tool(signals: pa.Table, of: Facts) -> dict[str, Any]:
 def found(observed: Observed) -> dict[str, Any]:
     """Findings of a run: its facts and its tool alone."""
     tools = tool_blocks(observed)
-    return {**shown_facts(observed.facts), "events": [], "distance": [], "tool": tools}
+    return {**shown_facts(observed.facts), "events": [], "distance": [], "kinematics": tools}

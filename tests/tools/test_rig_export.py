@@ -193,7 +193,8 @@ def test_sensors_and_their_axes_are_one_fmu() -> None:
     assert "  probe.x_start = x.position_1;" in shared[0].text
 
 
-REFUSED = ("distance-z-probe", "probe-z-akd")  # a touch probe on KinematicAxis
+TILTED = ("distance-5axis", "distance-5axis-servo", "distance-robot")  # a sensor on rotary axes
+REFUSED = ("distance-z-probe", "probe-z-akd", *TILTED)  # a touch probe on KinematicAxis
 
 
 @pytest.mark.long(but=1)
@@ -231,6 +232,13 @@ def test_what_cannot_be_exported_is_said(before, after, words, tmp_path: Path) -
     rig.write_text(text.replace(before, after), encoding="utf-8")
     with pytest.raises(UserError, match=words):
         parts_of(settings_of(rig, []))
+
+
+@pytest.mark.parametrize("rig", TILTED)
+def test_a_sensor_that_reads_angles_is_refused(rig: str) -> None:
+    """Its map makes rad of the degrees of the rig, which a package cannot hold."""
+    with pytest.raises(UserError, match=r"plant gap is wired to (c|j1), a rotary axis"):
+        parts_of(settings_of(RIGS / f"{rig}.toml", []))
 
 
 def test_the_command_says_what_is_in_the_package_and_what_not(tmp_path: Path) -> None:

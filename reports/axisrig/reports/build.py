@@ -40,6 +40,7 @@ from axisrig.reports.budget.section import budget_section
 from axisrig.reports.campaign_map.section import CampaignMap, map_style
 from axisrig.reports.coverage.section import Coverage, coverage_style
 from axisrig.reports.glossary import glossary
+from axisrig.reports.kinematics.section import tool_script, tool_style
 from axisrig.reports.lines.section import lines_section, lines_style
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
@@ -57,7 +58,6 @@ from axisrig.reports.statistics.section import statistics_section, statistics_st
 from axisrig.reports.sweeps.searches import search_pictures, searches_section
 from axisrig.reports.sweeps.section import sweeps, sweeps_section, sweeps_style
 from axisrig.reports.sweeps.sensitivity import sensitivity_section
-from axisrig.reports.tool.section import tool_script, tool_style
 from axisrig.reports.topics import TOPICS
 
 WHOLE_BYTES = 10_000_000

@@ -9,9 +9,9 @@ from axisrig.reports.distance import words as distance_words
 from axisrig.reports.fixed_stop import section as fixed_stop
 from axisrig.reports.fixed_stop import signals as fixed_stop_signals
 from axisrig.reports.fixed_stop import words as fixed_stop_words
+from axisrig.reports.kinematics import section as kinematics
+from axisrig.reports.kinematics import signals as kinematics_signals
 from axisrig.reports.parts.topic import ReportTopic
-from axisrig.reports.tool import section as tool
-from axisrig.reports.tool import signals as tool_signals
 
 TOPICS: tuple[ReportTopic, ...] = (
     ReportTopic(
@@ -24,12 +24,12 @@ TOPICS: tuple[ReportTopic, ...] = (
     ),
     # Before distance control, which drops what the plant gave it
     ReportTopic(
-        "tool",
-        "axisrig.reports.tool",
-        tool.sections,
-        tool_signals.with_signals,
-        tool_signals.plots,
-        tool_signals.LEGEND,
+        "kinematics",
+        "axisrig.reports.kinematics",
+        kinematics.sections,
+        kinematics_signals.with_signals,
+        kinematics_signals.plots,
+        kinematics_signals.LEGEND,
     ),
     ReportTopic(
         "distance",

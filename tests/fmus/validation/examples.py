@@ -10,6 +10,7 @@ import csv
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from axes import ROTOR, SLIDE, Drive, at_limit
@@ -18,6 +19,7 @@ from integration import Guard, Mode, Vector, integrate
 from make_references import instants
 from mechanics import hunt_crossley, stribeck
 from scipy.integrate import OdeSolution, solve_ivp
+from scipy.optimize import brentq
 
 HERE = Path(__file__).parent
 LIBRARY = HERE.parents[2] / "fmus" / "axisrig" / "fmus" / "AxisRig" / "Resources"
@@ -100,6 +102,23 @@ def touch(time_s: Vector) -> Mapping[str, Vector]:
         "contact_time": since(time_s, contact, contact),
         "rising_time": since(time_s, edge, edge),
         "falling_time": since(time_s, release, release),
+    }
+
+
+def tilting_touch(time_s: Vector) -> Mapping[str, Vector]:
+    """The tip of a lever of 180 mm that straightens with 0.4 rad/s, going down with 20 mm/s."""
+    lever, radius = 0.18, 1e-3
+
+    def height(t: Any) -> Any:
+        return 0.187 - 0.02 * t - lever * np.cos(-0.3 + 0.4 * t)
+
+    touch = float(brentq(lambda t: height(t) - radius, 0.0, 0.49, xtol=1e-15, rtol=1e-15))
+    return {
+        "tcp_y": lever * np.sin(-0.3 + 0.4 * time_s),
+        "tcp_z": height(time_s),
+        "contact_time": since(time_s, touch, touch),
+        "contact_a": since(time_s, touch, -0.3 + 0.4 * touch),
+        "rising_time": since(time_s, touch + 2e-3, touch + 2e-3),
     }
 
 
@@ -190,12 +209,32 @@ def gantry(time_s: Vector) -> Mapping[str, Vector]:
     return {k: signals[k] for k in ("position_1", "position_2", "skew", "force_1", "force_2")}
 
 
+def inclined_tool(time_s: Vector) -> Mapping[str, Vector]:
+    """The height of the clamping point over the tilt: falls, rests, falls."""
+    tilt = 1.4 * (3 * time_s**2 - 2 * time_s**3)
+    begin, end = np.radians([50.0, 70.0])
+    rest = 80e-3 * np.cos(begin)
+    height = np.where(tilt < begin, 80e-3 * np.cos(tilt), rest)
+    height = np.where(tilt > end, rest * np.cos(tilt) / np.cos(end), height)
+    nothing = np.zeros_like(time_s)
+    return {
+        "distance": height / np.cos(tilt),
+        "distance_true": height,
+        "tcp_x": nothing,
+        "tcp_z": nothing,
+        "clamping_z": height,
+        "tilt": tilt,
+    }
+
+
 REFERENCES: Mapping[str, Callable[[Vector], Mapping[str, Vector]]] = {
     "Touch": touch,
+    "TiltingTouch": tilting_touch,
     "FixedStop": fixed_stop,
     "DistanceLoop": distance_loop,
     "Homing": homing,
     "Gantry": gantry,
+    "InclinedTool": inclined_tool,
 }
 
 

@@ -7,6 +7,7 @@ from edges import MODULUS, Edges, Vector, bounced, count_of, delayed, last_edge,
 from numpy.polynomial import Polynomial
 from paths import crossings, cubic
 from scipy.optimize import root
+from scipy.spatial.transform import Rotation
 from workpieces import inclined, sampled, waves
 
 
@@ -89,6 +90,67 @@ def touch_probe(time_s: Vector) -> Mapping[str, Vector]:
         "clearance": np.where(under_way > 0, 0.0, near),
         "contact_time": last_edge([(touch, True)], True, time_s),
         "contact_z": np.where(time_s >= touch, z(touch), 0.0),
+        "rising_time": last_edge(edges, True, time_s),
+        "falling_time": last_edge(edges, False, time_s),
+    }
+
+
+def head_touch_probe(time_s: Vector) -> Mapping[str, Vector]:
+    """A ball of 2 mm at a head: the tip of a chain of 4x4 matrices, its distance from a plane."""
+    span = 0.4
+    axes = [
+        cubic(0.01, 0.02, 0.012, -0.01, span),
+        cubic(-0.02, 0.0, -0.021, 0.0, span),
+        cubic(0.2311, -0.05, 0.2311, 0.05, span),
+        cubic(0.3, 0.1, 0.33, 0.05, span),
+        cubic(-0.4, -0.05, -0.42, -0.02, span),
+    ]
+    normal = np.array([np.sin(0.3) * np.cos(0.4), np.sin(0.3) * np.sin(0.4), np.cos(0.3)])
+    pretravel = 5e-6 + seat_pretravel(normal, 2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+
+    def shift(x: float, y: float, z: float) -> Vector:
+        matrix = np.eye(4)
+        matrix[:3, 3] = x, y, z
+        return matrix
+
+    def turn(about: str, angle: float) -> Vector:
+        matrix = np.eye(4)
+        matrix[:3, :3] = Rotation.from_euler(about, angle).as_matrix()
+        return matrix
+
+    def tip(t: float) -> Vector:
+        x, y, z, c, a = (axis(t) for axis in axes)
+        chain = (
+            shift(x + 1e-3, y + 2e-3, z)
+            @ turn("z", c - 0.07)
+            @ shift(-3e-3, 4e-3, -35e-3)
+            @ turn("x", a + 0.05)
+            @ shift(0.0, 6e-3, -(20e-3 + 10e-3 + 60e-3))
+        )
+        return np.asarray(chain[:3, 3])
+
+    def gap(t: float) -> float:
+        return float(normal @ tip(t)) - (0.1 + 2e-3)
+
+    grid = np.linspace(0.0, span, 401)
+    (touch, _), (on, off) = crossings(gap, grid), crossings(lambda t: gap(t) + pretravel, grid)
+    edges: Edges = [(on + 3e-3, True), (off + 3e-3, False)]
+    under_way = within([(on, on + 3e-3), (off, off + 3e-3)], time_s)
+    gaps = np.array([gap(t) for t in time_s])
+    tips = np.array([tip(t) for t in time_s])
+    # The ball from the C axis when its arms are stretched; a millimetre of an axis is a degree
+    lever = np.hypot(3e-3, 4e-3 + np.hypot(6e-3, 90e-3))
+    fastest = np.linalg.norm([1.0, np.radians(1e3 * lever), np.radians(1e3 * lever)])
+    near = np.minimum(np.abs(gaps), np.abs(gaps + pretravel)) / fastest
+    touched = [(touch, True)]
+    return {
+        "gap": gaps,
+        **dict(zip(("tcp_x", "tcp_y", "tcp_z"), tips.T, strict=True)),
+        "clearance": np.where(under_way > 0, 0.0, near),
+        "contact_time": last_edge(touched, True, time_s),
+        "contact_c": np.where(time_s >= touch, axes[3](touch), 0.0),
+        "contact_z": np.where(time_s >= touch, axes[2](touch), 0.0),
+        "contact_tcp_y": np.where(time_s >= touch, tip(touch)[1], 0.0),
         "rising_time": last_edge(edges, True, time_s),
         "falling_time": last_edge(edges, False, time_s),
     }

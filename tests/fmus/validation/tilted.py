@@ -1,6 +1,7 @@
-"""References of inclined tools: products of matrices, distances from planes, scipy for the nearest point."""
+"""References of inclined tools: products of matrices, distances from planes, nearest points."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from edges import Vector, last_edge, within
@@ -11,8 +12,6 @@ from scipy.spatial.transform import Rotation
 from workpieces import Height, moved, swayed, waves
 
 from distance import noise_at
-
-DOWN = np.array([0.0, 0.0, -1.0])
 
 
 def frame(turn: str = "z", angle: float = 0.0, shift: Sequence[float] = (0, 0, 0)) -> Vector:
@@ -154,7 +153,7 @@ def head_distance_sensor(time_s: Vector) -> Mapping[str, Vector]:
     w, damping = 2 * np.pi * 200, 0.6
     state, y = [linearised(0.0), 0.0], np.empty_like(time_s)
     stops = [0.0, 0.0503, 0.1011, 0.1207, 0.2203, 0.2503, 0.3001, 0.3209, time_s[-1] + 1e-9]
-    for begin, end in zip(stops[:-1], stops[1:], strict=True):
+    for begin, end in pairwise(stops):
         lost = begin == 0.3001
 
         def rate(t: float, s: Vector, lost: bool = lost) -> list[float]:

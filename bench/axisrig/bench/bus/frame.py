@@ -199,6 +199,11 @@ class FrameLengths(dict[Frame, int]):
         return bits
 
 
+LENGTHS = FrameLengths()
+"""Of every bus of this process: a length follows from its frame alone, and the next run has most
+of the same."""
+
+
 def wire_bits(frame: Frame) -> str:
     """Return the levels from SOF to the end of the CRC with stuff bits; "0" is dominant."""
     can_id, data, extended, remote, dlc = frame

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from axisrig.bench.bus.controller import Controller, Request
 from axisrig.bench.bus.disturbance import Disturbance
-from axisrig.bench.bus.frame import IFS_BITS, Frame, FrameLengths
+from axisrig.bench.bus.frame import IFS_BITS, LENGTHS, Frame
 from axisrig.bench.bus.journal import FrameObserver, Journal
 from axisrig.bench.bus.native import native_line
 from axisrig.kernel.time.clock import Phase, S, TimeNs
@@ -108,7 +108,7 @@ class BusLine:
     def __init__(self, segment: LineOwner, duration_ns: list[TimeNs]) -> None:
         self._segment, self._scheduler = segment, segment.scheduler
         self._duration_ns = duration_ns
-        self._lengths = FrameLengths()
+        self._lengths = LENGTHS
         self.live: tuple[Controller, ...] = ()
         self.current: Current | None = None
         self.end: Event = None

@@ -20,7 +20,7 @@ A sender does not receive its own frames (unless its port asks for it).
 """
 
 from collections.abc import Container, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import count
 from typing import Self
 
@@ -51,8 +51,8 @@ from axisrig.bench.bus.faults import (
 from axisrig.bench.bus.frame import (
     DATA_BYTES_MAX,
     IFS_BITS,
+    LENGTHS,
     TAIL_BITS,
-    FrameLengths,
     worst_case_bits,
 )
 from axisrig.bench.bus.journal import Journal
@@ -64,6 +64,15 @@ from axisrig.kernel.time.clock import Phase, S, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 _BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
+
+
+@cache
+def _durations_ns(bitrate: int) -> list[TimeNs]:
+    """Return how long so many bits take, not to be changed.
+
+    Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
+    """
+    return [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
 
 
 class Segment(Traffic):
@@ -96,9 +105,8 @@ class Segment(Traffic):
         self._counts = ErrorCounts(bitrate, scheduler, automatic_recovery=automatic_recovery)
         self._recovery = self._counts.recovery
         self._faults: tuple[FaultHook, ...] = ()
-        self._lengths = FrameLengths()
-        # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
-        self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
+        self._lengths = LENGTHS
+        self._duration_ns = _durations_ns(bitrate)
         self._line: Line = line_class(scheduler)(self, self._duration_ns)
         self.request_data = self._line.request_data
         self._delayed = DelayedRequests(scheduler, self.wake)

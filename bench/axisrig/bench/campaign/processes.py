@@ -164,11 +164,17 @@ class _Worker:
         return True
 
     def end(self) -> None:
-        """End the process if it has not ended: an endless thread of an FMU would keep it."""
+        """End the process if it has not ended: an endless thread of an FMU would keep it.
+
+        It takes a while to give its memory back; see `wait`.
+        """
         self.process.kill()
+        self.pipe.close()
+
+    def wait(self) -> None:
+        """Wait until the process is gone."""
         self.process.join()
         self.process.close()
-        self.pipe.close()
 
 
 @dataclass
@@ -192,6 +198,7 @@ class _Crew:
     def __post_init__(self) -> None:
         self.answers: dict[int, _Answer] = {}
         self._workers: list[_Worker] = []
+        self._ending: list[_Worker] = []  # nobody waits for them while there is work
         self._next = 0
         self._folder = session_folder()  # made here, so that it outlives the children
 
@@ -269,6 +276,10 @@ class _Crew:
     def _dismiss(self, worker: _Worker) -> None:
         self._workers.remove(worker)
         worker.end()
+        gone = [other for other in self._ending if other.process.exitcode is not None]
+        self._ending = [*(other for other in self._ending if other not in gone), worker]
+        for other in gone:
+            other.wait()
 
     def _excess(self, worker: _Worker) -> Died | None:
         """Say which limit a process has passed."""
@@ -302,6 +313,8 @@ class _Crew:
         """End every process."""
         for worker in list(self._workers):
             self._dismiss(worker)
+        for worker in self._ending:
+            worker.wait()
 
 
 def _no_news(_number: int, _begins: bool) -> None:

@@ -14,6 +14,8 @@ from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
 from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
 from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
 from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
+from axisrig.bench.judge.kinematics.findings import no_events, tool_blocks
+from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
 from axisrig.bench.judge.latch.findings import latch_events
 from axisrig.bench.judge.latch.metrics import LATCH_METRICS
 from axisrig.bench.judge.observed.event import Event
@@ -30,7 +32,6 @@ from axisrig.bench.judge.statistics.verdict import (
     judge_statistic,
     readings,
 )
-from axisrig.bench.judge.tool.findings import no_events, tool_blocks
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.statistic_checks import StatisticCheck
@@ -45,7 +46,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic("latch", LATCH_METRICS, latch_events),
     Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
     Topic("distance", {**DISTANCE_METRICS, **TOOL_METRICS}, distance_events, distance_blocks),
-    Topic("tool", {}, no_events, tool_blocks),
+    Topic("kinematics", KINEMATIC_METRICS, no_events, tool_blocks),
 )
 
 

@@ -1,6 +1,7 @@
 """What a machine leaves when its program has ended, as data (`bench.record`)."""
 
 from collections.abc import Iterator, Mapping
+from itertools import zip_longest
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
@@ -31,6 +32,7 @@ from axisrig.bench.record.facts import (
     Note,
     Timing,
 )
+from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
 from axisrig.bench.rig.arrival import TerminalGrid, terminal_grid
 from axisrig.bench.rig.distance.check import distance_warnings
@@ -75,9 +77,9 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
         distance_3d=_distance_3d(machine),
-        kinematics=machine.kinematic_log.changes,
         channel=_written(settings, None),
         runs=tuple(_run(machine, record) for record in channel.records),
+        kinematics=tuple(_kinematics(machine)),
         blocks=machine.blocks.trace(),
         alarms=tuple(_alarms(machine)),
         messages=tuple(
@@ -169,6 +171,19 @@ def _probes(machine: Machine) -> dict[str, ProbeRecord]:
             ),
         )
     return found
+
+
+def _kinematics(machine: Machine) -> Iterator[KinematicRecord]:
+    """Yield what was on, each until the next choice."""
+    noted = machine.channel.path.tool_side.choices
+    ends_ns = [at for at, _ in noted[1:]]
+    for (at, command), end_ns in zip_longest(noted, ends_ns):
+        if command is not None:
+            program = tuple(
+                ((step, number, place), value)
+                for (step, number, place), value in command.written.items()
+            )
+            yield KinematicRecord(at, end_ns, command.axes, command.ids, command.tool_mm, program)
 
 
 def _run(machine: Machine, record: RunRecord) -> MeasurementRun:

@@ -36,7 +36,6 @@ from axisrig.bench.machine.plc.side import PlcSide
 from axisrig.bench.machine.plc.task import PlcTaskRunner
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
-from axisrig.bench.machine.recording.kinematic_log import KinematicLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
@@ -184,7 +183,6 @@ class Machine:
                 self.measuring_targets[str(command.block)] = command.target_acs_mm
             elif isinstance(command, DistanceCommand) and command.action == "ref":
                 self.referenced.add(command.axis or CHANNEL)
-            self.kinematic_log.take(command)
             yield command
 
     def _build_plc_task(self, seed: int) -> PlcTaskRunner | None:
@@ -277,13 +275,13 @@ class Machine:
         self.recorder = self._build_recorder(trace, telegrams)
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
-        self.distance_log, self.kinematic_log = DistanceLog(), KinematicLog()
+        self.distance_log = DistanceLog()
         self.blocks = self.channel.execution.watch = BlockLog(
             self.scheduler, self.channel, self._folder
         )
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]
-        self.channel.observers += [self.distance_log, self.kinematic_log, self.deflections]
+        self.channel.observers += [self.distance_log, self.deflections]
 
     def _build_recorder(self, trace: SeriesWriter | None, telegrams: TelegramLog) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}

@@ -30,6 +30,7 @@ def expanded_text(plan: Plan) -> str:
     text = io.StringIO(newline="")
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*columns, *notes, *inputs, *checks])
+    of_row = (*notes, *inputs, *checks)
     for case in plan.cases:
         conditions = {f"check:{check.metric}": check.condition.text for check in every[case.run]}
         own = [
@@ -43,17 +44,13 @@ def expanded_text(plan: Plan) -> str:
             "" if case.module is None else case.module.text_in(case.folder),
         ]
         cells = {**case.notes, **case.inputs, **searched.get(case.run, {}), **conditions}
-        table.writerow([*own, *(_literal(cells.get(c, "")) for c in (*notes, *inputs, *checks))])
+        # A value as a cell that stands for nothing else
+        table.writerow([*own, *[cells.get(c, "").replace("[", "[[") for c in of_row]])
     return text.getvalue()
 
 
 def _probed(case: Case) -> tuple[Check, ...]:
     return () if case.search is None else case.search.checks
-
-
-def _literal(text: str) -> str:
-    """A value as a cell that stands for nothing else."""
-    return text.replace("[", "[[")
 
 
 @lru_cache(maxsize=4096)  # a campaign asks for the same files again and again

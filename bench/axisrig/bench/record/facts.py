@@ -24,7 +24,7 @@ from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
-from axisrig.bench.record.kinematics import KinematicChange
+from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
@@ -139,9 +139,9 @@ class Facts(Frozen):
     plc_task: PlcTaskRecord | None = None
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
     distance_3d: ChannelDistanceRecord | None = None
-    kinematics: tuple[KinematicChange, ...] = ()
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()
+    kinematics: tuple[KinematicRecord, ...] = ()
     blocks: BlockTrace | None = None
     alarms: tuple[AlarmRecord, ...] = ()
     messages: tuple[MessageRecord, ...] = ()

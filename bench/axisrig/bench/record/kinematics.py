@@ -1,4 +1,4 @@
-"""What a run leaves of kinematics, and of where 3D distance control acted."""
+"""Which kinematic was on when, with what it was built from; where 3D distance control acted."""
 
 from dataclasses import dataclass
 
@@ -7,18 +7,19 @@ from axisrig.kernel.time.clock import TimeNs
 
 
 @dataclass(frozen=True)
-class KinematicChange(Frozen):
-    """The kinematic of the channel from a SYNC on (#TRAFO).
+class KinematicRecord(Frozen):
+    """One #TRAFO ON. begin_ns, end_ns: NC cycles; it is off from end_ns on, None: to the end.
 
-    ids: of its steps, none while it is off. program: what the program wrote into
-    V.G.KIN_STEP[step].ID[id].PARAM[index], as (step, id, index, value). tool_mm: length of the
-    tool.
+    axes: those that it contains. ids: of its steps. tool_mm: length of the tool. program: what the
+    program had written into V.G.KIN_STEP[].ID[].PARAM[], each with its three indices.
     """
 
-    time_ns: TimeNs
-    ids: tuple[int, ...] = ()
-    program: tuple[tuple[int, int, int, float], ...] = ()
-    tool_mm: float = 0.0
+    begin_ns: TimeNs
+    end_ns: TimeNs | None
+    axes: tuple[str, ...]
+    ids: tuple[int, ...]
+    tool_mm: float
+    program: tuple[tuple[tuple[int, int, int], float], ...] = ()
 
 
 @dataclass(frozen=True)

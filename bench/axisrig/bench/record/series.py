@@ -99,14 +99,16 @@ class Series:
     """The time series of a run.
 
     source: the file where they are, or the table itself for a run that is not kept. held: the same
-    as the file has, while it is in memory; see `released`.
+    as the file has, while it is in memory; listed: what its end says, from who has written it; see
+    `released`.
     """
 
     source: Path | pa.Table
     held: pa.Table | None = None
+    listed: pq.FileMetaData | None = None
 
     def released(self) -> "Series":
-        """Return the series without `held`: who asks reads the file."""
+        """Return the series without `held` and `listed`: who asks reads the file."""
         return Series(self.source)
 
     @property
@@ -193,7 +195,7 @@ class Series:
     def _file(self) -> pq.ParquetFile:
         assert isinstance(self.source, Path)
         with _readable(self.source):
-            return pq.ParquetFile(self.source, memory_map=False)
+            return pq.ParquetFile(self.source, metadata=self.listed, memory_map=False)
 
     @property
     def _table(self) -> pa.Table | None:
@@ -304,6 +306,7 @@ class SeriesWriter:
         self._file: pq.ParquetWriter | None = None
         self._tables: list[pa.Table] = []
         self._held: pa.Table | None = None
+        self._metadata: dict[str, str] | None = None
         self._series: Series | None = None
 
     def add(self, columns: Mapping[str, pa.Array]) -> None:
@@ -311,11 +314,11 @@ class SeriesWriter:
 
         Raises ValueError for a block without instants: a defect.
         """
-        units = json.dumps(units_of(columns))
-        metadata = {**self._about, _UNITS: units}
-        table = pa.table(dict(columns), metadata=metadata)
         if TIME not in columns:
             raise ValueError(f"a block without {TIME}")
+        if self._metadata is None:  # all blocks have the columns of the first one
+            self._metadata = {**self._about, _UNITS: json.dumps(units_of(columns))}
+        table = pa.table(dict(columns), metadata=self._metadata)
         if self._path is None:
             self._tables.append(table)
             return
@@ -335,7 +338,8 @@ class SeriesWriter:
                 assert self._file is not None
                 with naming(self._path):
                     self._file.close()
-                self._series, self._held = Series(self._path, self._held), None
+                listed = self._file.writer.metadata
+                self._series, self._held = Series(self._path, self._held, listed), None
         return self._series
 
     def discard(self) -> None:

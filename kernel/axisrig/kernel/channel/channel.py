@@ -97,7 +97,7 @@ class Channel(ChannelView):
         self.execution = Execution(around.put_out)
         self.plc = plc = PlcInterface(clock, links)
         offsets = make_controls(
-            self.axes, settings, links, plc, lambda: self.path.kinematic, timing.period_ns
+            self.axes, settings, links, plc, lambda: self.path.tool_side.kinematic, timing.period_ns
         )
         self.path = path = Path(clock, timing, self.axes, self.links, offsets, settings)
         couplings = Couplings(path, links)
@@ -142,7 +142,7 @@ class Channel(ChannelView):
         known.register(canon.LinearMove, self._move)
         known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
-        known.register(canon.KinematicChoice, path.choose_kinematic)
+        known.register(canon.KinematicChoice, path.tool_side.choose)
         path.programmed.assign(known)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)

@@ -55,7 +55,10 @@ class Interpolator:
     def lead(self, index: int, position_mm: float) -> None:
         """Put one axis, by its place among `axes`, that the present move leaves alone."""
         self.positions_mm = put(self.positions_mm, index, position_mm)
-        self._path = self._path.with_axis(index, position_mm)
+        if self.is_standing:  # the path is past, whatever it has moved
+            self._path = Line(self.positions_mm, self.positions_mm)
+        else:
+            self._path = self._path.with_axis(index, position_mm)
 
     def put(self, index: int, position_mm: float) -> None:
         """Replace the set position of one axis in this cycle; the path stays as it is."""

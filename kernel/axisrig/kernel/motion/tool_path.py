@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.motion.curves import Arc, Curve, Positions
@@ -16,8 +17,14 @@ from axisrig.kernel.motion.dynamics import Dynamics, together, weakest
 # So far apart are the places where a path is looked at, in mm or degrees, and at most so many
 STEP = 0.5
 PLACES_MIN, PLACES_MAX = 32, 1024
+# The places of a turn that is longer are coarser, up to this
+COARSEST = 30.0
 # Derivatives come from differences of places; over one degree of a turn they miss less than this
-MARGIN = 1.001
+MARGIN = 1e-3
+# A rotary axis that turns by more degrees from one place to the next passes a singular pose
+JUMP_DEG = 45.0
+# A way of the tool centre point that is rounding
+NO_WAY_MM = 1e-9
 # A change of direction, over the whole path, that is rounding
 STRAIGHT = 1e-7
 _TCP = 3
@@ -28,27 +35,63 @@ class ToolCurve:
 
     path: in tool coordinates, then the axes that the kinematic does not contain. near: where all
     axes are; the pose of the axes is followed from there without a jump. Raises Alarm for a path
-    that leaves the reach of the machine or meets a pose that the kinematic refuses.
+    that leaves the reach of the machine or meets a pose that the kinematic refuses. shape: the same
+    path with axes beside the kinematic elsewhere.
     """
 
-    def __init__(self, path: Curve, kinematic: Kinematic, near: Positions) -> None:
+    def __init__(
+        self,
+        path: Curve,
+        kinematic: Kinematic,
+        near: Positions,
+        shape: "ToolCurve | None" = None,
+    ) -> None:
         self.path, self._kinematic = path, kinematic
         self.start_mm = near
         self.length_mm = way_mm(path)
         self._scale = path.length_mm / self.length_mm if self.length_mm > 0.0 else 0.0
-        wanted = math.ceil(_turned(path) / STEP)
-        self._count = min(max(wanted, PLACES_MIN), PLACES_MAX)
-        self.places = self._walk(near)
-        self.end_mm = self.places[-1]
+        self._turned = _turned(path)
+        self._count: int
+        self.places: list[Positions]
+        self.end_mm: Positions
+        if shape is None:
+            wanted = min(max(math.ceil(self._turned / STEP), PLACES_MIN), PLACES_MAX)
+            self._count = max(wanted, math.ceil(self._turned / COARSEST))
+            self.places = self._walk(near)
+            self.end_mm = self.places[-1]
+        else:
+            self._count, self.places = shape._count, shape.places
+            self.end_mm = (*shape.end_mm[: kinematic.count], *path.end_mm[kinematic.count :])
 
     def _walk(self, near: Positions) -> list[Positions]:
         """Give the axis positions at equal distances, each from the one before."""
         places = [near]
-        for at in range(1, self._count):
-            places.append(self._axes(self.path.at(self.path.length_mm * at / self._count), near))
+        for at in range(1, self._count + 1):
+            is_last = at == self._count
+            tool = self.path.end_mm if is_last else self._tool(at)
+            places.append(self._axes(tool, near))
+            self._require_steady(near, places[-1], tool)
             near = places[-1]
-        places.append(self._axes(self.path.end_mm, near))
         return places
+
+    def _tool(self, place: int) -> Positions:
+        return self.path.at(self.path.length_mm * place / self._count)
+
+    def _require_steady(self, before: Positions, after: Positions, tool: Positions) -> None:
+        """Raise Alarm 292016 where a rotary axis would jump while the tool hardly moves."""
+        most_deg = max(JUMP_DEG, 2.0 * self._turned / self._count)
+        for place, is_rotary in enumerate(self._kinematic.rotary):
+            way_deg = abs(after[place] - before[place])
+            if is_rotary and way_deg > most_deg:
+                pose = " ".join(f"{value:.4f}" for value in tool[: self._kinematic.count])
+                step = self._turned / self._count
+                reason = f"axis {place + 1} turns by {way_deg:.1f} deg while the tool moves by"
+                raise Alarm(
+                    292016,
+                    name=self._kinematic.name,
+                    pose=pose,
+                    reason=f"{reason} {step:.4g} mm or deg",
+                )
 
     def _axes(self, tool: Positions, near: Positions) -> Positions:
         count = self._kinematic.count
@@ -65,7 +108,7 @@ class ToolCurve:
         if index < self._kinematic.count:
             raise ValueError(f"axis {index} belongs to the kinematic")
         near = (*self.start_mm[:index], position_mm, *self.start_mm[index + 1 :])
-        return ToolCurve(self.path.with_axis(index, position_mm), self._kinematic, near)
+        return ToolCurve(self.path.with_axis(index, position_mm), self._kinematic, near, self)
 
     @property
     def moved(self) -> frozenset[int]:
@@ -81,10 +124,11 @@ class ToolCurve:
     def steepness(self) -> list[tuple[float, float]]:
         """Give the largest |dq/ds| and |d²q/ds²| of every axis; s is the way of the tool.
 
-        Central differences of the places, whose error over half a degree of a turn is 2e-5 of the
-        value (its square / 12).
+        Central differences of the places: over a step of h rad they miss h²/12 of a turn, and the
+        place next to the largest value has h²/8 less.
         """
         step = self.length_mm / self._count
+        margin = 1.0 + max(MARGIN, math.radians(self._turned / self._count) ** 2 / 4.0)
         found = []
         for q in zip(*self.places, strict=True):
             slopes = [abs(b - a) / step for a, b in itertools.pairwise(q)]
@@ -96,7 +140,7 @@ class ToolCurve:
             found.append(
                 (max(slopes, default=0.0), 0.0)
                 if is_straight
-                else (max(slopes) * MARGIN + bend * step / 2.0, bend * MARGIN)
+                else (max(slopes) * margin + bend * step / 2.0, bend * margin)
             )
         return found
 
@@ -105,7 +149,8 @@ def way_mm(path: Curve) -> float:
     """Return how far the tool centre point moves; without that, the way of the rest in degrees."""
     if isinstance(path, Arc):
         return math.hypot(path.radius_mm * path.angle_rad, *path.rise_mm[:_TCP])
-    return math.dist(path.start_mm[:_TCP], path.end_mm[:_TCP]) or path.length_mm
+    way = math.dist(path.start_mm[:_TCP], path.end_mm[:_TCP])
+    return way if way > NO_WAY_MM else path.length_mm
 
 
 def _turned(path: Curve) -> float:

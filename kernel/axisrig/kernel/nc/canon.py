@@ -31,16 +31,16 @@ class LinearMove:
 class KinematicChoice:
     """Targets are tool coordinates of this kinematic from here on (#TRAFO); None: of the axes.
 
-    axes: those that it contains, in its order. What it was made of beside the lists: ids: of its
-    steps. written: V.G.KIN_STEP[].ID[].PARAM[] by its indices. tool_mm: length of the tool.
+    axes: those that it contains, in its order. ids, tool_mm, written: what it was built from: IDs
+    of its steps, length of the tool, V.G.KIN_STEP[].ID[].PARAM[] by its three indices.
     """
 
     block: Block
     kinematic: Kinematic | None
     axes: tuple[str, ...] = ()
     ids: tuple[int, ...] = ()
-    written: Mapping[tuple[int, ...], float] = field(default_factory=dict)
     tool_mm: float = 0.0
+    written: Mapping[tuple[int, ...], float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

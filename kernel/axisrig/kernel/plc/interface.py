@@ -59,7 +59,9 @@ class PlcInterface:
     wants_reset, program: commands to the channel, which takes them in the same cycle.
     outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
     has nothing more to do. task: the task of the PLC that has a cycle of its own, None without one.
-    tool: inclination and length of the tool while a kinematic is on.
+    tool: inclination and length of the tool while a kinematic is on. The channel writes it in every
+    cycle before it calls `inputs`, from the actual positions of the SYNC of this cycle, so that
+    the PLC side normalises the sensor value of the same SYNC by it.
     """
 
     def __init__(self, clock: Clock, axes: Iterable[str]) -> None:

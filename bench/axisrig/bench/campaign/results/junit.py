@@ -6,18 +6,23 @@ time: it alone differs between two equal campaigns.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from xml.etree import ElementTree
 
 from axisrig.bench.campaign.results.stored import NOTE, StoredRun, read_results
-from axisrig.bench.files import write_whole
+from axisrig.bench.files import write_parts
 from axisrig.bench.plan.verdict import Verdict
 
 _GOOD = (Verdict.PASS.word, Verdict.MARGINAL.word)
 
 # What XML 1.0 allows; a message of an NC program or a log line may hold anything.
 _ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_IN_TEXT = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
+_IN_VALUE = {**_IN_TEXT, '"': "&quot;", "\r": "&#13;", "\n": "&#10;", "\t": "&#09;"}
+# All that is not as it is in a text, or in the value of an attribute
+_NOT_IN_TEXT = re.compile(f"[&<>]|{_ILLEGAL.pattern}")
+_NOT_IN_VALUE = re.compile(f'[&<>"\r\n\t]|{_ILLEGAL.pattern}')
+_REPLACED = "\N{REPLACEMENT CHARACTER}"
 
 
 def write_junit(folder: Path, runs: Sequence[StoredRun] | None = None) -> Path:
@@ -26,23 +31,28 @@ def write_junit(folder: Path, runs: Sequence[StoredRun] | None = None) -> Path:
     runs: what the folder has, where that is known; else its other files say it.
     """
     stored = read_results(folder).runs if runs is None else runs
-    root = ElementTree.Element("testsuites", name="axisrig")
-    for plan in dict.fromkeys(run.case["plan"] for run in stored):
-        runs = [run for run in stored if run.case["plan"] == plan and not run.is_probe]
-        _add_suite(root, plan, runs)
-    ElementTree.indent(root, " ")
     path = folder / "junit.xml"
-    text = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True).decode()
-    write_whole(path, text)
+    write_parts(path, _lines(stored))
     return path
 
 
-def _add_suite(root: ElementTree.Element, plan: str, runs: list[StoredRun]) -> None:
+def _lines(stored: Sequence[StoredRun]) -> Iterator[str]:
+    """Yield the file, an element for each line; the last one ends without an end of line."""
+    yield "<?xml version='1.0' encoding='utf-8'?>\n"
+    plans = dict.fromkeys(run.case["plan"] for run in stored)
+    if not plans:
+        yield f"<testsuites{_attributes(name='axisrig')} />"
+        return
+    yield f"<testsuites{_attributes(name='axisrig')}>\n"
+    for plan in plans:
+        yield from _suite(plan, [r for r in stored if r.case["plan"] == plan and not r.is_probe])
+    yield "</testsuites>"
+
+
+def _suite(plan: str, runs: Sequence[StoredRun]) -> Iterator[str]:
     planned = [run for run in runs if run.is_in_plan]
     failed = sum(run.verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE) for run in planned)
-    suite = ElementTree.SubElement(
-        root,
-        "testsuite",
+    attributes = _attributes(
         name=plan,
         tests=str(len(runs)),
         failures=str(failed),
@@ -50,45 +60,49 @@ def _add_suite(root: ElementTree.Element, plan: str, runs: list[StoredRun]) -> N
         skipped=str(len(runs) - len(planned)),
         time=f"{sum(float(run.case['wall_s']) for run in runs):.3f}",
     )
+    if not runs:
+        yield f" <testsuite{attributes} />\n"
+        return
+    yield f" <testsuite{attributes}>\n"
     for run in runs:
-        _add_case(suite, run)
+        yield from _case(run)
+    yield " </testsuite>\n"
 
 
-def _add_case(suite: ElementTree.Element, run: StoredRun) -> None:
-    case = ElementTree.SubElement(
-        suite,
-        "testcase",
+def _case(run: StoredRun) -> Iterator[str]:
+    attributes = _attributes(
         classname=run.case["plan"],
         name=run.run.removeprefix(f"{run.case['plan']}-"),
         time=f"{float(run.case['wall_s']):.3f}",
     )
-    properties = ElementTree.SubElement(case, "properties")
+    yield f"  <testcase{attributes}>\n   <properties>\n"
     for name in ("verdict", "seed", "requirement", "program", "rig", "sim_s", "frame_log_sha256"):
         if run.case.get(name):
-            _add_property(properties, name, run.case[name])
+            yield _property(name, run.case[name])
     for check in run.checks:
         for name in ("value", "lower", "upper", "unit", "uncertainty", "verdict"):
-            _add_property(properties, f"{check['metric']}.{name}", check[name])
-    _add_outcome(case, run)
+            yield _property(f"{check['metric']}.{name}", check[name])
+    yield "   </properties>\n"
+    yield from _outcome(run)
     lines = run.messages + run.log
     if lines:
-        ElementTree.SubElement(case, "system-out").text = _legal("\n".join(lines))
+        yield _element("system-out", "", "\n".join(lines))
+    yield "  </testcase>\n"
 
 
-def _add_outcome(case: ElementTree.Element, run: StoredRun) -> None:
+def _outcome(run: StoredRun) -> Iterator[str]:
     """Inconclusive counts as a failure: a CI server knows nothing between the two."""
     if not run.is_in_plan:
-        ElementTree.SubElement(case, "skipped", message="no longer in the plan")
+        yield _element("skipped", _attributes(message="no longer in the plan"), "")
         return
     if run.verdict <= Verdict.MARGINAL:
         return
     tag = "error" if run.verdict >= Verdict.ABORTED else "failure"
     lines = [run.error] if run.error else []
     lines += [_line(check) for check in run.checks if check["verdict"] not in _GOOD]
-    outcome = ElementTree.SubElement(
-        case, tag, type=run.verdict.word, message=_legal(lines[0] if lines else run.verdict.word)
-    )
-    outcome.text = _legal("\n".join(lines))
+    word = run.verdict.word
+    attributes = _attributes(type=word, message=lines[0] if lines else word)
+    yield _element(tag, attributes, "\n".join(lines))
 
 
 def _line(check: Mapping[str, str]) -> str:
@@ -99,9 +113,25 @@ def _line(check: Mapping[str, str]) -> str:
     return f"{text} ({note})" if note else text
 
 
-def _add_property(properties: ElementTree.Element, name: str, value: str) -> None:
-    ElementTree.SubElement(properties, "property", name=name, value=_legal(value))
+def _property(name: str, value: str) -> str:
+    return f"    <property{_attributes(name=name, value=value)} />\n"
 
 
-def _legal(text: str) -> str:
-    return _ILLEGAL.sub("\N{REPLACEMENT CHARACTER}", text)
+def _element(tag: str, attributes: str, text: str) -> str:
+    """Return an element of a test case that has a text or nothing."""
+    if not text:
+        return f"   <{tag}{attributes} />\n"
+    return f"   <{tag}{attributes}>{_NOT_IN_TEXT.sub(_in_text, text)}</{tag}>\n"
+
+
+def _attributes(**values: str) -> str:
+    named = values.items()
+    return "".join(f' {name}="{_NOT_IN_VALUE.sub(_in_value, value)}"' for name, value in named)
+
+
+def _in_text(found: re.Match[str]) -> str:
+    return _IN_TEXT.get(found[0], _REPLACED)
+
+
+def _in_value(found: re.Match[str]) -> str:
+    return _IN_VALUE.get(found[0], _REPLACED)

@@ -64,8 +64,9 @@ class ObjectStore:
 
     def own(self, owner: Owner, indices: Collection[int]) -> None:
         """Let `owner` answer for those of these objects that the drive has."""
-        for index in self._indices:
-            if index in indices:
+        few, many = sorted((self._indices, indices), key=len)
+        for index in few:
+            if index in many:
                 self._owners[index] = owner
 
     def restore(self, node_id: int, first: int, last: int) -> None:

@@ -18,6 +18,7 @@ from axisrig.bench.judge.distance.truth import (
     INACTIVE,
     DistanceTruth,
 )
+from axisrig.bench.judge.kinematics.truth import chain_of
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.distance.cycles import (
@@ -37,9 +38,8 @@ from axisrig.bench.oracles.distance.lists import (
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.tool import ACS, ToolWay
 from axisrig.bench.oracles.kinematics.chain import Array, Chain
-from axisrig.bench.oracles.kinematics.lists import Program
 from axisrig.bench.record.distance import ChannelDistanceRecord
-from axisrig.bench.record.kinematics import GuideChange, KinematicChange
+from axisrig.bench.record.kinematics import GuideChange
 from axisrig.bench.record.series import Signal
 from axisrig.kernel.time.clock import TimeNs
 
@@ -61,12 +61,6 @@ class Choice:
     count: int
 
 
-def chain_of(observed: Observed, change: KinematicChange) -> Chain:
-    """Build the chain of a kinematic from the lists and what the program wrote."""
-    program: Program = {(step, id_, k): value for step, id_, k, value in change.program}
-    return Chain(change.ids, observed.facts.channel, program, change.tool_mm)
-
-
 def axes_of(observed: Observed, column: str, rows: slice | None = None) -> Array:
     """Return a column of every axis of the channel, shape (n, axes), mm and degrees."""
     found = [observed.column(name, column, rows) for name in observed.axes]
@@ -75,19 +69,13 @@ def axes_of(observed: Observed, column: str, rows: slice | None = None) -> Array
 
 def choices(observed: Observed) -> list[Choice]:
     """Return the times in which a kinematic was on, rows counted from the begin of the run."""
-    changes, found = observed.facts.kinematics, []
-    ends = [change.time_ns for change in changes[1:]]
-    for change, end_ns in zip(changes, [*ends, None], strict=True):
-        begin = first_row(observed, change.time_ns)
-        end = len(observed) if end_ns is None else first_row(observed, end_ns)
-        if change.ids and begin < end:
-            chain = chain_of(observed, change)
-            found.append(Choice(begin, end, chain, _count(chain, observed)))
+    found = []
+    for on in observed.facts.kinematics:
+        begin = first_row(observed, on.begin_ns)
+        end = len(observed) if on.end_ns is None else first_row(observed, on.end_ns)
+        if begin < end:
+            found.append(Choice(begin, end, chain_of(observed, on), len(on.axes)))
     return found
-
-
-def _count(chain: Chain, observed: Observed) -> int:
-    return min(chain.count, len(observed.axes))
 
 
 def first_row(observed: Observed, time_ns: TimeNs) -> int:
@@ -121,13 +109,15 @@ class ToolTruth(DistanceTruth):
     def _way(self, guide: GuideChange) -> ToolWay:
         if guide.mode == ACS:
             return ToolWay(ACS, list(self.observed.axes).index(guide.axis))
-        acting = KinematicChange(0)
-        for change in self.observed.facts.kinematics:
-            if change.time_ns <= guide.time_ns:
-                acting = change
-        chain = chain_of(self.observed, acting)
-        count = _count(chain, self.observed)
-        return ToolWay(guide.mode, 0, chain, count, guide.normal, guide.origin_mm)
+        # The program may choose both in one cycle
+        period_ns = self.period_ns
+        acting = [
+            on
+            for on in self.observed.facts.kinematics
+            if on.begin_ns // period_ns * period_ns <= guide.time_ns
+        ]
+        chain = chain_of(self.observed, acting[-1])
+        return ToolWay(guide.mode, 0, chain, len(acting[-1].axes), guide.normal, guide.origin_mm)
 
     def way_at(self, time_ns: TimeNs) -> ToolWay | None:
         """Return where the offset acts at a SYNC, the first one before any was chosen."""

@@ -21,6 +21,8 @@ def turned(observed: Observed, check: Check) -> str:
     The same the other way round, for an angle or torque of axes that do not turn.
     """
     metric, about = check.definition, observed.about(check.definition, check.axis)
+    if metric.scope == "run":  # of the tool
+        return ""
     if metric.unit in (*LENGTHS, *ANGLES):
         rotary = [axis for axis in about if observed.is_rotary(axis)]
     elif metric.unit in (FORCE, TORQUE):

@@ -50,7 +50,7 @@ class PlcSensors:
     def take(self) -> None:
         """Take the readings of this cycle; until there are some as old as asked for, the first."""
         self._syncs.append(self._sync_ns())
-        self._tilts_deg.append(self._plc.tool.tilt_deg or 0.0)
+        self._tilts_deg.append(self._plc.tool.tilt_deg or 0.0)  # none while no kinematic is on
         for name, table, sensor in self._inputs:
             promised = self._refreshed.get(name)
             if promised is not None:

@@ -17,7 +17,7 @@ from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Program, W
 Array = npt.NDArray[np.float64]
 
 HEAD, ROBOT, UNIVERSAL, COUPLING = 9, 45, 91, 210
-HEAD_AXES, JOINTS, LINEAR = 5, 6, 3
+JOINTS, LINEAR = 6, 3
 
 
 def shift(x: npt.ArrayLike, y: npt.ArrayLike, z: npt.ArrayLike) -> Array:
@@ -62,14 +62,6 @@ class Chain:
             low, high = self._first.words("group[0].chain")
             self._slide, self._robot = self._lists.of(0, low), self._lists.of(0, high)
             self._shares = self._shared()
-
-    @property
-    def count(self) -> int:
-        """How many axes it has."""
-        if self._first.type == UNIVERSAL:
-            return len(self._first.axes())
-        slides = len(self._slide.axes()) if self._first.type == COUPLING else 0
-        return HEAD_AXES if self._first.type == HEAD else JOINTS + slides
 
     def frame(self, axes: npt.ArrayLike) -> Array:
         """Return the frames (n, 4, 4) at the TCP of axis positions (n, count), mm and degrees."""

@@ -8,6 +8,11 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from axisrig.bench.oracles.distance.loop import CONST_DIST
+from axisrig.bench.rig.distance.channel import (
+    channel_ages,
+    channel_warnings,
+    describe_channel,
+)
 from axisrig.bench.rig.distance.loops import (
     MODES,
     WITHOUT_LAG,
@@ -17,11 +22,6 @@ from axisrig.bench.rig.distance.loops import (
     limit_of,
     listed_of,
     loop_of,
-)
-from axisrig.bench.rig.distance.of_channel import (
-    channel_ages,
-    channel_texts,
-    channel_warnings,
 )
 from axisrig.bench.rig.distance.sensors import Sensor, is_scale, second_telegram, sensors_of
 from axisrig.bench.rig.reading.file import LOAD
@@ -143,7 +143,7 @@ def describe_distance(settings: Settings, lags_s: Mapping[str, float]) -> list[s
                 texts.append("\n".join(f"{i:<14}{tells:<36}{ends}" for i, tells, ends in SIGNS))
             lines = _lines(settings, name, sensor, lags_s.get(name, 0.0))
             texts.append("\n".join([f"distance control of axis {name}: {sensor.words}", *lines]))
-    return [*texts, *channel_texts(settings, lags_s)]
+    return [*texts, *describe_channel(settings, lags_s)]
 
 
 def drive_lags_s(settings: Settings, plant: Plant) -> dict[str, float]:

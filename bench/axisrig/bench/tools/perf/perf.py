@@ -81,12 +81,16 @@ def _counters(clock_ns: Callable[[], int]) -> Iterator[_Stack]:
 
 
 class Timed(NamedTuple):
-    """A run with all its files: its CPU and wall time, and the CPU time of its check before."""
+    """A run with all its files: its CPU and wall time, and the CPU time of its check before.
+
+    folder_cpu_s: of it, what the results folder takes, which a campaign opens and closes once.
+    """
 
     result: CaseResult
     cpu_s: float
     prepared_cpu_s: float
     wall_s: float
+    folder_cpu_s: float
 
     @property
     def factor(self) -> float:
@@ -97,6 +101,11 @@ class Timed(NamedTuple):
     def beyond_simulation_ms(self) -> float:
         """CPU time that is not the simulation: check, start, files, verdict, ms."""
         return (self.prepared_cpu_s + self.cpu_s - self.result.loop_s) * 1e3
+
+    @property
+    def next_row_ms(self) -> float:
+        """The same of one more row of a campaign, whose folder is open, ms."""
+        return self.beyond_simulation_ms - self.folder_cpu_s * 1e3
 
 
 class Row:
@@ -123,12 +132,15 @@ class Row:
         prepare(self.case)
         began_s, began_ns = clocks.cpu_s(), clocks.wall_ns()
         with ResultsWriter(self.folder, [self.plan], self._manifest, is_fresh=True) as writer:
+            opened_s = clocks.cpu_s()
             result = run_case(self.case, writer.files_of(self.case.run), clocks.cpu_s)
             writer.add(result)
-        wall_s, cpu_s = (clocks.wall_ns() - began_ns) / 1e9, clocks.cpu_s() - began_s
+            added_s = clocks.cpu_s()
+        wall_s, ended_s = (clocks.wall_ns() - began_ns) / 1e9, clocks.cpu_s()
         if result.error:
             raise UserError(f"the case cannot be timed: {result.error}")
-        return Timed(result, cpu_s, began_s - checked_s, wall_s)
+        folder_s = (opened_s - began_s) + (ended_s - added_s)
+        return Timed(result, ended_s - began_s, began_s - checked_s, wall_s, folder_s)
 
 
 def measure(
@@ -169,6 +181,7 @@ def measure(
         "cpu_s": cpu_s,
         "cpu_factor": runs[0].result.sim_s / cpu_s,
         "beyond_simulation_ms": median(run.beyond_simulation_ms for run in warm),
+        "next_row_ms": median(run.next_row_ms for run in warm),
         "cycles": cycles,
         "cycle_us": split,
         "report_s": median(report_s),

@@ -52,6 +52,7 @@ class RunFactor:
             "cpu_s": run.cpu_s,
             "simulated_s": run.result.sim_s,
             "beyond_simulation_ms": run.beyond_simulation_ms,
+            "next_row_ms": run.next_row_ms,
             "frame_log_sha256": run.result.frame_log_sha256,
         }
 

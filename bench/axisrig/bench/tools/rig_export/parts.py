@@ -12,7 +12,7 @@ from fmpy import read_model_description
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from axisrig.bench.machine.fmu_files import library_fmu, own_fmu
-from axisrig.bench.rig.reading.file import MODEL_SUFFIX, PlantTable
+from axisrig.bench.rig.reading.file import MODEL_SUFFIX, MapTable, PlantTable
 from axisrig.bench.rig.real_axes import simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS
@@ -113,11 +113,11 @@ def _refuse(settings: Settings, plants: Mapping[str, PlantTable]) -> None:
     if len({file.parent for file in files}) > 1:
         found.append("own models are in several folders; one can be exported")
     for name, table in plants.items():
-        for axis in table.wire.values():
+        for coordinate, axis in table.wire.items():
             owner = _owner(settings, axis)
             if owner not in plants:
                 found.append(f"plant {name} is wired to {axis}, which is not simulated here")
-            elif _is_rotary(plants[owner]):
+            elif _is_rotary(plants[owner]) or _turns(table, coordinate):
                 found.append(f"plant {name} is wired to {axis}, a rotary axis")
             elif plants[owner].fmu == _KINEMATIC and table.fmu in _TOUCH_PROBES:
                 found.append(
@@ -141,6 +141,12 @@ def _is_rotary(table: PlantTable) -> bool:
         return table.fmu == _ROTARY
     variables = _described(table).modelVariables
     return any(v.name == "position" and unit_of(v) == "rad" for v in variables)
+
+
+def _turns(table: PlantTable, coordinate: str) -> bool:
+    """Whether the map of a sensor makes an angle of the position of an axis."""
+    entry = table.map.get(f"{coordinate}_start")
+    return isinstance(entry, MapTable) and entry.lead_mm is not None
 
 
 def _owner(settings: Settings, axis: str) -> str:

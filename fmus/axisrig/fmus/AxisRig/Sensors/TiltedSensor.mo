@@ -118,10 +118,10 @@ protected
   constant Real steep(unit = "1") = 0.01 "A tool closer to level than this sees nothing";
   constant Real wide(unit = "1") = 0.816496580927726 "sqrt(2/3)";
   constant Real half_wide(unit = "1") = 0.408248290463863 "sqrt(1/6)";
-  final parameter Real cos_x(unit = "1") = cos(workpiece_tilt_x) "Of the tilt about X";
-  final parameter Real sin_x(unit = "1") = sin(workpiece_tilt_x) "Of the tilt about X";
-  final parameter Real cos_y(unit = "1") = cos(workpiece_tilt_y) "Of the tilt about Y";
-  final parameter Real sin_y(unit = "1") = sin(workpiece_tilt_y) "Of the tilt about Y";
+  Real cos_x(unit = "1") "Of the tilt about X";
+  Real sin_x(unit = "1") "Of the tilt about X";
+  Real cos_y(unit = "1") "Of the tilt about Y";
+  Real sin_y(unit = "1") "Of the tilt about Y";
   // What rises the most decides in which direction the nearest point is looked for.
   Real twice_x(unit = "1") "x of the direction of the search with twice its angle";
   Real twice_y(unit = "1") "y of the direction of the search with twice its angle";
@@ -219,6 +219,10 @@ equation
   tcp_x = clamping_x - virtual_length*u_x;
   tcp_y = clamping_y - virtual_length*u_y;
   tcp_z = clamping_z - virtual_length*u_z;
+  cos_x = cos(workpiece_tilt_x);
+  sin_x = sin(workpiece_tilt_x);
+  cos_y = cos(workpiece_tilt_y);
+  sin_y = sin(workpiece_tilt_y);
   // Into the frame of the workpiece, Ry(tilt_y) Rx(tilt_x)
   p_x = cos_y*(clamping_x - workpiece_x) - sin_y*(clamping_z - workpiece_z);
   p_y = sin_y*sin_x*(clamping_x - workpiece_x) + cos_x*(clamping_y - workpiece_y)

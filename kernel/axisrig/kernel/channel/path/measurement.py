@@ -177,7 +177,7 @@ class Measurement:
 
     def _require_latches(self, command: canon.MeasuringRun) -> None:
         """Raise Alarm 900483 where a position is not latched in each axis of the kinematic."""
-        kinematic = self._path.kinematic
+        kinematic = self._path.tool_side.kinematic
         if kinematic is None:
             return
         what = None
@@ -356,8 +356,12 @@ class Measurement:
 
     def _planned(self, command: canon.MeasuringRun) -> _Order:
         target, type_ = command.target_acs_mm, command.measuring_type
-        dynamics = self._path.dynamics(target, Motion.MEASURING)
-        rapid = self._path.dynamics(target, Motion.RAPID)
+        kind = measuring_types()[type_]
+        overtravel_mm = {
+            name: self._path.settings(name).measuring.overtravel_mm(kind) for name in target
+        }
+        dynamics = self._path.dynamics(target, Motion.MEASURING, overtravel_mm=overtravel_mm)
+        rapid = self._path.dynamics(target, Motion.RAPID, overtravel_mm=overtravel_mm)
         if dynamics is None or rapid is None:
             raise Alarm(900103, axes=" ".join(command.programmed_axes))
         feed_mm_min = command.feed_mm_min
@@ -366,10 +370,6 @@ class Measurement:
             type_, command.block, command.programmed_axes, tuple(target), wanted_mm_s, dynamics
         )
         dynamics = self.within_stroke(type_, target, dynamics)
-        kind = measuring_types()[type_]
-        overtravel_mm = {
-            name: self._path.settings(name).measuring.overtravel_mm(kind) for name in target
-        }
         return _Order(target, speed_mm_s, dynamics, overtravel_mm)
 
     def step(self) -> None:

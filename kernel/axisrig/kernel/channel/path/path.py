@@ -8,9 +8,9 @@ from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.programmed import ProgrammedDynamics
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling
+from axisrig.kernel.channel.path.tool_side import ToolSide
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.measuring.rules import lengthened
 from axisrig.kernel.motion.curves import Arc, Curve, Line, moved_axes
 from axisrig.kernel.motion.curves import put as with_axis
@@ -18,8 +18,7 @@ from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_
 from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from axisrig.kernel.motion.ramp import Ramp
-from axisrig.kernel.motion.tool_path import ToolCurve, tool_dynamics
-from axisrig.kernel.nc import canon
+from axisrig.kernel.motion.tool_path import NO_WAY_MM, ToolCurve, tool_dynamics
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
 
@@ -27,7 +26,7 @@ class Path:
     """Moves all axes of a channel together, one path at a time; axes and links in one order.
 
     The interpolation is in axis coordinates. A target is too, but while a kinematic is on
-    (`choose_kinematic`) it is in tool coordinates, and the axes follow through the kinematic.
+    (`tool_side`) it is in tool coordinates, and the axes follow through the kinematic.
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
     programmed: what the program chooses of the dynamics.
@@ -57,7 +56,7 @@ class Path:
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
-        self.kinematic: Kinematic | None = None
+        self.tool_side = ToolSide(clock, links)
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
         self._wants_hold = False
@@ -80,34 +79,13 @@ class Path:
         """Return where the interpolation is in the coordinates of targets, by axis."""
         return dict(zip(self._index, self._here(), strict=True))
 
-    def choose_kinematic(self, command: canon.KinematicChoice) -> None:
-        """Take targets in tool coordinates from here on, or in axis coordinates again.
-
-        To be called while the axes are at rest; nothing moves.
-        """
-        self.kinematic = command.kinematic
-
-    def tool(self) -> tuple[float | None, float | None]:
-        """Return tilt (degrees) and length (mm) of the tool at the actual positions.
-
-        None without a kinematic.
-        """
-        kinematic = self.kinematic
-        if kinematic is None:
-            return None, None
-        at = kinematic.forward(tuple(link.actual_mm for link in self._links[: kinematic.count]))
-        return kinematic.tilt_deg(at), kinematic.length_mm(at)
-
     def end_program(self) -> None:
         """Forget what the program has chosen: its kinematic, its slope and its weights."""
-        self.kinematic = None
+        self.tool_side.end()
         self.programmed.begin()
 
     def _here(self) -> Positions:
-        axes, kinematic = self.interpolator.positions_mm, self.kinematic
-        if kinematic is None:
-            return axes
-        return (*kinematic.forward(axes[: kinematic.count]), *axes[kinematic.count :])
+        return self.tool_side.coordinates(self.interpolator.positions_mm)
 
     def take_over(self, positions_mm: Positions) -> None:
         """Stay where the axes are, with nothing left in the buffer."""
@@ -227,7 +205,7 @@ class Path:
         feed_mm_s = feed_mm_min / 60.0
         axes = [self.programmed.dynamics(axis, Motion.FEED) for axis in self._axes]
         highest_mm_s = self._highest_mm_s(feed_mm_s)
-        if self.kinematic is None:
+        if self.tool_side.kinematic is None:
             for corner_mm in arc.box_mm():
                 self._require_reach(corner_mm)
             self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
@@ -241,16 +219,19 @@ class Path:
         return feed_mm_s * self.override_max_permille / FULL
 
     def _of_axes(self, path: Curve) -> ToolCurve:
-        """See a path of tool coordinates from the axes."""
-        assert self.kinematic is not None
-        return ToolCurve(path, self.kinematic, self.interpolator.positions_mm)
+        return self.tool_side.curve(path, self.interpolator.positions_mm)
 
     def dynamics(
-        self, target_acs_mm: Mapping[str, float], motion: Motion, highest_mm_s: float = math.inf
+        self,
+        target_acs_mm: Mapping[str, float],
+        motion: Motion,
+        highest_mm_s: float = math.inf,
+        overtravel_mm: Mapping[str, float] | None = None,
     ) -> Dynamics | None:
         """Return the dynamics of the straight path to the target, None when nothing moves.
 
-        highest_mm_s: what the feed will not be above.
+        highest_mm_s: what the feed will not be above. overtravel_mm: as `begin` has it; the
+        dynamics of a path of the tool are those of all of it.
         """
         here = self._here()
         target = tuple(
@@ -260,9 +241,22 @@ class Path:
         if not any(deltas):
             return None
         axes = [self.programmed.dynamics(axis, motion) for axis in self._axes]
-        if self.kinematic is None:
+        if self.tool_side.kinematic is None:
             return path_dynamics(axes, deltas)
-        return tool_dynamics(axes, self._of_axes(Line(here, target)), highest_mm_s)
+        if max(map(abs, deltas)) <= NO_WAY_MM:  # rounding of the way through the kinematic
+            return None
+        line = self._line(target_acs_mm, overtravel_mm)
+        return tool_dynamics(axes, self._of_axes(line), highest_mm_s)
+
+    def _line(
+        self, target_acs_mm: Mapping[str, float], overtravel_mm: Mapping[str, float] | None
+    ) -> Line:
+        """Give the straight path, in the coordinates of targets."""
+        here = self.position_mm()
+        target = {**here, **target_acs_mm}
+        if overtravel_mm is not None:
+            target = lengthened(here, target, overtravel_mm)
+        return Line(tuple(here.values()), tuple(target.values()))
 
     def begin(
         self,
@@ -277,12 +271,8 @@ class Path:
         Raises Alarm 900012 for a target that cannot be sent to a drive, 120002 or 120003 for one
         past a software limit switch.
         """
-        here = self.position_mm()
-        target = {**here, **target_acs_mm}
-        if overtravel_mm is not None:
-            target = lengthened(here, target, overtravel_mm)
-        line = Line(tuple(here.values()), tuple(target.values()))
-        if self.kinematic is None:
+        line = self._line(target_acs_mm, overtravel_mm)
+        if self.tool_side.kinematic is None:
             self._require_reach(line.end_mm)
             self._follow(line, feed_mm_s, dynamics)
         else:

@@ -3,12 +3,13 @@
 import ctypes
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from fmpy.model_description import ModelDescription
+from fmpy.model_description import ModelDescription, ModelVariable
 
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import S, TimeNs
@@ -143,6 +144,45 @@ def grid_of(description: ModelDescription) -> TimeNs | None:
 def array_type(kind: Any, count: int) -> Any:
     """Return the ctypes type of so many elements; ctypes would make it anew for every instance."""
     return kind * count
+
+
+class Layout(NamedTuple):
+    """How a list of variables is exchanged, which the model description alone decides.
+
+    word: in the names of get and set. kind: ctypes type of a value. places: that the values take.
+    references: of the variables; array: the same for the library.
+    """
+
+    word: str
+    kind: Any
+    places: int
+    references: list[int]
+    array: Any
+
+    @classmethod
+    def of(
+        cls,
+        variables: Sequence[ModelVariable],
+        types: Mapping[str, tuple[str, Any]],
+        file: str,
+    ) -> "Layout":
+        """Make it. types: type in the description -> word and ctypes type. file: of the FMU.
+
+        Raises UserError for types that differ.
+        """
+        kinds = {types.get(str(variable.type)) for variable in variables}
+        kind = kinds.pop() if len(kinds) == 1 else None
+        if kind is None:
+            raise UserError(
+                f"FMU {file}: {', '.join(variable.name for variable in variables)} differ in type"
+                " or have one that cannot be exchanged",
+                value=" ".join(sorted({str(variable.type) for variable in variables})),
+                allowed=types,
+            )
+        references = [variable.valueReference for variable in variables]
+        array = array_type(ctypes.c_uint32, len(references))(*references)
+        places = sum(math.prod(variable.shape or ()) for variable in variables)
+        return cls(*kind, places, references, array)
 
 
 class Missing:

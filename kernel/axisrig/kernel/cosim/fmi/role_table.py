@@ -47,4 +47,10 @@ def _roles_of(kind: str, coordinates: tuple[str, ...]) -> Mapping[str, Role]:
     return found
 
 
+@cache
+def group_of(kind: str, coordinates: tuple[str, ...], group: str) -> tuple[str, ...]:
+    """Return the names of the roles of a group, in the order of the table."""
+    return tuple(n for n, role in _roles_of(kind, coordinates).items() if role.group == group)
+
+
 KINDS = tuple(dict.fromkeys(role.kind for role in role_table()))

@@ -14,7 +14,7 @@ from typing import Any, NoReturn, Protocol
 from fmpy.model_description import ModelVariable
 
 from axisrig.kernel.cosim.fmi.library import array_type
-from axisrig.kernel.cosim.fmi.role_table import KINDS, Role, role_table, roles_of
+from axisrig.kernel.cosim.fmi.role_table import KINDS, Role, group_of, role_table, roles_of
 from axisrig.kernel.cosim.fmi.slave import Exchange, FmuSlave
 from axisrig.kernel.cosim.fmi.units import Unit, known_units, unit_of
 from axisrig.kernel.errors import UserError, nearest
@@ -196,9 +196,8 @@ class Roles:
         """Return whether all roles of a group are there."""
         return self.has(*self._group(group))
 
-    def _group(self, group: str) -> list[str]:
-        roles = roles_of(self.kind, self.coordinates)
-        return [name for name, role in roles.items() if role.group == group]
+    def _group(self, group: str) -> tuple[str, ...]:
+        return group_of(self.kind, self.coordinates, group)
 
     def _check(self) -> None:
         """Refuse what is missing and needed; note what is missing and not."""

@@ -29,6 +29,7 @@ from axisrig.kernel.cosim.fmi.library import (
     Capabilities,
     EndedError,
     FmuState,
+    Layout,
     LogMessage,
     Missing,
     PlantError,
@@ -58,21 +59,8 @@ class Exchange:
     def __init__(self, slave: "FmuSlave", names: Sequence[str]) -> None:
         if not slave.pointer:
             raise PlantError(slave.name, slave.time_ns, "the instance is freed")
-        variables = [slave.variable(name) for name in names]
-        kinds = {slave.TYPES.get(str(v.type)) for v in variables}
-        kind = kinds.pop() if len(kinds) == 1 else None
-        if kind is None:
-            raise UserError(
-                f"FMU {slave.path.name}: {', '.join(names)} differ in type or have one "
-                f"that cannot be exchanged",
-                value=" ".join(sorted({str(v.type) for v in variables})),
-                allowed=slave.TYPES,
-            )
-        word, ctype = kind
-        count = sum(math.prod(v.shape or ()) for v in variables)
-        self.values: Any = array_type(ctype, count)()
-        self.references: list[int] = [v.valueReference for v in variables]
-        self._references = array_type(ctypes.c_uint32, len(names))(*self.references)
+        word, kind, count, self.references, self._references = slave.layout(tuple(names))
+        self.values: Any = array_type(kind, count)()
         self._slave = slave
         places = [ctypes.addressof(self._references), len(names), ctypes.addressof(self.values)]
         arguments: tuple[Any, ...] = (slave.pointer, *places)
@@ -144,6 +132,7 @@ class FmuSlave(ABC):
         self._is_final = True  # no state was saved yet that could be restored
         self._alone = (folder, str(description.coSimulation.modelIdentifier))
         self._functions: dict[tuple[str, tuple[Any, ...]], Any] = {}
+        self._layouts: dict[tuple[str, ...], Layout] = {}
         self._load(folder)
         self.pointer = int(self._fmu.component)
         self._limit_logging()
@@ -246,6 +235,14 @@ class FmuSlave(ABC):
     def has(self, *names: str) -> bool:
         """Return whether the FMU has all these variables."""
         return all(name in self._variables for name in names)
+
+    def layout(self, names: tuple[str, ...]) -> Layout:
+        """Return how these variables are exchanged; the next machine asks for the same ones."""
+        known = self._layouts.get(names)
+        if known is None:
+            variables = [self.variable(name) for name in names]
+            known = self._layouts[names] = Layout.of(variables, self.TYPES, self.path.name)
+        return known
 
     def names(self, causality: str) -> list[str]:
         """Return the names of all variables of one causality, in the order of the description."""

@@ -9,7 +9,7 @@ from math import sqrt
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
-from axisrig.kernel.cosim.plant.curves import end_slope, hermite, peak, two_before
+from axisrig.kernel.cosim.plant.curves import drop_before, end_slope, hermite, peak, two_before
 from axisrig.kernel.cosim.plant.demand import Control, ControlKind, Ramp, SampledDemand
 from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.time.clock import S, TimeNs
@@ -32,11 +32,10 @@ FORCE, STOP_FORCE, STOP_FACE = 5, 6, 7
 GAIN_M_S2 = 500.0
 STOP_SPEED_M_S = 1.0
 SLOPE_NS = 250_000
-# Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it
-HISTORY_STEPS = 4096
+# Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it. In longer
+# steps that is more, but no SYNC that has been missing for a second is waited for
+HISTORY_STEPS, HISTORY_NS = 4096, 1_000_000_000
 FINE_NS = 50_000
-
-
 _BY_POSITION = ControlKind.POSITION
 Tick = tuple[float, float, float, float]
 
@@ -51,8 +50,8 @@ class PlantAxis:
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
     `tick` load position and velocity at both ends of the last step, `walked` the motion before the
-    last `walk` and after each of its steps. The last 4096 steps are kept, so that the position at
-    a latch can be looked up.
+    last `walk` and after each of its steps. The steps of the last second are kept, 4096 at most,
+    so that the position at a latch can be looked up.
     fine_ns: longest step where a stop can be touched, for the force of the contact alone.
     beside: the axis on the same FMU that steps it, None = this one does.
     second_encoder: returns what the second encoder of the drive sees, None = there is none.
@@ -142,6 +141,7 @@ class PlantAxis:
         self.motion = motion
         self._times.append(time_ns)
         self._past.append(motion)
+        drop_before(self._times, self._past, time_ns - HISTORY_NS)
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
 
@@ -153,6 +153,7 @@ class PlantAxis:
         self.motion = motions[-1]
         self._times.extend(times_ns)
         self._past.extend(motions)
+        drop_before(self._times, self._past, times_ns[-1] - HISTORY_NS)
         if self._tells_stop:
             for place in range(len(motions) - 1, -1, -1):
                 if motions[place][STOP_FORCE] > 0.0:

@@ -60,6 +60,13 @@ def two_before(
     return found
 
 
+def drop_before(times_ns: deque[TimeNs], rows: deque[list[float]], oldest_ns: TimeNs) -> None:
+    """Drop the rows before an instant; one at least is not. What comes next takes their memory."""
+    while times_ns[0] < oldest_ns:
+        times_ns.popleft()
+        rows.popleft()
+
+
 def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
     """Return place and value of the vertex of the parabola through three points (Newton's form).
 

@@ -239,13 +239,14 @@ class Coordinates:
     def _take_direction(self, before: Mapping[str, float]) -> None:
         """Keep the direction of a move as a unit vector of the main axes.
 
-        Axes that do not move keep theirs: without a coordinate system nobody asks for it, and an
-        axis of its own may still be under way.
+        Axes that are not converted together keep theirs when they do not move: nobody asks for it,
+        and an axis of its own may still be under way.
         """
+        common = self.common_axes
         way = {axis: self._state[axis].absolute_mm - at for axis, at in before.items()}
         length = math.hypot(*way.values())
         for axis, part in way.items():
-            if self.transformed or abs(part) > SAME_POSITION_MM:
+            if axis in common or abs(part) > SAME_POSITION_MM:
                 self._direction[axis] = part / length if length > SAME_POSITION_MM else 0.0
 
     def aim_arc(

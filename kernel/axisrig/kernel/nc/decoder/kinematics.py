@@ -38,7 +38,8 @@ def _choose(context: Context, block: Block, command: Command) -> None:
 def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     """#TRAFO ON with what was chosen, #TRAFO[..] with what it names.
 
-    Raises Alarm 900480 for a tool with axis offsets, and those of the kinematic.
+    Raises Alarm 900480 for a tool with axis offsets, 900195 and 900196 for an axis of the kinematic
+    that is away or follows another, and those of the kinematic.
     """
     kept = context.part(Kinematics)
     known = context.tables.kinematics
@@ -53,19 +54,19 @@ def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
     tool_mm = context.coordinates.tool.length_mm
     kinematic = build(numbers, known, kept.written, tool_mm)
     check_axes(kinematic, [(axis, axis in context.tables.rotary) for axis in context.axes])
-    made_of = (tuple(numbers), dict(kept.written), tool_mm)
-    yield from _switch(context, block, kinematic, made_of)
+    inside = tuple(context.axes[: kinematic.count])
+    for axis in inside:
+        alarm = axes.forbidden(context, block, axis)
+        if alarm is not None:
+            raise alarm
+    yield from axes.wait_for_all(context, block, inside)
+    yield from _switch(context, block, kinematic)
+    yield canon.KinematicChoice(block, kinematic, inside, numbers, tool_mm, dict(kept.written))
 
 
-def _switch(
-    context: Context,
-    block: Block,
-    kinematic: Kinematic | None,
-    made_of: tuple[tuple[int, ...], dict[tuple[int, ...], float], float] = ((), {}, 0.0),
-) -> Iterator[canon.Command]:
+def _switch(context: Context, block: Block, kinematic: Kinematic | None) -> Iterator[canon.Command]:
     """Let the machine come to rest, and begin in the new coordinates where it is then.
 
-    made_of: IDs, what the program wrote, length of the tool, as `canon.KinematicChoice` has them.
     Raises Alarm 51062 while the offset of 3D distance control changes.
     """
     yield from axes.turns_channel(context, block, "#TRAFO")
@@ -74,7 +75,6 @@ def _switch(
     at = context.machine.position_acs_mm
     coordinates = context.coordinates
     coordinates.use_kinematic(kinematic, {axis: at(axis) for axis in context.axes})
-    yield canon.KinematicChoice(block, kinematic, coordinates.kinematic_axes, *made_of)
 
 
 def _numbers(context: Context, block: Block, command: Command) -> tuple[int, ...]:
@@ -89,6 +89,7 @@ def _off(context: Context, block: Block, command: Command) -> Iterator[canon.Com
     """#TRAFO OFF; nothing where none is on."""
     if context.coordinates.kinematic is not None:
         yield from _switch(context, block, None)
+        yield canon.KinematicChoice(block, None)
 
 
 def _read(context: Context, block: Block, rest: str, *indices: int) -> Value:

@@ -14,7 +14,9 @@ from axisrig.kernel.nc.decoder.axes.independent import (
     before_block,
     before_turning,
     synchronised,
+    wait_for_all,
 )
+from axisrig.kernel.nc.decoder.axes.state import forbidden
 from axisrig.kernel.nc.decoder.base.topic import Topic
 
 __all__ = [
@@ -22,8 +24,10 @@ __all__ = [
     "after_block",
     "before_block",
     "before_turning",
+    "forbidden",
     "synchronised",
     "turns_channel",
+    "wait_for_all",
 ]
 
 TOPIC = Topic(

@@ -123,7 +123,10 @@ def _check(context: Context, block: Block, group: int, pairs: tuple[AxisPair, ..
 
 
 def switch_on(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    """#ENABLE AX LINK [group]; raises Alarm 20467, 21283 to 21285, 900195 and 900197."""
+    """#ENABLE AX LINK [group].
+
+    Raises Alarm 20467, 21283 to 21285, 900195, 900197 and 900482.
+    """
     known = states(context)
     group = _chosen(context, block, command)
     if group is None or group not in known.groups:
@@ -152,6 +155,7 @@ def lead(context: Context) -> None:
 def _check_free(context: Context, block: Block, known: AxisStates, pair: AxisPair) -> None:
     if pair.slave in context.coordinates.main_axes:
         raise context.alarm(20467, block, axis=pair.slave)
+    context.require_free(block, (pair.slave,), "#ENABLE AX LINK")
     for axis in (pair.slave, pair.master):
         if axis in known.away:
             raise context.alarm(900195, block, axis=axis)

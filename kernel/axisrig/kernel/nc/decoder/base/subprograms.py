@@ -53,14 +53,14 @@ def link(program: Program) -> Unit:
     """
     units: dict[Path, Unit] = {}
     main = _unit(program)
-    if program.file is not None:
-        units[Path(program.file).resolve()] = main
     waiting = [main]
     while waiting:
         unit = waiting.pop()
         for block, call in _calls(unit.program):
             if call.scope != "local" and call.name not in unit.called:
                 path = _file(program, unit.program, block, call.name)
+                if not units and program.file is not None:
+                    units[Path(program.file).resolve()] = main
                 key = path.resolve()
                 if key not in units:
                     units[key] = _unit(read_program(path, program.axes))

@@ -4,8 +4,8 @@ import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.record.series import column_of
+from axisrig.reports.kinematics.motion import CHANNEL, Signal, Tool, column, moved_mm
 from axisrig.reports.parts.topic import Info, Plots
-from axisrig.reports.tool.motion import CHANNEL, Signal, Tool, column, moved_mm
 
 LEGEND = (
     "Of an inclined tool the side view has equal scales in both directions; the picture below it"
@@ -27,7 +27,7 @@ _OF_DISTANCE = frozenset({"distance_mm", "distance_true_mm", "valid", "touching"
 
 def tool_of(info: Info) -> Tool | None:
     """Return the tool of a run that had a kinematic on; info: what is shown of it."""
-    return next(iter(info.get("tool") or ()), None)
+    return next(iter(info.get("kinematics") or ()), None)
 
 
 def with_signals(trace: pa.Table, info: Info) -> pa.Table:

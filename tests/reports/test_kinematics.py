@@ -16,14 +16,12 @@ from tests.reports.formulas import write_runs
 from tests.reports.pages import opened, whole
 from tests.reports.test_report import Page
 
+from axisrig.bench.judge.kinematics.findings import tool_blocks
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.tool.findings import tool_blocks
-from axisrig.bench.record.kinematics import KinematicChange
+from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.reports.build import build_report
-from axisrig.reports.parts.encode import encode_signal
-from axisrig.reports.signals import chart, signals
-from axisrig.reports.tool.motion import Motion, motion_of, moved_mm
-from axisrig.reports.tool.scene import (
+from axisrig.reports.kinematics.motion import Motion, motion_of, moved_mm
+from axisrig.reports.kinematics.scene import (
     INSTANTS,
     at_work,
     ideal,
@@ -32,8 +30,10 @@ from axisrig.reports.tool.scene import (
     projections,
     scene,
 )
-from axisrig.reports.tool.section import dumps, sections
-from axisrig.reports.tool.signals import with_signals
+from axisrig.reports.kinematics.section import dumps, sections
+from axisrig.reports.kinematics.signals import with_signals
+from axisrig.reports.parts.encode import encode_signal
+from axisrig.reports.signals import chart, signals
 
 ECS, MCS = tilted.trace(mode="ECS"), tilted.trace(mode="MCS")
 LEFT = tilted.left()
@@ -60,8 +60,9 @@ def test_the_block_names_limits_sensor_and_where_the_offset_acted() -> None:
 
 def test_what_a_program_writes_wins_and_no_extension_has_no_limit_of_it() -> None:
     """[90; -] of FCT-M3 12.9: never extended, so HD2 and HD3 say nothing."""
-    program = ((1, 98, 1, 900_000.0), (1, 98, 3, 910_000.0))
-    changed = replace(LEFT, kinematics=(KinematicChange(0, (9, 98), program, 80.0),))
+    program = (((1, 98, 1), 900_000.0), ((1, 98, 3), 910_000.0))
+    on = KinematicRecord(0, None, tilted.AXES, (9, 98), 80.0, program)
+    changed = replace(LEFT, kinematics=(on,))
     (stretch,) = tilted.tool(ECS, changed)["kinematics"]
     assert stretch["limits"] == {"HD4": 91.0}
 
@@ -69,7 +70,7 @@ def test_what_a_program_writes_wins_and_no_extension_has_no_limit_of_it() -> Non
 def test_a_run_without_a_kinematic_has_no_tool() -> None:
     observed = Observed(replace(LEFT, kinematics=()), kept(ECS))
     assert tool_blocks(observed) == []
-    assert sections({"tool": []}, ECS, "a", {}) == []
+    assert sections({"kinematics": []}, ECS, "a", {}) == []
 
 
 # Motion: numbers of the issue, 1.5 mm at A -35 and C 20
@@ -219,7 +220,7 @@ def test_set_pos_is_an_ideal_surface_along_the_normal_from_the_origin() -> None:
 
 
 def test_truth_and_what_the_plc_sees_are_one_plot_with_the_limits_of_the_tilt() -> None:
-    description, _ = chart(ECS, {"tool": [TOOL], "events": []})
+    description, _ = chart(ECS, {"kinematics": [TOOL], "events": []})
     plots = {plot["plot"]: plot["series"] for plot in description["plots"]}
     shown = [entry["label"] for entry in plots["tilt"]["channel"]]
     assert shown == ["shown to the PLC", "true"]
@@ -230,12 +231,12 @@ def test_truth_and_what_the_plc_sees_are_one_plot_with_the_limits_of_the_tilt() 
 
 def test_every_signal_has_its_place_and_points_of_the_tool_have_none() -> None:
     control = {"axis": "channel", "sensor": "gap"}
-    after = with_signals(ECS, {"tool": [TOOL], "distance": [control]})
+    after = with_signals(ECS, {"kinematics": [TOOL], "distance": [control]})
     names = set(after.column_names)
     assert "channel.moved_mm" in names
     assert not {"C.superposed_mm", "A.superposed_mm"} & names
     assert not [name for name in names if "clamping" in name or "tcp_" in name]
-    alone = with_signals(ECS, {"tool": [TOOL]})
+    alone = with_signals(ECS, {"kinematics": [TOOL]})
     known = [name.partition(".")[2] for name in alone.column_names if name != "time_ns"]
     assert [name for name in known if name not in signals()] == []
     assert "channel.distance_state" not in alone.column_names  # never on
@@ -245,7 +246,7 @@ def test_every_signal_has_its_place_and_points_of_the_tool_have_none() -> None:
 
 
 def shown() -> dict[str, Any]:
-    (found,) = sections({"tool": [TOOL]}, ECS, "a", {})
+    (found,) = sections({"kinematics": [TOOL]}, ECS, "a", {})
     return found
 
 
@@ -282,7 +283,7 @@ def test_diagnosis_data_are_a_table_of_its_names() -> None:
 
 
 def test_without_signals_the_section_is_still_there() -> None:
-    (found,) = sections({"tool": [TOOL]}, None, "a", {})
+    (found,) = sections({"kinematics": [TOOL]}, None, "a", {})
     assert (found["scene"], found["rows"]) == (None, [])
 
 

@@ -16,7 +16,7 @@ from axisrig.bench.oracles.kinematics.lists import Program
 from axisrig.bench.record.series import TIME, values_of
 
 Tool = Mapping[str, Any]
-"""The tool of a run, as the block `tool` of the findings has it."""
+"""The tool of a run, as the block `kinematics` of the findings has it."""
 Signal = npt.NDArray[np.float64]
 
 DEMAND_CYCLES = 2
@@ -93,15 +93,13 @@ def moved_mm(trace: pa.Table, tool: Tool) -> Signal:
     for stretch in tool["kinematics"]:
         rows = _rows(times, stretch)
         if len(rows):
-            found[rows] = _moved(trace, tool, chain_of(tool, stretch), rows)
+            found[rows] = _moved(trace, tool, stretch, rows)
     return found
 
 
 def chain_of(tool: Tool, stretch: Tool) -> Chain:
     """Return the oracle of a kinematic that was on."""
-    program: Program = {
-        (step, kind, index): value for step, kind, index, value in stretch["program"]
-    }
+    program: Program = {tuple(place): value for place, value in stretch["program"]}
     return Chain(stretch["ids"], tool["written"], program, stretch["tool_mm"])
 
 
@@ -120,9 +118,9 @@ def _rows(times: npt.NDArray[np.int64], stretch: Tool) -> npt.NDArray[np.int64]:
 def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]) -> Motion:
     """The motion while one kinematic was on."""
     chain = chain_of(tool, stretch)
-    base = _positions(trace, tool, "set") - _superposed(trace, tool)
+    base = _positions(trace, tool, stretch, "set") - _superposed(trace, stretch)
     late = np.maximum(rows - DEMAND_CYCLES, rows[0])
-    programmed = chain.frame(base[late, : chain.count])[:, :3, 3]
+    programmed = chain.frame(base[late])[:, :3, 3]
     nothing = np.full(len(rows), np.nan)
     names = ("offset_mm", "set_pos_mm", "distance_state")
     offset, set_pos, state = (column(trace, f"{CHANNEL}.{name}") for name in names)
@@ -130,16 +128,16 @@ def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64
         times_ns=values_of(trace.column(TIME))[rows],
         programmed_mm=programmed,
         offset_mm=nothing if offset is None else offset[rows],
-        moved_mm=_moved(trace, tool, chain, rows),
+        moved_mm=_moved(trace, tool, stretch, rows),
         set_pos_mm=nothing if set_pos is None else set_pos[rows],
         is_on=np.zeros(len(rows), dtype=bool) if state is None else state[rows] != INACTIVE,
         **_seen(trace, tool["sensor"], rows),
-        **_placed(trace, tool, chain, rows),
+        **_placed(trace, tool, stretch, rows),
     )
 
 
 def _placed(
-    trace: pa.Table, tool: Tool, chain: Chain, rows: npt.NDArray[np.int64]
+    trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]
 ) -> dict[str, Signal]:
     """Return where the tool was: clamping point, TCP, tilt, length."""
     sensor = tool["sensor"]
@@ -150,8 +148,9 @@ def _placed(
             "tilt_deg": _column(trace, f"{sensor}.tilt_deg")[rows],
             "length_mm": _column(trace, f"{sensor}.virtual_length_mm")[rows],
         }
-    name = "truth" if _has(trace, tool, "truth") else "actual"
-    axes = _positions(trace, tool, name)[rows, : chain.count]
+    chain = chain_of(tool, stretch)
+    has_truth = set(_names(tool, stretch, "truth")) <= set(trace.column_names)
+    axes = _positions(trace, tool, stretch, "truth" if has_truth else "actual")[rows]
     frame = chain.frame(axes)
     return {
         "clamp_mm": chain.clamp_mm(axes),
@@ -176,12 +175,13 @@ def _seen(trace: pa.Table, sensor: str | None, rows: npt.NDArray[np.int64]) -> d
     return {"hit_mm": hit, "distance_mm": distance, "along_mm": along}
 
 
-def _moved(trace: pa.Table, tool: Tool, chain: Chain, rows: npt.NDArray[np.int64]) -> Signal:
+def _moved(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]) -> Signal:
     offset = column(trace, f"{CHANNEL}.offset_mm")
     if offset is None:
         return np.full(len(rows), np.nan)
-    superposed = _superposed(trace, tool)[rows, : chain.count]
-    with_offset = _positions(trace, tool, "set")[rows, : chain.count]
+    chain = chain_of(tool, stretch)
+    superposed = _superposed(trace, stretch)[rows]
+    with_offset = _positions(trace, tool, stretch, "set")[rows]
     found = np.zeros(len(rows))
     is_off = np.abs(superposed).max(axis=1) > 0.0
     if is_off.any():
@@ -192,25 +192,20 @@ def _moved(trace: pa.Table, tool: Tool, chain: Chain, rows: npt.NDArray[np.int64
     return found
 
 
-def _has(trace: pa.Table, tool: Tool, word: str) -> bool:
-    return all(
-        f"{axis}.{word}_{'deg' if rotary else 'mm'}" in trace.column_names
-        for axis, rotary in zip(tool["axes"], tool["rotary"], strict=True)
-    )
+def _names(tool: Tool, stretch: Tool, word: str) -> list[str]:
+    """Return the columns of positions of the axes of a kinematic, in its order."""
+    turns = dict(zip(tool["axes"], tool["rotary"], strict=True))
+    return [f"{axis}.{word}_{'deg' if turns[axis] else 'mm'}" for axis in stretch["axes"]]
 
 
-def _positions(trace: pa.Table, tool: Tool, word: str) -> Signal:
-    """Return positions of the axes, shape (rows, axes)."""
-    names = [
-        f"{axis}.{word}_{'deg' if rotary else 'mm'}"
-        for axis, rotary in zip(tool["axes"], tool["rotary"], strict=True)
-    ]
-    return np.stack([_column(trace, name) for name in names], axis=1)
+def _positions(trace: pa.Table, tool: Tool, stretch: Tool, word: str) -> Signal:
+    """Return positions of the axes of a kinematic, shape (rows, axes)."""
+    return np.stack([_column(trace, name) for name in _names(tool, stretch, word)], axis=1)
 
 
-def _superposed(trace: pa.Table, tool: Tool) -> Signal:
-    """Return what distance control superposes on the axes, shape (rows, axes)."""
-    found = [column(trace, f"{axis}.superposed_mm") for axis in tool["axes"]]
+def _superposed(trace: pa.Table, stretch: Tool) -> Signal:
+    """Return what distance control superposes on the axes of a kinematic, shape (rows, axes)."""
+    found = [column(trace, f"{axis}.superposed_mm") for axis in stretch["axes"]]
     nothing = np.zeros(trace.num_rows)
     return np.stack([nothing if one is None else one for one in found], axis=1)
 

@@ -6,6 +6,7 @@ offset, which divides the limit of kp (`oracles/distance/tool.py`).
 """
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from axisrig.bench.oracles.distance.lists import CHANNEL, Listed
 from axisrig.bench.oracles.distance.loop import CONST_DIST
@@ -22,13 +23,17 @@ from axisrig.bench.rig.distance.loops import (
     loop_of,
 )
 from axisrig.bench.rig.distance.sensors import Sensor, sensors_of
+from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
+from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, VARIABLE
 from axisrig.kernel.time.clock import MS
 
+OF_AXIS = "lr_param.distance_control_on"
 RELEASED, RELEASE = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 ALONG = ("AxisRig.Sensors.HeadDistanceSensor", "AxisRig.Sensors.RobotDistanceSensor")
 """Models of the library that measure along the tool."""
+ORTHOGONAL = 1
+"""Their `quantity` that is the orthogonal distance."""
 EXTENSION = 98
 EXAMPLES_DEG = ((60.0, 10.0), (75.0, 10.0))
 """Tilt of the tool and slope of the surface."""
@@ -40,35 +45,45 @@ def is_released(settings: Settings) -> bool:
 
 
 def channel_warnings(settings: Settings) -> list[str]:
-    """Say what keeps 3D distance control from working as the rig and its lists are."""
+    """Say what keeps 3D distance control from working as the rig and its lists are.
+
+    A rig whose axes have controls of their own may read their sensors into variables too.
+    """
     if not is_released(settings):
         return []
-    found, sensors = [], sensors_of(settings, CHANNEL)
-    if not sensors:
+    found = []
+    if not settings.rig.plc:
         found.append(
-            "it is released (P-CHAN-00500) and no entry of [plc] gives a V.E. variable: without one"
-            " that the program or the PLC side writes ON ends in 310027"
+            "no entry of [plc] reads a distance sensor into a V.E. variable: without one that the"
+            " program or the PLC side writes ON ends in 310027"
         )
     if not listed_for(settings, CHANNEL).limits.a_mm_s2:
-        found.append("P-CHAN-00803 (a_max) is 0 and the channel has no other: ON ends in 315001")
-    for sensor in sensors:
-        if sensor.sign == 0:
-            found.append(f"the sensor {sensor.words} is wired to no axis: it does not see the tool")
-        if sensor.sign == -1:
-            found.append(
-                f"{sensor.words} falls when the tool lifts, 3D control wants the distance itself:"
-                " with the sign of [plc] as it is the offset feeds back with the wrong sign and the"
-                " control runs away"
-            )
+        found.append("a_max (P-CHAN-00803) is 0 and the channel has no other: ON ends in 315001")
+    if not any(axis.flag(OF_AXIS) for axis in settings.axis.values()):
+        found += [text for sensor in sensors_of(settings, CHANNEL) for text in _wrong(sensor)]
     for variable, entry in settings.rig.plc.items():
         plant = settings.rig.plant.get(entry.sensor)
         if plant is not None and plant.fmu in ALONG and entry.normalise == "none":
+            if str(plant.start.get("quantity", 0)) == str(ORTHOGONAL):
+                continue
             found.append(
                 f"{entry.sensor} in {variable} measures along the tool and 3D control wants the"
-                " distance along the normal: an inclined tool comes too near by 1 - cos of its"
-                ' tilt; normalise = "along" in [plc] makes the one of the other'
+                " distance along the normal, which is cos of the tilt times that: normalise ="
+                ' "along" in [plc] makes the one of the other'
             )
-    return [f"3D distance control: {text}" for text in found]
+    return [f"3D distance control (P-CHAN-00500): {text}" for text in found]
+
+
+def _wrong(sensor: Sensor) -> list[str]:
+    """Say what of a sensor does not fit the control."""
+    if sensor.sign == 0:
+        return [f"the sensor {sensor.words} is wired to no axis: it does not see the tool"]
+    if sensor.sign == 1:
+        return []
+    return [
+        f"{sensor.words} falls when the tool lifts; it has to be the distance of the clamping point"
+        " itself: with sign in [plc] as it is the control runs away"
+    ]
 
 
 def channel_ages(settings: Settings) -> list[str]:
@@ -82,17 +97,27 @@ def channel_ages(settings: Settings) -> list[str]:
     ]
 
 
-def channel_texts(settings: Settings, lags_s: Mapping[str, float]) -> list[str]:
+def describe_channel(
+    settings: Settings, lags_s: Mapping[str, float] = MappingProxyType({})
+) -> list[str]:
     """Show mode, sensor, dead cycles and limits of kp of 3D control; lags_s: of drives, s."""
     if not is_released(settings):
         return []
+    by_source = {f"{VARIABLE} {name}": entry for name, entry in settings.rig.plc.items()}
     return [
-        "\n".join([f"3D distance control: {sensor.words}", *_lines(settings, sensor, lags_s)])
+        "\n".join(
+            [
+                f"3D distance control of the channel: {sensor.words}",
+                *_lines(settings, sensor, by_source[sensor.source], lags_s),
+            ]
+        )
         for sensor in sensors_of(settings, CHANNEL)
     ]
 
 
-def _lines(settings: Settings, sensor: Sensor, lags_s: Mapping[str, float]) -> list[str]:
+def _lines(
+    settings: Settings, sensor: Sensor, entry: PlcSensorTable, lags_s: Mapping[str, float]
+) -> list[str]:
     listed = listed_for(settings, CHANNEL)
     control, dead = listed.control, dead_cycles(listed, sensor)
     goes = "the same" if listed.is_optimized else "the next"
@@ -103,6 +128,7 @@ def _lines(settings: Settings, sensor: Sensor, lags_s: Mapping[str, float]) -> l
     lines = [
         f"  mode         {_mode(settings)}",
         f"  sign         {_SIGNS[sensor.sign]}",
+        f"  value        {_value(entry)}",
         f"  dead cycles  {dead_words(dead, sensor)}: the offset is sent in {goes} cycle"
         f" (P-CHAN-00818 = {int(listed.is_optimized)}) and is reached at the 2nd SYNC after it;"
         f" the sensor value is {sensor.age} cycles old",
@@ -148,6 +174,17 @@ def _mode(settings: Settings) -> str:
         f"without MODE MCS while a kinematic is on (#TRAFO ON: {chosen} by P-CHAN-00264), else ACS,"
         " which needs DIRECTION"
     )
+
+
+def _value(entry: PlcSensorTable) -> str:
+    if entry.normalise == "none":
+        return "as the sensor gives it: right where that is the orthogonal distance"
+    text = "made orthogonal by the tilt that the channel shows"
+    if entry.tilt_delay_cycles:
+        text += f", {entry.tilt_delay_cycles} cycles older than the value"
+    if entry.tilt_error_deg:
+        text += f", wrong by {entry.tilt_error_deg:g} degrees"
+    return text
 
 
 def _silence(sensor: Sensor) -> str:

@@ -12,10 +12,9 @@ from typing import Any
 
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Program, Written
+from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
 from axisrig.bench.record.distance import ChannelDistanceRecord
-from axisrig.bench.record.facts import Facts
-from axisrig.bench.record.kinematics import KinematicChange
+from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.kernel.time.clock import TimeNs
 
 EXTENSION = 98
@@ -33,13 +32,11 @@ def no_events(_observed: Observed) -> list[Event]:
 def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
     """Return what the report shows of the tool; empty for a run that had no kinematic on."""
     facts = observed.facts
+    if not facts.kinematics:
+        return []
     written = {
         name: value for name, value in facts.channel.items() if name.startswith(_OF_KINEMATICS)
     }
-    last_ns = int(observed.times_ns[-1]) + 1 if len(observed) else facts.end_ns
-    stretches = _stretches(facts.kinematics, last_ns)
-    if not stretches:
-        return []
     control = facts.distance_3d
     return [
         {
@@ -48,29 +45,25 @@ def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
             "sensor": _sensor(observed),
             "period_ms": facts.timing.period_ns / 1e6,
             "written": written,
-            "kinematics": [
-                {**stretch, "limits": _limits(written, stretch)} for stretch in stretches
-            ],
+            "kinematics": [_stretch(observed, on, written) for on in facts.kinematics],
             "guides": [] if control is None else _guides(control),
-            "diagnosis": _diagnosis(facts),
+            "diagnosis": [] if control is None else _diagnosis(control),
         }
     ]
 
 
-def _stretches(changes: tuple[KinematicChange, ...], last_ns: int) -> list[dict[str, Any]]:
-    """Return the unbroken times in which a kinematic was on."""
-    ends = [*(change.time_ns for change in changes[1:]), last_ns][: len(changes)]
-    return [
-        {
-            "begin_ns": change.time_ns,
-            "end_ns": end_ns,
-            "ids": list(change.ids),
-            "program": [list(entry) for entry in change.program],
-            "tool_mm": change.tool_mm,
-        }
-        for change, end_ns in zip(changes, ends, strict=True)
-        if change.ids and change.time_ns < end_ns
-    ]
+def _stretch(observed: Observed, on: KinematicRecord, written: Written) -> dict[str, Any]:
+    """Return one time in which a kinematic was on; it ends after the last row at the latest."""
+    last_ns = int(observed.times_ns[-1]) + 1 if len(observed) else on.begin_ns
+    return {
+        "begin_ns": on.begin_ns,
+        "end_ns": last_ns if on.end_ns is None else on.end_ns,
+        "axes": list(on.axes),
+        "ids": list(on.ids),
+        "program": [(list(place), value) for place, value in on.program],
+        "tool_mm": on.tool_mm,
+        "limits": _limits(written, on),
+    }
 
 
 def _guides(control: ChannelDistanceRecord) -> list[dict[str, Any]]:
@@ -93,15 +86,11 @@ def _spans(begins_ns: Sequence[TimeNs]) -> list[tuple[float, float]]:
     return list(pairwise([*begins_ns, math.inf])) if begins_ns else []
 
 
-def _limits(written: Written, stretch: dict[str, Any]) -> dict[str, float]:
+def _limits(written: Written, on: KinematicRecord) -> dict[str, float]:
     """Return HD2, HD3 and HD4 of kinematic 98 in degrees, those that act."""
-    ids = stretch["ids"]
-    if len(ids) < 2:
+    if len(on.ids) < 2:
         return {}
-    program: Program = {
-        (step, kind, index): value for step, kind, index, value in stretch["program"]
-    }
-    found: Kinematics = Lists(written, program).of(1, ids[1])
+    found: Kinematics = Lists(written, dict(on.program)).of(1, on.ids[1])
     if found.type != EXTENSION:
         return {}
     limits = {f"HD{number}": found.hd(number) for number in _ANGLES}
@@ -121,10 +110,5 @@ def _sensor(observed: Observed) -> str | None:
     return next(iter(names), None)
 
 
-def _diagnosis(facts: Facts) -> list[dict[str, Any]]:
-    if facts.distance_3d is None:
-        return []
-    return [
-        {"time_ns": dump.time_ns, "values": dict(dump.values)}
-        for dump in facts.distance_3d.diagnosis
-    ]
+def _diagnosis(control: ChannelDistanceRecord) -> list[dict[str, Any]]:
+    return [{"time_ns": dump.time_ns, "values": dict(dump.values)} for dump in control.diagnosis]

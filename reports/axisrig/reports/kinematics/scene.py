@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from axisrig.reports.kinematics.motion import PLACES, Motion, Signal, Tool
 from axisrig.reports.parts.encode import encode_signal, pack
-from axisrig.reports.tool.motion import PLACES, Motion, Signal, Tool
 
 INSTANTS = 240
 """So many instants are drawn: a picture is about 900 px wide."""

@@ -8,13 +8,13 @@ import numpy as np
 import pyarrow as pa
 from markupsafe import Markup
 
+from axisrig.reports.kinematics.motion import Motion, Signal, Tool, motion_of
+from axisrig.reports.kinematics.scene import at_work, ideal, scene
+from axisrig.reports.kinematics.signals import tool_of
 from axisrig.reports.parts.shipped import shipped_text
-from axisrig.reports.tool.motion import Motion, Signal, Tool, motion_of
-from axisrig.reports.tool.scene import at_work, ideal, scene
-from axisrig.reports.tool.signals import tool_of
 
 _NS_PER_MS = 1e6
-_PACKAGE = "axisrig.reports.tool"
+_PACKAGE = "axisrig.reports.kinematics"
 DUMPS = 12
 """Dumps of the diagnosis data that are shown; the last one is among them."""
 ECS = "ECS"

@@ -1,0 +1,1 @@
+"""Where the tool was while a kinematic was on, and the metrics of it."""

@@ -1,1 +1,0 @@
-"""Runs with a kinematic: what its tool was, for the report."""

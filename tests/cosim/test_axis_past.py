@@ -1,0 +1,56 @@
+"""How long an axis remembers its motion: a second, as far as that is 4096 steps."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from axisrig.fmus.build import ensure_built
+from axisrig.kernel.cosim.fmi.fmu import PlantError, load_fmu
+from axisrig.kernel.cosim.plant.axis import HISTORY_NS, HISTORY_STEPS, PlantAxis
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.time.clock import MS, US
+
+
+@pytest.fixture
+def axis() -> Iterator[PlantAxis]:
+    plant = Plant()
+    axis = plant.add_axis(load_fmu(ensure_built("AxisRig.Drives.ServoAxis"), "x"))
+    plant.initialize(0)
+    axis.command(0, 0.0, 0.01, HISTORY_NS * 2, True)
+    yield axis
+    plant.close()
+
+
+@pytest.mark.parametrize("is_in_rows", [False, True])
+def test_what_is_older_than_a_second_is_forgotten(axis: PlantAxis, is_in_rows: bool) -> None:
+    ends_ns = range(MS, HISTORY_NS + 500 * MS + 1, MS)
+    seen = {0: axis.motion}
+    for first in range(0, len(ends_ns), 4):
+        some = ends_ns[first : first + 4]
+        if is_in_rows:
+            axis.walk(some)
+            seen |= zip(some, axis.walked[1:], strict=True)
+        else:
+            for end_ns in some:
+                axis.step_to(end_ns)
+                seen[end_ns] = axis.motion
+    oldest_ns = ends_ns[-1] - HISTORY_NS
+    for time_ns in range(oldest_ns, ends_ns[-1] + 1, 50 * MS):
+        assert axis.motion_at(time_ns) == seen[time_ns]
+    assert axis.motor_position_m_at(oldest_ns) == seen[oldest_ns][2]
+    for time_ns in (oldest_ns - MS, 0):
+        with pytest.raises(PlantError, match="no step ended at this instant"):
+            axis.motion_at(time_ns)
+        with pytest.raises(PlantError, match="no motion is recorded for this instant"):
+            axis.motor_position_m_at(time_ns)
+
+
+def test_of_short_steps_so_many_are_kept(axis: PlantAxis) -> None:
+    last_ns = (HISTORY_STEPS + 100) * 50 * US
+    for end_ns in range(50 * US, last_ns + 1, 50 * US):
+        axis.step_to(end_ns)
+    oldest_ns = last_ns - (HISTORY_STEPS - 1) * 50 * US
+    assert oldest_ns > last_ns - HISTORY_NS
+    axis.motion_at(oldest_ns)
+    with pytest.raises(PlantError, match="no step ended at this instant"):
+        axis.motion_at(oldest_ns - 50 * US)

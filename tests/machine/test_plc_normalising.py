@@ -1,0 +1,83 @@
+"""The PLC makes the value of a distance sensor ideal by the tilt that the channel shows."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axisrig.bench.machine.plc.sensors import PlcSensors, along_of_electrode_m
+from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
+from axisrig.kernel.plc.interface import PlcInterface
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
+
+
+class Sensor:
+    """A sensor with one value."""
+
+    def __init__(self, value_m: float) -> None:
+        self.value_m = value_m
+
+    def told_at(self, _time_ns: int) -> tuple[float, float | None, bool, bool]:
+        """The value."""
+        return self.value_m, None, True, False
+
+
+def shown(value_m: float, tilts_deg: list[float | None], **keys: Any) -> list[float]:
+    """What V.E.S is after each cycle, in um; tilts_deg: None where the channel shows none."""
+    plc = PlcInterface(Scheduler(), ("Z",))
+    table = PlcSensorTable(sensor="gap", unit_um=1e-6, **keys)
+    sensors = PlcSensors({"V.E.S": table}, {"gap": Sensor(value_m)}, plc, lambda: 0, MS)  # type: ignore[dict-item]
+    values = []
+    for tilt_deg in tilts_deg:
+        plc.tool.tilt_deg = tilt_deg
+        sensors.take()
+        values.append(plc.values["S"] * 1e-6)
+    return values
+
+
+def test_the_plc_makes_the_orthogonal_distance() -> None:
+    """80 mm above a level surface: 80 mm/cos t along the tool."""
+    for tilt_deg in (0.0, 30.0, 60.0, 85.0):
+        along_m = 0.08 / math.cos(math.radians(tilt_deg))
+        assert shown(along_m, [tilt_deg], normalise="along") == pytest.approx([80e3], abs=1e-5)
+        assert shown(along_m, [tilt_deg]) == pytest.approx([along_m * 1e6], abs=1e-5)
+
+
+def test_the_plc_takes_no_tilt_as_long_as_none_is_shown() -> None:
+    assert shown(0.1, [None, 60.0], normalise="along") == pytest.approx([100e3, 50e3], abs=1e-5)
+
+
+def test_the_plc_takes_the_tilt_of_the_same_cycle_or_an_older_one() -> None:
+    tilts: list[float | None] = [0.0, 60.0, 0.0, 60.0]
+    assert shown(0.1, tilts, normalise="along") == pytest.approx([1e5, 5e4, 1e5, 5e4], abs=1e-5)
+    older = shown(0.1, tilts, normalise="along", tilt_delay_cycles=1)
+    assert older == pytest.approx([1e5, 1e5, 5e4, 1e5], abs=1e-5)
+
+
+def test_a_residual_error_of_the_tilt_leaves_its_cosine() -> None:
+    wrong = shown(0.1, [60.0], normalise="along", tilt_error_deg=0.5)
+    assert wrong == pytest.approx([1e5 * math.cos(math.radians(60.5))], abs=1e-5)
+
+
+@pytest.mark.parametrize("factor", [1.0, 5.0])
+@pytest.mark.parametrize("tilt_deg", [10.0, 60.0])
+def test_the_tilt_error_of_an_electrode_is_taken_out(factor: float, tilt_deg: float) -> None:
+    """The mean over the disc by a fine grid of plate capacitors, 50 mm above a level surface."""
+    radius, tangent = 5e-3, math.tan(math.radians(tilt_deg))
+    along = 0.05 / math.cos(math.radians(tilt_deg))
+    r = (np.arange(400) + 0.5) / 400 * radius
+    phi = np.arange(64) * 2 * np.pi / 64
+    gaps = along + tangent * r[:, None] * np.cos(phi)
+    mean = 1 / (float(((1 / gaps).mean(axis=1) * r).sum()) / float(r.sum()))
+    seen = mean - (factor - 1) * (radius * tangent) ** 2 / (4 * mean)
+    assert along_of_electrode_m(seen, radius * tangent, factor) == pytest.approx(along, rel=1e-6)
+    keys = {"electrode_radius_mm": 5.0, "tilt_factor": factor}
+    assert shown(seen, [tilt_deg], normalise="electrode", **keys) == pytest.approx([50e3], rel=1e-6)
+
+
+@pytest.mark.parametrize("tilt_deg", [90.0, 170.0, -30.0])
+def test_any_tilt_gives_a_number(tilt_deg: float) -> None:
+    assert 0 <= shown(0.1, [tilt_deg], normalise="along")[0] <= 1e5
+    assert math.isfinite(shown(0.0, [tilt_deg], normalise="electrode")[0])

@@ -1,0 +1,93 @@
+"""What a check says of the 3D distance control of a channel; limits by the printed formula."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.rig.distance.channel import channel_warnings, describe_channel
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, read_settings
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+RIG_NAMES = ("distance-5axis", "distance-5axis-servo", "distance-robot")
+
+
+def settings_of(
+    folder: Path, keys: str, *lines: str, base: str = RIG_NAMES[0], of_list: str = "channel-5axis"
+) -> Settings:
+    """A shipped rig with other keys of its variable, and other lines in its channel list."""
+    table = f'[plc]\n"V.E.SENSOR" = {{ {keys} }}\n' if keys else ""
+    if lines:
+        text = (RIGS / "lists" / f"{of_list}.lst").read_text(encoding="utf-8")
+        names = [line.split()[0] for line in lines]
+        kept = [row for row in text.splitlines() if row.split()[:1] not in [[n] for n in names]]
+        (folder / "channel.lst").write_text("\n".join([*kept, *lines, ""]), encoding="utf-8")
+        table += '[channel]\nlist = "channel.lst"\n'
+    path = folder / "rig.toml"
+    text = f'base = "{(RIGS / base).as_posix()}.toml"\n{table}'
+    path.write_text(text, encoding="utf-8")
+    return read_settings(*read_rig(path), [])
+
+
+def limit_of_mean(count: int, dead: int) -> float:
+    """Kp of CONST_DIST with a mean of `count`: 2 N sin^2(w/2)/sin(N w/2), w = pi/(N + 2 n)."""
+    w = math.pi / (count + 2 * dead)
+    return 2 * count * math.sin(w / 2) ** 2 / math.sin(count * w / 2)
+
+
+@pytest.mark.parametrize("rig", RIG_NAMES)
+def test_the_shipped_rigs_lack_nothing(tmp_path: Path, rig: str) -> None:
+    settings = settings_of(tmp_path, "", base=rig)
+    assert channel_warnings(settings) == []
+    (text,) = describe_channel(settings)
+    assert "gap in V.E.SENSOR" in text
+    assert "made orthogonal by the tilt that the channel shows" in text
+    assert "a value every 1 ms is promised" in text
+
+
+@pytest.mark.parametrize(
+    ("keys", "lines", "count", "dead"),
+    [
+        ("", (), 4, 2),
+        ("", ("dist_ctrl[0].optimized_scheduling 1",), 4, 1),
+        ("delay_cycles = 2", (), 4, 4),
+        ("", ("dist_ctrl[0].n_cycles 20",), 20, 2),
+    ],
+)
+def test_limit_of_kp_is_that_of_the_closed_form(
+    tmp_path: Path, keys: str, lines: tuple[str, ...], count: int, dead: int
+) -> None:
+    (text,) = describe_channel(settings_of(tmp_path, keys, *lines))
+    assert f"n = {dead}:" in text
+    (limit,) = re.findall(r"below kp ([\d.]+) +CONST_DIST:", text)
+    assert float(limit) == pytest.approx(limit_of_mean(count, dead), rel=5e-4)
+
+
+@pytest.mark.parametrize(("kp", "verdict"), [("0.42", "stable"), ("0.44", "UNSTABLE")])
+def test_a_kp_above_its_limit_is_unstable(tmp_path: Path, kp: str, verdict: str) -> None:
+    settings = settings_of(tmp_path, "", f"dist_ctrl[0].kp {kp}")
+    assert f"CONST_DIST: {verdict} as listed" in describe_channel(settings)[0]
+
+
+def test_a_wrong_sign_and_a_wrong_tilt_are_reported(tmp_path: Path) -> None:
+    (warning,) = channel_warnings(settings_of(tmp_path, "sign = -1"))
+    assert "V.E.SENSOR falls when the tool lifts" in warning
+    keys = "tilt_error_deg = 0.5, tilt_delay_cycles = 3"
+    (text,) = describe_channel(settings_of(tmp_path, keys))
+    assert "3 cycles older than the value, wrong by 0.5 degrees" in text
+    (text,) = describe_channel(settings_of(tmp_path, 'normalise = "none"'))
+    assert "as the sensor gives it" in text
+
+
+def test_a_channel_without_sensor_is_warned_of_and_one_without_release_is_not(
+    tmp_path: Path,
+) -> None:
+    release = "configuration.decoder.function FCT_3D_DIST_CTRL"
+    lines = (release, "dist_ctrl[0].a_max 100")
+    released = settings_of(tmp_path, "", *lines, base="distance-z", of_list="channel")
+    (warning,) = channel_warnings(released)
+    assert "no entry of [plc] reads a distance sensor" in warning
+    plain = settings_of(tmp_path, "", base="distance-z")
+    assert channel_warnings(plain) == describe_channel(plain) == []
