@@ -219,8 +219,9 @@ const axisrigTool = (() => {
 
   /* The same way to the right, the height at the surface with its own scale. */
   function near(scene, view, whole, width) {
+    if (!view.up[2]) return null; // from above there is no height
     const rows = (row) => scene.signals.at_work[row] === 1;
-    const lists = [scene.tcp, scene.programmed, ...(view.up[2] ? [scene.hit] : [])];
+    const lists = [scene.tcp, scene.programmed, scene.hit];
     let [b0, b1] = range(scene, lists, view.up, rows);
     if (!(b1 >= b0)) return null;
     const room = Math.max(0.12 * (b1 - b0), LEAST_MM);
