@@ -5,17 +5,22 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from statistics import median
 from typing import NamedTuple, Protocol
 
+from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.runner import prepare_all, run_cases
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.memory import memory_mb_min
 from axisrig.bench.tools.perf.pair_perf import measure_pair
 from axisrig.bench.tools.perf.perf import Row
+from axisrig.kernel.channel import Channel
 from axisrig.kernel.errors import UserError
 
 Sample = Mapping[str, float | str]
@@ -64,6 +69,51 @@ class NextRun(RunFactor):
         """Run it once more."""
         result = super().sample()
         return {**result, "value": result["beyond_simulation_ms"]}
+
+
+class KernelCycle:
+    """Time of the kernel in an NC cycle of a row, us, beside that of another row.
+
+    row: `row` of the plan, and `other plan:row`. From the turn of the PLC side to the end of the
+    cycle, its telegrams included; the median over all cycles that the program was running, in any
+    build.
+    """
+
+    def __init__(self, plan: str, row: str, place: Place) -> None:
+        own, _, beside = row.partition(" ")
+        other_plan, _, other = beside.partition(":")
+        self._cases = [
+            Row(place.plans / path, name, place.folder / "out", place.clocks).case
+            for path, name in ((plan, own), (other_plan, other))
+        ]
+        self._wall_ns = place.clocks.wall_ns
+
+    def sample(self) -> Sample:
+        """Run both rows once more."""
+        own_us, beside_us = (self._cycle_us(case) for case in self._cases)
+        return {"value": own_us, "beside_us": beside_us}
+
+    def _cycle_us(self, case: Case) -> float:
+        settings, program = prepare(case)
+        machine = Machine(settings, program, seed=case.seed)
+        begins: list[int] = []
+        cycles_ns: list[int] = []
+
+        def begin() -> None:
+            begins.append(self._wall_ns())
+
+        def end(channel: Channel) -> None:
+            if channel.start_ns is not None:
+                cycles_ns.append(self._wall_ns() - begins[-1])
+
+        channel = machine.channel
+        channel.plc.inputs.insert(0, begin)
+        channel.observers.insert(0, end)
+        try:
+            machine.run()
+        finally:
+            machine.close()
+        return median(cycles_ns) / 1e3
 
 
 class Pair:
@@ -172,6 +222,7 @@ def nc_check(program: str, _row: str, place: Place) -> Command:
 
 KINDS: Mapping[str, Callable[[str, str, Place], Yardstick] | None] = {
     "run": RunFactor,
+    "kernel_cycle": KernelCycle,
     "pair": Pair,
     "next_run": NextRun,
     "workers": Workers,
