@@ -8,20 +8,21 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple, Protocol
 
-from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.runner import prepare_all, run_cases
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import read_settings
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.memory import memory_mb_min
 from axisrig.bench.tools.perf.pair_perf import measure_pair
 from axisrig.bench.tools.perf.perf import Row
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
 
 Sample = Mapping[str, float | str]
 """`value` and what explains it; texts are equal in every sample."""
@@ -72,30 +73,26 @@ class NextRun(RunFactor):
 
 
 class KernelCycle:
-    """Time of the kernel in an NC cycle of a row, us, beside that of another row.
+    """Time of the kernel in an NC cycle of a program, us, beside that of another program.
 
-    row: `row` of the plan, and `other plan:row`. From the turn of the PLC side to the end of the
-    cycle, its telegrams included; the median over all cycles that the program was running, in any
-    build.
+    row: rig of the program, then `other program:its rig`. From the turn of the PLC side to the end
+    of the cycle, its telegrams included; the median over the cycles of the program, in any build.
     """
 
     def __init__(self, plan: str, row: str, place: Place) -> None:
-        own, _, beside = row.partition(" ")
-        other_plan, _, other = beside.partition(":")
-        self._cases = [
-            Row(place.plans / path, name, place.folder / "out", place.clocks).case
-            for path, name in ((plan, own), (other_plan, other))
-        ]
-        self._wall_ns = place.clocks.wall_ns
+        rig, beside = row.split()
+        self._pairs = [(plan, rig), tuple(beside.split(":"))]
+        self._plans, self._wall_ns = place.plans, place.clocks.wall_ns
 
     def sample(self) -> Sample:
-        """Run both rows once more."""
-        own_us, beside_us = (self._cycle_us(case) for case in self._cases)
+        """Run both programs once."""
+        own_us, beside_us = (self._cycle_us(program, rig) for program, rig in self._pairs)
         return {"value": own_us, "beside_us": beside_us}
 
-    def _cycle_us(self, case: Case) -> float:
-        settings, program = prepare(case)
-        machine = Machine(settings, program, seed=case.seed)
+    def _cycle_us(self, program: str, rig: str) -> float:
+        table, files = read_rig(self._plans / rig)
+        settings = read_settings(table, files, [])
+        machine = Machine(settings, read_program(self._plans / program, tuple(table.axis)))
         begins: list[int] = []
         cycles_ns: list[int] = []
 
