@@ -12,6 +12,7 @@ from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
+from axisrig.kernel.plc.unit import Refreshed
 
 Make = Callable[..., Any]
 LONG = partial(pytest.param, marks=pytest.mark.long)
@@ -361,3 +362,46 @@ def test_the_plc_sees_inclination_and_length_of_every_cycle(make_head: Make) -> 
     l2_mm = 80 * math.cos(math.radians(30)) / math.cos(math.radians(40))
     assert max(length for _, length in seen if length) == pytest.approx(l2_mm, abs=1e-3)
     assert made.bench.messages[-1][1] == f"40.000 {l2_mm:.3f}"
+
+
+# ---- the sensor
+
+
+@pytest.mark.provokes(310020, 7, owner="the channel")
+def test_check_pos_and_ref_are_those_of_the_distance(make_head: Make) -> None:
+    """At A -40 the clamping point is 80 cos 40 = 61.284 mm above the surface."""
+    made = make_head(min_pos_mm=60.0).run(TILTED + "#DIST CTRL CHECK_POS")
+    assert made.alarm_ids == []
+    made = make_head(min_pos_mm=62.0).run(TILTED + "#TIME 0.01\n#DIST CTRL [CHECK_POS]")
+    assert made.alarm_ids == [310020]
+    assert made.channel.alarms[0].values["value_mm"] == pytest.approx(61.2836, abs=1e-3)
+    made = make_head().run(TILTED + "#TIME 0.05\n#DIST CTRL REF\n#TIME 0.05")
+    assert made.alarm_ids == []
+    assert made.control3d.shown_sensor_mm == pytest.approx(0.0, abs=1e-4)
+    assert made.control3d.control.zero_mm == pytest.approx(-61.2836, abs=1e-3)
+
+
+@pytest.mark.provokes(900315, 1, owner="the channel")
+def test_a_variable_that_nobody_writes_is_warned_of(make_head: Make) -> None:
+    """It is 0 for ever: the distance seems to be 0. A value with a period is watched (900314)."""
+    made = make_head()
+    made.channel.plc.inputs.clear()
+    made.run(TILTED + "#DIST CTRL DRYRUN [SET_POS=0]\n#TIME 0.02")
+    assert made.alarm_ids == [900315]
+
+
+@pytest.mark.provokes(900314, 7, owner="the channel")
+def test_a_value_that_does_not_come_any_more_freezes_it(make_head: Make) -> None:
+    made = make_head(rising)
+    refreshed = Refreshed(period_ns=1_000_000)
+    made.channel.plc.refreshed["SENSOR"] = refreshed
+
+    def grow_old() -> None:
+        refreshed.age_cycles += 1
+
+    made.at({700 + k: grow_old for k in range(20)})
+    made.run(TILTED + "#DIST CTRL ON [SET_POS=0]\n#TIME 1.5")
+    assert made.alarm_ids == [900314]
+    at = made.state.index(DistanceState.ERROR)
+    assert at == 703  # aged once in 700, so that it is four cycles old there: more than three
+    assert set(made.offset_mm[at:]) == {made.offset_mm[at]}

@@ -328,6 +328,22 @@ def test_a_frozen_offset_stays_where_it_is_when_the_kinematic_goes(
         loop.on()
 
 
+def test_what_an_end_has_left_goes_on_with_the_same_kinematic_made_anew(
+    make_tool_loop: Make, tool: Any
+) -> None:
+    """#TRAFO of the next program makes another object of the same kinematic."""
+    loop = make_tool_loop(inclined(20, 40), tool.plane(height_mm=lambda _k: 1.0))
+    loop.plan("ECS").on(set_pos=0.0)
+    loop.run(3).control3d.end_program()
+    before = loop.run(1).sent[-1]
+    loop.kinematic = HeadCA((100.0,), 80.0)
+    loop.plan("ECS").on(set_pos=0.0)
+    assert loop.run(2).sent[-1] == pytest.approx(before, abs=1e-9)
+    loop.say(DistanceCommand.FREEZE).kinematic = HeadCA((100.0,), 81.0)
+    loop.on()  # another length moves the TCP, not the way of the tool
+    assert loop.run(1).sent[-1] == pytest.approx(before, abs=1e-9)
+
+
 @pytest.mark.provokes(900464, 1, set_dist_mm="1", length_mm="80")
 @pytest.mark.provokes(900464, 1, set_dist_mm="1", length_mm="0")
 def test_a_set_distance_that_is_not_the_tool_length_is_a_warning(make_tool_loop: Make) -> None:

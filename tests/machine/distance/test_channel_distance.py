@@ -131,3 +131,32 @@ def test_a_rig_without_the_licence(run_distance):
         base="distance-z-variable-gap.toml",
     )
     assert [alarm.id for alarm in watched.channel.alarms] == [21837]
+
+
+@pytest.mark.long
+def test_over_a_plant_with_its_own_kinematic_the_shift_is_the_foretold_one(run_distance):
+    """A surface 1.5 mm above SET_POS, A -35, C 20, ECS: X -0.3592, Y 0.9870 (docs/distance-3d.md).
+
+    The distance comes from the Modelica model of tool and surface: 80 cos 35 = 65.5322 mm with the
+    TCP on the surface, 1.5 mm more after the offset, and the offset stays in NO_MOVE.
+    """
+    watched = run_distance(
+        "V.G.WZ_AKT.L = 80\n#TRAFO ON\nG1 F3600 X0 Y0 Z0\nA-35 C20\n"
+        f"#DIST CTRL [{VARIABLE}]\n#TIME 0.1\n"
+        '#MSG ["%.1f", V.E.SENSOR]\n'
+        "#DIST CTRL ON [SURFACE SET_POS=-1.5 MODE=ECS]\n#TIME 1\n"
+        '#MSG ["%.1f", V.E.SENSOR]\n'
+        "#DIST CTRL WAIT [OFF NO_MOVE]\n"
+        '#MSG ["%.6f %.6f %.6f", V.A.ABS.X, V.A.ABS.Y, V.A.ABS.Z]\n'
+        "G1 X0 Y0 Z0\n#DIST CTRL ON [CONST_DIST SET_DIST=80 MODE=MCS]\nG1 A0\n#TIME 0.3\n"
+        '#MSG ["%.6f %.1f", V.A.ABS.Z, V.E.SENSOR]\n'
+        "#DIST CTRL WAIT OFF",
+        base="distance-5axis.toml",
+    )
+    assert watched.channel.alarms == []
+    on_surface, above, shift, level = (m.values for m in watched.outcome.facts.messages)
+    distance = 800_000 * np.cos(np.radians(35))
+    assert on_surface == pytest.approx((distance,), abs=2)  # 0.1 um; an increment of A is 0.8
+    assert above == pytest.approx((distance + 15_000,), abs=2)
+    assert shift == pytest.approx((-0.3592, 0.9870, 1.5), abs=1e-4)
+    assert level == pytest.approx((0.0, 800_000), abs=2)

@@ -14,10 +14,10 @@ from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.unfinished import at_work, waited_for
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.rig.rotary import is_rotary
-from axisrig.kernel.channel import ChannelState
-from axisrig.kernel.channel.distance.axis import AxisDistance
-from axisrig.kernel.channel.distance.sensing import source_word
+from axisrig.kernel.channel import Channel, ChannelState
+from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.time.clock import MS, US
@@ -82,7 +82,7 @@ def state_of(machine: Machine) -> State:
         "waits_for": waited_for(channel),
         "axes": [_axis(machine, link) for link in channel.links],
         "probes": [_probe(machine, name) for name in machine.plant.probes],
-        "distance": [_distance(axis) for axis in channel.distance.axes.values()],
+        "distance": [_distance(name, found) for name, found in _controls(channel)],
         "bus": [_segment(machine, name) for name in machine.segments],
         "real_time": _real_time(machine),
         "alarms": [str(alarm) for alarm in alarms[-LATEST:]],
@@ -146,19 +146,26 @@ def _probe(machine: Machine, name: str) -> State:
     }
 
 
-def _distance(axis: AxisDistance) -> State:
-    """Distance control of an axis; what no sensor has reported yet is null."""
-    control = axis.control
-    is_known = axis.sensor_mm is not None
+def _controls(channel: Channel) -> list[tuple[str, Sensing]]:
+    """The distance controls by axis, that of the channel (3D) last."""
+    found: list[tuple[str, Sensing]] = list(channel.distance.axes.items())
+    whole = channel.distance.channel
+    return found if whole is None else [*found, (CHANNEL, whole)]
+
+
+def _distance(name: str, found: Sensing) -> State:
+    """A distance control; what no sensor has reported yet is null."""
+    control, sensor_mm = found.control, found.sensor_mm
+    is_known = sensor_mm is not None
     is_constant = control.state is DistanceState.ACTIVE_CONST_DIST
     return {
-        "axis": axis.name,
+        "axis": name,
         "state": _word(control.state.name),
         "source": control.source.name,
-        "sensor": source_word(axis.sensor),
-        "is_held": axis.is_held,
+        "sensor": source_word(found.sensor),
+        "is_held": found.is_held,
         "is_dry_run": control.is_dry_run,
-        "sensor_mm": axis.sensor_mm,
+        "sensor_mm": None if sensor_mm is None else sensor_mm * control.settings.sensor_sign,
         "distance_mm": control.distance_mm if is_known else None,
         "set_name": "SET_DIST" if is_constant else "SET_POS",
         "set_mm": control.set_dist_mm if is_constant else control.set_pos_mm,

@@ -49,6 +49,8 @@ NO_KINEMATIC, NO_DIRECTION, OTHER_GUIDE, TOO_STEEP, OTHER_LENGTH, UNFIT_TIME = (
 )
 # A rate below it is the rounding of a kinematic
 STILL = 1e-7
+# Two guides that put an axis this near to each other do the same
+SAME_MM = 1e-6
 MACHINE_Z: Vector = (0.0, 0.0, 1.0)
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 
@@ -198,17 +200,25 @@ class ChannelDistance(Sensing):
             if mode == ACS:
                 raise Alarm(NO_DIRECTION, axes=" ".join(self.names))
             raise Alarm(NO_KINEMATIC, mode=mode)
-        if self.is_idle:
-            self.guide = guide
-        elif self.guide is None or not guide.is_same(self.guide):
+        if self._would_jump(guide):
             offset_mm = round(self.control.offset_mm, 6)
             raise Alarm(OTHER_GUIDE, owner=OWNER, mode=guide.mode, offset_mm=offset_mm)
         cosine = guide.cosine(self._actual())
         if cosine < LEAST_COSINE:
             raise self._steep(cosine)
+        self.guide = guide
         self.look()
         is_constant = wanted is DistanceCommand.ON_CONST_DIST
         return self._length_warning() if is_constant and guide.mode != ACS else None
+
+    def _would_jump(self, guide: Guide) -> bool:
+        """Whether the offset that is there would move the axes if it acted by another guide."""
+        present = self.guide
+        if self.is_idle or present is None or guide.is_same(present):
+            return False
+        base, offset_mm = self._base or self._actual(), self.output_mm
+        before, after = (g.superposed(base, offset_mm) for g in (present, guide))
+        return any(abs(a - b) > SAME_MM for a, b in zip(before, after, strict=True))
 
     def _wanted_guide(self) -> Guide | None:
         mode, kinematic = self.wanted_mode, self._kinematic()
