@@ -31,7 +31,7 @@ from axisrig.reports.kinematics.scene import (
     scene,
 )
 from axisrig.reports.kinematics.section import dumps, sections
-from axisrig.reports.kinematics.signals import with_signals
+from axisrig.reports.kinematics.signals import plots, with_signals
 from axisrig.reports.parts.encode import encode_signal
 from axisrig.reports.signals import chart, signals
 
@@ -65,6 +65,14 @@ def test_what_a_program_writes_wins_and_no_extension_has_no_limit_of_it() -> Non
     changed = replace(LEFT, kinematics=(on,))
     (stretch,) = tilted.tool(ECS, changed)["kinematics"]
     assert stretch["limits"] == {"HD4": 91.0}
+
+
+def test_a_sensor_without_a_true_distance_has_its_beam_only() -> None:
+    """What an FMU need not have is not a number: no orthogonal distance, no plane."""
+    found = motion(ECS.drop_columns(["gap.distance_true_mm", "gap.valid"]))
+    assert np.isnan(found.distance_mm).all()
+    assert np.array_equal(found.hit_mm, motion().hit_mm)
+    assert planes(found) == []
 
 
 def test_a_run_without_a_kinematic_has_no_tool() -> None:
@@ -221,16 +229,17 @@ def test_set_pos_is_an_ideal_surface_along_the_normal_from_the_origin() -> None:
 
 def test_truth_and_what_the_plc_sees_are_one_plot_with_the_limits_of_the_tilt() -> None:
     description, _ = chart(ECS, {"kinematics": [TOOL], "events": []})
-    plots = {plot["plot"]: plot["series"] for plot in description["plots"]}
-    shown = [entry["label"] for entry in plots["tilt"]["channel"]]
+    drawn = {plot["plot"]: plot["series"] for plot in description["plots"]}
+    shown = [entry["label"] for entry in drawn["tilt"]["channel"]]
     assert shown == ["shown to the PLC", "true"]
     limits = {row["label"]: row["value"] for row in description["limits"]}
     assert limits == {"HD2": 50.0, "HD3": 70.0, "HD4": 85.0}
-    assert description["axis"] == "channel"
 
 
 def test_every_signal_has_its_place_and_points_of_the_tool_have_none() -> None:
     control = {"axis": "channel", "sensor": "gap"}
+    assert plots(ECS, {"kinematics": [TOOL], "distance": [control]}).axes == ["channel"]
+    assert plots(ECS, {"kinematics": [TOOL]}).axes == []
     after = with_signals(ECS, {"kinematics": [TOOL], "distance": [control]})
     names = set(after.column_names)
     assert "channel.moved_mm" in names
@@ -240,6 +249,30 @@ def test_every_signal_has_its_place_and_points_of_the_tool_have_none() -> None:
     known = [name.partition(".")[2] for name in alone.column_names if name != "time_ns"]
     assert [name for name in known if name not in signals()] == []
     assert "channel.distance_state" not in alone.column_names  # never on
+
+
+def test_without_a_sensor_tilt_and_length_are_those_of_the_chain() -> None:
+    """80 cos 50/cos 70 = 150.351 mm at 80 degrees; nothing before the kinematic is on."""
+    bare = tilted.trace(-80.0, has_sensor=False).drop_columns(["channel.tilt_deg"])
+    after = with_signals(bare, {"kinematics": [{**TOOL, "sensor": None}]})
+    tilt = after.column("channel.tilt_true_deg").to_numpy()
+    assert np.isnan(tilt[: tilted.KINEMATIC]).all()
+    assert tilt[tilted.ON] == pytest.approx(80.0, abs=1e-9)
+    length = after.column("channel.tool_length_true_mm").to_numpy()
+    assert length[tilted.ON] == pytest.approx(150.351, abs=5e-4)
+
+
+def test_a_kinematic_without_distance_control_has_its_section() -> None:
+    """Nothing of a control is recorded: no guides, no columns of the channel."""
+    columns = [name for name in ECS.column_names if name.split(".")[0] in ("time_ns", *"XYZCA")]
+    bare = ECS.select([name for name in columns if not name.endswith("superposed_mm")])
+    (tool,) = tool_blocks(Observed(replace(LEFT, distance_3d=None), kept(bare)))
+    assert (tool["guides"], tool["diagnosis"], tool["sensor"]) == ([], [], None)
+    (found,) = sections({"kinematics": [tool]}, bare, "a", {})
+    assert (found["has_surface"], found["has_offset"], found["modes"]) == (False, False, [])
+    assert [row[0] for row in found["rows"]] == ["tilt", "tool length, true"]
+    description, _ = chart(bare, {"kinematics": [tool], "events": []})
+    assert "tilt" in [plot["plot"] for plot in description["plots"]]
 
 
 # Section

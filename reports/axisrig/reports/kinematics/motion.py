@@ -166,9 +166,11 @@ def _seen(trace: pa.Table, sensor: str | None, rows: npt.NDArray[np.int64]) -> d
         nothing = np.full(len(rows), np.nan)
         away = np.full((len(rows), 3), np.nan)
         return {"hit_mm": away, "distance_mm": nothing, "along_mm": nothing}
-    hits = _column(trace, f"{sensor}.valid")[rows] > 0.0
+    valid = column(trace, f"{sensor}.valid")
+    hits = np.ones(len(rows), dtype=bool) if valid is None else valid[rows] > 0.0
+    orthogonal = column(trace, f"{sensor}.distance_true_mm")
+    distance = np.where(hits, np.nan if orthogonal is None else orthogonal[rows], np.nan)
     along = np.where(hits, _column(trace, f"{sensor}.along_mm")[rows], np.nan)
-    distance = np.where(hits, _column(trace, f"{sensor}.distance_true_mm")[rows], np.nan)
     clamp, tcp = (_point(trace, f"{sensor}.{word}")[rows] for word in ("clamping", "tcp"))
     length = _column(trace, f"{sensor}.virtual_length_mm")[rows]
     hit = clamp - (clamp - tcp) * (along / length)[:, None]

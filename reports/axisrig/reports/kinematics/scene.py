@@ -254,7 +254,8 @@ def ideal(motion: Motion, tool: Tool) -> list[dict[str, Any]]:
     """
     found: list[dict[str, Any]] = []
     guides = tool["guides"]
-    ends = [*(guide["time_ns"] for guide in guides[1:]), int(motion.times_ns[-1]) + 1]
+    last_ns = int(motion.times_ns[-1]) + 1
+    ends = [*(guide["time_ns"] for guide in guides[1:]), last_ns][: len(guides)]
     for guide, end_ns in zip(guides, ends, strict=True):
         if guide["mode"] in ("", "ACS") or not guide["is_used"]:
             continue

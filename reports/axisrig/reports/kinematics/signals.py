@@ -3,8 +3,8 @@
 import numpy as np
 import pyarrow as pa
 
-from axisrig.bench.record.series import column_of
-from axisrig.reports.kinematics.motion import CHANNEL, Signal, Tool, column, moved_mm
+from axisrig.bench.record.series import TIME, column_of, values_of
+from axisrig.reports.kinematics.motion import CHANNEL, Signal, Tool, column, motion_of, moved_mm
 from axisrig.reports.parts.topic import Info, Plots
 
 LEGEND = (
@@ -53,12 +53,31 @@ def with_signals(trace: pa.Table, info: Info) -> pa.Table:
 
 
 def _of_plant(trace: pa.Table, tool: Tool, info: Info) -> dict[str, Signal]:
+    if tool["sensor"] is None:
+        return _by_chain(trace, tool)
     added = {}
-    for name, shown in _OF_PLANT.items() if tool["sensor"] is not None else ():
+    for name, shown in _OF_PLANT.items():
         found = column(trace, f"{tool['sensor']}.{name}")
         # The section of a distance control has the distance itself
         if found is not None and not (shown == _DISTANCE and _is_controlled(info)):
             added[f"{CHANNEL}.{shown}"] = found
+    return added
+
+
+def _by_chain(trace: pa.Table, tool: Tool) -> dict[str, Signal]:
+    """Return tilt and length by the oracle where no plant sees the tool; none while it is off."""
+    motion = motion_of(trace, tool)
+    if motion is None:
+        return {}
+    rows = np.isin(values_of(trace.column(TIME)), motion.times_ns)
+    added = {}
+    for name, values in (
+        ("tilt_true_deg", motion.tilt_deg),
+        ("tool_length_true_mm", motion.length_mm),
+    ):
+        whole = np.full(trace.num_rows, np.nan)
+        whole[rows] = values
+        added[f"{CHANNEL}.{name}"] = whole
     return added
 
 
@@ -92,7 +111,7 @@ def plots(_trace: pa.Table, info: Info) -> Plots:
         (name, value) for stretch in tool["kinematics"] for name, value in stretch["limits"].items()
     }
     return Plots(
-        axes=[CHANNEL],
+        axes=[CHANNEL] if _is_controlled(info) else [],
         limits=[
             {"plot": "tilt", "axis": CHANNEL, "value": round(value, 9), "label": name}
             for name, value in sorted(limits)

@@ -220,6 +220,7 @@ const axisrigTool = (() => {
   /* The same way to the right, the height at the surface with its own scale. */
   function near(scene, view, whole, width) {
     if (!view.up[2]) return null; // from above there is no height
+    if (!scene.hasSurface && !scene.signals.offset.some((offset) => offset)) return null;
     const rows = (row) => scene.signals.at_work[row] === 1;
     const lists = [scene.tcp, scene.programmed, scene.hit];
     let [b0, b1] = range(scene, lists, view.up, rows);
