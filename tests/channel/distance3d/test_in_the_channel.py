@@ -287,6 +287,17 @@ def test_frozen_over_a_change_of_the_kinematic_no_axis_moves(make_head: Make) ->
         assert len(set(made.sent[name][first:])) == 1
 
 
+def test_a_frozen_offset_goes_on_with_the_same_kinematic_built_again(make_head: Make) -> None:
+    """#TRAFO OFF and ON between: another object, of the same numbers."""
+    made = make_head(lambda ms: 0.5 if ms < 500 else 0.8)
+    made.run(
+        TILTED + "#DIST CTRL ON [SET_POS=0 MODE=ECS]\n#TIME 0.2\n#DIST CTRL FREEZE\n#TRAFO OFF\n"
+        "#TRAFO [9]\n#DIST CTRL ON\n#TIME 0.6"
+    )
+    assert made.alarm_ids == [900315]
+    assert made.offset_mm[-1] == pytest.approx(0.8, abs=1e-4)
+
+
 @pytest.mark.parametrize("counts", [False, True])
 def test_software_limits_count_it_where_the_list_says_so(make_head: Make, counts: bool) -> None:
     """Z at 180 + 1 mm with the limit 180.5: P-CHAN-00809."""

@@ -1,0 +1,12 @@
+%distance_3d_example_1
+; FCT-M3 12.2, example 1: as the control of an axis. #TIME 0.4 in place of the dots; then the position.
+N010 G0 Z10
+N020 #DIST CTRL [SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]
+N030 #DIST CTRL ON [CONST_DIST SET_DIST=1 MODE=ACS DIRECTION=Z]
+N040 #TIME 0.4
+N050 #MSG SYN["Z=%f", V.A.ACT_POS.Z]
+N900 #DIST CTRL OFF
+N910 G0 Z0
+N920 #TIME 0.1
+N930 #MSG SYN["Z=%f", V.A.ACT_POS.Z]
+N999 M30

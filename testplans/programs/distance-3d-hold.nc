@@ -1,0 +1,20 @@
+%distance_3d_hold
+; What stops 3D distance control and what does not: a path, G4 and M functions while the surface rises. V.E.LAW 2: along the
+; tool, 3: along the normal.
+N010 V.G.WZ_AKT.L = 80
+N020 #TRAFO ON
+N030 #DIST CTRL [SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]
+$SWITCH V.E.LAW
+$CASE 2
+N040 #DIST CTRL ON [SURFACE SET_POS=0 MODE=ECS]
+$BREAK
+$CASE 3
+N050 #DIST CTRL ON [SURFACE SET_POS=0 MODE=MCS]
+$BREAK
+$ENDSWITCH
+N060 G4 0.15
+N070 M51
+N080 #WAIT FOR V.E.READY == 1
+N090 G01 G91 X10 F6000
+N100 #TIME 0.25
+N999 M30
