@@ -284,7 +284,7 @@ DAMAGES: list[tuple[str, str, bytes | Callable[[str], str], tuple[str, ...]]] = 
     (
         "run of a later version",
         "runs/plan-a.json",
-        _other('"version": 2', '"version": 3'),
+        _other('"version": 3', '"version": 4'),
         ("report",),
     ),
     ("run without a value", "runs/plan-a.json", _other('"end_ns"', '"ended_ns"'), ("report",)),

@@ -177,7 +177,7 @@ def test_a_recording_of_another_version_is_refused_and_nothing_is_written(
     place: Path, rejected: Callable[..., str]
 ) -> None:
     file = place / "out" / "runs" / "plan-b.json"
-    file.write_text(file.read_text().replace('"version": 2', '"version": 0'))
+    file.write_text(file.read_text().replace('"version": 3', '"version": 0'))
     said = rejected("judge", "out", "--plan", "plan.csv")
     assert said.startswith("out/runs/plan-b.json: a recording of another version; found 0")
     assert not (place / "out" / "judged").exists()

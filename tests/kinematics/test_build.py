@@ -163,18 +163,3 @@ def test_these_axes_do_not(axes: str) -> None:
 def test_angles_of_98_that_do_not_fit(hd: Sequence[float], message: str) -> None:
     with pytest.raises(Alarm, match=message):
         _build([9, 98], written=_hd(hd))
-
-
-# --- two of one name -----------------------------------------------------------------------------
-
-
-def test_a_kinematic_built_of_the_same_numbers_is_the_same() -> None:
-    first, again = (
-        _build([9, 98], written=_hd([100, 50, 70, 85])),
-        _build([9, 98], written=_hd([100, 50, 70, 85])),
-    )
-    assert first.is_same(again)
-    assert again.is_same(first)
-    assert not first.is_same(_build([9, 98], written=_hd([100, 50, 60, 85])))
-    assert not first.is_same(_build([9], written=_hd([100, 50, 70, 85])))
-    assert not first.is_same(_build([9, 98], written=_hd([100, 50, 70, 85]), tool_mm=90.0))

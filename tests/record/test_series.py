@@ -266,7 +266,7 @@ def test_a_trace_of_an_older_version_has_the_units_of_its_names(tmp_path: Path) 
 
 def test_units_are_those_of_the_plots() -> None:
     """The table by which the report labels its axes was written apart from the ends of names."""
-    plots = {"µm": "um", "°": "deg", "°/s": "deg/s", "m°": "mdeg"}
+    plots = {"µm": "um", "°": "deg", "°/s": "deg/s", "m°": "mdeg", "%": "pct"}
     with (ROOT / "reports/axisrig/reports/signals.csv").open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if not row["suffix"].startswith("change_")]
     for row in rows:

@@ -14,11 +14,20 @@ from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.facts import Facts
 from axisrig.reports.build import Findings
 
 
-def write_runs(folder: Path, name: str, traces: Mapping[str, pa.Table]) -> Path:
-    """Write plan `name` below `folder`, and a results folder with a run for each trace."""
+def write_runs(
+    folder: Path,
+    name: str,
+    traces: Mapping[str, pa.Table],
+    left: Mapping[str, Facts] | None = None,
+) -> Path:
+    """Write plan `name` below `folder`, and a results folder with a run for each trace.
+
+    left: facts of runs that have more than the least.
+    """
     (folder / "a.nc").write_text("N10 G0 Z0\n", encoding="utf-8")
     (folder / "a.toml").write_text("[machine]\n", encoding="utf-8")
     lines = [f"{case},a.nc,a.toml,none" for case in traces]
@@ -30,7 +39,8 @@ def write_runs(folder: Path, name: str, traces: Mapping[str, pa.Table]) -> Path:
         for case in plan.cases:
             checks = [judge(check, [], 0.0, "") for check in case.checks]
             series = kept(traces[case.case], writer.files_of(case.run).trace)
-            writer.add(CaseResult(case, Verdict.PASS, checks, facts=facts(), series=series))
+            of_run = (left or {}).get(case.case, facts())
+            writer.add(CaseResult(case, Verdict.PASS, checks, facts=of_run, series=series))
     return folder / "out"
 
 

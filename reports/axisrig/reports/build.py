@@ -40,6 +40,7 @@ from axisrig.reports.budget.section import budget_section
 from axisrig.reports.campaign_map.section import CampaignMap, map_style
 from axisrig.reports.coverage.section import Coverage, coverage_style
 from axisrig.reports.glossary import glossary
+from axisrig.reports.kinematics.section import tool_script, tool_style
 from axisrig.reports.lines.section import lines_section, lines_style
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
@@ -96,7 +97,7 @@ def build_report(
 _STORE = "<!-- packed runs -->"
 _STYLES = (
     *(page_style, blocks_style, map_style),
-    *(statistics_style, sweeps_style, coverage_style, lines_style, budget_style),
+    *(statistics_style, sweeps_style, coverage_style, lines_style, budget_style, tool_style),
 )
 
 
@@ -213,6 +214,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
         "coverage": made.coverage.section(),
         "map": made.campaign.data(),
         "map_script": Markup(shipped_text("campaign_map/map.js")),
+        "tool_script": tool_script(),
         "style": Markup("").join(style() for style in _STYLES),
         "scripts": plot_scripts(),
         "script": Markup(shipped_text("page.js")),

@@ -13,6 +13,7 @@
     find: body.dataset.find,
     opened: null,
     plots: null,
+    tools: [],
   }));
   const byId = new Map(runs.map((run) => [run.id, run]));
 
@@ -37,11 +38,14 @@
       const packed = stored.get(run.id).textContent.slice(body.length + 1);
       run.plots = axisrigPlots.draw(figure, chart, packed, run.id);
     }
+    run.tools = [...row.querySelectorAll(".tv")].map((node) => axisrigTool.make(node, run.plots));
   }
 
   function close(run) {
     if (!run.opened) return;
     run.plots?.remove();
+    run.tools.forEach((tool) => tool.remove());
+    run.tools = [];
     run.opened.remove();
     run.opened = run.plots = null;
     run.body.querySelector(".opens").setAttribute("aria-expanded", "false");

@@ -247,6 +247,7 @@ const axisrigPlots = (() => {
       hooks: {
         drawClear: [axisrigBlocks.band(state), draws],
         draw: [limitLines(limits), eventLines(events, place.first)],
+        setCursor: [(u) => state.pointed?.(u.cursor.idx == null ? null : u.data[0][u.cursor.idx])],
         setScale: [(u, key) => key === "x" && follow(state, u)],
         ready: [(u) => {
           if (place.first) u.root.querySelector(".u-series").classList.add("u-keep");
@@ -374,5 +375,12 @@ const axisrigPlots = (() => {
     for (const u of state.plots) u.redraw(false);
   }
 
-  return { unpack, draw, redraw };
+  /* Put the cursor of every plot of a run to an instant; outside what is seen there is none. */
+  function point(state, ms) {
+    const [first, last] = state.view;
+    const left = ms < first || ms > last ? -10 : null;
+    for (const u of state.plots) u.setCursor({ left: left ?? u.valToPos(ms, "x"), top: 0 }, false);
+  }
+
+  return { unpack, decode, draw, redraw, point };
 })();

@@ -9,6 +9,8 @@ from axisrig.reports.distance import words as distance_words
 from axisrig.reports.fixed_stop import section as fixed_stop
 from axisrig.reports.fixed_stop import signals as fixed_stop_signals
 from axisrig.reports.fixed_stop import words as fixed_stop_words
+from axisrig.reports.kinematics import section as kinematics
+from axisrig.reports.kinematics import signals as kinematics_signals
 from axisrig.reports.parts.topic import ReportTopic
 
 TOPICS: tuple[ReportTopic, ...] = (
@@ -19,6 +21,15 @@ TOPICS: tuple[ReportTopic, ...] = (
         fixed_stop_signals.with_signals,
         fixed_stop_signals.plots,
         fixed_stop_words.LEGEND,
+    ),
+    # Before distance control, which drops what the plant gave it
+    ReportTopic(
+        "kinematics",
+        "axisrig.reports.kinematics",
+        kinematics.sections,
+        kinematics_signals.with_signals,
+        kinematics_signals.plots,
+        kinematics_signals.LEGEND,
     ),
     ReportTopic(
         "distance",

@@ -147,7 +147,7 @@ def test_the_list_of_the_channel_is_read_with_its_own_names() -> None:
     )
     assert (listed.control.kp, listed.control.count, listed.ref_offset_mm) == (0.2, 7, 0.5)
     assert listed.limits.high_mm == pytest.approx(149.9)
-    assert listed.limits.a_mm_s2 == 0.0, (
+    assert listed.limits.a_mm_s2 == 1.0, (
         "the channel has no acceleration of an axis to fall back on"
     )
 

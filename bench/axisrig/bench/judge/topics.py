@@ -14,6 +14,7 @@ from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
 from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
 from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
 from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
+from axisrig.bench.judge.kinematics.findings import no_events, tool_blocks
 from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
 from axisrig.bench.judge.latch.findings import latch_events
 from axisrig.bench.judge.latch.metrics import LATCH_METRICS
@@ -45,7 +46,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic("latch", LATCH_METRICS, latch_events),
     Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
     Topic("distance", {**DISTANCE_METRICS, **TOOL_METRICS}, distance_events, distance_blocks),
-    Topic("kinematics", KINEMATIC_METRICS, lambda _observed: []),
+    Topic("kinematics", KINEMATIC_METRICS, no_events, tool_blocks),
 )
 
 

@@ -30,11 +30,10 @@ def build(ids: Sequence[int], data: KinematicData, written: Written, tool_mm: fl
     parameter out of its range.
     """
     _check_steps(ids, data)
-    found = _first(Parameters(0, _trafo(0, ids[0], data), written), data, tool_mm)
-    if len(ids) > 1:
-        found = _extended(found, Parameters(1, _trafo(1, ids[1], data), written))
-    found.made_of = (tuple(ids), tool_mm, tuple(sorted(written.items())))
-    return found
+    first = _first(Parameters(0, _trafo(0, ids[0], data), written), data, tool_mm)
+    if len(ids) == 1:
+        return first
+    return _extended(first, Parameters(1, _trafo(1, ids[1], data), written))
 
 
 def check_axes(kinematic: Kinematic, axes: Sequence[tuple[str, bool]]) -> None:

@@ -15,21 +15,12 @@ class Kinematic:
     """Forward and inverse of one chain of axes; what it has to provide raises NotImplementedError.
 
     name: as `#KIN ID` chooses it. count: how many axes it needs. rotary: which of them are rotary.
-    axes: their names where the kinematic has some. made_of: what `build` has made it of, all that
-    tells two of one name apart. A compiled class takes no abstract base.
+    axes: their names where the kinematic has some. A compiled class takes no abstract base.
     """
 
     def __init__(self, name: str, rotary: tuple[bool, ...], axes: tuple[str, ...] = ()) -> None:
         self.name, self.count = name, len(rotary)
         self.rotary, self.axes = rotary, axes
-        self.made_of: tuple[object, ...] = ()
-
-    def is_same(self, other: "Kinematic") -> bool:
-        """Whether both are one chain of one length: the same, or built of the same numbers."""
-        is_built = bool(self.made_of)
-        return other is self or (
-            is_built and (other.name, other.made_of) == (self.name, self.made_of)
-        )
 
     def forward(self, axes: Positions) -> Positions:
         """Give the tool coordinates of axis positions, both of shape (count,), mm and degrees."""

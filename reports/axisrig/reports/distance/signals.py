@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.series import column_of, values_of
 from axisrig.reports.parts.topic import Info, Plots
 
@@ -97,7 +98,9 @@ def _dropped(trace: pa.Table, control: Control) -> list[str]:
     shown, axis = modes(control), control["axis"]
     names = [f"{axis}.{name}" for name in _REPLACED]
     names += [f"{axis}.{name}" for name in (() if SURFACE in shown else _OF_SURFACE)]
-    names += [f"{axis}.{name}" for name in (() if DISTANCE in shown else _OF_DISTANCE)]
+    # The sensor value of 3D control is the distance: it is shown in every mode
+    keeps_distance = DISTANCE in shown or axis == CHANNEL
+    names += [f"{axis}.{name}" for name in (() if keeps_distance else _OF_DISTANCE)]
     names += [f"{axis}.{name}" for name in (_OF_SENSOR if shown == {DISTANCE} else ())]
     names += [n for n in trace.column_names if n.startswith(f"{control['sensor']}.")]
     return [name for name in names if name in trace.column_names]
@@ -142,6 +145,8 @@ def _places(row: Control, control: Control, only_distance: bool) -> list[tuple[s
     if row["key"] == "max_deviation":
         return [("offset", value), ("offset", -value)]
     if row["key"] in ("max_pos", "min_pos"):
+        if control["axis"] == CHANNEL:  # its sensor value is the distance
+            return [("distance", value), ("sensor", value)]
         return [("distance", -value)] if only_distance else [("sensor", value)]
     if row["key"] == "v_max":
         step_mm = value * control["period_ms"] / 1000.0

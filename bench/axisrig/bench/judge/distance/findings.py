@@ -37,6 +37,22 @@ _FORMULAS = {
     CONST_DIST: "o += limit({}(SET_DIST − filter(d)))",
     BOTH: "o += limit({}(SET_DIST − filter(d − (Z − Z_com))))",
 }
+# Of each limit: parameter of an axis, and of the channel
+_PARAMETERS = {
+    "v_max": ("P-AXIS-00415", "P-CHAN-00802"),
+    "a_max": ("P-AXIS-00416", "P-CHAN-00803"),
+    "max_deviation": ("P-AXIS-00414", "P-CHAN-00801"),
+    "max_act_value_change": ("P-AXIS-00417", "P-CHAN-00804"),
+    "max_pos": ("P-AXIS-00419", "P-CHAN-00806"),
+    "min_pos": ("P-AXIS-00420", "P-CHAN-00807"),
+}
+# Older and newer ID of the alarm
+_ALARMS = {
+    "max_deviation": (70331, 310017),
+    "max_act_value_change": (70329, 310018),
+    "max_pos": (70330, 310019),
+    "min_pos": (70576, 310020),
+}
 _EVEN_MM = 2e-7
 _LEAST_ROWS = 3
 _WORDS = {
@@ -268,7 +284,7 @@ def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float, control
 
 def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
     """Each limit with the most that was used of it."""
-    limits, offset, sensor = truth.listed.limits, truth["offset_mm"], truth["sensor_mm"]
+    limits, offset, sensor = truth.listed.limits, truth["offset_mm"], truth.watched_mm
     # The row in which the program switches on has no value of the control yet
     on = _behind_first(truth.is_active)
     steps = np.diff(offset, prepend=offset[:1]) / truth.period_s
@@ -277,47 +293,36 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
     steps[(truth.state == INACTIVE) & (was_off != TURNING_OFF)] = 0.0
     changes = np.abs(np.diff(steps, prepend=0.0)) / truth.period_s
     jumps = np.abs(np.diff(sensor, prepend=sensor[:1])) / truth.period_s
-    clamps, raises = "clamps", "alarm {}"
+    lowest = _most(-sensor, on)
     rows = (
-        ("v_max", 415, limits.v_mm_s, "mm/s", _most(np.abs(steps)), clamps),
-        ("a_max", 416, limits.a_mm_s2, "mm/s²", _most(changes, on), clamps),
-        (
-            "max_deviation",
-            414,
-            limits.deviation_mm,
-            "mm",
-            _most(np.abs(offset)),
-            "clamps, alarm 70331 or 310017",
-        ),
-        (
-            "max_act_value_change",
-            417,
-            limits.change_mm_s,
-            "mm/s",
-            _most(jumps, _behind_first(on)),
-            raises.format("70329 or 310018"),
-        ),
-        ("max_pos", 419, limits.high_mm, "mm", _most(sensor, on), raises.format("70330 or 310019")),
-        (
-            "min_pos",
-            420,
-            limits.low_mm,
-            "mm",
-            None if (low := _most(-sensor, on)) is None else -low,
-            raises.format("70576 or 310020"),
-        ),
+        ("v_max", limits.v_mm_s, "mm/s", _most(np.abs(steps))),
+        ("a_max", limits.a_mm_s2, "mm/s²", _most(changes, on)),
+        ("max_deviation", limits.deviation_mm, "mm", _most(np.abs(offset))),
+        ("max_act_value_change", limits.change_mm_s, "mm/s", _most(jumps, _behind_first(on))),
+        ("max_pos", limits.high_mm, "mm", _most(sensor, on)),
+        ("min_pos", limits.low_mm, "mm", None if lowest is None else -lowest),
     )
+    is_channel = truth.axis == CHANNEL
     return [
         {
             "key": key,
-            "parameter": f"P-AXIS-{number:05d}",
+            "parameter": _PARAMETERS[key][is_channel],
             "value": value,
             "unit": unit,
             "used": used,
-            "acts": acts,
+            "acts": _acts(key, is_channel=is_channel),
         }
-        for key, number, value, unit, used, acts in rows
+        for key, value, unit, used in rows
     ]
+
+
+def _acts(key: str, *, is_channel: bool) -> str:
+    """Say what a limit does; the channel has the newer alarms only."""
+    if key not in _ALARMS:
+        return "clamps"
+    older, newer = _ALARMS[key]
+    alarm = f"alarm {newer}" if is_channel else f"alarm {older} or {newer}"
+    return f"clamps, {alarm}" if key == "max_deviation" else alarm
 
 
 def _behind_first(rows: Flags) -> Flags:

@@ -28,6 +28,7 @@ _ALIASES = {
     "tolerance": "toleranz",
 }
 _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE = "getriebe[0].dynamik.a_max", 1000.0
+_LEAST_ACCELERATION = 1.0
 _AXIS_RAMPS = tuple(f"getriebe[0].lslope_profil.a_grenz_stufe_{k}" for k in (1, 2))
 _AXIS_SPEEDS = ("getriebe[0].vb_eilgang", "getriebe[0].dynamik.vb_max")
 
@@ -89,7 +90,8 @@ class Listed:
 def as_written(written: Written, stems: tuple[str, ...] = OF_AXIS) -> Listed:
     """Read the parameters of one axis, or with OF_CHANNEL those of the channel.
 
-    The channel has no acceleration to fall back on.
+    The channel has no acceleration to fall back on; without one it is 1
+    mm/s2 (docs/distance-3d.md).
     """
 
     def number(name: str, otherwise: float) -> float:
@@ -108,9 +110,7 @@ def as_written(written: Written, stems: tuple[str, ...] = OF_AXIS) -> Listed:
         return otherwise
 
     tolerance = number("tolerance", 0)
-    acceleration = number("a_max", 0)
-    if not acceleration and stems == OF_AXIS:
-        acceleration = _plain(written, _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE)
+    acceleration = number("a_max", 0) or _of_axis(written, stems)
     adaptive = None
     if number("use_adaptive_acceleration", 0):
         low, high = number("dist_error_a_min", 1000), number("dist_error_a_max", 5000)
@@ -152,6 +152,12 @@ def as_written(written: Written, stems: tuple[str, ...] = OF_AXIS) -> Listed:
         is_optimized=bool(number("optimized_scheduling", 0)),
         uses_both=bool(number("mode_dist_use_both_encoder", 0)),
     )
+
+
+def _of_axis(written: Written, stems: tuple[str, ...]) -> float:
+    if stems != OF_AXIS:
+        return _LEAST_ACCELERATION
+    return _plain(written, _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE)
 
 
 def axis_limits(written: Written) -> tuple[float, float]:

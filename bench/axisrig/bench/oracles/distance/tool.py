@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from axisrig.bench.oracles.kinematics.chain import JOINTS, Array, Chain
 
@@ -155,6 +154,8 @@ def _missing(chain: Chain, axes: Array, wanted: Array, rest: Array) -> Array:
     wanted.
     """
     frame = chain.frame(axes)
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - takes long to load
+
     turned = np.swapaxes(wanted[:, :3, :3], -1, -2) @ frame[:, :3, :3]
     vectors = np.degrees(Rotation.from_matrix(turned).as_rotvec())
     place = frame[:, :3, 3] - wanted[:, :3, 3]

@@ -9,8 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import root
-from scipy.spatial.transform import Rotation
 
 from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Program, Written
 
@@ -31,6 +29,8 @@ def shift(x: npt.ArrayLike, y: npt.ArrayLike, z: npt.ArrayLike) -> Array:
 
 def turn(axis: Sequence[float], angle_deg: npt.ArrayLike) -> Array:
     """Return matrices (..., 4, 4) that turn right-handed about an axis through the origin."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - takes long to load
+
     angles = np.asarray(angle_deg, dtype=float)
     direction = np.asarray(axis, dtype=float)
     vectors = np.radians(angles)[..., None] * direction / np.linalg.norm(direction)
@@ -79,6 +79,8 @@ class Chain:
         place = frame[..., :3, 3]
         if self._first.type in (HEAD, UNIVERSAL):
             return np.concatenate([place, axes[..., LINEAR:]], axis=-1)
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415 - takes long to load
+
         angles = Rotation.from_matrix(frame[..., :3, :3]).as_euler("ZYX", degrees=True)
         own = axes[..., JOINTS:]
         if self._first.type == COUPLING:
@@ -109,6 +111,8 @@ class Chain:
             difference = np.asarray(self.tool(axes[None])[0] - np.asarray(tool), dtype=float)
             difference[LINEAR:JOINTS] = (difference[LINEAR:JOINTS] + 180.0) % 360.0 - 180.0
             return difference
+
+        from scipy.optimize import root  # noqa: PLC0415 - takes long to load
 
         found = root(missing, np.asarray(near, dtype=float), tol=1e-13)
         solution: Array = found.x

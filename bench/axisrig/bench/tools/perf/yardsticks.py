@@ -5,18 +5,24 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from statistics import median
 from typing import NamedTuple, Protocol
 
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.runner import prepare_all, run_cases
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import read_settings
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.memory import memory_mb_min
 from axisrig.bench.tools.perf.pair_perf import measure_pair
 from axisrig.bench.tools.perf.perf import Row
+from axisrig.kernel.channel import Channel
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
 
 Sample = Mapping[str, float | str]
 """`value` and what explains it; texts are equal in every sample."""
@@ -64,6 +70,47 @@ class NextRun(RunFactor):
         """Run it once more."""
         result = super().sample()
         return {**result, "value": result["beyond_simulation_ms"]}
+
+
+class KernelCycle:
+    """Time of the kernel in an NC cycle of a program, us, beside that of another program.
+
+    row: rig of the program, then `other program:its rig`. From the turn of the PLC side to the end
+    of the cycle, its telegrams included; the median over the cycles of the program, in any build.
+    """
+
+    def __init__(self, plan: str, row: str, place: Place) -> None:
+        rig, beside = row.split()
+        self._pairs = [(plan, rig), tuple(beside.split(":"))]
+        self._plans, self._wall_ns = place.plans, place.clocks.wall_ns
+
+    def sample(self) -> Sample:
+        """Run both programs once."""
+        own_us, beside_us = (self._cycle_us(program, rig) for program, rig in self._pairs)
+        return {"value": own_us, "beside_us": beside_us}
+
+    def _cycle_us(self, program: str, rig: str) -> float:
+        table, files = read_rig(self._plans / rig)
+        settings = read_settings(table, files, [])
+        machine = Machine(settings, read_program(self._plans / program, tuple(table.axis)))
+        begins: list[int] = []
+        cycles_ns: list[int] = []
+
+        def begin() -> None:
+            begins.append(self._wall_ns())
+
+        def end(channel: Channel) -> None:
+            if channel.start_ns is not None:
+                cycles_ns.append(self._wall_ns() - begins[-1])
+
+        channel = machine.channel
+        channel.plc.inputs.insert(0, begin)
+        channel.observers.insert(0, end)
+        try:
+            machine.run()
+        finally:
+            machine.close()
+        return median(cycles_ns) / 1e3
 
 
 class Pair:
@@ -172,6 +219,7 @@ def nc_check(program: str, _row: str, place: Place) -> Command:
 
 KINDS: Mapping[str, Callable[[str, str, Place], Yardstick] | None] = {
     "run": RunFactor,
+    "kernel_cycle": KernelCycle,
     "pair": Pair,
     "next_run": NextRun,
     "workers": Workers,

@@ -119,7 +119,7 @@ class ToolGuide(Guide):
         return (
             isinstance(other, ToolGuide)
             and other.mode == self.mode
-            and other._kinematic.is_same(self._kinematic)
+            and other._kinematic is self._kinematic
             and other.normal == self.normal
         )
 

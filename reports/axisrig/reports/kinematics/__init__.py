@@ -1,0 +1,1 @@
+"""Section of the report about the tool of a kinematic: side view, signals, diagnosis data."""
