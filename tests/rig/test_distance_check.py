@@ -45,7 +45,10 @@ def unstable_as_listed(settings: Settings, mode: str) -> str | None:
 
 RUNS_AWAY = "distance-z-variable-gap"  # for the cases of the sign table
 SILENT = "distance-z-variable-silent"  # for the case of a sensor that stops
-OF_THE_CHANNEL = {"distance-5axis", "distance-5axis-servo", "distance-robot"}  # not of an axis
+WRONG_SIGN = "distance-5axis-sign"  # for the case of a control that runs away
+OF_THE_CHANNEL = {
+    p.stem for word in ("5axis", "robot") for p in RIGS.glob(f"distance-{word}*.toml")
+}
 SHIPPED = {path.stem for path in RIGS.glob("distance-*.toml")} - {RUNS_AWAY, SILENT}
 
 
@@ -59,6 +62,21 @@ def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
     assert distance_warnings(settings) == age_warnings(settings) == []
     assert "distance control of axis Z: gap on 60E4:1" in check_file(RIGS / f"{rig}.toml")
+
+
+@pytest.mark.parametrize("rig", sorted(OF_THE_CHANNEL - {WRONG_SIGN}))
+def test_the_shipped_rigs_with_3d_control_lack_no_sensor(rig: str) -> None:
+    """Some of them are wrong on purpose in what the PLC makes of the value, and say so."""
+    settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
+    assert [w for w in distance_warnings(settings) if "measures along the tool" not in w] == []
+    assert "3D distance control of the channel: gap in V.E.SENSOR" in check_file(
+        RIGS / f"{rig}.toml"
+    )
+
+
+def test_a_wrong_sign_of_3d_control_is_warned_of() -> None:
+    (warning,) = distance_warnings(read_settings(*read_rig(RIGS / f"{WRONG_SIGN}.toml"), []))
+    assert "gap in V.E.SENSOR falls when the tool lifts" in warning
 
 
 def test_a_sensor_without_released_distance_control_is_told_and_no_warning(tmp_path: Path) -> None:

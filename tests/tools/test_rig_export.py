@@ -193,7 +193,8 @@ def test_sensors_and_their_axes_are_one_fmu() -> None:
     assert "  probe.x_start = x.position_1;" in shared[0].text
 
 
-TILTED = ("distance-5axis", "distance-5axis-servo", "distance-robot")  # a sensor on rotary axes
+# A sensor or a probe on rotary axes
+TILTED = [p.stem for w in ("distance-5", "distance-r", "probe-5") for p in RIGS.glob(f"{w}*.toml")]
 REFUSED = ("distance-z-probe", "probe-z-akd", *TILTED)  # a touch probe on KinematicAxis
 
 
