@@ -238,7 +238,7 @@ def test_what_cannot_be_exported_is_said(before, after, words, tmp_path: Path) -
 @pytest.mark.parametrize("rig", TILTED)
 def test_a_sensor_that_reads_angles_is_refused(rig: str) -> None:
     """Its map makes rad of the degrees of the rig, which a package cannot hold."""
-    with pytest.raises(UserError, match=r"plant gap is wired to (c|j1), a rotary axis"):
+    with pytest.raises(UserError, match=r"plant (gap|probe) is wired to (c|j1), a rotary axis"):
         parts_of(settings_of(RIGS / f"{rig}.toml", []))
 
 
