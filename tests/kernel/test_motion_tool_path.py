@@ -1,5 +1,6 @@
 """A path of the tool through a kinematic: where it goes, and what its axes have to do."""
 
+import itertools
 import math
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from tests.kinematics.machines import MachineLists, params
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.kinematics import HeadCA
+from axisrig.kernel.kinematics import HeadCA, KinematicData, build
 from axisrig.kernel.motion.curves import Arc, Line
 from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.motion.profile import Slope
@@ -178,3 +179,21 @@ def test_an_axis_beside_the_kinematic_goes_evenly_with_the_tool_and_limits_it() 
     slow = Dynamics(AXIS.acceleration, AXIS.deceleration, AXIS.stop_deceleration, 60.0)
     dynamics = tool_dynamics([*[AXIS] * 5, slow], curve)
     assert dynamics.speed_max_mm_s == pytest.approx(60.0 / 0.6)
+
+
+def test_parts_of_a_tilt_with_98_keep_the_limits_of_the_axes() -> None:
+    """Through HD2 and HD3 in one piece an axis changes its speed in one cycle, in parts never."""
+    written = {(1, 98, k): 1e4 * value for k, value in enumerate((100.0, 50.0, 70.0, 91.0))}
+    kinematic = build([9, 98], KinematicData(), written, 80.0)
+    tools = [(0.0, 0.0, 0.0, 0.0, a) for a in (0.0, 50.0, 70.0, 90.0)]
+    assert kinematic.kinks(tools[0], tools[-1]) == pytest.approx([50 / 90, 70 / 90], abs=1e-9)
+    near = kinematic.inverse(tools[0], tools[0])
+    for start, end in itertools.pairwise(tools):
+        curve = ToolCurve(Line(start, end), kinematic, near)
+        dynamics = tool_dynamics([AXIS] * 5, curve, 60.0)
+        speed_mm_s = min(60.0, dynamics.speed_max_mm_s)
+        profile = dynamics.acceleration.plan(curve.length_mm, speed_mm_s, dynamics.deceleration)
+        times = np.arange(0.0, profile.duration_s, 1e-3)
+        places = np.array([curve.at(profile.at(t)[0]) for t in times])
+        assert np.abs(np.diff(places, 2, axis=0)).max() / 1e-6 <= 1000.0 * (1.0 + 1e-6)
+        near = curve.end_mm

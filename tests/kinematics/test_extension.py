@@ -98,3 +98,12 @@ def test_the_first_step_does_the_rest() -> None:
     axes = (10.0, 20.0, 30.0, 40.0, -50.0)
     assert kinematic.inverse(kinematic.forward(axes), axes) == pytest.approx(axes, abs=1e-12)
     assert (kinematic.name, kinematic.count) == ("9, 98", 5)
+
+
+def test_where_the_tilt_passes_the_angles_of_98() -> None:
+    """On a way of A alone the tilt is |A|; with HD2 at 90 degrees the length never changes."""
+    start, end = (0.0, 0.0, 0.0, 20.0, -40.0), (9.0, 0.0, 0.0, 20.0, 80.0)
+    kinks = _extended((HD1_MM, 30, 60, 91)).kinks(start, end)
+    assert [-40.0 + 120.0 * share for share in kinks] == pytest.approx([-30, 30, 60], abs=1e-9)
+    assert _extended((HD1_MM, 90, 0, 91)).kinks(start, end) == ()
+    assert _extended((HD1_MM, 30, 60, 91)).kinks(start, start) == ()

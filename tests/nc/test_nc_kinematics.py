@@ -142,6 +142,18 @@ def test_98_extends_the_tool() -> None:
     assert [at.acs_mm[axis] for axis in "XYZ"] == pytest.approx([*lever_mm * direction(0, -45)])
 
 
+def test_a_block_across_the_angles_of_98_stops_at_them() -> None:
+    """L2 begins to grow at 30 degrees and ends to at 60: an axis would change its speed at once."""
+    parameters = "".join(
+        f"V.G.KIN_STEP[1].ID[98].PARAM[{n}] = {value}\n"
+        for n, value in enumerate((0, 300_000, 600_000, 910_000))
+    )
+    commands = run5(parameters + "V.G.WZ_AKT.L = 80\n#TRAFO [9, 98]\nG0 X0 A0\nX10 A-80\nX0\nA0")
+    targets = [c.target_acs_mm for c in commands if isinstance(c, LinearMove)]
+    assert [t["A"] for t in targets if "A" in t] == pytest.approx([-30, -60, -80, -60, -30, 0])
+    assert [t["X"] for t in targets if "X" in t][-4:-1] == pytest.approx([3.75, 7.5, 10.0])
+
+
 def test_what_a_run_gives() -> None:
     """FCT-C4 section 5, third column: no tool in MOFFS; every axis of the head is latched."""
     at = machine(plane=("Z", 50.0))

@@ -11,6 +11,11 @@ Positions = tuple[float, ...]
 Vector = tuple[float, float, float]
 
 
+def between(start: Positions, end: Positions, share: float) -> Positions:
+    """Give the place after a share of the straight way from one place to another."""
+    return tuple([a + (b - a) * share for a, b in zip(start, end, strict=True)])
+
+
 class Kinematic:
     """Forward and inverse of one chain of axes; what it has to provide raises NotImplementedError.
 
@@ -44,6 +49,13 @@ class Kinematic:
     def nominal_length_mm(self, tool: Positions) -> float:
         """Give the length of the tool as its data has it, never extended."""
         return self.length_mm(tool)
+
+    def kinks(self, start: Positions, end: Positions) -> tuple[float, ...]:
+        """Give where the axes would change their speed at once on a straight way of the tool.
+
+        They are shares of the way, above 0 and below 1 and in their order; here there are none.
+        """
+        return ()
 
     def tilt_deg(self, tool: Positions) -> float:
         """Give the angle between the tool and Z of the machine, 0 to 180 degrees."""

@@ -329,6 +329,26 @@ class Coordinates:
             self.acs_mm = axis_positions(self.axes, self.kinematic, self._base_mm, self.acs_mm)
         return changed
 
+    @property
+    def base_mm(self) -> dict[str, float]:
+        """Where every axis has been sent, in BASE."""
+        return dict(self._base_mm)
+
+    def stops_mm(self, begin_mm: Mapping[str, float]) -> list[dict[str, float]]:
+        """Give the places in BASE where the way from `begin_mm` to here has a kink of the axes.
+
+        A path stops there, since an axis would change its speed at once (docs/kinematics.md).
+        """
+        kinematic, end_mm = self.kinematic, self._base_mm
+        if kinematic is None:
+            return []
+        inside = self.kinematic_axes
+        start, end = (tuple(place[axis] for axis in inside) for place in (begin_mm, end_mm))
+        return [
+            {a: at + (end_mm[a] - at) * share for a, at in begin_mm.items() if end_mm[a] != at}
+            for share in kinematic.kinks(start, end)
+        ]
+
     def stand_at(self, acs_mm: Mapping[str, float]) -> None:
         """Take over where axes really ended; what was programmed stays as it is."""
         self.acs_mm.update(acs_mm)

@@ -54,7 +54,11 @@ def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command
 def _go(context: Context, block: Block, values: Mapping[str, float]) -> Iterator[canon.Command]:
     rapid = context.modal.motion == "G0"
     feed_mm_min = None if rapid else context.feed(block, "G1")
-    target_mm = context.coordinates.aim(values, absolute=context.modal.absolute)
+    coordinates = context.coordinates
+    begin_mm = coordinates.base_mm
+    target_mm = coordinates.aim(values, absolute=context.modal.absolute)
+    for stop_mm in coordinates.stops_mm(begin_mm) if target_mm else ():
+        yield canon.LinearMove(block, stop_mm, rapid, feed_mm_min)
     if target_mm:
         yield canon.LinearMove(block, target_mm, rapid, feed_mm_min)
 
