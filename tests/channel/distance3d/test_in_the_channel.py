@@ -51,6 +51,29 @@ def test_a_program_of_the_manual_runs(make_head: Make) -> None:
     }
 
 
+@pytest.mark.parametrize(
+    "after",
+    [
+        "#DIST CTRL ON [SET_POS=1 MODE=MCS]\n",
+        "#CS ON[0,0,0,10,0,0]\n#DIST CTRL ON [SET_POS=1]\n",
+        LONG("#DIST CTRL ON [SET_POS=80 MODE=ACS DIRECTION=Z]\n"),
+    ],
+)
+@pytest.mark.parametrize("is_optimized", [True, LONG(False)])
+def test_wait_off_lasts_until_no_offset_is_on_its_way(
+    make_head: Make, after: str, is_optimized: bool
+) -> None:
+    """The next command may take another mode or another normal at once."""
+    made = make_head(lambda _ms: 1.5, is_optimized=is_optimized).run(
+        TILTED
+        + "#DIST CTRL ON [SET_POS=1 MODE=ECS]\n"
+        + dwell(100)
+        + "#DIST CTRL WAIT OFF\n"
+        + after
+    )
+    assert made.alarm_ids == [900315]
+
+
 @pytest.mark.provokes(20209, 2)
 def test_20209_without_its_function(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(*map(words.axis, "XYZ"), bitrate=5_000_000)

@@ -328,9 +328,10 @@ class DistanceControls:
         for name, wanted in list(self._awaited.items()):
             found = self.channel if name is None else self.axes[name]
             assert found is not None
-            state = found.control.state
-            if wanted is DistanceCommand.OFF and state is DistanceState.TURNING_OFF:
-                continue
+            if wanted is DistanceCommand.OFF:
+                is_left = name is None and found.is_on_its_way
+                if is_left or found.control.state is DistanceState.TURNING_OFF:
+                    continue
             del self._awaited[name]
         return bool(self._awaited)
 
