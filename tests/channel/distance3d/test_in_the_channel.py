@@ -74,6 +74,16 @@ def test_wait_off_lasts_until_no_offset_is_on_its_way(
     assert made.alarm_ids == [900315]
 
 
+def test_another_set_distance_while_on_is_a_warning_for_each_change(make_head: Make) -> None:
+    made = make_head().run(
+        TILTED
+        + "#DIST CTRL ON [CONST_DIST SET_DIST=80 MODE=MCS]\n"
+        + "#DIST CTRL [SET_DIST=79]\n#DIST CTRL [SET_DIST=79]\n#DIST CTRL [SET_DIST=80]\n"
+        + "#DIST CTRL [SET_DIST=78]\n"
+    )
+    assert made.alarm_ids == [900315, 900464, 900464]
+
+
 @pytest.mark.provokes(20209, 2)
 def test_20209_without_its_function(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(*map(words.axis, "XYZ"), bitrate=5_000_000)
@@ -360,7 +370,7 @@ def test_another_axis_may_have_its_own(make_head: Make, tool: Any) -> None:
 
 
 @pytest.mark.provokes(70333, 7)
-@pytest.mark.provokes(310000, 7)
+@pytest.mark.provokes(310000, 7, axis="X", owner="the channel")
 @pytest.mark.parametrize(("block", "alarm_id"), [("#PUT AX[X]", 70333), ("G100 X5 F100", 310000)])
 def test_its_axes_neither_leave_nor_measure(make_head: Make, block: str, alarm_id: int) -> None:
     made = make_head().run(

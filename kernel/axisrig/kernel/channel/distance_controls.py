@@ -224,7 +224,7 @@ class DistanceControls:
         if command.set_pos_mm is not None:
             control.set_surface(command.set_pos_mm)
         if command.set_dist_mm is not None:
-            control.set_distance(command.set_dist_mm)
+            self._warn_if(found.set_distance(command.set_dist_mm))
         if parameters:
             control.program(**parameters)
         if command.action == "check":
@@ -241,6 +241,10 @@ class DistanceControls:
             if command.wait:
                 self._awaited[command.axis] = wanted
         self._show()
+
+    def _warn_if(self, warning: Alarm | None) -> None:
+        if warning is not None:
+            self._warn(warning)
 
     def _of_channel(self) -> ChannelDistance:
         """Return the control of the channel; raises Alarm 310015 without P-CHAN-00500."""
@@ -289,8 +293,7 @@ class DistanceControls:
             warning = channel.prepare(wanted)
             self._refuse_on(channel, dry_run=dry_run)
         control.command(wanted, Source.NC, no_move=no_move, dry_run=dry_run)
-        if warning is not None:
-            self._warn(warning)
+        self._warn_if(warning)
         self._warn_of_age(channel, wanted)
         if no_move and control.state is DistanceState.INACTIVE:
             for name, delta_mm in channel.take_over().items():
@@ -302,9 +305,7 @@ class DistanceControls:
             self._path.take_offset(name, offset_mm)
 
     def _warn_of_age(self, found: Sensing, wanted: DistanceCommand) -> None:
-        warning = found.age_warning() if wanted in SWITCHES_ON else None
-        if warning is not None:
-            self._warn(warning)
+        self._warn_if(found.age_warning() if wanted in SWITCHES_ON else None)
 
     def _refuse_beside(self, axis: str) -> None:
         """Raise Alarm 900466 for an axis that 3D control may move."""

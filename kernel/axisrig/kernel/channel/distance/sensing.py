@@ -66,6 +66,11 @@ class Sensing:
         """Whether it is off and leaves its axes where the program has them."""
         return self.control.state is DistanceState.INACTIVE and not self.has_offset
 
+    def set_distance(self, set_dist_mm: float) -> Alarm | None:
+        """Take SET_DIST; return a warning of it."""
+        self.control.set_distance(set_dist_mm)
+        return None
+
     # Sensor
 
     def sensor_for(self, source: str, variable: str | None) -> Sensor:
