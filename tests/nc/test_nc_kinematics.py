@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tests.nc.conftest import PlaneMachine, run_text
 
-from axisrig.kernel.errors import Alarm
+from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.nc.canon import (
     Command,
@@ -231,6 +231,50 @@ def test_a_tool_of_the_list_with_offsets_is_refused() -> None:
     with pytest.raises(Alarm) as alarm:
         run5("D1\n#TRAFO [9]", tables=OffsetTables(tools=tools, rotary=frozenset("CA")))
     assert alarm.value.id == 900480
+
+
+@pytest.mark.provokes(20403, 2, name="V.G.KIN_STEP[].ID[].PARAM[]")
+@pytest.mark.parametrize(
+    ("place", "value", "last"),
+    [("[2].ID[9].PARAM[0]", 2, 1), ("[0].ID[9].PARAM[74]", 74, 73)],
+)
+@pytest.mark.parametrize("block", ["V.G.KIN_STEP{} = 1", "V.P.X = V.G.KIN_STEP{}"])
+def test_a_parameter_of_no_step_or_no_number_is_refused(
+    block: str, place: str, value: int, last: int
+) -> None:
+    with pytest.raises(Alarm) as alarm:
+        run5(block.format(place))
+    found = alarm.value
+    assert (found.id, found.values["value"], found.values["upper"]) == (20403, value, last)
+    run5("V.G.KIN_STEP[1].ID[98].PARAM[73] = 1")
+
+
+@pytest.mark.parametrize("block", ["#TRAFO []", "#TRAFO ON []", "#KIN ID[]"])
+def test_brackets_without_a_kinematic_are_refused(block: str) -> None:
+    with pytest.raises(UserError):
+        run5(block)
+
+
+@pytest.mark.provokes(292005, 2)
+@pytest.mark.parametrize(
+    ("block", "alarm_id"),
+    [("#KIN ID[9,99]", 292005), ("#KIN ID[5]", 900440), ("V.P.K = 9.5\n#KIN ID[V.P.K]", 292005)],
+)
+def test_what_cannot_be_switched_on_is_refused_where_it_is_chosen(
+    block: str, alarm_id: int
+) -> None:
+    with pytest.raises(Alarm) as alarm:
+        run5(block)
+    assert alarm.value.id == alarm_id
+
+
+@pytest.mark.provokes(900484, 1)
+@pytest.mark.parametrize("word", ["KIN ID", "TRAFO"])
+def test_a_point_for_a_comma_is_a_warning_in_a_run(word: str) -> None:
+    text = f"V.G.KIN_STEP[1].ID[98].PARAM[3] = 800000\n#{word}[{{}}]"
+    (warning,) = [c.alarm for c in run5(text.format("9.98")) if isinstance(c, Warn)]
+    assert (warning.id, warning.values["remark"]) == (900484, f"#{word}[9.98] read as [9,98]")
+    assert not [c for c in run5(text.format("9, 98")) if isinstance(c, Warn)]
 
 
 @pytest.mark.parametrize(

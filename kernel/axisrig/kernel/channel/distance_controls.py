@@ -24,7 +24,7 @@ from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.motion.interpolator import Positions
 from axisrig.kernel.nc import canon
-from axisrig.kernel.plc.interface import TOOL_LENGTH, TOOL_TILT, PlcInterface
+from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.plc.unit import AxisUnit, DistanceUnit
 from axisrig.kernel.time.clock import TimeNs
 
@@ -59,7 +59,7 @@ def make_controls(
     }
     of_channel = None
     if settings.distance is not None:
-        values.update({TOOL_TILT: 0.0, TOOL_LENGTH: 0.0})
+        values.update(dict.fromkeys(canon.SHOWN_OF_TOOL, 0.0))
         of_channel = ChannelDistance(
             settings.distance,
             [axis.allowed for axis in axes],
