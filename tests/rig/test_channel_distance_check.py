@@ -121,6 +121,18 @@ def test_that_of_a_sensor_of_the_orthogonal_distance(tmp_path: Path) -> None:
     assert float(worst) == pytest.approx(limit * math.cos(math.radians(85)), rel=5e-4)
 
 
+@pytest.mark.parametrize(("v_max", "rings"), [("50000", True), ("2500", False)])
+def test_limits_that_may_make_it_ring(tmp_path: Path, v_max: str, rings: bool) -> None:
+    """a_max T/kp = 500 mm/s2 x 1 ms/0.2 = 2.5 mm/s; (v - a/K)^2/2a = 47.5^2/1000 = 2.26 mm."""
+    (text,) = describe_channel(settings_of(tmp_path, "", f"dist_ctrl[0].v_max {v_max}"))
+    assert "a_max T/kp = 2.5 mm/s" in text
+    assert ("they may make it ring" in text) is rings
+    assert ("the law brakes in time" in text) is not rings
+    if rings:
+        assert "change its speed by 0.5 mm/s in a cycle; after a large step it goes 2.26 mm" in text
+        assert "a_max >= 10000 mm/s2, v_max <= 2.5 mm/s or kp <= 0.01" in text
+
+
 def test_what_no_limit_holds_for_is_said(tmp_path: Path) -> None:
     (text,) = describe_channel(settings_of(tmp_path, 'normalise = "none"'))
     assert "the value is not normalised" in text

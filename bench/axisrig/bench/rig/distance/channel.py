@@ -27,6 +27,7 @@ from axisrig.bench.rig.distance.loops import (
     dead_words,
     is_beyond,
     limit_of,
+    limits_words,
     listed_for,
     loop_of,
 )
@@ -154,6 +155,7 @@ def _lines(
         f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
         f" {smoothing.noise_gain:.3g}",
         f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
+        f"  limits       {limits_words(listed, rig.cycle.period_us)}",
     ]
     for mode in MODES:
         limit = limit_of(loop_of(settings, CHANNEL, sensor, mode, lag_s), sensor)
