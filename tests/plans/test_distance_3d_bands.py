@@ -414,7 +414,7 @@ TABLES = {
     "errors": errors,
     "input": errors,
 }
-OF_FOLLOWING = ("ramp", "sine", "step", "profile")
+OF_FOLLOWING = ("ramp", "sine", "step", "profile", "law")
 
 
 def _expected(row: Row) -> dict[str, tuple[float, float]]:
