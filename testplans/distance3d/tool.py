@@ -81,6 +81,12 @@ def metric_clamp_highest_mm(recording):
     return z.max(), "mm", 0.0
 
 
+def metric_clamp_end_mm(recording):
+    """Height of the clamping point at the end, while the kinematic is on."""
+    (z,) = of_tool(recording, "gap.clamping_z_mm")
+    return z[-1], "mm", 0.0
+
+
 def clamp_at_mm(recording, tilt_deg):
     """Return the height of the clamping point when the tilt first passes an angle."""
     z, tilt = of_tool(recording, "gap.clamping_z_mm", "gap.tilt_deg")

@@ -260,9 +260,14 @@ def states(row: Row) -> Expected:
     first, second = row.lift, row.number("plant:gap.lift_2_mm")
     state, command = int(row.ve("STATE")), int(row.ve("COMMAND"))
     is_refused = row.checks["alarms"] != "none"
+    # A dry run (5) moves nothing, and any mode may follow it
     follows = not is_refused and (command in (1, 3) or (command == 4 and state in (1, 4)))
-    kept = 0.0 if state in (0, 3) or (command == 0 and not is_refused) else first
+    is_off = command in (0, 7) and not is_refused
+    kept = 0.0 if state in (0, 3, 5) or is_off else first
     yield "offset_end_mm", first + second if follows else kept, 1e-4
+    if command == 7:  # NO_MOVE: the tool stays where the offset has brought it
+        moved = 0.0 if state in (0, 5) else first
+        yield "clamp_end_mm", law.TOOL_MM * law.cos(row.at("a")) + moved, 2e-4
 
 
 def errors(row: Row) -> Expected:
