@@ -105,6 +105,7 @@ def test_the_limit_over_an_inclined_surface_of_a_sensor_along_the_tool(
     assert expected[-1][-1] == pytest.approx(0.1473, abs=1e-4)
     assert "ECS as above over any surface" in text
     assert "worst" not in text
+    assert ("at best all of what follows" in text) is rig.endswith("servo")
     (slope,) = re.findall(r"stable up to p -([\d.]+) deg", text)
     left = 1 - math.tan(math.radians(float(slope))) * math.tan(math.radians(85))
     assert limit * left == pytest.approx(0.2, rel=5e-3)

@@ -165,6 +165,8 @@ def _lines(
             verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
         lines.append(f"  {bound:<24} {mode}: {verdict}")
     limit = limit_of(loop_of(settings, CHANNEL, sensor, CONST_DIST, lag_s), sensor)
+    if has_loops:
+        lines.append("  at best all of what follows, as drives with loops of their own lower it")
     return [*lines, *_inclined(settings, entry, listed, limit)]
 
 
