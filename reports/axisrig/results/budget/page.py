@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.files import write_whole
-from axisrig.bench.tools.budget.budget import Budget, budget_table
+from axisrig.bench.tools.budget.budget import Budget
+from axisrig.bench.tools.budget.words import budget_table
 from axisrig.kernel.errors import UserError
 from axisrig.reports.budget.drawing import budget_style, waterfall
 from axisrig.reports.budget.section import budget_path, budget_rows
