@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from axisrig import fmus
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_cases
@@ -26,6 +27,7 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.tools.budget.budget import make_budget
 from axisrig.bench.tools.budget.causes import active_causes, causes
 from axisrig.bench.tools.budget.combining import combined
+from axisrig.bench.tools.budget.forms import BOUNCE_MS, STIFFNESS_N_M, STRIBECK_M_S
 from axisrig.bench.tools.budget.seen import METRICS, Seen, Track
 from axisrig.bench.tools.budget.words import budget_lines, budget_table
 from axisrig.kernel.errors import UserError
@@ -37,7 +39,7 @@ PLAN = Path(__file__).parents[2] / "testplans" / "latch_accuracy.csv"
 SPEED_MM_S = -10.0
 FORMS = (
     *("time", "minus_time", "length", "edge", "first", "drift", "drawn", "rest", "source"),
-    *("rounding", "sampling", "jitter"),
+    *("rounding", "sampling", "jitter", "twist", "viscous", "half"),
 )
 PROBE = {"pretravel_um": "8", "trigger_delay_us": "120"}
 
@@ -212,6 +214,12 @@ def test_the_way_in_a_ramp_has_its_second_order() -> None:
         ("plc_sources", "stamp-drift", ("clock drift",)),
         # v (1.5 ms + 0.5 ms): the level rests after the last of the edges
         ("probe_reality", "bounce-filter", ("bounce", "filter")),
+        # F(v)/k of dry and viscous friction, half of the backlash
+        (
+            "probe_reality",
+            "friction-20um-300",
+            ("screw friction", "viscous friction", "backlash"),
+        ),
     ],
 )
 def test_the_budget_of_a_run_closes(plan: str, name: str, shares: tuple[str, ...]) -> None:
@@ -311,6 +319,31 @@ def test_every_cause_has_a_place_and_says_what_it_is() -> None:
         assert len(cause.key.split()) == len(cause.off.split())
         assert cause.meaning
         assert cause.source
+
+
+def test_defaults_are_those_of_the_models() -> None:
+    """A start value that nobody gives is the default of the model."""
+    models = Path(fmus.__file__).parent / "AxisRig"
+    text = "".join(
+        (models / f"{name}.mo").read_text(encoding="utf-8")
+        for name in (
+            *("Drives/PartialAxis", "Drives/ServoAxis", "Drives/ScrewAxis"),
+            *("Mechanics/LuGreFriction", "Sensors/WorkpieceProbe"),
+        )
+    )
+    for cause in causes():
+        keys, defaults = cause.key.split(), cause.default.split()
+        for key, default in zip(keys, defaults, strict=bool(defaults)):
+            name = key.rpartition(".")[2]
+            assert re.search(rf" {name}(\(min = 0\))? = {default}\b", text), key
+    for name, value in (
+        ("screw_stiffness", f"{STIFFNESS_N_M:g}"),
+        ("stribeck", f"{STRIBECK_M_S:g}"),
+        ("bounce_time", f"{BOUNCE_MS * 1e-3:g}"),
+    ):
+        found = re.search(rf" {name}(\(min = 1e-9\))? = (\d\S*)", text)
+        assert found is not None
+        assert float(found[2].rstrip(";,")) == float(value), name
 
 
 def test_one_case_is_asked_for() -> None:

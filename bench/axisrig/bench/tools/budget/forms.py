@@ -1,6 +1,6 @@
 """The closed forms of shares, from the settings and from instants and motion of the truth."""
 
-from math import copysign
+from math import copysign, exp
 
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of, start_number
@@ -8,6 +8,8 @@ from axisrig.bench.tools.budget.seen import Seen
 
 BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
+STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
+"""Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
 _BY_INSTANT = ("time", "drawn", "rest")
 
 
@@ -26,19 +28,47 @@ def expected_um(
         if later.way_um is None or without.way_um is None:
             return None
         return later.way_um - without.way_um
-    if form in ("length", "first", "drift"):
+    if form in ("length", "half", "first", "drift"):
         return _length_um(active, later)
     if form == "edge":
-        if later.track is None or without.track is None:
-            return None
-        return later.moved_um(0, later.track.edge_ms) - without.moved_um(0, without.track.edge_ms)
+        return _edge_um(later, without)
+    if form in ("twist", "viscous"):
+        return _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
     return _delay_um(active, settings, axis, later, without)
+
+
+def _edge_um(later: Seen, without: Seen) -> float | None:
+    if later.track is None or without.track is None:
+        return None
+    return later.moved_um(0, later.track.edge_ms) - without.moved_um(0, without.track.edge_ms)
+
+
+def _twist_um(active: Active, settings: Settings, axis: str, v_m_s: float) -> float:
+    """Return how far the encoder is before the slide in steady motion: friction over stiffness.
+
+    Dry friction as LuGre has it: F_c + (F_s - F_c) exp(-(v/v_s)^2).
+    """
+    plant = settings.rig.axis[axis].plant
+    stiffness_n_m = start_number(settings, plant, "screw_stiffness", STIFFNESS_N_M)
+    if active.cause.form == "viscous":
+        force_n = abs(v_m_s) * float(active.value)
+    else:
+        names, defaults = active.cause.key.split(), map(float, active.cause.default.split())
+        coulomb_n, breakaway_n = (
+            start_number(settings, plant, name, default)
+            for name, default in zip(names, defaults, strict=True)
+        )
+        stribeck_m_s = start_number(settings, plant, "friction.stribeck", STRIBECK_M_S)
+        force_n = coulomb_n + (breakaway_n - coulomb_n) * exp(-((v_m_s / stribeck_m_s) ** 2))
+    return copysign(force_n / stiffness_n_m * 1e6, v_m_s)
 
 
 def _length_um(active: Active, later: Seen) -> float | None:
     length_um = copysign(1.0, later.velocity_mm_s) * float(active.value)
     if active.cause.form == "length":
         return length_um
+    if active.cause.form == "half":  # the encoder comes half of the play before the load
+        return length_um / 2
     if later.track is None:
         return None
     before = later.track.touches - 1

@@ -1,7 +1,7 @@
 """A budget in lines for a reader and as a table."""
 
 from axisrig.bench.tools.budget.budget import Budget, Share
-from axisrig.reports.budget.section import COLUMNS
+from axisrig.reports.budget.section import COLUMNS, COMBINED, DIFFERS
 
 LEFT = "left with all causes off"
 
@@ -86,12 +86,12 @@ def budget_table(budget: Budget) -> list[dict[str, object]]:
             "bound_um": share.bound_um,
             "meaning": share.cause.meaning,
             "frame_log_sha256": budget.frame_log_sha256,
-            "combined_um": share.combined_um,
-            "differs_um": share.differs_um(budget.increment_um),
+            COMBINED: share.combined_um,
+            DIFFERS: share.differs_um(budget.increment_um),
         }
         for share in budget.shares
     ]
-    left: dict[str, object] = dict.fromkeys((*COLUMNS, "combined_um", "differs_um"))
+    left: dict[str, object] = dict.fromkeys((*COLUMNS, COMBINED, DIFFERS))
     left |= {**of_run, "cause": LEFT, "meaning": not_explained(budget)}
     left |= {"in_turn_um": budget.left_um, "frame_log_sha256": budget.frame_log_sha256}
     return [*rows, left]
