@@ -11,6 +11,41 @@ def of(recording, *names):
     return [np.asarray(recording.column(*name.split("."))) for name in names]
 
 
+WAVE_MM = 20.0
+"""Wavelength of the surface along X in the rows that look at waves."""
+
+
+def waves(recording):
+    """Return what the tool answers to waves of the surface, complex: amplitude and lag.
+
+    Straight below the clamping point, the tool leaning in Y: along_mm is z less surface over the
+    cosine of the tilt. The last one and a half waves at the full speed of X.
+    """
+    x, z, along, tilt = of_tool(
+        recording, "gap.clamping_x_mm", "gap.clamping_z_mm", "gap.along_mm", "gap.tilt_deg"
+    )
+    speed = np.diff(x, prepend=x[:1])
+    (even,) = np.nonzero(speed > speed.max() * (1 - 1e-4))
+    rows = even[x[even] > x[even].max() - 1.5 * WAVE_MM]
+    phase = 2 * np.pi * x[rows] / WAVE_MM
+    terms = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)], axis=1)
+    tool = z[rows]
+    surface = tool - along[rows] * np.cos(np.radians(tilt[rows]))
+    parts = np.linalg.lstsq(terms, np.stack([tool, surface], axis=1), rcond=None)[0]
+    of_sines = parts[1] - 1j * parts[2]
+    return of_sines[0] / of_sines[1]
+
+
+def metric_waves_gain(recording):
+    """Amplitude of the clamping point over that of the waves below it."""
+    return abs(waves(recording)), "", 0.0
+
+
+def metric_waves_lag_deg(recording):
+    """Lag of the clamping point behind the waves below it."""
+    return -np.degrees(np.angle(waves(recording))), "deg", 0.0
+
+
 def of_tool(recording, *names):
     """Return columns in the rows in which a kinematic is on."""
     (tilt,) = of(recording, "channel.tilt_deg")
@@ -44,6 +79,12 @@ def metric_clamp_highest_mm(recording):
     """Highest place of the clamping point while a kinematic is on."""
     (z,) = of_tool(recording, "gap.clamping_z_mm")
     return z.max(), "mm", 0.0
+
+
+def metric_clamp_end_mm(recording):
+    """Height of the clamping point at the end, while the kinematic is on."""
+    (z,) = of_tool(recording, "gap.clamping_z_mm")
+    return z[-1], "mm", 0.0
 
 
 def clamp_at_mm(recording, tilt_deg):

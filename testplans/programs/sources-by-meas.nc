@@ -1,5 +1,5 @@
 %sources_by_meas
-; The source is chosen in the program: FCT-C4 7.5, then 7.4 with another input and edge, then the list.
+; The source is chosen in the program: PLC_TIMESTAMP as in FCT-C4 7.5, then #MEAS DEFAULT, the one of the list.
 N10 #MEAS [AXNR=3 SIGNAL=PLC_TIMESTAMP]
 N20 G01 G90 Z101 F3000
 N30 G100 Z99 F600

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.campaign.processes import Died, run_apart
 from axisrig.bench.machine.plc.hli import Hli, Inputs, Named, Variables
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.terminal import ChannelInput
@@ -129,6 +130,11 @@ def test_a_program_may_look_whether_something_is_there(tmp_path: Path) -> None:
         ("    def cycle(self, inputs, hli)\n", "SyntaxError"),
         ("    def __init__(self):\n        1 / 0\n" + IDLE, "ZeroDivisionError"),
         (
+            "    def __init__(self, axis):\n        pass\n" + IDLE,
+            "missing a required argument: 'axis'",
+        ),
+        ("    def cycle(self, inputs, hli):\n        raise SystemExit(3)\n", "SystemExit: 3"),
+        (
             '    def cycle(self, inputs, hli):\n        hli.ch.feedhold.command_w = "on"\n',
             "ch.feedhold.command_w has a wrong type; found 'on'; allowed: True or False",
         ),
@@ -156,6 +162,37 @@ def test_a_program_that_cannot_be_is_refused(run_plc: RunNc, body: str, words: s
         run_plc("N10 G4 0.1", body)
     assert words in str(caught.value)
     assert "plc.py" in str(caught.value)
+
+
+def test_a_class_with_parameters_is_named_by_the_line_of_its_init(tmp_path: Path) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(HEAD + "    name = 1\n\n    def __init__(self, axis):\n        pass\n\n" + IDLE)
+    with pytest.raises(UserError) as caught:
+        PlcProgram(path)
+    assert caught.value.line == HEAD.count("\n") + 3
+
+
+def _cycle_of(path: Path) -> None:
+    PlcProgram(path).cycle(Inputs(5_300_000, 0, {}), Hli(["Z"]))
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ("while True:\n            pass", "a call did not come back within 1 s: it was in cycle"),
+        ("import os\n        os._exit(3)", "ended the process in cycle"),
+    ],
+)
+def test_a_cycle_that_never_ends_is_ended_by_the_limit_of_a_call(
+    tmp_path: Path, body: str, reason: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"{HEAD}    def cycle(self, inputs, hli):\n        {body}\n")
+    (died,) = run_apart(_cycle_of, [(path,)], call_limit_s=1.0)
+    assert isinstance(died, Died)
+    assert reason in died.reason
+    assert "at t = 5.300000 ms" in died.reason
+    assert f"the PLC program {path}" in died.reason.replace("(", "").replace(")", "")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tests.nc.conftest import PlaneMachine, run_text
 
-from axisrig.kernel.errors import Alarm
+from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.nc.canon import (
     Command,
@@ -65,13 +65,14 @@ class FiveAxes(PlaneMachine):
     def tool(self) -> dict[str, float]:
         if self.kinematic is None:
             return self.acs_mm
-        return dict(zip(FIVE, self.kinematic.forward(tuple(self.acs_mm.values())), strict=True))
+        tool = self.kinematic.forward(tuple(self.acs_mm.values()))
+        return dict(zip(self.acs_mm, tool, strict=True))
 
     def go(self, target) -> None:
         tool = tuple({**self.tool(), **target}.values())
         if self.kinematic is not None:
             tool = self.kinematic.inverse(tool, tool)
-        self.acs_mm = dict(zip(FIVE, tool, strict=True))
+        self.acs_mm = dict(zip(self.acs_mm, tool, strict=True))
 
 
 def machine(**options) -> FiveAxes:
@@ -120,6 +121,33 @@ def test_a_coordinate_system_is_on_top_of_the_tool() -> None:
     run5(ON + "#CS ON[5,6,7,30,0,0]\nG0 X1 Y2 Z3 A20", at)
     tcp = np.array([5, 6, 7]) + Rotation.from_euler("X", 30, degrees=True).apply([1, 2, 3])
     assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm(tcp, 0, 20), 0, 20])
+
+
+def test_a_coordinate_system_does_not_turn_the_orientation_of_the_head() -> None:
+    """B30 of #CS turns the place of the TCP; C and A stay axes of the machine."""
+    at = machine()
+    run5(ON + "#CS ON[0,0,0,0,30,0]\nG0 X10 Y20 Z30 C20 A-35", at)
+    tcp = Rotation.from_euler("Y", 30, degrees=True).apply([10, 20, 30])
+    assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm(tcp, 20, -35), 20, -35])
+
+
+def test_a_coordinate_system_does_not_turn_the_orientation_of_the_robot() -> None:
+    """A B C stay those of the machine: the tool points down whether #CS is turned or not."""
+    six = ("X", "Y", "Z", "A", "B", "C")
+    lengths = {0: 50, 6: 450, 7: 600, 8: 640, 9: 100, 10: 150, 11: 100}  # HD1, HD7 ..
+    written = [f"V.G.KIN_STEP[0].ID[45].PARAM[{n}]={mm}0000" for n, mm in lengths.items()]
+    at = FiveAxes(dict(zip(six, (0.0, 0.0, 0.0, 0.0, 90.0, 0.0), strict=True)), None)
+    text = "V.G.WZ_AKT.L = 80\n#TRAFO [45]\n#CS ON[0,0,0,0,30,0]\nG0 X100 Y20 Z900 A10 B15 C5\n"
+    run_text(
+        "\n".join(written) + "\n" + text,
+        at,
+        axes=six,
+        tables=OffsetTables(rotary=frozenset(six)),
+    )
+    assert at.kinematic is not None
+    found = at.kinematic.forward(tuple(at.acs_mm.values()))
+    tcp = Rotation.from_euler("Y", 30, degrees=True).apply([100, 20, 900])
+    assert found == pytest.approx((*tcp, 10, 15, 5))
 
 
 @pytest.mark.parametrize("choice", ["#TRAFO [9]", "#KIN ID[9]\n#TRAFO", "#KIN ID[9]\n#TRAFO ON"])
@@ -231,6 +259,50 @@ def test_a_tool_of_the_list_with_offsets_is_refused() -> None:
     with pytest.raises(Alarm) as alarm:
         run5("D1\n#TRAFO [9]", tables=OffsetTables(tools=tools, rotary=frozenset("CA")))
     assert alarm.value.id == 900480
+
+
+@pytest.mark.provokes(20403, 2, name="V.G.KIN_STEP[].ID[].PARAM[]")
+@pytest.mark.parametrize(
+    ("place", "value", "last"),
+    [("[2].ID[9].PARAM[0]", 2, 1), ("[0].ID[9].PARAM[74]", 74, 73)],
+)
+@pytest.mark.parametrize("block", ["V.G.KIN_STEP{} = 1", "V.P.X = V.G.KIN_STEP{}"])
+def test_a_parameter_of_no_step_or_no_number_is_refused(
+    block: str, place: str, value: int, last: int
+) -> None:
+    with pytest.raises(Alarm) as alarm:
+        run5(block.format(place))
+    found = alarm.value
+    assert (found.id, found.values["value"], found.values["upper"]) == (20403, value, last)
+    run5("V.G.KIN_STEP[1].ID[98].PARAM[73] = 1")
+
+
+@pytest.mark.parametrize("block", ["#TRAFO []", "#TRAFO ON []", "#KIN ID[]"])
+def test_brackets_without_a_kinematic_are_refused(block: str) -> None:
+    with pytest.raises(UserError):
+        run5(block)
+
+
+@pytest.mark.provokes(292005, 2)
+@pytest.mark.parametrize(
+    ("block", "alarm_id"),
+    [("#KIN ID[9,99]", 292005), ("#KIN ID[5]", 900440), ("V.P.K = 9.5\n#KIN ID[V.P.K]", 292005)],
+)
+def test_what_cannot_be_switched_on_is_refused_where_it_is_chosen(
+    block: str, alarm_id: int
+) -> None:
+    with pytest.raises(Alarm) as alarm:
+        run5(block)
+    assert alarm.value.id == alarm_id
+
+
+@pytest.mark.provokes(900484, 1)
+@pytest.mark.parametrize("word", ["KIN ID", "TRAFO"])
+def test_a_point_for_a_comma_is_a_warning_in_a_run(word: str) -> None:
+    text = f"V.G.KIN_STEP[1].ID[98].PARAM[3] = 800000\n#{word}[{{}}]"
+    (warning,) = [c.alarm for c in run5(text.format("9.98")) if isinstance(c, Warn)]
+    assert (warning.id, warning.values["remark"]) == (900484, f"#{word}[9.98] read as [9,98]")
+    assert not [c for c in run5(text.format("9, 98")) if isinstance(c, Warn)]
 
 
 @pytest.mark.parametrize(

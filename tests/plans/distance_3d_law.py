@@ -77,6 +77,38 @@ def limit(dead: int) -> float:
     return 2 * math.sin(math.pi / (2 * (2 * dead + 1)))
 
 
+def overshoot(gain: float, dead: int, height: float) -> float:
+    """Return how far the offset goes past a step of the surface: the law, cycle by cycle."""
+    offset = [0.0] * 400
+    for k in range(1, len(offset)):
+        seen = offset[k - dead - 1] if k > dead else 0.0
+        offset[k] = offset[k - 1] + gain * (height - seen)
+    return max(offset) - height
+
+
+def following(gain: float, dead: int, hz: float) -> tuple[float, float]:
+    """Return amplitude of the tool over that of the surface, and its lag in degrees: L/(1 + L)."""
+    q = np.exp(-2j * np.pi * hz * PERIOD_S)
+    loop = gain * q ** (dead + 1) / (1 - q)
+    answer = complex(loop / (1 + loop))
+    return abs(answer), -math.degrees(math.atan2(answer.imag, answer.real))
+
+
+def held_behind(speed: float, cycles: int, behind: float, acceleration: float) -> float:
+    """Return how far SURFACE is behind after so many cycles without a step.
+
+    The surface goes on by v T in each of them, and after them by v T less the step of the offset,
+    which grows by a T^2 from cycle to cycle.
+    """
+    way, growth_mm = speed * PERIOD_S, acceleration * PERIOD_S**2
+    found = behind + cycles * way
+    step = growth_mm
+    while step < way:
+        found += way - step
+        step += growth_mm
+    return found
+
+
 def sensitivity(gain: float, dead: int, hz: float) -> float:
     """Return |1/(1 + L)|, L = K q^(n+1)/(1 - q)."""
     q = np.exp(-2j * np.pi * hz * PERIOD_S)

@@ -34,6 +34,7 @@ TAGGED = {
         "weights",
         "stroke",
         "run-up",
+        "overrun",
         "hold",
     )
 }
@@ -190,7 +191,8 @@ def _stop_from(v: float, u: float, a: float, t: float) -> float:
     return v * fall + u * fall * fall / 3 + way(v + u * fall / 2, a, t)
 
 
-AT_STROKE = [name for name in TAGGED["stroke"] if name not in TAGGED["run-up"]]
+IN_RUN_UP = (*TAGGED["run-up"], *TAGGED["overrun"])
+AT_STROKE = [name for name in TAGGED["stroke"] if name not in IN_RUN_UP]
 
 
 @pytest.mark.parametrize("case", AT_STROKE)
@@ -230,3 +232,46 @@ def test_a_signal_in_the_run_up_stops_inside_the_stroke(case: str) -> None:
     assert low <= min(ways) + 1e-3
     assert min(ways) - low < 0.02
     assert max(ways) <= 5.0 + 2e-3  # steps of this sum
+
+
+def _in_run_up(at: float, v: float, a: float, t: float) -> tuple[float, float, float]:
+    """Way, speed and acceleration of a run-up to v >= a t with equal ramps t."""
+    jerk, last = a / t, v / a
+    if at < t:
+        return jerk * at**3 / 6, jerk * at * at / 2, jerk * at
+    if at < last:
+        held = at - t
+        return a * t * t / 6 + a * t / 2 * held + a * held**2 / 2, a * t / 2 + a * held, a
+    left = max(last + t - at, 0.0)
+    end = v * v / (2 * a) + v * t / 2 + v * max(at - last - t, 0.0)
+    return end - v * left + jerk * left**3 / 6, v - jerk * left * left / 2, jerk * left
+
+
+@pytest.mark.parametrize("case", TAGGED["overrun"])
+def test_how_far_a_stop_in_the_last_part_of_a_run_up_passes_the_stroke(case: str) -> None:
+    """The most is H + v t - a t²/6, of a signal at the begin of the last ramp (v >= a t/2).
+
+    In that ramp u = a x/t and the speed is v - u² t/2a, so that a stop takes v x - a x³/6t more
+    than one from v; before it the same acceleration falls from a smaller speed. The signal is in
+    the cycle between 1 and 4.2 ms after the contact, and that begin is among those instants.
+    """
+    row, stroke_mm = ROWS[case], 5.0
+    a, t = _stop(row)
+    assert _run_up(row) == (a, t, t)
+    v = a * (-t / 2 + math.sqrt(t * t / 4 + 2 * stroke_mm / a))
+    contact_mm = float(row["plant:z.position_start_mm"]) - 100.0
+    low, high = 0.0, v / a + t
+    for _ in range(60):
+        middle = (low + high) / 2
+        is_before = _in_run_up(middle, v, a, t)[0] < contact_mm
+        low, high = (middle, high) if is_before else (low, middle)
+    assert low + 1.0e-3 <= v / a <= low + 4.2e-3
+    instants = (low + 1.0e-3 + k * 1e-5 for k in range(321))
+    ways = [_stop_from(*_in_run_up(at, v, a, t)[1:], a, t) for at in instants]
+    most = stroke_mm + v * t - a * t * t / 6
+    assert max(ways) <= most + 1e-9
+    assert max(ways) == pytest.approx(most, abs=1e-3)
+    least, band = map(float, row["check:stop_way_mm"].split(" .. "))
+    assert min(ways) - 0.01 < least <= min(ways)
+    assert most <= band < most + 1e-3
+    assert least > stroke_mm

@@ -81,6 +81,67 @@ def test_a_wrong_sign_and_a_wrong_tilt_are_reported(tmp_path: Path) -> None:
     assert "as the sensor gives it" in text
 
 
+PLACES = ((60.0, 10.0), (75.0, 10.0), (75.0, -10.0))
+
+
+def inclined_limits(text: str) -> list[tuple[float, float, float]]:
+    """Tilt, slope and limit of kp as printed."""
+    found = re.findall(r"([\d.]+) at ([-\d.]+)/([-\d.]+) deg", text)
+    return [(float(tilt), float(slope), float(kp)) for kp, tilt, slope in found]
+
+
+@pytest.mark.parametrize("rig", RIG_NAMES)
+def test_the_limit_over_an_inclined_surface_of_a_sensor_along_the_tool(
+    tmp_path: Path, rig: str
+) -> None:
+    """ECS as over a parallel surface; MCS and ACS times 1 + tan p tan b: 0.147 at 75/-10 deg."""
+    (text,) = describe_channel(settings_of(tmp_path, "", base=rig))
+    limit = limit_of_mean(4, 2)
+    expected = [
+        (b, p, limit * (1 + math.tan(math.radians(p)) * math.tan(math.radians(b))))
+        for b, p in PLACES
+    ]
+    assert inclined_limits(text) == [pytest.approx(place, rel=5e-4) for place in expected]
+    assert expected[-1][-1] == pytest.approx(0.1473, abs=1e-4)
+    assert "ECS as above over any surface" in text
+    assert "worst" not in text
+    (slope,) = re.findall(r"stable up to p -([\d.]+) deg", text)
+    left = 1 - math.tan(math.radians(float(slope))) * math.tan(math.radians(85))
+    assert limit * left == pytest.approx(0.2, rel=5e-3)
+
+
+def test_that_of_a_sensor_of_the_orthogonal_distance(tmp_path: Path) -> None:
+    (text,) = describe_channel(settings_of(tmp_path, "", base="distance-5axis-orthogonal"))
+    limit = limit_of_mean(4, 2)
+    expected = [
+        (b, p, limit * math.cos(math.radians(b)) / math.cos(math.radians(b - p))) for b, p in PLACES
+    ]
+    assert inclined_limits(text) == [pytest.approx(place, rel=5e-4) for place in expected]
+    (worst,) = re.findall(r"below kp ([\d.]+) +ECS, worst", text)
+    assert float(worst) == pytest.approx(limit * math.cos(math.radians(85)), rel=5e-4)
+
+
+@pytest.mark.parametrize(("v_max", "rings"), [("50000", True), ("2500", False)])
+def test_limits_that_may_make_it_ring(tmp_path: Path, v_max: str, rings: bool) -> None:
+    """a_max T/kp = 500 mm/s2 x 1 ms/0.2 = 2.5 mm/s; (v - a/K)^2/2a = 47.5^2/1000 = 2.26 mm."""
+    (text,) = describe_channel(settings_of(tmp_path, "", f"dist_ctrl[0].v_max {v_max}"))
+    assert "a_max T/kp = 2.5 mm/s" in text
+    assert ("they may make it ring" in text) is rings
+    assert ("the law brakes in time" in text) is not rings
+    if rings:
+        assert "change its speed by 0.5 mm/s in a cycle; after a large step it goes 2.26 mm" in text
+        assert "a_max >= 10000 mm/s2, v_max <= 2.5 mm/s or kp <= 0.01" in text
+
+
+def test_what_no_limit_holds_for_is_said(tmp_path: Path) -> None:
+    (text,) = describe_channel(settings_of(tmp_path, 'normalise = "none"'))
+    assert "the value is not normalised" in text
+    (text,) = describe_channel(settings_of(tmp_path, "", base="distance-5axis-electrode"))
+    assert "a disc electrode does not give the distance" in text
+    wrong = settings_of(tmp_path, 'normalise = "along"', base="distance-5axis-orthogonal")
+    assert 'set normalise = "none"' in describe_channel(wrong)[0]
+
+
 def test_a_channel_without_sensor_is_warned_of_and_one_without_release_is_not(
     tmp_path: Path,
 ) -> None:

@@ -215,6 +215,18 @@ def test_default_gain_and_filter_are_unstable_in_constant_distance_only(tmp_path
     assert "CONST_DIST: UNSTABLE as listed" in text
 
 
+@pytest.mark.parametrize(("v_max", "rings"), [(10000, True), (300, False)])
+def test_limits_that_may_make_a_stable_loop_ring(tmp_path: Path, v_max: int, rings: bool) -> None:
+    """The sample set of the manual: 10 mm/s, 100 mm/s2, kp 0.3, 1 ms: 0.47 mm too far."""
+    values = {"kp": 0.3, "a_max": 100, "v_max": v_max}
+    items = [f"set:Z.kenngr.distc.{name}={value}" for name, value in values.items()]
+    (text,) = describe_distance(settings_of(tmp_path, "", *items), {})
+    assert "CONST_DIST: stable as listed" in text
+    assert "a_max T/kp = 0.3333 mm/s" in text
+    assert ("they may make it ring" in text) is rings
+    assert ("0.467 mm too far" in text) is rings
+
+
 def test_a_lag_of_the_drive_lowers_the_limit(tmp_path: Path) -> None:
     settings = settings_of(tmp_path, "", base="distance-z-servo")
     assert limits(settings, {"Z": 0.025})["CONST_DIST"] < 0.3 < limits(settings)["CONST_DIST"]

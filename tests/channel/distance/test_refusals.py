@@ -158,7 +158,7 @@ def _run_of(words: Any, *, beside: bool) -> canon.Command:
     return run
 
 
-@pytest.mark.provokes(310000, 7, axis="Z", master="Z")
+@pytest.mark.provokes(310000, 7, axis="Z", owner="axis Z")
 @pytest.mark.parametrize("beside", [False, True])
 def test_no_run_begins_on_an_axis_whose_control_is_on(
     distance_bench: Make, say: Any, words: Any, beside: bool

@@ -51,6 +51,39 @@ def test_a_program_of_the_manual_runs(make_head: Make) -> None:
     }
 
 
+@pytest.mark.parametrize(
+    "after",
+    [
+        "#DIST CTRL ON [SET_POS=1 MODE=MCS]\n",
+        "#CS ON[0,0,0,10,0,0]\n#DIST CTRL ON [SET_POS=1]\n",
+        LONG("#DIST CTRL ON [SET_POS=80 MODE=ACS DIRECTION=Z]\n"),
+    ],
+)
+@pytest.mark.parametrize("is_optimized", [True, LONG(False)])
+def test_wait_off_lasts_until_no_offset_is_on_its_way(
+    make_head: Make, after: str, is_optimized: bool
+) -> None:
+    """The next command may take another mode or another normal at once."""
+    made = make_head(lambda _ms: 1.5, is_optimized=is_optimized).run(
+        TILTED
+        + "#DIST CTRL ON [SET_POS=1 MODE=ECS]\n"
+        + dwell(100)
+        + "#DIST CTRL WAIT OFF\n"
+        + after
+    )
+    assert made.alarm_ids == [900315]
+
+
+def test_another_set_distance_while_on_is_a_warning_for_each_change(make_head: Make) -> None:
+    made = make_head().run(
+        TILTED
+        + "#DIST CTRL ON [CONST_DIST SET_DIST=80 MODE=MCS]\n"
+        + "#DIST CTRL [SET_DIST=79]\n#DIST CTRL [SET_DIST=79]\n#DIST CTRL [SET_DIST=80]\n"
+        + "#DIST CTRL [SET_DIST=78]\n"
+    )
+    assert made.alarm_ids == [900315, 900464, 900464]
+
+
 @pytest.mark.provokes(20209, 2)
 def test_20209_without_its_function(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(*map(words.axis, "XYZ"), bitrate=5_000_000)
@@ -337,7 +370,7 @@ def test_another_axis_may_have_its_own(make_head: Make, tool: Any) -> None:
 
 
 @pytest.mark.provokes(70333, 7)
-@pytest.mark.provokes(310000, 7)
+@pytest.mark.provokes(310000, 7, axis="X", owner="the channel")
 @pytest.mark.parametrize(("block", "alarm_id"), [("#PUT AX[X]", 70333), ("G100 X5 F100", 310000)])
 def test_its_axes_neither_leave_nor_measure(make_head: Make, block: str, alarm_id: int) -> None:
     made = make_head().run(

@@ -138,7 +138,7 @@ wire = { z = "z" }
 """
 
 
-@pytest.mark.provokes(310000, 7, axis="Z", master="Z", controlword="ACTIVE")
+@pytest.mark.provokes(310000, 7, axis="Z", owner="axis Z", controlword="ACTIVE")
 @pytest.mark.parametrize("newer", [False, True])
 def test_a_measurement_begins_while_control_is_on(run_distance, newer):
     watched = run_distance(

@@ -8,6 +8,7 @@ import pytest
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.decoder.base.context import ChannelControl
 
 Run = Callable[..., Any]
@@ -158,6 +159,28 @@ def test_22356_for_every_orientation_of_the_workpiece(
     with pytest.raises(Alarm) as caught:
         commands(run, machine, f"#DIST CTRL ON [SET_POS=1 WP_ORIENTATION={written}]")
     assert (caught.value.id, caught.value.values) == (22356, {"value": value})
+
+
+@pytest.mark.provokes(900467, 2, axis="Y", linear="X Z")
+@pytest.mark.parametrize("mode", ["", " MODE=ACS", " MODE=ECS"])
+def test_900467_for_a_rotary_axis(run: Run, machine: Any, mode: str) -> None:
+    text = f"%t\n#DIST CTRL [DIRECTION=Y{mode}]\nM30\n"
+    with pytest.raises(Alarm) as caught:
+        run(text, machine, tables=OffsetTables(rotary=frozenset("Y")))
+    assert (caught.value.id, caught.value.values) == (900467, {"axis": "Y", "linear": "X Z"})
+
+
+@pytest.mark.provokes(900121, 2)
+@pytest.mark.parametrize("name", ["TOOL_TILT", "TOOL_LENGTH"])
+def test_a_program_reads_inclination_and_length_and_does_not_write_them(
+    run: Run, machine: Any, name: str
+) -> None:
+    program, external = f"%t\nV.P.X = V.E.{name}\nV.E.{name} = 1\nM30\n", {name: 0.0}
+    with pytest.raises(Alarm) as caught:
+        run(program, machine, external=external)
+    assert (caught.value.id, caught.value.values) == (900121, {"name": f"V.E.{name}"})
+    machine.known = None  # a PLC may have a variable of this name
+    run(program, machine, external=external)
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,9 @@ ERRORS = [
     ("N10 #MES MODE[1]", 1, 5, "unknown # command", "#MES MODE"),
     ("#CS OFF X10", 1, 1, "does not belong after #CS OFF", "X10"),
     ("#SLOPE TRAPEZ", 1, 1, "does not belong after #SLOPE", "TRAPEZ"),
+    ("N10 #SLOPE", 1, 5, "#SLOPE needs its keywords in one bracket", None),
+    ("N10 #SLOPE []", 1, 5, "#SLOPE needs its keywords in one bracket", None),
+    ("N10 #SLOPE [NO_OPT=1]", 1, 5, "#SLOPE lacks TYPE", None),
     ("#MEAS MODE[0]", 1, 1, "no such measuring type", "0"),
     ("#MEAS MODE[8]", 1, 1, "no such measuring type", "8"),
     ("#MEAS MODE[5/2]", 1, 1, "no such measuring type", "2.5"),
@@ -216,6 +219,7 @@ def test_every_variable_of_the_table_is_read():
     ("text", "ends"),
     [
         ("#SLOPE TRAPEZ", "#SLOPE [TYPE=name (NO_OPT=number)], what is in ( ) may be left out"),
+        ("#SLOPE", "#SLOPE [TYPE=name (NO_OPT=number)], what is in ( ) may be left out"),
         ("#CS OFF X10", "allowed: nothing after it"),
         ("#MEAS MODDE", "nearest: #MEAS MODE, #MEAS DEFAULT, #CS MODE ON"),
         ("#AX", "allowed: #AX LINK, #AX LINK ON, #AX LINK OFF"),

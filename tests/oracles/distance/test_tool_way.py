@@ -88,9 +88,28 @@ def test_how_an_inclined_surface_changes_the_gain(tilt: float, slope: float, gai
         way = ToolWay(mode, 0, head((9,)), 5)
         own = way.gain(pose, surface, along_tool=False)
         assert own == pytest.approx(inclined_gain(mode, tilt, slope), abs=1e-7)
-    # A sensor along the tool, normalised by its tilt: one to one in ECS, whatever the surface
-    along = ToolWay(ECS, 0, head((9,)), 5).gain(pose, surface, along_tool=True)
-    assert along * math.cos(math.radians(tilt)) == pytest.approx(1.0, abs=1e-7)
+
+
+@pytest.mark.parametrize(("tilt", "slope", "gain"), SLOPES)
+def test_a_sensor_along_the_tool_sees_an_inclined_surface_in_another_way(
+    tilt: float, slope: float, gain: float
+) -> None:
+    """Normalised: 1 in ECS, 1/(1 + tan p tan b) in MCS and ACS; else 1/cos b times that."""
+    pose = np.array([[0.0, 0.0, 300.0, 0.0, -tilt]])  # leans to +Y
+    b, p = math.radians(tilt), math.radians(slope)
+    surface = (0.0, math.sin(p), math.cos(p))
+    of_normal = 1.0 / (1.0 + math.tan(p) * math.tan(b))
+    assert of_normal * gain == pytest.approx(math.cos(p), abs=2e-3)
+    for mode, expected in ((ECS, 1.0), (MCS, of_normal), (ACS, of_normal)):
+        for is_normalised, times in ((True, 1.0), (False, 1.0 / math.cos(b))):
+            found = inclined_gain(mode, tilt, slope, along_tool=True, is_normalised=is_normalised)
+            assert found == pytest.approx(expected * times, rel=1e-12)
+            if mode == ACS:
+                continue
+            own = ToolWay(mode, 0, head((9,)), 5).gain(
+                pose, surface, along_tool=True, is_normalised=is_normalised
+            )
+            assert own == pytest.approx(found, rel=1e-7)
 
 
 def test_a_surface_across_the_tool_is_the_worst() -> None:

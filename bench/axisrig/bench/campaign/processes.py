@@ -432,11 +432,9 @@ def _in_words(exit_code: int | None, call: journal.LastCall | None) -> str:
     if call is None:
         return f"the process ended before any call into an FMU: {how}"
     if not call.is_inside:
-        return f"the process ended: {how}; the last call into an FMU was {call}"
+        return f"the process ended: {how}; the last call was {call}"
     verb = "crashed" if exit_code is not None and exit_code < 0 else "ended the process"
-    return f"FMU {call.file} (plant {call.instance}) {verb} in {call.function} at t = " + (
-        f"{call.time_ns / 1e6:.6f} ms: {how}"
-    )
+    return f"{call.what} {verb} in {call.function} at t = {call.time_ns / 1e6:.6f} ms: {how}"
 
 
 def _how(exit_code: int) -> str:

@@ -24,7 +24,7 @@ from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.motion.interpolator import Positions
 from axisrig.kernel.nc import canon
-from axisrig.kernel.plc.interface import TOOL_LENGTH, TOOL_TILT, PlcInterface
+from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.plc.unit import AxisUnit, DistanceUnit
 from axisrig.kernel.time.clock import TimeNs
 
@@ -59,7 +59,7 @@ def make_controls(
     }
     of_channel = None
     if settings.distance is not None:
-        values.update({TOOL_TILT: 0.0, TOOL_LENGTH: 0.0})
+        values.update(dict.fromkeys(canon.SHOWN_OF_TOOL, 0.0))
         of_channel = ChannelDistance(
             settings.distance,
             [axis.allowed for axis in axes],
@@ -224,7 +224,7 @@ class DistanceControls:
         if command.set_pos_mm is not None:
             control.set_surface(command.set_pos_mm)
         if command.set_dist_mm is not None:
-            control.set_distance(command.set_dist_mm)
+            self._warn_if(found.set_distance(command.set_dist_mm))
         if parameters:
             control.program(**parameters)
         if command.action == "check":
@@ -241,6 +241,10 @@ class DistanceControls:
             if command.wait:
                 self._awaited[command.axis] = wanted
         self._show()
+
+    def _warn_if(self, warning: Alarm | None) -> None:
+        if warning is not None:
+            self._warn(warning)
 
     def _of_channel(self) -> ChannelDistance:
         """Return the control of the channel; raises Alarm 310015 without P-CHAN-00500."""
@@ -289,8 +293,7 @@ class DistanceControls:
             warning = channel.prepare(wanted)
             self._refuse_on(channel, dry_run=dry_run)
         control.command(wanted, Source.NC, no_move=no_move, dry_run=dry_run)
-        if warning is not None:
-            self._warn(warning)
+        self._warn_if(warning)
         self._warn_of_age(channel, wanted)
         if no_move and control.state is DistanceState.INACTIVE:
             for name, delta_mm in channel.take_over().items():
@@ -302,9 +305,7 @@ class DistanceControls:
             self._path.take_offset(name, offset_mm)
 
     def _warn_of_age(self, found: Sensing, wanted: DistanceCommand) -> None:
-        warning = found.age_warning() if wanted in SWITCHES_ON else None
-        if warning is not None:
-            self._warn(warning)
+        self._warn_if(found.age_warning() if wanted in SWITCHES_ON else None)
 
     def _refuse_beside(self, axis: str) -> None:
         """Raise Alarm 900466 for an axis that 3D control may move."""
@@ -328,9 +329,10 @@ class DistanceControls:
         for name, wanted in list(self._awaited.items()):
             found = self.channel if name is None else self.axes[name]
             assert found is not None
-            state = found.control.state
-            if wanted is DistanceCommand.OFF and state is DistanceState.TURNING_OFF:
-                continue
+            if wanted is DistanceCommand.OFF:
+                is_left = name is None and found.is_on_its_way
+                if is_left or found.control.state is DistanceState.TURNING_OFF:
+                    continue
             del self._awaited[name]
         return bool(self._awaited)
 

@@ -3,7 +3,7 @@
 Axis positions and tool coordinates are tuples of the same length in mm and degrees.
 """
 
-from axisrig.kernel.kinematics.build import build, check_axes
+from axisrig.kernel.kinematics.build import build, check_axes, check_known
 from axisrig.kernel.kinematics.coupled import OnLinearAxes
 from axisrig.kernel.kinematics.data import KinematicData, Trafo
 from axisrig.kernel.kinematics.extension import ExtendedTool
@@ -28,6 +28,7 @@ __all__ = [
     "Vector",
     "build",
     "check_axes",
+    "check_known",
     "kinematic_types",
     "offsets",
 ]

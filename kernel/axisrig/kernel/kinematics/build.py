@@ -36,6 +36,12 @@ def build(ids: Sequence[int], data: KinematicData, written: Written, tool_mm: fl
     return _extended(first, Parameters(1, _trafo(1, ids[1], data), written))
 
 
+def check_known(ids: Sequence[int], data: KinematicData) -> None:
+    """Raise Alarm for an ID that is unknown or whose kinematic is refused."""
+    for step, number in enumerate(ids[: len(data.steps)]):
+        _type(step, number, data)
+
+
 def check_axes(kinematic: Kinematic, axes: Sequence[tuple[str, bool]]) -> None:
     """Compare the axes of a channel, name and whether rotary, with what a kinematic needs.
 

@@ -11,6 +11,11 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.nc.block import Block
 
+# V.E. variables of a channel with 3D distance control: degrees, mm; 0 without a kinematic. The
+# channel writes them, no program does.
+TOOL_TILT, TOOL_LENGTH = "TOOL_TILT", "TOOL_LENGTH"
+SHOWN_OF_TOOL = (TOOL_TILT, TOOL_LENGTH)
+
 
 @dataclass(frozen=True)
 class LinearMove:

@@ -163,12 +163,14 @@ class Command:
     """A # command. What it takes is a table: `text/commands.csv`.
 
     name: upper case with single blanks (`MEAS MODE`, `CS ON`, `SET AX LINK`). arguments: values
-    by position. options: keyword and value in their order; a keyword may repeat.
+    by position. options: keyword and value in their order; a keyword may repeat. remark: how it was
+    read where that is not as it is written, else empty.
     """
 
     name: str
     arguments: tuple[Argument, ...] = ()
     options: tuple[tuple[str, Option], ...] = ()
+    remark: str = field(default="", compare=False)
 
     def option(self, keyword: str) -> Option:
         """Give the value of a keyword; None for a flag and for a keyword that is not there."""

@@ -18,9 +18,6 @@ from axisrig.kernel.plc.probing import PlcTask
 from axisrig.kernel.plc.unit import AxisUnit, Refreshed, ToolState
 from axisrig.kernel.time.clock import Clock, TimeNs
 
-# V.E. variables of a channel with 3D distance control: degrees, mm; 0 without a kinematic
-TOOL_TILT, TOOL_LENGTH = "TOOL_TILT", "TOOL_LENGTH"
-
 
 @dataclass(frozen=True)
 class PlcAction:
@@ -103,7 +100,7 @@ class PlcInterface:
     def show_tool(self, tilt_deg: float | None, length_mm: float | None) -> None:
         """Show the PLC side the tool, and a program where it has the variables."""
         self.tool.tilt_deg, self.tool.length_mm = tilt_deg, length_mm
-        for name, value in ((TOOL_TILT, tilt_deg), (TOOL_LENGTH, length_mm)):
+        for name, value in zip(canon.SHOWN_OF_TOOL, (tilt_deg, length_mm), strict=True):
             if name in self.values:
                 self.values[name] = value or 0.0
 

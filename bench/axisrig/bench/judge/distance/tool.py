@@ -277,8 +277,7 @@ class ToolTruth(DistanceTruth):
     def surface_gain(self) -> float:
         """By how much what the control sees grows for 1 mm of offset, in its last cycle on.
 
-        Of the workpiece as a whole, with its normal m: m w along the normal of the surface, w the
-        way of the clamping point; along the tool m w/m u; times u_z where the PLC normalises that.
+        Of the workpiece as a whole: `seen_gain` with its normal.
         """
         if isinstance(self.whole, ToolTruth):
             return self.whole.surface_gain
@@ -290,10 +289,12 @@ class ToolTruth(DistanceTruth):
         if way is None or way.chain is None:
             return 1.0
         axes = self.columns("truth_mm")[row : row + 1]
-        gain = way.gain(axes, sensor.normal, along_tool=sensor.is_along)
-        if sensor.is_along and sensor.is_normalised:
-            gain *= float(way.leaning(axes)[0])
-        return gain
+        return way.gain(
+            axes,
+            sensor.normal,
+            along_tool=sensor.is_along,
+            is_normalised=sensor.is_along and sensor.is_normalised,
+        )
 
     def axes_allow(self, begin: int, end: int) -> Signal | None:
         """Return speed and acceleration that the axes leave the offset: theirs over their rates.

@@ -1,5 +1,7 @@
 """Loads the PLC program of a rig, and runs its cycles so that a mistake in it is named by line."""
 
+import ast
+import inspect
 import sys
 import traceback
 from collections.abc import Callable
@@ -8,7 +10,9 @@ from types import ModuleType
 from typing import Any
 
 from axisrig.bench.machine.plc.hli import Hli, Inputs, UnknownNameError
+from axisrig.kernel.cosim.fmi import journal
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import TimeNs
 
 _HINT = "a class with cycle(self, inputs, hli), see docs/plc.md"
 
@@ -18,13 +22,20 @@ class PlcProgram:
 
     Its attributes, all optional: `probe_on` (the supply of the switched probe),
     `outlives_program` and `is_idle` (whether the run goes on after the NC program, and until when).
-    Raises UserError with file and line for a file that cannot be loaded.
+    Where calls into FMUs are watched, so that one may take its time only (--call-timeout), those
+    into the program are too. time_ns: of the cycle. Raises UserError with file and line for a file
+    that cannot be loaded.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._program = self._guarded(self._load)
-        self.outlives_program = bool(getattr(self._program, "outlives_program", False))
+        self.time_ns: TimeNs = 0
+        self._program = self._guarded(self._watched(self._load, "its start"))
+        self._cycle = self._watched(self._program.cycle, "cycle")
+        self.outlives_program = bool(self._attribute("outlives_program", False))
+
+    def _watched(self, call: Callable[..., Any], name: str) -> Callable[..., Any]:
+        return journal.watched(call, str(self._path), "", name, self)
 
     def _load(self) -> Any:
         text = self._path.read_bytes()
@@ -48,22 +59,49 @@ class PlcProgram:
                 value=names,
                 hint=_HINT,
             )
+        self._check_made_without_arguments(found[0], text)
         return found[0]()
+
+    def _check_made_without_arguments(self, program: type, text: bytes) -> None:
+        try:
+            inspect.signature(program).bind()
+        except TypeError as error:
+            (written,) = (
+                each
+                for each in ast.parse(text).body
+                if isinstance(each, ast.ClassDef) and each.name == program.__name__
+            )
+            made = [
+                each.lineno
+                for each in written.body
+                if isinstance(each, ast.FunctionDef) and each.name == "__init__"
+            ]
+            raise UserError(
+                f"the class of the PLC program is made without arguments: {error}",
+                file=self._path,
+                line=made[-1] if made else written.lineno,
+                value=program.__name__,
+                hint="give each parameter a value of its own",
+            ) from error
 
     def cycle(self, inputs: Inputs, hli: Hli) -> None:
         """Run one cycle. Raises UserError with file and line for an exception of the program."""
-        self._guarded(lambda: self._program.cycle(inputs, hli))
+        self.time_ns = inputs.time_ns
+        self._guarded(lambda: self._cycle(inputs, hli))
         self._guarded(hli.check)
 
     @property
     def probe_on(self) -> bool:
         """Whether the program switches the supply of the probe on."""
-        return bool(getattr(self._program, "probe_on", True))
+        return bool(self._attribute("probe_on", True))
 
     @property
     def is_idle(self) -> bool:
         """Whether the program has nothing left to do after the NC program."""
-        return bool(getattr(self._program, "is_idle", True))
+        return bool(self._attribute("is_idle", True))
+
+    def _attribute(self, name: str, otherwise: bool) -> Any:
+        return self._guarded(lambda: getattr(self._program, name, otherwise))
 
     def _guarded(self, action: Callable[[], Any]) -> Any:
         try:
@@ -72,10 +110,10 @@ class PlcProgram:
             if error.file is None:
                 error.file, error.line = str(self._path), self._line(error)
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # sys.exit ends the run, not axisrig
             raise self._blamed(error) from error
 
-    def _blamed(self, error: Exception) -> UserError:
+    def _blamed(self, error: BaseException) -> UserError:
         line = error.lineno if isinstance(error, SyntaxError) else self._line(error)
         if isinstance(error, UnknownNameError):
             return UserError(
@@ -91,7 +129,7 @@ class PlcProgram:
             line=line,
         )
 
-    def _line(self, error: Exception) -> int | None:
+    def _line(self, error: BaseException) -> int | None:
         """Return the innermost line of the program that an exception went through."""
         frames = traceback.extract_tb(error.__traceback__)
         lines = [frame.lineno for frame in frames if Path(frame.filename) == self._path]

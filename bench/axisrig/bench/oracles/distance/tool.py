@@ -23,22 +23,54 @@ _CLOSE = 1e-11
 _SINGULAR = 1e-9
 
 
-def inclined_gain(mode: str, tilt_deg: float, slope_deg: float) -> float:
-    """Return by how much the distance to an inclined surface grows for 1 mm of offset.
+def seen_gain(
+    way: Array,
+    tool: Array,
+    surface: Array,
+    *,
+    along_tool: bool = False,
+    is_normalised: bool = False,
+) -> float:
+    """Return by how much a sensor value grows for 1 mm of offset over a plane.
 
-    tilt_deg: b, of the tool to the assumed normal n. slope_deg: p, of the surface in the plane of
-    the tilt, positive when its normal m turns away from the tool's side by p: n m = cos p. ECS: the
-    tool moves along u by 1/cos b, so u m/cos b = cos(b - p)/cos b = cos p + sin p tan b; MCS and
-    ACS: n m = cos p. The limit of kp in CONST_DIST is divided by it.
+    way: w of the clamping point for it. tool: u. surface: normal m. To the nearest point m w, along
+    the tool m w/m u; times u_z where the PLC normalises it by the tilt to Z of the machine.
     """
-    slope = math.radians(slope_deg)
-    if mode != ECS:
-        return math.cos(slope)
-    return math.cos(slope) + math.sin(slope) * math.tan(math.radians(tilt_deg))
+    rise = float(way @ surface)
+    if along_tool:
+        rise /= float(tool @ surface)
+    return rise * float(tool[2]) if is_normalised else rise
+
+
+def inclined_gain(
+    mode: str,
+    tilt_deg: float,
+    slope_deg: float,
+    *,
+    along_tool: bool = False,
+    is_normalised: bool = False,
+) -> float:
+    """Return the same of a tool at b to the assumed normal n, here Z of the machine.
+
+    tilt_deg: b. slope_deg: p, of the surface in the plane of the tilt, positive when its normal m
+    is turned to the side of the tool: u m = cos(b - p). To the nearest point: ECS moves along u by
+    1/cos b, so cos(b - p)/cos b = cos p + sin p tan b; MCS and ACS along n: cos p. Along the tool
+    and normalised: ECS 1 over any surface; MCS, ACS cos p cos b/cos(b - p) = 1/(1 + tan p tan b).
+    The limit of kp in CONST_DIST is divided by it.
+    """
+    tool, surface = _leaning_by(tilt_deg), _leaning_by(slope_deg)
+    way = tool / tool[2] if mode == ECS else _leaning_by(0.0)
+    return seen_gain(way, tool, surface, along_tool=along_tool, is_normalised=is_normalised)
+
+
+def _leaning_by(angle_deg: float) -> Array:
+    """Return the unit vector at an angle to Z, in the plane of Y and Z."""
+    angle = math.radians(angle_deg)
+    return np.array((0.0, math.sin(angle), math.cos(angle)))
 
 
 def steepest_gain(tilt_deg: float) -> float:
-    """Return the most that `inclined_gain` is in ECS at a tilt: 1/cos b, for a surface across u."""
+    """Return the most of ECS to the nearest point at a tilt: 1/cos b, for a surface across u."""
     return 1.0 / math.cos(math.radians(tilt_deg))
 
 
@@ -79,27 +111,25 @@ class ToolWay:
         share: Array = stretched * (frame[:, :3, 2] @ np.asarray(self.normal))
         return share
 
-    def gain(self, axes: Array, surface: Sequence[float], *, along_tool: bool) -> float:
-        """Return by how much a distance grows for 1 mm of offset at a pose (1, count).
-
-        surface: normal m of the plane. To its nearest point m w with the way w of the clamping
-        point, along the tool m w/m u.
-        """
+    def gain(
+        self,
+        axes: Array,
+        surface: Sequence[float],
+        *,
+        along_tool: bool,
+        is_normalised: bool = False,
+    ) -> float:
+        """Return `seen_gain` at a pose (1, count). surface: normal of the plane."""
         ones = np.full(len(axes), _DISPLACEMENT)
         points = [
             self._kinematic().clamp_mm(self.superposed(axes, sign * ones)[:, : self.count])
             for sign in (1.0, -1.0)
         ]
-        rise = (points[0] - points[1])[0] / (2.0 * _DISPLACEMENT) @ np.asarray(surface)
-        direction = self._kinematic().direction(axes[:, : self.count])[0]
-        return float(rise / (direction @ np.asarray(surface)) if along_tool else rise)
-
-    def leaning(self, axes: Array) -> Array:
-        """Return the cosine of the angle between tool and Z of the machine, shape (n,)."""
-        if self.chain is None:
-            return np.ones(len(axes))
-        leaning: Array = self.chain.direction(axes[:, : self.count])[:, 2]
-        return leaning
+        way = (points[0] - points[1])[0] / (2.0 * _DISPLACEMENT)
+        tool = self._kinematic().direction(axes[:, : self.count])[0]
+        return seen_gain(
+            way, tool, np.asarray(surface), along_tool=along_tool, is_normalised=is_normalised
+        )
 
     def superposed(self, axes: Array, offset_mm: Array) -> Array:
         """Return the axes with an offset, shape (n, count of all)."""

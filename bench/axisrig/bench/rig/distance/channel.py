@@ -2,15 +2,23 @@
 
 The control of the channel has a V.E. variable as its sensor; its offset counts along the normal of
 the surface. Over a surface that is inclined to it the distance changes by more or less than the
-offset, which divides the limit of kp (`oracles/distance/tool.py`).
+offset, which divides the limit of kp; by how much depends on the sensor and on what the PLC makes
+of its value (`oracles/distance/tool.py`).
 """
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
 from axisrig.bench.oracles.distance.lists import CHANNEL, Listed
 from axisrig.bench.oracles.distance.loop import CONST_DIST
-from axisrig.bench.oracles.distance.tool import ECS, STEEPEST_DEG, inclined_gain, steepest_gain
+from axisrig.bench.oracles.distance.tool import (
+    ECS,
+    MCS,
+    STEEPEST_DEG,
+    inclined_gain,
+    steepest_gain,
+)
 from axisrig.bench.oracles.kinematics.lists import Lists
 from axisrig.bench.rig.distance.loops import (
     MODES,
@@ -19,6 +27,7 @@ from axisrig.bench.rig.distance.loops import (
     dead_words,
     is_beyond,
     limit_of,
+    limits_words,
     listed_for,
     loop_of,
 )
@@ -33,11 +42,11 @@ OF_AXIS = "lr_param.distance_control_on"
 RELEASED, RELEASE = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 ALONG = ("AxisRig.Sensors.HeadDistanceSensor", "AxisRig.Sensors.RobotDistanceSensor")
 """Models of the library that measure along the tool."""
-ORTHOGONAL = 1
-"""Their `quantity` that is the orthogonal distance."""
+ALONG_TOOL, ORTHOGONAL, ELECTRODE = 0, 1, 2
+"""Their `quantity`."""
 EXTENSION = 98
-EXAMPLES_DEG = ((60.0, 10.0), (75.0, 10.0))
-"""Tilt of the tool and slope of the surface."""
+EXAMPLES_DEG = ((60.0, 10.0), (75.0, 10.0), (75.0, -10.0))
+"""Tilt b of the tool and slope p of the surface, turned to the side of the tool when positive."""
 
 
 def is_released(settings: Settings) -> bool:
@@ -67,7 +76,7 @@ def channel_warnings(settings: Settings) -> list[str]:
     for variable, entry in settings.rig.plc.items():
         plant = settings.rig.plant.get(entry.sensor)
         if plant is not None and plant.fmu in ALONG and entry.normalise == "none":
-            if str(plant.start.get("quantity", 0)) == str(ORTHOGONAL):
+            if _quantity(settings, entry) == ORTHOGONAL:
                 continue
             found.append(
                 f"{entry.sensor} in {variable} measures along the tool and 3D control wants the"
@@ -146,6 +155,7 @@ def _lines(
         f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
         f" {smoothing.noise_gain:.3g}",
         f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
+        f"  limits       {limits_words(listed, rig.cycle.period_us)}",
     ]
     for mode in MODES:
         limit = limit_of(loop_of(settings, CHANNEL, sensor, mode, lag_s), sensor)
@@ -155,7 +165,7 @@ def _lines(
             verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
         lines.append(f"  {bound:<24} {mode}: {verdict}")
     limit = limit_of(loop_of(settings, CHANNEL, sensor, CONST_DIST, lag_s), sensor)
-    return [*lines, *_inclined(settings, listed, limit)]
+    return [*lines, *_inclined(settings, entry, listed, limit)]
 
 
 _SIGNS = {
@@ -209,20 +219,72 @@ def largest_tilt_deg(settings: Settings) -> float:
     return min(largest, STEEPEST_DEG) if largest > 0.0 else STEEPEST_DEG
 
 
-def _inclined(settings: Settings, listed: Listed, limit: float) -> list[str]:
-    """Say how an inclined surface changes the limit of the constant distance."""
+def _inclined(settings: Settings, entry: PlcSensorTable, listed: Listed, limit: float) -> list[str]:
+    """Say how an inclined surface changes the limit of the constant distance, by its sensor."""
     kp, tilt_deg = listed.control.kp, largest_tilt_deg(settings)
-    gains = [(tilt, slope, inclined_gain(ECS, tilt, slope)) for tilt, slope in EXAMPLES_DEG]
-    examples = ", ".join(
-        f"{limit / gain:.4g} at {tilt:g}/{slope:g} deg" for tilt, slope, gain in gains
-    )
+    if _quantity(settings, entry) == ELECTRODE or entry.normalise == "electrode":
+        return [
+            _PARALLEL,
+            "  inclined     not known: over an inclined surface a disc electrode does not give the"
+            " distance (docs/rigs.md)",
+        ]
+    along, normalised = _quantity(settings, entry) == ALONG_TOOL, entry.normalise != "none"
+    if along and not normalised:
+        return [
+            "  these hold with the tool along the normal only: the value is not normalised; over a"
+            f" parallel surface with the tool at b that of {CONST_DIST} is {limit:.4g} times cos b"
+        ]
+
+    def examples(mode: str) -> str:
+        found = [
+            (inclined_gain(mode, *place, along_tool=along, is_normalised=normalised), *place)
+            for place in EXAMPLES_DEG
+        ]
+        words = [f"{limit / gain:.4g} at {b:g}/{p:g} deg" for gain, b, p in found]
+        return f"kp {', '.join(words)} (b/p)"
+
+    if along:
+        return [
+            _PARALLEL,
+            f"  inclined     {CONST_DIST}, the value along the tool times cos b: ECS as above over"
+            " any surface; ACS along Z and MCS times 1 + tan p tan b with the tool at b in the"
+            f" plane of p: {examples(MCS)}",
+            f"  {_turned_away(kp, limit, tilt_deg)}",
+        ]
+    if normalised:
+        return [
+            "  these hold with the tool along Z only: the sensor gives the orthogonal distance and"
+            ' the PLC takes it times cos b; set normalise = "none" in [plc]'
+        ]
     worst = limit / steepest_gain(tilt_deg)
     verdict = "UNSTABLE as listed" if is_beyond(kp, worst) else "stable as listed"
     return [
-        "  these hold over a surface parallel to the assumed plane, at every tilt of the tool",
+        _PARALLEL,
         f"  inclined     a surface inclined by p divides that of {CONST_DIST} by cos p in ACS and"
         " MCS, by cos p + sin p tan b in ECS with the tool at b in the plane of p:"
-        f" kp {examples} (b/p)",
+        f" {examples(ECS)}",
         f"  {f'stable below kp {worst:.4g}':<24} ECS, worst: tool at b = {tilt_deg:g} deg, surface"
         f" across it (p = b): {verdict}",
     ]
+
+
+_PARALLEL = "  these hold over a surface parallel to the assumed plane, at every tilt of the tool"
+
+
+def _quantity(settings: Settings, entry: PlcSensorTable) -> int:
+    """Return what a sensor measures: ALONG_TOOL, ORTHOGONAL or ELECTRODE."""
+    plant = settings.rig.plant.get(entry.sensor)
+    if plant is None or plant.fmu not in ALONG:
+        return ORTHOGONAL
+    return int(float(str(plant.start.get("quantity", ALONG_TOOL))))
+
+
+def _turned_away(kp: float, limit: float, tilt_deg: float) -> str:
+    """Say from which slope on the listed kp is unstable along the normal: kp = (1 + t) limit."""
+    if is_beyond(kp, limit):
+        return f"{'UNSTABLE':<24} MCS, ACS: as listed, also over a parallel surface"
+    slope_deg = math.degrees(math.atan((1.0 - kp / limit) / math.tan(math.radians(tilt_deg))))
+    return (
+        f"{f'stable up to p -{slope_deg:.3g} deg':<24} MCS, ACS, kp {kp:g} as listed: tool at b ="
+        f" {tilt_deg:g} deg, surface turned away from it; up to p = b - 90 deg no kp is left"
+    )

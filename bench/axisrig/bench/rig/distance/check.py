@@ -20,6 +20,7 @@ from axisrig.bench.rig.distance.loops import (
     dead_words,
     is_beyond,
     limit_of,
+    limits_words,
     listed_of,
     loop_of,
 )
@@ -179,6 +180,7 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
         f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
         f" {smoothing.noise_gain:.3g}",
         f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
+        f"  limits       {limits_words(listed, settings.rig.cycle.period_us)}",
     ]
     for mode in MODES:
         limit = limit_of(loop_of(settings, name, sensor, mode, lag_s), sensor)

@@ -5,6 +5,7 @@ the way; limits of kp from the closed forms of `bench/axisrig/bench/oracles/dist
 """
 
 from axisrig.bench.oracles.distance.cycles import DeadCycles, predicted
+from axisrig.bench.oracles.distance.limits import overshoot_mm
 from axisrig.bench.oracles.distance.lists import (
     CHANNEL,
     OF_CHANNEL,
@@ -109,3 +110,32 @@ def dead_words(dead: DeadCycles, sensor: Sensor) -> str:
     if sensor.every == 1:
         return f"n = {dead.dead}"
     return f"n = {dead.dead} to {dead.dead + sensor.every - 1}, a value comes every {sensor.every}."
+
+
+def limits_words(listed: Listed, period_us: int) -> str:
+    """Say whether v_max and a_max may make a loop ring that is stable without them.
+
+    They have no braking distance: within v_max <= a_max T/kp the law itself brakes in time
+    (docs/distance-control.md). What 3D control may lower by its axes is not looked at.
+    """
+    kp, limits, period_s = listed.control.kp, listed.limits, period_us * US / S
+    a_mm_s2 = limits.a_mm_s2
+    if limits.adaptive is not None:
+        a_mm_s2 = min(a_mm_s2, limits.adaptive[0])
+    if kp <= 0.0 or a_mm_s2 <= 0.0:
+        return "a control without kp or a_max does not move by them"
+    allowed = a_mm_s2 * period_s / kp
+    bound = f"a_max T/kp = {allowed:.4g} mm/s"
+    if limits.v_mm_s <= allowed * (1.0 + AT_LIMIT):
+        return f"v_max {limits.v_mm_s:g} mm/s is within {bound}: the law brakes in time"
+    past = overshoot_mm(kp, period_us * US, limits.v_mm_s, a_mm_s2)
+    remedies = (
+        f"a_max >= {limits.v_mm_s * kp / period_s:g} mm/s2, v_max <= {allowed:g} mm/s or"
+        f" kp <= {a_mm_s2 * period_s / limits.v_mm_s:.4g}"
+    )
+    return (
+        f"v_max {limits.v_mm_s:g} mm/s is above {bound}: where the limits act they may make it ring"
+        f" though it is stable without them. a_max {a_mm_s2:g} mm/s2 lets the offset change its"
+        f" speed by {a_mm_s2 * period_s:.4g} mm/s in a cycle; after a large step it goes {past:.3g}"
+        f" mm too far, more with dead cycles. Remedy: {remedies}"
+    )

@@ -211,6 +211,15 @@ class ChannelDistance(Sensing):
         is_constant = wanted is DistanceCommand.ON_CONST_DIST
         return self._length_warning() if is_constant and guide.mode != ACS else None
 
+    def set_distance(self, set_dist_mm: float) -> Alarm | None:
+        """Take SET_DIST; return a warning of the tool length for a change while it acts."""
+        control, guide = self.control, self.guide
+        is_change = set_dist_mm != control.set_dist_mm
+        control.set_distance(set_dist_mm)
+        if control.state is not DistanceState.ACTIVE_CONST_DIST or not is_change:
+            return None
+        return None if guide is None or guide.mode == ACS else self._length_warning()
+
     def _would_jump(self, guide: Guide) -> bool:
         """Whether the offset that is there would move the axes if it acted by another guide."""
         present = self.guide

@@ -37,8 +37,9 @@ class Offsets:
         """Raise Alarm 310000 for an axis that cannot measure while a control of it is on."""
         for found in (self.axes.get(axis), self._channel_of(axis)):
             if found is not None and found.is_moving and not found.control.is_dry_run:
-                word = f"{found.control.state.name}"
-                raise Alarm(CONTROL_IS_ON, axis=axis, master=axis, controlword=word)
+                word = found.control.state.name
+                owner = found.control.owner
+                raise Alarm(CONTROL_IS_ON, axis=axis, owner=owner, controlword=word)
 
     def _channel_of(self, axis: str) -> ChannelDistance | None:
         channel = self.channel

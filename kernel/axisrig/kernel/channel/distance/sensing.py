@@ -57,9 +57,19 @@ class Sensing:
         return bool(self.control.offset_mm or self.output_mm or self._before_mm)
 
     @property
+    def is_on_its_way(self) -> bool:
+        """Whether the control has no offset any more and the last one has still to leave."""
+        return self.has_offset and not self.control.offset_mm
+
+    @property
     def is_idle(self) -> bool:
         """Whether it is off and leaves its axes where the program has them."""
         return self.control.state is DistanceState.INACTIVE and not self.has_offset
+
+    def set_distance(self, set_dist_mm: float) -> Alarm | None:
+        """Take SET_DIST; return a warning of it."""
+        self.control.set_distance(set_dist_mm)
+        return None
 
     # Sensor
 

@@ -25,7 +25,7 @@ class LastCall:
     """The last call that a process noted.
 
     number: how many calls began. is_inside: it has not come back. file, instance, function: which
-    FMU and what of it. time_ns: the time of the instance.
+    FMU and what of it; without instance it is the PLC program. time_ns: the time of the instance.
     """
 
     number: int
@@ -37,7 +37,18 @@ class LastCall:
 
     def __str__(self) -> str:
         where = f"{self.function} at t = {self.time_ns / 1e6:.6f} ms"
-        return f"{where} of plant {self.instance} ({self.file})"
+        return f"{where} of {self._whose} ({self.file})"
+
+    @property
+    def _whose(self) -> str:
+        return f"plant {self.instance}" if self.instance else "the PLC program"
+
+    @property
+    def what(self) -> str:
+        """Name what was called, as the subject of a sentence."""
+        if not self.instance:
+            return f"the PLC program {self.file}"
+        return f"FMU {self.file} ({self._whose})"
 
 
 class Journal:

@@ -7,16 +7,26 @@ programming manual 1133884683.
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from axisrig.kernel.kinematics import Kinematic, build, check_axes
+from axisrig.kernel.kinematics import (
+    Kinematic,
+    build,
+    check_axes,
+    check_known,
+    kinematic_types,
+)
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import axes
 from axisrig.kernel.nc.decoder.base.context import Context
-from axisrig.kernel.nc.decoder.base.topic import Topic, silent
+from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.expressions import Value
 from axisrig.kernel.nc.syntax import Command, Expression
 
 TOOL_WITH_OFFSETS = 900480
+READ_OTHERWISE = 900484
+UNKNOWN = 292005
+PARAMETER = "V.G.KIN_STEP[].ID[].PARAM[]"
+STEPS, PARAMETERS = 2, 74
 
 
 @dataclass
@@ -31,8 +41,17 @@ class Kinematics:
     written: dict[tuple[int, ...], float] = field(default_factory=dict)
 
 
-def _choose(context: Context, block: Block, command: Command) -> None:
-    context.part(Kinematics).chosen = _numbers(context, block, command)
+def _choose(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """#KIN ID; raises Alarm 292005 and 900440 for what cannot be switched on."""
+    numbers = _numbers(context, block, command)
+    check_known(numbers, context.tables.kinematics)
+    context.part(Kinematics).chosen = numbers
+    yield from _warning(context, block, command)
+
+
+def _warning(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    if command.remark:
+        yield canon.Warn(block, context.alarm(READ_OTHERWISE, block, remark=command.remark))
 
 
 def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
@@ -59,6 +78,7 @@ def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
         alarm = axes.forbidden(context, block, axis)
         if alarm is not None:
             raise alarm
+    yield from _warning(context, block, command)
     yield from axes.wait_for_all(context, block, inside)
     yield from _switch(context, block, kinematic)
     yield canon.KinematicChoice(block, kinematic, inside, numbers, tool_mm, dict(kept.written))
@@ -79,10 +99,18 @@ def _switch(context: Context, block: Block, kinematic: Kinematic | None) -> Iter
 
 def _numbers(context: Context, block: Block, command: Command) -> tuple[int, ...]:
     return tuple(
-        round(context.value(block, argument))
-        for argument in command.arguments
+        _number(context, block, step, argument)
+        for step, argument in enumerate(command.arguments)
         if isinstance(argument, Expression)
     )
+
+
+def _number(context: Context, block: Block, step: int, argument: Expression) -> int:
+    value = context.value(block, argument)
+    if value != round(value):
+        known = ", ".join(str(key) for key, row in kinematic_types().items() if row.acts)
+        raise context.alarm(UNKNOWN, block, id=f"{value:g}", step=step, known=known)
+    return round(value)
 
 
 def _off(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
@@ -92,21 +120,28 @@ def _off(context: Context, block: Block, command: Command) -> Iterator[canon.Com
         yield canon.KinematicChoice(block, None)
 
 
+def _check_indices(context: Context, block: Block, step: int, parameter: int) -> None:
+    for index, count in ((step, STEPS), (parameter, PARAMETERS)):
+        if not 0 <= index < count:
+            raise context.index_alarm(block, PARAMETER, index, count - 1)
+
+
 def _read(context: Context, block: Block, rest: str, *indices: int) -> Value:
+    _check_indices(context, block, indices[0], indices[-1])
     return context.part(Kinematics).written.get(indices, 0.0)
 
 
 def _write(
     context: Context, block: Block, rest: str, value: Value, *indices: int
 ) -> Iterator[canon.Command]:
+    _check_indices(context, block, indices[0], indices[-1])
     context.part(Kinematics).written[indices] = context.number(block, value)
     return iter(())
 
 
-PARAMETER = "V.G.KIN_STEP[].ID[].PARAM[]"
 TOPIC = Topic(
     commands={
-        "KIN ID": silent(_choose),
+        "KIN ID": _choose,
         "TRAFO": _on,
         "TRAFO ON": _on,
         "TRAFO OFF": _off,

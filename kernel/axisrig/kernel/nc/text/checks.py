@@ -237,15 +237,25 @@ def _ident(
 def _kinematic(
     builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
-    """`#KIN ID[9.98]` is printed for `#KIN ID[9,98]`: two kinematics, no number with a fraction."""
+    """`#KIN ID[9.98]` is printed for `#KIN ID[9,98]`: two kinematics, no number with a fraction.
+
+    Raises UserError for brackets that name none.
+    """
     values = command.arguments
+    if raw.brackets and not values:
+        raise builder.source.error(
+            "no kinematic is named",
+            raw.offset,
+            value=f"#{command.name} []",
+            allowed=f"#{command.name} [9], #{command.name} [9, 98]",
+        )
     if len(values) == 1 and isinstance(values[0], Number):
         whole, point, fraction = repr(values[0].value).partition(".")
         if point and int(fraction):
-            builder.remark(
-                f"#{command.name}[{whole}.{fraction}] read as [{whole},{fraction}]", raw.offset
-            )
-            return replace(command, arguments=(Number(float(whole)), Number(float(fraction))))
+            remark = f"#{command.name}[{whole}.{fraction}] read as [{whole},{fraction}]"
+            builder.remark(remark, raw.offset)
+            meant = Number(float(whole)), Number(float(fraction))
+            return replace(command, arguments=meant, remark=remark)
     return command
 
 
@@ -265,5 +275,7 @@ _CHECKS: Mapping[str, Check] = {
     "DRIVE": _drive,
     "IDENT": _ident,
     "KIN ID": _kinematic,
+    "TRAFO": _kinematic,
+    "TRAFO ON": _kinematic,
     "DIST CTRL": _distance,
 }

@@ -85,7 +85,7 @@ def channel_control(context: Context, block: Block, command: Command) -> Iterato
     """`#DIST CTRL`: 3D control; after OFF NO_MOVE the program counts from where the axes are.
 
     Raises Alarm 20209 without P-CHAN-00500, 21837 without the option, 22356 for WP_ORIENTATION, of
-    which no source lists the values; the others as `control`.
+    which no source lists the values, 900467 for a rotary axis; the others as `control`.
     """
     known = context.machine.channel_distance()
     if known is None:
@@ -96,11 +96,15 @@ def channel_control(context: Context, block: Block, command: Command) -> Iterato
     if "WP_ORIENTATION" in options:
         value = shown(context, block, options["WP_ORIENTATION"])
         raise context.alarm(22356, block, value=value)
+    direction = _name(options.get("DIRECTION"))
+    if direction in context.tables.rotary:
+        linear = " ".join(axis for axis in context.axes if axis not in context.tables.rotary)
+        raise context.alarm(900467, block, axis=direction, linear=linear or "none")
     x, y, z = (*context.coordinates.origin_acs_mm, 0.0, 0.0, 0.0)[:3]
     wanted = replace(
         _wanted(context, block, options, None),
         mode=_name(options.get("MODE")),
-        direction=_name(options.get("DIRECTION")),
+        direction=direction,
         normal=context.coordinates.normal_acs,
         origin_mm=(x, y, z),
     )

@@ -26,8 +26,13 @@ def read(context: Context, block: Block, name: str, *indices: int) -> float:
 def write(
     context: Context, block: Block, name: str, value: Value, *indices: int
 ) -> Iterator[canon.Command]:
-    """Give out a value when the machining gets to the block."""
+    """Give out a value when the machining gets to the block.
+
+    Raises Alarm 900121 for what the kernel itself shows of the tool under 3D distance control.
+    """
     known = _known(context, block, name, indices)
+    if known in canon.SHOWN_OF_TOOL and context.machine.channel_distance() is not None:
+        raise context.alarm(900121, block, name=f"V.E.{known}")
     if isinstance(value, str):
         raise context.alarm(900122, block, name=f"V.E.{known}", kind="a number", value=value)
     yield canon.ExternalWrite(block, known, value)
