@@ -5,7 +5,7 @@ import csv
 import gzip
 import random
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from axisrig import fmus
+from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_cases
 from axisrig.bench.cli.main import app
@@ -22,13 +24,23 @@ from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.tools.budget.budget import budget_lines, causes, make_budget
+from axisrig.bench.tools.budget.budget import make_budget
+from axisrig.bench.tools.budget.causes import active_causes, causes
+from axisrig.bench.tools.budget.combining import combined
+from axisrig.bench.tools.budget.forms import BOUNCE_MS, STIFFNESS_N_M, STRIBECK_M_S
+from axisrig.bench.tools.budget.seen import METRICS, Seen, Track
+from axisrig.bench.tools.budget.words import budget_lines, budget_table
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 from axisrig.reports.build import build_report
 from axisrig.results.budget.page import add_budget, write_budget
 
 PLAN = Path(__file__).parents[2] / "testplans" / "latch_accuracy.csv"
 SPEED_MM_S = -10.0
+FORMS = (
+    *("time", "minus_time", "length", "edge", "first", "drift", "drawn", "rest", "source"),
+    *("rounding", "sampling", "jitter", "twist", "viscous", "half"),
+)
 PROBE = {"pretravel_um": "8", "trigger_delay_us": "120"}
 
 
@@ -41,6 +53,13 @@ def probe_row() -> Case:
     return row(*(f"plant:probe.{name}={value}" for name, value in PROBE.items()))
 
 
+def yielded(case: Case, *values: float | None) -> CaseResult:
+    """A result with error um, velocity mm/s, latch ms, source error um, as they are asked for."""
+    there = dict(zip(METRICS, values, strict=True))
+    checks = [judge(check, there[check.name]) for check in case.checks]
+    return CaseResult(case, Verdict.PASS, checks)
+
+
 def calculated(cases: Sequence[Case]) -> Iterator[CaseResult]:
     """A measured value made of its causes, rounded to 20 bit on 10 mm."""
     for case in cases:
@@ -51,9 +70,7 @@ def calculated(cases: Sequence[Case]) -> Iterator[CaseResult]:
         error_um = -value["pretravel_um"] + SPEED_MM_S * late_us * 1e-3
         bits = int(case.inputs.get("drive:servo.encoder_increments", 2**20))
         error_um = round(error_um * bits / 1e4) / bits * 1e4
-        values = (error_um, SPEED_MM_S, late_us / 1e3)
-        checks = [judge(check, found) for check, found in zip(case.checks, values, strict=True)]
-        yield CaseResult(case, Verdict.PASS, checks)
+        yield yielded(case, error_um, SPEED_MM_S, late_us / 1e3, None)
 
 
 def test_the_shares_add_up_and_each_is_its_closed_form() -> None:
@@ -90,17 +107,133 @@ def test_each_run_is_made_once() -> None:
     assert len(seen) == len(set(seen)) == 1 + 4 + 3  # whole, four alone, three more in turn
 
 
-def test_causes_that_act_on_each_other_are_named() -> None:
-    def multiplied(cases: Sequence[Case]) -> Iterator[CaseResult]:
-        for case in cases:
-            both = [float(case.inputs.get(f"plant:probe.{name}", 0)) for name in PROBE]
-            values = (both[0] * both[1] / 100, SPEED_MM_S, 0.0)
-            checks = [judge(check, found) for check, found in zip(case.checks, values, strict=True)]
-            yield CaseResult(case, Verdict.PASS, checks)
+def multiplied(cases: Sequence[Case]) -> Iterator[CaseResult]:
+    """Neither of two causes has a share without the other."""
+    for case in cases:
+        first, second = (float(case.inputs.get(f"plant:probe.{name}", 0)) for name in PROBE)
+        yield yielded(case, first * second / 100, SPEED_MM_S, 0.0, None)
 
+
+def test_causes_that_act_on_each_other_have_shares_over_all_orders() -> None:
     budget = make_budget(probe_row(), None, multiplied)
-    assert [share.cause.cause for share in budget.interacting] == ["pre-travel"]
+    assert [share.cause.cause for share in budget.interacting] == ["pre-travel", "trigger"]
+    # Two causes, two orders: each adds 0 where it comes first and 9.6 where it comes last
+    assert [share.combined_um for share in budget.interacting] == [pytest.approx(4.8)] * 2
+    total = sum(share.combined_um or 0.0 for share in budget.shares) + budget.left_um
+    assert total == pytest.approx(budget.error_um, abs=1e-9)
     assert "act on each other" in budget_lines(budget)[-1]
+
+
+def test_at_most_eight_causes_are_combined_and_the_sum_closes() -> None:
+    made: set[frozenset[int]] = set()
+
+    def error_um(off: Iterable[int]) -> float:
+        on = set(range(10)) - set(off)
+        return len(on) ** 2 + 3.0 * (0 in on)
+
+    shares = combined(range(10), 10, made.update, error_um)
+    assert len(made) <= 2**8 + 2
+    assert sum(shares.values()) == pytest.approx(error_um([]) - error_um(range(10)))
+    # Alike causes have alike shares: 64 um of eight, and what 0 adds by itself
+    assert [shares[place] for place in range(8)] == [pytest.approx(11.0)] + [pytest.approx(8.0)] * 7
+
+
+def test_a_rest_above_an_increment_is_said() -> None:
+    def with_rest(cases: Sequence[Case]) -> Iterator[CaseResult]:
+        for case in cases:
+            yield yielded(case, 0.5, SPEED_MM_S, 0.0, None)
+
+    budget = make_budget(probe_row(), None, with_rest)
+    assert not budget.is_explained
+    assert any(line.startswith("not explained: +0.5000 um") for line in budget_lines(budget))
+    assert str(budget_table(budget)[-1]["meaning"]).startswith("not explained: +0.5000 um")
+    # No share has what its closed form has
+    assert [share.cause.cause for share in budget.differing] == ["pre-travel", "trigger", "input"]
+    assert "differs by +8.0000" in "\n".join(budget_lines(budget))
+    good = make_budget(probe_row(), None, calculated)
+    assert good.is_explained
+    assert good.differing == ()
+    assert "not explained" not in "\n".join(budget_lines(good))
+
+
+def plc_row(name: str) -> Case:
+    return only(read_plan(PLAN.with_name("plc_sources.csv")).cases, name)
+
+
+def test_a_value_of_a_plc_has_the_causes_of_its_chain_and_none_of_the_latch() -> None:
+    def at_cycle(cases: Sequence[Case]) -> Iterator[CaseResult]:
+        """The PLC is 1 ms late, not with its shortest cycle; the CNC gives what was 0.4 ms ago."""
+        for case in cases:
+            late_ms = -0.4 + (case.inputs.get("plc:period_us") != "50")
+            yield yielded(case, SPEED_MM_S * late_ms, SPEED_MM_S, None, 0.0)
+
+    budget = make_budget(plc_row("plc-f600"), None, at_cycle)
+    found = {share.cause.cause: share for share in budget.shares}
+    assert list(found) == ["PLC cycle", "encoder", "CNC cycle"]
+    assert found["PLC cycle"].in_turn_um == pytest.approx(-10.0)
+    assert found["PLC cycle"].expected_um == pytest.approx(-10.0)
+    assert found["CNC cycle"].in_turn_um == pytest.approx(4.0)
+    assert budget.left_um == pytest.approx(0.0)
+    assert budget.is_explained
+
+
+def test_a_clock_is_off_where_the_cnc_knows_it() -> None:
+    def shares(name: str) -> list[str]:
+        case = plc_row(name)
+        return [each.cause.cause for each in active_causes(case, settings_of(case), "Z", False)]
+
+    assert "clock drift" in shares("stamp-drift")
+    assert "clock drift" not in shares("stamp-drift-known")
+    assert "clock offset" in shares("stamp-clock-behind")
+    assert "clock offset" not in shares("stamp-clock-known")
+    assert "stamp jitter" in shares("stamp-jitter")
+    assert "stamp resolution" in shares("stamp-resolution")
+    assert "terminal filter" in shares("plc-filter")
+    assert "terminal cycle" in shares("plc-terminal-slower")
+    assert "PDO" in shares("plc-pdo-missing")
+
+
+def test_the_way_in_a_ramp_has_its_second_order() -> None:
+    """x = v t + a t^2/2 with SYNCs every 1 ms."""
+    v, a = -10.0, 2000.0
+    times = [n * MS for n in range(5)]
+    places = [100 + v * n * 1e-3 + a * (n * 1e-3) ** 2 / 2 for n in range(5)]
+    track = Track(times, places, [v + a * n * 1e-3 for n in range(5)], 0, 1, 0.0)
+    seen = Seen(0.0, v, 0.5, None, track)
+    want_um = 1e3 * (v * 2.5e-3 + a * ((3e-3) ** 2 - (0.5e-3) ** 2) / 2)
+    assert seen.moved_um(0.5, 3.0) == pytest.approx(want_um, abs=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("plan", "name", "shares"),
+    [
+        # v T of a PLC cycle at most, and the actual value of the SYNC before the cycle of the CNC
+        ("plc_sources", "plc-f600", ("PLC cycle", "CNC cycle")),
+        # v t: 100 ppm of the time since the start
+        ("plc_sources", "stamp-drift", ("clock drift",)),
+        # v (1.5 ms + 0.5 ms): the level rests after the last of the edges
+        ("probe_reality", "bounce-filter", ("bounce", "filter")),
+        # F(v)/k of dry and viscous friction, half of the backlash
+        (
+            "probe_reality",
+            "friction-20um-300",
+            ("screw friction", "viscous friction", "backlash"),
+        ),
+    ],
+)
+def test_the_budget_of_a_run_closes(plan: str, name: str, shares: tuple[str, ...]) -> None:
+    case = only(read_plan(PLAN.with_name(f"{plan}.csv")).cases, name)
+    budget = make_budget(case, None, partial(run_cases, files_of=lambda _: RunFiles()))
+    assert set(shares) <= {share.cause.cause for share in budget.shares}
+    assert budget.differing == ()
+    assert abs(budget.left_um) <= budget.increment_um
+    for sizes in (
+        [share.in_turn_um for share in budget.shares],
+        [share.combined_um or 0.0 for share in budget.shares if budget.interacting],
+    ):
+        if sizes:
+            assert sum(sizes) + budget.left_um == pytest.approx(budget.error_um, abs=1e-9)
 
 
 def test_a_row_without_a_value_says_why() -> None:
@@ -178,12 +311,39 @@ def test_results_may_come_in_any_order() -> None:
 
 def test_every_cause_has_a_place_and_says_what_it_is() -> None:
     for cause in causes():
-        assert cause.place in ("probe", "axis", "drive", "set")
-        assert cause.form in ("", "time", "minus_time", "length", "drawn", "rounding", "sampling")
+        assert cause.place in ("probe", "axis", "drive", "set", "plc", "fault")
+        assert cause.needs in ("", "drive", "plc", "terminal")
+        assert cause.form in ("", *FORMS)
         assert cause.effect in ("systematic", "random")
-        assert (cause.form in ("drawn", "rounding", "sampling")) <= (cause.effect == "random")
+        assert (cause.form in ("rounding", "sampling", "jitter")) <= (cause.effect == "random")
+        assert len(cause.key.split()) == len(cause.off.split())
         assert cause.meaning
         assert cause.source
+
+
+def test_defaults_are_those_of_the_models() -> None:
+    """A start value that nobody gives is the default of the model."""
+    models = Path(fmus.__file__).parent / "AxisRig"
+    text = "".join(
+        (models / f"{name}.mo").read_text(encoding="utf-8")
+        for name in (
+            *("Drives/PartialAxis", "Drives/ServoAxis", "Drives/ScrewAxis"),
+            *("Mechanics/LuGreFriction", "Sensors/WorkpieceProbe"),
+        )
+    )
+    for cause in causes():
+        keys, defaults = cause.key.split(), cause.default.split()
+        for key, default in zip(keys, defaults, strict=bool(defaults)):
+            name = key.rpartition(".")[2]
+            assert re.search(rf" {name}(\(min = 0\))? = {default}\b", text), key
+    for name, value in (
+        ("screw_stiffness", f"{STIFFNESS_N_M:g}"),
+        ("stribeck", f"{STRIBECK_M_S:g}"),
+        ("bounce_time", f"{BOUNCE_MS * 1e-3:g}"),
+    ):
+        found = re.search(rf" {name}(\(min = 1e-9\))? = (\d\S*)", text)
+        assert found is not None
+        assert float(found[2].rstrip(";,")) == float(value), name
 
 
 def test_one_case_is_asked_for() -> None:

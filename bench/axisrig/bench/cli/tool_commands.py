@@ -127,7 +127,8 @@ def budget(
     from axisrig.bench.plan.assignment import parse_assignment
     from axisrig.bench.plan.plan import read_plan
     from axisrig.bench.plan.select import only
-    from axisrig.bench.tools.budget.budget import budget_lines, make_budget
+    from axisrig.bench.tools.budget.budget import make_budget
+    from axisrig.bench.tools.budget.words import budget_lines
     from axisrig.reports.build import build_report
     from axisrig.results.budget.page import add_budget, write_budget
 

@@ -16,9 +16,12 @@ COLUMNS = (
     *("closed_form_um", "bound_um", "meaning", FRAMES),
 )
 """Of the table: a row for each cause, the last one for what is left with all of them off."""
+COMBINED, DIFFERS = "combined_um", "differs_um"
+"""More columns of it; a table of an older release has none of them."""
 _HEAD = (
     *(("Cause", ""), ("Setting", ""), ("Effect", ""), ("alone, um", "right")),
-    *(("in turn, um", "right"), ("closed form, um", "right"), ("Meaning", "")),
+    *(("in turn, um", "right"), ("mean, um", "right"), ("closed form, um", "right")),
+    ("Meaning", ""),
 )
 
 
@@ -60,7 +63,9 @@ def budget_rows(rows: Sequence[Mapping[str, str]]) -> str:
     body = "".join(
         f'<tr><th scope="row">{escape(row["cause"])}</th><td>{escape(row["setting"])}</td>'
         f'<td>{escape(row["effect"])}</td><td class="right">{_signed(row["alone_um"])}</td>'
-        f'<td class="right">{_signed(row["in_turn_um"])}</td><td class="right">{_form(row)}</td>'
+        f'<td class="right">{_signed(row["in_turn_um"])}</td>'
+        f'<td class="right">{_signed(row.get(COMBINED) or "")}</td>'
+        f'<td class="right">{_form(row)}</td>'
         f"<td>{escape(row['meaning'])}</td></tr>"
         for row in rows
     )
@@ -68,7 +73,8 @@ def budget_rows(rows: Sequence[Mapping[str, str]]) -> str:
         f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
         '</div><p class="note">Alone: the error less that of the same run without this cause. In'
         " turn: the same with all causes off that act after it; these add up to the error of the"
-        " published value. Systematic and random as in the GUM.</p>"
+        " published value. Mean: over all orders, where causes act on each other. Systematic"
+        " and random as in the GUM.</p>"
     )
 
 
@@ -77,6 +83,8 @@ def _signed(text: str) -> str:
 
 
 def _form(row: Mapping[str, str]) -> str:
+    form = _signed(row["closed_form_um"])
     if row["bound_um"]:
-        return f"&plusmn; {float(row['bound_um']):.4f}"
-    return _signed(row["closed_form_um"])
+        form = f"&plusmn; {float(row['bound_um']):.4f}"
+    differs = row.get(DIFFERS)
+    return f"{form}, differs by {_signed(differs)}" if differs else form

@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.files import write_whole
-from axisrig.bench.tools.budget.budget import Budget, budget_table
+from axisrig.bench.tools.budget.budget import Budget
+from axisrig.bench.tools.budget.words import budget_table, not_explained
 from axisrig.kernel.errors import UserError
 from axisrig.reports.budget.drawing import budget_style, waterfall
 from axisrig.reports.budget.section import budget_path, budget_rows
@@ -72,6 +73,7 @@ def _html(budget: Budget) -> str:
     ]
     view = {
         "budget": budget,
+        "unexplained": not_explained(budget),
         "waterfall": Markup(waterfall(steps, budget.error_um)),
         "table": Markup(budget_rows(rows)),
     }

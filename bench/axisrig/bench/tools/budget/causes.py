@@ -1,0 +1,203 @@
+"""The causes of `causes.csv`: which of them are on in a row, and what switches each off."""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+from axisrig.bench.plan.assignment import Assignment, parse_assignment, parse_column
+from axisrig.bench.plan.case import Case
+from axisrig.bench.rig.reading.plc_task import PlcTaskTable
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
+
+ASSUMED = "="
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One row of `causes.csv`.
+
+    place: probe, axis (its plant), drive, set (its parameter list), plc (its task), or fault (the
+    columns `fault:` of the row). needs: drive: the drive latches the value; plc: the signal comes
+    by the PLC; terminal: by a terminal of its own; empty: any value. key, unit: what is set there,
+    several keys apart by spaces; off: the values that switch the cause off, `=` and a key: what
+    this key has. default: what the model has where nobody gives a value, empty is off. model:
+    ending of the FMU that has the key, empty: any. form: its closed form, empty without one.
+    effect: systematic or random, as the GUM has these words (B.2.21, B.2.22).
+    """
+
+    cause: str
+    place: str
+    needs: str
+    key: str
+    unit: str
+    off: str
+    default: str
+    model: str
+    form: str
+    effect: str
+    meaning: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Active:
+    """A cause that is on. value: of its first key. off: column -> value, None: without it."""
+
+    cause: Cause
+    value: str
+    setting: str
+    off: Mapping[str, str | None]
+
+
+@cache
+def causes() -> tuple[Cause, ...]:
+    """Return the causes in the order in which they act."""
+    text = resources.files(__package__).joinpath("causes.csv").read_text(encoding="utf-8")
+    return tuple(Cause(**row) for row in csv.DictReader(text.splitlines()))
+
+
+def measuring_axis(settings: Settings, axis: str | None) -> str:
+    """Return the axis of the measured value; axis: as it was asked for.
+
+    Raises UserError where the rig has no probe, and where an axis has to be named.
+    """
+    wired = [name for name, table in settings.rig.axis.items() if table.probe_1]
+    if not wired and terminal_probe(settings) is not None:
+        wired = [name for name in settings.rig.axis if settings.axis[name].flag("kenngr.messachse")]
+    if axis is None and len(wired) == 1:
+        return wired[0]
+    if axis not in wired:
+        raise UserError(
+            "which axis has the measured value?"
+            if wired
+            else "no axis of the rig has a probe at input 1 of its drive or at a terminal",
+            file=settings.files[0],
+            value=axis,
+            allowed=wired or "probe_1 of an [axis], input_1 of [plc.terminal]",
+            hint=f"--axis {wired[0]}" if wired else None,
+        )
+    return axis
+
+
+def terminal_probe(settings: Settings) -> str | None:
+    """Return the first probe at the terminal of the PLC, None without one."""
+    task = settings.rig.plc_task
+    if task is None or task.terminal is None:
+        return None
+    return next(iter(task.terminal.inputs.values()), None)
+
+
+def active_causes(case: Case, settings: Settings, axis: str, is_latched: bool) -> list[Active]:
+    """Return the causes that are on. is_latched: the drive has latched the value."""
+    task = settings.rig.plc_task
+    there = {
+        "": True,
+        "drive": is_latched,
+        "plc": not is_latched and task is not None,
+        "terminal": not is_latched and terminal_probe(settings) is not None,
+    }
+    found = [_active(case, settings, axis, cause) for cause in causes() if there[cause.needs]]
+    return [each for each in found if each is not None]
+
+
+def _active(case: Case, settings: Settings, axis: str, cause: Cause) -> Active | None:
+    if cause.place == "fault":
+        columns = [name for name in case.inputs if name.startswith("fault:")]
+        setting = ", ".join(f"{name} {case.inputs[name]}" for name in columns)
+        return Active(cause, setting, setting, dict.fromkeys(columns)) if columns else None
+    if cause.place == "axis":
+        model = settings.rig.plant[settings.rig.axis[axis].plant].fmu
+        if not str(model).removesuffix(".fmu").endswith(cause.model):
+            return None
+    keys = cause.key.split()
+    defaults = cause.default.split()
+    values = [
+        _value(settings, axis, cause, key, defaults[place] if defaults else None)
+        for place, key in enumerate(keys)
+    ]
+    offs = [_off(settings, text) for text in cause.off.split()]
+    if all(value is None or value == off for value, off in zip(values, offs, strict=True)):
+        return None
+    shown = [
+        f"{key} {value} {cause.unit}".rstrip()
+        for key, value, off in zip(keys, values, offs, strict=True)
+        if value not in (None, off)
+    ]
+    columns = [_column(settings, axis, cause, key) for key in keys]
+    first = next(value for value in values if value is not None)
+    return Active(cause, first, ", ".join(shown), dict(zip(columns, offs, strict=True)))
+
+
+def _off(settings: Settings, text: str) -> str:
+    if not text.startswith(ASSUMED):
+        return text
+    task = settings.rig.plc_task
+    return "0" if task is None else f"{getattr(task, text.removeprefix(ASSUMED)):.17g}"
+
+
+def _place(settings: Settings, axis: str, cause: Cause) -> str:
+    """Return the instance, the drive or the axis whose key a cause is."""
+    table = settings.rig.axis[axis]
+    probe = table.probe_1 or terminal_probe(settings)
+    assert probe is not None, "the axis has a probe"
+    return {"probe": probe, "axis": table.plant, "drive": table.drive, "set": axis}[cause.place]
+
+
+def _column(settings: Settings, axis: str, cause: Cause, key: str) -> str:
+    if cause.place == "plc":
+        return f"plc:{key}"
+    kind = {"probe": "plant", "axis": "plant"}.get(cause.place, cause.place)
+    name = f"{key}_{cause.unit}" if cause.unit else key
+    return f"{kind}:{_place(settings, axis, cause)}.{name}"
+
+
+def _value(
+    settings: Settings, axis: str, cause: Cause, key: str, default: str | None
+) -> str | None:
+    """Return what a key is set to, in the unit of its cause; None where it is not there."""
+    if cause.place == "plc":
+        return _of_task(settings.rig.plc_task, key)
+    place = _place(settings, axis, cause)
+    if cause.place == "set":
+        return str(settings.axis[place].integer(key))
+    if cause.place == "drive":
+        value = getattr(settings.rig.drive[place], key)
+        is_exact = isinstance(value, str) or cause.form == "rounding"
+        return str(value) if is_exact else f"{value:g}"
+    found = _start(settings, place, key)
+    if found is None:
+        return default
+    unit = f"_{cause.unit}" if cause.unit else ""
+    return f"{found.si() / parse_column(f'plant:p.x{unit}', '1').si():g}"
+
+
+def _of_task(task: PlcTaskTable | None, key: str) -> str | None:
+    *inside, name = key.split(".")
+    table = task if not inside or task is None else task.terminal
+    value = None if table is None else getattr(table, name)
+    return f"{value:.17g}" if isinstance(value, int | float) else value
+
+
+def start_number(settings: Settings, instance: str, key: str, default: float) -> float:
+    """Return a start value of a plant in its SI unit; default: where nobody gives one."""
+    found = _start(settings, instance, key)
+    return default if found is None else found.si()
+
+
+def probe_of(settings: Settings, axis: str) -> str:
+    """Return the plant instance of the probe that measures for an axis."""
+    return settings.rig.axis[axis].probe_1 or terminal_probe(settings) or ""
+
+
+def _start(settings: Settings, instance: str, key: str) -> Assignment | None:
+    """Return the start value of a plant that counts: the last one of the row, else the rig's."""
+    table = settings.rig.plant[instance]
+    of_rig = [
+        parse_assignment(f"plant:{instance}.{name}={value}") for name, value in table.start.items()
+    ]
+    of_row = [item for item, _ in settings.start.get(instance, [])]
+    fitting = [item for item in (*of_rig, *of_row) if item.name == key]
+    return fitting[-1] if fitting else None

@@ -1,0 +1,121 @@
+"""The closed forms of shares, from the settings and from instants and motion of the truth."""
+
+from math import copysign, exp
+
+from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.budget.causes import Active, probe_of, start_number
+from axisrig.bench.tools.budget.seen import Seen
+
+BOUNCE_MS = 1.0
+"""Default of bounce_time (WorkpieceProbe)."""
+STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
+"""Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
+_BY_INSTANT = ("time", "drawn", "rest")
+
+
+def expected_um(
+    active: Active, settings: Settings, axis: str, later: Seen, without: Seen
+) -> float | None:
+    """Return the closed form of a share, None without one.
+
+    later, without: the runs with and without the cause, all later causes off. A time costs the
+    way of the axis in it, v t + a t^2/2; what is drawn is known by the instants of the truth. A
+    length has the sign of the motion. A PLC source gives the position of an instant that follows
+    from the edge of the plant and the cycles of the rig.
+    """
+    form = active.cause.form
+    if form == "source" or (form in _BY_INSTANT and later.latch_ms is None):
+        if later.way_um is None or without.way_um is None:
+            return None
+        return later.way_um - without.way_um
+    if form in ("length", "half", "first", "drift"):
+        return _length_um(active, later)
+    if form == "edge":
+        return _edge_um(later, without)
+    if form in ("twist", "viscous"):
+        return _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
+    return _delay_um(active, settings, axis, later, without)
+
+
+def _edge_um(later: Seen, without: Seen) -> float | None:
+    if later.track is None or without.track is None:
+        return None
+    return later.moved_um(0, later.track.edge_ms) - without.moved_um(0, without.track.edge_ms)
+
+
+def _twist_um(active: Active, settings: Settings, axis: str, v_m_s: float) -> float:
+    """Return how far the encoder is before the slide in steady motion: friction over stiffness.
+
+    Dry friction as LuGre has it: F_c + (F_s - F_c) exp(-(v/v_s)^2).
+    """
+    plant = settings.rig.axis[axis].plant
+    stiffness_n_m = start_number(settings, plant, "screw_stiffness", STIFFNESS_N_M)
+    if active.cause.form == "viscous":
+        force_n = abs(v_m_s) * float(active.value)
+    else:
+        names, defaults = active.cause.key.split(), map(float, active.cause.default.split())
+        coulomb_n, breakaway_n = (
+            start_number(settings, plant, name, default)
+            for name, default in zip(names, defaults, strict=True)
+        )
+        stribeck_m_s = start_number(settings, plant, "friction.stribeck", STRIBECK_M_S)
+        force_n = coulomb_n + (breakaway_n - coulomb_n) * exp(-((v_m_s / stribeck_m_s) ** 2))
+    return copysign(force_n / stiffness_n_m * 1e6, v_m_s)
+
+
+def _length_um(active: Active, later: Seen) -> float | None:
+    length_um = copysign(1.0, later.velocity_mm_s) * float(active.value)
+    if active.cause.form == "length":
+        return length_um
+    if active.cause.form == "half":  # the encoder comes half of the play before the load
+        return length_um / 2
+    if later.track is None:
+        return None
+    before = later.track.touches - 1
+    return length_um * (before if active.cause.form == "drift" else not before)
+
+
+def _delay_um(
+    active: Active, settings: Settings, axis: str, later: Seen, without: Seen
+) -> float | None:
+    begin_ms = without.latch_ms or 0.0
+    match active.cause.form:
+        case "time":
+            return later.moved_um(begin_ms, begin_ms + float(active.value) * 1e-3)
+        case "minus_time":
+            return -later.moved_um(begin_ms - float(active.value) * 1e-3, begin_ms)
+        case "rest":
+            rest_ms = _rest_ms(settings, axis, float(active.value) * 1e-3)
+            return later.moved_um(begin_ms, begin_ms + rest_ms)
+        case "drawn" if later.latch_ms is not None:
+            return later.moved_um(begin_ms, later.latch_ms)
+    return None
+
+
+def _rest_ms(settings: Settings, axis: str, filter_ms: float) -> float:
+    """Return when a level has lasted for the filter, after the first edge of a bouncing signal.
+
+    After the edge it changes 2 n times within the time T of the bounce, every T/(2 n)
+    (ContactBounce); it lasts long enough at once, or only after the last change.
+    """
+    probe = probe_of(settings, axis)
+    count = start_number(settings, probe, "bounce_count", 0.0)
+    bounce_ms = start_number(settings, probe, "bounce_time", BOUNCE_MS * 1e-3) * 1e3
+    is_short = count > 0 and bounce_ms / (2 * count) < filter_ms
+    return filter_ms + (bounce_ms if is_short else 0.0)
+
+
+def bound_um(
+    active: Active, settings: Settings, axis: str, whole: Seen, increment_um: float
+) -> float | None:
+    """Return how large a share may be where only that is known."""
+    v_um_s = abs(whole.velocity_mm_s) * 1e3
+    match active.cause.form:
+        case "rounding":
+            return increment_um
+        case "sampling":
+            table = settings.rig.drive[settings.rig.axis[axis].drive]
+            return v_um_s * float(table.sample_us) * 1e-6
+        case "jitter":
+            return v_um_s * float(active.value) * 1e-9
+    return None
