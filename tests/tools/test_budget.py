@@ -39,7 +39,7 @@ PLAN = Path(__file__).parents[2] / "testplans" / "latch_accuracy.csv"
 SPEED_MM_S = -10.0
 FORMS = (
     *("time", "minus_time", "length", "edge", "first", "drift", "drawn", "rest", "source"),
-    *("rounding", "sampling", "jitter", "twist", "viscous", "half"),
+    *("rounding", "sampling", "jitter", "twist", "viscous", "half", "led_back"),
 )
 PROBE = {"pretravel_um": "8", "trigger_delay_us": "120"}
 

@@ -10,6 +10,7 @@ BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
 STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
 """Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
+_NEAR_MS = 0.01
 _BY_INSTANT = ("time", "drawn", "rest")
 
 
@@ -84,6 +85,9 @@ def _delay_um(
             return later.moved_um(begin_ms, begin_ms + float(active.value) * 1e-3)
         case "minus_time":
             return -later.moved_um(begin_ms - float(active.value) * 1e-3, begin_ms)
+        case "led_back":  # the kernel takes the speed at the latch for all of the time
+            speed_um_ms = later.moved_um(begin_ms - _NEAR_MS, begin_ms + _NEAR_MS) / (2 * _NEAR_MS)
+            return -speed_um_ms * float(active.value) * 1e-3
         case "rest":
             rest_ms = _rest_ms(settings, axis, float(active.value) * 1e-3)
             return later.moved_um(begin_ms, begin_ms + rest_ms)
