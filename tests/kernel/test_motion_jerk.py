@@ -208,7 +208,7 @@ def jerks(path: JerkProfile) -> list[tuple[float, float, float]]:
     return [
         ((p.end_mm_s2 - p.start_mm_s2) / (p.end_s - p.start_s), p.start_mm_s2, p.end_s - p.start_s)
         for p in path.phases
-        if p.start_mm_s2 != p.end_mm_s2
+        if p.start_mm_s2 != p.end_mm_s2 and p.end_s > p.start_s
     ]
 
 
@@ -236,6 +236,10 @@ def test_no_limit_is_passed_and_the_end_is_hit(case: Case) -> None:
         assert two.start_mm_s == EXACT(one.end_mm_s, rel=1e-7, abs=1e-7)
     if was_held and now < 0.0:
         return  # what a harder hold has begun may have to end sooner than these ramps let it
+    if min(up.rise_s, up.fall_s, down.rise_s, down.fall_s) > 0.0:
+        for phase in path.phases:
+            if phase.end_s == phase.start_s:  # its change is what rounding leaves
+                assert phase.end_mm_s2 == EXACT(phase.start_mm_s2, rel=1e-9)
     for jerk, start, _ in jerks(path):
         slope = up if start > 0.0 or (jerk > 0.0 and start == 0.0) else down
         limit = max(slope.a_mm_s2 / t for t in (slope.rise_s, slope.fall_s, 1e-300) if t > 0.0)
