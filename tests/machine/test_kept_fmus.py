@@ -1,6 +1,7 @@
 """An FMU that is reset in place of being loaded anew leaves nothing of the run before."""
 
 import shutil
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -185,7 +186,7 @@ def test_a_file_that_has_changed_is_loaded_anew(tmp_path: Path) -> None:
 def test_only_so_many_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kept_fmus, "KEPT_MAX", 2)
     # Machines of tests before may not be closed yet: theirs are in use
-    monkeypatch.setattr(kept_fmus, "_kept", {})
+    monkeypatch.setattr(kept_fmus, "_kept", OrderedDict())
     path = ensure_built(AXIS)
     axes = [used(take_fmu(path, name)) for name in ("x", "y", "z")]
     assert [name for _, name in kept_fmus._kept] == ["y", "z"]
