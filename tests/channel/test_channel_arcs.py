@@ -39,18 +39,18 @@ def arcs(text: str) -> list[Arc]:
     interpreter = Interpreter(program, AXES, machine, external={})  # type: ignore[arg-type]
     for command in interpreter.commands():
         if isinstance(command, canon.ArcMove):
-            here, target = machine.acs_mm, {**machine.acs_mm, **command.target_acs_mm}
+            here, target = machine.acs_mm, {**machine.acs_mm, **command.target_mm}
             found.append(
                 Arc(
                     start_mm=tuple(here[axis] for axis in AXES),
                     end_mm=tuple(target[axis] for axis in AXES),
-                    centre_mm=tuple(command.centre_acs_mm.get(a, here[a]) for a in AXES),
+                    centre_mm=tuple(command.centre_mm.get(a, here[a]) for a in AXES),
                     tangent=tuple(command.tangent.get(axis, 0.0) for axis in AXES),
                     angle_rad=command.angle_rad,
                 )
             )
         if isinstance(command, canon.LinearMove | canon.ArcMove):
-            machine.acs_mm.update(command.target_acs_mm)
+            machine.acs_mm.update(command.target_mm)
     return found
 
 

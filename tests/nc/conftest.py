@@ -67,13 +67,13 @@ class PlaneMachine:
     def execute(self) -> None:
         for command in self.queue:
             if isinstance(command, LinearMove):
-                self.acs_mm.update(command.target_acs_mm)
+                self.acs_mm.update(command.target_mm)
             elif isinstance(command, MeasuringRun):
                 self._measure(command)
         self.queue.clear()
 
     def _measure(self, run: MeasuringRun) -> None:
-        target = {**self.acs_mm, **run.target_acs_mm}
+        target = {**self.acs_mm, **run.target_mm}
         share = 1.0
         hit = False
         if self.plane is not None:

@@ -29,8 +29,8 @@ def at(x=0.0, y=0.0, z=0.0, **further):
 
 def points_on(coordinates, before, arc, shares=(0.0, 0.25, 0.5, 0.75, 1.0)):
     """Positions of the axes of the circle, by the parametric form of the circle alone."""
-    axes = list(arc.centre_acs_mm)
-    centre = np.array([arc.centre_acs_mm[a] for a in axes])
+    axes = list(arc.centre_mm)
+    centre = np.array([arc.centre_mm[a] for a in axes])
     radius_vector = np.array([before[a] for a in axes]) - centre
     tangent = np.linalg.norm(radius_vector) * np.array([arc.tangent[a] for a in axes])
     return [
@@ -157,7 +157,7 @@ def test_under_a_coordinate_system_an_arc_keeps_radius_and_angle(
         missing = {axis: before[axis] for axis in XYZ}
         points = []
         for point in points_on(coordinates, before, arc):
-            whole = missing | dict(zip(arc.centre_acs_mm, point, strict=True))
+            whole = missing | dict(zip(arc.centre_mm, point, strict=True))
             points.append(np.array([whole[axis] for axis in XYZ]))
         ends = np.array([coordinates.acs_mm[axis] for axis in XYZ])
         assert points[-1] == pytest.approx(ends, abs=1e-8)
@@ -178,7 +178,7 @@ def test_tangent_is_a_unit_vector_at_right_angles_to_the_radius(components, star
     before = dict(coordinates.acs_mm)
     arc = coordinates.aim_arc({}, CircleWords(True, (r, 0.0)), absolute=True)
     tangent = np.array([arc.tangent[a] for a in XYZ])
-    radius = np.array([before[a] - arc.centre_acs_mm[a] for a in XYZ])
+    radius = np.array([before[a] - arc.centre_mm[a] for a in XYZ])
     assert np.linalg.norm(tangent) == pytest.approx(1, abs=1e-12)
     assert np.linalg.norm(radius) == pytest.approx(r, abs=1e-9)
     assert tangent @ radius == pytest.approx(0, abs=1e-9 * max(r, 1))
@@ -200,14 +200,14 @@ def test_g3_turns_from_the_first_axis_of_the_plane_to_the_second(plane, start, e
     arc = coordinates.aim_arc(end, CircleWords(False, (-10.0, 0.0)), absolute=True)
     assert math.degrees(arc.angle_rad) == pytest.approx(90)
     (point,) = points_on(coordinates, before, arc, (0.5,))
-    assert dict(zip(arc.centre_acs_mm, point, strict=True)) == pytest.approx(middle)
+    assert dict(zip(arc.centre_mm, point, strict=True)) == pytest.approx(middle)
 
 
 def test_the_third_axis_comes_along_and_an_axis_that_stands_is_not_named():
     coordinates = at(x=-10.0, A=5.0)
     helix = coordinates.aim_arc({"Z": 20.0}, CircleWords(False, (10.0, 0.0)), absolute=True)
-    assert helix.target_acs_mm == {"X": -10.0, "Y": 0.0, "Z": 20.0}
-    assert helix.centre_acs_mm == {"X": 0.0, "Y": 0.0}
+    assert helix.target_mm == {"X": -10.0, "Y": 0.0, "Z": 20.0}
+    assert helix.centre_mm == {"X": 0.0, "Y": 0.0}
     assert helix.angle_rad == math.tau
 
 
@@ -217,12 +217,12 @@ def test_relative_end_and_shifts():
     coordinates.shift_reference("X", 100.0, added=False)
     coordinates.aim({"X": 0.0, "Y": 0.0}, absolute=True)
     arc = coordinates.aim_arc({"X": 20.0}, CircleWords(True, (10.0, 0.0)), absolute=False)
-    assert arc.target_acs_mm["X"] == 120.0
-    assert arc.centre_acs_mm == {"X": 110.0, "Y": 0.0}
+    assert arc.target_mm["X"] == 120.0
+    assert arc.centre_mm == {"X": 110.0, "Y": 0.0}
     words = CircleWords(True, (10.0, 0.0), centre_absolute=True)
     back = coordinates.aim_arc({"X": 0.0}, words, absolute=True)
-    assert back.target_acs_mm["X"] == 100.0
-    assert back.centre_acs_mm == pytest.approx({"X": 110.0, "Y": 0.0})
+    assert back.target_mm["X"] == 100.0
+    assert back.centre_mm == pytest.approx({"X": 110.0, "Y": 0.0})
 
 
 def test_a_rig_without_the_second_axis_of_the_plane_has_no_circle():

@@ -26,7 +26,7 @@ def files(tmp_path, plane_machine):
 
 
 def path(commands):
-    return [each.target_acs_mm["X"] for each in commands if isinstance(each, LinearMove)]
+    return [each.target_mm["X"] for each in commands if isinstance(each, LinearMove)]
 
 
 def refusal(files, main, **cycles):

@@ -52,7 +52,7 @@ def test_zero_offsets_of_the_rig_act_in_their_block_already(decode):
         words("G53", X=1),
         tables=OffsetTables(zero_offsets=table),
     )
-    assert [dict(move.target_acs_mm) for move in moves] == [{"X": 11.0}, {"X": 61.0}, {"X": 1.0}]
+    assert [dict(move.target_mm) for move in moves] == [{"X": 11.0}, {"X": 61.0}, {"X": 1.0}]
 
 
 def test_g159_takes_any_group_of_the_table_and_is_modal(decode):
@@ -65,7 +65,7 @@ def test_g159_takes_any_group_of_the_table_and_is_modal(decode):
         words("G159", G159=0, X=1),
         tables=OffsetTables(zero_offsets=table),
     )
-    assert [move.target_acs_mm["X"] for move in moves] == [961.0, 962.0, 11.0, 1.0]
+    assert [move.target_mm["X"] for move in moves] == [961.0, 962.0, 11.0, 1.0]
 
 
 @pytest.mark.parametrize(("group", "alarm_id"), [(97, 20403), (-1, 20403), (1.5, 900105)])
@@ -81,7 +81,7 @@ def test_the_group_of_the_program_start_and_the_values_of_g53(decode):
     moves = decode(
         words("G0", X=0, Y=5), words("G53", X=0), tables=OffsetTables(zero_offsets=table)
     )
-    assert [dict(move.target_acs_mm) for move in moves] == [{"X": 20.0, "Y": 5.0}, {"X": 1.0}]
+    assert [dict(move.target_mm) for move in moves] == [{"X": 20.0, "Y": 5.0}, {"X": 1.0}]
 
 
 def test_d_takes_a_tool_in_and_d0_takes_it_off(decode):
@@ -92,7 +92,7 @@ def test_d_takes_a_tool_in_and_d0_takes_it_off(decode):
         words("G17", D=0, X=0, Y=0, Z=5),
         tables=OffsetTables(tools=tools),
     )
-    assert [dict(move.target_acs_mm) for move in moves] == [
+    assert [dict(move.target_mm) for move in moves] == [
         {"X": -3.0, "Z": 55.0},
         {"Y": 50.0, "Z": 5.0},
         {"X": 0.0, "Y": 0.0},
@@ -108,15 +108,15 @@ def test_inches_are_input_and_not_degrees(decode):
         axes=(*XYZ, "A"),
         tables=OffsetTables(rotary=frozenset("A")),
     )
-    assert [dict(m.target_acs_mm) for m in moves] == [{"X": 25.4, "A": 90.0}, {"Y": 25.4}, {"X": 2}]
+    assert [dict(m.target_mm) for m in moves] == [{"X": 25.4, "A": 90.0}, {"Y": 25.4}, {"X": 2}]
     assert [move.feed_mm_min for move in moves] == [254.0, 254.0, 254.0]
 
 
 def test_an_arc_by_its_centre(decode):
     (arc,) = decode(words("G2", X=20, I=10, F=600))
     assert isinstance(arc, ArcMove)
-    assert arc.target_acs_mm == {"X": 20.0, "Y": 0.0}
-    assert arc.centre_acs_mm == {"X": 10.0, "Y": 0.0}
+    assert arc.target_mm == {"X": 20.0, "Y": 0.0}
+    assert arc.centre_mm == {"X": 10.0, "Y": 0.0}
     assert arc.tangent == pytest.approx({"X": 0.0, "Y": 1.0})
     assert arc.angle_rad == pytest.approx(math.pi)
     assert arc.feed_mm_min == 600.0
@@ -130,7 +130,7 @@ def test_the_half_circles_of_the_manual(decode):
         words("", X=100),
         words("G3", X=200),
     )
-    assert [arc.centre_acs_mm["X"] for arc in arcs] == [50.0, 150.0]
+    assert [arc.centre_mm["X"] for arc in arcs] == [50.0, 150.0]
     assert [math.degrees(arc.angle_rad) for arc in arcs] == pytest.approx([180.0, 180.0])
     assert [arc.tangent["Y"] for arc in arcs] == pytest.approx([1.0, -1.0])
 
@@ -138,15 +138,15 @@ def test_the_half_circles_of_the_manual(decode):
 def test_the_helix_of_the_manual(decode):
     """TF5200 programming manual 206109707: a turn about the zero point from X-10 up to Z20."""
     _, helix = decode(words("G17 G90 G1 G161", X=-10, Y=0, Z=0, F=500), words("G3", I=0, J=0, Z=20))
-    assert helix.centre_acs_mm == {"X": 0.0, "Y": 0.0}
-    assert helix.target_acs_mm == {"X": -10.0, "Y": 0.0, "Z": 20.0}
+    assert helix.centre_mm == {"X": 0.0, "Y": 0.0}
+    assert helix.target_mm == {"X": -10.0, "Y": 0.0, "Z": 20.0}
     assert helix.angle_rad == pytest.approx(math.tau)
 
 
 def test_an_arc_in_inches_in_another_plane(decode):
     (arc,) = decode(words("G70 G18 G3", Z=2, K=1, F=1))
-    assert arc.target_acs_mm == {"X": 0.0, "Z": 50.8}
-    assert arc.centre_acs_mm == {"X": 0.0, "Z": 25.4}
+    assert arc.target_mm == {"X": 0.0, "Z": 50.8}
+    assert arc.centre_mm == {"X": 0.0, "Z": 25.4}
     assert arc.tangent == pytest.approx({"X": -1.0, "Z": 0.0})
 
 
@@ -222,6 +222,6 @@ def test_tool_and_zero_offset_of_a_program(decode):
         words("", X=0),
         words("G54", X=0),
     )
-    told = [next(iter(move.target_acs_mm.values())) for move in moves]
+    told = [next(iter(move.target_mm.values())) for move in moves]
     # X1 after V.G.NP[1] = 8 is still 7 + 1, which is where G54 X0 stands then
     assert told == [81.0, 81.5, 11.0, 7.0, 8.0, 100.0, 8.0]

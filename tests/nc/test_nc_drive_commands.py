@@ -82,7 +82,7 @@ def test_reading_waits_and_gives_the_value_to_a_variable(
     read, wait, move = commands
     assert read == canon.DriveRead(read.block, "Z", "TORQUE_LIMIT")
     assert isinstance(wait, canon.Wait)
-    assert move.target_acs_mm == {"X": 24.0}
+    assert move.target_mm == {"X": 24.0}
 
 
 @pytest.mark.provokes(900113, 2, name="V.P.TORQUE", near="nothing has written it or a name like it")

@@ -10,7 +10,7 @@ from axisrig.kernel.nc.decoder import interpreter
 def path(run, text, **options):
     """The X positions that a program goes to, in order."""
     commands = run(f"G0\n{text}", **options)
-    return [c.target_acs_mm["X"] for c in commands if isinstance(c, LinearMove)]
+    return [c.target_mm["X"] for c in commands if isinstance(c, LinearMove)]
 
 
 def refused(run, text):

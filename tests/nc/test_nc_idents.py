@@ -52,7 +52,7 @@ def test_reading_gives_the_value_in_digits_of_dec_to_the_parameter(
     asked, wait, move = _commands(run, text, machine=machine)
     assert asked == canon.DriveRead(asked.block, "Z", "S-0-0092", 2)
     assert isinstance(wait, canon.Wait)
-    assert move.target_acs_mm == {"X": read}
+    assert move.target_mm == {"X": read}
 
 
 def test_waiting_for_one_drive_and_for_all(run: Callable[..., list[Any]]) -> None:

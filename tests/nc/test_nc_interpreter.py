@@ -13,7 +13,7 @@ def moves(commands):
 
 
 def targets(commands):
-    return [dict(c.target_acs_mm) for c in moves(commands)]
+    return [dict(c.target_mm) for c in moves(commands)]
 
 
 def texts(commands):
@@ -143,7 +143,7 @@ def test_all_main_axes_must_signal_under_a_coordinate_system(run):
     text = "#CS ON[0,0,0,0,0,90]\nG100 X10 F500\n#CS OFF\nG100 X20 F500"
     runs = [c for c in run(text) if isinstance(c, MeasuringRun)]
     assert [r.measuring_axes for r in runs] == [XYZ, ("X",)]
-    assert dict(runs[0].target_acs_mm) == pytest.approx({"Y": 10.0})
+    assert dict(runs[0].target_mm) == pytest.approx({"Y": 10.0})
 
 
 def test_fourth_axis_signals_only_when_it_moves(run):

@@ -46,16 +46,13 @@ class FiveAxes(PlaneMachine):
             if isinstance(command, KinematicChoice):
                 self.kinematic = command.kinematic
             elif isinstance(command, LinearMove):
-                self.go(command.target_acs_mm)
+                self.go(command.target_mm)
             elif isinstance(command, MeasuringRun):
                 tool = self.tool()
                 assert self.plane is not None
-                share = (tool["Z"] - self.plane[1]) / (tool["Z"] - command.target_acs_mm["Z"])
+                share = (tool["Z"] - self.plane[1]) / (tool["Z"] - command.target_mm["Z"])
                 self.go(
-                    {
-                        a: tool[a] + (end - tool[a]) * share
-                        for a, end in command.target_acs_mm.items()
-                    }
+                    {a: tool[a] + (end - tool[a]) * share for a, end in command.target_mm.items()}
                 )
                 self.latched = {
                     axis: None if axis in self.silent else self.acs_mm[axis]
@@ -85,7 +82,7 @@ def run5(text: str, at: FiveAxes | None = None, tables: OffsetTables = TABLES) -
     return run_text(text, at or machine(), axes=FIVE, tables=tables)
 
 
-def told(commands: Sequence[Command]) -> list[float]:
+def said(commands: Sequence[Command]) -> list[float]:
     return [number for c in commands if isinstance(c, Message) for number in c.values]
 
 
@@ -96,14 +93,14 @@ def test_coordinates_are_those_of_the_tool_tip() -> None:
         '#MSG ["%f %f %f", V.A.ABS.X, V.A.ABS.Z, V.A.ACS.ABS.Z]',
         at,
     )
-    assert told(commands) == pytest.approx([120.0, 10.0, 1.0, 3.0, pivot_mm((1, 2, 3), 20, -35)[2]])
+    assert said(commands) == pytest.approx([120.0, 10.0, 1.0, 3.0, pivot_mm((1, 2, 3), 20, -35)[2]])
     assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm((1, 2, 3), 20, -35), 20, -35])
 
 
 def test_a_turn_of_the_tool_keeps_its_tip() -> None:
     at = machine()
     commands = run5(ON + "G0 X1 Y2 Z3\nG90 A=-45\n", at)
-    assert commands[-2].target_acs_mm == {"A": -45.0}
+    assert commands[-2].target_mm == {"A": -45.0}
     assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm((1, 2, 3), 0, -45), 0, -45])
 
 
@@ -112,8 +109,8 @@ def test_off_begins_where_the_axes_are_and_the_length_shifts_z_again() -> None:
         ON + 'G0 X1 Y2 Z3 A90\n#TRAFO OFF\n#MSG ["%f %f", V.A.ABS.Y, V.A.PROG.Z]\nG91 G0 Y5'
     )
     pivot = pivot_mm((1, 2, 3), 0, 90)
-    assert told(commands) == pytest.approx([pivot[1], pivot[2] - 80.0])
-    assert commands[-2].target_acs_mm == pytest.approx({"Y": pivot[1] + 5.0})
+    assert said(commands) == pytest.approx([pivot[1], pivot[2] - 80.0])
+    assert commands[-2].target_mm == pytest.approx({"Y": pivot[1] + 5.0})
 
 
 def test_a_coordinate_system_is_on_top_of_the_tool() -> None:
@@ -177,7 +174,7 @@ def test_a_block_across_the_angles_of_98_stops_at_them() -> None:
         for n, value in enumerate((0, 300_000, 600_000, 910_000))
     )
     commands = run5(parameters + "V.G.WZ_AKT.L = 80\n#TRAFO [9, 98]\nG0 X0 A0\nX10 A-80\nX0\nA0")
-    targets = [c.target_acs_mm for c in commands if isinstance(c, LinearMove)]
+    targets = [c.target_mm for c in commands if isinstance(c, LinearMove)]
     assert [t["A"] for t in targets if "A" in t] == pytest.approx([-30, -60, -80, -60, -30, 0])
     assert [t["X"] for t in targets if "X" in t][-4:-1] == pytest.approx([3.75, 7.5, 10.0])
 
@@ -192,7 +189,7 @@ def test_what_a_run_gives() -> None:
     )
     (run,) = [c for c in commands if isinstance(c, MeasuringRun)]
     assert run.measuring_axes == FIVE
-    assert told(commands) == pytest.approx([50.0, pivot_mm((0, 0, 50), 20, -35)[2], 10.0, -35.0])
+    assert said(commands) == pytest.approx([50.0, pivot_mm((0, 0, 50), 20, -35)[2], 10.0, -35.0])
 
 
 def test_without_the_signal_of_one_axis_there_is_no_value() -> None:
@@ -356,4 +353,4 @@ def test_the_ball_counts_in_the_direction_of_the_run_alone() -> None:
         machine(plane=("Z", 50.0)),
         tables,
     )
-    assert told(commands) == pytest.approx([7.0, 48.0])
+    assert said(commands) == pytest.approx([7.0, 48.0])

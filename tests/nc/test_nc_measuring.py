@@ -100,7 +100,7 @@ def test_type_7_measures_as_type_1_does(run, choice: str) -> None:
     (told,) = _runs(run(f"{choice}\n#CS ON[0,0,0,0,0,90]\nG100 X5 F100\n#CS OFF"))
     # Turned by 90 degrees X is Y: all main axes deliver a value, one is moved to the stop
     assert told.measuring_axes == XYZ
-    assert {axis for axis, mm in told.target_acs_mm.items() if abs(mm) > 1e-9} == {"Y"}
+    assert {axis for axis, mm in told.target_mm.items() if abs(mm) > 1e-9} == {"Y"}
 
 
 def test_the_results_of_type_7_are_those_of_type_1(run, plane_machine) -> None:

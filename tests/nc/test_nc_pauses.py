@@ -89,7 +89,7 @@ def test_dwell_moves_nothing_and_changes_no_modal_word() -> None:
     commands = decoded(words("G0", X=1.0), words("G4", X=4.5), words(X=2.0))
     assert kinds(commands) == ["LinearMove", "Dwell", "LinearMove"]
     assert commands[2].rapid
-    assert commands[2].target_acs_mm == {"X": 2.0}
+    assert commands[2].target_mm == {"X": 2.0}
 
 
 @pytest.mark.provokes(20685, 1, axis="Y")

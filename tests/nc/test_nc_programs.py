@@ -20,7 +20,7 @@ def told(commands):
 
 def motions(commands):
     return [
-        (type(c).__name__, c.block.number, dict(c.target_acs_mm), c.feed_mm_min)
+        (type(c).__name__, c.block.number, dict(c.target_mm), c.feed_mm_min)
         for c in commands
         if isinstance(c, LinearMove | MeasuringRun)
     ]

@@ -67,7 +67,7 @@ N80 G131 = 80"""
         ("acceleration", {"X": 0.7}),
         ("acceleration", dict.fromkeys(every, 0.8)),
     ]
-    moved = [dict(c.target_acs_mm) for c in commands if isinstance(c, canon.LinearMove)]
+    moved = [dict(c.target_mm) for c in commands if isinstance(c, canon.LinearMove)]
     assert moved == [{"X": 100.0}, {"Y": 100.0}, {"X": 10.0, "Y": 20.0}, {"X": 1.0}]
 
 

@@ -11,7 +11,7 @@ XYZ = ("X", "Y", "Z")
 
 
 def moves_of(commands):
-    return [c.target_acs_mm["X"] for c in commands if isinstance(c, LinearMove)]
+    return [c.target_mm["X"] for c in commands if isinstance(c, LinearMove)]
 
 
 def path(run, text):

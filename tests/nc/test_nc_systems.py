@@ -16,7 +16,7 @@ def last_target(commands):
     position = dict.fromkeys(XYZ, 0.0)
     for command in commands:
         if isinstance(command, LinearMove | ArcMove):
-            position.update(command.target_acs_mm)
+            position.update(command.target_mm)
     return tuple(position[axis] for axis in XYZ)
 
 
@@ -192,7 +192,7 @@ def test_inches_in_and_out(run):
 )
 def test_spellings_of_half_a_circle(run, program):
     (arc,) = [command for command in run(program) if isinstance(command, ArcMove)]
-    assert arc.centre_acs_mm == {"X": 50, "Y": 0}
+    assert arc.centre_mm == {"X": 50, "Y": 0}
 
 
 def test_the_last_arc_in_variables(run):
@@ -204,8 +204,8 @@ def test_an_arc_under_a_tilted_system(run):
     """Half a circle in the plane that B 90 puts into Y, Z of the axes: X of it is -Z."""
     commands = run("#CS ON[0,0,0,0,90,0]\nG0 X0 Y0 Z0\nG2 X20 I10 F100")
     (arc,) = [command for command in commands if isinstance(command, ArcMove)]
-    assert arc.target_acs_mm == pytest.approx({"X": 0, "Y": 0, "Z": -20}, abs=1e-12)
-    assert arc.centre_acs_mm == pytest.approx({"X": 0, "Y": 0, "Z": -10}, abs=1e-12)
+    assert arc.target_mm == pytest.approx({"X": 0, "Y": 0, "Z": -20}, abs=1e-12)
+    assert arc.centre_mm == pytest.approx({"X": 0, "Y": 0, "Z": -10}, abs=1e-12)
     assert arc.tangent == pytest.approx({"X": 0, "Y": 1, "Z": 0}, abs=1e-12)
     assert arc.angle_rad == pytest.approx(math.pi)
 

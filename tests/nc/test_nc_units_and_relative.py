@@ -23,7 +23,7 @@ def target_of(commands):
     position = dict.fromkeys(XYZ, 0.0)
     for command in commands:
         if isinstance(command, LinearMove | ArcMove):
-            position.update(command.target_acs_mm)
+            position.update(command.target_mm)
     return tuple(position[axis] for axis in XYZ)
 
 
@@ -34,7 +34,7 @@ def with_tool(**data):
 def test_a_radius_in_inches(run):
     """Half a circle over 2 inches: the centre lies 25.4 mm from the start."""
     arc = arc_of(run("G70 G2 X2 R1 F10"))
-    assert arc.centre_acs_mm == pytest.approx({"X": 25.4, "Y": 0}, abs=1e-9)
+    assert arc.centre_mm == pytest.approx({"X": 25.4, "Y": 0}, abs=1e-9)
 
 
 def test_the_last_arc_is_read_in_inches(run):
@@ -66,7 +66,7 @@ def test_the_programmed_position_goes_along_with_a_distance(run):
 def test_an_absolute_centre_is_shifted_by_the_tool_as_coordinates_are(run):
     """ACS = PCS - axis offset: half a circle from 10 to -10 about 0 has its centre at -3."""
     commands = run("D1 G0 X10 Y0\nG161 G3 X-10 I0 J0 F100", tables=with_tool(offsets_mm={0: 3.0}))
-    assert arc_of(commands).centre_acs_mm == pytest.approx({"X": -3, "Y": 0}, abs=1e-9)
+    assert arc_of(commands).centre_mm == pytest.approx({"X": -3, "Y": 0}, abs=1e-9)
 
 
 def test_the_actual_position_is_without_the_tool(run):

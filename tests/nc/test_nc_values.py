@@ -72,7 +72,7 @@ def test_expressions(run, expression, expected):
 def test_expressions_in_axis_words_and_feed(run):
     commands = run("G1 X=2*[3+4] Y=V.E.A F=60*5", external={"A": 1.5})
     (move,) = [c for c in commands if isinstance(c, LinearMove)]
-    assert dict(move.target_acs_mm) == {"X": 14.0, "Y": 1.5}
+    assert dict(move.target_mm) == {"X": 14.0, "Y": 1.5}
     assert move.feed_mm_min == 300.0
 
 

@@ -82,3 +82,15 @@ def test_the_way_is_bounded_at_the_steepest_angle() -> None:
     after = oracle.frame(np.array(guide.superposed(tuple(axes), 1.0))[None])[0]
     way = np.linalg.norm(after[:3, 3] - before[:3, 3])
     assert way == pytest.approx(1.0 / LEAST_COSINE, rel=1e-9)
+
+
+def test_another_origin_of_the_coordinate_system_is_another_guide() -> None:
+    """SET_POS counts from the origin, which an offset does not depend on."""
+    kernel = MACHINES["9"].kernel()
+    first, second = (
+        ToolGuide("MCS", kernel, names(5), (0.0, 0.0, 1.0), (0.0, 0.0, z_mm)) for z_mm in (0.0, 5.0)
+    )
+    positions = (1.0, 2.0, 300.0, 20.0, -35.0)
+    assert not first.is_same(second)
+    assert first.height_mm(positions) - second.height_mm(positions) == pytest.approx(5.0)
+    assert first.superposed(positions, 1.5) == second.superposed(positions, 1.5)

@@ -66,9 +66,9 @@ class Machine:
     def execute(self) -> None:
         for command in self.queue:
             if isinstance(command, canon.LinearMove):
-                self.acs_mm.update(command.target_acs_mm)
+                self.acs_mm.update(command.target_mm)
             elif isinstance(command, canon.IndependentMove):
-                target = self.measured.get(command.axis, command.target_acs_mm)
+                target = self.measured.get(command.axis, command.target_mm)
                 self.acs_mm[command.axis] = target
             elif isinstance(command, canon.Homing):
                 self.acs_mm.update(self.homes)

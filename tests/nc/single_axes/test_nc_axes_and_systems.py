@@ -40,7 +40,7 @@ def test_what_an_axis_measures_beside_the_program_belongs_to_the_system_of_its_r
         path(X=1.0),
         machine=machine,
     )
-    assert commands[-2].target_acs_mm == {"X": pytest.approx(1.0 - 40.0)}
+    assert commands[-2].target_mm == {"X": pytest.approx(1.0 - 40.0)}
 
 
 @pytest.mark.provokes(900195, 2, axis="Z")

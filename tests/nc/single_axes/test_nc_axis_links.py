@@ -94,14 +94,14 @@ def test_behind_a_coupling_the_slave_is_known_to_stand_where_it_was_led() -> Non
 
     program = [link(1, "X2=X"), enable(1), path(X=5.0), disable(1), path(X2=5.0), path(X2=6.0)]
     moved = [c for c in decode(*program, machine=Led()) if isinstance(c, canon.LinearMove)]
-    assert [c.target_acs_mm for c in moved] == [{"X": 5.0}, {"X2": 6.0}]
+    assert [c.target_mm for c in moved] == [{"X": 5.0}, {"X2": 6.0}]
 
 
 def test_a_variable_of_a_slave_tells_where_it_was_led() -> None:
     read = Words(axes=(("C", Variable("V.A.ABS.X2")),), addresses=(("F", Number(60.0)),))
     start = path(X=100.0, X2=7.0)
     moved = decode(start, link(1, "X2=X"), enable(1), path(X=105.0), read)
-    assert [c.target_acs_mm for c in moved if isinstance(c, canon.LinearMove)][-1] == {"C": 12.0}
+    assert [c.target_mm for c in moved if isinstance(c, canon.LinearMove)][-1] == {"C": 12.0}
 
 
 def test_switching_on_twice_is_once() -> None:
@@ -175,7 +175,7 @@ def test_an_axis_that_was_given_away_comes_back_where_it_stands() -> None:
         canon.AxisExchange(commands[1].block, ("X",), ()),
         canon.AxisExchange(commands[3].block, (), ("X",)),
     ]
-    moved = [c.target_acs_mm for c in commands if isinstance(c, canon.LinearMove)]
+    moved = [c.target_mm for c in commands if isinstance(c, canon.LinearMove)]
     assert moved == [{"X": 5.0}, {"Y": 1.0}, {"X": 6.0}]
 
 
@@ -249,7 +249,7 @@ def test_behind_homing_the_channel_stands_where_the_axes_do() -> None:
     machine = Machine()
     machine.homes = {"Z": 100.0}
     commands = decode(home(Z=1), path(Z=100.0, Y=1.0), path(Z=101.0), machine=machine)
-    moved = [c.target_acs_mm for c in commands if isinstance(c, canon.LinearMove)]
+    moved = [c.target_mm for c in commands if isinstance(c, canon.LinearMove)]
     assert moved == [{"Y": 1.0}, {"Z": 101.0}]
 
 

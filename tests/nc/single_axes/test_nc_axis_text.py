@@ -28,22 +28,22 @@ N20 X[INDP_SYN G100 G90 POS100 FEED500] \\
 N30 M30
 """
     x, y, both = orders(run(text))
-    assert (x.axis, x.target_acs_mm, x.feed_mm_min, x.measuring_type) == ("X", 100.0, 500.0, 1)
-    assert (y.axis, y.target_acs_mm, y.feed_mm_min, y.measuring_type) == ("Y", 100.0, 1000.0, 1)
+    assert (x.axis, x.target_mm, x.feed_mm_min, x.measuring_type) == ("X", 100.0, 500.0, 1)
+    assert (y.axis, y.target_mm, y.feed_mm_min, y.measuring_type) == ("Y", 100.0, 1000.0, 1)
     assert both.axes == ("X", "Y")
 
 
 @pytest.mark.parametrize(
     ("written", "expected"),
     [
-        ("G90 G00 POS=100", {"target_acs_mm": 100.0}),
-        ("G91 G01 POS 20 TIME=1.5", {"target_acs_mm": 20.0, "time_s": 1.5}),
-        ("G90 G01 POS=[2*5] FEED_MAX_WEIGHT=25", {"target_acs_mm": 10.0, "speed_share": 0.25}),
+        ("G90 G00 POS=100", {"target_mm": 100.0}),
+        ("G91 G01 POS 20 TIME=1.5", {"target_mm": 20.0, "time_s": 1.5}),
+        ("G90 G01 POS=[2*5] FEED_MAX_WEIGHT=25", {"target_mm": 10.0, "speed_share": 0.25}),
         ("POS=3 FEED=100 G90 G01 ACC_WEIGHT=40", {"feed_mm_min": 100.0, "acceleration_share": 0.4}),
         ("G90 G0 POS=3 RAPID_ACC_WEIGHT=10", {"acceleration_share": 0.1}),
-        ("G90 G0 POS=3 INCL_OFFSETS", {"target_acs_mm": 8.0}),
-        ("G90 G0 POS=3 SLOPE_TYPE=STEP", {"target_acs_mm": 3.0, "slope": "STEP"}),
-        ("G90 G0 POS=3 SLOPE_TYPE=sin2", {"target_acs_mm": 3.0, "slope": "SIN2"}),
+        ("G90 G0 POS=3 INCL_OFFSETS", {"target_mm": 8.0}),
+        ("G90 G0 POS=3 SLOPE_TYPE=STEP", {"target_mm": 3.0, "slope": "STEP"}),
+        ("G90 G0 POS=3 SLOPE_TYPE=sin2", {"target_mm": 3.0, "slope": "SIN2"}),
         ("G90 G0 POS=3", {"slope": None}),
     ],
 )
@@ -56,7 +56,7 @@ def test_spellings_of_independent_motion(
 
 def test_inches(run: Run) -> None:
     (move,) = orders(run("%t\nN5 G70\nN10 X[INDP_ASYN G90 G1 POS=2 FEED=10]\nN20 M30\n"))
-    assert (move.target_acs_mm, move.feed_mm_min) == (50.8, 254.0)
+    assert (move.target_mm, move.feed_mm_min) == (50.8, 254.0)
 
 
 def test_m_and_h_functions_are_told_before_the_axis_moves(run: Run) -> None:

@@ -127,7 +127,7 @@ def test_after_off_no_move_the_program_counts_from_where_the_axes_are(
     found = commands(
         run, machine, "G0 Y5 Z10", "#DIST CTRL [OFF NO_MOVE]", "G91 G0 Y1 Z1", "G90 G0 Y70 Z0"
     )
-    moves = [c.target_acs_mm for c in found if isinstance(c, canon.LinearMove)]
+    moves = [c.target_mm for c in found if isinstance(c, canon.LinearMove)]
     assert [(m["Y"], m["Z"]) for m in moves] == [(5.0, 10.0), (5.0, 13.0), (70.0, 0.0)]
 
 

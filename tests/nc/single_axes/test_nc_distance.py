@@ -114,7 +114,7 @@ def test_behind_off_no_move_the_program_counts_from_where_the_axis_stands(
     found = run(
         "%t\nG0 Z10\nZ[DIST_CTRL OFF NO_MOVE]\nG91 G0 Z1\nG90 G0 Z100\nM30\n", machine=machine
     )
-    moves = [c.target_acs_mm["Z"] for c in found if isinstance(c, canon.LinearMove)]
+    moves = [c.target_mm["Z"] for c in found if isinstance(c, canon.LinearMove)]
     assert moves == [10.0, 13.0, 100.0]
 
 

@@ -17,8 +17,8 @@ def test_axes_of_one_block_begin_together_and_the_next_block_waits_for_both() ->
         *["IndependentMove"] * 2, "WaitIndependent", "Wait", "LinearMove", "EndOfProgram"
     ]  # fmt: skip
     first, second = moves(commands)
-    assert (first.axis, first.target_acs_mm, first.feed_mm_min) == ("X", 100.0, 500.0)
-    assert (second.axis, second.target_acs_mm, second.feed_mm_min) == ("Y", 100.0, 1000.0)
+    assert (first.axis, first.target_mm, first.feed_mm_min) == ("X", 100.0, 500.0)
+    assert (second.axis, second.target_mm, second.feed_mm_min) == ("Y", 100.0, 1000.0)
     assert (first.measuring_type, second.measuring_type) == (1, 1)
     assert commands[2] == canon.WaitIndependent(commands[2].block, ("X", "Y"))
 
@@ -86,8 +86,8 @@ def test_positions_are_axis_positions_unless_offsets_are_included() -> None:
     plain = alone("X", "G90", "G0", POS=5)
     shifted = alone("Y", "G90", "G0", "INCL_OFFSETS", POS=5)
     commands = decode(shift, single(plain, shifted), path(X=0.0, Y=0.0))
-    assert [m.target_acs_mm for m in moves(commands)] == [5.0, 15.0]
-    assert [c.target_acs_mm for c in commands if isinstance(c, canon.LinearMove)] == [
+    assert [m.target_mm for m in moves(commands)] == [5.0, 15.0]
+    assert [c.target_mm for c in commands if isinstance(c, canon.LinearMove)] == [
         {"X": 10.0, "Y": 10.0}
     ]
 
@@ -95,8 +95,8 @@ def test_positions_are_axis_positions_unless_offsets_are_included() -> None:
 def test_relative_positions_count_from_the_target_before() -> None:
     step = alone("X", "G91", "G0", POS=2)
     commands = decode(single(step), single(step), single(step), path(X=6.0, Y=1.0))
-    assert [m.target_acs_mm for m in moves(commands)] == [2.0, 4.0, 6.0]
-    assert [c.target_acs_mm for c in commands if isinstance(c, canon.LinearMove)] == [{"Y": 1.0}]
+    assert [m.target_mm for m in moves(commands)] == [2.0, 4.0, 6.0]
+    assert [c.target_mm for c in commands if isinstance(c, canon.LinearMove)] == [{"Y": 1.0}]
 
 
 def test_an_axis_that_is_there_does_not_move() -> None:
@@ -116,7 +116,7 @@ def test_the_measured_value_of_an_independent_axis() -> None:
     ]
     wait = Command("WAIT INDP", (Name("X"),))
     commands = decode(single(run), wait, *results, path(X=41.0), machine=machine)
-    targets = [c.target_acs_mm for c in commands if isinstance(c, canon.LinearMove)]
+    targets = [c.target_mm for c in commands if isinstance(c, canon.LinearMove)]
     assert [t["C"] for t in targets if "C" in t] == [40.0, 1.0, -60.0, 40.0]
     assert targets[-1] == {"X": 41.0}
 
@@ -129,7 +129,7 @@ class Later(Machine):
         self.measured, self._cycles, self._brings = {"X": 40.0}, cycles, brings
 
     def execute(self) -> None:
-        if any(c.target_acs_mm == 90.0 for c in moves(self.queue)):
+        if any(c.target_mm == 90.0 for c in moves(self.queue)):
             self.measuring = {"X"}
         if self.measuring:
             self._cycles -= 1
@@ -150,7 +150,7 @@ def read(name: str) -> Words:
 
 
 def shown(commands: list[canon.Command]) -> list[float]:
-    return [c.target_acs_mm["C"] for c in commands if isinstance(c, canon.LinearMove)]
+    return [c.target_mm["C"] for c in commands if isinstance(c, canon.LinearMove)]
 
 
 def test_from_the_start_of_a_run_its_axis_has_no_result() -> None:
@@ -190,7 +190,7 @@ def test_a_run_that_ended_without_a_signal_leaves_nothing_of_the_one_before() ->
 def test_g101_takes_the_run_that_has_ended_and_waits_for_none() -> None:
     commands = decode(FIRST, SECOND, INCLUDE, path(X=1.0), machine=Later(0, 50.0))
     (move,) = [c for c in commands if isinstance(c, canon.LinearMove)]
-    assert move.target_acs_mm == {"X": pytest.approx(1.0 - 40.0)}
+    assert move.target_mm == {"X": pytest.approx(1.0 - 40.0)}
     waits = [type(c).__name__ for c in commands[commands.index(moves(commands)[1]) + 1 :]]
     assert waits == ["Wait", "WaitIndependent", "LinearMove", "EndOfProgram"]
 

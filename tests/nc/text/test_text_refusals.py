@@ -177,7 +177,7 @@ def test_coordinate_system_with_gaps_and_short_lists(run):
 
     def target_mm(system):
         (move,) = [c for c in run(f"{system}\nG1 F100 X1 Y2 Z3") if isinstance(c, LinearMove)]
-        return move.target_acs_mm
+        return move.target_mm
 
     assert target_mm("#CS ON[,,10,,,45]") == target_mm("#CS ON[0,0,10,0,0,45]")
     assert target_mm("#CS ON[0,0,10]") == target_mm("#CS ON [0,0,10,0,0,0]")

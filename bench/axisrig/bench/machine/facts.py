@@ -175,7 +175,7 @@ def _probes(machine: Machine) -> dict[str, ProbeRecord]:
 
 def _kinematics(machine: Machine) -> Iterator[KinematicRecord]:
     """Yield what was on, each until the next choice."""
-    noted = machine.channel.path.tool_side.choices
+    noted = machine.channel.path.transformation.choices
     ends_ns = [at for at, _ in noted[1:]]
     for (at, command), end_ns in zip_longest(noted, ends_ns):
         if command is not None:

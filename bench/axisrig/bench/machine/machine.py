@@ -180,7 +180,7 @@ class Machine:
         """
         for command in commands:
             if isinstance(command, MeasuringRun):
-                self.measuring_targets[str(command.block)] = command.target_acs_mm
+                self.measuring_targets[str(command.block)] = command.target_mm
             elif isinstance(command, DistanceCommand) and command.action == "ref":
                 self.referenced.add(command.axis or CHANNEL)
             yield command

@@ -74,11 +74,11 @@ def _wanted(command: canon.Command) -> str:
     if isinstance(command, canon.LinearMove | canon.ArcMove | canon.MeasuringRun):
         return f"the end of its move{_target(command)}"
     if isinstance(command, canon.IndependentMove):
-        return f"axis {command.axis} at {command.target_acs_mm:.9g} mm"
+        return f"axis {command.axis} at {command.target_mm:.9g} mm"
     return _WAITS.get(type(command), "the machine")
 
 
 def _target(command: canon.LinearMove | canon.ArcMove | canon.MeasuringRun) -> str:
-    target = ", ".join(f"{axis} {mm:.9g}" for axis, mm in command.target_acs_mm.items())
+    target = ", ".join(f"{axis} {mm:.9g}" for axis, mm in command.target_mm.items())
     feed = command.feed_mm_min
     return f" to {target} mm" + ("" if feed is None else f" with {feed:.9g} mm/min")

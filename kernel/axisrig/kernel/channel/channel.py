@@ -97,7 +97,12 @@ class Channel(ChannelView):
         self.execution = Execution(around.put_out)
         self.plc = plc = PlcInterface(clock, links)
         offsets = make_controls(
-            self.axes, settings, links, plc, lambda: self.path.tool_side.kinematic, timing.period_ns
+            self.axes,
+            settings,
+            links,
+            plc,
+            lambda: self.path.transformation.kinematic,
+            timing.period_ns,
         )
         self.path = path = Path(clock, timing, self.axes, self.links, offsets, settings)
         couplings = Couplings(path, links)
@@ -142,7 +147,7 @@ class Channel(ChannelView):
         known.register(canon.LinearMove, self._move)
         known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
-        known.register(canon.KinematicChoice, path.tool_side.choose)
+        known.register(canon.KinematicChoice, path.transformation.choose)
         path.programmed.assign(known)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
@@ -355,12 +360,12 @@ class Channel(ChannelView):
     # Carrying out commands
 
     def _move(self, command: canon.LinearMove) -> None:
-        self.path.move(command.target_acs_mm, None if command.rapid else command.feed_mm_min)
+        self.path.move(command.target_mm, None if command.rapid else command.feed_mm_min)
 
     def _move_on_arc(self, command: canon.ArcMove) -> None:
         self.path.move_on_arc(
-            command.target_acs_mm,
-            command.centre_acs_mm,
+            command.target_mm,
+            command.centre_mm,
             command.tangent,
             command.angle_rad,
             command.feed_mm_min,

@@ -18,8 +18,8 @@ class ControlUnits:
     def step(self) -> None:
         """Give the PLC side its turn; raises the alarm that it has reported."""
         plc = self._plc
-        if self._path.tool_side.kinematic is not None or plc.tool.tilt_deg is not None:
-            plc.show_tool(*self._path.tool_side.state())
+        if self._path.transformation.kinematic is not None or plc.tool.tilt_deg is not None:
+            plc.show_tool(*self._path.transformation.state())
         for take in plc.inputs:
             take()
         plc.take_turn()

@@ -233,6 +233,13 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
         slopes = [slope_of(axis).along(steepest) for axis, steepest, _, _ in moving if steepest]
         return together(slopes).flat(a_mm_s2, speed_mm_s)
 
+    return each_slope(along, speed_mm_s)
+
+
+def each_slope(
+    along: Callable[[Callable[[Dynamics], AnySlope]], AnySlope], speed_mm_s: float
+) -> Dynamics:
+    """Return the dynamics of a path that bends; along: what a slope of the axes makes of it."""
     return Dynamics(
         along(lambda axis: axis.acceleration),
         along(lambda axis: axis.deceleration),

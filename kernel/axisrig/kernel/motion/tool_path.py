@@ -12,7 +12,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.motion.curves import Arc, Curve, Positions
-from axisrig.kernel.motion.dynamics import Dynamics, together, weakest
+from axisrig.kernel.motion.dynamics import Dynamics, each_slope, together, weakest
 
 # So far apart are the places where a path is looked at, in mm or degrees, and at most so many
 STEP = 0.5
@@ -189,10 +189,4 @@ def tool_dynamics(
         )
         return slope.flat(a_mm_s2, speed_mm_s) if is_bent else slope
 
-    return Dynamics(
-        along(lambda axis: axis.acceleration),
-        along(lambda axis: axis.deceleration),
-        along(lambda axis: axis.stop_deceleration),
-        speed_mm_s,
-        along(lambda axis: axis.feedhold or axis.deceleration),
-    )
+    return each_slope(along, speed_mm_s)

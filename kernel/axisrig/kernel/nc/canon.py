@@ -21,13 +21,13 @@ SHOWN_OF_TOOL = (TOOL_TILT, TOOL_LENGTH)
 class LinearMove:
     """A straight move of all axes together.
 
-    target_acs_mm: every axis that changes, in axis coordinates; in tool coordinates while a
+    target_mm: every axis that changes, in axis coordinates; in tool coordinates while a
     kinematic is on, as in every other command of the path. rapid: G0, else G1.
     feed_mm_min: path feed, None for rapid.
     """
 
     block: Block
-    target_acs_mm: Mapping[str, float]
+    target_mm: Mapping[str, float]
     rapid: bool
     feed_mm_min: float | None
 
@@ -75,15 +75,15 @@ class DynamicWeights:
 class ArcMove:
     """An arc of a circle; everything else moves in proportion to its angle.
 
-    target_acs_mm: every axis that takes part. centre_acs_mm: the axes of the circle; the radius
+    target_mm: every axis that takes part. centre_mm: the axes of the circle; the radius
     vector from it to where they are is at right angles to the tangent. tangent: unit vector of
     the motion at the start, by axis, the same axes. angle_rad: above 0, at most a full turn.
     feed_mm_min: path feed.
     """
 
     block: Block
-    target_acs_mm: Mapping[str, float]
-    centre_acs_mm: Mapping[str, float]
+    target_mm: Mapping[str, float]
+    centre_mm: Mapping[str, float]
     tangent: Mapping[str, float]
     angle_rad: float
     feed_mm_min: float
@@ -130,7 +130,7 @@ class TechnologyFunction:
 class MeasuringRun:
     """A straight move that the probe signal ends (G100, G310).
 
-    target_acs_mm: every axis that changes. programmed_axes: the axes named in the block.
+    target_mm: every axis that changes. programmed_axes: the axes named in the block.
     measuring_axes: the axes that must be released and must signal: the moved ones without a
     transformation, all three main axes as well under #CS, every axis of a kinematic under #TRAFO.
     feed_mm_min: path feed, None for rapid (G310 with G0) and for the speed of the axis (type 2).
@@ -140,7 +140,7 @@ class MeasuringRun:
     """
 
     block: Block
-    target_acs_mm: Mapping[str, float]
+    target_mm: Mapping[str, float]
     programmed_axes: tuple[str, ...]
     measuring_axes: tuple[str, ...]
     feed_mm_min: float | None
@@ -285,7 +285,7 @@ class EndOfProgram:
 class IndependentMove:
     """One axis moves by itself, beside the path (INDP_SYN, INDP_ASYN).
 
-    target_acs_mm: in axis coordinates. Its speed is one of feed_mm_min (FEED), time_s (TIME, for
+    target_mm: in axis coordinates. Its speed is one of feed_mm_min (FEED), time_s (TIME, for
     the whole motion) and speed_share (FEED_MAX_WEIGHT, of P-AXIS-00212); all None in rapid
     traverse (G00). acceleration_share: ACC_WEIGHT or RAPID_ACC_WEIGHT. measuring_type: of a
     measurement run (G100), else None; error_no_signal: of that run, None = P-CHAN-00176.
@@ -294,7 +294,7 @@ class IndependentMove:
 
     block: Block
     axis: str
-    target_acs_mm: float
+    target_mm: float
     feed_mm_min: float | None = None
     time_s: float | None = None
     speed_share: float | None = None

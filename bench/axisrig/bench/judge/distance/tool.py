@@ -264,11 +264,11 @@ class ToolTruth(DistanceTruth):
         moved = np.max(np.abs(shifts - shifts[first - 1]), axis=1) > _QUIET_MM
         times, late_ns = self.times_ns[rows], self.observed.facts.timing.offset_ns
         from_row = slice(first - QUIET_CYCLES, None)
-        told = zip(times[from_row].tolist(), sensor[from_row].tolist(), strict=True)
+        values = zip(times[from_row].tolist(), sensor[from_row].tolist(), strict=True)
         sent = zip(times[from_row].tolist(), moved[from_row].tolist(), strict=True)
         return measured(
             [Sent(int(t) + late_ns, int(v)) for t, v in sent],
-            [Sent(int(t), int(v)) for t, v in told],
+            [Sent(int(t), int(v)) for t, v in values],
             self.period_ns,
             max(quiet_increments, _QUIET),
         )

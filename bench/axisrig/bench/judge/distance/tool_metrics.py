@@ -289,8 +289,8 @@ def kinematic_error_nm(observed: Observed, _axis: str | None) -> Observation:
         own = (choice.chain.frame(axes)[:, :3, 3], choice.chain.clamp_mm(axes))
         for stem, points in zip(("tcp", "clamping"), own, strict=True):
             names = [f"{stem}_{letter}_mm" for letter in "xyz"]
-            told = np.stack([observed.column(sensor, name, rows) for name in names], axis=1)
-            worst = max(worst, float(np.max(np.linalg.norm(told - points, axis=1))))
+            outputs = np.stack([observed.column(sensor, name, rows) for name in names], axis=1)
+            worst = max(worst, float(np.max(np.linalg.norm(outputs - points, axis=1))))
         rows_seen += choice.end - choice.begin
     return Observation(worst * NM, note=f"{rows_seen} cycles of {sensor}")
 
@@ -304,6 +304,6 @@ def clamping_height_error_nm(observed: Observed, _axis: str | None) -> Observati
         rows[stretch.begin + 1 : stretch.end] = True
     if not rows.any():
         raise NoClosedFormError("distance control was never on")
-    told = truth["surface_cnc_mm"] - truth["sensor_mm"]
-    found = np.abs(told - truth["actual_mm"])[rows]
+    used_mm = truth["surface_cnc_mm"] - truth["sensor_mm"]
+    found = np.abs(used_mm - truth["actual_mm"])[rows]
     return Observation(float(np.max(found)) * NM)

@@ -148,12 +148,12 @@ class BlockLog(BlockWatch):
             path = self._channel.path
             steps = [
                 target_mm - path.position_acs_mm(axis)
-                for axis, target_mm in command.target_acs_mm.items()
+                for axis, target_mm in command.target_mm.items()
             ]
             row.path_mm = math.hypot(*steps)
         elif isinstance(command, canon.IndependentMove):
             here_mm = self._channel.path.position_acs_mm(command.axis)
-            row.path_mm = abs(command.target_acs_mm - here_mm)
+            row.path_mm = abs(command.target_mm - here_mm)
         elif not isinstance(command, canon.ArcMove):
             return
         if command.feed_mm_min is not None:

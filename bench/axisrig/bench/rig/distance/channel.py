@@ -21,21 +21,20 @@ from axisrig.bench.oracles.distance.tool import (
 )
 from axisrig.bench.oracles.kinematics.lists import Lists
 from axisrig.bench.rig.distance.loops import (
-    MODES,
     WITHOUT_LAG,
-    dead_cycles,
-    dead_words,
+    control_lines,
+    dead_line,
     is_beyond,
+    kp_lines,
     limit_of,
-    limits_words,
     listed_for,
     loop_of,
+    silence_line,
 )
 from axisrig.bench.rig.distance.sensors import Sensor, sensors_of
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, VARIABLE
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.channel.distance.sensor import VARIABLE
 
 ACCELERATION = "dist_ctrl[0].a_max"
 OF_AXIS = "lr_param.distance_control_on"
@@ -87,7 +86,7 @@ def channel_warnings(settings: Settings) -> list[str]:
 
 
 def _wrong(sensor: Sensor) -> list[str]:
-    """Say what of a sensor does not fit the control."""
+    """Say where a sensor does not fit the control."""
     if sensor.sign == 0:
         return [f"the sensor {sensor.words} is wired to no axis: it does not see the tool"]
     if sensor.sign == 1:
@@ -130,40 +129,23 @@ def describe_channel(
 def _lines(
     settings: Settings, sensor: Sensor, entry: PlcSensorTable, lags_s: Mapping[str, float]
 ) -> list[str]:
-    listed = listed_for(settings, CHANNEL)
-    control, dead = listed.control, dead_cycles(listed, sensor)
-    goes = "the same" if listed.is_optimized else "the next"
-    rig = settings.rig
+    rig, listed = settings.rig, listed_for(settings, CHANNEL)
     has_loops = any(rig.plant[axis.plant].fmu != WITHOUT_LAG for axis in rig.axis.values())
     lag_s = max(lags_s.values(), default=0.0)
-    smoothing = loop_of(settings, CHANNEL, sensor, CONST_DIST).smoothing
     lines = [
         f"  mode         {_mode(settings)}",
         f"  sign         {_SIGNS[sensor.sign]}",
         f"  value        {_value(entry)}",
-        f"  dead cycles  {dead_words(dead, sensor)}: the offset is sent in {goes} cycle"
-        f" (P-CHAN-00818 = {int(listed.is_optimized)}) and is reached at the 2nd SYNC after it;"
-        f" the sensor value is {sensor.age} cycles old",
-        f"  silence      {_silence(sensor)}",
+        dead_line(settings, CHANNEL, sensor),
+        silence_line(sensor, None),
     ]
     if has_loops:
         lag = f"the slowest lags by {lag_s * 1e3:.3g} ms, counted below as a first order; "
         lines.append(
             f"  drives       {lag if lag_s else ''}what else their loops add is not counted"
         )
-    lines += [
-        f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
-        f" {smoothing.noise_gain:.3g}",
-        f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
-        f"  limits       {limits_words(listed, rig.cycle.period_us)}",
-    ]
-    for mode in MODES:
-        limit = limit_of(loop_of(settings, CHANNEL, sensor, mode, lag_s), sensor)
-        bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
-        verdict = "UNSTABLE as listed" if is_beyond(control.kp, limit) else "stable as listed"
-        if has_loops and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
-            verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
-        lines.append(f"  {bound:<24} {mode}: {verdict}")
+    lines += control_lines(settings, CHANNEL, sensor)
+    lines += kp_lines(settings, CHANNEL, sensor, lag_s, has_loops=has_loops)
     limit = limit_of(loop_of(settings, CHANNEL, sensor, CONST_DIST, lag_s), sensor)
     if has_loops:
         lines.append("  at best all of what follows, as drives with loops of their own lower it")
@@ -200,16 +182,6 @@ def _value(entry: PlcSensorTable) -> str:
     if entry.tilt_error_deg:
         text += f", wrong by {entry.tilt_error_deg:g} degrees"
     return text
-
-
-def _silence(sensor: Sensor) -> str:
-    if sensor.promised_ns is None:
-        return "not noticed: nothing promises when the next value comes"
-    limit_ms = PERIODS_MAX * sensor.promised_ns / MS
-    return (
-        f"a value every {sensor.promised_ns / MS:g} ms is promised; control freezes when it is"
-        f" older than {limit_ms:g} ms (900314)"
-    )
 
 
 def largest_tilt_deg(settings: Settings) -> float:

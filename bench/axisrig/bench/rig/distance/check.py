@@ -7,30 +7,23 @@ of kp from the closed forms of `bench/axisrig/bench/oracles/distance`.
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from axisrig.bench.oracles.distance.loop import CONST_DIST
 from axisrig.bench.rig.distance.channel import (
     channel_ages,
     channel_warnings,
     describe_channel,
 )
 from axisrig.bench.rig.distance.loops import (
-    MODES,
     WITHOUT_LAG,
-    dead_cycles,
-    dead_words,
-    is_beyond,
-    limit_of,
-    limits_words,
-    listed_of,
-    loop_of,
+    control_lines,
+    dead_line,
+    kp_lines,
+    silence_line,
 )
 from axisrig.bench.rig.distance.sensors import Sensor, is_scale, second_telegram, sensors_of
 from axisrig.bench.rig.reading.file import LOAD
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.parameters.units import UNITS_PER_MM
-from axisrig.kernel.time.clock import MS
 
 RELEASED = "lr_param.distance_control_on"
 SIGNS = (
@@ -159,45 +152,17 @@ def drive_lags_s(settings: Settings, plant: Plant) -> dict[str, float]:
 
 
 def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Sequence[str]:
-    listed = listed_of(settings.axis[name])
-    control, dead = listed.control, dead_cycles(listed, sensor)
-    goes = "the same" if listed.is_optimized else "the next"
+    axis = settings.rig.axis[name]
+    has_loop = settings.rig.plant[axis.plant].fmu != WITHOUT_LAG
     lines = [
-        f"  dead cycles  {dead_words(dead, sensor)}: the offset is sent in {goes} cycle"
-        f" (P-AXIS-00509 = {int(listed.is_optimized)}) and is reached at the 2nd SYNC after it;"
-        f" the sensor value is {sensor.age} cycles old",
-        f"  silence      {_silence(settings, name, sensor)}",
+        dead_line(settings, name, sensor),
+        silence_line(sensor, axis.sensor_age_limit_ms),
     ]
-    plant = settings.rig.plant[settings.rig.axis[name].plant]
-    if plant.fmu != WITHOUT_LAG:
+    if has_loop:
         lag = f"lags by {lag_s * 1e3:.3g} ms, counted below as a first order; " if lag_s else ""
         lines.append(
             f"  drive        {lag}what else its loops add is not counted:"
             " axisrig tune distance measures the loop"
         )
-    smoothing = loop_of(settings, name, sensor, CONST_DIST).smoothing
-    lines += [
-        f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
-        f" {smoothing.noise_gain:.3g}",
-        f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
-        f"  limits       {limits_words(listed, settings.rig.cycle.period_us)}",
-    ]
-    for mode in MODES:
-        limit = limit_of(loop_of(settings, name, sensor, mode, lag_s), sensor)
-        bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
-        verdict = "UNSTABLE as listed" if is_beyond(control.kp, limit) else "stable as listed"
-        if plant.fmu != WITHOUT_LAG and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
-            verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
-        lines.append(f"  {bound:<24} {mode}: {verdict}")
-    return lines
-
-
-def _silence(settings: Settings, name: str, sensor: Sensor) -> str:
-    if sensor.promised_ns is None:
-        return "not noticed: nothing promises when the next value comes"
-    limit_ms = settings.rig.axis[name].sensor_age_limit_ms
-    limit_ms = PERIODS_MAX * sensor.promised_ns / MS if limit_ms is None else limit_ms
-    return (
-        f"a value every {sensor.promised_ns / MS:g} ms is promised; control freezes when it is"
-        f" older than {limit_ms:g} ms (900314)"
-    )
+    lines += control_lines(settings, name, sensor)
+    return [*lines, *kp_lines(settings, name, sensor, lag_s, has_loops=has_loop)]

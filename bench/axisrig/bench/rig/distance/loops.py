@@ -20,8 +20,9 @@ from axisrig.bench.oracles.distance.smoothing import none, of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.distance.sensors import Sensor
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
 from axisrig.kernel.parameters import ParameterSet
-from axisrig.kernel.time.clock import US, S
+from axisrig.kernel.time.clock import MS, US, S
 
 WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
 MODES = (SET_POS, CONST_DIST, BOTH)
@@ -138,4 +139,54 @@ def limits_words(listed: Listed, period_us: int) -> str:
         f" though it is stable without them. a_max {a_mm_s2:g} mm/s2 lets the offset change its"
         f" speed by {a_mm_s2 * period_s:.4g} mm/s in a cycle; after a large step it goes {past:.3g}"
         f" mm too far, more with dead cycles. Remedy: {remedies}"
+    )
+
+
+def control_lines(settings: Settings, name: str, sensor: Sensor) -> list[str]:
+    """Show filter, controller and limits of an axis, or of CHANNEL, as listed."""
+    listed = listed_for(settings, name)
+    control, smoothing = listed.control, loop_of(settings, name, sensor, CONST_DIST).smoothing
+    return [
+        f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
+        f" {smoothing.noise_gain:.3g}",
+        f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
+        f"  limits       {limits_words(listed, settings.rig.cycle.period_us)}",
+    ]
+
+
+def kp_lines(
+    settings: Settings, name: str, sensor: Sensor, lag_s: float, *, has_loops: bool
+) -> list[str]:
+    """Show the limit of kp in each mode. has_loops: drives add lags that nobody counts."""
+    kp, lines = listed_for(settings, name).control.kp, []
+    for mode in MODES:
+        limit = limit_of(loop_of(settings, name, sensor, mode, lag_s), sensor)
+        bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
+        verdict = "UNSTABLE as listed" if is_beyond(kp, limit) else "stable as listed"
+        if has_loops and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
+            verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
+        lines.append(f"  {bound:<24} {mode}: {verdict}")
+    return lines
+
+
+def dead_line(settings: Settings, name: str, sensor: Sensor) -> str:
+    """Show the dead cycles and the parameter that decides on them."""
+    listed = listed_for(settings, name)
+    goes = "the same" if listed.is_optimized else "the next"
+    parameter = "P-CHAN-00818" if name == CHANNEL else "P-AXIS-00509"
+    return (
+        f"  dead cycles  {dead_words(dead_cycles(listed, sensor), sensor)}: the offset is sent in"
+        f" {goes} cycle ({parameter} = {int(listed.is_optimized)}) and is reached at the 2nd SYNC"
+        f" after it; the sensor value is {sensor.age} cycles old"
+    )
+
+
+def silence_line(sensor: Sensor, limit_ms: float | None) -> str:
+    """Show when a silent sensor is noticed; limit_ms: of the rig, None for three periods."""
+    if sensor.promised_ns is None:
+        return "  silence      not noticed: nothing promises when the next value comes"
+    limit_ms = PERIODS_MAX * sensor.promised_ns / MS if limit_ms is None else limit_ms
+    return (
+        f"  silence      a value every {sensor.promised_ns / MS:g} ms is promised; control freezes"
+        f" when it is older than {limit_ms:g} ms (900314)"
     )

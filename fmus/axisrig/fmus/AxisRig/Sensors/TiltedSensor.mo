@@ -7,7 +7,7 @@ partial model TiltedSensor "Distance sensor at a tool that can be inclined, over
   parameter Units.Length tool_length = 80e-3 "Length of the tool that is not inclined"
     annotation(Dialog(group = "Tool"));
   parameter Integer quantity(min = 0, max = 2) = 0
-    "Measured: 0 the distance along the tool, 1 the orthogonal distance, 2 what an electrode tells"
+    "Measured: 0 the distance along the tool, 1 the orthogonal distance, 2 what an electrode gives"
     annotation(Dialog(group = "Electrode"));
   parameter Units.Length range(min = 1e-6) = 0.5 "Full scale"
     annotation(Dialog(group = "Electrode"));
@@ -71,7 +71,7 @@ partial model TiltedSensor "Distance sensor at a tool that can be inclined, over
   Kinematics.ToolExtension extension(nominal = tool_length) "Virtual length of the tool"
     annotation(Placement(transformation(extent = {{39, -74}, {67, -46}})));
 
-  Interfaces.PositionOutput distance "What the sensor tells"
+  Interfaces.PositionOutput distance "What the sensor reports"
     annotation(Placement(transformation(extent = {{100, 84}, {112, 96}})));
   Interfaces.PositionOutput distance_true
     "Orthogonal distance: from the clamping point to the nearest point of the surface"
@@ -437,7 +437,7 @@ mixtures of surfaces in different directions while it stays below 0.3; above tha
 can be missed, for a flank of 1 mm and 2.8 mm height 80 mm below the tool by up to 0.1 mm.</p>
 <p>distance_along is found by 5 Newton steps, exact on planes; error below 1e-9 m while slope times tangent of
 the inclination stays below 0.1.</p>
-<p>Measured is the distance along the tool, the orthogonal one, or what a disc electrode across the tool tells
+<p>Measured is the distance along the tool, the orthogonal one, or what a disc electrode across the tool gives
 (CapacitiveElectrode over the tangent plane where the beam hits). Filter, noise and loss as DistanceSensor.</p>
 <p>Limits: borders take the signal away at once when the beam passes them, and the surface is continued
 for distance_true; the first point where the beam meets the surface is not looked for where it meets it more

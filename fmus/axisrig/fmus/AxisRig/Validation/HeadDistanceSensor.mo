@@ -37,7 +37,7 @@ model HeadDistanceSensor "A head turns and tilts above an inclined sheet that mo
     extension(hd2 = 0.3, hd3 = 0.6))
     "Sensor under test"
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
-  output Units.Position distance "What the sensor tells";
+  output Units.Position distance "What the sensor reports";
   output Units.Position distance_true "Orthogonal distance";
   output Units.Position distance_along "Distance along the tool";
   output Units.Position clamping_x "Clamping point: x";
@@ -88,6 +88,6 @@ equation
     experiment(StopTime=0.4, Interval=1.0037e-3),
     Documentation(info="<html>
 <p>All five axes move. Compared: the place of the tool, the distance along it and to the nearest point, what an electrode
-tells with tilt, nonlinearity, filter and noise; the extension of the tool; loss.</p>
+gives with tilt, nonlinearity, filter and noise; the extension of the tool; loss.</p>
 </html>"));
 end HeadDistanceSensor;

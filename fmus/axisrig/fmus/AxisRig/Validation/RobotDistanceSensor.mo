@@ -16,7 +16,7 @@ model RobotDistanceSensor "A robot carries a sensor over a wavy sheet that rises
       hd8 = 0.6, hd9 = 0.64, hd10 = 0.1, hd11 = 0.15, hd12 = 0.1, hd14 = 0.02, hd15 = -0.03))
     "Sensor under test"
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
-  output Units.Position distance "What the sensor tells";
+  output Units.Position distance "What the sensor reports";
   output Units.Position distance_true "Orthogonal distance";
   output Units.Position distance_along "Distance along the tool";
   output Units.Position clamping_x "Clamping point: x";

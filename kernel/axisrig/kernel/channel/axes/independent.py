@@ -125,12 +125,12 @@ class IndependentAxes:
         """
         path, axis = self._path, command.axis
         here_mm, settings = path.position_acs_mm(axis), path.settings(axis)
-        if command.target_acs_mm != here_mm:
-            path.require_reach(axis, command.target_acs_mm)
+        if command.target_mm != here_mm:
+            path.require_reach(axis, command.target_mm)
         measures = command.measuring_type is not None
         if command.measuring_type is not None:
             self._measurement.check(axis, command.measuring_type, is_beside=True)
-        if command.target_acs_mm == here_mm:
+        if command.target_mm == here_mm:
             if measures:
                 raise Alarm(900103, axes=axis)
             return
@@ -182,7 +182,7 @@ class IndependentAxes:
             assert command.measuring_type is not None
             axes, kind, block = (command.axis,), command.measuring_type, command.block
             if measuring_types()[kind].runs_to_stop:
-                target_mm = {command.axis: command.target_acs_mm}
+                target_mm = {command.axis: command.target_mm}
                 motion = _StopMotion(self, mover)
                 mover.run = self._measurement.arm_stop(axes, target_mm, block, motion)
             else:
@@ -298,7 +298,7 @@ def _start(
     allowed: gives the speed of a run for the one that the command wants.
     """
     command, dynamics = mover.command, mover.dynamics
-    here_mm, target_mm = mover.position_mm, command.target_acs_mm
+    here_mm, target_mm = mover.position_mm, command.target_mm
     target_mm += beyond_mm if target_mm > here_mm else -beyond_mm
     length_mm, fastest = abs(target_mm - here_mm), dynamics.speed_max_mm_s
     if command.feed_mm_min is not None:

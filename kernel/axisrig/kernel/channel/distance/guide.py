@@ -115,12 +115,13 @@ class ToolGuide(Guide):
         self._kinematic, self.normal, self.origin_mm = kinematic, normal, origin_mm
 
     def is_same(self, other: Guide) -> bool:
-        """Whether mode, kinematic and normal are the same."""
+        """Whether mode, kinematic and coordinate system are the same."""
         return (
             isinstance(other, ToolGuide)
             and other.mode == self.mode
             and other._kinematic is self._kinematic
             and other.normal == self.normal
+            and other.origin_mm == self.origin_mm
         )
 
     def height_mm(self, positions: Positions) -> float:

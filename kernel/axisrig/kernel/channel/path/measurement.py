@@ -34,7 +34,7 @@ S_PER_MIN = 60.0
 class _Order:
     """What a run does once its probes are armed."""
 
-    target_acs_mm: Mapping[str, float]
+    target_mm: Mapping[str, float]
     speed_mm_s: float
     dynamics: Dynamics
     overtravel_mm: Mapping[str, float]
@@ -85,7 +85,7 @@ class Measurement:
         """Return the state of the run on the path in which an axis takes part, None without one."""
         if self._run is None or self._order is None:
             return None
-        takes_part = axis in self._run.record.axes or axis in self._order.target_acs_mm
+        takes_part = axis in self._run.record.axes or axis in self._order.target_mm
         return self._run.state.name if takes_part else None
 
     def measured_acs_mm(self, axis: str) -> float | None:
@@ -161,7 +161,7 @@ class Measurement:
             self.check(name, type_)
         self._order = self._planned(command)
         if measuring_types()[type_].runs_to_stop:
-            target_mm = command.target_acs_mm
+            target_mm = command.target_mm
             slaves = self._with_settings(self._slaves_of(target_mm))
             motion = PathWithSlaves(self._path, slaves, self._clock, self._period_ns)
             self._run = self.arm_stop(measuring, target_mm, command.block, motion)
@@ -177,7 +177,7 @@ class Measurement:
 
     def _require_latches(self, command: canon.MeasuringRun) -> None:
         """Raise Alarm 900483 where a position is not latched in each axis of the kinematic."""
-        kinematic = self._path.tool_side.kinematic
+        kinematic = self._path.transformation.kinematic
         if kinematic is None:
             return
         what = None
@@ -192,7 +192,7 @@ class Measurement:
     def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
         """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
         found = {}
-        way = Way(self._here_mm(), command.target_acs_mm, command.simulated_offset_mm)
+        way = Way(self._here_mm(), command.target_mm, command.simulated_offset_mm)
         for name in command.measuring_axes:
             mode, parameter = self._path.settings(name).measuring.simulated
             if mode:
@@ -249,18 +249,18 @@ class Measurement:
     def arm_stop(
         self,
         measuring: Sequence[str],
-        target_acs_mm: Mapping[str, float],
+        target_mm: Mapping[str, float],
         block: Block,
         motion: StopMotion,
     ) -> FixedStopRun:
         """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
 
-        measuring: the axes that deliver a position. target_acs_mm: of the axes that the block
+        measuring: the axes that deliver a position. target_mm: of the axes that the block
         moves, at which the stop is looked for; at slaves where their master wants it
         (P-AXIS-00835). Raises Alarm 51026.
         """
         links, settings = self._links, self._path.settings
-        moved = [name for name in links if name in target_acs_mm]
+        moved = [name for name in links if name in target_mm]
         here_mm = [self._path.position_acs_mm(name) for name in moved]
         slaves = self._slaves_of(moved)
         searched = [
@@ -273,7 +273,7 @@ class Measurement:
             measuring=[links[name] for name in measuring],
             watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
             moved=[links[name] for name in moved],
-            block_mm=dist(here_mm, [target_acs_mm[name] for name in moved]),
+            block_mm=dist(here_mm, [target_mm[name] for name in moved]),
             is_error=not self._settings.stop_may_be_missing,
             rest=lambda: Rest(self._clock, self._period_ns, axes).judge,
             slaves=[links[name] for name in slaves],
@@ -355,7 +355,7 @@ class Measurement:
             raise Alarm(alarm_id, axis=axis)
 
     def _planned(self, command: canon.MeasuringRun) -> _Order:
-        target, type_ = command.target_acs_mm, command.measuring_type
+        target, type_ = command.target_mm, command.measuring_type
         kind = measuring_types()[type_]
         overtravel_mm = {
             name: self._path.settings(name).measuring.overtravel_mm(kind) for name in target
@@ -383,7 +383,7 @@ class Measurement:
         if order is Order.START:
             self._standstill = self.standstill(self._run.record.axes)
             self._path.begin(
-                ordered.target_acs_mm,
+                ordered.target_mm,
                 ordered.speed_mm_s,
                 ordered.dynamics,
                 overtravel_mm=ordered.overtravel_mm,

@@ -8,7 +8,7 @@ from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.programmed import ProgrammedDynamics
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling
-from axisrig.kernel.channel.path.tool_side import ToolSide
+from axisrig.kernel.channel.path.transformation import Transformation
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import lengthened
@@ -26,7 +26,7 @@ class Path:
     """Moves all axes of a channel together, one path at a time; axes and links in one order.
 
     The interpolation is in axis coordinates. A target is too, but while a kinematic is on
-    (`tool_side`) it is in tool coordinates, and the axes follow through the kinematic.
+    (`transformation`) it is in tool coordinates, and the axes follow through the kinematic.
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
     programmed: what the program chooses of the dynamics.
@@ -56,7 +56,7 @@ class Path:
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
-        self.tool_side = ToolSide(clock, links)
+        self.transformation = Transformation(clock, links)
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
         self._wants_hold = False
@@ -81,11 +81,11 @@ class Path:
 
     def end_program(self) -> None:
         """Forget what the program has chosen: its kinematic, its slope and its weights."""
-        self.tool_side.end()
+        self.transformation.end()
         self.programmed.begin()
 
     def _here(self) -> Positions:
-        return self.tool_side.coordinates(self.interpolator.positions_mm)
+        return self.transformation.coordinates(self.interpolator.positions_mm)
 
     def take_over(self, positions_mm: Positions) -> None:
         """Stay where the axes are, with nothing left in the buffer."""
@@ -174,20 +174,20 @@ class Path:
 
     # Moving
 
-    def move(self, target_acs_mm: Mapping[str, float], feed_mm_min: float | None) -> None:
+    def move(self, target_mm: Mapping[str, float], feed_mm_min: float | None) -> None:
         """Begin a straight move, in rapid traverse without a feed; nothing when none is needed."""
         motion = Motion.RAPID if feed_mm_min is None else Motion.FEED
         highest_mm_s = math.inf if feed_mm_min is None else self._highest_mm_s(feed_mm_min / 60.0)
-        dynamics = self.dynamics(target_acs_mm, motion, highest_mm_s)
+        dynamics = self.dynamics(target_mm, motion, highest_mm_s)
         if dynamics is None:
             return
         feed_mm_s = dynamics.speed_max_mm_s if feed_mm_min is None else feed_mm_min / 60.0
-        self.begin(target_acs_mm, feed_mm_s, dynamics)
+        self.begin(target_mm, feed_mm_s, dynamics)
 
     def move_on_arc(
         self,
-        target_acs_mm: Mapping[str, float],
-        centre_acs_mm: Mapping[str, float],
+        target_mm: Mapping[str, float],
+        centre_mm: Mapping[str, float],
         tangent: Mapping[str, float],
         angle_rad: float,
         feed_mm_min: float,
@@ -197,15 +197,15 @@ class Path:
         names = [axis.name for axis in self._axes]
         arc = Arc(
             start_mm=here,
-            end_mm=tuple(target_acs_mm.get(n, at) for n, at in zip(names, here, strict=True)),
-            centre_mm=tuple(centre_acs_mm.get(n, at) for n, at in zip(names, here, strict=True)),
+            end_mm=tuple(target_mm.get(n, at) for n, at in zip(names, here, strict=True)),
+            centre_mm=tuple(centre_mm.get(n, at) for n, at in zip(names, here, strict=True)),
             tangent=tuple(tangent.get(name, 0.0) for name in names),
             angle_rad=angle_rad,
         )
         feed_mm_s = feed_mm_min / 60.0
         axes = [self.programmed.dynamics(axis, Motion.FEED) for axis in self._axes]
         highest_mm_s = self._highest_mm_s(feed_mm_s)
-        if self.tool_side.kinematic is None:
+        if self.transformation.kinematic is None:
             for corner_mm in arc.box_mm():
                 self._require_reach(corner_mm)
             self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
@@ -219,11 +219,11 @@ class Path:
         return feed_mm_s * self.override_max_permille / FULL
 
     def _of_axes(self, path: Curve) -> ToolCurve:
-        return self.tool_side.curve(path, self.interpolator.positions_mm)
+        return self.transformation.curve(path, self.interpolator.positions_mm)
 
     def dynamics(
         self,
-        target_acs_mm: Mapping[str, float],
+        target_mm: Mapping[str, float],
         motion: Motion,
         highest_mm_s: float = math.inf,
         overtravel_mm: Mapping[str, float] | None = None,
@@ -235,32 +235,32 @@ class Path:
         """
         here = self._here()
         target = tuple(
-            target_acs_mm.get(axis.name, at) for axis, at in zip(self._axes, here, strict=True)
+            target_mm.get(axis.name, at) for axis, at in zip(self._axes, here, strict=True)
         )
         deltas = [end - at for end, at in zip(target, here, strict=True)]
         if not any(deltas):
             return None
         axes = [self.programmed.dynamics(axis, motion) for axis in self._axes]
-        if self.tool_side.kinematic is None:
+        if self.transformation.kinematic is None:
             return path_dynamics(axes, deltas)
         if max(map(abs, deltas)) <= NO_WAY_MM:  # rounding of the way through the kinematic
             return None
-        line = self._line(target_acs_mm, overtravel_mm)
+        line = self._line(target_mm, overtravel_mm)
         return tool_dynamics(axes, self._of_axes(line), highest_mm_s)
 
     def _line(
-        self, target_acs_mm: Mapping[str, float], overtravel_mm: Mapping[str, float] | None
+        self, target_mm: Mapping[str, float], overtravel_mm: Mapping[str, float] | None
     ) -> Line:
         """Give the straight path, in the coordinates of targets."""
         here = self.position_mm()
-        target = {**here, **target_acs_mm}
+        target = {**here, **target_mm}
         if overtravel_mm is not None:
             target = lengthened(here, target, overtravel_mm)
         return Line(tuple(here.values()), tuple(target.values()))
 
     def begin(
         self,
-        target_acs_mm: Mapping[str, float],
+        target_mm: Mapping[str, float],
         feed_mm_s: float,
         dynamics: Dynamics,
         *,
@@ -271,8 +271,8 @@ class Path:
         Raises Alarm 900012 for a target that cannot be sent to a drive, 120002 or 120003 for one
         past a software limit switch.
         """
-        line = self._line(target_acs_mm, overtravel_mm)
-        if self.tool_side.kinematic is None:
+        line = self._line(target_mm, overtravel_mm)
+        if self.transformation.kinematic is None:
             self._require_reach(line.end_mm)
             self._follow(line, feed_mm_s, dynamics)
         else:

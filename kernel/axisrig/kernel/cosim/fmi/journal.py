@@ -24,8 +24,8 @@ _OPEN: list["Journal"] = []
 class LastCall:
     """The last call that a process noted.
 
-    number: how many calls began. is_inside: it has not come back. file, instance, function: which
-    FMU and what of it; without instance it is the PLC program. time_ns: the time of the instance.
+    number: how many calls began. is_inside: it has not come back. file, instance, function: the FMU
+    and its function; without instance it is the PLC program. time_ns: the time of the instance.
     """
 
     number: int

@@ -21,10 +21,10 @@ import numpy as np
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError, plane_arc
 from axisrig.kernel.nc.coordinates.frames import MAIN_AXES, Array, Frame
+from axisrig.kernel.nc.coordinates.kinematic import axis_positions, tool_coordinates
 from axisrig.kernel.nc.coordinates.places import XY, Plane, main_places
 from axisrig.kernel.nc.coordinates.shifts import Shifts
 from axisrig.kernel.nc.coordinates.state import Arc, AxisState, Level, Measured
-from axisrig.kernel.nc.coordinates.tool import axis_positions, tool_coordinates
 from axisrig.kernel.nc.coordinates.tools import Tool
 
 # An axis whose target differs by less does not move: far below every encoder increment, far above
@@ -269,8 +269,8 @@ class Coordinates:
             centre = self._by_axis(frame.down(self._vector(centre)))
             tangent = self._by_axis(frame.rotation @ self._vector(tangent))
         return Arc(
-            target_acs_mm=target,
-            centre_acs_mm={axis: centre[axis] for axis in moved},
+            target_mm=target,
+            centre_mm={axis: centre[axis] for axis in moved},
             tangent={axis: tangent[axis] for axis in moved},
             angle_rad=abs(plane.angle_rad),
             plane=plane,

@@ -60,8 +60,8 @@ class Arc:
     plane: the same in the plane of the active coordinate system, in ABS.
     """
 
-    target_acs_mm: Mapping[str, float]
-    centre_acs_mm: Mapping[str, float]
+    target_mm: Mapping[str, float]
+    centre_mm: Mapping[str, float]
     tangent: Mapping[str, float]
     angle_rad: float
     plane: PlaneArc

@@ -68,7 +68,7 @@ def synchronised(
         return
     stood_mm = {axis: context.coordinates.acs_mm[axis] for axis in known.away}
     for command in commands:
-        moved: Mapping[str, float] = getattr(command, "target_acs_mm", {})
+        moved: Mapping[str, float] = getattr(command, "target_mm", {})
         # A turned system moves and measures with axes that the block does not name
         for axis, at_mm in stood_mm.items():
             is_moved = abs(moved.get(axis, at_mm) - at_mm) > SAME_POSITION_MM

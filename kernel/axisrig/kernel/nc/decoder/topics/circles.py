@@ -48,8 +48,8 @@ def arc(context: Context, block: Block, words: Words) -> Iterator[canon.Command]
     kept.last = made
     yield canon.ArcMove(
         block,
-        made.target_acs_mm,
-        made.centre_acs_mm,
+        made.target_mm,
+        made.centre_mm,
         made.tangent,
         made.angle_rad,
         feed_mm_min,

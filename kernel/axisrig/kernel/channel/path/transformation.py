@@ -1,4 +1,4 @@
-"""The side of the tool: which kinematic is on, and the way from the axes to its coordinates."""
+"""The kinematic transformation of a channel: which one is on, and the way from axes to tool."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 
-class ToolSide:
+class Transformation:
     """The kinematic of a channel; positions are those of all its axes, in their order.
 
     kinematic: None while none is on. choices: cycles in which one was switched on, and off (None).

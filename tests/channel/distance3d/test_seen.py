@@ -1,0 +1,76 @@
+"""What the PLC side and a program see of 3D distance control, and its sensor."""
+
+import math
+
+import pytest
+from tests.channel.distance3d.programs import HEAD, TILTED, Make, rising
+
+from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.plc.unit import Refreshed
+
+
+def test_the_plc_sees_inclination_and_length_of_every_cycle(make_head: Make) -> None:
+    """FCT-M3 12.5, of the actual positions; with kinematic 98 [30; 60] at 40 deg: 90.440 mm."""
+    made = make_head()
+    seen: list[tuple[float | None, float | None]] = []
+    tool = made.channel.plc.tool
+    made.channel.observers.append(lambda _c: seen.append((tool.tilt_deg, tool.length_mm)))
+    made.run(
+        HEAD.replace("#TRAFO [9]\n", "")
+        + "V.G.KIN_STEP[1].ID[98].PARAM[1]=300000\nV.G.KIN_STEP[1].ID[98].PARAM[2]=600000\n"
+        "V.G.KIN_STEP[1].ID[98].PARAM[3]=800000\n#TIME 0.01\n#TRAFO [9, 98]\nG1 F60000 A-40\n"
+        "#TIME 0.02\nV.P.TILT = V.E.TOOL_TILT\nV.P.LENGTH = V.E.TOOL_LENGTH\n"
+        '#MSG ["%.3f %.3f", V.P.TILT, V.P.LENGTH]\n#TRAFO OFF\n#TIME 0.01'
+    )
+    assert made.alarm_ids == []
+    assert (None, None) in seen
+    assert seen[-1] == (None, None)
+    tilts = [tilt for tilt, _ in seen if tilt is not None]
+    assert max(tilts) == pytest.approx(40.0, abs=1e-4)
+    assert any(5 < tilt < 35 for tilt in tilts)
+    l2_mm = 80 * math.cos(math.radians(30)) / math.cos(math.radians(40))
+    assert max(length for _, length in seen if length) == pytest.approx(l2_mm, abs=1e-3)
+    assert made.bench.messages[-1][1] == f"40.000 {l2_mm:.3f}"
+
+
+# ---- the sensor
+
+
+@pytest.mark.provokes(310020, 7, owner="the channel")
+def test_check_pos_and_ref_are_those_of_the_distance(make_head: Make) -> None:
+    """At A -40 the clamping point is 80 cos 40 = 61.284 mm above the surface."""
+    made = make_head(min_pos_mm=60.0).run(TILTED + "#DIST CTRL CHECK_POS")
+    assert made.alarm_ids == []
+    made = make_head(min_pos_mm=62.0).run(TILTED + "#TIME 0.01\n#DIST CTRL [CHECK_POS]")
+    assert made.alarm_ids == [310020]
+    assert made.channel.alarms[0].values["value_mm"] == pytest.approx(61.2836, abs=1e-3)
+    made = make_head().run(TILTED + "#TIME 0.05\n#DIST CTRL REF\n#TIME 0.05")
+    assert made.alarm_ids == []
+    assert made.control3d.shown_sensor_mm == pytest.approx(0.0, abs=1e-4)
+    assert made.control3d.control.zero_mm == pytest.approx(-61.2836, abs=1e-3)
+
+
+@pytest.mark.provokes(900315, 1, owner="the channel")
+def test_a_variable_that_nobody_writes_is_warned_of(make_head: Make) -> None:
+    """It is 0 for ever: the distance seems to be 0. A value with a period is watched (900314)."""
+    made = make_head()
+    made.channel.plc.inputs.clear()
+    made.run(TILTED + "#DIST CTRL DRYRUN [SET_POS=0]\n#TIME 0.02")
+    assert made.alarm_ids == [900315]
+
+
+@pytest.mark.provokes(900314, 7, owner="the channel")
+def test_a_value_that_does_not_come_any_more_freezes_it(make_head: Make) -> None:
+    made = make_head(rising)
+    refreshed = Refreshed(period_ns=1_000_000)
+    made.channel.plc.refreshed["SENSOR"] = refreshed
+
+    def grow_old() -> None:
+        refreshed.age_cycles += 1
+
+    made.at({700 + k: grow_old for k in range(20)})
+    made.run(TILTED + "#DIST CTRL ON [SET_POS=0]\n#TIME 1.5")
+    assert made.alarm_ids == [900314]
+    at = made.state.index(DistanceState.ERROR)
+    assert at == 703  # aged once in 700, so that it is four cycles old there: more than three
+    assert set(made.offset_mm[at:]) == {made.offset_mm[at]}
