@@ -5,6 +5,7 @@ the recording they take the contact, and where a handshake begins.
 """
 
 import csv
+import html
 import importlib
 import re
 import sys
@@ -14,8 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[2]
 DOCS, PLANS = ROOT / "docs", ROOT / "testplans"
@@ -171,6 +170,7 @@ def _expected(source: Any, found: Any) -> dict[str, int]:
     return expected
 
 
+@pytest.mark.long(but=2)
 def test_the_instants_of_the_run_are_those_of_the_formula(shown: tuple[Any, Any, Any]) -> None:
     source, found, picture = shown
     if source.name != "fixed-stop":
@@ -191,6 +191,7 @@ def test_the_instants_of_the_run_are_those_of_the_formula(shown: tuple[Any, Any,
     assert instants["end of the relaxing motion"] > instants["set position at rest"]
 
 
+@pytest.mark.long
 def test_the_value_is_the_true_position_of_its_instant(shown: tuple[Any, Any, Any]) -> None:
     """Within an increment of 9.54 nm."""
     _source, found, picture = shown
@@ -199,6 +200,7 @@ def test_the_value_is_the_true_position_of_its_instant(shown: tuple[Any, Any, An
     assert found.run.latched_mm["Z"] == pytest.approx(truth_mm, abs=10 / 2**20)
 
 
+@pytest.mark.long
 def test_the_page_shows_this_picture_and_its_instants(
     shown: tuple[Any, Any, Any], timing: Any
 ) -> None:
@@ -222,3 +224,24 @@ def test_every_source_has_a_page_with_the_same_parts() -> None:
         titles = [line[3:] for line in text.splitlines() if line.startswith("## ")]
         wanted = ["Timing", "Delay", "Parameters", "What goes wrong", "Rig and program"]
         assert [title for title in titles if title in wanted] == wanted, page.name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_words_of_a_picture_cover_others(name: str, timing: Any) -> None:
+    """Boxes as wide as the script reckons; a title is wider than its picture in none."""
+    diagram = importlib.import_module("timing_diagram")
+    assert set(NAMES) == {source.name for source in timing.SOURCES}
+    svg = (DOCS / "images" / f"source-{name}.svg").read_text(encoding="utf-8")
+    found = re.findall(r'<text x="([\d.]+)" y="([\d.]+)".*?anchor="(\w+)">(.*?)</text>', svg)
+    assert len(found) > 8
+    boxes = []
+    for x, y, anchor, escaped in found:
+        words = html.unescape(escaped)
+        room = diagram.width_px(words)
+        left = float(x) - {"start": 0.0, "middle": room / 2, "end": room}[anchor]
+        assert 0 <= left <= left + room <= diagram.WIDTH, words
+        boxes.append((left, left + room, float(y) - 9, float(y) + 2, words))
+    for place, (left, right, top, bottom, words) in enumerate(boxes):
+        for other in boxes[place + 1 :]:
+            is_apart = right < other[0] or other[1] < left or bottom < other[2] or other[3] < top
+            assert is_apart, (words, other[4])
