@@ -171,6 +171,9 @@ class Workers:
             raise UserError("rows are missing", file=read.path, value=row)
         manifest = build_manifest([read], command=[], started="", output="")
         self._rows, self._folder = _Rows(read, cases, manifest, place.clocks), place.folder
+        self._few = self._rows._replace(cases=cases[: self.APART_ROWS_MAX])
+        prepare_all(cases, apart=(), call_limit_s=CALL_LIMIT_S)
+        self._few.run_s(self._folder / "out", 1)  # the first runs of a process fill its caches
 
     def _measured_s(self, jobs: int) -> tuple[float, float]:
         """Return wall time and CPU time, s."""
@@ -179,7 +182,7 @@ class Workers:
         return wall_s, self._rows.clocks.cpu_s() - began_s
 
     def _apart(self) -> float:
-        few = self._rows._replace(cases=self._rows.cases[: self.APART_ROWS_MAX])
+        few = self._few
         folders = [self._folder / "first", self._folder / "second"]
         one_s = few.run_s(folders[0], 1)
         both = list(run_apart(_second_of_three_s, [[few, folder] for folder in folders], jobs=2))
