@@ -128,15 +128,16 @@ class Measurement:
         To be called when it is homed or leaves the channel. Source: FCT-C4 section 7.2.
         """
         if axis in self.prepared:
-            self._forget_prepared()
+            self.end_preparation()
 
-    def _forget_prepared(self) -> None:
+    def end_preparation(self) -> None:
+        """Reset the preparation of all axes: the program has ended, by an alarm too."""
         self._at_plc.forget(self._links)
         self.prepared.clear()
 
     def end_program(self) -> None:
         """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
-        self._forget_prepared()
+        self.end_preparation()
         self.choose_default()
 
     def begin_program(self) -> None:
