@@ -2,7 +2,7 @@
 
 Sources EXT_PROBE_WITH_DRIVE and PLC_EXT_LATCH_CONTROL. Variables of the plan, written here:
 
-V.E.TASKS_<axis>: a digit for each task that was read with please_rw, 1 ENABLE, 2 DISABLE, 3 PREPARE;
+V.E.TASKS_<axis>: a digit for each task that was read, 1 ENABLE, 2 DISABLE, 3 PREPARE, so that
 312 is a run with a prepared probe. V.E.DONE_<axis>: one for each that done_w has acknowledged.
 V.E.INPUT_<axis>, V.E.FALLING_<axis>: input and edge of the last task. V.E.IN_ERROR: 1 when the
 channel was in ERROR as the last DISABLE came.
