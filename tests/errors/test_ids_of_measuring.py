@@ -19,12 +19,12 @@ IDS = (
 @pytest.mark.parametrize("alarm_id", IDS)
 def test_an_id_of_measuring_is_raised_or_decided(alarm_id: int) -> None:
     is_decided = re.search(rf"\b{alarm_id}\b", TEXT) is not None
-    assert catalogue()[alarm_id].raised or is_decided
+    assert catalogue()[alarm_id].is_raised or is_decided
 
 
 def test_what_no_part_of_the_bench_raises_is_this() -> None:
     """Block search, edge banding, MC_TouchProbe, TwinCAT, FCT-M8, a package of cycles, a twin."""
-    not_raised = {alarm_id for alarm_id in IDS if not catalogue()[alarm_id].raised}
+    not_raised = {alarm_id for alarm_id in IDS if not catalogue()[alarm_id].is_raised}
     assert not_raised == {
         *(50718, 50573, 44011, 60207, 70689, 21964, 21968, 13413, 13414, 13425),
         110657,
