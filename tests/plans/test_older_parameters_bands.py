@@ -5,6 +5,7 @@ cannot come from the wrong one.
 """
 
 import csv
+import math
 import tomllib
 from pathlib import Path
 
@@ -86,6 +87,33 @@ def test_simulated_probes_have_the_set_position_of_their_condition() -> None:
         assert _limits(ROWS[case]["check:msg:N40"]) == pytest.approx((98.0, 98.0), abs=2e-5)
 
 
+def test_a_body_is_touched_where_its_geometry_has_it() -> None:
+    """Down at v onto a face, a pole, and the smaller of both; to a cycle."""
+
+    def mm(row: dict[str, str], axis: str, number: int) -> float:
+        return float(row[f"set:{axis}.meas_simu.parameter{number}"] or 0) * 1e-4
+
+    box, pole = ROWS["p112-6-box"], ROWS["p112-6-round"]
+    for row, at in ((box, mm(box, "Z", 2)), (pole, mm(pole, "Z", 3) + mm(pole, "Z", 4))):
+        assert _limits(row["check:msg:N40"]) == pytest.approx((at - CYCLE_MM, at), abs=2e-5)
+    cut = _limits(ROWS["p112-6-list"]["check:msg:N40"])  # 97 to 100.5, and 99 +- 2
+    assert cut == pytest.approx((100.5 - CYCLE_MM, 100.5), abs=2e-5)
+
+
+def test_a_sphere_is_touched_beside_its_middle() -> None:
+    """X and Z from (0, 104) to (6, 96) at Y 0: the circle around (6, 96) in that plane."""
+    row = ROWS["p112-6-sphere"]
+    centre = {axis: float(row[f"set:{axis}.meas_simu.parameter3"]) * 1e-4 for axis in "XYZ"}
+    radius = float(row["set:X.meas_simu.parameter4"]) * 1e-4
+    assert (centre["X"], centre["Z"]) == (6.0, 96.0)  # the target of the run
+    way = math.sqrt(radius**2 - centre["Y"] ** 2)
+    x, z = 6.0 - 0.6 * way, 96.0 + 0.8 * way
+    low, high = _limits(row["check:latch_mm:X"])
+    assert (low, high) == pytest.approx((x, x + 0.6 * CYCLE_MM), abs=2e-5)
+    low, high = _limits(row["check:latch_mm:Z"])
+    assert (low, high) == pytest.approx((z - 0.8 * CYCLE_MM, z), abs=2e-5)
+
+
 def test_every_older_parameter_of_measuring_has_a_row() -> None:
     """P-AXIS-00539 and 00145 to 00148 are in the lists of their rigs."""
     columns = {
@@ -103,7 +131,7 @@ def test_every_older_parameter_of_measuring_has_a_row() -> None:
     for name in columns:
         assert any(row[f"set:Z.{name}"] not in ("", "0") for row in ROWS.values()), name
     lists = PLANS / "rigs/lists"
-    sphere = (lists / "axis-z-older-sphere.lst").read_text(encoding="utf-8")
-    assert all(f"meas_simu.parameter{number}" in sphere for number in (1, 2, 3, 4))
+    body = (lists / "axis-z-older-sphere.lst").read_text(encoding="utf-8")
+    assert all(f"meas_simu.parameter{number}" in body for number in (1, 2, 3, 4))
     banding = (lists / "axis-z-older-banding.lst").read_text(encoding="utf-8")
     assert "kenngr.measure.input_edge_banding" in banding
