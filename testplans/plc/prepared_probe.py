@@ -5,7 +5,7 @@ Sources EXT_PROBE_WITH_DRIVE and PLC_EXT_LATCH_CONTROL. Variables of the plan, w
 V.E.TASKS_<axis>: a digit for each task that was read, 1 ENABLE, 2 DISABLE, 3 PREPARE, so that
 312 is a run with a prepared probe. V.E.DONE_<axis>: one for each that done_w has acknowledged.
 V.E.INPUT_<axis>, V.E.FALLING_<axis>: input and edge of the last task. V.E.IN_ERROR: 1 when the
-channel was in ERROR as the last DISABLE came.
+channel was in ERROR as the last DISABLE came. V.E.NUMBER, where the plan has it: `task` of the rig.
 
 Read here: V.E.PREPARE_MS, V.E.ENABLE_MS, V.E.DISABLE_MS, how long each acknowledgement takes, -1 it
 never comes.
@@ -53,6 +53,8 @@ class PreparedProbe:
             unit.please_rw = unit.done_w = False
             _note(hli, f"TASKS_{name}", unit.task_r)
             hli.ve[f"INPUT_{name}"] = unit.input_r
+            if "NUMBER" in hli.ve:
+                hli.ve["NUMBER"] = unit.task_number_r
             hli.ve[f"FALLING_{name}"] = int(unit.edge_r == "NEG")
             self._is_on[name] = unit.task_r != HLI_EXT_LATCH_DISABLE_PROBE
             if unit.task_r == HLI_EXT_LATCH_DISABLE_PROBE:

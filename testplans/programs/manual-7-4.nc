@@ -12,4 +12,5 @@ N50 #MSG SYN["tasks %d", V.E.TASKS_Z]
 N60 #MSG SYN["acknowledged %d", V.E.DONE_Z]
 N70 #MSG SYN["input %d", V.E.INPUT_Z]
 N80 #MSG SYN["falling edge %d", V.E.FALLING_Z]
-N90 M30
+N90 #MSG SYN["number %d", V.E.NUMBER]
+N100 M30
