@@ -80,6 +80,8 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         ("hli.ax['X'].lr_mc_control.override.command_w = 1001", "allowed: 0 .. 1000"),
         ("hli.ch.reset.enable_w = 1", "ch.reset.enable_w has a wrong type; found 1"),
         ("hli.ch.comand_w = 1", "no attribute 'comand_w'"),
+        ("hli.ve.FEED = 1", "no attribute 'FEED'"),
+        ("hli.ax.Z = 1", "no attribute 'Z'"),
         ("hli.ve['FEED'] = '6'", "V.E.FEED has a wrong type; found '6'; allowed: a number"),
     ],
 )

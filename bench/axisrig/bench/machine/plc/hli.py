@@ -52,6 +52,8 @@ class UnknownNameError(KeyError):
 class Named(dict[_Key, _Value]):
     """Things by name; what: one of them in words. Raises UnknownNameError for another name."""
 
+    __slots__ = ("_what",)
+
     def __init__(self, what: str, items: Mapping[_Key, _Value]) -> None:
         super().__init__(items)
         self._what = what
@@ -63,6 +65,8 @@ class Named(dict[_Key, _Value]):
 
 class Variables(Named[str, float]):
     """V.E. variables. Raises UserError for a value that is no number where it is set."""
+
+    __slots__ = ()
 
     def __init__(self, values: Mapping[str, float]) -> None:
         super().__init__("variable V.E.", values)
