@@ -37,13 +37,14 @@ def _expected(row: dict[str, str]) -> dict[int, str]:
     if late_ms:
         done = "0"  # and DISABLE waits for it
     elif resets:
-        tasks, done = "32", "3" if _ve(row, "DISABLE_MS") < 0 else "32"
+        tasks, done = "32", "3" if _ve(row, "DISABLE_MS") else "32"
     of_x = (tasks, done) if both else ("0", "0")
     found = {270: tasks, 280: done, 290: of_x[0], 300: of_x[1]}
     if (_ve(row, "RUN") and "alarm" not in row["tags"].split()) or cause == ALARM:
         after = "3212" if resets else "312"
         edge = "1" if row["set:Z.kenngr.measure.edge"] == "NEG" else "0"
-        found |= {330: "1", 350: after, 360: after, 380: edge}
+        waits = _ve(row, "DISABLE_MS") > 100  # ms from the end of the run to N350
+        found |= {330: "1", 350: after, 360: after[:-1] if waits else after, 380: edge}
         found[370] = row["set:Z.kenngr.measure.input"] or "1"
     return found
 
