@@ -129,6 +129,51 @@ def cases(draw: st.DrawFn) -> tuple[JerkSlope, JerkSlope, JerkSlope, float, floa
     return up, stop, feedhold, draw(st.floats(0.05, 10.0)), draw(st.floats(0.2, 1.0))
 
 
+# a and the ramp times of the run-up, of the stop, stroke: each got stuck below its feed once
+STUCK = [
+    ((3283.0, 0.01, 0.005), (537.0, 0.05, 0.005), 0.85, Shape.SIN2),
+    ((2397.0, 0.01, 0.005), (2557.0, 0.02, 0.005), 1.7, Shape.SIN2),
+    ((1763.0, 0.01, 0.01), (2942.0, 0.098, 0.008), 3.85, Shape.SIN2),
+    ((252.0, 0.0, 0.0), (1211.0, 0.05, 0.05), 8.24, Shape.SIN2),
+    ((1711.0, 0.025, 0.001), (2359.0, 0.05, 0.01), 1.045, Shape.TRAPEZ),
+]
+
+
+@pytest.mark.parametrize(("up", "stop", "stroke_mm", "shape"), STUCK)
+def test_a_run_comes_to_its_feed_with_unequal_ramps(
+    up: tuple[float, float, float],
+    stop: tuple[float, float, float],
+    stroke_mm: float,
+    shape: Shape,
+) -> None:
+    """Within 1e-6 of it, and 99 % before three times what the rate of the limit would take.
+
+    On the limit v comes near the feed V with the rate V r / (V/a + t/2), r = t/a of the stop's ramp
+    that builds up; before that no run-up is faster than V/a and its own ramps.
+    """
+    rising, braking = JerkSlope(*up, shape), JerkSlope(*stop, shape)
+    feed = braking.speed_within(stroke_mm)
+    path = rising.stopping_within(stroke_mm, braking).plan(1e5, feed, rising.after(rising))
+    a, rise_s, _ = stop
+    nearing_s = (feed / a + rise_s / 2) / (feed * rise_s / a)
+    soonest_s = feed / up[0] + up[1] + up[2]
+    assert path.at(3.0 * (soonest_s + nearing_s * math.log(100.0)))[1] >= 0.99 * feed
+    assert max(phase.end_mm_s for phase in path.phases) == pytest.approx(feed, rel=2e-6)
+    for state in states(path, begins_to_brake_s(path) / 500.0):
+        assert braking.stopped(state).end_mm - state.path_mm <= stroke_mm * (1.0 + 1e-6)
+
+
+@settings(max_examples=30, deadline=None)
+@given(cases())
+def test_every_run_comes_to_its_feed(
+    case: tuple[JerkSlope, JerkSlope, JerkSlope, float, float],
+) -> None:
+    up, stop, _, stroke, share = case
+    feed = share * stop.speed_within(stroke)
+    path = up.stopping_within(stroke, stop).plan(1e6, feed, up.after(up))
+    assert max(phase.end_mm_s for phase in path.phases) == pytest.approx(feed, rel=2e-6)
+
+
 @settings(max_examples=30, deadline=None)
 @given(cases(), st.floats(0.0, 1.0), st.floats(0.1, 1.0))
 def test_whatever_ends_the_run_up_the_stroke_holds(

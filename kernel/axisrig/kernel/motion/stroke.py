@@ -3,20 +3,34 @@
 A stop lets the acceleration fall before it brakes, so in the last ramp of a run-up to the highest
 speed that a stroke allows it takes more way than from that speed. The acceleration therefore falls
 in time with what is missing of the speed: the path follows the limit on which a stop takes the
-whole stroke, in short ramps, and comes near the speed as an exponential does.
+whole stroke, in short ramps, and comes near the speed as an exponential does. Where no ramp goes on
+along the limit it falls to 0, and a new pulse leads on: a ramp of SIN2 keeps its acceleration at
+first, and one that may fall at once can leave no room for a slower fall.
 """
 
 import math
 from dataclasses import dataclass
 
-from axisrig.kernel.motion.jerk_ramps import JerkLimits, Ramp, Shape, braking, halved, part, way
+from axisrig.kernel.motion.jerk_ramps import (
+    JerkLimits,
+    Ramp,
+    Shape,
+    braking,
+    halved,
+    part,
+    pulse,
+    way,
+)
 
 _STEPS_A_RATE = 2.0  # ramps in the time in which what is missing of the speed falls to 1/e
 _HALVINGS = 12  # of what a ramp changes the acceleration by
 _LOOKS = 8  # instants of a ramp at which a stop is tried, and of each such time of a long one
+_LOOKS_SIN2 = 16  # the same: its acceleration stays at first, and then falls steeply
 _MOST_LOOKS = 64
 _RESERVE = 0.02  # share of the stroke that the speed leaves free, for what is between the looks
 _SAME_SPEED = 1e-6  # share of the feed that is as good as it
+_LEFT = 0.2  # share of an acceleration below which a new pulse leads to the feed sooner
+_LEAST_GAIN = 1e-3  # share of what is missing of the feed that a pulse has to bring for a next one
 _MOST_RAMPS = 500
 
 
@@ -54,11 +68,10 @@ class Stroke:
             a0, a1, t_s = ramp
             if t_s <= 0.0:
                 continue
-            looks = _LOOKS
+            looks = _LOOKS if shape is Shape.TRAPEZ else _LOOKS_SIN2
             if t_s > step_s:
-                looks = (
-                    math.ceil(min(_LOOKS * t_s / step_s, _MOST_LOOKS)) if step_s else _MOST_LOOKS
-                )
+                many = looks * t_s / step_s if step_s else _MOST_LOOKS
+                looks = math.ceil(min(many, _MOST_LOOKS))
             for look in range(looks + 1):
                 dt = t_s * look / looks
                 risen, once, _ = part(shape, dt, t_s, a1 - a0)
@@ -88,12 +101,9 @@ class RunUp:
         self._step_s = stroke.step_s(feed_mm_s)
         self.is_needed = not stroke.holds(speed_mm_s, usual, up.shape, 0.25 * self._step_s)
         self._ramps: list[Ramp] = []
-        self.top_mm_s = feed_mm_s
-        if self.is_needed:
-            self._ramps = self._begin(usual)
-            _, self.top_mm_s = way(speed_mm_s, self._ramps, up.shape)
-            a = self._ramps[-1].to_mm_s2 if self._ramps else usual[0].from_mm_s2
-            self._go_on(a if self._ramps or up.rise_s > 0.0 else self._jump(a))
+        self.top_mm_s = speed_mm_s if self.is_needed else feed_mm_s
+        while self.is_needed and usual and self._accelerate(usual):
+            usual = pulse(self._missing_mm_s, up) if self._missing_mm_s > 0.0 else []
 
     def lead_to(self, peak_mm_s: float) -> list[Ramp]:
         """Return the ramps to a speed from that of the start to the top."""
@@ -110,16 +120,37 @@ class RunUp:
         lead.append(Ramp(last, 0.0, last * falling))
         return [ramp for ramp in lead if ramp.duration_s > 0.0]
 
-    def _is_free(self, ramps: list[Ramp], speed_mm_s: float) -> bool:
+    @property
+    def _missing_mm_s(self) -> float:
+        """What the feed is above the top, 0 where that is as good as it."""
+        missing_mm_s = self._feed_mm_s - self.top_mm_s
+        return missing_mm_s if missing_mm_s > _SAME_SPEED * self._feed_mm_s else 0.0
+
+    def _accelerate(self, usual: list[Ramp]) -> bool:
+        """Add a pulse: begin as ramps would that lead to the feed, go on along the limit.
+
+        It may end below the feed. Return whether a next one comes nearer.
+        """
+        begun, from_mm_s = self._begin(usual), self.top_mm_s
+        for ramp in begun:
+            self._add(ramp)
+        a = begun[-1].to_mm_s2 if begun else usual[0].from_mm_s2
+        a = self._go_on(a if begun or self._up.rise_s > 0.0 else self._jump(a))
+        self._add(Ramp(a, 0.0, a * self._up.falling_s3_mm))
+        gained_mm_s = self.top_mm_s - from_mm_s
+        return gained_mm_s > _LEAST_GAIN * self._missing_mm_s and len(self._ramps) < _MOST_RAMPS
+
+    def _is_free(self, ramps: list[Ramp], speed_mm_s: float, least_s: float = 0.0) -> bool:
         """Return whether a stop has room in ramps, and also if the acceleration falls after them.
 
-        It then has to land at the feed at most.
+        It then has to land at the feed at most. least_s: how long the fall takes at least.
         """
         last, shape = ramps[-1].to_mm_s2, self._up.shape
         _, after_mm_s = way(speed_mm_s, ramps, shape)
         if after_mm_s + 0.5 * last * last * self._up.falling_s3_mm > self._feed_mm_s:
             return False
-        falls = [Ramp(last, 0.0, last * self._up.falling_s3_mm)] if last > 0.0 else []
+        fall_s = max(last * self._up.falling_s3_mm, least_s)
+        falls = [Ramp(last, 0.0, fall_s)] if last > 0.0 else []
         return self._stroke.holds(speed_mm_s, ramps + falls, shape, self._step_s)
 
     def _begin(self, usual: list[Ramp]) -> list[Ramp]:
@@ -129,12 +160,13 @@ class RunUp:
             if ramp.to_mm_s2 < ramp.from_mm_s2:
                 break
             least, most = 0.0, 1.0
-            if self._is_free([*begun, ramp], self._start_mm_s):
+            if self._is_free([*begun, ramp], self.top_mm_s, self._step_s):
                 begun.append(ramp)
                 continue
             for _ in range(4 * _HALVINGS):
                 share = 0.5 * (least + most)
-                is_free = self._is_free([*begun, _cut(ramp, share)], self._start_mm_s)
+                part_of = [*begun, _cut(ramp, share)]
+                is_free = self._is_free(part_of, self.top_mm_s, self._step_s)
                 least, most = (share, most) if is_free else (least, share)
             if least > 0.0:
                 begun.append(_cut(ramp, least))
@@ -147,16 +179,16 @@ class RunUp:
         for _ in range(2 * _HALVINGS):
             middle = 0.5 * (least + most)
             jump = Ramp(middle, middle, self._step_s / _LOOKS)
-            is_free = self._is_free([jump], self._start_mm_s)
+            is_free = self._is_free([jump], self.top_mm_s, self._step_s)
             least, most = (middle, most) if is_free else (least, middle)
         return least
 
-    def _go_on(self, a: float) -> None:
-        """Let the acceleration fall along the limit until the feed is reached."""
+    def _go_on(self, a: float) -> float:
+        """Let the acceleration fall along the limit up to the feed; return what is left of it."""
         falling = self._up.falling_s3_mm
-        for _ in range(_MOST_RAMPS):
-            missing_mm_s = self._feed_mm_s - self.top_mm_s
-            if a <= 0.0 or missing_mm_s <= _SAME_SPEED * self._feed_mm_s:
+        for _ in range(_MOST_RAMPS - len(self._ramps)):
+            missing_mm_s = self._missing_mm_s
+            if a <= 0.0 or missing_mm_s == 0.0:
                 break
             step_s = max(self._step_s, a * self._up.falling_s3_mm / _LOOKS)
             hold_s = (missing_mm_s - 0.5 * a * a * falling) / a
@@ -165,18 +197,17 @@ class RunUp:
                 self._add(held[0])
                 break
             a = self._add(self._next(a, step_s))
-        self.top_mm_s += 0.5 * a * a * falling
+        return a
 
     def _is_free_to_feed(self, held: list[Ramp], a: float) -> bool:
         ramps = [*held, Ramp(a, 0.0, a * self._up.falling_s3_mm)]
         return self._stroke.holds(self.top_mm_s, ramps, self._up.shape, self._step_s)
 
     def _next(self, a: float, step_s: float) -> Ramp:
+        """Return the ramp that goes on along the limit; one to 0 where none does."""
         release_s = a * self._up.falling_s3_mm
         least = a * (1.0 - step_s / release_s) if release_s > step_s else 0.0
-        found, low, high = Ramp(a, least, min(step_s, release_s)), least, a
-        if self._up.shape is Shape.SIN2:  # a part of its fall is another ramp than what was tried
-            found = Ramp(a, 0.0, release_s)
+        found, low, high = None, least, a
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             ramp = Ramp(a, middle, step_s)
@@ -185,7 +216,13 @@ class RunUp:
                 found, low = ramp, middle
             else:
                 high = middle
-        return found
+        if found is not None and found.to_mm_s2 > _LEFT * a:
+            return found
+        if least > 0.0 and self._up.shape is Shape.TRAPEZ:  # what was tried of the whole fall
+            return Ramp(a, least, step_s)
+        landing_s = (2.0 - _SAME_SPEED) * self._missing_mm_s / a  # at the feed
+        slowly = Ramp(a, 0.0, max(min(step_s, landing_s), release_s))
+        return slowly if self._is_free([slowly], self.top_mm_s) else Ramp(a, 0.0, release_s)
 
     def _add(self, ramp: Ramp) -> float:
         if ramp.duration_s > 0.0:
