@@ -60,7 +60,7 @@ def perf(
         bool, typer.Option("--profile", help="Functions by their own time for each cycle instead.")
     ] = False,
     stages: Annotated[
-        bool, typer.Option("--stages", help="What a next run takes beyond its simulation instead.")
+        bool, typer.Option("--stages", help="What a next run takes beside its simulation instead.")
     ] = False,
     fmu: Annotated[
         bool, typer.Option("--fmu", help="Time a step of the axis FMU instead.")

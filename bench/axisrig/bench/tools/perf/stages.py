@@ -45,7 +45,7 @@ STAGES: Parts = {
 def measure_stages(path: Path, name: str | None, repeats: int, clocks: Clocks) -> dict[str, Any]:
     """Return the CPU time of each stage, ms: medians over runs of a warm bench.
 
-    `stages_ms` are those beyond the simulation; they add up to the median of the whole, but for
+    `stages_ms` are those beside the simulation; they add up to the median of the whole, but for
     what medians differ. See `Row` for what it raises.
     """
     found: dict[str, list[float]] = {stage: [] for stage in (*STAGES, REST)}
@@ -73,7 +73,7 @@ def measure_stages(path: Path, name: str | None, repeats: int, clocks: Clocks) -
 
 def show_stages(result: dict[str, Any]) -> str:
     """Return the stages as a table that a page can have."""
-    lines = ["| a next run beyond its simulation | ms |", "|---|---|"]
+    lines = ["| a next run beside its simulation | ms |", "|---|---|"]
     lines += [f"| {stage} | {spent:.2f} |" for stage, spent in result["stages_ms"].items()]
     lines.append(f"| all of it | {result['beyond_simulation_ms']:.2f} |")
     said = f"{result['case']}, CPU time, median of {result['repeats']}; {build_line(result)}"
