@@ -82,6 +82,9 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         ("hli.ch.comand_w = 1", "no attribute 'comand_w'"),
         ("hli.ve.FEED = 1", "no attribute 'FEED'"),
         ("hli.ax.Z = 1", "no attribute 'Z'"),
+        ("del hli.ch.feedhold.command_w", "command_w of the HLI cannot be deleted"),
+        ("del hli.ax['Z'].lr_mc_control", "lr_mc_control of the HLI cannot be deleted"),
+        ("del hli.ch", "ch of the HLI cannot be deleted"),
         ("hli.ve['FEED'] = '6'", "V.E.FEED has a wrong type; found '6'; allowed: a number"),
     ],
 )

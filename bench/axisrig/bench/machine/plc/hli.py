@@ -91,8 +91,18 @@ class Inputs:
     wc_state: int = 0
 
 
+class Kept:
+    """Something whose elements a program may not delete."""
+
+    __slots__ = ()
+
+    def __delattr__(self, element: str) -> None:
+        """Refuse it. Raises UserError."""
+        raise UserError(f"{element} of the HLI cannot be deleted", hint="set it to False or 0")
+
+
 @dataclass(slots=True)
-class BoolUnit:
+class BoolUnit(Kept):
     """MC_CONTROL_BOOL_UNIT: enable_w makes command_w count; request_r: the wish of the CNC itself.
 
     state_r: what the CNC has taken. label: its name in messages.
@@ -112,7 +122,7 @@ class BoolUnit:
 
 
 @dataclass(slots=True)
-class Sgn64Unit:
+class Sgn64Unit(Kept):
     """MC_CONTROL_SGN64_UNIT, as `BoolUnit` with 64-bit integers; allowed: those of command_w."""
 
     label: str = ""
@@ -138,7 +148,7 @@ class Sgn64Unit:
 
 
 @dataclass(slots=True)
-class ExtLatchUnit:
+class ExtLatchUnit(Kept):
     """The interface to external measuring hardware.
 
     please_rw: the CNC sets it with a task, the PLC takes it back when it has read the task. done_w:
@@ -162,7 +172,7 @@ class ExtLatchUnit:
 
 
 @dataclass(slots=True)
-class McControl:
+class McControl(Kept):
     """lr_mc_control of an axis; probing_position in 0.1 um or 0.0001 deg, override in 0.1 %."""
 
     probing_signal: BoolUnit = field(default_factory=BoolUnit)
@@ -174,7 +184,7 @@ class McControl:
 
 
 @dataclass(slots=True)
-class LrState:
+class LrState(Kept):
     """lr_state of an axis: probe actuated, measurement run under way, its last value is valid.
 
     position_r: actual position, 0.1 um or 0.0001 deg. digital_inputs_r: 60FD of the drive as the
@@ -189,7 +199,7 @@ class LrState:
 
 
 @dataclass(slots=True)
-class AxisHli:
+class AxisHli(Kept):
     """One axis."""
 
     lr_mc_control: McControl = field(default_factory=McControl)
@@ -197,7 +207,7 @@ class AxisHli:
 
 
 @dataclass(slots=True)
-class ChannelHli:
+class ChannelHli(Kept):
     """The channel; state_r: its state in words (RUNNING, READY ..).
 
     feedhold, override (0.1 %): of the path. reset, start: a rising edge of command_w resets the
@@ -211,7 +221,7 @@ class ChannelHli:
     start: BoolUnit = field(default_factory=BoolUnit)
 
 
-class Hli:
+class Hli(Kept):
     """The interface to the CNC; ax: by the name of the axis, ch: the channel.
 
     ve: V.E. variables by the name after `V.E.`, read and written.
