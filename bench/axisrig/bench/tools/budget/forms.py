@@ -3,8 +3,10 @@
 from math import copysign, exp
 
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.budget.causes import Active, probe_of, start_number
+from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen
+from axisrig.bench.tools.budget.starts import start_number
+from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um
 
 BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
@@ -12,6 +14,8 @@ STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
 """Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
 _NEAR_MS = 0.01
 _BY_INSTANT = ("time", "drawn", "rest")
+_CHANGING = ("fault:alter", "fault:second_sender")
+"""Faults that change what a telegram says."""
 
 
 def expected_um(
@@ -25,17 +29,41 @@ def expected_um(
     from the edge of the plant and the cycles of the rig.
     """
     form = active.cause.form
-    if form == "source" or (form in _BY_INSTANT and later.latch_ms is None):
-        if later.way_um is None or without.way_um is None:
-            return None
-        return later.way_um - without.way_um
-    if form in ("length", "half", "first", "drift"):
-        return _length_um(active, later)
-    if form == "edge":
-        return _edge_um(later, without)
-    if form in ("twist", "viscous"):
-        return _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
-    return _delay_um(active, settings, axis, later, without)
+    is_by_instant = form in _BY_INSTANT and later.latch_ms is None
+    if form in ("source", "handed", "pdo") or is_by_instant:
+        return _way_um(active, later, without)
+    if form in ("length", "half", "first", "drift", "seat", "contact"):
+        return _length_um(active, settings, axis, later)
+    match form:
+        case "motion":
+            return _difference_um(later.delayed_um, without.delayed_um)
+        case "noise":
+            found_um = later.noise * float(active.value)
+        case "edge":
+            return _edge_um(later, without)
+        case "twist" | "viscous":
+            found_um = _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
+        case _:
+            return _delay_um(active, settings, axis, later, without)
+    return found_um
+
+
+def _difference_um(later_um: float | None, without_um: float | None) -> float | None:
+    return None if later_um is None or without_um is None else later_um - without_um
+
+
+def _way_um(active: Active, later: Seen, without: Seen) -> float | None:
+    """Return the difference of the ways to the instants of the value; for lost telegrams besides
+    what the line between the positions around them differs from the motion.
+    """
+    if active.cause.form != "pdo":
+        return _difference_um(later.way_um, without.way_um)
+    if any(kind in active.setting for kind in _CHANGING):
+        return None
+    if later.latch_ms is not None:  # the drive has stored it: no telegram changes it
+        return 0.0
+    way_um = _difference_um(later.way_um, without.way_um)
+    return None if way_um is None else way_um + later.lost_um - without.lost_um
 
 
 def _edge_um(later: Seen, without: Seen) -> float | None:
@@ -64,16 +92,26 @@ def _twist_um(active: Active, settings: Settings, axis: str, v_m_s: float) -> fl
     return copysign(force_n / stiffness_n_m * 1e6, v_m_s)
 
 
-def _length_um(active: Active, later: Seen) -> float | None:
-    length_um = copysign(1.0, later.velocity_mm_s) * float(active.value)
-    if active.cause.form == "length":
+def _length_um(active: Active, settings: Settings, axis: str, later: Seen) -> float | None:
+    """Return what a length along the normal of the surface makes the axis move."""
+    form, probe = active.cause.form, probe_of(settings, axis)
+    sign = copysign(1.0, later.velocity_mm_s)
+    if form == "half":  # the encoder comes half of the play before the load
+        return sign * float(active.value) / 2
+    per_length = sign if later.per_length is None else later.per_length
+    if form in ("seat", "contact"):
+        normal = normal_of(settings, probe)
+        if normal is None:
+            return None
+        yields_um = {"seat": seat_um, "contact": contact_um}[form]
+        return per_length * yields_um(settings, probe, normal)
+    length_um = per_length * float(active.value)
+    if form == "length":
         return length_um
-    if active.cause.form == "half":  # the encoder comes half of the play before the load
-        return length_um / 2
     if later.track is None:
         return None
     before = later.track.touches - 1
-    return length_um * (before if active.cause.form == "drift" else not before)
+    return length_um * (before if form == "drift" else not before)
 
 
 def _delay_um(

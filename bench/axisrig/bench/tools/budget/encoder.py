@@ -1,0 +1,91 @@
+"""What the encoder of a motor and its telegrams add to a value: noise, and lost positions."""
+
+from functools import cache
+from math import cos, log, pi, sqrt
+
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.budget.starts import start_number
+from axisrig.kernel.time.clock import S, TimeNs
+
+NOISE_PERIOD_S = 100e-6
+"""Default of noise_period (PartialAxis, KinematicAxis)."""
+_MODULUS = 2**31 - 1
+_HIT = " frame"
+"""In the words of a mark of a fault: how many telegrams it has hit."""
+
+
+@cache
+def normal_number(place: int, seed: int) -> float:
+    """Return number `place` of the sequence of a seed, 0 before the first.
+
+    Two sequences a_k = 16807^k a_0 and b_k = 48271^k b_0 modulo 2^31 - 1 give sqrt(-2 ln(a_k/m))
+    cos(2 pi b_k/m). Source: G. E. P. Box, M. E. Muller (1958) with generators of S. K. Park, K. W.
+    Miller (1988); first states by the seed as docs/rigs.md has them.
+    """
+    if place < 1:
+        return 0.0
+    radius = pow(16807, place, _MODULUS) * (1 + 742938285 * seed % (_MODULUS - 1)) % _MODULUS
+    angle = pow(48271, place, _MODULUS) * (1 + 950706376 * seed % (_MODULUS - 1)) % _MODULUS
+    return sqrt(-2 * log(radius / _MODULUS)) * cos(2 * pi * angle / _MODULUS)
+
+
+def noise_number(observed: Observed, axis: str, settings: Settings, value_ns: TimeNs) -> float:
+    """Return the number of the noise in the position of an instant."""
+    plant = settings.rig.axis[axis].plant
+    if not start_number(settings, plant, "noise", 0.0):
+        return 0.0
+    seed = round(start_number(settings, plant, "seed", 1.0))
+    period_ns = round(start_number(settings, plant, "noise_period", NOISE_PERIOD_S) * S)
+
+    def number(at_ns: TimeNs) -> float:
+        return normal_number(at_ns // period_ns, seed)
+
+    source = observed.facts.runs[-1].sources.get(axis, "")
+    if source != "PLC_TIMESTAMP":
+        return number(value_ns)
+    row = observed.index_at(value_ns)
+    times_ns = [observed.time_ns(each) for each in range(row - 1, row + 3)]
+    return sum(
+        number(at_ns) * weight
+        for at_ns, weight in zip(times_ns, _weights(times_ns, value_ns), strict=True)
+    )
+
+
+def _weights(times_ns: list[TimeNs], at_ns: TimeNs) -> list[float]:
+    """Return the weights of a cubic through four samples (Lagrange)."""
+    found = []
+    for own_ns in times_ns:
+        weight = 1.0
+        for other_ns in times_ns:
+            if other_ns != own_ns:
+                weight *= (at_ns - other_ns) / (own_ns - other_ns)
+        found.append(weight)
+    return found
+
+
+def lost_um(observed: Observed, axis: str, value_ns: TimeNs, *, is_latched: bool) -> float:
+    """Return how far a position is off that lies on the line between those around lost telegrams.
+
+    0 where the drive has stored the value, where no telegram of its SYNC was hit, and in constant
+    speed; for an acceleration a and one lost telegram a T^2/2.
+    """
+    source = observed.facts.runs[-1].sources.get(axis, "")
+    if is_latched or source == "PLC_TIMESTAMP":
+        return 0.0
+    row = observed.index_at(value_ns)
+    for fault in observed.facts.faults:
+        for last_ns, words in fault.marks:
+            if _HIT not in words:
+                continue
+            count = int(words.split(": ")[1].split(_HIT)[0])
+            last = observed.index_at(last_ns)
+            first = last - count + 1
+            if first <= row <= last:
+                begin, end = (
+                    observed.value(axis, "truth_mm", each) for each in (first - 1, last + 1)
+                )
+                share = (row - first + 1) / (count + 1)
+                true_mm = observed.value(axis, "truth_mm", row)
+                return (begin + (end - begin) * share - true_mm) * 1e3
+    return 0.0
