@@ -55,6 +55,12 @@ SAMPLED = Cause(
     "from the edge to the SYNC that samples the level (60FD); calculated, it cannot be off",
     "docs/measuring-sources.md",
 )
+BETWEEN = Cause(
+    *("position history", "cycles", "terminal", "", "", "", "", "", "source", "systematic"),
+    "a cubic through the positions at four SYNCs, where the acceleration changes; calculated, it"
+    " cannot be off",
+    "docs/measuring-sources.md",
+)
 
 
 @dataclass(frozen=True)
@@ -278,6 +284,9 @@ def _of_cycles(settings: Settings, left: Seen, is_combined: bool) -> list[Share]
         sampled_um = left.moved_um(0.0, left.sampled_ms)
         shares.append(share(SAMPLED, f"SYNC every {cycle.period_us} us", sampled_um))
         way_um -= sampled_um
+    if left.between_um:
+        setting = f"positions every {cycle.period_us} us"
+        return [*shares, share(BETWEEN, setting, way_um)]
     setting = f"period {cycle.period_us} us, SYNC {cycle.cycle_offset_us} us before the cycle"
     return [*shares, share(CYCLES, setting, way_um)]
 

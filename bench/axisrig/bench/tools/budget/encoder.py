@@ -3,7 +3,9 @@
 from functools import cache
 from math import cos, log, pi, sqrt
 
+from axisrig.bench.judge.latch.sources import STAMPED
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.oracles.interpolation import cubic
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.starts import start_number
 from axisrig.kernel.time.clock import S, TimeNs
@@ -41,15 +43,52 @@ def noise_number(observed: Observed, axis: str, settings: Settings, value_ns: Ti
     def number(at_ns: TimeNs) -> float:
         return normal_number(at_ns // period_ns, seed)
 
-    source = observed.facts.runs[-1].sources.get(axis, "")
-    if source != "PLC_TIMESTAMP":
+    if not is_stamped(observed, axis):
         return number(value_ns)
-    row = observed.index_at(value_ns)
-    times_ns = [observed.time_ns(each) for each in range(row - 1, row + 3)]
+    times_ns = _history_ns(observed, value_ns)
     return sum(
         number(at_ns) * weight
         for at_ns, weight in zip(times_ns, _weights(times_ns, value_ns), strict=True)
     )
+
+
+def is_stamped(observed: Observed, axis: str) -> bool:
+    """Whether the value is of a time stamp, taken from the history of positions."""
+    return observed.facts.runs[-1].sources.get(axis, "") == STAMPED
+
+
+def _history_ns(observed: Observed, value_ns: TimeNs) -> list[TimeNs]:
+    """Return the SYNCs whose positions a cubic is laid through: two before, two after."""
+    row = observed.index_at(value_ns)
+    return [observed.time_ns(each) for each in range(row - 1, row + 3)]
+
+
+def history_end_ns(observed: Observed, value_ns: TimeNs) -> TimeNs:
+    """Return the last SYNC whose position is in a value of a time stamp."""
+    return _history_ns(observed, value_ns)[-1]
+
+
+def between_um(observed: Observed, axis: str, value_ns: TimeNs) -> float:
+    """Return how far the cubic through the true positions at four SYNCs is off between them.
+
+    0 in constant acceleration; below da T^2/8 where it changes by da.
+    """
+    times_ns = _history_ns(observed, value_ns)
+    rows = [observed.index_at(at_ns) for at_ns in times_ns]
+    places_mm = [observed.value(axis, "truth_mm", row) for row in rows]
+    on_cubic_mm = sum(
+        place * weight
+        for place, weight in zip(places_mm, _weights(times_ns, value_ns), strict=True)
+    )
+    _, begin, end, _ = rows
+    ends = (
+        observed.value(axis, "truth_mm", begin),
+        observed.value(axis, "velocity_mm_s", begin),
+        observed.value(axis, "truth_mm", end),
+        observed.value(axis, "velocity_mm_s", end),
+    )
+    since_s, step_s = (value_ns - times_ns[1]) / S, (times_ns[2] - times_ns[1]) / S
+    return (on_cubic_mm - cubic(since_s, step_s, ends)) * 1e3
 
 
 def _weights(times_ns: list[TimeNs], at_ns: TimeNs) -> list[float]:
@@ -70,8 +109,7 @@ def lost_um(observed: Observed, axis: str, value_ns: TimeNs, *, is_latched: bool
     0 where the drive has stored the value, where no telegram of its SYNC was hit, and in constant
     speed; for an acceleration a and one lost telegram a T^2/2.
     """
-    source = observed.facts.runs[-1].sources.get(axis, "")
-    if is_latched or source == "PLC_TIMESTAMP":
+    if is_latched or is_stamped(observed, axis):
         return 0.0
     row = observed.index_at(value_ns)
     for fault in observed.facts.faults:

@@ -10,7 +10,13 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.interpolation import cubic
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import probe_of
-from axisrig.bench.tools.budget.encoder import lost_um, noise_number
+from axisrig.bench.tools.budget.encoder import (
+    between_um,
+    history_end_ns,
+    is_stamped,
+    lost_um,
+    noise_number,
+)
 from axisrig.bench.tools.budget.instants import instants_at_plc
 from axisrig.bench.tools.budget.surface import normal_of, way_per_length
 from axisrig.kernel.errors import UserError
@@ -62,7 +68,8 @@ class Seen:
     less true position at the instant that a PLC source gives. value_ms: from the contact to the
     instant whose position is published, sampled_ms: to the SYNC that samples the digital input of a
     drive; both may be unknown. per_length: how far the axis moves until the probe is deflected by
-    1 along the normal of the surface. lost_um: what a position that telegrams have lost differs
+    1 along the normal of the surface. between_um: how far the curve through positions at SYNCs is
+    off at a time stamp. lost_um: what a position that telegrams have lost differs
     from the true one. noise: number of the noise of the motor encoder in the value.
     is_after_signal: the value is of an instant at which the axis brakes for a signal.
     gains_speed: the speed grows at the contact. source: of the signal, P-AXIS-00516.
@@ -77,6 +84,7 @@ class Seen:
     sampled_ms: float | None = None
     per_length: float | None = None
     lost_um: float = 0.0
+    between_um: float = 0.0
     noise: float = 0.0
     is_after_signal: bool = False
     gains_speed: bool = False
@@ -89,7 +97,7 @@ class Seen:
         The published value is not in it.
         """
         if self.latch_ms is None and self.value_ms is not None:
-            return self.moved_um(0.0, self.value_ms)
+            return self.moved_um(0.0, self.value_ms) + self.between_um
         return None if self.source_um is None else self.error_um - self.source_um
 
     @property
@@ -154,15 +162,18 @@ def _whole(observed: Observed, seen: Touch, axis: str, settings: Settings, plain
                 velocity[name] = observed.value(other, "velocity_mm_s", row)
     after = observed.value(axis, "velocity_mm_s", row + 1)
     signal_ns = seen.run.signal_ns
+    is_at_stamp = is_stamped(observed, axis)
+    until_ns = history_end_ns(observed, value_ns) if is_at_stamp else value_ns
     return replace(
         plain,
         source=seen.run.sources.get(axis, ""),
         value_ms=(value_ns - contact_ns) / MS,
         sampled_ms=None if sampled_ns is None else (sampled_ns - contact_ns) / MS,
         per_length=None if normal is None else way_per_length(normal, velocity, axis),
+        between_um=between_um(observed, axis, value_ns) if is_at_stamp else 0.0,
         lost_um=lost_um(observed, axis, value_ns, is_latched=plain.latch_ms is not None),
         noise=noise_number(observed, axis, settings, value_ns),
-        is_after_signal=signal_ns is not None and value_ns > signal_ns,
+        is_after_signal=signal_ns is not None and until_ns > signal_ns,
         gains_speed=abs(after) - abs(velocity[axis]) > _STEADY * abs(velocity[axis]),
     )
 

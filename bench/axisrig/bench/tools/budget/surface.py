@@ -86,5 +86,5 @@ def contact_um(settings: Settings, probe: str, normal: Vector) -> float:
     force_n = trigger_force_n(settings, probe, normal)
     if not (modulus_n_m2 and radius_m and force_n):
         return 0.0
-    contact_radius_m = (0.75 * force_n * radius_m / modulus_n_m2) ** (1 / 3)
+    contact_radius_m: float = (0.75 * force_n * radius_m / modulus_n_m2) ** (1 / 3)
     return contact_radius_m**2 / radius_m * 1e6
