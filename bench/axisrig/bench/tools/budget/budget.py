@@ -17,6 +17,7 @@ from functools import partial
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.judge.latch.sources import STAMPED
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
@@ -31,7 +32,7 @@ from axisrig.bench.tools.budget.causes import (
 from axisrig.bench.tools.budget.combining import USUAL, combined
 from axisrig.bench.tools.budget.combining import Runs as CausesOff
 from axisrig.bench.tools.budget.forms import bound_um, expected_um
-from axisrig.bench.tools.budget.instants import EXTERNAL
+from axisrig.bench.tools.budget.instants import EXTERNAL, UNIT_UM, is_handed
 from axisrig.bench.tools.budget.seen import METRICS, Seen, see
 
 _ANY = "-1e15 .. 1e15"
@@ -45,18 +46,21 @@ RunCases = Callable[[Sequence[Case]], Iterable[CaseResult]]
 Off = frozenset[int]
 """Which of the causes that are on are switched off in a run, by their places."""
 
+CALCULATED = "cycles"
+"""Place of what no switch takes away."""
+
 CYCLES = Cause(
-    *("CNC cycle", "cycles", "plc", "", "", "", "", "", "source", "random"),
+    *("CNC cycle", CALCULATED, "plc", "", "", "", "", "", "source", "random"),
     "from the edge to the SYNC whose actual value the CNC takes; calculated, it cannot be off",
     "docs/measuring-sources.md",
 )
 SAMPLED = Cause(
-    *("digital input", "cycles", "input", "", "", "", "", "", "source", "random"),
+    *("digital input", CALCULATED, "input", "", "", "", "", "", "source", "random"),
     "from the edge to the SYNC that samples the level (60FD); calculated, it cannot be off",
     "docs/measuring-sources.md",
 )
 BETWEEN = Cause(
-    *("position history", "cycles", "terminal", "", "", "", "", "", "source", "systematic"),
+    *("position history", CALCULATED, "terminal", "", "", "", "", "", "source", "systematic"),
     "a cubic through the positions at four SYNCs, where the acceleration changes; calculated, it"
     " cannot be off",
     "docs/measuring-sources.md",
@@ -100,7 +104,8 @@ class Budget:
     """The shares of one row, of the causes that are on, in the order in which they act.
 
     error_um: published less true position at the contact. left_um: the error with all of them off.
-    velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder.
+    velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder, or of a
+    position that a PLC hands over.
     quantum_um: what may be left: an increment, or the way in the cycles of PLC and CNC where
     nothing says more.
     frame_log_sha256: of the run with all causes as they are. not_combined: causes that may act on
@@ -121,9 +126,10 @@ class Budget:
     @property
     def largest(self) -> Share | None:
         """The cause with the largest share, None without causes or where all are below an
-        increment.
+        increment. What follows from the cycles of the rig alone is none of them.
         """
-        found = max(self.shares, key=lambda share: abs(share.in_turn_um), default=None)
+        causes = [share for share in self.shares if share.cause.place != CALCULATED]
+        found = max(causes, key=lambda share: abs(share.in_turn_um), default=None)
         return found if found and abs(found.in_turn_um) > self.increment_um else None
 
     @property
@@ -199,6 +205,8 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
     )
     table = settings.rig.drive[settings.rig.axis[axis].drive]
     increment_um = table.lead_mm / table.encoder_increments * _UM_PER_MM
+    if whole.source == EXTERNAL and is_handed(settings):
+        increment_um = max(increment_um, UNIT_UM)
     shares = []
     for place, each in enumerate(runs.active):
         later, without = runs[_from(place + 1, count)], runs[_from(place, count)]
@@ -267,7 +275,11 @@ def _causes_of(case: Case, settings: Settings, axis: str, whole: Seen) -> list[A
     )
     if whole.track is not None:
         found += motion_causes(
-            settings, axis, is_after_signal=whole.is_after_signal, gains_speed=whole.gains_speed
+            settings,
+            axis,
+            is_after_signal=whole.is_after_signal,
+            gains_speed=whole.gains_speed,
+            speed_mm_s=whole.velocity_mm_s if whole.source == STAMPED else None,
         )
     return found
 

@@ -124,7 +124,12 @@ def active_causes(
 
 
 def motion_causes(
-    settings: Settings, axis: str, *, is_after_signal: bool, gains_speed: bool
+    settings: Settings,
+    axis: str,
+    *,
+    is_after_signal: bool,
+    gains_speed: bool,
+    speed_mm_s: float | None = None,
 ) -> list[Active]:
     """Return braking, and the run-up where the axis still gains speed at the contact.
 
@@ -132,7 +137,7 @@ def motion_causes(
     """
     run_up, braking = (cause for cause in causes() if cause.place == "motion")
     words = braking_words(settings, axis)
-    off = without_braking(settings, is_after_signal=is_after_signal)
+    off = without_braking(settings, is_after_signal=is_after_signal, speed_mm_s=speed_mm_s)
     found = [Active(braking, words, words, off)]
     if gains_speed:
         words = run_up_words(settings, axis)

@@ -2,11 +2,13 @@
 
 from math import copysign, exp
 
+from axisrig.bench.judge.latch.sources import STAMPED
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen
 from axisrig.bench.tools.budget.starts import start_number
 from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um
+from axisrig.kernel.time.clock import MS
 
 BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
@@ -14,6 +16,8 @@ STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
 """Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
 _NEAR_MS = 0.01
 _BY_INSTANT = ("time", "drawn", "rest")
+_BY_EDGE = ("length", "first", "drift", "seat", "contact", "edge")
+"""What makes the edge later; a level that is sampled is found by the next cycle then."""
 _CHANGING = ("fault:alter", "fault:second_sender")
 """Faults that change what a telegram says."""
 
@@ -30,17 +34,23 @@ def expected_um(
     """
     form = active.cause.form
     is_by_instant = form in _BY_INSTANT and later.latch_ms is None
-    if form in ("source", "handed", "pdo") or is_by_instant:
+    is_sampled = form in _BY_EDGE and later.latch_ms is None and later.source != STAMPED
+    if form in ("source", "handed", "pdo") or is_by_instant or is_sampled:
         return _way_um(active, later, without)
     if form in ("length", "half", "first", "drift", "seat", "contact"):
         return _length_um(active, settings, axis, later)
+    found_um: float | None
     match form:
         case "motion":
-            return _difference_um(later.delayed_um, without.delayed_um)
+            found_um = _difference_um(later.delayed_um, without.delayed_um)
         case "noise":
-            found_um = later.noise * float(active.value)
+            # A program that goes on from where the axis is takes the noise with it: another phase
+            moved_um = _difference_um(later.way_um, without.way_um) or 0.0
+            found_um = later.noise * float(active.value) + moved_um
         case "edge":
-            return _edge_um(later, without)
+            found_um = _edge_um(later, without)
+        case "sampling":
+            found_um = _sampled_um(active, settings, axis, later, without.latch_ms or 0.0)
         case "twist" | "viscous":
             found_um = _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
         case _:
@@ -129,9 +139,29 @@ def _delay_um(
         case "rest":
             rest_ms = _rest_ms(settings, axis, float(active.value) * 1e-3)
             return later.moved_um(begin_ms, begin_ms + rest_ms)
-        case "drawn" if later.latch_ms is not None:
-            return later.moved_um(begin_ms, later.latch_ms)
+        case "drawn":
+            end_ms = later.latch_ms
+            return None if end_ms is None else later.moved_um(begin_ms, end_ms)
     return None
+
+
+def _sampled_um(
+    active: Active, settings: Settings, axis: str, later: Seen, at_ms: float
+) -> float | None:
+    """Return what a sample, or the line between two of them, differs from the position itself.
+
+    Samples are at whole multiples of the time of a sample.
+    """
+    if later.track is None:
+        return None
+    grid_ms = float(settings.rig.drive[settings.rig.axis[axis].drive].sample_us) * 1e-3
+    since_ms = (later.track.contact_ns / MS + at_ms) % grid_ms
+    begin_ms = at_ms - since_ms
+    if active.value == "linear":
+        return later.moved_um(at_ms, begin_ms) + later.moved_um(begin_ms, begin_ms + grid_ms) * (
+            since_ms / grid_ms
+        )
+    return later.moved_um(at_ms, begin_ms)
 
 
 def _rest_ms(settings: Settings, axis: str, filter_ms: float) -> float:
@@ -155,9 +185,6 @@ def bound_um(
     match active.cause.form:
         case "rounding":
             return increment_um
-        case "sampling":
-            table = settings.rig.drive[settings.rig.axis[axis].drive]
-            return v_um_s * float(table.sample_us) * 1e-6
         case "jitter":
             return v_um_s * float(active.value) * 1e-9
     return None

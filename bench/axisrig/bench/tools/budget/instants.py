@@ -18,6 +18,8 @@ from axisrig.kernel.time.clock import US, TimeNs
 HANDED = "POSITION"
 """Variable V.E. with which `testplans/plc/external_latch.py` hands a position over."""
 EXTERNAL = "PLC_EXT_LATCH_CONTROL"
+UNIT_UM = 0.1
+"""Of `probing_position` (FCT-C4 8.2.3)."""
 _LONGEST = 100_000
 """So many cycles of a PLC an edge is looked for."""
 

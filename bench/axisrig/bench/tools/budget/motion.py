@@ -11,18 +11,25 @@ from axisrig.kernel.motion.dynamics import Motion, effective_row
 
 AT_ONCE, HARDLY = 10_000_000, 1
 """Decelerations in mm/s2: within a cycle up to 10 m/s; 0.0005 um in 1 ms."""
+_STOP_S = 0.5
+"""So long a stop may take whose begin only touches the value: 0.0025 um at 10 mm/s in 0.5 ms."""
 _LINEAR, _JERK = "getriebe[0].lslope_profil", "getriebe[0].slope_profil"
 _RAMP_TIME = 1
 """us; 0 would be P-AXIS-00200."""
 _KEYS = {"rapid": ("grenz_stufe_1", "grenz_stufe_2"), "feed": ("stufe_1", "stufe_2")}
 
 
-def without_braking(settings: Settings, *, is_after_signal: bool) -> dict[str, str | None]:
+def without_braking(
+    settings: Settings, *, is_after_signal: bool, speed_mm_s: float | None = None
+) -> dict[str, str | None]:
     """Return the columns with which nothing brakes while a value is made.
 
-    is_after_signal: the value is of an instant at which the axes brake for a signal.
+    is_after_signal: the value is of an instant at which the axes brake for a signal. speed_mm_s: at
+    the contact, where the value has only to do with the first two cycles of the stop.
     """
     stop = HARDLY if is_after_signal else AT_ONCE
+    if is_after_signal and speed_mm_s is not None:
+        stop = max(HARDLY, round(abs(speed_mm_s) / _STOP_S))
     found = {"set:channel.use_drive_curr_limit": "1", "set:channel.meas_deceleration_mode": "0"}
     for axis in settings.rig.axis:
         for key in _deceleration_keys(settings):
