@@ -34,6 +34,7 @@ from axisrig.bench.tools.budget.combining import Runs as CausesOff
 from axisrig.bench.tools.budget.forms import bound_um, expected_um
 from axisrig.bench.tools.budget.instants import EXTERNAL, UNIT_UM, is_handed
 from axisrig.bench.tools.budget.seen import METRICS, Seen, see
+from axisrig.kernel.errors import UserError
 
 _ANY = "-1e15 .. 1e15"
 _UM_PER_MM = 1e3
@@ -109,7 +110,8 @@ class Budget:
     quantum_um: what may be left: an increment, or the way in the cycles of PLC and CNC where
     nothing says more.
     frame_log_sha256: of the run with all causes as they are. not_combined: causes that may act on
-    each other and were switched off in turn only, as more runs were not allowed.
+    each other and were switched off in turn only, as more runs were not allowed. kept_on: causes
+    without which there is no value.
     """
 
     run: str
@@ -122,6 +124,7 @@ class Budget:
     frame_log_sha256: str = ""
     quantum_um: float = 0.0
     not_combined: tuple[str, ...] = ()
+    kept_on: tuple[str, ...] = ()
 
     @property
     def largest(self) -> Share | None:
@@ -158,18 +161,20 @@ class _Runs:
         self.active: list[Active] = []
         self.frames = ""
         self._seen: dict[Off, Seen] = {}
+        self._made = 0
 
     def make(self, offs: Iterable[Off]) -> None:
         """Run what is not there yet. Raises UserError where a run gives no measured value."""
         wanted = [off for off in dict.fromkeys(offs) if off not in self._seen]
         cases = {}
-        for number, off in enumerate(wanted, len(self._seen)):
+        for number, off in enumerate(wanted, self._made):
             changed = {
                 column: value
                 for place in sorted(off)
                 for column, value in self.active[place].off.items()
             }
             cases[f"{self._case.run}-budget-{number:03d}"] = off, changed
+        self._made += len(wanted)
         made = [
             _without(self._case, self._axis, run, changed) for run, (_, changed) in cases.items()
         ]
@@ -177,6 +182,10 @@ class _Runs:
             off = cases[result.case.run][0]
             self._seen[off] = see(result, self._axis, settings_of(result.case))
             self.frames = self.frames if off else result.frame_log_sha256
+
+    def forget(self) -> None:
+        """Forget all runs but the one with every cause on: causes have other places now."""
+        self._seen = {off: seen for off, seen in self._seen.items() if not off}
 
     def __getitem__(self, off: Iterable[int]) -> Seen:
         self.make([frozenset(off)])
@@ -198,7 +207,7 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
     axis = measuring_axis(settings, axis)
     runs = _Runs(case, axis, run_cases)
     whole = runs[()]
-    runs.active = _causes_of(case, settings, axis, whole)
+    runs.active, kept_on = _with_motion(runs, _causes_of(case, settings, axis, whole))
     count = len(runs.active)
     runs.make(
         [frozenset([place]) for place in range(count)] + [_from(p, count) for p in range(count)]
@@ -237,6 +246,7 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
         runs.frames,
         _quantum_um(settings, whole, increment_um),
         left_out,
+        kept_on,
     )
 
 
@@ -282,6 +292,23 @@ def _causes_of(case: Case, settings: Settings, axis: str, whole: Seen) -> list[A
             speed_mm_s=whole.velocity_mm_s if whole.source == STAMPED else None,
         )
     return found
+
+
+def _with_motion(runs: _Runs, found: list[Active]) -> tuple[list[Active], tuple[str, ...]]:
+    """Leave out the run-up or braking without which there is no value; return their names too.
+
+    An axis that does not brake may be at its target before the signal comes.
+    """
+    kept: list[str] = []
+    for each in [active for active in found if active.cause.place == "motion"]:
+        runs.active = found
+        try:
+            runs.make([frozenset([found.index(each)])])
+        except UserError:
+            runs.forget()
+            kept.append(each.cause.cause)
+            found = [other for other in found if other is not each]
+    return found, tuple(kept)
 
 
 def _of_cycles(settings: Settings, left: Seen, is_combined: bool) -> list[Share]:

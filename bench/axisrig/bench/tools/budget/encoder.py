@@ -104,10 +104,11 @@ def _weights(times_ns: list[TimeNs], at_ns: TimeNs) -> list[float]:
 
 
 def lost_um(observed: Observed, axis: str, value_ns: TimeNs, *, is_latched: bool) -> float:
-    """Return how far a position is off that lies on the line between those around lost telegrams.
+    """Return how far a position is off that a cubic through two on either side of lost telegrams
+    gives.
 
     0 where the drive has stored the value, where no telegram of its SYNC was hit, and in constant
-    speed; for an acceleration a and one lost telegram a T^2/2.
+    acceleration.
     """
     if is_latched or is_stamped(observed, axis):
         return 0.0
@@ -120,10 +121,11 @@ def lost_um(observed: Observed, axis: str, value_ns: TimeNs, *, is_latched: bool
             last = observed.index_at(last_ns)
             first = last - count + 1
             if first <= row <= last:
-                begin, end = (
-                    observed.value(axis, "truth_mm", each) for each in (first - 1, last + 1)
+                rows = [first - 2, first - 1, last + 1, last + 2]
+                weights = _weights([observed.time_ns(each) for each in rows], value_ns)
+                on_cubic_mm = sum(
+                    observed.value(axis, "truth_mm", each) * weight
+                    for each, weight in zip(rows, weights, strict=True)
                 )
-                share = (row - first + 1) / (count + 1)
-                true_mm = observed.value(axis, "truth_mm", row)
-                return (begin + (end - begin) * share - true_mm) * 1e3
+                return (on_cubic_mm - observed.value(axis, "truth_mm", row)) * 1e3
     return 0.0

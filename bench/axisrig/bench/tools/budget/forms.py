@@ -63,17 +63,13 @@ def _difference_um(later_um: float | None, without_um: float | None) -> float | 
 
 
 def _way_um(active: Active, later: Seen, without: Seen) -> float | None:
-    """Return the difference of the ways to the instants of the value; for lost telegrams besides
-    what the line between the positions around them differs from the motion.
-    """
-    if active.cause.form != "pdo":
-        return _difference_um(later.way_um, without.way_um)
-    if any(kind in active.setting for kind in _CHANGING):
-        return None
-    if later.latch_ms is not None:  # the drive has stored it: no telegram changes it
-        return 0.0
-    way_um = _difference_um(later.way_um, without.way_um)
-    return None if way_um is None else way_um + later.lost_um - without.lost_um
+    """Return the difference of the ways to the instants of the value."""
+    if active.cause.form == "pdo":
+        if any(kind in active.setting for kind in _CHANGING):
+            return None
+        if later.latch_ms is not None:  # the drive has stored it: no telegram changes it
+            return 0.0
+    return _difference_um(later.way_um, without.way_um)
 
 
 def _edge_um(later: Seen, without: Seen) -> float | None:

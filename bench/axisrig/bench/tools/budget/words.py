@@ -41,6 +41,8 @@ def budget_lines(budget: Budget) -> list[str]:
         lines.append(
             f"these act on each other, more than an increment; mean = over all orders: {names}"
         )
+    if budget.kept_on:
+        lines.append(f"not switched off, as there is no value without: {', '.join(budget.kept_on)}")
     if budget.not_combined:
         names = ", ".join(budget.not_combined)
         lines.append(f"not combined, only in turn; --combinations allows more runs: {names}")
