@@ -94,8 +94,8 @@ class Seen:
 
     @property
     def way_um(self) -> float | None:
-        """True way from the contact to the instant that a PLC source gives, and what a curve through
-        positions is off there. The published value is not in it.
+        """True way from the contact to the instant that a PLC source gives, and what a curve
+        through positions is off there. The published value is not in it.
         """
         if self.latch_ms is None and self.value_ms is not None:
             return self.moved_um(0.0, self.value_ms) + self.between_um + self.lost_um

@@ -15,14 +15,14 @@ def budget_lines(budget: Budget) -> list[str]:
         f" contact, at {abs(budget.velocity_mm_s):g} mm/s towards"
         f" {'smaller' if budget.velocity_mm_s < 0 else 'larger'} positions",
         "",
-        f"{'cause':<16} {'setting':<44} {'alone um':>10} {'in turn um':>11} {'closed form um':>15}"
+        f"{'cause':<20} {'setting':<44} {'alone um':>10} {'in turn um':>11} {'closed form um':>15}"
         f"{mean}",
     ]
     lines += [_line(budget, share) for share in budget.shares]
     total_um = sum(share.in_turn_um for share in budget.shares)
     lines += [
-        f"{'all causes':<61} {'':>10} {total_um:>+11.4f}",
-        f"{LEFT:<61} {'':>10} {budget.left_um:>+11.4f}",
+        f"{'all causes':<65} {'':>10} {total_um:>+11.4f}",
+        f"{LEFT:<65} {'':>10} {budget.left_um:>+11.4f}",
         "",
     ]
     if not budget.is_explained:
@@ -31,7 +31,7 @@ def budget_lines(budget: Budget) -> list[str]:
     lines.append(
         f"largest: {largest.cause.cause}, {largest.cause.meaning} ({largest.setting})"
         if largest
-        else f"no cause is larger than an increment of the encoder ({budget.increment_um:.4f} um)"
+        else f"no cause is larger than an increment ({budget.increment_um:.4f} um)"
     )
     if budget.differing:
         names = ", ".join(share.cause.cause for share in budget.differing)
@@ -41,12 +41,18 @@ def budget_lines(budget: Budget) -> list[str]:
         lines.append(
             f"these act on each other, more than an increment; mean = over all orders: {names}"
         )
+    return lines + left_out_notes(budget)
+
+
+def left_out_notes(budget: Budget) -> list[str]:
+    """Say which causes were not switched off, or not in combination."""
+    notes = []
     if budget.kept_on:
-        lines.append(f"not switched off, as there is no value without: {', '.join(budget.kept_on)}")
+        notes.append(f"not switched off, as there is no value without: {', '.join(budget.kept_on)}")
     if budget.not_combined:
         names = ", ".join(budget.not_combined)
-        lines.append(f"not combined, only in turn; --combinations allows more runs: {names}")
-    return lines
+        notes.append(f"not combined, only in turn; --combinations allows more runs: {names}")
+    return notes
 
 
 def _line(budget: Budget, share: Share) -> str:
@@ -57,7 +63,7 @@ def _line(budget: Budget, share: Share) -> str:
     differs_um = share.differs_um(budget.increment_um)
     mark = "" if differs_um is None else f"  differs by {differs_um:+.4f}"
     return (
-        f"{share.cause.cause:<16} {share.setting:<44} {share.alone_um:>+10.4f}"
+        f"{share.cause.cause:<20} {share.setting:<44} {share.alone_um:>+10.4f}"
         f" {share.in_turn_um:>+11.4f} {form:>15}{mean}{mark}"
     )
 
@@ -66,7 +72,7 @@ def not_explained(budget: Budget) -> str:
     """Say what is left and against what; empty where all is explained."""
     if budget.is_explained:
         return ""
-    what = "an increment of the encoder"
+    what = "an increment"
     if budget.quantum_um > budget.increment_um:
         what = "the way in a cycle of the PLC and one of the CNC"
     return (
@@ -97,6 +103,7 @@ def budget_table(budget: Budget) -> list[dict[str, object]]:
         for share in budget.shares
     ]
     left: dict[str, object] = dict.fromkeys((*COLUMNS, COMBINED, DIFFERS))
-    left |= {**of_run, "cause": LEFT, "meaning": not_explained(budget)}
+    left |= {**of_run, "cause": LEFT}
+    left["meaning"] = "; ".join(filter(None, [not_explained(budget), *left_out_notes(budget)]))
     left |= {"in_turn_um": budget.left_um, "frame_log_sha256": budget.frame_log_sha256}
     return [*rows, left]
