@@ -1,6 +1,7 @@
 """The table of signal sources on its page: fresh, and from results of the plan as it is."""
 
 import csv
+import re
 from functools import partial
 from pathlib import Path
 
@@ -55,9 +56,16 @@ def test_the_stored_results_are_those_of_the_plan(plan: Plan, results: StoredRes
 
 def test_every_source_of_the_page_has_a_row(results: StoredResults) -> None:
     page = (ROOT / "docs" / "measuring-sources.md").read_text(encoding="utf-8")
-    titles = {line[3:] for line in page.splitlines() if line.startswith("## ")}
-    for row in source_rows(results):
-        assert row.source in titles
+    head = page.partition("\n## ")[0]
+    named = {
+        name
+        for line in head.splitlines()
+        if line.startswith("| ")
+        for name in re.findall(r"\b[A-Z_]{3,}\b", line.split(" | ")[0])
+    }
+    found = source_rows(results)
+    assert {row.source for row in found} == named
+    for row in found:
         assert row.expected_ms == pytest.approx(row.found_ms, abs=max(row.bound_ms, 1e-4))
 
 

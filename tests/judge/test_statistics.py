@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -9,6 +10,7 @@ import pytest
 from scipy import stats
 from tests.recordings import facts, kept
 
+from axisrig.bench.judge.fixed_stop import run as stops
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.statistics.verdict import Reading, RunSample, judge_statistic, readings
@@ -17,7 +19,7 @@ from axisrig.bench.plan.checks import Check, CheckResult
 from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.axes import AxisRecord, Contact, ProbeRecord
-from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.measuring import FixedStop, MeasurementRun
 
 MS = 1_000_000
 VALUES = (0.4, 0.1, -0.2, 0.3, 0.0, 0.2)
@@ -224,6 +226,22 @@ def test_a_metric_of_a_measurement_run_is_asked_of_each_of_them() -> None:
         assert values_of(observed, metric) == pytest.approx(list(VALUES), abs=1e-9)
     assert values_of(observed, "mean(latch_error_um; last)") == pytest.approx([VALUES[-1]])
     assert len(values_of(observed, "mean(duration_s)")) == 1
+
+
+def test_of_a_series_of_stops_each_is_looked_at_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not every one before it once more: 50 stops would cost as much as 1275."""
+    made: list[int] = []
+
+    def look(_observed: Observed, number: int, _record: MeasurementRun) -> SimpleNamespace:
+        made.append(number)
+        return SimpleNamespace(earliest_contact=None)
+
+    monkeypatch.setattr(stops, "_made", look)
+    observed = touches(VALUES)
+    runs = tuple(replace(run, fixed_stop=FixedStop({})) for run in observed.facts.runs)
+    observed = Observed(replace(observed.facts, runs=runs), observed.series)
+    assert values_of(observed, "mean(latch_mm)") == [1.0 + value / 1e3 for value in VALUES]
+    assert made == list(range(1, len(VALUES) + 1))
 
 
 def test_statistics_of_one_run_are_judged_with_its_checks() -> None:

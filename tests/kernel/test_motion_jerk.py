@@ -254,6 +254,20 @@ def test_no_limit_is_passed_and_the_end_is_hit(case: Case) -> None:
             )
 
 
+def test_ends_between_one_and_two_falls_of_a_sine_ramp_are_reached_without_a_jump() -> None:
+    """Ends a little after that of a stop at once; the gap was driven at constant speed."""
+    up = JerkSlope(50.0, 1e-6, 1e-6, SIN2)
+    down = JerkSlope(378.0, 0.0625, 0.03125, SIN2)
+    state = State(2.982547494514615, 2.53467010010328, -192.27860361061187)
+    nearest_mm = stop(down, state.speed_mm_s, state.a_mm_s2).end_mm + state.path_mm
+    for k in range(200):
+        path = up.rest(state, nearest_mm + k * 5e-6, 1.0, down)
+        phases = [p for p in path.phases if p.end_s - p.start_s > 1e-8]  # rounding at the end
+        assert phases[0].start_mm_s2 == EXACT(state.a_mm_s2, rel=1e-6)
+        for one, two in pairwise(phases):
+            assert two.start_mm_s2 == EXACT(one.end_mm_s2, rel=1e-6, abs=1e-2)
+
+
 @settings(max_examples=60, deadline=None)
 @given(replanned(), slopes(TRAPEZ), st.floats(0.0, 1.0))
 def test_a_stop_from_any_state_keeps_its_own_limits(

@@ -6,7 +6,7 @@ import pytest
 
 from axisrig.kernel.measuring.rules import (
     MeasuringAxis,
-    highest_speed,
+    least_stroke_mm,
     lengthened,
     misses_signal,
 )
@@ -38,8 +38,7 @@ def test_the_braking_distance_of_that_speed_is_the_stroke(stroke_mm: float) -> N
 @pytest.mark.parametrize(("number", "keeps"), [(1, False), (2, True), (3, False), (4, True)])
 def test_types_2_and_4_keep_to_the_smallest_stroke_of_the_path(number: int, keeps: bool) -> None:
     axes = [MeasuringAxis(stroke_mm=5.0), MeasuringAxis(stroke_mm=2.0)]
-    expected = sqrt(2 * 1000.0 * 2.0) if keeps else inf
-    assert highest_speed(TYPES[number], axes, FLAT) == pytest.approx(expected)
+    assert least_stroke_mm(TYPES[number], axes) == (2.0 if keeps else inf)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,9 @@
 
 A study is a plan as `testplans/latch_study.csv`: its cases fit a line to the error of the value
 over the velocity at the contact. Its slope is the delay of the chain, its intercept the pre-travel;
-what a run has beside these is what the source costs at that feed.
+what a run has beside these is what the source costs at that feed. The value of a fixed stop has no
+error against the contact, since a stop yields: its line is that of the value itself, whose
+intercept is the place where the axis comes to rest.
 """
 
 from collections.abc import Iterator
@@ -13,7 +15,8 @@ from axisrig.kernel.errors import UserError
 from axisrig.reports.lines.drawing import Point
 from axisrig.reports.lines.section import Lines, lines
 
-METRIC, VELOCITY = "latch_error_um", "contact_velocity_mm_s"
+METRIC, OF_STOP, VELOCITY = "latch_error_um", "latch_mm", "contact_velocity_mm_s"
+_UM = {METRIC: 1.0, OF_STOP: 1000.0}  # one unit of the metric in um
 _SIGNAL = ".kenngr.measure.signal"
 _HEAD = (
     *("source", "case", "delay, ms, by its closed form", "found", "at, mm/min"),
@@ -26,8 +29,9 @@ class SourceRow:
     """One case of a study.
 
     expected_ms: the delay that the plan asks for. found_ms, bound_ms: slope and its bound of 95 %.
-    feed_mm_min: of the fastest run. off_um: its mean error less the pre-travel. spread_um,
-    range_um: its standard deviation, and its largest error less the smallest.
+    feed_mm_min: of the fastest run. off_um: its mean error less the pre-travel, of a fixed stop
+    less the place where the axis rests. spread_um, range_um: its standard deviation, and its
+    largest error less the smallest.
     """
 
     source: str
@@ -46,7 +50,7 @@ def source_rows(results: StoredResults) -> list[SourceRow]:
     found = [
         row
         for one in lines(results)
-        if (one.metric, one.column) == (METRIC, VELOCITY)
+        if one.metric in _UM and one.column == VELOCITY
         for row in _rows(results, one)
     ]
     if not found:
@@ -59,7 +63,7 @@ def source_rows(results: StoredResults) -> list[SourceRow]:
 
 
 def _rows(results: StoredResults, one: Lines) -> Iterator[SourceRow]:
-    runs = {run.run: run for run in results.runs}
+    runs, um = {run.run: run for run in results.runs}, _UM[one.metric]
     for fitted, (slope, intercept) in zip(one.fitted, one.rows, strict=True):
         fastest = max(fitted.points, key=_speed)
         case = runs[fastest.run].case
@@ -67,18 +71,18 @@ def _rows(results: StoredResults, one: Lines) -> Iterator[SourceRow]:
         ranges = [
             float(row["value"])
             for row in runs[fastest.run].checks
-            if row["metric"].startswith(f"range({METRIC}")
+            if row["metric"].startswith(f"range({one.metric}")
         ]
         yield SourceRow(
             ", ".join(sorted(signals)),
             fitted.name,
-            _middle(slope["check"]),
-            fitted.slope,
-            float(slope["uncertainty"]),
+            _middle(slope["check"]) * um,
+            fitted.slope * um,
+            float(slope["uncertainty"]) * um,
             _speed(fastest) * 60.0,
-            fastest.y - _middle(intercept["check"]),
-            fastest.spread or 0.0,
-            *ranges,
+            (fastest.y - _middle(intercept["check"])) * um,
+            (fastest.spread or 0.0) * um,
+            *(um * each for each in ranges),
         )
 
 

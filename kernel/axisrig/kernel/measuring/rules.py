@@ -10,7 +10,6 @@ from math import dist, inf
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
-from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.nc.measuring_types import MeasuringType
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import TimeNs
@@ -102,22 +101,15 @@ def inputs_of(source: str) -> int:
     return 255 if source == EXTERNAL else 2
 
 
-def highest_speed(
-    kind: MeasuringType,
-    moving: Sequence[MeasuringAxis],
-    stop_deceleration: AnySlope,
-) -> float:
-    """Return how fast, mm/s, a run may be so that it stops within the stroke of its probe.
+def least_stroke_mm(kind: MeasuringType, moving: Sequence[MeasuringAxis]) -> float:
+    """Return within which way a run has to stop at its signal, inf where its type keeps no stroke.
 
-    moving: the axes that the path moves; the smallest stroke counts for the whole path.
-    stop_deceleration: the slope of the path that acts at the signal. Neither the time until the
-    stop acts nor the lag of the drives is counted: the manual has the stroke of the list allow for
-    it.
+    moving: the axes that the path moves; the smallest stroke counts for the whole path. Neither the
+    time until the stop acts nor the lag of the drives is counted: the manual has the stroke of the
+    list allow for it.
     Source: FCT-C4, P-AXIS-00086 with its remark.
     """
-    if not kind.keeps_stroke:
-        return inf
-    return stop_deceleration.speed_within(min(axis.stroke_mm for axis in moving))
+    return min(axis.stroke_mm for axis in moving) if kind.keeps_stroke else inf
 
 
 def lengthened(

@@ -116,6 +116,13 @@ class AnySlope:
         """Return the highest constant speed, mm/s, from which a path can stop on `stroke_mm`."""
         raise NotImplementedError
 
+    def stopping_within(self, stroke_mm: float, stop: "AnySlope") -> "AnySlope":
+        """Return this acceleration for a motion that `stop` ends within a stroke at any instant.
+
+        A slope without ramps needs nothing: a stop is shorter the slower the path is.
+        """
+        return self
+
     def plan(self, distance_mm: float, feed_mm_s: float, deceleration: "AnySlope") -> Course:
         """Plan a path from standstill to standstill; this slope accelerates.
 

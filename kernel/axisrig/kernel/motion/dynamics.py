@@ -65,6 +65,20 @@ class Dynamics:
             contour_mm_s3=self.contour_mm_s3 / weights.contour_time,
         )
 
+    def within_stroke(self, stroke_mm: float) -> "Dynamics":
+        """Return what a run may do that its signal stops within a stroke, whenever it comes.
+
+        Also in a feedhold the acceleration then falls as in the run-up, not as slowly as the
+        feedhold builds up: the speed would pass the one that the stroke allows.
+        """
+        stop, feedhold = self.stop_deceleration, self.feedhold
+        return replace(
+            self,
+            acceleration=self.acceleration.stopping_within(stroke_mm, stop),
+            feedhold=feedhold.after(self.acceleration) if feedhold else None,
+            speed_max_mm_s=min(self.speed_max_mm_s, stop.speed_within(stroke_mm)),
+        )
+
     def weaker(self, other: "Dynamics") -> "Dynamics":
         """Return what two axes may do that move together."""
         feedhold = self.feedhold

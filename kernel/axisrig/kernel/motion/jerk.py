@@ -15,6 +15,7 @@ from axisrig.kernel.motion.jerk_ramps import (
     way,
     with_jerk,
 )
+from axisrig.kernel.motion.stroke import RunUp, Stroke
 
 _SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
 _SAME_SPEED = 1e-12  # share of a speed that is rounding
@@ -22,7 +23,12 @@ _SAME_SPEED = 1e-12  # share of a speed that is rounding
 
 @dataclass(frozen=True)
 class JerkSlope(JerkLimits):
-    """The limits of an acceleration with its ramps, and what a path does with them."""
+    """The limits of an acceleration with its ramps, and what a path does with them.
+
+    stroke: what a stop has to keep to at any instant while this slope accelerates.
+    """
+
+    stroke: Stroke | None = None
 
     def scaled(
         self, share: float, rise: float, fall: float, highest_mm_s2: float = math.inf
@@ -90,6 +96,11 @@ class JerkSlope(JerkLimits):
             return highest_mm_s
         return halved(self.distance_mm, stroke_mm, 0.0, highest_mm_s)
 
+    def stopping_within(self, stroke_mm: float, stop: AnySlope) -> "JerkSlope":
+        """Return this slope for a motion that `stop` ends within a stroke at any instant."""
+        assert isinstance(stop, JerkSlope)
+        return replace(self, stroke=Stroke(stop, stroke_mm))
+
     def plan(self, distance_mm: float, feed_mm_s: float, deceleration: AnySlope) -> JerkProfile:
         """Plan a path from standstill to standstill; this slope accelerates.
 
@@ -130,7 +141,9 @@ class JerkSlope(JerkLimits):
 def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp]:
     """Return the ramps that brake at once, with shorter ones where the end is too near.
 
-    It is after a stop that was harder than this slope and has been let go.
+    It is after a stop that was harder than this slope and has been let go. With longer ones where
+    the end is a little further: with SIN2 a deceleration that falls in two ramps, over the feed,
+    takes more way than in one, and ends between the two are reached by neither.
     """
     path_mm, speed_mm_s, a_mm_s2 = state
     length_mm = end_mm - path_mm
@@ -144,7 +157,8 @@ def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp]:
         return way(speed_mm_s, ramps(share), down.shape)[0]
 
     if way_mm(1.0) <= length_mm + _SAME_MM:
-        return ramps(1.0)
+        is_too_short = way_mm(1.0) < length_mm - _SAME_MM and way_mm(2.0) >= length_mm
+        return ramps(halved(way_mm, length_mm, 1.0, 2.0) if is_too_short else 1.0)
     if way_mm(0.0) < length_mm:
         return ramps(halved(way_mm, length_mm, 0.0, 1.0))
     if length_mm <= 0.0 or speed_mm_s <= 0.0:
@@ -179,6 +193,19 @@ class _Rest:
         self._at_once_mm_s = self._speed_mm_s + 0.5 * self._a * release_s
         self._first = [Ramp(self._a, 0.0, release_s)] if release_s > 0.0 else []
         self._is_too_fast = self._at_once_mm_s > feed_mm_s * (1.0 + _SAME_SPEED)
+        self._run_up: RunUp | None = None
+        if up.stroke is not None and not self._is_too_fast:
+            self._keep_to(up.stroke)
+
+    def _keep_to(self, stroke: Stroke) -> None:
+        """Accelerate so that a stop keeps to a stroke, where it would not do so anyway."""
+        usual = self._lead_to(self._feed_mm_s)
+        start_mm_s = self._speed_mm_s
+        if self._a < 0.0:
+            usual, start_mm_s = usual[len(self._first) :], self._at_once_mm_s
+        run_up = RunUp(start_mm_s, self._feed_mm_s, usual, self._up, stroke)
+        if run_up.is_needed:
+            self._run_up, self._feed_mm_s = run_up, run_up.top_mm_s
 
     def planned(self) -> JerkProfile:
         """Return the course of the rest."""
@@ -202,6 +229,8 @@ class _Rest:
     # Over a peak speed, from the one that is reached at once to the feed
 
     def _lead_to(self, peak_mm_s: float) -> list[Ramp]:
+        if self._run_up is not None and peak_mm_s >= self._at_once_mm_s:
+            return (self._first if self._a < 0.0 else []) + self._run_up.lead_to(peak_mm_s)
         if self._a > 0.0 and peak_mm_s > self._at_once_mm_s:
             return pulse(peak_mm_s - self._speed_mm_s, self._up, self._a)
         return self._first + pulse(peak_mm_s - self._at_once_mm_s, self._up)

@@ -329,31 +329,37 @@ def stop_runs(observed: Observed) -> list[StopRun]:
     A run has the truth of the axes that take part in it, slaves included, but for those that have
     no known zero, or no plant here.
     """
-    return observed.once(_stop_runs)
+    return [stop_run(observed, record) for record in _records(observed)]
 
 
 def stop_run(observed: Observed, record: MeasurementRun) -> StopRun:
-    """Return the run to a fixed stop that a record is of."""
-    return next(run for run in stop_runs(observed) if run.record is record)
+    """Return the run to a fixed stop that a record is of; of a long series it makes this one."""
+    made = observed.once(_none_made)
+    number = next(n for n, each in enumerate(_records(observed), 1) if each is record)
+    if number not in made:
+        made[number] = _made(observed, number, record)
+    return made[number]
 
 
-def _stop_runs(observed: Observed) -> list[StopRun]:
-    records = [record for record in observed.facts.runs if record.fixed_stop is not None]
-    if not records:
-        return []
+def _records(observed: Observed) -> list[MeasurementRun]:
+    return [record for record in observed.facts.runs if record.fixed_stop is not None]
+
+
+def _none_made(_observed: Observed) -> dict[int, StopRun]:
+    return {}
+
+
+def _made(observed: Observed, number: int, record: MeasurementRun) -> StopRun:
+    assert record.fixed_stop is not None
+    truths = {}
+    for name, axis in observed.axes.items():
+        if name not in record.fixed_stop.axes:
+            continue  # another run, or none, is about it
+        zero = None if axis.is_outside else observed.zero_mm(name, record)
+        if zero is not None:
+            truths[name] = axis_truth(observed, name, zero)
     cycles = cycles_of(observed.facts.timing, observed.times_ns)
-    runs = []
-    for number, record in enumerate(records, 1):
-        assert record.fixed_stop is not None
-        truths = {}
-        for name, axis in observed.axes.items():
-            if name not in record.fixed_stop.axes:
-                continue  # another run, or none, is about it
-            zero = None if axis.is_outside else observed.zero_mm(name, record)
-            if zero is not None:
-                truths[name] = axis_truth(observed, name, zero)
-        runs.append(StopRun(number, record, observed, cycles, truths))
-    return runs
+    return StopRun(number, record, observed, cycles, truths)
 
 
 def cycles_of(timing: Timing, times_ns: Times) -> Cycles:

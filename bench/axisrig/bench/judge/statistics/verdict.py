@@ -51,19 +51,25 @@ def readings(observed: Observed, check: StatisticCheck, observe: Observe) -> tup
     an axis of those in which it takes part; any other metric, and with `last`, once.
     """
     of = check.metric_check
-    sides = [side for side in check.sides if isinstance(side, Check)]
     numbers = [
         number
         for number, run in enumerate(observed.facts.runs)
         if of.axis is None or takes_part(run, of.axis)
     ]
     if of.definition.judged != "last" or check.is_last or not numbers:
-        parts = [observed]
-    else:
-        parts = [observed.until_run(number) for number in numbers]
-    return tuple(
-        Reading(touch, observe(part, of), tuple(observe(part, side) for side in sides))
-        for touch, part in enumerate(parts, start=1)
+        return (_reading(1, observed, check, observe),)
+    found = []
+    for touch, number in enumerate(numbers, start=1):
+        part = observed.until_run(number)
+        found.append(_reading(touch, part, check, observe))
+        part.forget()
+    return tuple(found)
+
+
+def _reading(touch: int, part: Observed, check: StatisticCheck, observe: Observe) -> Reading:
+    sides = [side for side in check.sides if isinstance(side, Check)]
+    return Reading(
+        touch, observe(part, check.metric_check), tuple(observe(part, side) for side in sides)
     )
 
 

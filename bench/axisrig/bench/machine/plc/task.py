@@ -66,7 +66,7 @@ class PlcTaskRunner:
 
     switch: takes whether the supply of the switched probe is on. sync_ns: bus time of the last SYNC
     by axis. has_columns: event columns command the channel as well. left_out: cycles that an
-    overrun has cost.
+    overrun has cost. observers: called after the program in each of its cycles; they only look.
     Raises UserError, with file and line, for what is wrong in the program.
     """
 
@@ -100,6 +100,7 @@ class PlcTaskRunner:
         self._hli.ve = Variables(self._values)
         self._cycle = 0
         self.left_out = 0
+        self.observers: list[Callable[[Inputs, Hli], None]] = []
         self._connect()
 
     def _connect(self) -> None:
@@ -152,6 +153,8 @@ class PlcTaskRunner:
             image = Named(_CHANNEL, terminal.image)
             inputs = Inputs(now_ns, number, image, terminal.wc_state)
         self._program.cycle(inputs, self._hli)
+        for observer in self.observers:
+            observer(inputs, self._hli)
         self._switch(self._program.probe_on)
         self._written.append(self._writes(now_ns + self._table.busy_us * US))
 

@@ -4,8 +4,8 @@ A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (rest at a stop 
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from math import dist
+from dataclasses import dataclass
+from math import dist, isinf
 
 from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.path import Path
@@ -17,7 +17,7 @@ from axisrig.kernel.channel.probing.ports import PlcPorts
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
-from axisrig.kernel.measuring.rules import highest_speed, misses_signal
+from axisrig.kernel.measuring.rules import least_stroke_mm, misses_signal
 from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
 from axisrig.kernel.measuring.simulated import SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
@@ -307,7 +307,10 @@ class Measurement:
         if measuring_types()[measuring_type].has_own_speed:
             wanted_mm_s = self._path.settings(named[0]).measuring.speed_mm_s
         programmed_mm_s, wanted_mm_s = wanted_mm_s, min(wanted_mm_s, dynamics.speed_max_mm_s)
-        highest_mm_s = self._highest_mm_s(measuring_type, moving, dynamics)
+        stroke_mm = self._stroke_mm(measuring_type, moving)
+        if isinf(stroke_mm):
+            return wanted_mm_s
+        highest_mm_s = dynamics.stop_deceleration.speed_within(stroke_mm)
         if wanted_mm_s <= highest_mm_s:
             return wanted_mm_s
         least = min(axes, key=lambda name: axes[name].stroke_mm)
@@ -324,18 +327,16 @@ class Measurement:
         self._warn(warning)
         return highest_mm_s
 
-    def _highest_mm_s(
-        self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
-    ) -> float:
+    def _stroke_mm(self, measuring_type: int, moving: Iterable[str]) -> float:
         axes = [self._path.settings(name).measuring for name in moving]
-        return highest_speed(measuring_types()[measuring_type], axes, dynamics.stop_deceleration)
+        return least_stroke_mm(measuring_types()[measuring_type], axes)
 
     def within_stroke(
         self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
     ) -> Dynamics:
         """Return what a run may do at any override: no more than the stroke of its probe allows."""
-        highest_mm_s = self._highest_mm_s(measuring_type, moving, dynamics)
-        return replace(dynamics, speed_max_mm_s=min(dynamics.speed_max_mm_s, highest_mm_s))
+        stroke_mm = self._stroke_mm(measuring_type, moving)
+        return dynamics if isinf(stroke_mm) else dynamics.within_stroke(stroke_mm)
 
     def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
         """Raise Alarm 50059, 900100, 900241, 900242 or 900400 for an axis that cannot take part.
