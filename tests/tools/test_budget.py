@@ -324,7 +324,7 @@ def test_a_budget_in_a_results_folder_is_in_the_card_of_its_run(tmp_path: Path) 
     shown = report_of(tmp_path, "ab" * 32)
     assert shown.count('<rect class=\\"fall-') == len(budget.shares) + 2
     assert "pre-travel" in shown
-    assert "systematic" in shown
+    assert "systematic, pre-travel (ISO 230-10)" in shown
     # The row was run again, with other settings
     assert "made of other frames" in report_of(tmp_path, "cd" * 32)
     assert "fall-" not in report_of(tmp_path, "cd" * 32)

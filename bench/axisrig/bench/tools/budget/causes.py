@@ -33,7 +33,8 @@ class Cause:
     there, several keys apart by spaces; off: the values that switch the cause off, `=` and a key:
     what this key has. default: what the model has where nobody gives a value, empty is off. model:
     ending of the FMU that has the key, empty: any. form: its closed form, empty without one.
-    effect: systematic or random, as the GUM has these words (B.2.21, B.2.22).
+    effect: systematic or random, as the GUM has these words (B.2.21, B.2.22). term: what ISO 230-10
+    or the GUM calls it, where they have a word for it.
     """
 
     cause: str
@@ -48,6 +49,7 @@ class Cause:
     effect: str
     meaning: str
     source: str
+    term: str = ""
 
 
 @dataclass(frozen=True)

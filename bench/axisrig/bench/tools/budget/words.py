@@ -1,7 +1,7 @@
 """A budget in lines for a reader and as a table."""
 
 from axisrig.bench.tools.budget.budget import Budget, Share
-from axisrig.reports.budget.section import COLUMNS, COMBINED, DIFFERS
+from axisrig.reports.budget.section import COLUMNS, COMBINED, DIFFERS, TERM
 
 LEFT = "left with all causes off"
 
@@ -97,12 +97,13 @@ def budget_table(budget: Budget) -> list[dict[str, object]]:
             "bound_um": share.bound_um,
             "meaning": share.cause.meaning,
             "frame_log_sha256": budget.frame_log_sha256,
+            TERM: share.cause.term,
             COMBINED: share.combined_um,
             DIFFERS: share.differs_um(budget.increment_um),
         }
         for share in budget.shares
     ]
-    left: dict[str, object] = dict.fromkeys((*COLUMNS, COMBINED, DIFFERS))
+    left: dict[str, object] = dict.fromkeys((*COLUMNS, TERM, COMBINED, DIFFERS))
     left |= {**of_run, "cause": LEFT}
     left["meaning"] = "; ".join(filter(None, [not_explained(budget), *left_out_notes(budget)]))
     left |= {"in_turn_um": budget.left_um, "frame_log_sha256": budget.frame_log_sha256}
