@@ -12,6 +12,7 @@ from axisrig.kernel.time.clock import S, TimeNs
 
 NOISE_PERIOD_S = 100e-6
 """Default of noise_period (PartialAxis, KinematicAxis)."""
+_PARTS = 16
 _MODULUS = 2**31 - 1
 _HIT = " frame"
 """In the words of a mark of a fault: how many telegrams it has hit."""
@@ -32,8 +33,15 @@ def normal_number(place: int, seed: int) -> float:
     return sqrt(-2 * log(radius / _MODULUS)) * cos(2 * pi * angle / _MODULUS)
 
 
-def noise_number(observed: Observed, axis: str, settings: Settings, value_ns: TimeNs) -> float:
-    """Return the number of the noise in the position of an instant."""
+def noise_number(
+    observed: Observed, axis: str, settings: Settings, value_ns: TimeNs, edge_ns: TimeNs | None
+) -> float:
+    """Return the number of the noise in the position of an instant.
+
+    edge_ns: of the probe, where a drive has latched; it has a cubic between the ends of a fine
+    step, and of its 16 parts where the edge is in it (docs/architecture.md, "How exact is an
+    edge"): a number that changes within goes over with 3 s^2 - 2 s^3.
+    """
     plant = settings.rig.axis[axis].plant
     if not start_number(settings, plant, "noise", 0.0):
         return 0.0
@@ -44,7 +52,16 @@ def noise_number(observed: Observed, axis: str, settings: Settings, value_ns: Ti
         return normal_number(at_ns // period_ns, seed)
 
     if not is_stamped(observed, axis):
-        return number(value_ns)
+        if edge_ns is None:
+            return number(value_ns)
+        sync_ns = observed.time_ns(observed.index_at(value_ns))
+        step_ns, fine_ns = float(observed.facts.fine_ns), observed.facts.fine_ns
+        if (edge_ns - sync_ns) // fine_ns == (value_ns - sync_ns) // fine_ns:
+            step_ns /= _PARTS
+        begin_ns = value_ns - (value_ns - sync_ns) % step_ns
+        share = (value_ns - begin_ns) / step_ns
+        first, last = number(int(begin_ns)), number(int(begin_ns + step_ns))
+        return first + (last - first) * (3 * share**2 - 2 * share**3)
     times_ns = _history_ns(observed, value_ns)
     return sum(
         number(at_ns) * weight

@@ -173,7 +173,13 @@ def _whole(observed: Observed, seen: Touch, axis: str, settings: Settings, plain
         per_length=None if normal is None else way_per_length(normal, velocity, axis),
         between_um=between_um(observed, axis, value_ns) if is_at_stamp else 0.0,
         lost_um=lost_um(observed, axis, value_ns, is_latched=plain.latch_ms is not None),
-        noise=noise_number(observed, axis, settings, value_ns),
+        noise=noise_number(
+            observed,
+            axis,
+            settings,
+            value_ns,
+            None if plain.latch_ms is None else seen.edge_ns,
+        ),
         is_after_signal=signal_ns is not None and until_ns > signal_ns,
         gains_speed=abs(after) - abs(velocity[axis]) > _STEADY * abs(velocity[axis]),
     )
