@@ -10,12 +10,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
+import pyarrow as pa
 import pytest
 from cli_plan import write_plan
-from pyarrow import parquet
 from typer import Exit
 
 from axisrig.bench.cli.options import rejecting
+from axisrig.bench.record import series
 from axisrig.kernel.errors import UserError
 
 Outcome = tuple[int, str, str]
@@ -113,18 +114,15 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
     assert not (place / "out" / "bus" / "plan-slow.blf").exists()
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 def test_a_full_disk_ends_with_4_and_names_the_file(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_table = parquet.ParquetWriter.write_table
-
-    def full(writer: parquet.ParquetWriter, *rows: object, **options: object) -> None:
-        if Path(writer.where).stem == "plan-b":
-            raise OSError(errno.ENOSPC, "Error writing bytes to file")
-        write_table(writer, *rows, **options)
+    def opened(path: str, mode: str) -> pa.OSFile:
+        return pa.OSFile("/dev/full" if Path(path).stem == "plan-b" else path, mode)
 
     plan = write_plan(place, PASSES, FAILS, PASSES.replace("a,", "c,", 1))
-    monkeypatch.setattr(parquet.ParquetWriter, "write_table", full)
+    monkeypatch.setattr(series, "OSFile", opened)
     code, out, err = axisrig("run", plan, "-o", "out", "-j", "1")
     assert code == 4
     assert "Traceback" not in out + err

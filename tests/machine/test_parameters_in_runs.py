@@ -52,12 +52,17 @@ def test_an_older_switch_decides_while_the_source_is_blank(tmp_path: Path, run_n
     assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900242]
 
 
-@pytest.mark.provokes(900100, 2, word="meas_simu.meas_simu_mode = 6 of axis Z")
-def test_a_sphere_as_simulated_probe_is_not_taken_for_another_mode(
-    tmp_path: Path, run_nc: RunNc
-) -> None:
-    rig = z_list(tmp_path, "meas_simu.meas_simu_mode 6")
-    assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900100]
+def test_a_body_is_touched_where_its_list_has_it(tmp_path: Path, run_nc: RunNc) -> None:
+    """P-AXIS-00112 mode 6: centre 98 mm, radius 2 mm; from above that is 100 mm, to a cycle."""
+    rig = z_list(
+        tmp_path,
+        "meas_simu.meas_simu_mode 6",
+        "meas_simu.parameter3 980000",
+        "meas_simu.parameter4 20000",
+    )
+    outcome = run_nc(f'{MEASURE}N30 #MSG ["%f", V.A.MESS.Z]\n', rig, base="probe-z.toml")
+    assert outcome.alarms == []
+    assert 100.0 - 0.005 - 1e-6 <= float(outcome.lines[0]) <= 100.0 + 1e-6
 
 
 @pytest.mark.provokes(900100, 2, word="meas_simu.meas_simu_mode = 5 of axis Z")

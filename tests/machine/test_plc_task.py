@@ -80,6 +80,8 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         ("hli.ax['X'].lr_mc_control.override.command_w = 1001", "allowed: 0 .. 1000"),
         ("hli.ch.reset.enable_w = 1", "ch.reset.enable_w has a wrong type; found 1"),
         ("hli.ch.comand_w = 1", "no attribute 'comand_w'"),
+        ("hli.ve.FEED = 1", "no attribute 'FEED'"),
+        ("hli.ax.Z = 1", "no attribute 'Z'"),
         ("hli.ve['FEED'] = '6'", "V.E.FEED has a wrong type; found '6'; allowed: a number"),
     ],
 )
@@ -101,7 +103,13 @@ def test_what_is_not_there_is_listed_and_a_wrong_value_has_its_line(
     [
         ("hli.ch.feedhold = True", "ch.feedhold has been replaced.*set ch.feedhold.command_w"),
         ("hli.ve.update(FEED='x')", "V.E.FEED has a wrong type"),
-        ("hli.ch = None", "has failed"),
+        ("hli.ch = None", "ch has been replaced.*set ch.feedhold.command_w"),
+        ("hli.ve = 5", "ve has been replaced"),
+        ("hli.ax = {}", "ax has been replaced"),
+        ("hli.ax.clear()", "ax has been replaced"),
+        ("hli.ax['Y'] = hli.ax['Z']", "ax has been replaced"),
+        ("hli.ax['Z'].lr_mc_control = None", r"ax\[Z\].lr_mc_control has been replaced"),
+        ("hli.ax['Z'].lr_state = 1", r"ax\[Z\].lr_state has been replaced"),
     ],
 )
 def test_what_is_replaced_is_found_after_the_cycle(tmp_path: Path, use: str, words: str) -> None:
@@ -110,6 +118,26 @@ def test_what_is_replaced_is_found_after_the_cycle(tmp_path: Path, use: str, wor
     with pytest.raises(UserError, match=words) as caught:
         PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
     assert caught.value.file == str(path)
+
+
+@pytest.mark.parametrize(
+    ("head", "body", "kind"),
+    [
+        ("def", "return True", "bool"),
+        ("def", "yield", "generator"),
+        ("async def", "pass", "coroutine"),
+    ],
+)
+def test_a_cycle_that_gives_something_back_is_refused(
+    tmp_path: Path, head: str, body: str, kind: str
+) -> None:
+    """With yield or async nothing of it would be carried out, and nobody would see that."""
+    path = tmp_path / "plc.py"
+    text = f"class Program:\n    {head} cycle(self, inputs, hli):\n        {body}\n"
+    path.write_text(text, "utf-8")
+    with pytest.raises(UserError, match="gives something back") as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    assert (caught.value.file, caught.value.line, caught.value.value) == (str(path), 2, kind)
 
 
 def test_a_program_may_look_whether_something_is_there(tmp_path: Path) -> None:

@@ -333,6 +333,17 @@ def test_900003_names_the_silent_axes_and_the_others() -> None:
     assert alarm.values == {"axis": "X Z", "others": "Y"}
 
 
+def test_a_run_that_an_alarm_ends_leaves_no_value_of_any_axis() -> None:
+    """One probe, of which Y alone has the signal: what Y has latched is no result either."""
+    x, y = FakeLatch("X"), FakeLatch("Y")
+    stage = Stage(x, y).move()
+    y.latch(2.0)
+    stage.cycle()
+    _alarm(stage, 5, standing=True)
+    stage.run.abort()
+    assert stage.run.record.latched_mm == {}
+
+
 # No signal
 
 

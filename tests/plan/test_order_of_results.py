@@ -6,7 +6,9 @@ from functools import partial
 from pathlib import Path
 
 from axisrig.bench.campaign.campaign import _place
-from axisrig.bench.campaign.results.writer import no_values
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.writer import ResultsWriter, no_values
+from axisrig.bench.campaign.resuming import longest_first
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
 
@@ -28,3 +30,18 @@ def test_results_are_listed_in_plan_order_each_statistic_after_its_runs() -> Non
     random.Random(1).shuffle(results)
     results.sort(key=partial(_place, {case.run: at for at, case in enumerate(plan.cases)}))
     assert [result.case.run for result in results] == expected
+
+
+def test_runs_that_took_longest_are_handed_out_first_after_those_nobody_knows(
+    tmp_path: Path,
+) -> None:
+    plan = read_plan(TESTPLANS / "latch_accuracy.csv")
+    cases, folder = plan.cases[:5], tmp_path / "out"
+    assert longest_first(cases, folder) == list(cases)
+    manifest = build_manifest([plan], command=[], started="", output="")
+    with ResultsWriter(folder, [plan], manifest) as writer:
+        for case, wall_s in zip(cases, (0.3, 0.1, 0.2), strict=False):
+            writer.add(no_values(case, Verdict.ERROR, "not run", wall_s=wall_s))
+    assert longest_first(cases, folder) == [cases[place] for place in (3, 4, 0, 2, 1)]
+    (folder / "cases.csv").write_text("moon\n")
+    assert longest_first(cases, folder) == list(cases)

@@ -114,6 +114,18 @@ def test_the_band_of_a_digital_input_of_the_drive() -> None:
     assert high == pytest.approx(-least / 100 + INCREMENT_UM, abs=1e-4)
 
 
+def test_a_position_that_the_plc_hands_over_is_the_value() -> None:
+    """Without one the actual value: N20 begins at 110.374; 5 cycles until the path and its age."""
+    for case in ("plc-position", "first-event-position"):
+        handed_mm = ROWS[case]["plc:Z.probing_position"].split(" at=")[0]
+        assert ROWS[case]["check:latch_mm"] == f"{handed_mm} +- 0.00000001"
+    v, a, kv, start_mm = 10.0, 1000.0, 40.0, 110.374
+    lost_mm = v * v / (2 * a) + v / kv
+    low, high = (float(text) for text in ROWS["plc-no-position"]["check:latch_mm"].split(" .. "))
+    assert low == pytest.approx(start_mm - v * 0.500 + lost_mm, abs=2e-5)
+    assert high == pytest.approx(start_mm - v * 0.495 + lost_mm, abs=2e-5)
+
+
 def test_there_are_such_rows() -> None:
     assert len(BANDS) >= 10
 

@@ -19,7 +19,13 @@ from axisrig.bench.campaign.results.writer import (
     no_values,
     refuse_folder,
 )
-from axisrig.bench.campaign.resuming import CHANGED, GoingOn, choose, depends_sha256
+from axisrig.bench.campaign.resuming import (
+    CHANGED,
+    GoingOn,
+    choose,
+    depends_sha256,
+    longest_first,
+)
 from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.sharing import Shard
 from axisrig.bench.campaign.shown import CampaignProgress, Watch, show_verdicts
@@ -147,14 +153,14 @@ def run_campaign(  # noqa: PLR0913
             outside.open_hardware() if real and outside else nullcontext() as hardware,
         ):
             manifest |= kept.counts
+            order = longest_first(cases, folder) if jobs > 1 or select.scheduler else cases
             writer = ResultsWriter(
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
             progress = CampaignProgress(len(cases), stopwatch, statistics=len(runs) - len(cases))
-            files_of = watch.files_of(writer.files_of)
             how = (jobs, limits, stopwatch, hardware, progress)
-            running = _running(cases, files_of, select.scheduler, *how)
+            running = _running(order, watch.files_of(writer.files_of), select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, progress, watch)
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))

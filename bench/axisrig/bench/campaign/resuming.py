@@ -1,12 +1,15 @@
-"""What a run depends on as one hash, and which runs `--resume` and `--failed` keep.
+"""What a run depends on as one hash, which runs `--resume` and `--failed` keep, and in which order
+the others run.
 
 The hash of a run is in its row of `cases.csv` (`depends_sha256`), so that it comes and goes with
 the results of the run.
 """
 
 import hashlib
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -15,6 +18,7 @@ from pathlib import Path
 from axisrig.bench.campaign.results.build_info import sources_sha256
 from axisrig.bench.campaign.results.manifest import other_files
 from axisrig.bench.campaign.results.stored import (
+    CASE_COLUMNS,
     DEPENDS,
     PROBE,
     RUNS,
@@ -22,6 +26,7 @@ from axisrig.bench.campaign.results.stored import (
     is_results_folder,
     read_manifest,
     read_results,
+    read_rows,
 )
 from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.case import Case
@@ -199,6 +204,21 @@ def choose(
             chosen.append(case)
             changed += row is not None and not is_same
     return Kept(chosen, verdicts, changed)
+
+
+def longest_first(cases: Sequence[Case], folder: Path) -> list[Case]:
+    """Return cases in the order in which several processes do them with the least waiting.
+
+    A long run that begins last keeps one process busy while the others have nothing to do. How
+    long runs take, the results say that the folder has of earlier calls (`wall_s`); those of which
+    nothing is known come first, in their order. Results do not depend on it.
+    """
+    known: dict[str, float] = {}
+    with suppress(UserError, OSError):  # damaged ones are refused, or removed, by who writes there
+        if is_results_folder(folder):
+            rows = read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=False)[1]
+            known = {row["run"]: float(row["wall_s"]) for row in rows}
+    return sorted(cases, key=lambda case: -known.get(case.run, math.inf))
 
 
 def _stays(row: StoredRun, fits: bool, *, is_failed: bool) -> bool:

@@ -59,6 +59,9 @@ def perf(
     profile: Annotated[
         bool, typer.Option("--profile", help="Functions by their own time for each cycle instead.")
     ] = False,
+    stages: Annotated[
+        bool, typer.Option("--stages", help="What a next run takes beyond its simulation instead.")
+    ] = False,
     fmu: Annotated[
         bool, typer.Option("--fmu", help="Time a step of the axis FMU instead.")
     ] = False,
@@ -87,6 +90,8 @@ def perf(
         raise UserError("only the suite has measures to choose and a page", hint="--suite")
     if profile:
         return _profile(plan, case)
+    if stages:
+        return _stages(plan, case, runs, as_json)
     return _row(plan, case, runs, as_json, against)
 
 
@@ -120,6 +125,18 @@ def _profile(plan: Path, case: str | None) -> None:
 
     what = (plan, case, Clocks(time.perf_counter_ns, cpu_ns), cProfile.Profile)
     print(do_apart(profile_row, *what, rigs=rigs_of(plan), file=plan))
+
+
+def _stages(plan: Path, case: str | None, repeats: int, as_json: bool) -> None:
+    """Print the stages of a next run."""
+    from axisrig.bench.campaign.checking import rigs_of
+    from axisrig.bench.campaign.processes import do_apart
+    from axisrig.bench.tools.perf.clocks import Clocks
+    from axisrig.bench.tools.perf.stages import measure_stages, show_stages
+
+    what = (plan, case, repeats, Clocks(time.perf_counter_ns, cpu_ns))
+    result = do_apart(measure_stages, *what, rigs=rigs_of(plan), file=plan)
+    print(json.dumps(result) if as_json else show_stages(result))
 
 
 def _suite(

@@ -82,6 +82,8 @@ def roles_of(slave: FmuSlave, table: PlantTable, find: Callable[[], Roles]) -> R
 
 def close_plant(plant: Plant) -> None:
     """End the FMUs of a machine; those that may be used again stay loaded."""
+    for axis in plant.axes.values():
+        axis.forget()
     close_fmus(axis.slave for axis in plant.axes.values())
     close_fmus(probe.slave for probe in plant.probes.values())
     close_fmus(sensor.slave for sensor in plant.distances.values())

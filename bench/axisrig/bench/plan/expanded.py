@@ -16,6 +16,15 @@ def expanded_text(plan: Plan) -> str:
 
     Statistics over several runs are left out, for each run is a case of its own there.
     """
+    if _EXPANDED not in plan.texts:  # a plan does not change, and its results come again and again
+        plan.texts[_EXPANDED] = _expanded(plan)
+    return plan.texts[_EXPANDED]
+
+
+_EXPANDED = "expanded"
+
+
+def _expanded(plan: Plan) -> str:
     inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
     notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
     every = {case.run: (*case.checks, *_probed(case)) for case in plan.cases}

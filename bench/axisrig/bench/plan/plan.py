@@ -9,8 +9,8 @@ the case.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 from pathlib import Path
 from zlib import crc32
 
@@ -48,7 +48,8 @@ class Plan:
     name: the stem of the file. columns: in the order of the file, those of assignments where their
     cells are, then those of included tables.
     cases: one per run, in the order of the rows, all expanded. notes: what is not read.
-    statistics: one per row of results that is over several runs of a case.
+    statistics: one per row of results that is over several runs of a case. texts: what was made of
+    it, by name (`expanded_text`).
     """
 
     name: str
@@ -57,8 +58,9 @@ class Plan:
     cases: tuple[Case, ...]
     notes: tuple[str, ...] = ()
     statistics: tuple[Case, ...] = ()
+    texts: dict[str, str] = field(init=False, default_factory=dict, repr=False, compare=False)
 
-    @property
+    @cached_property
     def rows(self) -> tuple[Case, ...]:
         """All rows of results, each of statistics after the last of its runs."""
         after = {case.runs[-1]: case for case in self.statistics}

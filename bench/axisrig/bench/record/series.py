@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
+from pyarrow import OSFile
 
 from axisrig.bench.files import naming
 from axisrig.kernel.errors import UserError
@@ -291,6 +292,10 @@ def values_of(column: pa.ChunkedArray) -> npt.NDArray[Any]:
     return np.concatenate([np.empty(0, dtype), *parts])
 
 
+SINK_BYTES = 1 << 18
+"""So much of a file is collected before it is written: most runs are written at once."""
+
+
 class SeriesWriter:
     """Takes blocks of rows and puts them into a file, or keeps them where there is none.
 
@@ -304,6 +309,7 @@ class SeriesWriter:
     ) -> None:
         self._path, self._about, self._holds = path, dict(about or {}), holds
         self._file: pq.ParquetWriter | None = None
+        self._sink: pa.NativeFile | None = None
         self._tables: list[pa.Table] = []
         self._held: pa.Table | None = None
         self._metadata: dict[str, str] | None = None
@@ -324,8 +330,7 @@ class SeriesWriter:
             return
         with naming(self._path):
             if self._file is None:
-                self._path.parent.mkdir(parents=True, exist_ok=True)
-                self._file = pq.ParquetWriter(self._path, table.schema, **_encoding(table.schema))
+                self._file = self._opened(self._path, table.schema)
             self._file.write_table(table)
         self._held, self._holds = (table if self._holds else None), False
 
@@ -336,8 +341,10 @@ class SeriesWriter:
                 self._series = Series(pa.concat_tables(self._tables))
             else:
                 assert self._file is not None
+                assert self._sink is not None
                 with naming(self._path):
                     self._file.close()
+                    self._sink.close()
                 listed = self._file.writer.metadata
                 self._series, self._held = Series(self._path, self._held, listed), None
         return self._series
@@ -348,7 +355,16 @@ class SeriesWriter:
             with suppress(OSError):
                 self._file.close()
             with suppress(OSError):
+                if self._sink is not None:
+                    self._sink.close()
+            with suppress(OSError):
                 self._path.unlink()
+
+    def _opened(self, path: Path, schema: pa.Schema) -> pq.ParquetWriter:
+        """Open the file; its pages are collected, for each would be a call of the system."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._sink = pa.BufferedOutputStream(OSFile(str(path), "wb"), SINK_BYTES)
+        return pq.ParquetWriter(self._sink, schema, **_encoding(schema))
 
 
 def _encoding(schema: pa.Schema) -> dict[str, object]:

@@ -3,6 +3,12 @@
 from pathlib import Path
 
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.measuring.rules import (
+    PLC,
+    PLC_FIRST_EVENT,
+    PLC_TIMESTAMP,
+    MeasuringAxis,
+)
 from axisrig.kernel.time.clock import MS, US
 
 
@@ -37,9 +43,29 @@ def describe_axes(settings: Settings) -> list[str]:
             f" an edge is in its outputs {late_ms:g} ms later at most"
         )
     lines += [f"{name} of the PLC: {entry.sensor}" for name, entry in rig.plc.items()]
+    lines += _unserved_sources(settings)
     lines += [
         f"warning: {plant} is wired to no input of a drive: nobody reads it"
         for plant in rig.plant
         if plant not in moved | read
     ]
+    return lines
+
+
+def _unserved_sources(settings: Settings) -> list[str]:
+    """Warn of axes whose measuring signal (P-AXIS-00516) nothing of the rig can give."""
+    task = settings.rig.plc_task
+    lines = []
+    for name, parameters in settings.axis.items():
+        measuring = MeasuringAxis.read(parameters)
+        source = measuring.source
+        if not (parameters.flag("kenngr.messachse") and measuring.needs_plc(source)):
+            continue
+        head = f"warning: axis {name} measures with {source}"
+        if task is None:
+            columns = f"; plc:{name}.probing_signal of a plan serves it"
+            hint = columns if source in (PLC, PLC_FIRST_EVENT) else ""
+            lines.append(f"{head} and the rig has no PLC task: alarm 900400{hint}")
+        elif source == PLC_TIMESTAMP and (task.terminal is None or task.terminal.is_on_can):
+            lines.append(f"{head} and the PLC has no terminal with time stamps")
     return lines

@@ -122,13 +122,8 @@ class Settings:
         return self.offsets.tables(
             rotary=[name for name, parameters in self.axis.items() if parameters.is_rotary],
             ball_radius_counts=not self.channel.flag("meas_pcs_value_no_probe_radius"),
-            circle=CircleLimits(
-                self.channel.mm("mittelpkt_diff"),
-                self.channel.integer("mittelpkt_faktor") / PER_MILLE,
-                self.channel.mm("max_radius_diff_circle"),
-                self.channel.integer("max_proz_radius_diff_circle") / PER_MILLE,
-            ),
-            kinematics=KinematicData.read(self.channel),
+            circle=_circle_limits(self),
+            kinematics=_kinematics(self),
         )
 
     def apply(self, assignment: Assignment, located: Located) -> None:
@@ -342,3 +337,19 @@ def once(
 
     update_wrapper(call, function)
     return call
+
+
+@once
+def _circle_limits(settings: Settings) -> CircleLimits:
+    channel = settings.channel
+    return CircleLimits(
+        channel.mm("mittelpkt_diff"),
+        channel.integer("mittelpkt_faktor") / PER_MILLE,
+        channel.mm("max_radius_diff_circle"),
+        channel.integer("max_proz_radius_diff_circle") / PER_MILLE,
+    )
+
+
+@once
+def _kinematics(settings: Settings) -> KinematicData:
+    return KinematicData.read(settings.channel)

@@ -301,6 +301,7 @@ class Channel(ChannelView):
         """Go into ERROR for a PLC side that may reset, else end."""
         self.execution.close(BlockEnd.STOPPED)
         self.distance.end_by_error()
+        self.measurement.end_preparation()
         if self.plc.outlives_program:
             self.state = ChannelState.ERROR
             self.program_ends_ns.append(self._clock.now_ns)

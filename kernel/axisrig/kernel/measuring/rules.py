@@ -15,7 +15,6 @@ from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import TimeNs
 
 SIGNAL = "kenngr.measure.signal"
-SPHERE = 6  # mode of P-AXIS-00112
 FIXED_STOP = "FIXED_STOP"
 PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP = "PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP"
 EXTERNAL, EXTERNAL_WITH_DRIVE = "PLC_EXT_LATCH_CONTROL", "EXT_PROBE_WITH_DRIVE"
@@ -31,8 +30,8 @@ class MeasuringAxis:
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
     comes from, P-AXIS-00516 or the older switches. probe_input: P-AXIS-00517 or the older
-    one. simulated: mode and parameter of a probe that the CNC simulates, P-AXIS-00112
-    and 00145; mode 0: a real one. fixed_stop: of runs to one.
+    one. simulated: mode and the four values of a probe that the CNC simulates, P-AXIS-00112
+    and 00145 to 00148; mode 0: a real one. fixed_stop: of runs to one.
     """
 
     speed_mm_s: float = 16.666
@@ -43,7 +42,7 @@ class MeasuringAxis:
     probe_inputs: tuple[int, int] = (1, 1)
     source: str = "DRIVE"
     probe_input: int = 1
-    simulated: tuple[int, int] = (0, 0)
+    simulated: tuple[int, ...] = (0, 0, 0, 0, 0)
     fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
 
     @classmethod
@@ -63,7 +62,7 @@ class MeasuringAxis:
             probe_input=axis.integer("kenngr.measure.input"),
             simulated=(
                 axis.integer("meas_simu.meas_simu_mode"),
-                axis.integer("meas_simu.parameter1"),
+                *(axis.integer(f"meas_simu.parameter{number}") for number in range(1, 5)),
             ),
             fixed_stop=FixedStopSettings.read(axis),
         )
@@ -75,11 +74,10 @@ class MeasuringAxis:
         Raises Alarm 900100, 900241 and 900242.
         """
         mode = self.simulated[0]
-        if mode and (mode == SPHERE or is_beside or kind.runs_to_stop):
+        if mode and (is_beside or kind.runs_to_stop):
             word = f"meas_simu.meas_simu_mode = {mode} of axis {axis}"
             where = "in a run to a fixed stop" if kind.runs_to_stop else "beside the path"
-            what = "sphere as probe" if mode == SPHERE else f"simulated probe {where}"
-            raise Alarm(900100, word=word, what=what)
+            raise Alarm(900100, word=word, what=f"simulated probe {where}")
         if kind.runs_to_stop:
             if source != FIXED_STOP:
                 raise Alarm(900241, axis=axis, source=source, type=kind.number)

@@ -168,9 +168,11 @@ class MeasuringRun:
         return step(now_ns, is_standing) if step else Order.NONE
 
     def abort(self) -> None:
-        """End without a result: every probe is switched off."""
+        """End without a result: every probe is switched off, and what some axes have is dropped."""
         for port in self._ports:
             port.disarm()
+        if not self.is_done:
+            self.record.latched_mm.clear()
         self._enter(RunState.DONE)
 
     def _enter(self, state: RunState) -> None:

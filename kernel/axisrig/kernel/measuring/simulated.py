@@ -8,17 +8,18 @@ it latches, to one cycle. Source: TF5200 axis parameters 118162699 and 118165771
     3  the way that is left to the axis is less than so many per cent of its whole way
     4  all axes are at the target; SIMU_OFFSET of #MEAS shifts that along the path
     5  the first axis is at its target, at once when it is there already
+    6  the axes are in a body, which their P-AXIS-00145 to 00148 describe (`Body`)
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import dist
 
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 
-POSITION, CYCLES, REST, ALL, FIRST = 1, 2, 3, 4, 5
-ACTS = (POSITION, CYCLES, REST, ALL, FIRST)
+POSITION, CYCLES, REST, ALL, FIRST, BODY = 1, 2, 3, 4, 5, 6
+ACTS = (POSITION, CYCLES, REST, ALL, FIRST, BODY)
 SAME_MM = 1e-9
 
 
@@ -40,14 +41,50 @@ class Way:
         return self.travelled_mm({**self.start_mm, **self.target_mm})
 
 
+@dataclass(frozen=True)
+class Body:
+    """A body that is touched: cuboid, sphere, cylinder, or their like in a plane (mode 6).
+
+    axes: what each axis of mode 6 gives, moved or not, in mm: least and largest position, centre
+    and radius (P-AXIS-00145 to 00148). An axis with a radius is one of the round part, one whose
+    positions differ is bounded by them; one with neither of both does not limit the body.
+    """
+
+    axes: Mapping[str, tuple[float, float, float, float]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, simulated: Mapping[str, Sequence[int]]) -> "Body":
+        """Make the body of axes; simulated: P-AXIS-00112 and 00145 to 00148 of each."""
+        axes = {}
+        for name, numbers in simulated.items():
+            if numbers[0] != BODY:
+                continue
+            low, high, centre, radius = (number / UNITS_PER_MM for number in numbers[1:5])
+            if low != high or radius:
+                axes[name] = low, high, centre, radius
+        return cls(axes)
+
+    def contains(self, here_mm: Mapping[str, float]) -> bool:
+        """Return whether a position is in the body or on it; a body without limits is none."""
+        square = 0.0
+        for name, (low, high, centre, radius) in self.axes.items():
+            here = here_mm[name]
+            if low != high and not low - SAME_MM <= here <= high + SAME_MM:
+                return False
+            if radius:
+                square += ((here - centre) / radius) ** 2
+        return bool(self.axes) and square <= 1.0 + SAME_MM
+
+
 @dataclass
 class SimulatedProbe:
-    """The latch of one axis; mode and parameter: P-AXIS-00112 and 00145."""
+    """The latch of one axis; mode and parameter: P-AXIS-00112 and 00145. body: of mode 6."""
 
     name: str
     mode: int
     parameter: int
     way: Way
+    body: Body = field(default_factory=Body)
     is_armed: bool = False
     has_latched: bool = False
     latched_mm: float | None = None
@@ -96,6 +133,8 @@ class SimulatedProbe:
         if self.mode == REST:
             left = 0.0 if target is None else abs(target - here) / abs(target - start)
             return left * 100.0 < self.parameter
+        if self.mode == BODY:
+            return self.body.contains(here_mm)
         if self.mode == ALL:
             return way.travelled_mm(here_mm) >= way.length_mm + way.offset_mm - SAME_MM
         return any(abs(end - here_mm[name]) <= SAME_MM for name, end in way.target_mm.items())

@@ -157,7 +157,7 @@ class ResultsFolder:
 
     def drop_files(self, runs: Iterable[str]) -> None:
         """Remove the files of runs without a row, such as logs of runs that were broken off."""
-        names = [path.name for name in FOLDERS for path in (self.folder / name).iterdir()]
+        names = [each for name in FOLDERS for each in os.listdir(self.folder / name)]  # noqa: PTH208
         # A run has files only where a name begins with its id and goes on as names of files do
         heads = {
             name[:at]

@@ -8,6 +8,7 @@ import os
 import platform
 import sys
 from contextlib import suppress
+from itertools import takewhile
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -60,7 +61,7 @@ class FolderLock:
         self._made: list[Path] = []
 
     def __enter__(self) -> Self:
-        self._made = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
+        self._made = list(takewhile(_is_missing, (self.folder, *self.folder.parents)))
         self.folder.mkdir(parents=True, exist_ok=True)
         self._key = self.folder.resolve()
         if self._key in _held:
@@ -122,6 +123,10 @@ def _is_file(descriptor: int, path: Path) -> bool:
         return os.path.samestat(os.fstat(descriptor), path.stat())
     except FileNotFoundError:
         return False
+
+
+def _is_missing(path: Path) -> bool:
+    return not path.exists()
 
 
 def _remove(path: Path) -> None:

@@ -52,6 +52,8 @@ class UnknownNameError(KeyError):
 class Named(dict[_Key, _Value]):
     """Things by name; what: one of them in words. Raises UnknownNameError for another name."""
 
+    __slots__ = ("_what",)
+
     def __init__(self, what: str, items: Mapping[_Key, _Value]) -> None:
         super().__init__(items)
         self._what = what
@@ -63,6 +65,8 @@ class Named(dict[_Key, _Value]):
 
 class Variables(Named[str, float]):
     """V.E. variables. Raises UserError for a value that is no number where it is set."""
+
+    __slots__ = ()
 
     def __init__(self, values: Mapping[str, float]) -> None:
         super().__init__("variable V.E.", values)
@@ -213,11 +217,12 @@ class Hli:
     ve: V.E. variables by the name after `V.E.`, read and written.
     """
 
-    __slots__ = ("ax", "ch", "ve")
+    __slots__ = ("_axes", "_ch", "ax", "ch", "ve")
 
     def __init__(self, axes: Iterable[str]) -> None:
         self.ax = Named("axis", {name: AxisHli() for name in axes})
-        self.ch = ChannelHli()
+        self.ch = self._ch = ChannelHli()
+        self._axes = dict(self.ax)
         self.ve: dict[str, float] = Variables({})
         for name, axis in self.ax.items():
             _label(f"ax[{name}].lr_mc_control", axis.lr_mc_control)
@@ -228,9 +233,23 @@ class Hli:
     def check(self) -> None:
         """Check what a program has put in the place of something else.
 
-        Raises UserError for a unit, or the variables, in place of which there is something else.
+        Raises UserError for an axis, a unit, or the variables, in place of which there is something
+        else.
         """
-        for name, axis in self.ax.items():
+        if not isinstance(self.ax, Named) or len(self.ax) != len(self._axes):
+            raise _replaced("ax", self.ax, "ax[name].lr_mc_control")
+        if any(self.ax.get(name) is not axis for name, axis in self._axes.items()):
+            raise _replaced("ax", self.ax, "ax[name].lr_mc_control")
+        if self.ch is not self._ch:
+            raise _replaced("ch", self.ch, "ch.feedhold.command_w")
+        if type(self.ve) is not Variables:
+            raise _replaced("ve", self.ve, "ve[name]")
+        for name, axis in self._axes.items():
+            if type(axis.lr_mc_control) is not McControl:
+                elements = f"ax[{name}].lr_mc_control.probing_signal.command_w"
+                raise _replaced(f"ax[{name}].lr_mc_control", axis.lr_mc_control, elements)
+            if type(axis.lr_state) is not LrState:
+                raise _replaced(f"ax[{name}].lr_state", axis.lr_state, f"ax[{name}].lr_mc_control")
             _check_units(f"ax[{name}].lr_mc_control", axis.lr_mc_control)
         _check_units("ch", self.ch)
         for name, value in self.ve.items():
@@ -264,9 +283,11 @@ def _check_units(head: str, holder: McControl | ChannelHli) -> None:
     for name, kind in _UNITS[type(holder)].items():
         if type(found := getattr(holder, name)) is not kind:
             elements = "ext_latch.done_w" if kind is ExtLatchUnit else f"{name}.command_w"
-            raise UserError(
-                f"{head}.{name} has been replaced", value=found, hint=f"set {head}.{elements}"
-            )
+            raise _replaced(f"{head}.{name}", found, f"{head}.{elements}")
+
+
+def _replaced(what: str, found: object, elements: str) -> UserError:
+    return UserError(f"{what} has been replaced", value=found, hint=f"set {elements}")
 
 
 def _require_number(name: str, value: Any) -> None:

@@ -85,9 +85,21 @@ class PlcProgram:
             ) from error
 
     def cycle(self, inputs: Inputs, hli: Hli) -> None:
-        """Run one cycle. Raises UserError with file and line for an exception of the program."""
+        """Run one cycle. Raises UserError with file and line for an exception of the program, and
+        for a `cycle` that gives something back, as one with yield or async does in place of acting.
+        """
         self.time_ns = inputs.time_ns
-        self._guarded(lambda: self._cycle(inputs, hli))
+        given = self._guarded(lambda: self._cycle(inputs, hli))
+        if given is not None:
+            if inspect.iscoroutine(given):
+                given.close()
+            raise UserError(
+                "cycle of the PLC program gives something back",
+                file=self._path,
+                line=self._line_of_cycle(),
+                value=type(given).__name__,
+                hint="end it without a value, and without yield or async",
+            )
         self._guarded(hli.check)
 
     @property
@@ -128,6 +140,10 @@ class PlcProgram:
             file=self._path,
             line=line,
         )
+
+    def _line_of_cycle(self) -> int | None:
+        code = getattr(self._program.cycle, "__code__", None)
+        return None if code is None else code.co_firstlineno
 
     def _line(self, error: BaseException) -> int | None:
         """Return the innermost line of the program that an exception went through."""

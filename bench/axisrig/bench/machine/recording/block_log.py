@@ -123,10 +123,10 @@ class BlockLog(BlockWatch):
         state = _ENDS[how] if row.begin_ns is not None else _NOT_BEGUN
         self._add(row, state)
 
-    def _file(self, block: Block) -> str:
-        if block.file is None or self._folder is None:
-            return block.file or ""
-        return os.path.relpath(block.file, self._folder).replace(os.sep, "/")
+    def _file(self, file: str | None) -> str:
+        if file is None or self._folder is None:
+            return file or ""
+        return os.path.relpath(file, self._folder).replace(os.sep, "/")
 
     def _new(self, command: canon.Command) -> _Row:
         line = self._lines.setdefault(command.block, len(self._lines))
@@ -213,8 +213,9 @@ class BlockLog(BlockWatch):
                 self._add(row, _UNDER_WAY if row.begin_ns is not None else _NOT_BEGUN)
             columns = self._rows.take_columns()
             self._end_beside(columns)
+            files = {name: self._file(name) for name in {block.file for block in self._lines}}
             lines = [
-                ProgramLine(self._file(block), block.line, block.number, block.text)
+                ProgramLine(files[block.file], block.line, block.number, block.text)
                 for block in self._lines
             ]
             packed = pack_rows(columns) if self._count else ""

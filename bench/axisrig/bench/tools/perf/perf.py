@@ -6,10 +6,11 @@ the calls that separate them, so the counters do not spoil the whole.
 
 import json
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from statistics import median
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from axisrig.bench.bus.line import BusLine
@@ -33,8 +34,10 @@ from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import UserError
 
-# Part -> the calls that make it up. Inner calls are taken out of outer ones, so the parts add up.
-PARTS: dict[str, list[tuple[type, str]]] = {
+# Part -> the calls that make it up, each by its class or module and its name. Inner calls are taken
+# out of outer ones, so the parts add up.
+Parts = Mapping[str, Sequence[tuple[type | ModuleType, str]]]
+PARTS: Parts = {
     "kernel": [(Channel, "cycle")],
     "codec": [(AxisLink, "take"), (AxisLink, "send"), (CanopenSlave, "_cycle")],
     "bus": [(BusLine, "arbitrate"), (BusLine, "end_of_frame"), (SimBus, "send_raw")],
@@ -43,15 +46,17 @@ PARTS: dict[str, list[tuple[type, str]]] = {
 }  # fmt: skip
 
 
-class _Stack:
+class Stack:
     """Self time per part: time in a call without the time in timed calls inside it."""
 
-    def __init__(self, clock_ns: Callable[[], int]) -> None:
+    def __init__(self, clock_ns: Callable[[], int], parts: Parts) -> None:
         self.clock_ns = clock_ns
-        self.self_ns = dict.fromkeys(PARTS, 0)
+        self.self_ns = dict.fromkeys(parts, 0)
         self._inner = [0]
 
     def timed(self, part: str, call: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the same call, whose own time counts for a part."""
+
         def wrapper(*args: Any, **kwargs: Any) -> Any:
             self._inner.append(0)
             begin = self.clock_ns()
@@ -66,11 +71,12 @@ class _Stack:
 
 
 @contextmanager
-def _counters(clock_ns: Callable[[], int]) -> Iterator[_Stack]:
-    stack = _Stack(clock_ns)
-    originals = [(owner, name, getattr(owner, name)) for calls in PARTS.values()
+def counters(clock_ns: Callable[[], int], parts: Parts) -> Iterator[Stack]:
+    """Time the calls of parts, of interpreted modules, as long as the context lasts."""
+    stack = Stack(clock_ns, parts)
+    originals = [(owner, name, getattr(owner, name)) for calls in parts.values()
                  for owner, name in calls]  # fmt: skip
-    part_of = {(owner, name): part for part, calls in PARTS.items() for owner, name in calls}
+    part_of = {(owner, name): part for part, calls in parts.items() for owner, name in calls}
     for owner, name, call in originals:
         setattr(owner, name, stack.timed(part_of[owner, name], call))
     try:
@@ -159,7 +165,7 @@ def measure(
             begin = clocks.wall_ns()
             build_report(row.folder)
             report_s.append((clocks.wall_ns() - begin) / 1e9)
-        with nullcontext() if is_compiled() else _counters(clocks.wall_ns) as stack:
+        with nullcontext() if is_compiled() else counters(clocks.wall_ns, PARTS) as stack:
             begin = clocks.wall_ns()
             result = run_case(row.case, RunFiles([Path(folder) / "split.blf"]))
             split_s = (clocks.wall_ns() - begin) / 1e9

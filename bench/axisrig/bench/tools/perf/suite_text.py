@@ -11,6 +11,12 @@ from axisrig.kernel.errors import UserError
 Result = Mapping[str, Any]
 
 HEADER = ("measure", "row", "reach", "measured", "reached")
+# What a table says beside the value of an entry that has it
+_BESIDE = {
+    "apart": "two processes apart",
+    "by_cpu": "by CPU time",
+    "row_ms": "without opening and closing the folder",
+}
 # What a single row has beside its case: key -> whether more is better
 _OF_A_ROW = {
     "real_time_factor": True,
@@ -60,8 +66,9 @@ def _rows(result: Result) -> list[tuple[str, ...]]:
 def _measured(entry: Result) -> str:
     if entry["value"] is None:
         return f"not here: {entry['note']}"
-    text = _number(entry["value"])
-    return f"{text} ({_number(entry['least'])} to {_number(entry['most'])})"
+    text = f"{_number(entry['value'])} ({_number(entry['least'])} to {_number(entry['most'])})"
+    beside = [f"{words} {_number(entry[key])}" for key, words in _BESIDE.items() if key in entry]
+    return "; ".join([text, *beside])
 
 
 def _number(value: float) -> str:
@@ -85,6 +92,12 @@ def _remarks(result: Result) -> list[str]:
     ]
     if any(e["value"] is not None and e["is_reached"] is None for e in result["suite"]):
         lines.append("`-`: the number holds for the compiled build")
+    if any("apart" in entry for entry in result["suite"]):
+        lines.append(
+            "`two processes apart`: what the machine allowed at that time, two processes that each"
+            " run rows for themselves and share nothing; `by CPU time`: what two idle cores would"
+            " allow, for two workers take more CPU time than one"
+        )
     if not result["has_two_idle_cores"]:
         lines.append("this machine has not two idle cores: two workers gain less, CPU times grow")
     return lines

@@ -7,14 +7,15 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
-from axisrig.bench.campaign.processes import CALL_LIMIT_S
+from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.runner import prepare_all, run_cases
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
 from axisrig.bench.tools.perf.clocks import Clocks
@@ -70,7 +71,7 @@ class NextRun(RunFactor):
     def sample(self) -> Sample:
         """Run it once more."""
         result = super().sample()
-        return {**result, "value": result["beyond_simulation_ms"]}
+        return {**result, "value": result["beyond_simulation_ms"], "row_ms": result["next_row_ms"]}
 
 
 class KernelCycle:
@@ -130,37 +131,77 @@ class Pair:
         return {"value": result["ratio"], **{name: result[name] for name in names}}
 
 
+class _Rows(NamedTuple):
+    """Rows of a plan that are run with all their files."""
+
+    plan: Plan
+    cases: Sequence[Case]
+    manifest: Mapping[str, object]
+    clocks: Clocks
+
+    def run_s(self, out: Path, jobs: int) -> float:
+        """Run them with so many processes and return the wall time, s."""
+        began_ns = self.clocks.wall_ns()
+        prepare_all(self.cases, apart=(), call_limit_s=CALL_LIMIT_S)
+        with ResultsWriter(out, [self.plan], self.manifest, is_fresh=True) as writer:
+            for result in run_cases(self.cases, writer.files_of, jobs=jobs):
+                writer.add(result)
+        return (self.clocks.wall_ns() - began_ns) / 1e9
+
+
+def _second_of_three_s(rows: _Rows, out: Path) -> float:
+    """Run rows three times in this process; the second time is that of a process in full work."""
+    return [rows.run_s(out, 1) for _ in range(3)][1]
+
+
 class Workers:
-    """Wall time of some rows with one process by that with two."""
+    """Wall time of some rows, or all of a plan, with one process by that with two.
+
+    `apart` of a sample is what this machine allows at that time: the same with two processes of
+    which each runs the rows for itself, so that nothing is handed out, collected or started.
+    `by_cpu` is what two idle cores would allow, from the CPU time of one process and of two.
+    """
+
+    APART_ROWS_MAX: ClassVar = 8
 
     def __init__(self, plan: str, row: str, place: Place) -> None:
-        self._plan = read_plan(place.plans / plan)
-        self._cases = [case for case in self._plan.cases if case.case in row.split()]
-        if len(self._cases) < len(row.split()):
-            raise UserError("rows are missing", file=self._plan.path, value=row)
-        self._place = place
-        self._manifest = build_manifest([self._plan], command=[], started="", output="")
-
-    def _wall_s(self, jobs: int) -> tuple[float, float]:
-        clocks, cases = self._place.clocks, self._cases
-        began_ns, began_s = clocks.wall_ns(), clocks.cpu_s()
+        read = read_plan(place.plans / plan)
+        cases = [case for case in read.cases if not row or case.case in row.split()]
+        if len(cases) < len(row.split()):
+            raise UserError("rows are missing", file=read.path, value=row)
+        manifest = build_manifest([read], command=[], started="", output="")
+        self._rows, self._folder = _Rows(read, cases, manifest, place.clocks), place.folder
+        self._few = self._rows._replace(cases=cases[: self.APART_ROWS_MAX])
         prepare_all(cases, apart=(), call_limit_s=CALL_LIMIT_S)
-        out = self._place.folder / "out"
-        with ResultsWriter(out, [self._plan], self._manifest, is_fresh=True) as writer:
-            for result in run_cases(cases, writer.files_of, jobs=jobs):
-                writer.add(result)
-        wall_s = (clocks.wall_ns() - began_ns) / 1e9
-        return wall_s, (clocks.cpu_s() - began_s) / wall_s
+        self._few.run_s(self._folder / "out", 1)  # the first runs of a process fill its caches
+
+    def _measured_s(self, jobs: int) -> tuple[float, float]:
+        """Return wall time and CPU time, s."""
+        began_s = self._rows.clocks.cpu_s()
+        wall_s = self._rows.run_s(self._folder / "out", jobs)
+        return wall_s, self._rows.clocks.cpu_s() - began_s
+
+    def _apart(self) -> float:
+        few = self._few
+        folders = [self._folder / "first", self._folder / "second"]
+        one_s = few.run_s(folders[0], 1)
+        both = list(run_apart(_second_of_three_s, [[few, folder] for folder in folders], jobs=2))
+        times_s = [time_s for time_s in both if not isinstance(time_s, Died)]
+        if len(times_s) < len(both):
+            raise UserError("a process that runs rows has ended", value=str(both))
+        return 2 * one_s / max(times_s)
 
     def sample(self) -> Sample:
         """Run the rows with one process and with two."""
-        (one_s, one_core), (two_s, two_cores) = self._wall_s(1), self._wall_s(2)
+        (one_s, one_cpu_s), (two_s, two_cpu_s) = self._measured_s(1), self._measured_s(2)
         return {
             "value": one_s / two_s,
+            "apart": self._apart(),
+            "by_cpu": 2 * one_cpu_s / two_cpu_s,
             "one_wall_s": one_s,
             "two_wall_s": two_s,
-            "one_cores": one_core,
-            "two_cores": two_cores,
+            "one_cpu_s": one_cpu_s,
+            "two_cpu_s": two_cpu_s,
         }
 
 

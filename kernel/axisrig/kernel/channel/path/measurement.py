@@ -19,7 +19,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
 from axisrig.kernel.measuring.rules import least_stroke_mm, misses_signal
 from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
-from axisrig.kernel.measuring.simulated import SimulatedProbe, Way
+from axisrig.kernel.measuring.simulated import Body, SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -128,15 +128,16 @@ class Measurement:
         To be called when it is homed or leaves the channel. Source: FCT-C4 section 7.2.
         """
         if axis in self.prepared:
-            self._forget_prepared()
+            self.end_preparation()
 
-    def _forget_prepared(self) -> None:
+    def end_preparation(self) -> None:
+        """Reset the preparation of all axes: the program has ended, by an alarm too."""
         self._at_plc.forget(self._links)
         self.prepared.clear()
 
     def end_program(self) -> None:
         """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
-        self._forget_prepared()
+        self.end_preparation()
         self.choose_default()
 
     def begin_program(self) -> None:
@@ -193,10 +194,11 @@ class Measurement:
         """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
         found = {}
         way = Way(self._here_mm(), command.target_mm, command.simulated_offset_mm)
+        lists = {name: self._path.settings(name).measuring.simulated for name in self._links}
         for name in command.measuring_axes:
-            mode, parameter = self._path.settings(name).measuring.simulated
+            mode, parameter = lists[name][:2]
             if mode:
-                found[name] = SimulatedProbe(name, mode, parameter, way)
+                found[name] = SimulatedProbe(name, mode, parameter, way, Body.of(lists))
         self._simulated = tuple(found.values())
         return found
 

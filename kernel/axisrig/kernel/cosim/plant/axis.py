@@ -15,14 +15,8 @@ from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.time.clock import S, TimeNs
 
 AXIS_OUTPUTS = (
-    "position",
-    "velocity",
-    "motor_position",
-    "motor_velocity",
-    "demand_position",
-    "force",
-    "stop_force",
-    "stop_face",
+    *("position", "velocity", "motor_position", "motor_velocity", "demand_position"),
+    *("force", "stop_force", "stop_face"),
 )
 POSITION, VELOCITY = 0, 1  # places in AXIS_OUTPUTS
 MOTOR_POSITION, MOTOR_VELOCITY, DEMAND_POSITION = 2, 3, 4
@@ -283,6 +277,11 @@ class PlantAxis:
         else:
             return motion[STOP_FORCE] > 0.0
         return self._free_until_ns < end_ns
+
+    def forget(self) -> None:
+        """Drop the steps that are kept; else who frees a machine would look through them."""
+        self._times.clear()
+        self._past.clear()
 
     def save(self) -> None:
         """Keep the present state for `restore`; the FMU must be able to."""
