@@ -11,7 +11,7 @@ def budget_lines(budget: Budget) -> list[str]:
     is_combined = bool(budget.interacting)
     mean = f" {'mean um':>11}" if is_combined else ""
     lines = [
-        f"{budget.run}, axis {budget.axis}: published value {budget.error_um:+.4f} um from the"
+        f"{budget.run}, axis {budget.axis}: published value {budget.error_um:+z.4f} um from the"
         f" contact, at {abs(budget.velocity_mm_s):g} mm/s towards"
         f" {'smaller' if budget.velocity_mm_s < 0 else 'larger'} positions",
         "",
@@ -21,8 +21,8 @@ def budget_lines(budget: Budget) -> list[str]:
     lines += [_line(budget, share) for share in budget.shares]
     total_um = sum(share.in_turn_um for share in budget.shares)
     lines += [
-        f"{'all causes':<65} {'':>10} {total_um:>+11.4f}",
-        f"{LEFT:<65} {'':>10} {budget.left_um:>+11.4f}",
+        f"{'all causes':<65} {'':>10} {total_um:>+z11.4f}",
+        f"{LEFT:<65} {'':>10} {budget.left_um:>+z11.4f}",
         "",
     ]
     if not budget.is_explained:
@@ -56,15 +56,15 @@ def left_out_notes(budget: Budget) -> list[str]:
 
 
 def _line(budget: Budget, share: Share) -> str:
-    form = "" if share.expected_um is None else f"{share.expected_um:+.4f}"
+    form = "" if share.expected_um is None else f"{share.expected_um:+z.4f}"
     if share.bound_um is not None:
         form = f"+- {share.bound_um:.4f}"
-    mean = "" if share.combined_um is None else f" {share.combined_um:>+11.4f}"
+    mean = "" if share.combined_um is None else f" {share.combined_um:>+z11.4f}"
     differs_um = share.differs_um(budget.increment_um)
-    mark = "" if differs_um is None else f"  differs by {differs_um:+.4f}"
+    mark = "" if differs_um is None else f"  differs by {differs_um:+z.4f}"
     return (
-        f"{share.cause.cause:<20} {share.setting:<44} {share.alone_um:>+10.4f}"
-        f" {share.in_turn_um:>+11.4f} {form:>15}{mean}{mark}"
+        f"{share.cause.cause:<20} {share.setting:<44} {share.alone_um:>+z10.4f}"
+        f" {share.in_turn_um:>+z11.4f} {form:>15}{mean}{mark}"
     )
 
 
@@ -76,7 +76,7 @@ def not_explained(budget: Budget) -> str:
     if budget.quantum_um > budget.increment_um:
         what = "the way in a cycle of the PLC and one of the CNC"
     return (
-        f"not explained: {budget.left_um:+.4f} um are left with all causes off, more than {what}"
+        f"not explained: {budget.left_um:+z.4f} um are left with all causes off, more than {what}"
         f" ({max(budget.quantum_um, budget.increment_um):.4f} um): something acts that is none of"
         " the causes"
     )
