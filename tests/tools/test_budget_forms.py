@@ -28,6 +28,11 @@ N10 G01 G90 Z110 F3000
 N20 G100 Z=V.E.TARGET F600
 N30 M30
 """
+IN_RUN_UP = """%in_run_up
+N10 G01 G90 Z100.2 F3000
+N20 G100 Z90 F3000
+N30 M30
+"""
 OBLIQUE = """%oblique
 N10 G01 G90 X10 Z103 F3000
 N20 G100 X4 Z97 F600
@@ -57,6 +62,17 @@ def written(folder: Path, name: str, text: str) -> Path:
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def stiff_rig(folder: Path) -> Path:
+    """A rig whose load is where the demand is."""
+    text = (RIGS / "probe-z.toml").read_text(encoding="utf-8")
+    text = text.replace('"lists/', f'"{RIGS}/lists/').replace("ServoAxis", "KinematicAxis")
+    lines = [
+        "start = { position_start_mm = 130 }" if line.startswith("start = { pos") else line
+        for line in text.splitlines()
+    ]
+    return written(folder, "stiff.toml", "\n".join(lines))
 
 
 def test_a_seat_yields_half_towards_a_pad_and_all_between_two() -> None:
@@ -129,16 +145,10 @@ def test_a_delay_within_braking_costs_less_by_what_the_axis_slows_down(tmp_path:
     v^2 = 2 a s: 8.944 mm/s at the contact; v t - a t^2/2 = 22.33 um in place of 30 um at the feed.
     The drive has a straight line between set positions: up to a T^2/8 = 0.125 um at either end.
     """
-    text = (RIGS / "probe-z.toml").read_text(encoding="utf-8")
-    text = text.replace('"lists/', f'"{RIGS}/lists/').replace("ServoAxis", "KinematicAxis")
-    lines = [
-        "start = { position_start_mm = 130 }" if line.startswith("start = { pos") else line
-        for line in text.splitlines()
-    ]
     case = Case(
         **{
             **vars(row("latch_accuracy", "f600")),
-            "rig": written(tmp_path, "stiff.toml", "\n".join(lines)),
+            "rig": stiff_rig(tmp_path),
             "program": written(tmp_path, "near.nc", NEAR_TARGET),
             "inputs": {"plc:V.E.TARGET": "99.96", "plant:probe.trigger_delay_us": "3000"},
         }
@@ -150,6 +160,28 @@ def test_a_delay_within_braking_costs_less_by_what_the_axis_slows_down(tmp_path:
     assert found["trigger"].in_turn_um == pytest.approx(-30.0, abs=0.01)
     assert found["braking"].interacts
     assert found["trigger"].interacts
+
+
+@pytest.mark.long
+def test_a_delay_within_the_run_up_costs_less_than_at_the_feed(tmp_path: Path) -> None:
+    """Contact 0.2 mm after the begin with 1000 mm/s2, feed 50 mm/s, 5 ms late.
+
+    v^2 = 2 a s: 20 mm/s at the contact; v t + a t^2/2 = 112.5 um in place of 250 um at the feed.
+    """
+    case = Case(
+        **{
+            **vars(row("latch_accuracy", "f600")),
+            "rig": stiff_rig(tmp_path),
+            "program": written(tmp_path, "run-up.nc", IN_RUN_UP),
+            "inputs": {"plant:probe.trigger_delay_us": "5000"},
+        }
+    )
+    found = shares(budget_of(case))
+    assert found["trigger"].in_turn_um == pytest.approx(-250.0, abs=0.01)
+    assert found["run-up"].in_turn_um == pytest.approx(
+        250 - (20 * 5 + 1000 * 25 / 2 * 1e-3), abs=0.5
+    )
+    assert found["run-up"].interacts
 
 
 @pytest.mark.long
