@@ -84,7 +84,7 @@ def _effect(row: Mapping[str, str]) -> str:
 
 
 def _signed(text: str) -> str:
-    return f"{float(text):+.4f}" if text else ""
+    return f"{float(text):+z.4f}" if text else ""
 
 
 def _form(row: Mapping[str, str]) -> str:
