@@ -125,6 +125,24 @@ def test_the_dead_time_of_the_probe_leads_a_value_back(channel_bench: Make, word
     assert values[1] - values[0] == pytest.approx(0.1, abs=21 * INCREMENT_MM)
 
 
+@pytest.mark.parametrize("source", ["PLC", "PLC_TIMESTAMP"])
+def test_a_stop_may_take_longer_than_the_history_lasts(
+    channel_bench: Make, words: Any, source: str
+) -> None:
+    """From 10 mm/s with 10 mm/s2: 1 s, of which 512 cycles of 1 ms are known at its end."""
+    axis = words.axis("Z", start_mm=125.0, source=source, delay_ns=10 * MS, stop_mm_s2=10.0)
+    bench = channel_bench(axis, plane_mm=PLANE_MM)
+    Plc(bench, stamp=lambda now_ns: now_ns - 3 * MS)
+    bench.run([words.probe(1, 600.0, Z=100.0), words.wait(1), words.end()])
+    (record,) = bench.channel.records
+    assert bench.alarm_ids == []
+    assert record.end_ns - record.signal_ns >= 1000 * MS
+    # The stamp is 3 ms before a cycle that is 0.552 ms after its SYNC; led back by 10 ms at 10 mm/s
+    early_mm = 0.1 + (10.0 * (3.0 - 0.552) * 1e-3 if source == "PLC_TIMESTAMP" else 0.0)
+    past_mm = PLANE_MM + early_mm - record.latched_mm["Z"]
+    assert -21 * INCREMENT_MM <= past_mm <= 0.02  # the signal is up to two cycles late
+
+
 @pytest.mark.provokes(900401, 4, axis="Z", unit="probing_signal")
 def test_900401_for_a_signal_that_is_not_enabled(channel_bench: Make, words: Any) -> None:
     bench, _ = _run(channel_bench, words, "PLC", enables=False)

@@ -156,6 +156,16 @@ def head_touch_probe(time_s: Vector) -> Mapping[str, Vector]:
     }
 
 
+def hertz_approach(normal: Vector, seat: tuple[float, ...], radius: float, modulus: float) -> float:
+    """By how much a ball and a flat body come closer at the trigger force of the seat.
+
+    Hertz by its contact radius: a^3 = 3 F r/(4 E), approach = a^2/r (K. L. Johnson, Contact
+    Mechanics, 1985, 4.22). F from the pre-travel with stiffness 1 in every direction.
+    """
+    force = seat_pretravel(normal, *seat[:4], 1.0, 1.0)
+    return float(np.cbrt(3 * force * radius / (4 * modulus)) ** 2 / radius)
+
+
 def workpiece_probe(time_s: Vector) -> Mapping[str, Vector]:
     """A ball of 3 mm on a wavy inclined plane: distance from the foot of the normal."""
     span, radius = 0.4, 3e-3
@@ -188,7 +198,8 @@ def workpiece_probe(time_s: Vector) -> Mapping[str, Vector]:
     touch = crossings(lambda t: nearest(t)[0] - radius, grid)
 
     def pretravel(normal: Vector, number: int) -> float:
-        usual = seat_pretravel(normal, 2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+        seat = (2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+        usual = seat_pretravel(normal, *seat) + hertz_approach(normal, seat, radius, 1e11)
         return 15e-6 + usual + touch_difference(number, 4e-6, 3e-6, 2e-6, -15e-6, 5)
 
     def switching(t: float) -> float:

@@ -116,6 +116,15 @@ def budget(
             " folder.",
         ),
     ] = None,
+    combinations: Annotated[
+        int,
+        typer.Option(
+            "--combinations",
+            min=1,
+            max=256,
+            help="Runs in combination at most, of causes that act on each other; 1: in turn only.",
+        ),
+    ] = 64,
     jobs: JobsOption = JOBS_AUTO,
 ) -> None:
     """Take the error of a measured value apart: what each of its causes adds to it."""
@@ -135,7 +144,7 @@ def budget(
     given = [parse_assignment(text) for text in assignments or ()]
     case = only(read_plan(plan).with_inputs(given, select).cases, select)
     run = partial(run_cases, files_of=lambda _: RunFiles(), jobs=jobs or usable_cores())
-    found = make_budget(case, axis, run)
+    found = make_budget(case, axis, run, combinations)
     print("\n".join(budget_lines(found)))
     for path in outputs or ():
         if not path.is_dir():

@@ -24,6 +24,8 @@ package Units "SI types, so that every variable carries its unit"
   type Rate = Real(unit = "1/s", min = 0) "Gain of a loop from position to velocity";
   type Stiffness = Real(unit = "N/m", min = 0) "Force per length"
     annotation(__axisrig(nominal = 1e8));
+  type Modulus = Real(quantity = "Pressure", unit = "N/m2", min = 0) "Stress per strain"
+    annotation(__axisrig(nominal = 1e11));
   type Exponent = Real(unit = "1", min = 1) "Power of the penetration";
   type Damping = Real(unit = "N.s/m", min = 0) "Force per velocity"
     annotation(__axisrig(nominal = 1e4));

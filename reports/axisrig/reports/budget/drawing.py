@@ -32,7 +32,7 @@ def waterfall(steps: Sequence[tuple[str, float]], error_um: float) -> str:
         return LEFT + (value - low) / span * (WIDTH - LEFT - RIGHT)
 
     height = ROW * len(bars) + 10
-    words = "; ".join(f"{name} {size:+.4f} um" for name, _, _, size in bars)
+    words = "; ".join(f"{name} {size:+z.4f} um" for name, _, _, size in bars)
     parts = [
         f'<svg class="fall" viewBox="0 0 {WIDTH:g} {height:g}" role="img"'
         f' aria-label="{escape(words, quote=True)}">',
@@ -46,6 +46,6 @@ def waterfall(steps: Sequence[tuple[str, float]], error_um: float) -> str:
             f'<text x="{LEFT - 8:g}" y="{top + 13:g}" text-anchor="end">{escape(name)}</text>',
             f'<rect class="{kind}" x="{left:.1f}" y="{top:g}" width="{max(right - left, 1):.1f}"'
             ' height="16"/>',
-            f'<text x="{right + 6:.1f}" y="{top + 13:g}">{size:+.4f} um</text>',
+            f'<text x="{right + 6:.1f}" y="{top + 13:g}">{size:+z.4f} um</text>',
         ]
     return "".join((*parts, "</svg>"))

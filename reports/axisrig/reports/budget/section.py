@@ -16,7 +16,7 @@ COLUMNS = (
     *("closed_form_um", "bound_um", "meaning", FRAMES),
 )
 """Of the table: a row for each cause, the last one for what is left with all of them off."""
-COMBINED, DIFFERS = "combined_um", "differs_um"
+TERM, COMBINED, DIFFERS = "term", "combined_um", "differs_um"
 """More columns of it; a table of an older release has none of them."""
 _HEAD = (
     *(("Cause", ""), ("Setting", ""), ("Effect", ""), ("alone, um", "right")),
@@ -62,7 +62,7 @@ def budget_rows(rows: Sequence[Mapping[str, str]]) -> str:
     )
     body = "".join(
         f'<tr><th scope="row">{escape(row["cause"])}</th><td>{escape(row["setting"])}</td>'
-        f'<td>{escape(row["effect"])}</td><td class="right">{_signed(row["alone_um"])}</td>'
+        f'<td>{_effect(row)}</td><td class="right">{_signed(row["alone_um"])}</td>'
         f'<td class="right">{_signed(row["in_turn_um"])}</td>'
         f'<td class="right">{_signed(row.get(COMBINED) or "")}</td>'
         f'<td class="right">{_form(row)}</td>'
@@ -78,8 +78,13 @@ def budget_rows(rows: Sequence[Mapping[str, str]]) -> str:
     )
 
 
+def _effect(row: Mapping[str, str]) -> str:
+    """Write the effect in the word of the GUM, and the term of the standard for it."""
+    return escape(", ".join(filter(None, [row["effect"], row.get(TERM) or ""])))
+
+
 def _signed(text: str) -> str:
-    return f"{float(text):+.4f}" if text else ""
+    return f"{float(text):+z.4f}" if text else ""
 
 
 def _form(row: Mapping[str, str]) -> str:

@@ -17,17 +17,28 @@ from functools import partial
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.judge.latch.sources import STAMPED
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.budget.causes import Active, Cause, active_causes, measuring_axis
-from axisrig.bench.tools.budget.combining import combined
+from axisrig.bench.tools.budget.causes import (
+    Active,
+    Cause,
+    active_causes,
+    measuring_axis,
+    motion_causes,
+)
+from axisrig.bench.tools.budget.combining import USUAL, combined
+from axisrig.bench.tools.budget.combining import Runs as CausesOff
 from axisrig.bench.tools.budget.forms import bound_um, expected_um
+from axisrig.bench.tools.budget.instants import EXTERNAL, UNIT_UM, is_handed
 from axisrig.bench.tools.budget.seen import METRICS, Seen, see
+from axisrig.kernel.errors import UserError
 
 _ANY = "-1e15 .. 1e15"
 _UM_PER_MM = 1e3
+ROUNDING = "rounding"
 _CLOSE = 0.01
 """A share is its closed form when it is within 1 % of it, or within an increment."""
 
@@ -36,9 +47,23 @@ RunCases = Callable[[Sequence[Case]], Iterable[CaseResult]]
 Off = frozenset[int]
 """Which of the causes that are on are switched off in a run, by their places."""
 
+CALCULATED = "cycles"
+"""Place of what no switch takes away."""
+
 CYCLES = Cause(
-    *("CNC cycle", "cycles", "plc", "", "", "", "", "", "source", "random"),
+    *("CNC cycle", CALCULATED, "plc", "", "", "", "", "", "source", "random"),
     "from the edge to the SYNC whose actual value the CNC takes; calculated, it cannot be off",
+    "docs/measuring-sources.md",
+)
+SAMPLED = Cause(
+    *("digital input", CALCULATED, "input", "", "", "", "", "", "source", "random"),
+    "from the edge to the SYNC that samples the level (60FD); calculated, it cannot be off",
+    "docs/measuring-sources.md",
+)
+BETWEEN = Cause(
+    *("position history", CALCULATED, "terminal", "", "", "", "", "", "source", "systematic"),
+    "a cubic through the positions at four SYNCs, where the acceleration changes; calculated, it"
+    " cannot be off",
     "docs/measuring-sources.md",
 )
 
@@ -80,10 +105,13 @@ class Budget:
     """The shares of one row, of the causes that are on, in the order in which they act.
 
     error_um: published less true position at the contact. left_um: the error with all of them off.
-    velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder.
+    velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder, or of a
+    position that a PLC hands over.
     quantum_um: what may be left: an increment, or the way in the cycles of PLC and CNC where
     nothing says more.
-    frame_log_sha256: of the run with all causes as they are.
+    frame_log_sha256: of the run with all causes as they are. not_combined: causes that may act on
+    each other and were switched off in turn only, as more runs were not allowed. kept_on: causes
+    without which there is no value.
     """
 
     run: str
@@ -95,13 +123,16 @@ class Budget:
     shares: tuple[Share, ...]
     frame_log_sha256: str = ""
     quantum_um: float = 0.0
+    not_combined: tuple[str, ...] = ()
+    kept_on: tuple[str, ...] = ()
 
     @property
     def largest(self) -> Share | None:
         """The cause with the largest share, None without causes or where all are below an
-        increment.
+        increment. What follows from the cycles of the rig alone is none of them.
         """
-        found = max(self.shares, key=lambda share: abs(share.in_turn_um), default=None)
+        causes = [share for share in self.shares if share.cause.place != CALCULATED]
+        found = max(causes, key=lambda share: abs(share.in_turn_um), default=None)
         return found if found and abs(found.in_turn_um) > self.increment_um else None
 
     @property
@@ -130,25 +161,31 @@ class _Runs:
         self.active: list[Active] = []
         self.frames = ""
         self._seen: dict[Off, Seen] = {}
+        self._made = 0
 
     def make(self, offs: Iterable[Off]) -> None:
         """Run what is not there yet. Raises UserError where a run gives no measured value."""
         wanted = [off for off in dict.fromkeys(offs) if off not in self._seen]
         cases = {}
-        for number, off in enumerate(wanted, len(self._seen)):
+        for number, off in enumerate(wanted, self._made):
             changed = {
                 column: value
                 for place in sorted(off)
                 for column, value in self.active[place].off.items()
             }
             cases[f"{self._case.run}-budget-{number:03d}"] = off, changed
+        self._made += len(wanted)
         made = [
             _without(self._case, self._axis, run, changed) for run, (_, changed) in cases.items()
         ]
         for result in self._run_cases(made):  # in any order
             off = cases[result.case.run][0]
-            self._seen[off] = see(result, self._axis)
+            self._seen[off] = see(result, self._axis, settings_of(result.case))
             self.frames = self.frames if off else result.frame_log_sha256
+
+    def forget(self) -> None:
+        """Forget all runs but the one with every cause on: causes have other places now."""
+        self._seen = {off: seen for off, seen in self._seen.items() if not off}
 
     def __getitem__(self, off: Iterable[int]) -> Seen:
         self.make([frozenset(off)])
@@ -159,23 +196,26 @@ class _Runs:
         return self[off].error_um
 
 
-def make_budget(case: Case, axis: str | None, run_cases: RunCases) -> Budget:
+def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = USUAL) -> Budget:
     """Run a row with causes on and off, and return the shares.
 
-    axis: of the measured value; None where the rig has one axis with a probe. Raises UserError for
-    a rig or an axis without a probe, and where the row gives no measured value.
+    axis: of the measured value; None where the rig has one axis with a probe. most: runs in
+    combination, of causes that act on each other. Raises UserError for a rig or an axis without a
+    probe, and where the row gives no measured value.
     """
     settings = settings_of(case)
     axis = measuring_axis(settings, axis)
     runs = _Runs(case, axis, run_cases)
     whole = runs[()]
-    runs.active = active_causes(case, settings, axis, whole.latch_ms is not None)
+    runs.active, kept_on = _with_motion(runs, _causes_of(case, settings, axis, whole))
     count = len(runs.active)
     runs.make(
         [frozenset([place]) for place in range(count)] + [_from(p, count) for p in range(count)]
     )
     table = settings.rig.drive[settings.rig.axis[axis].drive]
     increment_um = table.lead_mm / table.encoder_increments * _UM_PER_MM
+    if whole.source == EXTERNAL and is_handed(settings):
+        increment_um = max(increment_um, UNIT_UM)
     shares = []
     for place, each in enumerate(runs.active):
         later, without = runs[_from(place + 1, count)], runs[_from(place, count)]
@@ -189,12 +229,12 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases) -> Budget:
                 bound_um(each, settings, axis, whole, increment_um),
             )
         )
-    shares = _combine(runs, shares, increment_um)
+    shares, left_out = _combine(runs, shares, increment_um, most)
     left = runs[range(count)]
     left_um = left.error_um
     if left.way_um is not None and abs(left.way_um) > increment_um:
         left_um -= left.way_um
-        shares.append(_of_cycles(settings, left.way_um, any(s.interacts for s in shares)))
+        shares += _of_cycles(settings, left, any(s.interacts for s in shares))
     return Budget(
         case.run,
         axis,
@@ -205,6 +245,8 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases) -> Budget:
         tuple(shares),
         runs.frames,
         _quantum_um(settings, whole, increment_um),
+        left_out,
+        kept_on,
     )
 
 
@@ -212,32 +254,80 @@ def _from(place: int, count: int) -> Off:
     return frozenset(range(place, count))
 
 
-def _combine(runs: _Runs, shares: list[Share], increment_um: float) -> list[Share]:
-    """Give the shares their means over all orders, where causes act on each other."""
-    if all(abs(share.alone_um - share.in_turn_um) <= increment_um for share in shares):
-        return shares
-    count = len(shares)
-    every = frozenset(range(count))
-    runs.make(every - {place} for place in range(count))
-    left_um = runs.error_um(every)
-    ranges = []
-    for place, share in enumerate(shares):
-        sizes = share.alone_um, share.in_turn_um, runs.error_um(every - {place}) - left_um
-        ranges.append(max(sizes) - min(sizes))
-    acting = [place for place in range(count) if ranges[place] > increment_um]
-    sizes_um = combined(
-        sorted(acting, key=lambda place: -ranges[place]), count, runs.make, runs.error_um
+def _combine(
+    runs: _Runs, shares: list[Share], increment_um: float, most: int
+) -> tuple[list[Share], tuple[str, ...]]:
+    """Give the shares their means over the orders, where causes act on each other.
+
+    Return with them the names of those that were not combined, for want of runs. The rounding to
+    increments is off throughout: it is a share of its own.
+    """
+    rounding = [place for place, each in enumerate(runs.active) if each.cause.form == ROUNDING]
+    found = combined(
+        CausesOff(len(shares), runs.make, runs.error_um, frozenset(rounding)), increment_um, most
     )
+    names = tuple(shares[place].cause.cause for place in sorted(found.left_out))
+    if not found.interacting:
+        return shares, names
     return [
-        replace(share, combined_um=sizes_um[place], interacts=place in acting)
+        replace(
+            share,
+            combined_um=found.shares_um.get(place, share.alone_um),
+            interacts=place in found.interacting,
+        )
         for place, share in enumerate(shares)
-    ]
+    ], names
 
 
-def _of_cycles(settings: Settings, way_um: float, is_combined: bool) -> Share:
-    cycle = settings.rig.cycle
+def _causes_of(case: Case, settings: Settings, axis: str, whole: Seen) -> list[Active]:
+    found = active_causes(
+        case, settings, axis, whole.latch_ms is not None, is_external=whole.source == EXTERNAL
+    )
+    if whole.track is not None:
+        found += motion_causes(
+            settings,
+            axis,
+            is_after_signal=whole.is_after_signal,
+            gains_speed=whole.gains_speed,
+            speed_mm_s=whole.velocity_mm_s if whole.source == STAMPED else None,
+        )
+    return found
+
+
+def _with_motion(runs: _Runs, found: list[Active]) -> tuple[list[Active], tuple[str, ...]]:
+    """Leave out the run-up or braking without which there is no value; return their names too.
+
+    An axis that does not brake may be at its target before the signal comes.
+    """
+    kept: list[str] = []
+    for each in [active for active in found if active.cause.place == "motion"]:
+        runs.active = found
+        try:
+            runs.make([frozenset([found.index(each)])])
+        except UserError:
+            runs.forget()
+            kept.append(each.cause.cause)
+            found = [other for other in found if other is not each]
+    return found, tuple(kept)
+
+
+def _of_cycles(settings: Settings, left: Seen, is_combined: bool) -> list[Share]:
+    """Return what no switch takes away: the cycle of the CNC, and of the level in a telegram."""
+    assert left.way_um is not None
+    cycle, way_um, shares = settings.rig.cycle, left.way_um, []
+
+    def share(cause: Cause, setting: str, um: float) -> Share:
+        return Share(cause, setting, um, um, None, None, um if is_combined else None)
+
+    if left.sampled_ms is not None:
+        sampled_um = left.moved_um(0.0, left.sampled_ms)
+        shares.append(share(SAMPLED, f"SYNC every {cycle.period_us} us", sampled_um))
+        way_um -= sampled_um
+    if left.between_um:
+        setting = f"positions every {cycle.period_us} us"
+        return [*shares, share(BETWEEN, setting, way_um)]
     setting = f"period {cycle.period_us} us, SYNC {cycle.cycle_offset_us} us before the cycle"
-    return Share(CYCLES, setting, way_um, way_um, None, None, way_um if is_combined else None)
+    return [*shares, share(CYCLES, setting, way_um)]
 
 
 def _quantum_um(settings: Settings, whole: Seen, increment_um: float) -> float:

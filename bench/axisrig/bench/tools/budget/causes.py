@@ -6,10 +6,17 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 
-from axisrig.bench.plan.assignment import Assignment, parse_assignment, parse_column
+from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.budget.motion import (
+    braking_words,
+    run_up_words,
+    without_braking,
+    without_run_up,
+)
+from axisrig.bench.tools.budget.starts import start_value
 from axisrig.kernel.errors import UserError
 
 ASSUMED = "="
@@ -19,13 +26,15 @@ ASSUMED = "="
 class Cause:
     """One row of `causes.csv`.
 
-    place: probe, axis (its plant), drive, set (its parameter list), plc (its task), or fault (the
-    columns `fault:` of the row). needs: drive: the drive latches the value; plc: the signal comes
-    by the PLC; terminal: by a terminal of its own; empty: any value. key, unit: what is set there,
-    several keys apart by spaces; off: the values that switch the cause off, `=` and a key: what
-    this key has. default: what the model has where nobody gives a value, empty is off. model:
+    place: probe, axis (its plant), drive, set (its parameter list), plc (its task), variable
+    (V.E.), fault (the columns `fault:` of the row), or motion (`motion`). needs: drive: the drive
+    latches the value; input: it sees the signal; plc: the signal comes by the PLC; terminal: by a
+    terminal of its own; external: PLC_EXT_LATCH_CONTROL; empty: any value. key, unit: what is set
+    there, several keys apart by spaces; off: the values that switch the cause off, `=` and a key:
+    what this key has. default: what the model has where nobody gives a value, empty is off. model:
     ending of the FMU that has the key, empty: any. form: its closed form, empty without one.
-    effect: systematic or random, as the GUM has these words (B.2.21, B.2.22).
+    effect: systematic or random, as the GUM has these words (B.2.21, B.2.22). term: what ISO 230-10
+    or the GUM calls it, where they have a word for it.
     """
 
     cause: str
@@ -40,6 +49,7 @@ class Cause:
     effect: str
     meaning: str
     source: str
+    term: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,20 +100,61 @@ def terminal_probe(settings: Settings) -> str | None:
     return next(iter(task.terminal.inputs.values()), None)
 
 
-def active_causes(case: Case, settings: Settings, axis: str, is_latched: bool) -> list[Active]:
-    """Return the causes that are on. is_latched: the drive has latched the value."""
+def active_causes(
+    case: Case,
+    settings: Settings,
+    axis: str,
+    is_latched: bool,
+    *,
+    is_external: bool = False,
+) -> list[Active]:
+    """Return the causes that are on. is_latched: the drive has latched the value. is_external: the
+    source is PLC_EXT_LATCH_CONTROL. Those of the motion are not among them (`motion_causes`).
+    """
     task = settings.rig.plc_task
+    at_terminal = terminal_probe(settings) is not None
     there = {
         "": True,
         "drive": is_latched,
+        "input": is_latched or not at_terminal,
         "plc": not is_latched and task is not None,
-        "terminal": not is_latched and terminal_probe(settings) is not None,
+        "terminal": not is_latched and at_terminal,
+        "external": is_external,
     }
     found = [_active(case, settings, axis, cause) for cause in causes() if there[cause.needs]]
     return [each for each in found if each is not None]
 
 
+def motion_causes(
+    settings: Settings,
+    axis: str,
+    *,
+    is_after_signal: bool,
+    gains_speed: bool,
+    speed_mm_s: float | None = None,
+) -> list[Active]:
+    """Return braking, and the run-up where the axis still gains speed at the contact.
+
+    Braking is always looked at: that it has no share is what switching it off shows.
+    """
+    run_up, braking = (cause for cause in causes() if cause.place == "motion")
+    words = braking_words(settings, axis)
+    off = without_braking(settings, is_after_signal=is_after_signal, speed_mm_s=speed_mm_s)
+    found = [Active(braking, words, words, off)]
+    if gains_speed:
+        words = run_up_words(settings, axis)
+        found.insert(0, Active(run_up, words, words, without_run_up(settings)))
+    return found
+
+
 def _active(case: Case, settings: Settings, axis: str, cause: Cause) -> Active | None:
+    if cause.place == "motion":
+        return None
+    if cause.place == "variable":
+        value = settings.external.get(cause.key)
+        column = f"plc:V.E.{cause.key}"
+        words = f"V.E.{cause.key} {value:g}" if value else ""
+        return Active(cause, f"{value:g}", words, {column: cause.off}) if value else None
     if cause.place == "fault":
         columns = [name for name in case.inputs if name.startswith("fault:")]
         setting = ", ".join(f"{name} {case.inputs[name]}" for name in columns)
@@ -167,7 +218,7 @@ def _value(
         value = getattr(settings.rig.drive[place], key)
         is_exact = isinstance(value, str) or cause.form == "rounding"
         return str(value) if is_exact else f"{value:g}"
-    found = _start(settings, place, key)
+    found = start_value(settings, place, key)
     if found is None:
         return default
     unit = f"_{cause.unit}" if cause.unit else ""
@@ -181,23 +232,6 @@ def _of_task(task: PlcTaskTable | None, key: str) -> str | None:
     return f"{value:.17g}" if isinstance(value, int | float) else value
 
 
-def start_number(settings: Settings, instance: str, key: str, default: float) -> float:
-    """Return a start value of a plant in its SI unit; default: where nobody gives one."""
-    found = _start(settings, instance, key)
-    return default if found is None else found.si()
-
-
 def probe_of(settings: Settings, axis: str) -> str:
     """Return the plant instance of the probe that measures for an axis."""
     return settings.rig.axis[axis].probe_1 or terminal_probe(settings) or ""
-
-
-def _start(settings: Settings, instance: str, key: str) -> Assignment | None:
-    """Return the start value of a plant that counts: the last one of the row, else the rig's."""
-    table = settings.rig.plant[instance]
-    of_rig = [
-        parse_assignment(f"plant:{instance}.{name}={value}") for name, value in table.start.items()
-    ]
-    of_row = [item for item, _ in settings.start.get(instance, [])]
-    fitting = [item for item in (*of_rig, *of_row) if item.name == key]
-    return fitting[-1] if fitting else None

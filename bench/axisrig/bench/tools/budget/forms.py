@@ -2,9 +2,13 @@
 
 from math import copysign, exp
 
+from axisrig.bench.judge.latch.sources import STAMPED
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.budget.causes import Active, probe_of, start_number
+from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen
+from axisrig.bench.tools.budget.starts import start_number
+from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um
+from axisrig.kernel.time.clock import MS
 
 BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
@@ -12,6 +16,10 @@ STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
 """Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
 _NEAR_MS = 0.01
 _BY_INSTANT = ("time", "drawn", "rest")
+_BY_EDGE = ("length", "first", "drift", "seat", "contact", "edge")
+"""What makes the edge later; a level that is sampled is found by the next cycle then."""
+_CHANGING = ("fault:alter", "fault:second_sender")
+"""Faults that change what a telegram says."""
 
 
 def expected_um(
@@ -25,17 +33,43 @@ def expected_um(
     from the edge of the plant and the cycles of the rig.
     """
     form = active.cause.form
-    if form == "source" or (form in _BY_INSTANT and later.latch_ms is None):
-        if later.way_um is None or without.way_um is None:
+    is_by_instant = form in _BY_INSTANT and later.latch_ms is None
+    is_sampled = form in _BY_EDGE and later.latch_ms is None and later.source != STAMPED
+    if form in ("source", "handed", "pdo") or is_by_instant or is_sampled:
+        return _way_um(active, later, without)
+    if form in ("length", "half", "first", "drift", "seat", "contact"):
+        return _length_um(active, settings, axis, later)
+    found_um: float | None
+    match form:
+        case "motion":
+            found_um = _difference_um(later.delayed_um, without.delayed_um)
+        case "noise":
+            # A program that goes on from where the axis is takes the noise with it: another phase
+            moved_um = _difference_um(later.way_um, without.way_um) or 0.0
+            found_um = later.noise * float(active.value) + moved_um
+        case "edge":
+            found_um = _edge_um(later, without)
+        case "sampling":
+            found_um = _sampled_um(active, settings, axis, later, without.latch_ms or 0.0)
+        case "twist" | "viscous":
+            found_um = _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
+        case _:
+            return _delay_um(active, settings, axis, later, without)
+    return found_um
+
+
+def _difference_um(later_um: float | None, without_um: float | None) -> float | None:
+    return None if later_um is None or without_um is None else later_um - without_um
+
+
+def _way_um(active: Active, later: Seen, without: Seen) -> float | None:
+    """Return the difference of the ways to the instants of the value."""
+    if active.cause.form == "pdo":
+        if any(kind in active.setting for kind in _CHANGING):
             return None
-        return later.way_um - without.way_um
-    if form in ("length", "half", "first", "drift"):
-        return _length_um(active, later)
-    if form == "edge":
-        return _edge_um(later, without)
-    if form in ("twist", "viscous"):
-        return _twist_um(active, settings, axis, later.velocity_mm_s * 1e-3)
-    return _delay_um(active, settings, axis, later, without)
+        if later.latch_ms is not None:  # the drive has stored it: no telegram changes it
+            return 0.0
+    return _difference_um(later.way_um, without.way_um)
 
 
 def _edge_um(later: Seen, without: Seen) -> float | None:
@@ -64,16 +98,26 @@ def _twist_um(active: Active, settings: Settings, axis: str, v_m_s: float) -> fl
     return copysign(force_n / stiffness_n_m * 1e6, v_m_s)
 
 
-def _length_um(active: Active, later: Seen) -> float | None:
-    length_um = copysign(1.0, later.velocity_mm_s) * float(active.value)
-    if active.cause.form == "length":
+def _length_um(active: Active, settings: Settings, axis: str, later: Seen) -> float | None:
+    """Return what a length along the normal of the surface makes the axis move."""
+    form, probe = active.cause.form, probe_of(settings, axis)
+    sign = copysign(1.0, later.velocity_mm_s)
+    if form == "half":  # the encoder comes half of the play before the load
+        return sign * float(active.value) / 2
+    per_length = sign if later.per_length is None else later.per_length
+    if form in ("seat", "contact"):
+        normal = normal_of(settings, probe)
+        if normal is None:
+            return None
+        yields_um = {"seat": seat_um, "contact": contact_um}[form]
+        return per_length * yields_um(settings, probe, normal)
+    length_um = per_length * float(active.value)
+    if form == "length":
         return length_um
-    if active.cause.form == "half":  # the encoder comes half of the play before the load
-        return length_um / 2
     if later.track is None:
         return None
     before = later.track.touches - 1
-    return length_um * (before if active.cause.form == "drift" else not before)
+    return length_um * (before if form == "drift" else not before)
 
 
 def _delay_um(
@@ -91,9 +135,29 @@ def _delay_um(
         case "rest":
             rest_ms = _rest_ms(settings, axis, float(active.value) * 1e-3)
             return later.moved_um(begin_ms, begin_ms + rest_ms)
-        case "drawn" if later.latch_ms is not None:
-            return later.moved_um(begin_ms, later.latch_ms)
+        case "drawn":
+            end_ms = later.latch_ms
+            return None if end_ms is None else later.moved_um(begin_ms, end_ms)
     return None
+
+
+def _sampled_um(
+    active: Active, settings: Settings, axis: str, later: Seen, at_ms: float
+) -> float | None:
+    """Return what a sample, or the line between two of them, differs from the position itself.
+
+    Samples are at whole multiples of the time of a sample.
+    """
+    if later.track is None:
+        return None
+    grid_ms = float(settings.rig.drive[settings.rig.axis[axis].drive].sample_us) * 1e-3
+    since_ms = (later.track.contact_ns / MS + at_ms) % grid_ms
+    begin_ms = at_ms - since_ms
+    if active.value == "linear":
+        return later.moved_um(at_ms, begin_ms) + later.moved_um(begin_ms, begin_ms + grid_ms) * (
+            since_ms / grid_ms
+        )
+    return later.moved_um(at_ms, begin_ms)
 
 
 def _rest_ms(settings: Settings, axis: str, filter_ms: float) -> float:
@@ -117,9 +181,6 @@ def bound_um(
     match active.cause.form:
         case "rounding":
             return increment_um
-        case "sampling":
-            table = settings.rig.drive[settings.rig.axis[axis].drive]
-            return v_um_s * float(table.sample_us) * 1e-6
         case "jitter":
             return v_um_s * float(active.value) * 1e-9
     return None

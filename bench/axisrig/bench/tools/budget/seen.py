@@ -2,18 +2,35 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.judge.latch.truth import touch
+from axisrig.bench.judge.latch.truth import Touch, touch
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.interpolation import cubic
+from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.budget.causes import probe_of
+from axisrig.bench.tools.budget.encoder import (
+    between_um,
+    history_end_ns,
+    is_stamped,
+    lost_um,
+    noise_number,
+)
+from axisrig.bench.tools.budget.instants import instants_at_plc
+from axisrig.bench.tools.budget.surface import normal_of, way_per_length
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, TimeNs
 
 METRICS = ("latch_error_um", "contact_velocity_mm_s", "contact_to_latch_ms", "source_error_um")
 NEEDED = METRICS[:2]
 """Without them there is no budget; the others are there or not with the source of the value."""
+_BEFORE = 50
+"""So many SYNCs before the contact the motion is kept."""
+_STEADY = 2e-3
+"""A speed that changes by a smaller share in a cycle is constant: a step of the set position by an
+increment of 9.5 nm in 1 ms is 1e-3 of 10 mm/s.
+"""
 
 
 @dataclass(frozen=True)
@@ -47,8 +64,17 @@ class Track:
 
 @dataclass(frozen=True)
 class Seen:
-    """The numbers of a run. source_um: published less true position at the instant that a PLC
-    source gives; latch_ms: from the contact to the latch of the drive; each None without one.
+    """The numbers of a run.
+
+    latch_ms: from the contact to the latch of the drive, None without one. source_um: published
+    less true position at the instant that a PLC source gives. value_ms: from the contact to the
+    instant whose position is published, sampled_ms: to the SYNC that samples the digital input of a
+    drive; both may be unknown. per_length: how far the axis moves until the probe is deflected by
+    1 along the normal of the surface. between_um: how far the curve through positions at SYNCs is
+    off at a time stamp. lost_um: what a position that telegrams have lost differs
+    from the true one. noise: number of the noise of the motor encoder in the value.
+    is_after_signal: the value is of an instant at which the axis brakes for a signal.
+    gains_speed: the speed grows at the contact. source: of the signal, P-AXIS-00516.
     """
 
     error_um: float
@@ -56,14 +82,31 @@ class Seen:
     latch_ms: float | None
     source_um: float | None
     track: Track | None
+    value_ms: float | None = None
+    sampled_ms: float | None = None
+    per_length: float | None = None
+    lost_um: float = 0.0
+    between_um: float = 0.0
+    noise: float = 0.0
+    is_after_signal: bool = False
+    gains_speed: bool = False
+    source: str = ""
 
     @property
     def way_um(self) -> float | None:
-        """True way from the contact to the instant that a PLC source gives.
-
-        The published value is not in it: it is in both errors.
+        """True way from the contact to the instant that a PLC source gives, and what a curve
+        through positions is off there. The published value is not in it.
         """
+        if self.latch_ms is None and self.value_ms is not None:
+            return self.moved_um(0.0, self.value_ms) + self.between_um + self.lost_um
         return None if self.source_um is None else self.error_um - self.source_um
+
+    @property
+    def delayed_um(self) -> float | None:
+        """True way from the contact to the instant whose position is published."""
+        if self.latch_ms is not None:
+            return self.moved_um(0.0, self.latch_ms)
+        return self.way_um
 
     def moved_um(self, begin_ms: float, end_ms: float) -> float:
         """Return the true way between two instants after the contact: v t + a t^2/2 in a ramp."""
@@ -72,7 +115,7 @@ class Seen:
         return self.track.position_um(end_ms) - self.track.position_um(begin_ms)
 
 
-def see(result: CaseResult, axis: str) -> Seen:
+def see(result: CaseResult, axis: str, settings: Settings) -> Seen:
     """Take what a budget needs out of a run. Raises UserError where it has no measured value."""
     found: dict[str, float] = {}
     for check in result.checks:
@@ -88,17 +131,63 @@ def see(result: CaseResult, axis: str) -> Seen:
                 hint="a budget takes apart the value of a measurement run that touches something",
             )
     error, velocity, latch, source = METRICS
-    track = _track(result, axis)
-    return Seen(found[error], found[velocity], found.get(latch), found.get(source), track)
-
-
-def _track(result: CaseResult, axis: str) -> Track | None:
+    numbers = found[error], found[velocity], found.get(latch), found.get(source)
     if result.facts is None or result.series is None:
-        return None
+        return Seen(*numbers, None)
     observed = Observed(result.facts, result.series)
     seen = touch(observed, axis)
     if seen is None or seen.contact is None:
-        return None
+        return Seen(*numbers, None)
+    return _whole(observed, seen, axis, settings, Seen(*numbers, _track(observed, seen, axis)))
+
+
+def _whole(observed: Observed, seen: Touch, axis: str, settings: Settings, plain: Seen) -> Seen:
+    """Add what follows from the edges of the plant, the cycles and the start values."""
+    assert seen.contact is not None
+    contact_ns = seen.contact.time_ns
+    instants = None
+    if plain.latch_ms is None:
+        instants = instants_at_plc(observed, seen, axis, settings)
+        value_ns = None if instants is None else instants.value_ns
+    else:
+        value_ns = contact_ns + round(plain.latch_ms * MS)
+    if value_ns is None:
+        return replace(plain, source=seen.run.sources.get(axis, ""))
+    sampled_ns = None if instants is None else instants.sampled_ns
+    probe, row = probe_of(settings, axis), observed.index_at(contact_ns)
+    normal = normal_of(settings, probe)
+    velocity = {axis: observed.value(axis, "velocity_mm_s", row)}
+    for name, plant in settings.rig.plant[probe].wire.items():
+        for other, table in settings.rig.axis.items():
+            if table.plant == plant:
+                velocity[name] = observed.value(other, "velocity_mm_s", row)
+    after = observed.value(axis, "velocity_mm_s", row + 1)
+    signal_ns = seen.run.signal_ns
+    is_at_stamp = is_stamped(observed, axis)
+    until_ns = history_end_ns(observed, value_ns) if is_at_stamp else value_ns
+    return replace(
+        plain,
+        source=seen.run.sources.get(axis, ""),
+        value_ms=(value_ns - contact_ns) / MS,
+        sampled_ms=None if sampled_ns is None else (sampled_ns - contact_ns) / MS,
+        per_length=None if normal is None else way_per_length(normal, velocity, axis),
+        between_um=between_um(observed, axis, value_ns) if is_at_stamp else 0.0,
+        lost_um=lost_um(observed, axis, value_ns, is_latched=plain.latch_ms is not None),
+        noise=noise_number(
+            observed,
+            axis,
+            settings,
+            value_ns,
+            None if plain.latch_ms is None else seen.edge_ns,
+        ),
+        is_after_signal=signal_ns is not None and until_ns > signal_ns,
+        gains_speed=abs(after) - abs(velocity[axis]) > _STEADY * abs(velocity[axis]),
+    )
+
+
+def _track(observed: Observed, seen: Touch, axis: str) -> Track:
+    """Return the motion from some SYNCs before the contact on: a value may be of before it."""
+    assert seen.contact is not None
     at_ns = seen.contact.time_ns
     touches = [
         contact
@@ -107,7 +196,7 @@ def _track(result: CaseResult, axis: str) -> Track | None:
         if contact.time_ns <= at_ns
     ]
     edge_ns = at_ns if seen.edge_ns is None else seen.edge_ns
-    inside = slice(observed.index_at(at_ns), None)
+    inside = slice(max(observed.index_at(at_ns) - _BEFORE, 0), None)
     rows = range(*inside.indices(len(observed)))
     return Track(
         [observed.time_ns(row) for row in rows],

@@ -27,6 +27,9 @@ model WorkpieceProbe "Touch probe against a workpiece of any shape, with bounce,
     annotation(Dialog(group = "Three-leg seat"));
   parameter Units.Stiffness axial_stiffness(min = 1) = 2e6 "Of the stylus along its axis"
     annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Modulus contact_modulus = 0
+    "Reduced modulus of ball and workpiece, which yield where they touch; 0: both are rigid"
+    annotation(Dialog(group = "Three-leg seat"));
   parameter Units.Time trigger_delay(min = 0) = 0 "From the switching point to the edge"
     annotation(Dialog(group = "Signal"));
   parameter Units.Time radio_delay(min = 0) = 0 "Transmission to the receiver"
@@ -113,6 +116,7 @@ protected
     random_seed = seed)
     "What one touch differs from another"
     annotation(Placement(transformation(extent = {{46, -74}, {74, -46}})));
+  Units.Length approach "By how much ball and workpiece yield at the trigger force (Hertz)";
   Boolean deflected "Deflected past the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(dead_time = trigger_delay + radio_delay, jitter = radio_jitter,
@@ -132,7 +136,8 @@ protected
   EdgeCounter falling "Counts falling edges"
     annotation(Placement(transformation(extent = {{6, -74}, {34, -46}})));
 initial equation
-  pre(deflected_at_start) = gap + pretravel + seat.pretravel + scatter.first_difference <= 0;
+  pre(deflected_at_start) = gap + pretravel + approach + seat.pretravel
+    + scatter.first_difference <= 0;
 equation
   connect(x.position, workpiece.x[1])
     annotation(Line(points = {{-32, 45}, {-54, 45}, {-54, -7}, {-75, -7}}, color = {0, 0, 127}));
@@ -163,7 +168,9 @@ equation
   seat.normal_y = sideways*workpiece.beyond_y - upward*touched_y/touched_norm;
   seat.normal_z = upward/touched_norm;
   scatter.u = contact;
-  total_pretravel = pretravel + seat.pretravel + scatter.y;
+  approach = min(1, contact_modulus)
+    *(9*seat.trigger_force^2/(16*max(1e-6, ball_radius)*max(1, contact_modulus)^2))^(1/3);
+  total_pretravel = pretravel + approach + seat.pretravel + scatter.y;
   contact = gap <= (if pre(contact) then rounding else 0);
   deflected = gap + total_pretravel <= (if pre(deflected) then rounding else 0);
   when contact then
@@ -217,7 +224,9 @@ lowest point of the ball), and it is never too early. Where the material ends, t
 from the wall or from the edge between wall and top. Contact at gap &lt;= 0, switching at
 gap &lt;= -total_pretravel; pre-travel by direction from the normal (ThreeLegSeat),
 and of each touch (PretravelScatter: scatter, first touch, drift; together not below -pretravel, so
-that a touch never switches before its contact).</p>
+that a touch never switches before its contact). With a contact_modulus E the ball and the surface yield
+by (9 F^2/(16 r E^2))^(1/3) until the trigger force F of the seat is reached (Hertz); 1/E is the sum
+of (1 - nu^2)/E of both. Without seat_force there is no force.</p>
 <p>The edge follows after trigger_delay + radio_delay, with a deviation of its own (EdgeDelay), and
 then bounces (ContactBounce). The signal is false until the probe is ready (SwitchOnDelay).</p>
 <p>clearance: with the largest slope L of the surface the ball cannot touch within
@@ -229,6 +238,7 @@ flanks) contact comes late by a part of r, walls want an edge or a hole. The top
 where it ends at a wall. A touch shorter than the internal step can be missed; at most four edges of
 one direction within the delay; the level at the start is no edge.</p>
 <p>Source: ISO 230-10, probing systems of machine tools; contact of ball and surface: the envelope of
-balls on a surface, its parallel surface at r.</p>
+balls on a surface, its parallel surface at r; yielding: K. L. Johnson, Contact Mechanics, Cambridge
+1985, 4.2 (ball on a flat body).</p>
 </html>"));
 end WorkpieceProbe;

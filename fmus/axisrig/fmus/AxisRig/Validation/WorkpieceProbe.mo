@@ -13,6 +13,7 @@ model WorkpieceProbe "A ball scans down on waves, retreats, and is switched off"
     seat_angle = 0.1,
     bending_stiffness = 0.2e6,
     axial_stiffness = 2e6,
+    contact_modulus = 1e11,
     trigger_delay = 1e-3,
     radio_delay = 9e-3,
     radio_jitter = 2e-3,

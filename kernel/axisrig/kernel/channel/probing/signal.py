@@ -42,6 +42,7 @@ class SignalPort:
         self._level: bool | None = None
         self._ordered_ns: TimeNs = 0
         self._latch_ns: TimeNs | None = None  # bus time of the value, for its speed
+        self._is_complete, self._speed_mm_ns = False, 0.0
 
     # What the run asks
 
@@ -64,10 +65,7 @@ class SignalPort:
     @property
     def latched_speed_mm(self) -> float:
         """Travel in one cycle at the speed that the axis had at the latch."""
-        history = self.history
-        if self._latch_ns is None or not history.reaches(self._latch_ns):
-            return 0.0
-        return history.at(self._latch_ns)[1] * self._task.cycle_ns
+        return self._speed_mm_ns * self._task.cycle_ns
 
     def arm(self) -> None:
         """Wait for the signal from now on."""
@@ -77,11 +75,12 @@ class SignalPort:
         """Wait no longer, and forget the latch."""
         self.is_ordered = self.is_armed = self.has_latched = False
         self.latched_mm = self._latch_ns = None
+        self._is_complete, self._speed_mm_ns = False, 0.0
         self.arrival.stamp = None
 
     def is_confirmed(self) -> bool:
         """Whether the value is proved: its axis has gone on by the cycles that its speed needs."""
-        return self._latch_ns is None or self.history.reaches(self._latch_ns)
+        return self._latch_ns is None or self._is_complete
 
     # Each cycle
 
@@ -141,10 +140,16 @@ class SignalPort:
             self.latched_mm = self._link.actual_mm
 
     def _complete(self) -> None:
-        """Take a position that is not known yet as soon as the samples around it are there."""
+        """Take speed, and position if it is not known yet, as soon as the samples around it are
+        there: a stop may take longer than the history lasts.
+        """
         at_ns = self._latch_ns
-        if self.latched_mm is None and at_ns is not None and self.history.reaches(at_ns):
-            self.latched_mm = self.history.at(at_ns)[0]
+        if self._is_complete or at_ns is None or not self.history.reaches(at_ns):
+            return
+        position_mm, self._speed_mm_ns = self.history.at(at_ns)
+        self._is_complete = True
+        if self.latched_mm is None:
+            self.latched_mm = position_mm
 
 
 class StampPort(SignalPort):
