@@ -35,6 +35,7 @@ TAGGED = {
         "stroke",
         "run-up",
         "last-ramp",
+        "sin2-run-up",
         "hold",
     )
 }
@@ -191,7 +192,7 @@ def _stop_from(v: float, u: float, a: float, t: float) -> float:
     return v * fall + u * fall * fall / 3 + way(v + u * fall / 2, a, t)
 
 
-IN_RUN_UP = (*TAGGED["run-up"], *TAGGED["last-ramp"])
+IN_RUN_UP = (*TAGGED["run-up"], *TAGGED["last-ramp"], *TAGGED["sin2-run-up"])
 AT_STROKE = [name for name in TAGGED["stroke"] if name not in IN_RUN_UP]
 
 
@@ -275,3 +276,5 @@ def test_a_signal_where_the_last_ramp_of_a_run_up_would_begin_stops_inside_too(c
     assert min(ways) > 1.1 * stroke_mm
     # Inside the stroke, and no more than 4 % of it is given away
     assert row["check:stop_way_mm"] == f"{0.96 * stroke_mm:g} .. {stroke_mm:g}"
+    for name in TAGGED["sin2-run-up"]:
+        assert ROWS[name]["check:stop_way_mm"] == f"<= {stroke_mm:g}"

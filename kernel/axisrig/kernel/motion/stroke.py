@@ -28,6 +28,7 @@ _LOOKS = 8  # instants of a ramp at which a stop is tried, and of each such time
 _LOOKS_SIN2 = 16  # the same: its acceleration stays at first, and then falls steeply
 _MOST_LOOKS = 64
 _RESERVE = 0.02  # share of the stroke that the speed leaves free, for what is between the looks
+_ROUNDING = 1e-12
 _SAME_SPEED = 1e-6  # share of the feed that is as good as it
 _LEFT = 0.2  # share of an acceleration below which a new pulse leads to the feed sooner
 _LEAST_GAIN = 1e-3  # share of what is missing of the feed that a pulse has to bring for a next one
@@ -44,13 +45,17 @@ class Stroke:
     stop: JerkLimits
     stroke_mm: float
 
-    def has_room(self, speed_mm_s: float, a_mm_s2: float, reserve: float = _RESERVE) -> bool:
-        """Return whether a stop from a state takes less than the stroke; reserve: see _RESERVE."""
-        stop = self.stop
+    def has_room(self, speed_mm_s: float, a_mm_s2: float) -> bool:
+        """Return whether a stop from a state takes less than the stroke, with the reserve."""
+        stop, stroke_mm = self.stop, self.stroke_mm
         way_mm, _ = way(speed_mm_s, braking(speed_mm_s, a_mm_s2, stop), stop.shape)
+        if way_mm <= (1.0 - _RESERVE) * stroke_mm:
+            return True  # more than the reserve is free at any speed
+        if way_mm > (1.0 + _ROUNDING) * stroke_mm:
+            return False
         steady_mm, _ = way(speed_mm_s, braking(speed_mm_s, 0.0, stop), stop.shape)
-        left_mm = max(self.stroke_mm - steady_mm, 0.0)
-        return way_mm <= self.stroke_mm - reserve * left_mm + 1e-12 * self.stroke_mm
+        left_mm = max(stroke_mm - steady_mm, 0.0)
+        return way_mm <= stroke_mm - _RESERVE * left_mm + _ROUNDING * stroke_mm
 
     def step_s(self, speed_mm_s: float) -> float:
         """Return the time of a ramp near a speed, by the rate at which a path comes near it.
