@@ -25,6 +25,20 @@ def test_a_row_says_what_ran_and_what_it_cost(place: Path, axisrig: Call) -> Non
     assert 0 < told["beyond_simulation_ms"] < 1e3 * told["cpu_s"] + 1e3
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--stages", "--profile"], "--profile and --stages measure different things"),
+        (["--bus", "--suite", "--fmu"], "--suite and --fmu and --bus measure different things"),
+        (["--stages", "--against", "b.json"], "--stages has no earlier numbers to compare with"),
+    ],
+)
+def test_one_thing_is_measured(options: list[str], message: str, axisrig: Call) -> None:
+    code, out, err = axisrig("perf", *options)
+    assert (code, out) == (2, "")
+    assert message in err
+
+
 def test_a_row_beside_an_earlier_one(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, ROW)
     words = ("perf", "--plan", plan, "--repeats", "1")

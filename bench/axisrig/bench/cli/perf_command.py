@@ -30,6 +30,9 @@ def cpu_ns() -> int:
     return own_ns + round((children.ru_utime + children.ru_stime) * 1e9)
 
 
+_INSTEAD = ("--suite", "--profile", "--stages", "--fmu", "--bus", "--parse")
+
+
 @rejecting
 def perf(
     plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
@@ -72,6 +75,7 @@ def perf(
 ) -> None:
     """Time one row with all its files written, and split a cycle into its parts; or the suite."""
     runs = repeats or REPEATS
+    _require_one([suite, profile, stages, fmu, bus, parse], against)
     if parse:
         from axisrig.bench.tools.perf.parse_perf import time_parse
 
@@ -93,6 +97,18 @@ def perf(
     if stages:
         return _stages(plan, case, runs, as_json)
     return _row(plan, case, runs, as_json, against)
+
+
+def _require_one(chosen_of: list[bool], against: Path | None) -> None:
+    """Raise UserError where more than one thing is measured, or nothing that can be compared."""
+    chosen = [option for option, is_on in zip(_INSTEAD, chosen_of, strict=True) if is_on]
+    if len(chosen) > 1:
+        raise UserError(f"{' and '.join(chosen)} measure different things", hint="give one of them")
+    if against is not None and chosen not in ([], ["--suite"]):
+        raise UserError(
+            f"{chosen[0]} has no earlier numbers to compare with",
+            hint="--against is for a row and for --suite",
+        )
 
 
 def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Path | None) -> None:
