@@ -5,9 +5,11 @@ import gc
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context, set_start_method
 from pathlib import Path
 from statistics import median
-from typing import ClassVar, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.manifest import build_manifest
@@ -148,6 +150,12 @@ class _Rows(NamedTuple):
                 writer.add(result)
         return (self.clocks.wall_ns() - began_ns) / 1e9
 
+    def measured_s(self, out: Path, jobs: int) -> tuple[float, float]:
+        """Run them and return wall time and CPU time, s."""
+        began_s = self.clocks.cpu_s()
+        wall_s = self.run_s(out, jobs)
+        return wall_s, self.clocks.cpu_s() - began_s
+
 
 def _second_of_three_s(rows: _Rows, out: Path) -> float:
     """Run rows three times in this process; the second time is that of a process in full work."""
@@ -157,52 +165,51 @@ def _second_of_three_s(rows: _Rows, out: Path) -> float:
 class Workers:
     """Wall time of some rows, or all of a plan, with one process by that with two.
 
-    `apart` of a sample is what this machine allows at that time: the same with two processes of
-    which each runs the rows for itself, so that nothing is handed out, collected or started.
-    `by_cpu` is what two idle cores would allow, from the CPU time of one process and of two.
+    A sample is taken in a process of its own, as a campaign is one: what other measures leave in
+    memory would be copied for every worker. `apart` of a sample is what this machine allows at that
+    time: the same with two processes of which each runs the rows for itself, so that nothing is
+    handed out, collected or started. `by_cpu` is what two idle cores would allow, from the CPU time
+    of one process and of two.
     """
 
-    APART_ROWS_MAX: ClassVar = 8
-
     def __init__(self, plan: str, row: str, place: Place) -> None:
-        read = read_plan(place.plans / plan)
-        cases = [case for case in read.cases if not row or case.case in row.split()]
-        if len(cases) < len(row.split()):
-            raise UserError("rows are missing", file=read.path, value=row)
-        manifest = build_manifest([read], command=[], started="", output="")
-        self._rows, self._folder = _Rows(read, cases, manifest, place.clocks), place.folder
-        self._few = self._rows._replace(cases=cases[: self.APART_ROWS_MAX])
-        prepare_all(cases, apart=(), call_limit_s=CALL_LIMIT_S)
-        self._few.run_s(self._folder / "out", 1)  # the first runs of a process fill its caches
-
-    def _measured_s(self, jobs: int) -> tuple[float, float]:
-        """Return wall time and CPU time, s."""
-        began_s = self._rows.clocks.cpu_s()
-        wall_s = self._rows.run_s(self._folder / "out", jobs)
-        return wall_s, self._rows.clocks.cpu_s() - began_s
-
-    def _apart(self) -> float:
-        few = self._few
-        folders = [self._folder / "first", self._folder / "second"]
-        one_s = few.run_s(folders[0], 1)
-        both = list(run_apart(_second_of_three_s, [[few, folder] for folder in folders], jobs=2))
-        times_s = [time_s for time_s in both if not isinstance(time_s, Died)]
-        if len(times_s) < len(both):
-            raise UserError("a process that runs rows has ended", value=str(both))
-        return 2 * one_s / max(times_s)
+        self._of = plan, row, place
 
     def sample(self) -> Sample:
         """Run the rows with one process and with two."""
-        (one_s, one_cpu_s), (two_s, two_cpu_s) = self._measured_s(1), self._measured_s(2)
-        return {
-            "value": one_s / two_s,
-            "apart": self._apart(),
-            "by_cpu": 2 * one_cpu_s / two_cpu_s,
-            "one_wall_s": one_s,
-            "two_wall_s": two_s,
-            "one_cpu_s": one_cpu_s,
-            "two_cpu_s": two_cpu_s,
-        }
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
+            return process.submit(_of_workers, *self._of).result()
+
+
+_APART_ROWS_MAX = 8
+
+
+def _of_workers(plan: str, row: str, place: Place) -> Sample:
+    set_start_method(None, force=True)  # workers start as they do from the command line
+    read = read_plan(place.plans / plan)
+    cases = [case for case in read.cases if not row or case.case in row.split()]
+    if len(cases) < len(row.split()):
+        raise UserError("rows are missing", file=read.path, value=row)
+    manifest = build_manifest([read], command=[], started="", output="")
+    rows = _Rows(read, cases, manifest, place.clocks)
+    few = rows._replace(cases=cases[:_APART_ROWS_MAX])
+    folders = [place.folder / name for name in ("out", "first", "second")]
+    rows.run_s(folders[0], 1)  # the first runs of a process fill its caches
+    (one_s, one_cpu_s), (two_s, two_cpu_s) = (rows.measured_s(folders[0], n) for n in (1, 2))
+    few_s = few.run_s(folders[1], 1)
+    both = list(run_apart(_second_of_three_s, [[few, out] for out in folders[1:]], jobs=2))
+    times_s = [time_s for time_s in both if not isinstance(time_s, Died)]
+    if len(times_s) < len(both):
+        raise UserError("a process that runs rows has ended", value=str(both))
+    return {
+        "value": one_s / two_s,
+        "apart": 2 * few_s / max(times_s),
+        "by_cpu": 2 * one_cpu_s / two_cpu_s,
+        "one_wall_s": one_s,
+        "two_wall_s": two_s,
+        "one_cpu_s": one_cpu_s,
+        "two_cpu_s": two_cpu_s,
+    }
 
 
 class Command:
