@@ -5,8 +5,8 @@ import gc
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context, set_start_method
+from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple, Protocol
@@ -177,15 +177,34 @@ class Workers:
 
     def sample(self) -> Sample:
         """Run the rows with one process and with two."""
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
-            return process.submit(_of_workers, *self._of).result()
+        context = get_context("spawn")
+        ours, theirs = context.Pipe(duplex=False)
+        process = context.Process(target=_send_of_workers, args=(theirs, *self._of))
+        process.start()
+        theirs.close()
+        try:
+            sample: Sample | UserError = ours.recv()
+        except EOFError:
+            raise UserError("the process that measures two workers has ended") from None
+        finally:
+            process.join()
+        if isinstance(sample, UserError):
+            raise sample
+        return sample
 
 
 _APART_ROWS_MAX = 8
 
 
-def _of_workers(plan: str, row: str, place: Place) -> Sample:
+def _send_of_workers(to: Connection, plan: str, row: str, place: Place) -> None:
     set_start_method(None, force=True)  # workers start as they do from the command line
+    try:
+        to.send(_of_workers(plan, row, place))
+    except UserError as error:
+        to.send(error)
+
+
+def _of_workers(plan: str, row: str, place: Place) -> Sample:
     read = read_plan(place.plans / plan)
     cases = [case for case in read.cases if not row or case.case in row.split()]
     if len(cases) < len(row.split()):
