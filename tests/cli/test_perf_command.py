@@ -18,11 +18,11 @@ def test_a_row_says_what_ran_and_what_it_cost(place: Path, axisrig: Call) -> Non
     plan = write_plan(place, ROW)
     code, out, err = axisrig("perf", "--json", "--plan", plan, "--repeats", "2")
     assert (code, err) == (0, "")
-    told = json.loads(out)
-    assert told["compiled"] is is_compiled()
-    assert told["sources_sha256"] == sources_sha256()
-    assert told["cpu_factor"] == pytest.approx(told["simulated_s"] / told["cpu_s"])
-    assert 0 < told["beyond_simulation_ms"] < 1e3 * told["cpu_s"] + 1e3
+    found = json.loads(out)
+    assert found["compiled"] is is_compiled()
+    assert found["sources_sha256"] == sources_sha256()
+    assert found["cpu_factor"] == pytest.approx(found["simulated_s"] / found["cpu_s"])
+    assert 0 < found["beyond_simulation_ms"] < 1e3 * found["cpu_s"] + 1e3
 
 
 @pytest.mark.parametrize(
@@ -48,9 +48,9 @@ def test_a_row_beside_an_earlier_one(place: Path, axisrig: Call) -> None:
     assert code == 0
     assert "against the file (above 1: better than it)\n  real_time_factor" in out
     assert "frames differ" not in out
-    told = json.loads(axisrig(*words, "--json", "--against", "before.json")[1])
-    gain = told["real_time_factor"] / first["real_time_factor"]
-    assert told["gains"]["real_time_factor"] == pytest.approx(gain)
+    found = json.loads(axisrig(*words, "--json", "--against", "before.json")[1])
+    gain = found["real_time_factor"] / first["real_time_factor"]
+    assert found["gains"]["real_time_factor"] == pytest.approx(gain)
     assert "frames differ: plan-a" in against_other_frames(axisrig, words, first)
 
 
@@ -63,9 +63,9 @@ def test_the_suite_prints_a_table_an_object_or_a_page(place: Path, axisrig: Call
     words = ("perf", "--suite", "-k", "help", "--repeats", "1", "--plans", place)
     code, out, _ = axisrig(*words, "--json")
     assert code == 0
-    told = json.loads(out)
-    assert [entry["kind"] for entry in told["suite"]] == ["help"]
-    assert told["compiled"] is is_compiled()
+    found = json.loads(out)
+    assert [entry["kind"] for entry in found["suite"]] == ["help"]
+    assert found["compiled"] is is_compiled()
     Path("before.json").write_text(out, encoding="utf-8")
     _, out, _ = axisrig(*words, "--against", "before.json")
     assert out.startswith("measure ")

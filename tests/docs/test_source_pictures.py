@@ -9,15 +9,15 @@ import html
 import importlib
 import re
 import sys
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.plans.shipped_files import PLANS, rig_of
 
 ROOT = Path(__file__).parents[2]
-DOCS, PLANS = ROOT / "docs", ROOT / "testplans"
+DOCS = ROOT / "docs"
 US, MS = 1_000, 1_000_000
 SYNC_NS = 48 * US  # 44 bits and 4 stuff bits at 1 Mbit/s
 MADE_AGAIN = "run `python docs/plots/source_timing.py`"
@@ -43,19 +43,6 @@ def shown(request: pytest.FixtureRequest, timing: Any) -> tuple[Any, Any, Any]:
     return source, found, source.draw(found)
 
 
-def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    found = dict(below)
-    for key, value in above.items():
-        both = isinstance(value, dict) and isinstance(found.get(key), dict)
-        found[key] = _merged(found[key], value) if both else value
-    return found
-
-
-def _rig(path: Path) -> dict[str, Any]:
-    table = tomllib.loads(path.read_text(encoding="utf-8"))
-    return _merged(_rig(path.parent / table["base"]), table) if "base" in table else table
-
-
 def _row(source: Any) -> dict[str, str]:
     with (PLANS / f"{source.plan}.csv").open(encoding="utf-8", newline="") as file:
         default, *rows = csv.DictReader(file)
@@ -70,7 +57,7 @@ class Rig:
 
     def __init__(self, source: Any) -> None:
         row = _row(source)
-        table = _rig(PLANS / row["rig"])
+        table = rig_of(PLANS / row["rig"])
         self.cnc, self.turn = (table["cycle"][key] * US for key in ("period_us", "cycle_offset_us"))
         plc, servo = table.get("plc", {}), table["drive"]["servo"]
         self.plc, self.offset = plc.get("period_us", 1) * US, plc.get("offset_us", 0) * US

@@ -222,6 +222,6 @@ def test_tool_and_zero_offset_of_a_program(decode):
         words("", X=0),
         words("G54", X=0),
     )
-    told = [next(iter(move.target_mm.values())) for move in moves]
+    found = [next(iter(move.target_mm.values())) for move in moves]
     # X1 after V.G.NP[1] = 8 is still 7 + 1, which is where G54 X0 stands then
-    assert told == [81.0, 81.5, 11.0, 7.0, 8.0, 100.0, 8.0]
+    assert found == [81.0, 81.5, 11.0, 7.0, 8.0, 100.0, 8.0]

@@ -26,10 +26,10 @@ def _alarm(run: Any, text: str, **options: Any) -> Alarm:
 
 
 def test_type_2_needs_no_feed_and_hands_none_on(run) -> None:
-    (told,) = _runs(run("#MEAS MODE[2]\nG100 X5"))
-    assert (told.measuring_type, told.feed_mm_min) == (2, None)
-    (told,) = _runs(run("#MEAS MODE[2]\nG100 X5 F77"))
-    assert told.feed_mm_min is None
+    (found,) = _runs(run("#MEAS MODE[2]\nG100 X5"))
+    assert (found.measuring_type, found.feed_mm_min) == (2, None)
+    (found,) = _runs(run("#MEAS MODE[2]\nG100 X5 F77"))
+    assert found.feed_mm_min is None
 
 
 def test_an_f_in_a_block_of_type_2_holds_for_what_follows(run) -> None:
@@ -78,8 +78,8 @@ def test_900228_g106_without_g100(run) -> None:
 @pytest.mark.provokes(900220, 2, type=4, axis="B")
 def test_type_4_measures_with_main_axes(run) -> None:
     axes = ("X", "Y", "Z", "A", "B")
-    (told,) = _runs(run("#MEAS MODE[4]\nG100 X1 Y2 Z3 F100", axes=axes))
-    assert told.programmed_axes == ("X", "Y", "Z")
+    (found,) = _runs(run("#MEAS MODE[4]\nG100 X1 Y2 Z3 F100", axes=axes))
+    assert found.programmed_axes == ("X", "Y", "Z")
     alarm = _alarm(run, "#MEAS MODE[4]\nN7 G100 X1 Y2 Z3 A4 F100", axes=axes)
     assert alarm.id == 50061
     assert alarm.values == {"programmed": 4, "maximum": 3, "type": 4}
@@ -94,13 +94,13 @@ def test_type_4_measures_with_main_axes(run) -> None:
 
 @pytest.mark.parametrize("choice", ["#MEAS MODE[7]", "#MEAS [TYPE=7]"])
 def test_type_7_measures_as_type_1_does(run, choice: str) -> None:
-    (told,) = _runs(run(f"{choice}\nG100 X5 Y6 F100"))
-    assert (told.measuring_type, told.feed_mm_min, told.goes_on) == (7, 100, False)
-    assert told.measuring_axes == told.programmed_axes == ("X", "Y")
-    (told,) = _runs(run(f"{choice}\n#CS ON[0,0,0,0,0,90]\nG100 X5 F100\n#CS OFF"))
+    (found,) = _runs(run(f"{choice}\nG100 X5 Y6 F100"))
+    assert (found.measuring_type, found.feed_mm_min, found.goes_on) == (7, 100, False)
+    assert found.measuring_axes == found.programmed_axes == ("X", "Y")
+    (found,) = _runs(run(f"{choice}\n#CS ON[0,0,0,0,0,90]\nG100 X5 F100\n#CS OFF"))
     # Turned by 90 degrees X is Y: all main axes deliver a value, one is moved to the stop
-    assert told.measuring_axes == XYZ
-    assert {axis for axis, mm in told.target_mm.items() if abs(mm) > 1e-9} == {"Y"}
+    assert found.measuring_axes == XYZ
+    assert {axis for axis, mm in found.target_mm.items() if abs(mm) > 1e-9} == {"Y"}
 
 
 def test_the_results_of_type_7_are_those_of_type_1(run, plane_machine) -> None:
@@ -124,8 +124,8 @@ def test_the_check_of_a_program_has_nothing_to_say_about_type_7() -> None:
 @pytest.mark.parametrize("word", ["G310", "G210"])
 def test_g310_measures_with_feed_or_in_rapid_traverse(run, word: str) -> None:
     for motion, feed in (("G1 F100", 100), ("G0", None), ("F50", 50)):
-        (told,) = _runs(run(f"#MEAS MODE[5]\n{word} {motion} X5"))
-        assert (told.measuring_type, told.feed_mm_min, told.goes_on) == (5, feed, False)
+        (found,) = _runs(run(f"#MEAS MODE[5]\n{word} {motion} X5"))
+        assert (found.measuring_type, found.feed_mm_min, found.goes_on) == (5, feed, False)
 
 
 @pytest.mark.parametrize("type_", [1, 2, 3, 4, 7])
@@ -186,8 +186,8 @@ def test_under_cs_all_three_main_axes_must_signal_in_every_type(run, plane_machi
     for type_, word in ((1, "G100"), (2, "G100"), (3, "G100"), (4, "G100"), (5, "G310")):
         machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
         text = f"#MEAS MODE[{type_}]\n#CS ON[0,0,0,0,0,0]\n{word} X9 F100"
-        (told,) = _runs(run(text, machine))
-        assert told.measuring_axes == XYZ
+        (found,) = _runs(run(text, machine))
+        assert found.measuring_axes == XYZ
 
 
 # Programs of the manuals
@@ -199,7 +199,7 @@ def test_fct_c4_waits_for_the_axes_that_move(run) -> None:
         "%Measurement_run_standard\nN10 G00 X0 Y1 Z0\nN20 X5\nN30 G100 X10 F500\nN40 G01 Y3\n"
         "N50 G100 Y10 F500\nN60 G01 X10 Y5\nN70 G100 X15 Y10 F500\nN100 M30\n"
     )
-    assert [told.measuring_axes for told in _runs(run(text))] == [("X",), ("Y",), ("X", "Y")]
+    assert [found.measuring_axes for found in _runs(run(text))] == [("X",), ("Y",), ("X", "Y")]
 
 
 def test_fct_c4_waits_for_all_three_under_cs(run) -> None:
@@ -208,7 +208,7 @@ def test_fct_c4_waits_for_all_three_under_cs(run) -> None:
         "%Measurement_run_CS\nN10 G00 X0 Y1 Z0\nN20 #CS ON[0,0,0,0,45]\nN30 G100 X10 F500\n"
         "N40 #CS OFF\nN50 #CS ON[0,0,0,0,0,90]\nN60 G100 X10 F500\nN70 #CS OFF\nN100 M30\n"
     )
-    assert [told.measuring_axes for told in _runs(run(text))] == [XYZ, XYZ]
+    assert [found.measuring_axes for found in _runs(run(text))] == [XYZ, XYZ]
 
 
 @pytest.mark.parametrize(("plane_mm", "end_mm"), [(40.0, (0.0, 0.0)), (500.0, (200.0, 200.0))])

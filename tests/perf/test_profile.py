@@ -30,11 +30,11 @@ def test_stages_of_a_next_run_add_up_to_all_of_it() -> None:
     """With a clock that goes on by 1 ms whenever it is read, one run."""
     ticks = count(0, 1_000_000)
     clock = Clocks(lambda: next(ticks), lambda: next(ticks))
-    told = measure_stages(PLAN, "actuated", 1, clock)
-    assert set(told["stages_ms"]) == {*STAGES, REST} - {SIMULATION}
-    own_ms = [spent for stage, spent in told["stages_ms"].items() if stage != REST]
+    found = measure_stages(PLAN, "actuated", 1, clock)
+    assert set(found["stages_ms"]) == {*STAGES, REST} - {SIMULATION}
+    own_ms = [spent for stage, spent in found["stages_ms"].items() if stage != REST]
     assert all(spent >= 1.0 for spent in own_ms)  # each was called
-    assert sum(told["stages_ms"].values()) == told["beyond_simulation_ms"]
-    lines = show_stages(told).splitlines()
+    assert sum(found["stages_ms"].values()) == found["beyond_simulation_ms"]
+    lines = show_stages(found).splitlines()
     assert lines[2].startswith("| files of the run before removed | ")
     assert lines[-1].startswith("latch_accuracy-actuated, CPU time, median of 1; axisrig ")

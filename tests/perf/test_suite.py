@@ -99,8 +99,8 @@ def test_the_table_names_rows_that_there_are() -> None:
 
 def test_the_table_has_what_is_to_be_reached() -> None:
     """Numbers as they were set, in the order of their aims."""
-    told = [(m.kind, m.better, m.reach, m.reach_interpreted) for m in read_suite()]
-    assert told == [
+    found = [(m.kind, m.better, m.reach, m.reach_interpreted) for m in read_suite()]
+    assert found == [
         ("run", "more", 20.0, 12.0),
         ("run", "more", 15.0, None),
         ("run", "more", 10.0, None),
@@ -174,8 +174,8 @@ def test_progress_says_what_comes_next(fake: list[str]) -> None:
 
 
 def test_what_is_only_named_is_not_measured(fake: list[str]) -> None:
-    (told,) = run(a_measure("make test", "named", note="time make test"))["suite"]
-    assert (told["value"], told["samples"], told["is_reached"]) == (None, 0, None)
+    (found,) = run(a_measure("make test", "named", note="time make test"))["suite"]
+    assert (found["value"], found["samples"], found["is_reached"]) == (None, 0, None)
     assert fake == []
 
 
@@ -211,26 +211,26 @@ def test_a_number_holds_for_the_compiled_build_unless_there_are_two(
 
 
 def measured(kind: str, plan: str = "", row: str = "") -> dict[str, Any]:
-    told: dict[str, Any] = run(a_measure("it", kind, plan=plan, row=row), repeats=1)["suite"][0]
-    return told
+    found: dict[str, Any] = run(a_measure("it", kind, plan=plan, row=row), repeats=1)["suite"][0]
+    return found
 
 
 def test_a_run_is_timed_with_its_files_and_its_frames() -> None:
-    told = measured("run", "latch_accuracy.csv", "actuated")
-    assert told["value"] == pytest.approx(told["simulated_s"] / told["cpu_s"])
+    found = measured("run", "latch_accuracy.csv", "actuated")
+    assert found["value"] == pytest.approx(found["simulated_s"] / found["cpu_s"])
     # The clock goes on by 1 ms whenever it is read: run, its wall time twice, its loop twice, its
     # folder twice, end
-    assert told["cpu_s"] == pytest.approx(0.007)
-    assert re.fullmatch("[0-9a-f]{64}", told["frame_log_sha256"])
+    assert found["cpu_s"] == pytest.approx(0.007)
+    assert re.fullmatch("[0-9a-f]{64}", found["frame_log_sha256"])
 
 
 def test_beyond_the_simulation_is_everything_but_its_loop() -> None:
-    told = measured("next_run", "latch_accuracy.csv", "actuated")
-    assert told["value"] == told["beyond_simulation_ms"]
+    found = measured("next_run", "latch_accuracy.csv", "actuated")
+    assert found["value"] == found["beyond_simulation_ms"]
     # One tick for the check, seven for the run without the one of the loop
-    assert told["value"] == pytest.approx(7.0)
+    assert found["value"] == pytest.approx(7.0)
     # Its folder takes one to open, and one to close
-    assert told["next_row_ms"] == pytest.approx(5.0)
+    assert found["next_row_ms"] == pytest.approx(5.0)
 
 
 def test_rows_of_a_plan_are_checked_as_a_plan_of_their_own(tmp_path: Path) -> None:
@@ -250,10 +250,10 @@ def test_a_command_is_timed_in_a_process_and_must_succeed(tmp_path: Path) -> Non
 
 @pytest.mark.long
 def test_two_workers_are_set_against_one() -> None:
-    told = measured("workers", "latch_accuracy.csv", "actuated not-released")
-    assert told["value"] == pytest.approx(told["one_wall_s"] / told["two_wall_s"])
-    assert 0.0 < told["apart"] < 10.0
-    assert told["by_cpu"] == pytest.approx(2 * told["one_cpu_s"] / told["two_cpu_s"])
+    found = measured("workers", "latch_accuracy.csv", "actuated not-released")
+    assert found["value"] == pytest.approx(found["one_wall_s"] / found["two_wall_s"])
+    assert 0.0 < found["apart"] < 10.0
+    assert found["by_cpu"] == pytest.approx(2 * found["one_cpu_s"] / found["two_cpu_s"])
     with pytest.raises(UserError, match="rows are missing"):
         measured("workers", "latch_accuracy.csv", "actuated moon")
 
@@ -261,13 +261,13 @@ def test_two_workers_are_set_against_one() -> None:
 @pytest.mark.long
 def test_memory_is_that_of_a_longer_run_over_a_short_one() -> None:
     feeds = "plc:V.E.FEED=3000 plc:V.E.FEED=600"
-    told = measured("memory", "latch_accuracy.csv", f"f600 {feeds}")
-    seconds = told["long_simulated_s"] - told["short_simulated_s"]
-    grown_mb = told["long_peak_mb"] - told["short_peak_mb"]
+    found = measured("memory", "latch_accuracy.csv", f"f600 {feeds}")
+    seconds = found["long_simulated_s"] - found["short_simulated_s"]
+    grown_mb = found["long_peak_mb"] - found["short_peak_mb"]
     assert seconds > 0.5
-    assert min(told["short_peak_mb"], told["long_peak_mb"]) > 20.0
-    assert told["value"] == pytest.approx(60 * grown_mb / seconds)
-    assert math.isfinite(told["loop_mb_min"])
+    assert min(found["short_peak_mb"], found["long_peak_mb"]) > 20.0
+    assert found["value"] == pytest.approx(60 * grown_mb / seconds)
+    assert math.isfinite(found["loop_mb_min"])
     with pytest.raises(UserError, match="no such case"):
         measured("memory", "latch_accuracy.csv", f"moon {feeds}")
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.plans.shipped_files import limits
 
 PLANS = Path(__file__).parents[2] / "testplans"
 SYNC_S = 48e-6  # test_shipped_bands.py recomputes it
@@ -128,22 +129,12 @@ def expected(row: dict[str, str]) -> dict[str, tuple[float, float]]:
     }
 
 
-def _limits(text: str) -> tuple[float, float]:
-    if text.startswith("<="):
-        return -math.inf, float(text[2:])
-    if " +- " in text:
-        middle, width = map(float, text.split(" +- "))
-        return middle - width, middle + width
-    low, high = map(float, text.split(" .. "))
-    return low, high
-
-
 @pytest.mark.parametrize("case", ROWS)
 def test_limits_are_those_of_the_closed_forms(case: str) -> None:
     row = ROWS[case]
     for metric, (low, high) in expected(row).items():
         text = row[f"check:{metric}"]
-        assert _limits(text) == pytest.approx((low, high), abs=1e-5, rel=1e-6), metric
+        assert limits(text) == pytest.approx((low, high), abs=1e-5, rel=1e-6), metric
     assert 0.5 * INCREMENT * 1e3 < 0.01 / 2, "half an increment and its uncertainty"
 
 

@@ -13,14 +13,11 @@ is x_stop + F/k at any v.
 
 import csv
 import math
-import tomllib
-from pathlib import Path
-from typing import Any
 
 import pytest
 from scipy.stats import chi2, t
+from tests.plans.shipped_files import PLANS, rig_of
 
-PLANS = Path(__file__).parents[2] / "testplans"
 SYNC_MS = 0.048  # 44 bits and 4 stuff bits at 1 Mbit/s
 LEAD_UM = 10_000.0
 # What the rig of the stop leaves out: fmus/README.md, "ServoAxis"; drive profile `canopen`
@@ -61,27 +58,13 @@ AT_PROBE = (*FIXED, *AT_SIGNAL)
 VELOCITY, ERROR, VALUE = "contact_velocity_mm_s", "latch_error_um", "latch_mm"
 
 
-def _rig(name: str) -> dict[str, Any]:
-    path = PLANS / "rigs" / name
-    table = tomllib.loads(path.read_text(encoding="utf-8"))
-    return _merged(_rig(table["base"]), table) if "base" in table else table
-
-
-def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    found = dict(below)
-    for key, value in above.items():
-        both = isinstance(value, dict) and isinstance(found.get(key), dict)
-        found[key] = _merged(found[key], value) if both else value
-    return found
-
-
 class Study:
     """What a row is about: its speeds, its chain and its increment."""
 
     def __init__(self, case: str) -> None:
         row = ROWS[case]
         self.inputs, self.checks = _inputs(row), _checks(row)
-        self.rig = _rig(Path(row["rig"]).name)
+        self.rig = rig_of(PLANS / row["rig"])
         feeds = [float(text) for text in row["plc:V.E.FEED"].strip("[]").split("|")]
         is_oblique = row["program"].endswith("-xz.nc")  # X has 0.6 of the path
         self.speeds = [feed / 60.0 * (0.6 if is_oblique else 1.0) for feed in feeds]

@@ -3,33 +3,18 @@
 Nothing of the bench is imported. Programs are compared word by word with the print, errata applied.
 """
 
-import csv
 import math
 import re
-from pathlib import Path
 
 import pytest
+from tests.plans.shipped_files import PLANS, limits, rows_of
 
-PLANS = Path(__file__).parents[2] / "testplans"
 V_MM_S = 500 / 60  # F500
 SIGNAL_S = 0.3  # plc:X.probing_signal
 KV, A_MM_S2, CYCLE_S = 40.0, 1000.0, 1e-3
 
 
-def _rows() -> dict[str, dict[str, str]]:
-    with (PLANS / "manual_examples.csv").open(encoding="utf-8", newline="") as file:
-        return {row["case"]: row for row in csv.DictReader(file)}
-
-
-ROWS = _rows()
-
-
-def _limits(text: str) -> tuple[float, float]:
-    if "+-" in text:
-        middle, width = (float(part) for part in text.split(" +- "))
-        return middle - width, middle + width
-    low, high = (float(part) for part in text.split(" .. "))
-    return low, high
+ROWS = rows_of("manual_examples")
 
 
 PRINTED = {
@@ -119,7 +104,7 @@ def test_a_signal_of_the_plc_comes_so_long_after_the_run_begins(
     case: str, axis: str, start_mm: float, share: float
 ) -> None:
     """The path begins up to 4 cycles after the run, and the value is up to one cycle old."""
-    low, high = _limits(ROWS[case][f"check:latch_mm:{axis}"])
+    low, high = limits(ROWS[case][f"check:latch_mm:{axis}"])
     assert low == pytest.approx(start_mm + share * _way_mm(SIGNAL_S - 5 * CYCLE_S), abs=2e-5)
     assert high == pytest.approx(start_mm + share * _way_mm(SIGNAL_S), abs=2e-5)
 
@@ -129,8 +114,8 @@ def test_both_walls_are_on_the_line_of_the_first_program() -> None:
     row = ROWS["meas-run"]
     x_mm, y_mm = float(row["plant:stop_x.low_mm"]), float(row["plant:stop_y.low_mm"])
     assert y_mm == 2 * (x_mm - 5)
-    assert _limits(row["check:latch_mm:X"]) == pytest.approx((x_mm, x_mm), abs=2e-5)
-    assert _limits(row["check:latch_mm:Y"]) == pytest.approx((y_mm, y_mm), abs=2e-5)
+    assert limits(row["check:latch_mm:X"]) == pytest.approx((x_mm, x_mm), abs=2e-5)
+    assert limits(row["check:latch_mm:Y"]) == pytest.approx((y_mm, y_mm), abs=2e-5)
 
 
 def test_the_stroke_of_the_list_lowers_type_4() -> None:

@@ -4,14 +4,12 @@ Nothing of the bench is imported. Each of the three probes sees another height, 
 cannot come from the wrong one.
 """
 
-import csv
 import math
 import tomllib
-from pathlib import Path
 
 import pytest
+from tests.plans.shipped_files import PLANS, limits, rows_of
 
-PLANS = Path(__file__).parents[2] / "testplans"
 RIG = tomllib.loads((PLANS / "rigs/probes-older.toml").read_text(encoding="utf-8"))
 V_MM_S, START_MM, TARGET_MM = 10.0, 105.0, 98.0  # F600 and the blocks of the programs
 INCREMENT_MM = 10.0 / 2**20
@@ -19,20 +17,7 @@ CYCLE_MM = V_MM_S * 1e-3
 A_MM_S2 = 1000.0  # P-AXIS-00005
 
 
-def _rows() -> dict[str, dict[str, str]]:
-    with (PLANS / "older_parameters.csv").open(encoding="utf-8", newline="") as file:
-        return {row["case"]: row for row in csv.DictReader(file)}
-
-
-ROWS = _rows()
-
-
-def _limits(text: str) -> tuple[float, float]:
-    if "+-" in text:
-        middle, width = (float(part) for part in text.split(" +- "))
-        return middle - width, middle + width
-    low, high = (float(part) for part in text.split(" .. "))
-    return low, high
+ROWS = rows_of("older_parameters")
 
 
 def _of_input(plant: str) -> tuple[float, float]:
@@ -70,21 +55,21 @@ def test_a_row_expects_the_probe_of_its_parameter(plant: str) -> None:
         row = ROWS[case]
         for column in ("check:msg:N40", "check:msg:N80"):
             if row[column]:
-                assert _limits(row[column]) == pytest.approx(EXPECTED[plant], abs=1e-6), case
+                assert limits(row[column]) == pytest.approx(EXPECTED[plant], abs=1e-6), case
 
 
 def test_simulated_probes_have_the_set_position_of_their_condition() -> None:
     """Down at v: the first cycle after a place is up to v T past it; mode 2: n T less v²/2a."""
     way = START_MM - TARGET_MM
-    assert _limits(ROWS["p112-1"]["check:msg:N40"]) == pytest.approx((100.5 - CYCLE_MM, 100.5))
+    assert limits(ROWS["p112-1"]["check:msg:N40"]) == pytest.approx((100.5 - CYCLE_MM, 100.5))
     cycles = float(ROWS["p112-2"]["set:Z.meas_simu.parameter1"])
     at = START_MM - (cycles * CYCLE_MM - V_MM_S**2 / (2 * A_MM_S2))
-    low, high = _limits(ROWS["p112-2"]["check:msg:N40"])
+    low, high = limits(ROWS["p112-2"]["check:msg:N40"])
     assert (low, high) == pytest.approx((at - CYCLE_MM, at + CYCLE_MM), abs=2e-5)
     rest = TARGET_MM + float(ROWS["p112-3"]["set:Z.meas_simu.parameter1"]) / 100 * way
-    assert _limits(ROWS["p112-3"]["check:msg:N40"]) == pytest.approx((rest - CYCLE_MM, rest))
+    assert limits(ROWS["p112-3"]["check:msg:N40"]) == pytest.approx((rest - CYCLE_MM, rest))
     for case in ("p112-4", "p112-5", "p112-over-p257"):
-        assert _limits(ROWS[case]["check:msg:N40"]) == pytest.approx((98.0, 98.0), abs=2e-5)
+        assert limits(ROWS[case]["check:msg:N40"]) == pytest.approx((98.0, 98.0), abs=2e-5)
 
 
 def test_a_body_is_touched_where_its_geometry_has_it() -> None:
@@ -95,8 +80,8 @@ def test_a_body_is_touched_where_its_geometry_has_it() -> None:
 
     box, pole = ROWS["p112-6-box"], ROWS["p112-6-round"]
     for row, at in ((box, mm(box, "Z", 2)), (pole, mm(pole, "Z", 3) + mm(pole, "Z", 4))):
-        assert _limits(row["check:msg:N40"]) == pytest.approx((at - CYCLE_MM, at), abs=2e-5)
-    cut = _limits(ROWS["p112-6-list"]["check:msg:N40"])  # 97 to 100.5, and 99 +- 2
+        assert limits(row["check:msg:N40"]) == pytest.approx((at - CYCLE_MM, at), abs=2e-5)
+    cut = limits(ROWS["p112-6-list"]["check:msg:N40"])  # 97 to 100.5, and 99 +- 2
     assert cut == pytest.approx((100.5 - CYCLE_MM, 100.5), abs=2e-5)
 
 
@@ -108,9 +93,9 @@ def test_a_sphere_is_touched_beside_its_middle() -> None:
     assert (centre["X"], centre["Z"]) == (6.0, 96.0)  # the target of the run
     way = math.sqrt(radius**2 - centre["Y"] ** 2)
     x, z = 6.0 - 0.6 * way, 96.0 + 0.8 * way
-    low, high = _limits(row["check:latch_mm:X"])
+    low, high = limits(row["check:latch_mm:X"])
     assert (low, high) == pytest.approx((x, x + 0.6 * CYCLE_MM), abs=2e-5)
-    low, high = _limits(row["check:latch_mm:Z"])
+    low, high = limits(row["check:latch_mm:Z"])
     assert (low, high) == pytest.approx((z - 0.8 * CYCLE_MM, z), abs=2e-5)
 
 

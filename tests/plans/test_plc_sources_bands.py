@@ -3,40 +3,18 @@
 Nothing of the bench is imported: rigs and plan are read as the text files they are.
 """
 
-import csv
 import math
 import re
-import tomllib
-from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.plans.shipped_files import PLANS, rig_of, rows_of
 
-PLANS = Path(__file__).parents[2] / "testplans"
 INCREMENT_UM = 10_000 / 2**20
 SYNC_US = 48  # 44 bits and 4 stuff bits at 1 Mbit/s
 BASE = {"period_us": 2000, "offset_us": 300, "busy_us": 0}
 
 
-def _rows() -> dict[str, dict[str, str]]:
-    with (PLANS / "plc_sources.csv").open(encoding="utf-8", newline="") as file:
-        return {row["case"]: row for row in csv.DictReader(file)}
-
-
-ROWS = _rows()
-
-
-def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    found = dict(below)
-    for key, value in above.items():
-        both = isinstance(value, dict) and isinstance(found.get(key), dict)
-        found[key] = _merged(found[key], value) if both else value
-    return found
-
-
-def _rig(path: Path) -> dict[str, Any]:
-    table = tomllib.loads(path.read_text(encoding="utf-8"))
-    return _merged(_rig(path.parent / table["base"]), table) if "base" in table else table
+ROWS = rows_of("plc_sources")
 
 
 def _source(row: dict[str, str]) -> str:
@@ -44,7 +22,7 @@ def _source(row: dict[str, str]) -> str:
     if row["set:Z.kenngr.measure.signal"]:
         return row["set:Z.kenngr.measure.signal"]
     rig_file = PLANS / row["rig"]
-    text = (rig_file.parent / _rig(rig_file)["axis"]["Z"]["list"]).read_text(encoding="utf-8")
+    text = (rig_file.parent / rig_of(rig_file)["axis"]["Z"]["list"]).read_text(encoding="utf-8")
     if re.search(r"^kenngr.probing_signal_via_plc\s+1", text, re.M):
         return "PLC"
     found = re.search(r"^kenngr.measure.signal\s+(\w+)", text, re.M)
@@ -59,7 +37,7 @@ def _delays_us(row: dict[str, str]) -> tuple[float, float]:
     the terminal is exchanged with the task, and where its cycle is whole cycles of the task, its
     wait and that of the task are one.
     """
-    rig = _rig(PLANS / row["rig"])
+    rig = rig_of(PLANS / row["rig"])
     plc, cnc = rig["plc"], rig["cycle"]
     period = float(row["plc:period_us"] or plc["period_us"])
     offset, busy = plc["offset_us"], float(row["plc:busy_us"] or 0)
@@ -82,7 +60,7 @@ BANDS = [
     name
     for name, row in ROWS.items()
     if row["check:latch_error_um"] and _source(row) in AT_SIGNAL
-    if not row["plc:V.E.POSITION"] and "terminal" in _rig(PLANS / row["rig"])["plc"]
+    if not row["plc:V.E.POSITION"] and "terminal" in rig_of(PLANS / row["rig"])["plc"]
 ]
 
 
@@ -103,7 +81,7 @@ def test_the_band_of_a_digital_input_of_the_drive() -> None:
     NC cycles at 0.6 and 1.6 of 2 ms, PLC at 0.3: 1.7 or 0.7 ms from one to the other, then 0.3 ms.
     """
     row = ROWS["plc-drive-input"]
-    rig = _rig(PLANS / row["rig"])
+    rig = rig_of(PLANS / row["rig"])
     assert (rig["plc"]["period_us"], rig["plc"]["offset_us"]) == (2000, 300)
     assert (rig["cycle"]["period_us"], rig["cycle"]["cycle_offset_us"]) == (1000, 600)
     age = 600 - SYNC_US
@@ -275,7 +253,7 @@ WITH_BOUNCE = ["plc-bounce", "first-event-bounce", "stamp-bounce", "ext-bounce",
 def test_the_second_trigger_comes_while_the_axis_brakes(case: str) -> None:
     """Two openings: edges at 0, 1/2 and 1 of the time; v/a of set position and 1/Kv of lag."""
     row = ROWS[case]
-    probe = _rig(PLANS / row["rig"])["plant"]["probe"]["start"]
+    probe = rig_of(PLANS / row["rig"])["plant"]["probe"]["start"]
     count = float(row["plant:probe.bounce_count"] or probe["bounce_count"])
     second_s = float(row["plant:probe.bounce_time_ms"]) / 1000 / count
     assert count == 2

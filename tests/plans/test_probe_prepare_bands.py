@@ -3,23 +3,15 @@
 Nothing of the bench is imported. A record is a string of tasks: 3 PREPARE, 1 ENABLE, 2 DISABLE.
 """
 
-import csv
-from pathlib import Path
-
 import pytest
+from tests.plans.shipped_files import rows_of
 
-PLAN = Path(__file__).parents[2] / "testplans" / "probe_prepare.csv"
 INCREMENT_UM = 10_000 / 2**20
 NOTHING, HOMING, EXCHANGE, RESET, END, ALARM = range(6)
 AT_PLC = ("EXT_PROBE_WITH_DRIVE", "PLC_EXT_LATCH_CONTROL")
 
 
-def _rows() -> dict[str, dict[str, str]]:
-    with PLAN.open(encoding="utf-8", newline="") as file:
-        return {row["case"]: row for row in csv.DictReader(file)}
-
-
-ROWS = _rows()
+ROWS = rows_of("probe_prepare")
 
 
 def _ve(row: dict[str, str], name: str) -> int:

@@ -123,18 +123,18 @@ class Series:
     @property
     def about(self) -> Mapping[str, str]:
         """What the file says of itself: `run` and `rig`; empty in older ones. Raises as `names`."""
-        told = self._schema.metadata or {}
-        texts = {key.decode(): value.decode() for key, value in told.items()}
+        given = self._schema.metadata or {}
+        texts = {key.decode(): value.decode() for key, value in given.items()}
         return {key: texts[key] for key in ABOUT if key in texts}
 
     @property
     def units(self) -> Mapping[str, str]:
         """Return the unit of each column that has one. Raises as `names`."""
-        told = (self._schema.metadata or {}).get(_UNITS.encode())
-        if told is None:
+        given = (self._schema.metadata or {}).get(_UNITS.encode())
+        if given is None:
             return units_of(self._schema.names)
         try:
-            units: Mapping[str, str] = json.loads(told)
+            units: Mapping[str, str] = json.loads(given)
         except ValueError as error:
             raise _damaged(self.source, "units are no JSON") from error
         return units

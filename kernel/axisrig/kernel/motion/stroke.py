@@ -6,6 +6,10 @@ in time with what is missing of the speed: the path follows the limit on which a
 whole stroke, in short ramps, and comes near the speed as an exponential does. Where no ramp goes on
 along the limit it falls to 0, and a new pulse leads on: a ramp of SIN2 keeps its acceleration at
 first, and one that may fall at once can leave no room for a slower fall.
+
+Source: FCT-C4, P-AXIS-00086 with its remark, for what a stop may take; the stop is that of
+`jerk_ramps.braking` (seven phases, ISG 117611531). How the run-up keeps to it is a decision of ours
+(docs/ambiguities.md).
 """
 
 import math
@@ -28,9 +32,9 @@ _LOOKS = 8  # instants of a ramp at which a stop is tried, and of each such time
 _LOOKS_SIN2 = 16  # the same: its acceleration stays at first, and then falls steeply
 _MOST_LOOKS = 64
 _RESERVE = 0.02  # share of the stroke that the speed leaves free, for what is between the looks
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # share of the stroke that is rounding
 _SAME_SPEED = 1e-6  # share of the feed that is as good as it
-_LEFT = 0.2  # share of an acceleration below which a new pulse leads to the feed sooner
+_LEAST_SHARE = 0.2  # share of an acceleration below which a new pulse leads to the feed sooner
 _LEAST_GAIN = 1e-3  # share of what is missing of the feed that a pulse has to bring for a next one
 _MOST_RAMPS = 500
 
@@ -221,7 +225,7 @@ class RunUp:
                 found, low = ramp, middle
             else:
                 high = middle
-        if found is not None and found.to_mm_s2 > _LEFT * a:
+        if found is not None and found.to_mm_s2 > _LEAST_SHARE * a:
             return found
         if least > 0.0 and self._up.shape is Shape.TRAPEZ:  # what was tried of the whole fall
             return Ramp(a, least, step_s)

@@ -17,7 +17,8 @@ AT_SIGNAL = ("PLC", "PLC_FIRST_EVENT", "PLC_EXT_LATCH_CONTROL")
 STAMPED = "PLC_TIMESTAMP"
 
 
-def _chain(observed: Observed, task: PlcTaskRecord) -> Chain:
+def signal_chain(observed: Observed, task: PlcTaskRecord) -> Chain:
+    """Return the cycles of terminal, PLC and CNC that a signal goes through."""
     timing = observed.facts.timing
     return Chain(
         Grid(task.terminal_ns, task.terminal_offset_ns),
@@ -36,7 +37,7 @@ def signal_late_cycles(observed: Observed, seen: Touch, _axis: str) -> Observati
         return Observation(None, note="no probe is wired to the PLC")
     if seen.edge_ns is None or seen.run.signal_ns is None:
         return Observation(None, note="no edge was seen in the measurement run")
-    due_ns = _chain(observed, task).seen(seen.edge_ns).cnc_ns
+    due_ns = signal_chain(observed, task).seen(seen.edge_ns).cnc_ns
     return Observation((seen.run.signal_ns - due_ns) / observed.facts.timing.period_ns)
 
 
@@ -52,7 +53,7 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
     value_mm = seen.run.latched_mm.get(axis)
     if value_mm is None or seen.edge_ns is None:
         return Observation(None, note=f"no measured value of axis {axis}")
-    chain = _chain(observed, task)
+    chain = signal_chain(observed, task)
     if source == STAMPED:
         clock = task.stamp_resolution_ns, task.clock_offset_ns, task.clock_drift_ppm
         stamp_ns = chain.stamped(seen.edge_ns, *clock)

@@ -110,12 +110,12 @@ def _resolution(settings: Settings, name: str) -> list[str]:
         parameters.integer("lr_hw[1].encoder_resolution_num") * UNITS_PER_MM,
         parameters.integer("lr_hw[1].encoder_resolution_denom"),
     )
-    told = settings.rig.drive[axis.drive].make().units_per_mm
-    if listed == told:
+    given = settings.rig.drive[axis.drive].make().units_per_mm
+    if listed == given:
         return []
     return [
         f"P-AXIS-00422 and 00423 say {float(listed):g} increments of the sensor per mm, its drive"
-        f" sends {float(told):g}: every distance is {float(told / listed):.6g} times what it is"
+        f" sends {float(given):g}: every distance is {float(given / listed):.6g} times what it is"
     ]
 
 

@@ -259,8 +259,8 @@ def _combine(
 ) -> tuple[list[Share], tuple[str, ...]]:
     """Give the shares their means over the orders, where causes act on each other.
 
-    Return with them the names of those that were not combined, for want of runs. The rounding to
-    increments is off throughout: it is a share of its own.
+    Return with them the names of those that were not combined, since that needs more runs than
+    are allowed. The rounding to increments is off throughout: it is a share of its own.
     """
     rounding = [place for place, each in enumerate(runs.active) if each.cause.form == ROUNDING]
     found = combined(

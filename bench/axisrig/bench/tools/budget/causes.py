@@ -10,6 +10,7 @@ from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.budget.instants import is_handed
 from axisrig.bench.tools.budget.motion import (
     braking_words,
     run_up_words,
@@ -119,7 +120,7 @@ def active_causes(
         "input": is_latched or not at_terminal,
         "plc": not is_latched and task is not None,
         "terminal": not is_latched and at_terminal,
-        "external": is_external,
+        "external": is_external and is_handed(settings),
     }
     found = [_active(case, settings, axis, cause) for cause in causes() if there[cause.needs]]
     return [each for each in found if each is not None]

@@ -6,8 +6,9 @@ of an edge follows from their cycles alone (docs/measuring-sources.md).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 
-from axisrig.bench.judge.latch.sources import AT_SIGNAL, STAMPED
+from axisrig.bench.judge.latch.sources import AT_SIGNAL, STAMPED, signal_chain
 from axisrig.bench.judge.latch.truth import Touch
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.sources.chain import Chain, Grid, believed_ns
@@ -15,8 +16,8 @@ from axisrig.bench.record.measuring import PlcTaskRecord
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US, TimeNs
 
-HANDED = "POSITION"
-"""Variable V.E. with which `testplans/plc/external_latch.py` hands a position over."""
+HANDED, HANDS_OVER = "POSITION", "external_latch.py"
+"""Variable V.E. with which the shipped program in `testplans/plc` hands a position over."""
 EXTERNAL = "PLC_EXT_LATCH_CONTROL"
 UNIT_UM = 0.1
 """Of `probing_position` (FCT-C4 8.2.3)."""
@@ -52,7 +53,7 @@ def instants_at_plc(
         return None
     if source == STAMPED:
         return Instants(_believed_ns(task, settings, through))
-    plc_ns = read_ns(_chain(observed, task), through)
+    plc_ns = read_ns(signal_chain(observed, task), through)
     return None if plc_ns is None else Instants(_value_ns(observed, task, plc_ns, source, settings))
 
 
@@ -93,18 +94,6 @@ def _edges(observed: Observed, seen: Touch) -> Edges:
     return sorted(found)
 
 
-def _chain(observed: Observed, task: PlcTaskRecord) -> Chain:
-    timing = observed.facts.timing
-    return Chain(
-        Grid(task.terminal_ns, task.terminal_offset_ns),
-        Grid(task.period_ns, task.offset_ns),
-        Grid(timing.period_ns, timing.offset_ns),
-        task.filter_ns,
-        task.busy_ns,
-        task.terminal_late_ns,
-    )
-
-
 def _value_ns(
     observed: Observed, task: PlcTaskRecord, plc_ns: TimeNs, source: str, settings: Settings
 ) -> TimeNs:
@@ -120,9 +109,13 @@ def _value_ns(
 
 
 def is_handed(settings: Settings) -> bool:
-    """Whether the shipped program of PLC_EXT_LATCH_CONTROL hands a position over."""
-    value = settings.external.get(HANDED)
-    return value is not None and value != 0.0
+    """Whether the shipped program of PLC_EXT_LATCH_CONTROL hands a position over.
+
+    Of another program it is not known whether and what it hands over.
+    """
+    task, value = settings.rig.plc_task, settings.external.get(HANDED)
+    is_shipped = task is not None and PurePath(str(task.program)).name == HANDS_OVER
+    return is_shipped and value is not None and value != 0.0
 
 
 def _by_drive_input(
@@ -140,7 +133,7 @@ def _by_drive_input(
     sampled_ns = observed.time_ns(row)
     timing = observed.facts.timing
     shown_ns = Grid(timing.period_ns, timing.offset_ns).after(sampled_ns)
-    plc_ns = _chain(observed, task).plc_every.after(shown_ns)
+    plc_ns = signal_chain(observed, task).plc_every.after(shown_ns)
     return Instants(
         _value_ns(observed, task, plc_ns, observed.facts.runs[-1].sources[axis], settings),
         sampled_ns,

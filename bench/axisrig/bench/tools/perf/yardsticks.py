@@ -121,7 +121,7 @@ class KernelCycle:
 
 
 class Pair:
-    """Time beyond a loop in C of two coupled FMUs, ours by that of fmpy's methods."""
+    """Time besides a loop in C of two coupled FMUs, ours by that of fmpy's methods."""
 
     def __init__(self, _plan: str, _row: str, place: Place) -> None:
         self._clock_ns = place.clocks.cpu_ns
