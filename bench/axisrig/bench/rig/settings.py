@@ -124,6 +124,7 @@ class Settings:
             ball_radius_counts=not self.channel.flag("meas_pcs_value_no_probe_radius"),
             circle=_circle_limits(self),
             kinematics=_kinematics(self),
+            cycle_changes_modal=self.channel.flag("cycle_changes_modal"),
         )
 
     def apply(self, assignment: Assignment, located: Located) -> None:

@@ -18,7 +18,8 @@ class OffsetTables:
 
     rotary: axes in degrees, which have no inch. ball_radius_counts: the radius of the tool is in
     V.A.MEAS.PCS.VALUE (P-CHAN-00311 = 0). circle: how exact an arc must be. kinematics:
-    parameters that the list of the channel has of them.
+    parameters that the list of the channel has of them. cycle_changes_modal: what a cycle changes
+    of the modal state stays (P-CHAN-00210 = 1).
     """
 
     zero_offsets: ZeroOffsets = field(default_factory=ZeroOffsets)
@@ -27,6 +28,7 @@ class OffsetTables:
     ball_radius_counts: bool = True
     circle: CircleLimits = DEFAULT_LIMITS
     kinematics: KinematicData = field(default_factory=KinematicData)
+    cycle_changes_modal: bool = False
 
 
 @dataclass
@@ -50,6 +52,7 @@ class Lists:
         ball_radius_counts: bool,
         circle: CircleLimits = DEFAULT_LIMITS,
         kinematics: KinematicData | None = None,
+        cycle_changes_modal: bool = False,
     ) -> OffsetTables:
         """Make the tables of one run."""
         return OffsetTables(
@@ -59,4 +62,5 @@ class Lists:
             ball_radius_counts,
             circle,
             kinematics or KinematicData(),
+            cycle_changes_modal,
         )

@@ -107,13 +107,15 @@ class Modal:
     """What stays from block to block.
 
     motion: the G function of a block with nothing but axis words. G1 without F is an alarm;
-    starting in rapid would move before anyone said so. inch: G70.
+    starting in rapid would move before anyone said so. inch: G70. zero_group: the last of G53 to
+    G59, 0 to 6; None before the first.
     """
 
     motion: str = "G1"
     absolute: bool = True
     feed_mm_min: float | None = None
     inch: bool = False
+    zero_group: int | None = None
 
 
 class Context:
@@ -168,6 +170,10 @@ class Context:
         found = self._parts[kind]
         assert isinstance(found, kind)
         return found
+
+    def keep(self, part: object) -> None:
+        """Put the state of one topic in place of what `part` gave before."""
+        self._parts[type(part)] = part
 
     def axis(self, upper: str) -> str:
         """Give the name of an axis as the rig spells it; upper: checked to be one."""

@@ -1,5 +1,6 @@
 """The place of the decoding: the calls that are open and the place in each."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from axisrig.kernel.nc.block import Block
@@ -23,9 +24,9 @@ class Frame:
     jumped back to. turning: the loop that has just been jumped back to. turned: the same for any
     jump back, until somebody has looked. seen: what had been changed at the last turn, by place.
     local: the V.L variables that were made in this call. cycle: its parameters @P and @S where this
-    is the call of a cycle. decoded: the places that have come
-    since the machine last got something to do. again: the block under decoding has come before
-    since then. called_again: the call of this frame has.
+    is the call of a cycle. at_end: what is to be done when the call ends. decoded: the places that
+    have come since the machine last got something to do. again: the block under decoding has come
+    before since then. called_again: the call of this frame has.
     """
 
     routine: Routine
@@ -39,6 +40,7 @@ class Frame:
     seen: dict[int, int] = field(default_factory=dict)
     local: Store = field(default_factory=dict)
     cycle: Store | None = None
+    at_end: Callable[[], None] | None = None
     decoded: set[int] = field(default_factory=set)
     again: bool = False
     called_again: bool = False
@@ -103,9 +105,8 @@ class Flow:
                 else:
                     frame.decoded.add(place)
                 return frame.part(place)
-            if len(self.frames) == 1:
+            if not self.leave():
                 return None
-            self.frames.pop()
 
     def give_work(self) -> None:
         """Take note that the machine has something to do: what comes from here on comes first."""
@@ -124,15 +125,27 @@ class Flow:
         else:
             frame.jump(target)
 
-    def call(self, routine: Routine, cycle: Store | None = None) -> None:
-        """Go on with the first block of a subprogram; cycle: its parameters, where it is one."""
-        self.frames.append(Frame(routine, cycle=cycle, called_again=self.frame.again))
+    def call(
+        self,
+        routine: Routine,
+        cycle: Store | None = None,
+        at_end: Callable[[], None] | None = None,
+    ) -> None:
+        """Go on with the first block of a subprogram; cycle: its parameters, where it is one.
+
+        at_end: called when the call ends, before the next block of the caller.
+        """
+        self.frames.append(
+            Frame(routine, cycle=cycle, at_end=at_end, called_again=self.frame.again)
+        )
 
     def leave(self) -> bool:
         """Go back after the call; False in the main program, which was not called."""
         if len(self.frames) == 1:
             return False
-        self.frames.pop()
+        ended = self.frames.pop()
+        if ended.at_end is not None:
+            ended.at_end()
         return True
 
     def busiest_loop(self) -> tuple[Block, int] | None:

@@ -9,6 +9,7 @@ from axisrig.kernel.nc.decoder.base.cells import Cell, Store
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.frames import CALLS_MAX
 from axisrig.kernel.nc.decoder.base.topic import Topic, silent
+from axisrig.kernel.nc.decoder.topics.cycles import restoring
 from axisrig.kernel.nc.expressions import Value
 from axisrig.kernel.nc.syntax import (
     Break,
@@ -187,8 +188,11 @@ def _call(context: Context, block: Block, call: SubprogramCall) -> None:
     if call.scope == "local":
         flow.call(unit.local[call.name])
         return
-    cycle = _parameters(context, block, call) if call.scope == "cycle" else None
-    flow.call(unit.called[call.name].main, cycle)
+    called = unit.called[call.name].main
+    if call.scope == "cycle":
+        flow.call(called, _parameters(context, block, call), restoring(context))
+    else:
+        flow.call(called)
 
 
 def _parameters(context: Context, block: Block, call: SubprogramCall) -> Store:

@@ -23,7 +23,11 @@ def _reference_point(context: Context, block: Block, words: Words) -> None:
 
 
 def _zero_offset(group: int) -> Handler:
-    return silent(lambda context, block, words: context.select_zero(group))
+    def choose(context: Context, block: Block, words: Words) -> None:
+        context.modal.zero_group = group
+        context.select_zero(group)
+
+    return silent(choose)
 
 
 def _numbered_offset(context: Context, block: Block, words: Words) -> None:
