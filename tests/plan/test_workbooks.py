@@ -115,7 +115,6 @@ def conditions(path: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("cell", "text"),
     [
-        ("<c><f>E1</f><v>0.5</v></c>", "0.5"),
         ('<c t="str"><f>E1</f><v>&lt;= 0.5</v></c>', "<= 0.5"),
         ('<c t="str"><f>""</f><v></v></c>', None),  # a stored empty text is a value
         ('<c s="1"/>', None),
@@ -129,8 +128,10 @@ def test_stored_values_of_formulas_are_read(place: Path, cell: str, text: str | 
 @pytest.mark.parametrize(
     ("cell", "what"),
     [
-        ("<c><f>E1</f></c>", "a formula without a stored value"),
-        ("<c><f>E1</f><v/></c>", "a formula without a stored value"),
+        ("<c><f>E1</f></c>", "the formula =E1 without a stored value"),
+        ("<c><f>E1</f><v/></c>", "the formula =E1 without a stored value"),
+        # a number is no condition, and may be one that nobody has computed
+        ("<c><f>E1</f><v>0.5</v></c>", "the formula =E1 where a condition stands"),
         ('<c t="e"><f>1/0</f><v>#DIV/0!</v></c>', "the error #DIV/0!"),
         ('<c t="e"><v>#REF!</v></c>', "the error #REF!"),
     ],

@@ -2,21 +2,23 @@
 
 import math
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from axisrig.bench.plan.workbook import look_through
+from axisrig.bench.plan.workbook import Formula, look_through
 from axisrig.kernel.errors import UserError
 
 
-def read_sheets(path: Path) -> dict[str, list[list[str]]]:
-    """Read the cells of every sheet of an XLSX or ODS file, by its name; the first comes first.
+def read_sheets(path: Path) -> tuple[dict[str, list[list[str]]], Sequence[Formula]]:
+    """Read the cells of every sheet of an XLSX or ODS file, by its name, and formulas of the first.
 
-    Cells have no blanks around; what a short row leaves out is empty. Raises UserError for a
-    damaged file, or one too large, and for cells without a value.
+    The first sheet comes first. Cells have no blanks around; what a short row leaves out is empty.
+    Raises UserError for a damaged file, or one too large, and for cells whose value is none, or is
+    not what they show.
     """
-    look_through(path)
+    first = look_through(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -30,7 +32,20 @@ def read_sheets(path: Path) -> dict[str, list[list[str]]]:
             )
     except Exception as error:  # calamine raises a class of its own for each kind of damage
         raise UserError("the workbook cannot be read", file=path, hint=str(error)) from None
-    return {name: _grid(frame) for name, frame in frames.items()}
+    grids = {name: _grid(frame) for name, frame in frames.items()}
+    if first is not None:
+        _reach(grids[next(iter(grids))], first.formulas)
+    return grids, first.formulas if first else ()
+
+
+def _reach(grid: list[list[str]], formulas: Sequence[Formula]) -> None:
+    """Show a formula without a value by its text; the library has nothing there."""
+    width = len(grid[0]) if grid else 0
+    for formula in formulas:
+        grid += [[""] * width for _ in range(formula.row - len(grid))]
+        row = grid[formula.row - 1]
+        row += [""] * (formula.column - len(row))
+        row[formula.column - 1] = row[formula.column - 1] or formula.text
 
 
 def read_parquet(path: Path) -> list[list[str]]:

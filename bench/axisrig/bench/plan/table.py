@@ -6,11 +6,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from axisrig.kernel.errors import UserError, together
 
+if TYPE_CHECKING:
+    from axisrig.bench.plan.workbook import Formula
+
 SUFFIXES = (".csv", ".xlsx", ".ods", ".parquet")
+CHECK = "check:"
+"""Begin of the name of a column of conditions."""
 CASE_COLUMN = "case"
 """A column that every plan has: a sheet with it is a plan."""
 
@@ -127,6 +132,7 @@ def read_table(path: Path) -> Table:
     if not path.is_file():
         raise UserError("there is no such file", file=path)
     notes: list[str] = []
+    formulas: Sequence[Formula] = ()
     if path.suffix.lower() == ".csv":
         grid = _read_csv(path)
     elif path.suffix.lower() == ".parquet":
@@ -136,10 +142,11 @@ def read_table(path: Path) -> Table:
     else:
         from axisrig.bench.plan.sheets import read_sheets  # noqa: PLC0415 - takes long to load
 
-        sheets = read_sheets(path)
-        grid = sheets.pop(next(iter(sheets)))
+        sheets, formulas = read_sheets(path)
+        first = next(iter(sheets))
+        grid = sheets.pop(first)
         notes = _further_sheets(path, sheets)
-    lines = _lines(grid)
+    lines = _lines(grid) if path.suffix.lower() == ".csv" else list(range(1, len(grid) + 1))
     filled = _without_comments(
         [(line, cells) for line, cells in zip(lines, grid, strict=True) if any(cells)]
     )
@@ -152,6 +159,11 @@ def read_table(path: Path) -> Table:
         raise UserError(
             "a column has no name", file=path, line=header_line, column=header.index("") + 1
         )
+    for formula in formulas:
+        # Rows of a workbook are lists that the grid and the filled ones share
+        if formula.row > header_line and formula.column <= len(header):
+            text = _formula_text(path, first, formula, header[formula.column - 1])
+            grid[formula.row - 1][formula.column - 1] = text
     rows = [Row(line, dict(zip(header, cells, strict=False))) for line, cells in filled[1:]]
     for line, cells in filled[1:]:
         if any(cells[len(header) :]):
@@ -162,6 +174,29 @@ def read_table(path: Path) -> Table:
                 column=len(header) + 1,
             )
     return Table(path, header_line, header, rows, notes)
+
+
+def _formula_text(path: Path, sheet: str, formula: "Formula", column: str) -> str:
+    """Return what a cell with a formula counts as (docs/plans.md), else raise UserError.
+
+    A program that writes the text of a condition, `== 3`, may make a formula of it with 0 for its
+    value.
+    """
+    from axisrig.bench.plan.workbook import cell_error  # noqa: PLC0415 - takes long to load
+
+    is_check = column.startswith(CHECK)
+    if is_check and formula.text.startswith("=="):
+        return formula.text
+    what = f"the formula {formula.text[:40]}"
+    if formula.stored is None:
+        what += " without a stored value"
+    elif not formula.computed:
+        what += ", which nobody has computed: its stored value is 0"
+    elif not is_check or formula.is_text:
+        return formula.stored
+    else:
+        what += " where a condition stands"
+    raise cell_error(path, sheet, formula.row, formula.column, what)
 
 
 def _without_comments(rows: Sequence[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
