@@ -8,9 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import duckdb
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
+import polars
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
@@ -20,6 +24,7 @@ from axisrig.bench.record.series import (
     ACTUAL,
     SECOND,
     TARGET,
+    TIME,
     Series,
     SeriesWriter,
     column_of,
@@ -212,10 +217,10 @@ def test_a_block_without_instants_is_a_defect(tmp_path: Path) -> None:
     ids=lambda values: f"{values.dtype}{len(values)}",
 )
 def test_columns_and_values_are_those_of_pyarrow(values: npt.NDArray[Any]) -> None:
-    column, expected = column_of(values), pa.array(values)
+    column, expected = column_of(values), pa.array(values, from_pandas=True)
     assert column.type == expected.type
     assert column.null_count == expected.null_count
-    assert column.buffers()[0] is None
+    assert (column.buffers()[0] is None) == (not column.null_count)
     for chunked in (
         pa.chunked_array([column]),
         pa.chunked_array([column, column.slice(1), column.slice(0, 1)]),
@@ -279,3 +284,60 @@ def test_units_that_are_no_table_are_reported_with_the_file(tmp_path: Path) -> N
     pq.write_table(table, tmp_path / "bad.parquet")
     with pytest.raises(UserError, match=r"bad\.parquet: the trace is damaged: units"):
         _ = Series(tmp_path / "bad.parquet").units
+
+
+def unset_signal(path: Path) -> Path:
+    """A signal without a value in most rows, in two blocks, the second without any value."""
+    writer = SeriesWriter(path)
+    for begin, values in ((0, [np.nan, -1.98, np.nan, 3.0]), (4, [np.nan, np.nan])):
+        times = np.arange(begin, begin + len(values), dtype=np.int64)
+        numbers = np.array(values, dtype=np.float64)
+        writer.add({TIME: column_of(times), "Z.force_n": column_of(numbers)})
+    writer.close()
+    return path
+
+
+def test_every_reader_counts_a_signal_without_a_value_alike(tmp_path: Path) -> None:
+    """DuckDB answered 3, nothing or -1.98 for one question in three forms while NaN was stored."""
+    path = unset_signal(tmp_path / "t.parquet")
+    column = "Z.force_n"
+    values = pq.read_table(path).column(column)
+    frame, lazy = pd.read_parquet(path)[column], polars.read_parquet(path)[column]
+    with duckdb.connect(":memory:") as connection:
+
+        def ask(what: str, where: str = "") -> object:
+            found = connection.execute(f"select {what} from '{path}' t {where}").fetchone()
+            return None if found is None else found[0]
+
+        x = f'"{column}"'
+        assert pc.count(values).as_py() == frame.count() == lazy.count() == ask(f"count({x})") == 2
+        assert pc.min(values).as_py() == frame.min() == lazy.min() == ask(f"min({x})") == -1.98
+        assert pc.max(values).as_py() == frame.max() == lazy.max() == ask(f"max({x})") == 3.0
+        assert frame.mean() == lazy.mean() == ask(f"avg({x})") == pytest.approx(0.51)
+        for where, rows in ((f"{x} > 2", 1), (f"{x} < 0", 1), (f"{x} is null", 4)):
+            assert ask("count(*)", f"where {where}") == rows
+        assert (lazy > 2).sum() == (frame > 2).sum() == 1
+        highest = f"where {x} is not null order by {x} desc limit 1"
+        assert ask(x, highest) == ask(f"max({x})") == 3.0
+
+
+def test_a_signal_without_a_value_is_no_number_for_the_bench(tmp_path: Path) -> None:
+    path = unset_signal(tmp_path / "t.parquet")
+    series = Series(path)
+    expected = [np.nan, -1.98, np.nan, 3.0, np.nan, np.nan]
+    np.testing.assert_array_equal(series.column("Z.force_n"), expected)
+    np.testing.assert_array_equal(series.column("Z.force_n", series.blocks[1]), [np.nan] * 2)
+    np.testing.assert_array_equal(values_of(series.whole.slice(1, 3).column(1)), expected[1:4])
+    assert np.isnan(series.table().to_pandas()["Z.force_n"]).sum() == 4
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 64, 65])
+def test_columns_with_and_without_values_come_back(count: int) -> None:
+    values = np.arange(count, dtype=np.float64)
+    values[::3] = np.nan
+    column = column_of(values)
+    column.validate(full=True)
+    assert column.null_count == len(values[::3])
+    np.testing.assert_array_equal(values_of(pa.chunked_array([column])), values)
+    whole = column_of(np.arange(count))
+    assert whole.null_count == 0

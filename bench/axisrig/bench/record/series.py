@@ -271,25 +271,40 @@ def _flat(lists: pa.ChunkedArray) -> Times:
 
 
 def column_of(values: npt.NDArray[np.generic]) -> pa.Array:
-    """Return numbers, shape (n,), as a column; equal to `pa.array`, which loads pandas for it."""
+    """Return numbers, shape (n,), as a column; equal to `pa.array`, which loads pandas for it.
+
+    A float that is no number (NaN) has no value there: every reader of Parquet leaves such a row
+    out of its statistics, and readers differ in how they count NaN.
+    """
     whole = np.ascontiguousarray(values)
     kind = pa.from_numpy_dtype(whole.dtype)
-    return pa.Array.from_buffers(kind, len(whole), [None, pa.py_buffer(whole)], null_count=0)
+    unset = np.isnan(whole) if whole.dtype.kind == "f" else np.zeros(0, bool)
+    count = int(np.count_nonzero(unset))
+    valid = pa.py_buffer(np.packbits(~unset, bitorder="little")) if count else None
+    return pa.Array.from_buffers(kind, len(whole), [valid, pa.py_buffer(whole)], null_count=count)
 
 
 def values_of(column: pa.ChunkedArray) -> npt.NDArray[Any]:
-    """Return the numbers of a column, shape (n,); equal to `to_numpy`, which loads pandas."""
+    """Return the numbers of a column, shape (n,); equal to `to_numpy`, which loads pandas.
+
+    A float without a value is NaN.
+    """
     kind = column.type
-    if column.null_count or not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
+    if not (pa.types.is_floating(kind) or (pa.types.is_integer(kind) and not column.null_count)):
         values: npt.NDArray[Any] = column.to_numpy()
         return values
     dtype = np.dtype(kind.to_pandas_dtype())
-    parts = [
-        np.frombuffer(chunk.buffers()[1], dtype, len(chunk), chunk.offset * dtype.itemsize)
-        for chunk in column.chunks
-        if len(chunk)
-    ]
+    parts = [_numbers(chunk, dtype) for chunk in column.chunks if len(chunk)]
     return np.concatenate([np.empty(0, dtype), *parts])
+
+
+def _numbers(chunk: pa.Array, dtype: np.dtype[Any]) -> npt.NDArray[Any]:
+    valid, data = chunk.buffers()
+    numbers = np.frombuffer(data, dtype, len(chunk), chunk.offset * dtype.itemsize)
+    if not chunk.null_count:
+        return numbers
+    bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
+    return np.where(bits[chunk.offset : chunk.offset + len(chunk)], numbers, np.nan)
 
 
 SINK_BYTES = 1 << 18
