@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from itertools import pairwise
-from math import sqrt
+from math import exp, sqrt
 from typing import Any
 
 import pytest
@@ -214,6 +214,50 @@ def test_a_measured_value_is_led_back_by_v_t(channel_bench: Make, words: Any) ->
     bench.run([words.probe(1, 600.0, Z=110.0), words.wait(1), words.end()])
     value_mm = bench.channel.records[0].latched_mm["Z"]
     assert value_mm == pytest.approx(120.1, abs=21 * INCREMENT_MM)
+
+
+# 100 ms after the begin: v (t - v/2a - 1/Kv) = 10 (0.1 - 0.005 - 0.025) = 0.70 mm on the way
+@pytest.mark.parametrize(("delay_ms", "is_possible"), [(95, True), (200, False)])
+def test_a_value_is_not_led_back_before_its_block(
+    channel_bench: Make, words: Any, delay_ms: int, is_possible: bool
+) -> None:
+    """The touch is in the block as long as the dead time is not longer than the axis has moved."""
+    axis = words.axis("Z", start_mm=130.0, delay_ns=delay_ms * MS)
+    bench = channel_bench(axis, plane_mm=129.3)
+    bench.run([words.probe(1, 600.0, Z=110.0), words.wait(1), words.end()])
+    measured_mm = bench.channel.measured_acs_mm("Z")
+    if is_possible:
+        assert bench.alarm_ids == []
+        missing_mm_s = 10.0 * exp(
+            -90.0 / 25.0
+        )  # of the speed, 90 ms after the ramp with 1/Kv 25 ms
+        missing_mm = missing_mm_s * delay_ms / 1e3
+        assert measured_mm == pytest.approx(129.3 + 10.0 * delay_ms / 1e3, abs=missing_mm)
+    else:
+        assert bench.alarm_ids == [900520]
+        assert measured_mm is None
+
+
+def test_where_a_signal_is_wanted_a_value_that_is_refused_is_none(
+    channel_bench: Make, words: Any
+) -> None:
+    axis = words.axis("Z", start_mm=130.0, delay_ns=200 * MS)
+    bench = channel_bench(axis, plane_mm=129.3)
+    run = words.probe(1, 600.0, error_no_signal=True, Z=110.0)
+    bench.run([run, words.wait(1), words.end()])
+    assert bench.alarm_ids == [900520, 900004]
+    assert bench.channel.measured_acs_mm("Z") is None
+
+
+def test_the_share_of_an_axis_in_the_path_counts(channel_bench: Make, words: Any) -> None:
+    """X moves by 0.6 of a path whose slopes are those of both axes; only Z has the long time."""
+    x = words.axis("X", start_mm=0.0, delay_ns=50 * MS)
+    z = words.axis("Z", start_mm=130.0, delay_ns=400 * MS)
+    bench = channel_bench(x, z, plane_mm=129.3)
+    bench.run([words.probe(1, 600.0, X=15.0, Z=110.0), words.wait(1), words.end()])
+    assert bench.alarm_ids == [900520]
+    assert bench.channel.measured_acs_mm("X") is not None
+    assert bench.channel.measured_acs_mm("Z") is None
 
 
 def test_inside_a_ramp_half_a_t_squared_is_left(channel_bench: Make, words: Any) -> None:

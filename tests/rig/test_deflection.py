@@ -13,6 +13,8 @@ from axisrig.bench.rig.reading.file import PlantTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.canon import LinearMove
 from axisrig.kernel.time.clock import MS
 
 Write = Callable[..., Path]
@@ -20,10 +22,15 @@ Read = Callable[..., Settings]
 STROKE_MM = 0.3
 
 
+def _axes(is_wired: bool) -> dict[str, Any]:
+    probe = "tip" if is_wired else None
+    return {name: SimpleNamespace(plant=name.lower(), probe_1=probe, probe_2=None) for name in "XZ"}
+
+
 class Bench:
     """Axes x and z with a probe, moved by hand in cycles of 1 ms; positions in mm."""
 
-    def __init__(self, **keys: Any) -> None:
+    def __init__(self, is_wired: bool = True, **keys: Any) -> None:
         self.axes = [
             SimpleNamespace(motion=[0.0, 0.0], slave=SimpleNamespace(name=name)) for name in "xz"
         ]
@@ -31,14 +38,26 @@ class Bench:
         self.probe: Any = SimpleNamespace(sources=self.axes, contacts=[], roles=roles)
         self.plant: Any = SimpleNamespace(probes={"tip": self.probe}, now_ns=0)
         tables = {"tip": PlantTable(fmu="own.fmu", **keys)}
-        settings: Any = SimpleNamespace(rig=SimpleNamespace(plant=tables))
+        settings: Any = SimpleNamespace(
+            rig=SimpleNamespace(plant=tables, axis=_axes(is_wired), plc_task=None)
+        )
         self.log = DeflectionLog(settings, self.plant, MS)
         self.alarms: list[Alarm] = []
-        self.channel: Any = SimpleNamespace(stop=self.alarms.append)
+        self.begun: Any = LinearMove(Block(7, 30, "Z-1"), {"Z": -1.0}, False, 600.0)
+        self.measuring: set[str] = set()
+        self.beside: dict[str, Block] = {}
+        single = SimpleNamespace(
+            measuring_state=lambda axis: "MOVING" if axis in self.measuring else None,
+            independent=SimpleNamespace(block_of=self.beside.get),
+        )
+        self.channel: Any = SimpleNamespace(
+            stop=self.alarms.append, single=single, execution=SimpleNamespace(begun=None)
+        )
 
     def cycle(self, x_mm: float, z_mm: float, contact_mm: Sequence[float] | None = None) -> None:
         """Move to a place within one cycle, through a contact on the way if one is given."""
         self.plant.now_ns += MS
+        self.channel.execution.begun = self.begun
         if contact_mm is not None:
             places = dict(zip("xz", contact_mm, strict=True))
             self.probe.contacts.append(Contact(self.plant.now_ns - 1, places))
@@ -90,6 +109,40 @@ def test_the_stroke_itself_is_borne() -> None:
     bench.cycle(0.0, -STROKE_MM + 1e-9, contact_mm=(0.0, 0.0))
     assert bench.ways_mm == pytest.approx([STROKE_MM])
     assert [words for _, words in bench.log.of("tip")] == [""]
+
+
+def _driven(bench: Bench) -> list[str]:
+    bench.approach()
+    bench.cycle(0.0, -0.1, contact_mm=(0.0, 0.0))
+    bench.cycle(0.0, -10.0)
+    return [words for _, words in bench.log.of("tip")]
+
+
+def test_a_block_that_drives_a_probe_without_stroke_into_the_workpiece_is_noted() -> None:
+    (words,) = _driven(Bench())
+    assert words.startswith(
+        "tip: driven 10.0000 mm past its contact by axis Z in line 7, block N30"
+    )
+
+
+def test_the_block_of_an_axis_beside_the_path_is_the_one_that_is_noted() -> None:
+    bench = Bench()
+    bench.begun, bench.beside["Z"] = None, Block(9, 50, "Z[INDP_ASYN ..]")
+    assert "block N50" in _driven(bench)[0]
+
+
+def test_a_run_a_switch_a_known_stroke_and_a_workpiece_that_comes_are_not_noted() -> None:
+    runs = Bench()
+    runs.measuring.add("Z")
+    homing = Bench()
+    homing.begun = None
+    for bench in (runs, homing, Bench(is_wired=False), Bench(stroke_mm=20.0)):
+        assert _driven(bench) == [""]
+    still = Bench()
+    still.cycle(0.0, 0.0)
+    still.cycle(0.0, 0.0, contact_mm=(0.0, 0.0))
+    still.cycle(0.0, -1.0)
+    assert [words for _, words in still.log.of("tip")] == [""]
 
 
 @pytest.mark.provokes(900072, 4, probe="tip", deflection_mm="0.3100", stroke_mm="0.3")

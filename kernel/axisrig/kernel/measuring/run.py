@@ -22,6 +22,7 @@ from enum import Enum, auto
 from typing import Protocol
 
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.dead_time import DeadTime
 from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
 from axisrig.kernel.measuring.latest_edge import LatestEdge, StatusPort
 from axisrig.kernel.time.clock import TimeNs
@@ -108,9 +109,9 @@ class MeasuringRun:
     """Evaluates one run; `evaluate` is called once per cycle until `state` is DONE.
 
     ports: one latch per measuring axis. error_no_signal: alarm when no signal comes. goes_on: the
-    signal does not brake. delay_cycles: per axis how many cycles the probe signals too late
-    (P-AXIS-00487); the measured value is led back by them at the speed of the latch, so that an
-    acceleration a leaves a t^2 / 2. Source: TF5200 axis parameters 117371403.
+    signal does not brake. dead_times: of axes whose probe signals too late (P-AXIS-00487); the
+    measured value is led back at the speed of the latch, so that an acceleration a leaves
+    a t^2 / 2. A value that cannot be led back is dropped, and warn gets its alarm (900520).
     Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
     does not acknowledge), 900003 (only some axes signalled), 900004 (no signal),
     900009 (stale latch), 900082 (switched off on the way),
@@ -125,12 +126,14 @@ class MeasuringRun:
         error_no_signal: bool,
         *,
         goes_on: bool = False,
-        delay_cycles: Mapping[str, float] | None = None,
+        dead_times: Mapping[str, DeadTime] | None = None,
+        warn: Callable[[Alarm], None] | None = None,
     ) -> None:
         self._ports = tuple(ports)
         self._edges = {port.name: LatestEdge(port, now_ns) for port in ports}
         self._error_no_signal = error_no_signal
-        self._delay_cycles = delay_cycles or {}
+        self._dead_times, self._warn = dead_times or {}, warn
+        self._refused: set[str] = set()
         self._waited = 0
         self.state = RunState.CLEARING
         self.record = RunRecord(
@@ -233,6 +236,8 @@ class MeasuringRun:
             edge.look(now_ns, self._rest_ns)
         if self.record.signal_ns is None and any(e.counts for e in self._edges.values()):
             self.record.signal_ns = now_ns
+            for dead_time in self._dead_times.values():
+                dead_time.note_signal()
             return True
         return False
 
@@ -240,12 +245,13 @@ class MeasuringRun:
         self._check_still_armed()
         self._is_first_signal(now_ns)
         for port in self._ports:
-            value, is_open = port.latched_mm, port.name not in self.record.latched_mm
-            is_wanted = is_open and self._edges[port.name].counts
+            value = port.latched_mm
+            is_wanted = self._is_wanted(port.name) and self._edges[port.name].counts
             if value is not None and is_wanted and port.is_confirmed():
-                late_mm = self._delay_cycles.get(port.name, 0.0) * port.latched_speed_mm
-                self.record.latched_mm[port.name] = value - late_mm
-        if self.record.has_signal:
+                self._take(port, value)
+        if not any(self._is_wanted(port.name) for port in self._ports):
+            if self._refused and self._error_no_signal:
+                raise Alarm(900004, axis=" ".join(sorted(self._refused)))
             return self._finish(now_ns)
         if any(e.is_open and not e.waits_for_stamp for e in self._edges.values()):
             return Order.NONE  # an edge may still be reported
@@ -258,12 +264,27 @@ class MeasuringRun:
         self._judge_missing()
         return self._finish(now_ns)
 
+    def _is_wanted(self, axis: str) -> bool:
+        return axis not in self.record.latched_mm and axis not in self._refused
+
+    def _take(self, port: LatchPort, value_mm: float) -> None:
+        dead_time = self._dead_times.get(port.name)
+        if dead_time is not None:
+            try:
+                value_mm = dead_time.led_back_mm(value_mm, port.latched_speed_mm)
+            except Alarm as alarm:
+                self._refused.add(port.name)
+                if self._warn is not None:
+                    self._warn(alarm)
+                return
+        self.record.latched_mm[port.name] = value_mm
+
     def _without_proof(self) -> list[LatchPort]:
         """Return the latches whose edge is reported, and its value or its time not proved."""
         return [
             port
             for port in self._ports
-            if port.name not in self.record.latched_mm and not self._edges[port.name].is_over
+            if self._is_wanted(port.name) and not self._edges[port.name].is_over
         ]
 
     def _is_proved(self, port: LatchPort) -> bool:

@@ -7,6 +7,7 @@ a run of the path. Sources: FCT-C4 section 2, TF5200 programming manual 20861223
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
+from axisrig.kernel.channel.path.dead_times import RunUp
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
@@ -21,6 +22,7 @@ from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.timed import speed_for
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.time.clock import Clock, TimeNs
 
@@ -108,6 +110,11 @@ class IndependentAxes:
         """Whether any of these axes is under way or measures."""
         return any(axis in self._movers for axis in axes)
 
+    def block_of(self, axis: str) -> Block | None:
+        """Return the block by which an axis is under way, None without one."""
+        mover = self._movers.get(axis)
+        return None if mover is None else mover.command.block
+
     def measuring_state(self, axis: str) -> str | None:
         """Return how far the measurement of an axis is, None without one."""
         mover = self._movers.get(axis)
@@ -187,7 +194,11 @@ class IndependentAxes:
                 mover.run = self._measurement.arm_stop(axes, target_mm, block, motion)
             else:
                 mover.run = self._measurement.arm(
-                    kind, axes, block, error_no_signal=command.error_no_signal
+                    kind,
+                    axes,
+                    block,
+                    error_no_signal=command.error_no_signal,
+                    behind_mm=lambda *at: RunUp(mover.dynamics, {axes[0]: 1.0}).behind_mm(*at),
                 )
             mover.waits = False
 

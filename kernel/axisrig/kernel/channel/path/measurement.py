@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import dist, isinf
 
 from axisrig.kernel.channel.distance.offsets import Offsets
+from axisrig.kernel.channel.path.dead_times import BehindMm, RunUp, dead_times, shares_of
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Rest, Standstill
@@ -38,6 +39,7 @@ class _Order:
     speed_mm_s: float
     dynamics: Dynamics
     overtravel_mm: Mapping[str, float]
+    run_up: RunUp
 
 
 class Measurement:
@@ -174,6 +176,7 @@ class Measurement:
             error_no_signal=command.error_no_signal,
             goes_on=command.goes_on,
             simulated=self._simulated_probes(command),
+            behind_mm=self._order.run_up.behind_mm,
         )
 
     def _require_latches(self, command: canon.MeasuringRun) -> None:
@@ -214,15 +217,15 @@ class Measurement:
         error_no_signal: bool | None = None,
         goes_on: bool = False,
         simulated: Mapping[str, LatchPort] | None = None,
+        behind_mm: BehindMm,
     ) -> MeasuringRun:
         """Make a run of released axes, and note it; who moves them has to evaluate it.
 
         error_no_signal: None = P-CHAN-00176. simulated: what gives the signal in place of the
-        drive, by axis. Raises Alarm 50052.
+        drive, by axis. behind_mm: see `dead_times`. Raises Alarm 50052.
         """
         kind = measuring_types()[measuring_type]
         is_missed = self._settings.error_no_signal if error_no_signal is None else error_no_signal
-        delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
         choice = self._choice
         at_plc = {
             name: self._at_plc.choose(name, choice.source(name), *choice.latch(name))
@@ -236,7 +239,8 @@ class Measurement:
             self._clock.now_ns,
             misses_signal(kind, is_missed),
             goes_on=goes_on,
-            delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
+            dead_times=dead_times(self._path, self._links, axes, self._period_ns, behind_mm),
+            warn=lambda alarm: self._warn(alarm.at(block.place)),
         )
         run.record.inputs.update({name: choice.latch(name)[0] for name in axes})
         run.record.sources.update({name: choice.source(name) for name in axes})
@@ -373,7 +377,8 @@ class Measurement:
             type_, command.block, command.programmed_axes, tuple(target), wanted_mm_s, dynamics
         )
         dynamics = self.within_stroke(type_, target, dynamics)
-        return _Order(target, speed_mm_s, dynamics, overtravel_mm)
+        run_up = RunUp(dynamics, shares_of(self._path, target), speed_mm_s)
+        return _Order(target, speed_mm_s, dynamics, overtravel_mm, run_up)
 
     def step(self) -> None:
         """Evaluate the run with this cycle's values and lead the path by what it orders."""
