@@ -51,10 +51,8 @@ def own_fmu(source: Path) -> Path:
         return ensure_own_built(source)
     except BuildError as error:
         file = source.parent / error.file if error.file else source
-        lacks_library = "`AxisRig." in error.message and "does not exist" in error.message
         raise UserError(
             f"the model cannot be built: {error.message}",
             file=file if file.is_file() else source,
             line=error.line if file.is_file() else None,
-            hint="write `import AxisRig;` into the model" if lacks_library else None,
         ) from error

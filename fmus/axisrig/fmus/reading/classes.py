@@ -42,6 +42,16 @@ def used_classes(files: Mapping[int, str], model: str) -> Iterator[Body]:
             waiting += sorted(words)
 
 
+def class_names(text: str) -> list[str]:
+    """The names of the classes of a text, without inner ones."""
+    code, names, position = _NO_CODE.sub(_blank, text), [], 0
+    while head := _HEAD.search(code, position):
+        names.append(head[1])
+        end = re.compile(rf"\bend\s+{head[1]}\s*;").search(code, head.end())
+        position = len(code) if end is None else end.end()
+    return names
+
+
 def _blank(match: re.Match[str]) -> str:
     return re.sub(r"[^\n]", " ", match.group(0))
 

@@ -7,12 +7,13 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import rumoca
 
-from axisrig.fmus.reading.classes import used_classes
+from axisrig.fmus.reading.classes import class_names, used_classes
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.target import TARGET
 
@@ -104,7 +105,7 @@ def compile_model(model: str, library: Path, roots: Sequence[Path] = ()) -> Ir:
         # A panic of the compiler comes as an exception outside Exception.
         panic = type(error).__module__ == "pyo3_runtime"
         if panic or isinstance(error, rumoca.RumocaError | RuntimeError):
-            raise _refused(error, model, library) from error
+            raise _refused(error, model, library, roots) from error
         raise
     data = json.loads(_TOKEN.sub(_as_json, text))
     found = data["solve"]["schema_version"]
@@ -126,7 +127,7 @@ def _as_json(match: re.Match[str]) -> str:
     return _WORDS.get(token, token)
 
 
-def _refused(error: BaseException, model: str, library: Path) -> BuildError:
+def _refused(error: BaseException, model: str, library: Path, roots: Sequence[Path]) -> BuildError:
     """Find the place that the compiler complains about; it names it in its text or not at all."""
     text = str(error)
     for file in sorted(library.rglob("*.mo")) if library.is_dir() else [library]:
@@ -136,12 +137,39 @@ def _refused(error: BaseException, model: str, library: Path) -> BuildError:
                 message = re.search(r"× (.+)", diagnostic.message)
                 what = message.group(1) if message else "syntax error"
                 return BuildError(_short(file, library), int(place.group(1)), what)
+    if library.is_file() and (other := _other_class(model, library)):
+        return other
     first = text.splitlines()[0] if text else type(error).__name__
     found = re.search(r" ?\[([^\]\s]+\.mo):(\d+):\d+\]", text)
     if found and (file := Path(found.group(1))).is_relative_to(library):
         return BuildError(_short(file, library), int(found.group(2)), first.replace(found[0], ""))
-    file, line = _place_of(re.findall(r"[`']([\w.\[\]]+)[`']", first), model, library)
+    names = re.findall(r"[`']([\w.\[\]]+)[`']", first)
+    file, line = _place_of(names, model, library)
+    if names and "does not exist" in first:
+        first += _hint_at(names[0], roots)
     return BuildError(_short(file, library), line, first)
+
+
+def _hint_at(name: str, roots: Sequence[Path]) -> str:
+    """Say what may help where a class of a library is not found."""
+    known = [
+        ".".join((root.name, *file.relative_to(root).with_suffix("").parts))
+        for root in roots
+        for file in sorted(root.rglob("*.mo"))
+    ]
+    if name in known:  # the compiler loads the libraries that the first file names
+        return f"; write `import {name.partition('.')[0]};` into the model"
+    near = get_close_matches(name, known, 3)
+    return f"; did you mean {' or '.join(near)}" if near else ""
+
+
+def _other_class(model: str, file: Path) -> BuildError | None:
+    """A file holds one model of its name; find one that holds another class instead."""
+    names = class_names(file.read_text(encoding="utf-8"))
+    if not names or model in names:
+        return None
+    wanted = f"rename the class to {model}, or the file to {names[0]}.mo"
+    return BuildError(file.name, None, f"the file holds the class {names[0]}; {wanted}")
 
 
 def _place_of(names: Sequence[str], model: str, library: Path) -> tuple[Path, int | None]:

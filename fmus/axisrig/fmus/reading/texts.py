@@ -14,7 +14,7 @@ from axisrig.fmus.reading.ir import Ir
 
 _WITHIN = re.compile(r"\s*within\s*([\w.]*)\s*;")
 _HEAD = re.compile(rf"^\s*(?:(?:partial|final|encapsulated)\s+)*({KEYWORD})\s+(\w+)(?!\w)", re.M)
-_SHORT = re.compile(r"\s*=\s*(?:(?:input|output)\s+)?([\w.]+)")
+SHORT = re.compile(r"\s*=\s*(?:(?:input|output)\s+)?([\w.]+)")
 _STRING = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
 _NO_CODE = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 # A component or a base class: its type, at the beginning of a declaration
@@ -56,8 +56,7 @@ class Class:
     def annotation(self, name: str) -> str:
         """What is in the parentheses of an annotation such as `experiment(...)`, else ''."""
         for found in re.finditer(rf"\b{name}\s*\(", self.code):
-            inside = _inside(self.code, found.end())
-            return self.text[found.end() : found.end() + len(inside)]
+            return self.text[found.end() : found.end() + len(inside(self.code, found.end()))]
         return ""
 
     def documentation(self) -> str:
@@ -111,7 +110,7 @@ class Texts:
     def _made_from(self, kind: Class) -> Class | None:
         """The class that a short definition such as `type A = B` names; None for Real."""
         head = re.match(rf"{KEYWORD}\s+\w+", kind.text)
-        base = head and _SHORT.match(kind.text, head.end())
+        base = head and SHORT.match(kind.text, head.end())
         source = self.resolve(base[1], kind.name.rpartition(".")[0]) if base else None
         return source if source is not None and source.name != kind.name else None
 
@@ -161,7 +160,7 @@ def _classes(text: str, package: str) -> Iterator[Class]:
     position = 0
     while head := _HEAD.search(code, position):
         name = f"{package}.{head[2]}" if package else head[2]
-        is_short = _SHORT.match(code, head.end())
+        is_short = SHORT.match(code, head.end())
         pattern = r";" if is_short else rf"\bend\s+{head[2]}\s*;"
         end = re.compile(pattern).search(code, head.end())
         stop = len(text) if end is None else end.end()
@@ -171,7 +170,7 @@ def _classes(text: str, package: str) -> Iterator[Class]:
         position = stop
 
 
-def _inside(code: str, begin: int) -> str:
+def inside(code: str, begin: int) -> str:
     """The text from `begin` to the parenthesis that closes what was open there."""
     depth = 1
     for place in range(begin, len(code)):

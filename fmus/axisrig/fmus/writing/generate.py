@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from axisrig.fmus.equations.system import read_system
 from axisrig.fmus.reading.ir import Ir
+from axisrig.fmus.reading.modified import refuse_unknown_modifiers
 from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
 from axisrig.fmus.reading.texts import Texts
 from axisrig.fmus.writing.archive import other_files
@@ -42,6 +43,7 @@ def generate(ir: Ir, step_s: float, fmi: str = "3.0") -> Generated:
     system = read_system(ir)
     folded = folded_slots(ir, system)
     texts = Texts(ir)
+    refuse_unknown_modifiers(ir, texts)
     variables = read_variables(ir, system, texts)
     if fmi == "2.0":
         variables = scalars(variables)
