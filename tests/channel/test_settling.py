@@ -58,6 +58,29 @@ class Bench:
         return None
 
 
+def test_the_settling_time_counts_from_where_somebody_waits_on() -> None:
+    """Homing, an axis beside the path or a dwell takes 5 s; then there are 20 ms to settle."""
+    bench = Bench(settling_ns=20 * MS)
+    for _ in range(SETTLED_CYCLES + 1):
+        bench.stands(0)
+    bench.now_ns += 5000 * MS
+    for _ in range(21):
+        assert not bench.stands(100)
+    with pytest.raises(Alarm) as caught:
+        bench.stands(100)
+    assert (caught.value.id, caught.value.values["ms"]) == (70082, 21)
+
+
+def test_waiting_in_every_cycle_is_one_wait() -> None:
+    """A window that is left again and again does not begin the time anew."""
+    bench = Bench(settling_ns=20 * MS)
+    for cycle in range(21):
+        assert not bench.stands(100 * (cycle % 2))
+    with pytest.raises(Alarm) as caught:
+        bench.stands(100)
+    assert (caught.value.id, caught.value.values["ms"]) == (70082, 21)
+
+
 def test_an_axis_that_leaves_its_window_once_stands_10_cycles_after_it_has_come_back() -> None:
     """Inside for 5 cycles, outside for 1, inside again: the first 5 do not count."""
     bench = Bench()

@@ -143,6 +143,7 @@ class SingleAxes:
             self.homed += [(self._clock.now_ns, axis) for axis in self._homing.homed]
             if done:
                 self._homing = None
+                self._path.settle_anew()
 
     def advance(self) -> None:
         """Lead the axes on by one cycle."""

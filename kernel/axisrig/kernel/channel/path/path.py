@@ -125,7 +125,11 @@ class Path:
         if index in self._led:
             self._led.remove(index)
             self._common = sorted((*self._common, index))
-            self._settling.restart()  # this axis has had no time yet
+            self.settle_anew()  # this axis has had no time yet
+
+    def settle_anew(self) -> None:
+        """Begin to look for rest anew: an axis has come from where the path did not see it."""
+        self._settling.restart()
 
     def put_beside(self, axis: str, position_mm: float) -> None:
         """Give an axis that no path moves its set position of this cycle."""

@@ -18,13 +18,15 @@ class Settling:
     """Watches axes whose set positions are at rest come into their exact-stop windows.
 
     They are at rest after SETTLED_CYCLES there: an axis that friction has wound up runs
-    through its window once.
+    through its window once. The settling time counts from where somebody begins to wait: what lies
+    before, the motion of an axis beside the path or by its drive, is no part of it.
     """
 
     def __init__(self, clock: Clock, period_ns: TimeNs) -> None:
         self._clock, self._period_ns = clock, period_ns
         self._settling_since_ns: TimeNs | None = None
         self._inside_since_ns: TimeNs | None = None
+        self._asked_ns: TimeNs | None = None
 
     def restart(self) -> None:
         """Begin anew: a set position changes."""
@@ -36,7 +38,9 @@ class Settling:
         Raises Alarm 70082 when an axis does not get there within its settling time.
         """
         now_ns = self._clock.now_ns
-        if self._settling_since_ns is None:
+        waits_on = self._asked_ns is not None and now_ns - self._asked_ns <= self._period_ns
+        self._asked_ns = now_ns
+        if self._settling_since_ns is None or not waits_on:
             self._settling_since_ns = now_ns
         for axis, link in axes:
             lag_mm = link.lag_mm
