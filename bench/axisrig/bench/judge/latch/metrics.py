@@ -6,10 +6,9 @@ positions the axis FMU's); no kernel formula is used. Each says what its uncerta
 
 from collections.abc import Callable
 
-import numpy as np
-
 from axisrig.bench.judge.latch.sources import signal_late_cycles, source_error_um
 from axisrig.bench.judge.latch.truth import Touch, latch_in_run_ns, touch
+from axisrig.bench.judge.observed.motion import INSIDE, farthest, state_at
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import MetricFunction
@@ -75,7 +74,7 @@ def latch_mm(observed: Observed, seen: Touch, axis: str) -> Observation:
         return Observation(None, note=f"no measured value of axis {axis}")
     uncertainty_mm, notes = _doubt(observed, axis)
     if seen.edge_ns is not None and seen.edge_uncertainty_ns > INSTANT_NS:
-        way_mm = abs(_speed_mm_s(observed, seen.edge_ns, axis)) * seen.edge_uncertainty_ns * 1e-9
+        way_mm = _speed_mm_s(observed, seen.edge_ns, axis) * seen.edge_uncertainty_ns * 1e-9
         uncertainty_mm += way_mm
         notes.append(f"edge known to {seen.edge_uncertainty_ns:g} ns")
     return Observation(value, uncertainty_mm, ", ".join(notes))
@@ -144,21 +143,36 @@ def contact_mm(observed: Observed, seen: Touch, contact: Contact, axis: str) -> 
     plant = observed.axes[axis].plant
     if plant not in contact.position_mm:
         return Observation(None, note=f"the {seen.what} does not belong to axis {axis}")
-    return Observation(contact.position_mm[plant])
+    uncertainty_mm, words = 0.0, []
+    if seen.edge_uncertainty_ns > INSTANT_NS and axis != seen.met:
+        speed_mm_s = _speed_mm_s(observed, contact.time_ns, axis)
+        uncertainty_mm += speed_mm_s * seen.edge_uncertainty_ns * 1e-9
+        words.append(f"contact known to {seen.edge_uncertainty_ns:g} ns")
+    if seen.met not in ("", axis):
+        there = state_at(observed, axis, contact.time_ns)
+        uncertainty_mm += 0.0 if there is None else there.doubt_mm
+        words.append(INSIDE)
+    return Observation(contact.position_mm[plant], uncertainty_mm, ", ".join(words))
 
 
 @_of_contact
 def contact_velocity_mm_s(
     observed: Observed, _seen: Touch, contact: Contact, axis: str
 ) -> Observation:
-    """True velocity at the last SYNC before contact; negative towards smaller positions."""
-    value_mm_s = _speed_mm_s(observed, contact.time_ns, axis)
-    note = "signed: the axis moves towards smaller positions" if value_mm_s < 0 else ""
-    return Observation(value_mm_s, note=note)
+    """True velocity at contact; negative towards smaller positions."""
+    there = state_at(observed, axis, contact.time_ns)
+    if there is None:
+        return Observation(None, note="no SYNC came after the contact")
+    words = ["signed: the axis moves towards smaller positions"] if there.speed_mm_s < 0 else []
+    return Observation(there.speed_mm_s, there.doubt_mm_s, ", ".join([*words, INSIDE]))
 
 
 def _speed_mm_s(observed: Observed, time_ns: TimeNs, axis: str) -> float:
-    return observed.value(axis, "velocity_mm_s", observed.index_at(time_ns))
+    """Return the most that the magnitude of the true speed may be at an instant."""
+    there = state_at(observed, axis, time_ns)
+    if there is None:
+        return abs(observed.value(axis, "velocity_mm_s", observed.index_at(time_ns)))
+    return abs(there.speed_mm_s) + there.doubt_mm_s
 
 
 @_of_contact
@@ -176,7 +190,7 @@ def latch_error_um(observed: Observed, seen: Touch, contact: Contact, axis: str)
     zero_mm = observed.zero_mm(axis, seen.run)
     if zero_mm is None:
         return Observation(None, note=f"axis {axis} was homed before and after the run")
-    speed_um_s = abs(_speed_mm_s(observed, contact.time_ns, axis)) * 1e3
+    speed_um_s = _speed_mm_s(observed, contact.time_ns, axis) * 1e3
     fine_s = observed.facts.fine_ns * 1e-9
     interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * fine_s**2 * 1e3
     events_ns = INSTANT_NS + seen.edge_uncertainty_ns
@@ -221,15 +235,12 @@ def overtravel_mm(observed: Observed, seen: Touch, contact: Contact, axis: str) 
     place = contact_mm(observed, seen, contact, axis)
     if not isinstance(place.value, float):
         return place
-    away_mm = [
-        np.max(np.abs(part.observed.column(axis, "truth_mm", part.inside) - place.value))
-        for part in observed.parts(observed.between(contact.time_ns, seen.end_ns))
-        if part.inside.start < part.inside.stop
-    ]
-    if not away_mm:
+    far = farthest(observed, axis, place.value, contact.time_ns, seen.end_ns)
+    if far is None:
         return Observation(None, note="the run ended before the next SYNC")
     _, rest_mm = _stand(observed, seen, axis)
-    return Observation(float(np.max(away_mm)), rest_mm, REST)
+    uncertainty_mm = rest_mm + far.doubt + place.uncertainty
+    return Observation(far.value, uncertainty_mm, f"{REST}, {INSIDE}")
 
 
 # The signal at a PLC

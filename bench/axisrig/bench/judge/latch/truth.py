@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from axisrig.bench.judge.fixed_stop.run import stop_run
+from axisrig.bench.judge.observed.motion import state_at
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.record.axes import Contact
+from axisrig.bench.record.axes import Contact, Edge
 from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.kernel.time.clock import TimeNs
 
@@ -16,7 +15,8 @@ class Touch:
     """One measurement run with what the plant saw of it.
 
     edge_uncertainty_ns: how well the plant knows the instants of its contacts and edges.
-    has_contacts: whether the FMU of a probe gives them at all. what: meets the workpiece.
+    has_contacts: whether the FMU of a probe gives them at all. what: meets the workpiece. met: axis
+    that met its stop, at the place of the stop. edges: of each probe in the run.
     """
 
     run: MeasurementRun
@@ -26,6 +26,8 @@ class Touch:
     edge_uncertainty_ns: float
     has_contacts: bool
     what: str = "probe"
+    met: str = ""
+    edges: tuple[tuple[Edge, ...], ...] = ()
 
 
 def touch(observed: Observed, axis: str | None) -> Touch | None:
@@ -44,15 +46,14 @@ def touch(observed: Observed, axis: str | None) -> Touch | None:
         if run.begin_ns <= contact.time_ns <= end_ns
     ]
     contact = min(contacts, key=lambda c: c.time_ns) if contacts else None
-    edges = [
-        edge.time_ns
+    edges = tuple(
+        tuple(edge for edge in probe.edges if run.begin_ns <= edge.time_ns <= end_ns)
         for probe in probes
-        for edge in probe.edges
-        if run.begin_ns <= edge.time_ns <= end_ns
-    ]
+    )
+    first_ns = min((each[0].time_ns for each in edges if each), default=None)
     known_ns = max((probe.edge_uncertainty_ns for probe in probes), default=0.0)
     has_contacts = any(probe.has_contacts for probe in probes)
-    return Touch(run, contact, min(edges, default=None), end_ns, known_ns, has_contacts)
+    return Touch(run, contact, first_ns, end_ns, known_ns, has_contacts, edges=edges)
 
 
 def _touch_of_stop(observed: Observed, run: MeasurementRun, end_ns: TimeNs) -> Touch:
@@ -62,13 +63,16 @@ def _touch_of_stop(observed: Observed, run: MeasurementRun, end_ns: TimeNs) -> T
     if earliest is None:
         return Touch(run, None, None, end_ns, 0.0, True, "axis")
     axis, at = earliest
+    time_ns = round(at.time_ns)
+    states = {name: state_at(observed, name, time_ns) for name in stop.truths}
     places_mm = {
-        observed.axes[name].plant: float(np.interp(at.time_ns, truth.times_ns, truth.position_mm))
-        for name, truth in stop.truths.items()
+        observed.axes[name].plant: state.position_mm
+        for name, state in states.items()
+        if state is not None
     }
     places_mm[observed.axes[axis].plant] = at.position_mm
-    contact = Contact(round(at.time_ns), places_mm)
-    return Touch(run, contact, None, end_ns, at.uncertainty_ns, True, "stop")
+    contact = Contact(time_ns, places_mm)
+    return Touch(run, contact, None, end_ns, at.uncertainty_ns, True, "stop", axis)
 
 
 def latch_in_run_ns(observed: Observed, axis: str, seen: Touch) -> TimeNs | None:

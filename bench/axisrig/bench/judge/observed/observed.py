@@ -167,12 +167,18 @@ class Observed:
     @cached_property
     def times_ns(self) -> Times:
         """SYNC instants of the rows, shape (n,)."""
-        times: Times = self._columns.read(TIME, self.rows)  # type: ignore[assignment]
-        return times
+        return self.instants(slice(None))
 
     def time_ns(self, row: int) -> TimeNs:
         """Return the SYNC instant of a row of the run."""
         return int(self._columns.read(TIME, slice(row, row + 1))[0])
+
+    def instants(self, rows: slice) -> Times:
+        """Return the SYNC instants of some rows, shape (n,); not to be changed."""
+        begin, end, _ = rows.indices(len(self))
+        first = self.rows.start
+        times: Times = self._columns.read(TIME, slice(first + begin, first + end))  # type: ignore[assignment]
+        return times
 
     @cached_property
     def _names(self) -> frozenset[str]:
@@ -211,6 +217,17 @@ class Observed:
         """Yield the cyclic values of a field as the bus brought them, block by block."""
         for block in self.series.blocks:
             yield self.series.telegrams(axis, field, block)
+
+    def frame_ends_ns(self, of: str, begin_ns: TimeNs, end_ns: TimeNs) -> Times:
+        """Return the ends of telegrams on the wire between two instants, of those recorded."""
+        first, last = self.index_at(begin_ns), self.index_at(end_ns) + 2
+        found = [
+            self.series.frame_ends_ns(of, block)
+            for block in self.series.blocks
+            if block.start < last and first < block.stop
+        ]
+        ends_ns = np.concatenate(found) if found else np.empty(0, np.int64)
+        return ends_ns[(begin_ns <= ends_ns) & (ends_ns <= end_ns)]
 
     # Axes and plants
 

@@ -4,11 +4,22 @@ from collections.abc import Callable
 
 import numpy as np
 
+from axisrig.bench.judge.observed.motion import (
+    INSIDE,
+    Largest,
+    doubts_before,
+    fastest,
+    largest,
+    together,
+)
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import MetricFunction
 from axisrig.bench.plan.checks import Check
 from axisrig.bench.record.series import Signal
+
+DELAY = "antr.nbr_delay_cycles"
+"""P-AXIS-00191."""
 
 PROGRAM_METRICS: dict[str, MetricFunction] = {}
 
@@ -94,27 +105,59 @@ def queueing_us_max(observed: Observed, axis: str | None) -> Observation:
     return Observation(longest.worst_us, note=longest.name)
 
 
-def _largest(column: str) -> MetricFunction:
-    def largest(observed: Observed, axis: str | None) -> Observation:
+def _of_axes(largest: Callable[[Observed, str], Largest | None]) -> MetricFunction:
+    """Return the metric that is the largest of an axis, or of all, up to the end of the program."""
+
+    def metric(observed: Observed, axis: str | None) -> Observation:
         if not len(observed):
             return Observation(None, note="the program ended before its first cycle")
-        axes = [axis] if axis else list(observed.axes)
-        rows = slice(observed.index_at(observed.facts.end_ns) + 1)
-        found = {
-            name: [
-                np.max(np.abs(part.observed.column(name, column, part.inside)))
-                for part in observed.parts(rows)
-            ]
-            for name in axes
-        }
-        return Observation(max(float(np.max(parts)) for parts in found.values()))
+        found = [largest(observed, each) for each in ([axis] if axis else observed.axes)]
+        known = together(found)
+        assert known is not None, "there are rows"
+        return Observation(known.value, known.doubt, INSIDE if known.doubt else "")
 
-    return largest
+    return metric
 
 
-PROGRAM_METRICS["lag_mm_max"] = _largest("cnc_lag_mm")
-PROGRAM_METRICS["drive_lag_mm_max"] = _largest("drive_lag_peak_mm")
-PROGRAM_METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")
+def _rows(observed: Observed) -> slice:
+    return slice(observed.index_at(observed.facts.end_ns) + 1)
+
+
+def _cnc_lag(observed: Observed, axis: str) -> Largest | None:
+    """Return the largest lag as the CNC judges it: before s(k) is made d = 0 counts as 1.
+
+    The column has s(k) in it then; 0 is the lag of an axis that its drive leads.
+    """
+    is_zero = observed.axes[axis].written.get(DELAY) == 0
+    found = [0.0]
+    for part in observed.parts(_rows(observed), before=1):
+        lag_mm = part.observed.column(axis, "cnc_lag_mm", part.inside)
+        if is_zero:
+            rows = slice(max(part.inside.start - 1, 0), part.inside.stop)
+            set_mm = part.observed.column(axis, "set_mm", rows)
+            made_mm = np.diff(set_mm, prepend=set_mm[: 1 - (part.inside.start - rows.start)])
+            lag_mm = np.where(lag_mm == 0.0, 0.0, lag_mm - made_mm)
+        found.append(float(np.max(np.abs(lag_mm))))
+    return Largest(max(found), 0.0)
+
+
+def _drive_lag(observed: Observed, axis: str) -> Largest | None:
+    """Return the largest lag in the drive. Between two SYNCs the motor is a cubic as the load is:
+    it is known as well as that one (inferred: its own motion is in no column).
+    """
+    found = []
+    for part in observed.parts(_rows(observed)):
+        values = part.observed.column(axis, "drive_lag_peak_mm", part.inside)
+        doubts_mm = doubts_before(observed, axis, part.begin, part.begin + len(values))
+        found.append(largest(values, doubts_mm))
+    return together(found)
+
+
+PROGRAM_METRICS["lag_mm_max"] = _of_axes(_cnc_lag)
+PROGRAM_METRICS["drive_lag_mm_max"] = _of_axes(_drive_lag)
+PROGRAM_METRICS["velocity_mm_s_max"] = _of_axes(
+    lambda observed, axis: fastest(observed, axis, 0, observed.facts.end_ns)
+)
 
 
 def _of_set_positions(name: str, order: int, chosen: Callable[[Signal, Signal], Signal]) -> None:

@@ -1,0 +1,151 @@
+"""True motion between two SYNCs: what a cubic finds, and how well it says that it knows it."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pytest
+
+from axisrig.bench.judge.observed.motion import (
+    SHARE,
+    SPEED_SHARE,
+    Motion,
+    farthest,
+    fastest,
+    state_at,
+    unexplained_mm,
+)
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.facts import Facts, Timing
+from axisrig.bench.record.series import Series
+from axisrig.kernel.time.clock import MS
+
+Curve = Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]
+STEP_NS = 8 * MS
+
+
+def motion(place: Curve, speed: Curve, rows: int = 6) -> Motion:
+    """SYNCs every 8 ms of a motion over the time in steps, mm and mm/step."""
+    n = np.arange(rows, dtype=np.float64)
+    times, x, v = np.arange(rows) * STEP_NS, place(n), speed(n) / (STEP_NS * 1e-9)
+    return Motion(times, x, v, unexplained_mm(times, x, v))
+
+
+def worst_shares(place: Curve, speed: Curve) -> tuple[float, float]:
+    """Largest error in the step from 2 to 3, of position and speed, over what is unexplained."""
+    found, step_s = motion(place, speed), STEP_NS * 1e-9
+    inside = np.linspace(2.0, 3.0, 101)[1:-1]
+    states = [found.at(round(at * STEP_NS)) for at in inside]
+    x, v = place(inside), speed(inside) / step_s
+    off_mm = max(abs(s.position_mm - a) for s, a in zip(states, x, strict=True) if s)
+    off_mm_s = max(abs(s.speed_mm_s - a) for s, a in zip(states, v, strict=True) if s)
+    unexplained = float(found.unexplained_mm[2])
+    return off_mm / unexplained, off_mm_s * step_s / unexplained
+
+
+@pytest.mark.parametrize("power", [2, 3])
+def test_a_jump_of_acceleration_or_jerk_is_within_three_doubts_and_reaches_them(power: int) -> None:
+    """Sums of (t - s)^n from s on; the jump of the acceleration, n = 2, is the worst one."""
+    shares = []
+    for s in np.linspace(2.001, 2.999, 200):
+        shares.append(
+            worst_shares(
+                lambda t, s=s: np.maximum(t - s, 0.0) ** power,
+                lambda t, s=s: power * np.maximum(t - s, 0.0) ** (power - 1),
+            )
+        )
+    of_place, of_speed = np.max(shares, axis=0)
+    assert of_place <= 3 * SHARE
+    assert of_speed <= 3 * SPEED_SHARE
+    if power == 2:
+        assert of_place > 2.4 * SHARE
+        assert of_speed > 2.8 * SPEED_SHARE
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.5, 1.0, 2.0, 3.0])
+def test_a_vibration_of_up_to_half_a_period_in_a_step_is_within_three_doubts(angle: float) -> None:
+    for phase in np.linspace(0.0, np.pi, 60):
+        of_place, of_speed = worst_shares(
+            lambda t, phase=phase: np.sin(angle * t + phase),
+            lambda t, phase=phase: angle * np.cos(angle * t + phase),
+        )
+        assert of_place <= 3 * SHARE
+        assert of_speed <= 3 * SPEED_SHARE
+
+
+def braked(rows: int = 20, blocks: int = 1) -> Observed:
+    """Z with 60 mm/s from 100 mm down, 5000 mm/s2 against it from 20 ms on: it comes back."""
+    times = np.arange(rows, dtype=np.int64) * STEP_NS
+    t = times * 1e-9
+    after = np.maximum(t - 0.02, 0.0)
+    table = pa.table(
+        {
+            "time_ns": times,
+            "Z.truth_mm": 100.0 - 60.0 * t + 2500.0 * after**2,
+            "Z.velocity_mm_s": -60.0 + 5000.0 * after,
+        }
+    )
+    facts = Facts(Timing(STEP_NS, 0, 0), 0, 0, 0, "", axes={"Z": AxisRecord("can1", 1, 1.0)})
+    return Observed(facts, Series(table))
+
+
+def test_the_farthest_place_and_the_speed_are_those_between_two_syncs() -> None:
+    """Contact at 99.5 mm, 8.333 ms; v^2/2a = 0.36 mm on from 98.8, at 32 ms + ... = a SYNC + 0."""
+    observed = braked()
+    touch = state_at(observed, "Z", 8_333_333)
+    assert touch is not None
+    assert touch.position_mm == pytest.approx(99.5, abs=1e-6)
+    assert touch.speed_mm_s == pytest.approx(-60.0, abs=1e-6)
+    # 100 - 1.2 - 0.36 = 98.44 at 32 ms; until 30 ms it is 98.45
+    for end_ns, way_mm in ((32 * MS, 1.06), (30 * MS, 1.05), (28 * MS, 1.02)):
+        found = farthest(observed, "Z", 99.5, 8_333_333, end_ns)
+        assert found is not None
+        # The brake begins in the middle of a step: 0.0162 of its 5000 mm/s2 in 8 ms
+        assert found.value == pytest.approx(way_mm, abs=1e-9)
+    inside = farthest(observed, "Z", 99.5, 8_333_333, 21 * MS)
+    assert inside is not None
+    assert abs(inside.value - (0.7 + 0.06 - 0.0025)) <= 3 * inside.doubt
+    # 60 mm/s are at the begin, the axis has -60 + 5000 x 0.024 = 60 at 44 ms, 64 a bit later
+    fast = fastest(observed, "Z", 0, 44 * MS + 800_000)
+    assert fast is not None
+    assert fast.value == pytest.approx(64.0, abs=1e-6)
+
+
+def test_an_axis_that_goes_straight_is_known_exactly_and_no_faster_than_it_went() -> None:
+    """Speeds of the steps 0, 10, 25, 25, 5 mm/s; the row at the end of a step has its speed."""
+    speeds = np.array([0.0, 0.0, 10.0, 25.0, 25.0, 5.0])
+    x = np.cumsum(speeds) * 8e-3
+    times = np.arange(6) * STEP_NS
+    found = Motion(times, x, speeds, unexplained_mm(times, x, speeds))
+    assert found.fastest(0, 5 * STEP_NS) == (25.0, 0.0)
+    state = found.at(2 * STEP_NS + STEP_NS // 4)
+    assert state is not None
+    assert state == pytest.approx((x[2] + 25.0 * 2e-3, 25.0, 0.0, 0.0))
+
+
+def test_behind_the_last_sync_nothing_is_known() -> None:
+    observed = braked(rows=3)
+    assert state_at(observed, "Z", 16 * MS) is not None
+    assert state_at(observed, "Z", 16 * MS + 1) is None
+    assert farthest(observed, "Z", 100.0, 17 * MS, 18 * MS) is None
+
+
+def test_a_long_time_is_looked_at_in_parts() -> None:
+    """A dip of 2 mm between two SYNCs, in the fifth thousand of rows."""
+    rows, dip = 9000, 8191
+    v = np.zeros(rows)
+    v[dip], v[dip + 1] = -1000.0, 1000.0
+    # A cubic from 0 with -v to 0 with +v goes to -v h/4
+    table = pa.table(
+        {
+            "time_ns": np.arange(rows, dtype=np.int64) * STEP_NS,
+            "Z.truth_mm": np.zeros(rows),
+            "Z.velocity_mm_s": v,
+        }
+    )
+    facts = Facts(Timing(STEP_NS, 0, 0), 0, 0, 0, "", axes={"Z": AxisRecord("can1", 1, 1.0)})
+    found = farthest(Observed(facts, Series(table)), "Z", 0.0, 0, rows * STEP_NS)
+    assert found is not None
+    assert found.value == pytest.approx(1000.0 * 8e-3 / 4)
