@@ -10,16 +10,14 @@ import pytest
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case, run_cases
-from axisrig.bench.oracles.sources.chain import Chain, Grid
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
 from axisrig.bench.tools.budget.budget import Budget, Share, make_budget
 from axisrig.bench.tools.budget.encoder import normal_number
-from axisrig.bench.tools.budget.instants import lasting, read_ns
 from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um, way_per_length
-from axisrig.kernel.time.clock import MS, US
+from axisrig.kernel.time.clock import MS
 
 PLANS = Path(__file__).parents[2] / "testplans"
 RIGS = PLANS / "rigs"
@@ -108,16 +106,6 @@ def test_noise_has_the_numbers_of_its_distribution() -> None:
     assert abs(mean) < 4 / sqrt(len(numbers))
     assert sum(n * n for n in numbers) / len(numbers) == pytest.approx(1.0, abs=0.1)
     assert normal_number(0, 3) == 0.0
-
-
-def test_a_plc_finds_a_bouncing_level_when_its_image_has_it() -> None:
-    """Exchange every 2 ms: off again at the first one, on at the second."""
-    edges = [(MS // 2, True), (MS, False), (3 * MS, True)]
-    chain = Chain(Grid(2 * MS), Grid(2 * MS), Grid(MS, 600 * US))
-    assert read_ns(chain, edges) == 4 * MS
-    assert read_ns(chain, edges[:1]) == 2 * MS
-    # A filter of 1 ms lets only the level through that stays
-    assert list(lasting(edges, MS)) == [(4 * MS, True)]
 
 
 @pytest.mark.long

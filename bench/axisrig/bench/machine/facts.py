@@ -252,6 +252,7 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
         left_out=runner.left_out,
         probes=tuple(terminal.inputs.values()),
         terminal_late_ns=grid.late_ns,
+        keeps_last_stamp=terminal.stamp_edge == "last",
     )
 
 

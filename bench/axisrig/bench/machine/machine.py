@@ -44,7 +44,7 @@ from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
-from axisrig.bench.rig.io_node import synced_segments
+from axisrig.bench.rig.io_node import synced_segments, terminal_telegram
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
@@ -251,6 +251,7 @@ class Machine:
                 if lists[name].flag("lr_param.distance_control_on")
             ),
             journal,
+            terminal_telegram(self.settings),
         )
 
     def _inject_faults(self, seed: int) -> None:

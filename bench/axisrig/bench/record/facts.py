@@ -29,10 +29,11 @@ from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
-VERSION: Final = 3
+VERSION: Final = 4
 """Counts up with every change after which an older version cannot read what is written."""
-READABLE: Final = (1, 2, 3)
-"""Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`."""
+READABLE: Final = (1, 2, 3, 4)
+"""Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`, up to 3 the
+first of several stamps counts and telegrams of a node with inputs have no instants."""
 
 _AGAIN = "run the case again with this version"
 
@@ -157,7 +158,7 @@ class Facts(Frozen):
 class RunFile(Frozen):
     """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
 
-    version: Literal[1, 2, 3]
+    version: Literal[1, 2, 3, 4]
     facts: Facts | None = None
     error: str | None = None
     log: tuple[str, ...] = ()

@@ -50,7 +50,8 @@ class PlcTaskRecord(Frozen):
     terminal_ns, terminal_offset_ns: cycle in which its image is exchanged, that of the task without
     a terminal. left_out: cycles that an overrun has cost. assumed_offset_ns, assumed_drift_ppm:
     what the CNC believes of the clock. probes: wired to the terminal. terminal_late_ns: from the
-    exchange until the PLC has the image, at most.
+    exchange until the PLC has the image, at most. keeps_last_stamp: of several edges of a direction
+    in an exchange the last one keeps its stamp, not the first.
     """
 
     period_ns: TimeNs
@@ -68,6 +69,7 @@ class PlcTaskRecord(Frozen):
     left_out: int = 0
     probes: tuple[str, ...] = ()
     terminal_late_ns: int = 0
+    keeps_last_stamp: bool = False
 
 
 @dataclass(frozen=True)

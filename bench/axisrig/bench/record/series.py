@@ -3,7 +3,8 @@
 A row belongs to one SYNC. `time_ns` (int64) is its instant, `<axis>.<signal>_<unit>` and
 `<plant>.<signal>` are one value for each row. `<axis>.<field>_frame_ns` and
 `<axis>.<field>_increments` are lists: the cyclic values that the bus brought since the row before,
-with the ends of their frames.
+with the ends of their frames. `plc.inputs_frame_ns` has the ends of the telegrams of a node with
+digital inputs alone.
 
 The metadata of the schema say what the file is about: `units` (JSON: column -> unit), and where
 they are known `run` and `rig`. Older files have none; `Series.units` goes by the names then.
@@ -34,6 +35,8 @@ TIME: Final = "time_ns"
 TARGET, ACTUAL, SECOND = "target", "actual", "second"
 """Cyclic values: target position 607A, actual position 6064, second encoder 60E4:1."""
 FRAME_NS, INCREMENTS = "frame_ns", "increments"
+INPUTS: Final = "plc.inputs"
+"""Telegrams of the node with digital inputs that is the terminal of the PLC."""
 ABOUT: Final = ("run", "rig")
 """What the metadata of a file say beside the units."""
 _UNITS: Final = "units"
@@ -166,6 +169,13 @@ class Series:
             return Telegrams(np.empty(0, np.int64), np.empty(0, np.int64))
         table = self._read(names, block)
         return Telegrams(*(_flat(table.column(place)) for place in (0, 1)))
+
+    def frame_ends_ns(self, of: str, block: slice | None = None) -> Times:
+        """Return the ends of the telegrams `of` on the wire, ns; rows as `telegrams`."""
+        name = f"{of}_{FRAME_NS}"
+        if name not in self._schema.names:
+            return np.empty(0, np.int64)
+        return _flat(self._read([name], block).column(0))
 
     def table(self, names: Sequence[str] | None = None) -> pa.Table:
         """Return some columns, or all with one value for each row."""

@@ -18,6 +18,14 @@ def node_table(settings: Settings) -> TerminalTable | None:
     return table if table is not None and table.is_on_can else None
 
 
+def terminal_telegram(settings: Settings) -> tuple[str, int] | None:
+    """Return segment and COB-ID of the telegrams with its inputs, None where it is no node."""
+    table = node_table(settings)
+    if table is None or table.segment is None or table.node is None:
+        return None
+    return table.segment, TPDO_1 + table.node
+
+
 def synced_segments(settings: Settings) -> set[str]:
     """Return the segments that carry the SYNC: those of axes, and that of the node."""
     used, table = {axis.segment for axis in settings.rig.axis.values()}, node_table(settings)

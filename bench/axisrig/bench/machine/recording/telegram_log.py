@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 
 from axisrig.bench.bus.journal import Entry, Journal
@@ -13,6 +14,7 @@ from axisrig.bench.record.series import (
     ACTUAL,
     FRAME_NS,
     INCREMENTS,
+    INPUTS,
     SECOND,
     TARGET,
     Times,
@@ -34,10 +36,16 @@ class _Values:
 class TelegramLog:
     """Notes 607A, 6064 and 60E4:1 of some axes, from the journal of their segments.
 
-    links: of these axes, each with the name of its segment.
+    links: of these axes, each with the name of its segment. terminal: segment and COB-ID of the
+    telegrams of the node with digital inputs that is the terminal of the PLC, whose ends it notes.
     """
 
-    def __init__(self, links: Iterable[tuple[str, AxisLink]], journal: Journal) -> None:
+    def __init__(
+        self,
+        links: Iterable[tuple[str, AxisLink]],
+        journal: Journal,
+        terminal: tuple[str, int] | None = None,
+    ) -> None:
         self._wanted: dict[tuple[str, int], tuple[Any, list[tuple[int, _Values]]]] = {}
         self._values: dict[tuple[str, str], _Values] = {}
         for segment, link in links:
@@ -50,13 +58,17 @@ class TelegramLog:
                 if places:
                     key = segment, telegram.cob_id(link.settings.node_id)
                     self._wanted[key] = telegram.codec, places
-        self._journal = journal
-        if self._wanted:
+        self._journal, self._terminal = journal, terminal
+        self._ends_ns: list[int] = []
+        if self._wanted or terminal is not None:
             journal.add(self._take)
 
     def _take(self, block: Sequence[Entry]) -> None:
         """Note the values of a block of frames."""
         for time_ns, segment, frame, is_error in block:
+            if (segment, frame.arbitration_id) == self._terminal and not is_error:
+                self._ends_ns.append(time_ns)
+                continue
             found = self._wanted.get((segment, frame.arbitration_id))
             if found is None or is_error or len(frame.data) != found[0].size:
                 continue
@@ -76,14 +88,27 @@ class TelegramLog:
         for (axis, field), values in self._values.items():
             frames = np.array(values.frame_ns, dtype=np.int64)
             increments = np.array(values.increments, dtype=np.int64)
-            offsets = np.zeros(len(times_ns) + 1, dtype=np.int32)
-            offsets[1:] = np.searchsorted(frames, times_ns, side="right")
-            if is_last and len(times_ns):
-                offsets[-1] = len(frames)
+            offsets = _offsets(frames, times_ns, is_last=is_last)
             taken = int(offsets[-1])
             del values.frame_ns[:taken], values.increments[:taken]
             for part, numbers in ((FRAME_NS, frames), (INCREMENTS, increments)):
-                columns[f"{axis}.{field}_{part}"] = pa.ListArray.from_arrays(
-                    column_of(offsets), column_of(numbers[:taken])
-                )
+                columns[f"{axis}.{field}_{part}"] = _lists(offsets, numbers)
+        if self._terminal is not None:
+            ends = np.array(self._ends_ns, dtype=np.int64)
+            offsets = _offsets(ends, times_ns, is_last=is_last)
+            del self._ends_ns[: int(offsets[-1])]
+            columns[f"{INPUTS}_{FRAME_NS}"] = _lists(offsets, ends)
         return columns
+
+
+def _offsets(frames: Times, times_ns: Times, *, is_last: bool) -> npt.NDArray[np.int32]:
+    """Return where the list of each row begins, and where the last one ends."""
+    offsets = np.zeros(len(times_ns) + 1, dtype=np.int32)
+    offsets[1:] = np.searchsorted(frames, times_ns, side="right")
+    if is_last and len(times_ns):
+        offsets[-1] = len(frames)
+    return offsets
+
+
+def _lists(offsets: npt.NDArray[np.int32], numbers: Times) -> pa.ListArray:
+    return pa.ListArray.from_arrays(column_of(offsets), column_of(numbers[: int(offsets[-1])]))

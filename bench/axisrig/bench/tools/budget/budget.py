@@ -17,7 +17,7 @@ from functools import partial
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.judge.latch.sources import STAMPED
+from axisrig.bench.judge.latch.sources import HELD, STAMPED
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
@@ -32,7 +32,7 @@ from axisrig.bench.tools.budget.causes import (
 from axisrig.bench.tools.budget.combining import USUAL, combined
 from axisrig.bench.tools.budget.combining import Runs as CausesOff
 from axisrig.bench.tools.budget.forms import bound_um, expected_um
-from axisrig.bench.tools.budget.instants import EXTERNAL, UNIT_UM, is_handed
+from axisrig.bench.tools.budget.instants import UNIT_UM, is_handed
 from axisrig.bench.tools.budget.seen import METRICS, Seen, see
 from axisrig.kernel.errors import UserError
 
@@ -214,7 +214,7 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
     )
     table = settings.rig.drive[settings.rig.axis[axis].drive]
     increment_um = table.lead_mm / table.encoder_increments * _UM_PER_MM
-    if whole.source == EXTERNAL and is_handed(settings):
+    if whole.source == HELD and is_handed(settings):
         increment_um = max(increment_um, UNIT_UM)
     shares = []
     for place, each in enumerate(runs.active):
@@ -281,7 +281,7 @@ def _combine(
 
 def _causes_of(case: Case, settings: Settings, axis: str, whole: Seen) -> list[Active]:
     found = active_causes(
-        case, settings, axis, whole.latch_ms is not None, is_external=whole.source == EXTERNAL
+        case, settings, axis, whole.latch_ms is not None, is_external=whole.source == HELD
     )
     if whole.track is not None:
         found += motion_causes(

@@ -1,0 +1,165 @@
+"""Metrics of a signal at a PLC on recordings that were never run: bounce, node, exact instants."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from tests.recordings import facts
+
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import observe
+from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.record.axes import AxisRecord, Edge, ProbeRecord
+from axisrig.bench.record.facts import Facts, Timing
+from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
+from axisrig.bench.record.series import Series
+from axisrig.kernel.time.clock import MS, US
+
+SPEED_MM_S = -10.0
+SYNC_NS, CYCLE_NS = 48 * US, 600 * US
+TIMING = Timing(MS, CYCLE_NS, 0)
+TASK = PlcTaskRecord(2 * MS, 300 * US, 0, 2 * MS, 300 * US, probes=("probe",))
+
+
+def place_mm(time_ns: int) -> float:
+    return 100.0 + SPEED_MM_S * time_ns * 1e-9
+
+
+def left(
+    edges: Sequence[tuple[int, bool]],
+    cycle_ns: int,
+    at_ns: int,
+    *,
+    task: PlcTaskRecord = TASK,
+    source: str = "PLC",
+    telegrams_us: Sequence[int] | None = None,
+    known_ns: float = 1.0,
+    timing: Timing = TIMING,
+) -> Observed:
+    """Z goes down; cycle_ns: that saw the signal; at_ns: whose position it published."""
+    times = np.arange(40, dtype=np.int64) * timing.period_ns + SYNC_NS
+    columns: dict[str, Any] = {
+        "time_ns": times,
+        "Z.truth_mm": [place_mm(int(t)) for t in times],
+        "Z.velocity_mm_s": np.full(len(times), SPEED_MM_S),
+    }
+    if telegrams_us is not None:
+        columns["plc.inputs_frame_ns"] = [
+            [us * US for us in telegrams_us if t <= us * US < t + timing.period_ns] for t in times
+        ]
+    run = MeasurementRun(
+        ("Z",),
+        sources={"Z": source},
+        inputs={"Z": 1},
+        begin_ns=0,
+        signal_ns=cycle_ns,
+        end_ns=30 * MS,
+        latched_mm={"Z": place_mm(at_ns)},
+    )
+    found: Facts = facts(
+        timing=timing,
+        end_ns=39 * MS,
+        axes={"Z": AxisRecord("can1", 1, 1000.0, plant="z")},
+        probes={"probe": ProbeRecord(True, known_ns, (), tuple(Edge(*edge) for edge in edges))},
+        plc_task=task,
+        runs=(run,),
+    )
+    return Observed(found, Series(pa.table(columns)))
+
+
+def found(observed: Observed) -> tuple[Observation, Observation]:
+    late, error = (
+        observe(observed, parse_check(name, "> -1e9", ""))
+        for name in ("signal_late_cycles", "source_error_um")
+    )
+    return late, error
+
+
+def test_a_kernel_that_is_a_cycle_late_is_seen_with_a_node_and_a_fast_plc() -> None:
+    """SYNC at 10.048, telegram until 10.348 though the worst case of the bus is 0.414 ms after the
+    SYNC; a PLC cycle at 10.4, the NC cycle at 10.6 has the level.
+    """
+    task = replace(
+        TASK, period_ns=200 * US, offset_ns=0, terminal_ns=MS, terminal_offset_ns=SYNC_NS,
+        terminal_late_ns=414 * US,
+    )  # fmt: skip
+    telegrams_us = [n * 1000 + 348 for n in range(40)]
+    edges = [(10 * MS, True)]
+    for cycles in (0, 1):
+        cycle_ns = 10 * MS + CYCLE_NS + cycles * MS
+        sync_ns = 10 * MS + SYNC_NS + cycles * MS
+        late, error = found(left(edges, cycle_ns, sync_ns, task=task, telegrams_us=telegrams_us))
+        assert (late.value, late.uncertainty) == (cycles, 0.0)
+        assert error.value == pytest.approx(SPEED_MM_S * cycles, abs=1e-6)
+        assert error.uncertainty == 0.0
+    # Without the telegrams it may have been either: in the worst case they come after the PLC cycle
+    slow = replace(task, terminal_late_ns=500 * US)
+    late, error = found(left(edges, 10 * MS + CYCLE_NS, 10 * MS + SYNC_NS, task=slow))
+    assert (late.value, late.uncertainty) == (-1.0, 1.0)
+    assert error.value == pytest.approx(10.0)
+    assert error.uncertainty == pytest.approx(10.0)
+
+
+def test_a_probe_that_bounces_counts_where_its_level_is_on_at_an_exchange() -> None:
+    """On 10.0 to 12.0 ms, on again from 13.0: not at the exchange at 12.3, at 14.3; cycle 14.6."""
+    edges = [(10_400 * US, True), (12 * MS, False), (13 * MS, True)]
+    late, error = found(left(edges, 14 * MS + CYCLE_NS, 14 * MS + SYNC_NS))
+    assert (late.value, late.uncertainty) == (0.0, 0.0)
+    assert error.value == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_pulse_that_nobody_looks_at_gives_no_value() -> None:
+    late, error = found(left([(10_400 * US, True), (12 * MS, False)], 14 * MS, 14 * MS))
+    assert (late.value, error.value) == (None, None)
+    assert "never looks" in late.note
+
+
+@pytest.mark.parametrize(("off_ns", "uncertainty"), [(-1, 0.0), (0, 2.0), (1, 0.0)])
+def test_an_edge_at_the_very_instant_of_an_exchange_may_count_or_not(
+    off_ns: int, uncertainty: float
+) -> None:
+    """Whole nanoseconds: a tenth of one before the exchange at 10.3 ms or behind it."""
+    edges = [(10_300 * US + off_ns, True)]
+    cycle_ms, seen_ms = 10 if off_ns <= 0 else 12, 12 if off_ns >= 0 else 10
+    late, error = found(left(edges, seen_ms * MS + CYCLE_NS, seen_ms * MS + SYNC_NS))
+    assert (late.value, late.uncertainty) == (seen_ms - cycle_ms, uncertainty)
+    assert error.value == pytest.approx(SPEED_MM_S * (seen_ms - cycle_ms), abs=1e-6)
+    assert error.uncertainty == pytest.approx(-SPEED_MM_S * uncertainty, abs=1e-6)
+
+
+def test_edges_that_the_plant_knows_badly_make_the_instant_known_badly() -> None:
+    """Of an FMU that gives a level only, known to 50 us; the exchange is 20 us behind the edge."""
+    edges = [(10_280 * US, True)]
+    observed = left(edges, 10 * MS + CYCLE_NS, 10 * MS + SYNC_NS, known_ns=50e3)
+    late, error = found(observed)
+    assert (late.value, late.uncertainty) == (0.0, 2.0)
+    assert error.uncertainty == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize("keeps_last", [False, True])
+def test_a_stamp_is_that_of_the_first_or_the_last_edge_of_an_exchange(keeps_last: bool) -> None:
+    """Rising at 10.4 and 12.2 ms, off between, the exchange at 12.3 has both."""
+    edges = [(10_400 * US, True), (12 * MS, False), (12_200 * US, True)]
+    at_ns = (12_200 if keeps_last else 10_400) * US
+    task = replace(TASK, keeps_last_stamp=keeps_last, stamp_jitter_ns=1000)
+    observed = left(edges, 12 * MS + CYCLE_NS, at_ns, task=task, source="PLC_TIMESTAMP")
+    late, error = found(observed)
+    assert late.value == 0.0
+    assert error.value == pytest.approx(0.0, abs=1e-6)
+    assert error.uncertainty == pytest.approx(0.01, rel=2e-3)  # 10 mm/s in 1 us, and in 1 ns
+
+
+def test_external_hardware_keeps_what_it_has_seen_for_a_slow_cnc() -> None:
+    """PLC each 0.5 ms, CNC each 3 ms: on for 0.6 ms only. The CNC has it by the latch alone."""
+    task = replace(TASK, period_ns=MS // 2, offset_ns=0, terminal_ns=MS // 2, terminal_offset_ns=0)
+    timing = Timing(3 * MS, CYCLE_NS, 0)
+    edges = [(9_900 * US, True), (10_500 * US - 1, False)]
+    for source, value in (("PLC", None), ("PLC_EXT_LATCH_CONTROL", 0.0)):
+        observed = left(
+            edges, 12 * MS + CYCLE_NS, 12 * MS + SYNC_NS, task=task, source=source, timing=timing
+        )
+        assert found(observed)[0].value == value
