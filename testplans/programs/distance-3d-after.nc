@@ -1,6 +1,6 @@
 %distance_3d_after
-; After a reset or the end of another program: where the axes are, on again in the same mode, then off; the last position
-; is that of the tool.
+; After a reset or the end of another program: where the axes are, with the offset that was left in their positions, on again
+; in the same mode, then off; the last position is that of the tool.
 N010 #MSG SYN["Y=%f Z=%f", V.A.ACT_POS.Y, V.A.ACT_POS.Z]
 N020 V.G.WZ_AKT.L = 80
 N030 #TRAFO ON

@@ -1,6 +1,6 @@
 %reset_distance
-; Started after a reset: where the axis is, distance control on again from the offset that it
-; has kept, off until that has run out.
+; Started after a reset: where the axis is, with the offset that was left in its position, distance
+; control on again, off until its offset has run out.
 N10 #MSG SYN["V.A.ACT_POS.Z=%f", V.A.ACT_POS.Z]
 N20 G1 G90 Z36 F3000
 N30 Z[DIST_CTRL ON SET_POS=30]

@@ -232,14 +232,40 @@ def sensor(row: Row) -> Expected:
 
 
 def ends(row: Row) -> Expected:
-    kept = 0.0 if row.ve("STATE", 1) == 0 else row.lift
+    never_on = row.ve("STATE", 1) == 0 or row.program == "errors"
+    kept = 0.0 if never_on else row.lift
     _, y, z = law.start(0, -40)
     yield "msg:N10.1", y + kept * law.tan(40), 3e-4
     yield "msg:N10.2", z + kept, 3e-4
-    yield "msg:N110.1", 0.0, 3e-4
-    yield "msg:N110.2", 0.0, 3e-4
+    # What is left is part of the position: OFF of the next program takes nothing away
+    yield "msg:N110.1", kept * law.tan(40), 3e-4
+    yield "msg:N110.2", kept, 3e-4
     second = row.number("plant:gap.lift_2_mm")
     yield "offset_mm_max", row.lift + second if row.ve("AGAIN") else 0.0, 2e-4
+
+
+def left(row: Row) -> Expected:
+    """Where Y and Z are: with the offset while one axis alone moves, then at their targets."""
+    limit = "channel.dist_ctrl[0]" if row.ve("KIND") == 1 else "Z.kenngr.distc"
+    offset = min(row.lift, row.number(f"set:{limit}.max_deviation", 5e4) * 1e-4)
+    a = row.at("a")
+    y, z = -law.LEVER_MM * law.sin(a), law.LEVER_MM * law.cos(a)
+    sideways = offset * law.tan(-a) if row.ve("KIND") == 1 else 0.0
+    stays = row.ve("KIND") == 2 and row.ve("CAUSE") == 3  # the control is on: no part of Z
+    places = {
+        "N10": (y, z) if stays else (y + sideways, z + offset),
+        "N20": (y + sideways, z + offset),
+        "N60": (y + sideways, z + offset),
+        "N90": (0.0, 0.0) if stays else (y + sideways, z + offset - law.LEVER_MM),
+        "N120": (10.0, 20.0 + offset) if stays else (10.0, 20.0),
+        # In a position without a kinematic the length of the tool counts along Z
+        "N110": (y + sideways, z + offset - law.TOOL_MM),
+        "N140": (y + sideways, z + offset - law.TOOL_MM),
+        "N180": (y, z - law.TOOL_MM),
+    }
+    for block, place in places.items():
+        for number, value in enumerate(place, 1):
+            yield f"msg:{block}.{number}", value, 3e-4
 
 
 def manual(row: Row) -> Expected:
@@ -324,6 +350,7 @@ TABLES = {
     "holding": holding,
     "states": states,
     "ends": ends,
+    "left": left,
     "sensor": sensor,
     "manual": manual,
     "errors": errors,

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -205,6 +206,31 @@ def test_an_error_of_another_axis_does_not_stop_it_before_the_axes_stand(
     assert seen.offset_mm[-1] - seen.offset_mm[300] == pytest.approx(0.1, abs=0.01)
     assert made.control.state is DistanceState.INACTIVE
     assert made.control.offset_mm == seen.offset_mm[-1]
+
+
+@pytest.mark.provokes(900029, 7, axis="X")
+def test_an_error_that_halts_every_axis_by_its_own_ramp_leaves_the_offset_where_it_is(
+    distance_bench: Make, say: Any, words: Any
+) -> None:
+    """P-CHAN-00218: X jumps, Z halts by a ramp of its own and has its offset in its position."""
+    halts = ChannelSettings(each_axis_halts=True)
+    made = distance_bench(raised, more=(words.axis("X"),), options={"settings": halts})
+    plc, bench = made.channel.plc, made.bench
+    turns: list[int] = []
+
+    def turn() -> None:
+        turns.append(0)
+        if len(turns) == 300:
+            bench.axes["X"].droop_m += 0.02
+        plc.wants_reset = len(turns) == 500
+
+    plc.outlives_program, plc.is_idle, plc.take_turn = True, lambda: len(turns) > 800, turn
+    made.run(on(say), say.dwell(600))
+    assert made.alarm_ids == [900029, 900560]
+    sent = made.seen.sent_mm[295:]
+    assert max(sent) - min(sent) < 1e-9
+    assert made.channel.path.position_acs_mm("Z") == pytest.approx(sent[-1], abs=1e-9)
+    assert len(made.channel.resets_ns) == 1
 
 
 # Monitoring with an offset

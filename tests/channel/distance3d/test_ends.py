@@ -42,6 +42,7 @@ def test_off_runs_out_on_the_fly_and_wait_holds_the_next_block(make_head: Make) 
         assert made.offset_mm[-1] == 0.0
 
 
+@pytest.mark.provokes(900560, 1, owner="the channel")
 def test_a_reset_keeps_the_offset_and_follows_no_more(make_head: Make) -> None:
     made = make_head(lambda ms: 1.0 if ms < 600 else 3.0)
     plc = made.channel.plc
@@ -55,11 +56,14 @@ def test_a_reset_keeps_the_offset_and_follows_no_more(make_head: Make) -> None:
 
     plc.take_turn = turn
     made.run(TILTED + "#DIST CTRL ON [SET_POS=0 MODE=ECS]\n#TIME 5")
-    assert made.alarm_ids == [900315]
+    assert made.alarm_ids == [900315, 900560]
     assert made.state[-1] is DistanceState.INACTIVE
-    assert set(made.offset_mm[550:]) == {made.offset_mm[550]}
-    assert made.offset_mm[-1] == pytest.approx(1.0, abs=1e-4)
-    assert len(set(made.sent["Y"][550:])) == 1
+    assert made.offset_mm[498] == pytest.approx(1.0, abs=1e-4)
+    assert set(made.offset_mm[550:]) == {0.0}
+    sent = made.sent["Y"][500:]
+    assert max(sent) - min(sent) < 1e-9
+    away = sent[-1] - 180 * math.sin(math.radians(40))
+    assert away == pytest.approx(math.tan(math.radians(40)), abs=1e-4)
 
 
 def test_the_end_of_the_program_keeps_it_too_and_warns_of_nothing(make_head: Make) -> None:

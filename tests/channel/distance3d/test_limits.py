@@ -370,7 +370,7 @@ def test_off_no_move_gives_the_axes_what_was_superposed(make_tool_loop: Make, to
     loop = make_tool_loop(inclined(20, 40), tool.plane(height_mm=lambda _k: 1.0))
     loop.plan("ECS").on(set_pos=0.0)
     loop.run(3).say(DistanceCommand.OFF, no_move=True)
-    kept = loop.control3d.take_over()
+    kept = loop.control3d.hand_over()
     way = 1.0 / math.cos(math.radians(40)) * tool.turned(20, 40)
     assert [kept[name] for name in "XYZ"] == pytest.approx(list(way), abs=1e-9)
     assert loop.control3d.is_idle

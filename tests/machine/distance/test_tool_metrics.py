@@ -266,6 +266,33 @@ class Tampered(Observed):
         return values + self.by if f"{axis}.{name}" == self.name else values
 
 
+class Turning(Observed):
+    """A run whose offset of 0.5 mm turns with A although its kinematic has gone."""
+
+    def column(self, axis: str, name: str, rows: slice | None = None) -> NDArray[np.float64]:
+        values = super().column(axis, name, rows)
+        if f"{axis}.{name}" != "Y.superposed_mm":
+            return values
+        a_deg = super().column("A", "set_mm", rows)
+        return np.where(a_deg > -39.9999, -0.5 * np.tan(np.radians(a_deg)), values)
+
+
+def test_an_offset_whose_kinematic_has_gone_stays_and_one_that_turned_would_show(
+    judged: Any,
+) -> None:
+    """FREEZE, #TRAFO OFF, A from -40 to -30 alone: Y by 0.5 (tan 40 - tan 30) = 0.13087 mm."""
+    text = program(
+        "SET_POS=-0.5 MODE=ECS",
+        "G4 0.1\n#DIST CTRL FREEZE\n#TRAFO OFF\nG1 A-30 F60000\nG4 0.01",
+    )
+    run = judged(text, *pose(0.0, -40.0), *PLAIN, *able())
+    sound(run)
+    turning = Judged(Turning(run.observed.facts, run.observed.series))
+    apart_mm = 0.5 * (math.tan(math.radians(40)) - math.tan(math.radians(30)))
+    found = turning.value("superposed_error_increments:Y")
+    assert found == pytest.approx(apart_mm * 1e5, abs=10)  # of 10 nm; the sensor has 0.1 um
+
+
 @pytest.mark.parametrize(
     ("column", "by", "metric", "least"),
     [

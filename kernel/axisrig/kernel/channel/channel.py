@@ -85,7 +85,8 @@ class Channel(ChannelView):
             self.functions.reset,
             self.plc.acknowledge,
         ]
-        self._reset = Reset(self.links, timing, self.path, self.reactions, ends)
+        leave = self.distance.leave
+        self._reset = Reset(self.links, timing, self.path, self.reactions, ends, leave)
         self._next_sync_ns, self._sync_count = 0, 0
         self._assign()
 
@@ -130,7 +131,7 @@ class Channel(ChannelView):
             self.single.stop,
             each_axis_halts=settings.each_axis_halts,
         )
-        self.distance = DistanceControls(path, self.single, self.axes, offsets, plc.axis, self.warn)
+        self.distance = DistanceControls(path, self.single, self.axes, offsets, plc, self.warn)
         self._superpose = self.distance.superpose if offsets.is_used else None
         self.pauses = Pauses(clock, timing.period_ns, path.is_in_position, plc.events, settings)
         limits = {axis.name: axis.limits for axis in self.axes}
@@ -300,6 +301,7 @@ class Channel(ChannelView):
     def _stand_behind_alarm(self) -> None:
         """Go into ERROR for a PLC side that may reset, else end."""
         self.execution.close(BlockEnd.STOPPED)
+        self.reactions.give_back()
         self.distance.end_by_error()
         self.measurement.end_preparation()
         if self.plc.outlives_program:

@@ -25,13 +25,14 @@ from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.motion.interpolator import Positions
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.interface import PlcInterface
-from axisrig.kernel.plc.unit import AxisUnit, DistanceUnit
+from axisrig.kernel.plc.unit import DistanceUnit
 from axisrig.kernel.time.clock import TimeNs
 
 NOT_RELEASED, NOT_RELEASED_OLD = 310015, 70336
 STILL_MEASURES = 310005, 70521  # newer and older family
 STILL_ON_AT_END = 70332
 TWO_CONTROLS = 900466
+LEFT = 900560
 
 COMMANDS: Mapping[str, DistanceCommand] = {
     "on": DistanceCommand.ON,
@@ -77,9 +78,8 @@ class DistanceControls:
 
     axes: those that have one. channel: 3D control, None without P-CHAN-00500; what it does is in
     `ChannelDistance`.
-    settings: of every axis, in the order of the set positions. units: of every axis at the PLC's
-    side. warn: takes alarms of class 1. further: what came up in a cycle besides the alarm that was
-    raised. has_stepped: in this cycle.
+    settings: of every axis, in the order of the set positions. warn: takes alarms of class 1.
+    further: what came up in a cycle besides the alarm that was raised. has_stepped: in this cycle.
     """
 
     def __init__(
@@ -88,10 +88,12 @@ class DistanceControls:
         single: SingleAxes,
         settings: Sequence[AxisSettings],
         offsets: Offsets,
-        units: Mapping[str, AxisUnit],
+        plc: PlcInterface,
         warn: Callable[[Alarm], None],
     ) -> None:
-        self._path, self._single, self._units, self._warn = path, single, units, warn
+        units = plc.axis
+        self._path, self._single, self._plc, self._warn = path, single, plc, warn
+        self._units = units
         self._slaves_of = single.couplings.slaves_of
         self._plc_units = [unit.distance for unit in units.values()]
         self._settings = {axis.name: axis for axis in settings}
@@ -296,8 +298,27 @@ class DistanceControls:
         self._warn_if(warning)
         self._warn_of_age(channel, wanted)
         if no_move and control.state is DistanceState.INACTIVE:
-            for name, delta_mm in channel.take_over().items():
+            for name, delta_mm in channel.hand_over().items():
                 self._take_over(name, delta_mm)
+
+    def leave(self) -> None:
+        """Let the positions of axes at rest contain the offset of a control that is off.
+
+        So no axis moves, and the next path begins where the axes are; where nothing follows any
+        more it does nothing. Source: FCT-M3 5.1 and 12.4.4. Warns with 900560.
+        """
+        if not self._plc.outlives_program:
+            return
+        for found in self._all():
+            if found.control.state is not DistanceState.INACTIVE or not found.has_offset:
+                continue
+            offset_mm, kept = f"{found.control.offset_mm:.3f}", found.hand_over()
+            for name, moved_mm in kept.items():
+                self._take_over(name, moved_mm)
+            if float(offset_mm):
+                axes, owner = " ".join(kept), found.control.owner
+                self._warn(Alarm(LEFT, owner=owner, offset_mm=offset_mm, axes=axes))
+        self._show()
 
     def _take_over(self, axis: str, offset_mm: float) -> None:
         """Let the interpolated position contain an offset, also that of the slaves."""
@@ -364,6 +385,7 @@ class DistanceControls:
             axis.control.forget_set_values()
         if self.channel is not None:
             self.channel.end_program()
+        self.leave()
 
     def switch_off(self, axes: Iterable[str]) -> None:
         """Switch off after an error of these axes: the offset stays; ERROR stays as well."""
@@ -382,9 +404,13 @@ class DistanceControls:
             axis.control.forget_set_values()
         if self.channel is not None:
             self.channel.end_program()
+        self.leave()
 
     def reset(self) -> None:
-        """Switch off, also out of ERROR: the offsets stay, the set values are forgotten."""
+        """Switch off, also out of ERROR; the set values are forgotten.
+
+        The offsets stay until the axes are at rest, then `leave`.
+        """
         self._awaited.clear()
         for axis in self.axes.values():
             axis.control.switch_off_kept()

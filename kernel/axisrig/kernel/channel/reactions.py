@@ -121,9 +121,13 @@ class Reactions:
         if self._follow is not None:
             self._follow()
 
-    def reset(self) -> None:
-        """Give the axes back to the path where they are, and lead the drives again."""
+    def give_back(self) -> None:
+        """Give the axes that were taken off the path back to it, where they are at rest."""
         if self._ramps:
             self._ramps, self._path.follow = {}, self._follow
+
+    def reset(self) -> None:
+        """Give the axes back to the path, and lead the drives again."""
+        self.give_back()
         for link in self._links:
             link.let_go()

@@ -15,7 +15,11 @@ from axisrig.kernel.drives.link import AxisLink
 
 
 class Reset:
-    """Carries out the resets of a channel; ends: what ends what is under way, in their order."""
+    """Carries out the resets of a channel.
+
+    ends: what ends what is under way, in their order. leave: lets the positions of axes at rest
+    contain what distance control has superposed on them.
+    """
 
     def __init__(
         self,
@@ -24,9 +28,10 @@ class Reset:
         path: Path,
         reactions: Reactions,
         ends: Sequence[Callable[[], None]],
+        leave: Callable[[], None],
     ) -> None:
         self._links, self._timing, self._path = links, timing, path
-        self._reactions, self._ends = reactions, tuple(ends)
+        self._reactions, self._ends, self._leave = reactions, tuple(ends), leave
         self._power_up = PowerUp(links, timing)
 
     def begin(self) -> None:
@@ -42,6 +47,7 @@ class Reset:
         Raises Alarm 900005 and 900008 as the start does.
         """
         self._reactions.reset()
+        self._leave()
         for link in self._links:
             if link.state is not State.OPERATION_ENABLED:
                 self._path.put(link.name, link.actual_mm)

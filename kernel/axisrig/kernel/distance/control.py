@@ -200,6 +200,10 @@ class DistanceControl:
         """Switch off after a reset or an error of the axis: the offset stays (FCT-M3 6)."""
         self._hold(DistanceState.INACTIVE)
 
+    def hand_over(self) -> None:
+        """Have no offset any more: it is part of the position of the owner."""
+        self.offset_mm = 0.0
+
     # Values
 
     def set_surface(self, set_pos_mm: float) -> None:

@@ -116,8 +116,10 @@ class ToolTruth(DistanceTruth):
             for on in self.observed.facts.kinematics
             if on.begin_ns // period_ns * period_ns <= guide.time_ns
         ]
-        chain = chain_of(self.observed, acting[-1])
-        return ToolWay(guide.mode, 0, chain, len(acting[-1].axes), guide.normal, guide.origin_mm)
+        on = acting[-1]
+        until_ns = None if on.end_ns is None else on.end_ns // period_ns * period_ns
+        chain = chain_of(self.observed, on)
+        return ToolWay(guide.mode, 0, chain, len(on.axes), guide.normal, guide.origin_mm, until_ns)
 
     def way_at(self, time_ns: TimeNs) -> ToolWay | None:
         """Return where the offset acts at a SYNC, the first one before any was chosen."""

@@ -75,7 +75,8 @@ def superposed_error_increments(observed: Observed, axis: str | None) -> Observa
 def _expected_superposed(truth: ToolTruth) -> Array:
     """Return what must be superposed, shape (n, axes): own offset, own way to the axes.
 
-    Where the control does not follow, the offset is the one that the kernel has.
+    Where the control does not follow, the offset is the one that the kernel has. From the cycle in
+    which its kinematic goes it stays on the axes as it was; what runs out does so by its share.
     """
     own = expected_offset.walk(truth).offset_mm
     follows = truth.is_active & ~np.isnan(own)
@@ -86,13 +87,19 @@ def _expected_superposed(truth: ToolTruth) -> Array:
         offset = np.where(truth["offset_mm"] == 0.0, _handed_over(truth, before), before)
     found = np.zeros_like(truth.base)
     for way, rows in truth.way_rows():
-        moves = np.flatnonzero(offset[rows] != 0.0) + rows.start
+        stays = rows.stop
+        if way.until_ns is not None:
+            stays = max(rows.start, int(np.searchsorted(truth.times_ns, way.until_ns)))
+        moves = np.flatnonzero(offset[rows.start : stays] != 0.0) + rows.start
         if len(moves):
             poses, place = np.unique(
                 np.column_stack([truth.base[moves], offset[moves]]), axis=0, return_inverse=True
             )
             moved = way.superposed(poses[:, :-1], poses[:, -1]) - poses[:, :-1]
             found[moves] = moved[place.reshape(-1)]
+        if 0 < stays < rows.stop and offset[stays - 1]:
+            share = offset[stays : rows.stop] / offset[stays - 1]
+            found[stays : rows.stop] = share[:, None] * found[stays - 1]
     return found
 
 

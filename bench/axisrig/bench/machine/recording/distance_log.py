@@ -6,7 +6,7 @@ from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.channel.distance.guide import Guide, ToolGuide
+from axisrig.kernel.channel.distance.guide import Guide, StayingGuide, ToolGuide
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
 from axisrig.kernel.parameters.units import UNITS_PER_MM
@@ -77,8 +77,8 @@ class DistanceLog:
         return True
 
     def _note_guide(self, guide: Guide | None, time_ns: TimeNs) -> None:
-        if guide is self._guide:
-            return
+        if guide is self._guide or isinstance(guide, StayingGuide):
+            return  # where an offset stays follows from where it was, and when the kinematic went
         self._guide = guide
         if guide is None:
             found = GuideChange(time_ns)

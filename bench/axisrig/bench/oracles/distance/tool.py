@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axisrig.bench.oracles.kinematics.chain import JOINTS, Array, Chain
+from axisrig.kernel.time.clock import TimeNs
 
 ACS, ECS, MCS = "ACS", "ECS", "MCS"
 STEEPEST_DEG = 85.0
@@ -79,7 +80,7 @@ class ToolWay:
     """Where an offset acts. mode: ACS, ECS, MCS. axis: place of the one that moves in ACS.
 
     chain: of the kinematic, for ECS and MCS; count: its axes. normal, origin_mm: of the coordinate
-    system.
+    system. until_ns: SYNC from which on the kinematic is off, None = it stays on.
     """
 
     mode: str
@@ -88,6 +89,7 @@ class ToolWay:
     count: int = 0
     normal: Sequence[float] = (0.0, 0.0, 1.0)
     origin_mm: Sequence[float] = (0.0, 0.0, 0.0)
+    until_ns: TimeNs | None = None
 
     def _kinematic(self) -> Chain:
         assert self.chain is not None, f"{self.mode} has a kinematic"

@@ -11,6 +11,7 @@ from axisrig.bench.rig.distance.channel import (
     channel_ages,
     channel_warnings,
     describe_channel,
+    is_released,
 )
 from axisrig.bench.rig.distance.loops import (
     WITHOUT_LAG,
@@ -86,13 +87,17 @@ def _missing(settings: Settings, name: str) -> list[str]:
 
 
 def _wrong(settings: Settings, name: str) -> list[str]:
-    """Say what of a sensor does not fit the list."""
-    found = []
-    for sensor in sensors_of(settings, name):
+    """Say what of a sensor does not fit the list.
+
+    Where 3D control is released too it wants the other sign: a variable may be for it.
+    """
+    found, sensors = [], sensors_of(settings, name)
+    has_both = is_released(settings) and any(sensor.sign == 1 for sensor in sensors)
+    for sensor in sensors:
         if sensor.sign == 0:
             plant = settings.rig.axis[name].plant
             found.append(f"the sensor {sensor.words} is not wired to {plant}: it does not see it")
-        if sensor.sign == -1:
+        if sensor.sign == -1 and not has_both:
             by = "the sign of [plc]" if " in V.E." in sensor.words else "P-AXIS-00230"
             found.append(
                 f"{sensor.words} counts with the motor: with {by} as it is the offset feeds back"

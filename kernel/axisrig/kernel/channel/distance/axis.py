@@ -54,6 +54,13 @@ class AxisDistance(Sensing):
         )
         self.control.step(reading)
 
+    def hand_over(self) -> Mapping[str, float]:
+        """Return the offset that is sent in this cycle: none is left."""
+        kept = {self.name: self.pending_mm}
+        self.control.hand_over()
+        self.forget_offset()
+        return kept
+
     def show(self, state: UnitState) -> None:
         """Show the PLC what there is."""
         control = self.control

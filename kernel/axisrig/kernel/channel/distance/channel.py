@@ -18,6 +18,7 @@ from axisrig.kernel.channel.distance.guide import (
     AxisGuide,
     Guide,
     Positions,
+    StayingGuide,
     ToolGuide,
 )
 from axisrig.kernel.channel.distance.sensing import NO_SECOND_ENCODER, Sensing
@@ -379,8 +380,9 @@ class ChannelDistance(Sensing):
         Where the kinematic has no axes for it, they keep what was superposed before; the alarm
         comes in the next cycle.
         """
-        self._base = positions
         before_mm = self.output_mm
+        self._let_stay(before_mm)
+        self._base = positions
         offset_mm = self.put_out()
         self.output_step_mm = offset_mm - before_mm
         if not offset_mm or self.guide is None:
@@ -396,9 +398,18 @@ class ChannelDistance(Sensing):
         self.deltas_mm = {name: after - before for name, before, after in pairs if after != before}
         return moved
 
-    def take_over(self) -> Mapping[str, float]:
-        """Return what the interpolated positions take over, by axis: no offset is left."""
+    def _let_stay(self, offset_mm: float) -> None:
+        """Let an offset whose kinematic has gone stay on the axes that it was sent to."""
+        guide = self.guide
+        if self.is_idle or not isinstance(guide, ToolGuide) or isinstance(guide, StayingGuide):
+            return
+        if guide.kinematic is not self._kinematic():
+            self.guide = StayingGuide(guide, offset_mm, self.names, self.deltas_mm)
+
+    def hand_over(self) -> Mapping[str, float]:
+        """Return by axis what was superposed last: no offset is left."""
         kept, self.deltas_mm = self.deltas_mm, {}
+        self.control.hand_over()
         self.forget_offset()
         return kept
 

@@ -12,7 +12,7 @@ those of all axes of the channel, mm and degrees.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.kinematics import Kinematic, Vector
 
@@ -112,21 +112,21 @@ class ToolGuide(Guide):
         origin_mm: Vector,
     ) -> None:
         super().__init__(mode, names[: kinematic.count])
-        self._kinematic, self.normal, self.origin_mm = kinematic, normal, origin_mm
+        self.kinematic, self.normal, self.origin_mm = kinematic, normal, origin_mm
 
     def is_same(self, other: Guide) -> bool:
         """Whether mode, kinematic and coordinate system are the same."""
         return (
             isinstance(other, ToolGuide)
             and other.mode == self.mode
-            and other._kinematic is self._kinematic
+            and other.kinematic is self.kinematic
             and other.normal == self.normal
             and other.origin_mm == self.origin_mm
         )
 
     def height_mm(self, positions: Positions) -> float:
         """Return n times the clamping point, from the origin of the coordinate system."""
-        clamp_mm = self._kinematic.clamp_mm(self._tool(positions))
+        clamp_mm = self.kinematic.clamp_mm(self._tool(positions))
         origin_mm = self.origin_mm
         return _dot(
             self.normal,
@@ -144,15 +144,15 @@ class ToolGuide(Guide):
     def shortening(self, positions: Positions) -> float:
         """Return L2 / L times the cosine of the tilt of the tool to the normal (FCT-M3 12.1.2)."""
         tool = self._tool(positions)
-        length_mm = self._kinematic.nominal_length_mm(tool)
-        stretched = self._kinematic.length_mm(tool) / length_mm if length_mm else 1.0
+        length_mm = self.kinematic.nominal_length_mm(tool)
+        stretched = self.kinematic.length_mm(tool) / length_mm if length_mm else 1.0
         return stretched * self._leaning(tool)
 
     def superposed(self, positions: Positions, offset_mm: float) -> Positions:
         """Move the tool and let its axes follow; an axis that does not move keeps its bits."""
-        count = self._kinematic.count
+        count = self.kinematic.count
         near = positions[:count]
-        tool = self._kinematic.forward(near)
+        tool = self.kinematic.forward(near)
         x, y, z = self._way(tool)
         moved = (
             tool[0] + offset_mm * x,
@@ -160,7 +160,7 @@ class ToolGuide(Guide):
             tool[2] + offset_mm * z,
             *tool[3:],
         )
-        found = self._kinematic.inverse(moved, near)
+        found = self.kinematic.inverse(moved, near)
         kept = (
             before if abs(after - before) < ROUNDING_MM else after
             for before, after in zip(near, found, strict=True)
@@ -176,18 +176,53 @@ class ToolGuide(Guide):
         )
 
     def _tool(self, positions: Positions) -> Positions:
-        return self._kinematic.forward(positions[: self._kinematic.count])
+        return self.kinematic.forward(positions[: self.kinematic.count])
 
     def _leaning(self, tool: Positions) -> float:
-        return _dot(self._kinematic.direction(tool), self.normal)
+        return _dot(self.kinematic.direction(tool), self.normal)
 
     def _way(self, tool: Positions) -> Vector:
         """Return the way of the tool for one mm of offset, bounded at the steepest angle."""
         if self.mode == MCS:
             return self.normal
-        x, y, z = self._kinematic.direction(tool)
+        x, y, z = self.kinematic.direction(tool)
         cosine = max(_dot((x, y, z), self.normal), LEAST_COSINE)
         return (x / cosine, y / cosine, z / cosine)
+
+
+class StayingGuide(ToolGuide):
+    """The offset of a kinematic that has gone: it stays on its axes, and turns with nothing.
+
+    left: where it acted until then. offset_mm, deltas_mm: what was sent last, and by axis what that
+    superposed. Another offset, as one that runs out, moves each axis by its share of them.
+    """
+
+    def __init__(
+        self,
+        left: ToolGuide,
+        offset_mm: float,
+        names: Sequence[str],
+        deltas_mm: Mapping[str, float],
+    ) -> None:
+        super().__init__(left.mode, left.kinematic, names, left.normal, left.origin_mm)
+        self._offset_mm = offset_mm
+        self._deltas_mm = tuple(deltas_mm.get(name, 0.0) for name in names)
+
+    def is_same(self, other: Guide) -> bool:
+        """Whether it is this one: an offset goes on by it nowhere else."""
+        return other is self
+
+    def cosine(self, positions: Positions) -> float:
+        """Return 1: the tool may lean as it likes."""
+        return 1.0
+
+    def superposed(self, positions: Positions, offset_mm: float) -> Positions:
+        """Add to each axis what it had, or its share of that."""
+        if not self._offset_mm:
+            return positions
+        share = offset_mm / self._offset_mm
+        pairs = zip(positions, self._deltas_mm, strict=True)
+        return tuple(before + share * delta for before, delta in pairs)
 
 
 def _dot(one: Vector, other: Vector) -> float:

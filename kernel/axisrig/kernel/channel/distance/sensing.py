@@ -1,5 +1,7 @@
 """What the distance control of an axis and that of the channel have of their sensor in common."""
 
+from collections.abc import Mapping
+
 from axisrig.kernel.channel.distance.sensor import (
     PERIODS_MAX,
     SECOND_ENCODER,
@@ -166,6 +168,10 @@ class Sensing:
         self.output_mm = self.pending_mm
         self._before_mm = self.control.offset_mm
         return self.output_mm
+
+    def hand_over(self) -> Mapping[str, float]:
+        """Return by axis what positions take over: no offset is left."""
+        raise NotImplementedError
 
     def forget_offset(self) -> None:
         """The interpolated position has taken the offset over: none is on its way any more."""
