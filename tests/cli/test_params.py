@@ -154,6 +154,30 @@ def test_differences_of_two_rigs_name_missing_axes(axisrig: Call) -> None:
     assert any(line.startswith("Z: getriebe[0].window: ") for line in lines)
 
 
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ('[drive.servo]\nprofile = "late-status"', "drive.servo.profile: generic -> late-status"),
+        ("[drive.servo]\ninput_delay_us = 7", "drive.servo.input_delay_us: 4.0 -> 7.0"),
+        ('[plant.z]\nfmu = "AxisRig.Drives.ScrewAxis"',
+         "plant.z.fmu: AxisRig.Drives.ServoAxis -> AxisRig.Drives.ScrewAxis"),
+        ("[plant.probe.start]\nsurface_mm = 50", "plant.probe.start.surface_mm: 100 -> 50"),
+        ("[cycle]\nbuffer_cycles = 5", "cycle.buffer_cycles: 0 -> 5"),
+        ("[segment.can1]\nbitrate = 500_000", "segment.can1.bitrate: 1000000 -> 500000"),
+    ],
+)  # fmt: skip
+def test_differences_of_two_rigs_are_not_of_their_lists_alone(
+    axisrig: Call, tmp_path: Path, changes: str, line: str
+) -> None:
+    """It was `no difference` where drive, delay and plant differed."""
+    base, other = ROOT / "testplans/rigs/probe-z.toml", tmp_path / "other.toml"
+    other.write_text(f'base = "{base}"\n{changes}\n', encoding="utf-8")
+    assert line in said(axisrig, "diff", str(base), str(other), code=1).splitlines()
+    same = tmp_path / "same.toml"
+    same.write_text(f'base = "{base}"\ntitle = "another"\n', encoding="utf-8")
+    assert said(axisrig, "diff", str(base), str(same)) == "no difference\n"
+
+
 def test_the_lists_of_a_rig_as_one(axisrig: Call, tmp_path: Path) -> None:
     one = tmp_path / "axes.lst"
     one.write_text(said(axisrig, "write", RIG), encoding="utf-8")

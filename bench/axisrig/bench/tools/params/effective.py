@@ -3,12 +3,17 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from axisrig.bench.files import sha256_of
 from axisrig.bench.rig.contents import CHANNEL, blocks_text, parts_of, read_parts, settings_of
 from axisrig.bench.rig.parameter_words import with_unit
+from axisrig.bench.rig.reading.file import LIST_KEYS, MAP_KEYS, PROGRAM_KEYS, read_rig
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import Parameter, ParameterSet, list_text, table
 from axisrig.kernel.parameters.lists import NAME
 from axisrig.kernel.parameters.table import INDEX
+
+RIG_SUFFIX = ".toml"
+FILE_KEYS = (*LIST_KEYS, *MAP_KEYS, *PROGRAM_KEYS)
 
 
 def effective_text(
@@ -33,8 +38,13 @@ def effective_text(
 def difference_text(left: Path, right: Path) -> tuple[str, bool]:
     """Say what two lists or two rigs differ in, in effective values; and whether they do.
 
-    Two lists with one axis each are compared whatever the names of the axes.
+    Of rigs all else counts too: segments, drives, plants, wiring, PLC, zero offsets, tools; a key
+    that a file leaves out counts with its default. Two lists with one axis each are compared
+    whatever the names of the axes.
     """
+    are_rigs = [path.suffix.lower() == RIG_SUFFIX for path in (left, right)]
+    if any(are_rigs) and not all(are_rigs):
+        raise UserError("a rig and a list are compared by nothing", hint="name two of a kind")
     ours, theirs = read_parts(left), read_parts(right)
     if len(ours) == len(theirs) == 1:
         (name, mine), (other, yours) = *ours.items(), *theirs.items()
@@ -53,9 +63,42 @@ def difference_text(left: Path, right: Path) -> tuple[str, bool]:
             is_rotary = ours[name].is_rotary
             before, after = (with_unit(row, value, is_rotary=is_rotary) for value in values)
             lines.append(f"{name}: {key}: {before} -> {after}")
+    if all(are_rigs):
+        lines += _rig_differences(left, right)
     if lines[2:]:
         return "\n".join(lines), True
     return "no difference", False
+
+
+def _rig_differences(left: Path, right: Path) -> Iterator[str]:
+    """Yield the keys of rigs with their values, without those of lists, which are compared."""
+    ours, theirs = (_keys(path) for path in (left, right))
+    for key in sorted(ours.keys() | theirs.keys()):
+        before, after = (keys.get(key, "not set") for keys in (ours, theirs))
+        if before != after:
+            yield f"{key}: {before} -> {after}"
+
+
+def _keys(path: Path) -> dict[str, str]:
+    rig, _ = read_rig(path)
+    table = rig.model_dump(mode="json")
+    table.pop("title", None)
+    for part in (table["channel"], *table["axis"].values()):
+        part.pop("list", None)
+    return dict(_flat(table, ""))
+
+
+def _flat(value: object, key: str) -> Iterator[tuple[str, str]]:
+    """Yield the keys below a value; a file that a key names counts by its content."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _flat(inner, f"{key}.{name}" if key else str(name))
+    elif key.rpartition(".")[2] in FILE_KEYS and value is not None:
+        file = Path(str(value))
+        content = f" (SHA-256 {sha256_of(file)[:12]})" if file.is_file() else ""
+        yield key, f"{file.name}{content}"
+    elif value is not None:
+        yield key, str(value)
 
 
 def _differences(
