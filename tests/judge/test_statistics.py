@@ -150,6 +150,60 @@ def test_bias_is_the_mean_difference_from_the_truth() -> None:
     assert found.value == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize(
+    ("metric", "condition", "n", "words"),
+    [
+        ("drift_p", "> 0.05", 3, "at least, whatever they are; 5 values can go beyond the limit"),
+        ("drift_p", "> 0.05", 4, "the p-value of 4 values is 0.08333 at least"),
+        ("drift_p", "> 0.05", 5, ""),
+        ("drift_p", "< 0.001", 6, "7 values can go beyond the limit"),
+        ("drift_p", "0.01 .. 0.5", 5, "6 values"),
+        ("drift_p", "> 0", 3, ""),
+        ("normality_p", "> 0.001", 4, "the p-value of 4 values is 0.001241 at least"),
+        ("normality_p", "> 0.01", 4, ""),
+        ("outlier", "<= 1", 3, ""),  # 1.0003 is above 1
+        ("outlier", "<= 1.01", 3, "the ratio of 3 values is 1 at most"),
+        ("outlier", "<= 1.01", 4, ""),
+        ("first_sample", "<= 1", 3, ""),
+    ],
+)
+def test_a_limit_that_so_few_values_cannot_get_to_decides_nothing(
+    metric: str, condition: str, n: int, words: str
+) -> None:
+    """Of n values in a row upwards: the strongest drift that there is."""
+    values = [1.0, 2.0, 3.1, 4.3, 5.2, 6.6, 7.7][:n]
+    found = judge_statistic(asked(f"{metric}(latch_error_um)", condition), [sample("a", values)])
+    assert (found.value is None) == bool(words)
+    assert words in found.note
+    if words:
+        assert found.verdict is Verdict.INCONCLUSIVE
+
+
+def test_few_values_of_a_study_or_a_share_are_no_proof() -> None:
+    """Repeats of 0.1 um in a study of 8 values: s is known to 0.27 only; a share of 4 to 0.9."""
+    runs = [
+        sample(
+            f"{a}{b}",
+            [10.0 * a + b, 10.0 * a + b + 0.1 * (-1) ** (a + b)],
+            **{"plc:V.E.A": str(a), "plc:V.E.B": str(b)},
+        )
+        for a in range(2)
+        for b in range(2)
+    ]
+    words = "(latch_mm; plc:V.E.A; plc:V.E.B)"
+    for metric in ("repeatability", "grr", "reproducibility"):
+        found = judge_statistic(asked(f"{metric}{words}", "<= 1.1"), runs)
+        assert found.value is not None
+        assert found.uncertainty > 0.1
+        assert "95 %" in found.note
+    found = judge_statistic(asked(f"repeatability{words}", "<= 0.15"), runs)
+    assert found.verdict is Verdict.INCONCLUSIVE
+    few = [sample(f"{a}", [1.0 + a, 2.0 + a], **{"plc:V.E.A": str(a)}) for a in range(2)]
+    share = judge_statistic(asked("share(latch_mm; plc:V.E.A)", ">= 0.4"), few)
+    assert share.value == pytest.approx(0.5)
+    assert share.verdict is Verdict.INCONCLUSIVE
+
+
 def test_shares_and_studies_group_by_columns() -> None:
     """y = 3 a + 4 b: shares 9 / 25, 16 / 25; with repeats a study without any spread of them."""
     runs = [

@@ -2,7 +2,7 @@
 
 import math
 from contextlib import suppress
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 import pytest
@@ -23,6 +23,11 @@ from axisrig.bench.statistics.distribution import (
 )
 from axisrig.bench.statistics.estimates import cp, cpk, line, mean, spread
 from axisrig.bench.statistics.gage import gage_study, type_1
+from axisrig.bench.statistics.reach import (
+    largest_outlier_ratio,
+    smallest_normality_p,
+    smallest_trend_p,
+)
 from axisrig.kernel.errors import UserError
 
 SAMPLE = [10.1, 9.7, 10.4, 9.9, 10.0, 10.3, 9.6, 10.2]
@@ -103,8 +108,8 @@ def test_variance_shares_of_an_additive_grid_are_their_closed_form() -> None:
     """y = 3 a + 4 b over a full grid of a, b in 0 .. 4: shares 9 / 25 and 16 / 25."""
     grid = list(product(range(5), range(5)))
     y = [3.0 * a + 4.0 * b for a, b in grid]
-    assert variance_share(y, [a for a, _ in grid]) == pytest.approx(9 / 25)
-    assert variance_share(y, [str(b) for _, b in grid]) == pytest.approx(16 / 25)
+    assert variance_share(y, [a for a, _ in grid]).value == pytest.approx(9 / 25)
+    assert variance_share(y, [str(b) for _, b in grid]).value == pytest.approx(16 / 25)
     columns = [[float(a) for a, _ in grid], [float(b) for _, b in grid]]
     assert standardized_coefficients(y, columns) == pytest.approx((0.6, 0.8))
     with pytest.raises(UserError, match="depend on each other"):
@@ -127,6 +132,66 @@ def test_confidence_is_what_it_says() -> None:
         middle, wide = mean(values), spread(values)
         held += [middle.lower <= 3.0 <= middle.upper, wide.lower <= 2.0 <= wide.upper]
     assert held / 2000 == pytest.approx([0.95, 0.95], abs=0.015)
+
+
+def test_the_bounds_of_a_share_are_where_its_f_is_at_its_outer_points() -> None:
+    """scipy's noncentral F at both ends; a share that chance gives as well has 0 below."""
+    values, groups = [1.0, 1.4, 2.9, 3.6, 5.1, 5.2, 4.4, 6.0], [*"aabbccdd"]
+    found = variance_share(values, groups)
+    f = (found.value / 3) / ((1 - found.value) / 4)
+    for bound, probability in ((found.lower, 0.975), (found.upper, 0.025)):
+        off = 8 * bound / (1 - bound)
+        assert stats.ncf.cdf(f, 3, 4, off) == pytest.approx(probability, abs=1e-4)
+    by_chance = variance_share([1.0, 2.0, 1.1, 2.1], [*"aabb"])
+    assert by_chance.lower == 0.0
+    assert by_chance.bound > 0.3
+    with pytest.raises(UserError, match="group of its own"):
+        variance_share([1.0, 2.0, 3.0, 4.0], range(4))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("shape", [(2, 2, 2), (4, 3, 2)])
+def test_the_bounds_of_a_study_hold_the_spreads_that_made_it(shape: tuple[int, int, int]) -> None:
+    """200 seeded studies of parts 2, operators 0.7, interaction 0.4, repeats 0.5: 95 %, 3 sigma."""
+    rng = np.random.default_rng(3)
+    true = {"repeatability": 0.5, "reproducibility": float(np.hypot(0.7, 0.4))}
+    true["grr"] = float(np.hypot(*true.values()))
+    true["grr_pct"] = 100 * true["grr"] / float(np.hypot(true["grr"], 2.0))
+    held = dict.fromkeys(true, 0)
+    for _ in range(200):
+        p, o, _ = shape
+        parts, operators = rng.normal(0, 2, (p, 1, 1)), rng.normal(0, 0.7, (1, o, 1))
+        both, noise = rng.normal(0, 0.4, (p, o, 1)), rng.normal(0, 0.5, shape)
+        study = gage_study(parts + operators + both + noise, is_pooled=False)
+        for name, value in true.items():
+            estimate = study.estimate(name)
+            assert estimate.lower <= estimate.value <= estimate.upper
+            held[name] += estimate.lower <= value <= estimate.upper
+    assert min(held.values()) >= 200 * (0.95 - 3 * (0.05 * 0.95 / 200) ** 0.5)
+
+
+def test_repeatability_has_the_bounds_of_chi_square() -> None:
+    rng = np.random.default_rng(4)
+    found = gage_study(rng.normal(0, 1, (2, 2, 2)), is_pooled=False).estimate("repeatability")
+    ends = [(4 / stats.chi2.ppf(share, 4)) ** 0.5 for share in (0.975, 0.025)]
+    assert (found.lower, found.upper) == pytest.approx(
+        [found.value * end for end in ends], rel=0.03
+    )
+
+
+@pytest.mark.parametrize("n", range(3, 8))
+def test_a_test_can_go_as_far_as_n_values_let_it(n: int) -> None:
+    """All orders of n values, and n values of which one is apart."""
+    if n < 6:
+        p_values = [trend(order).p_value for order in permutations([float(i) for i in range(n)])]
+        assert min(p_values) == pytest.approx(smallest_trend_p(n))
+    apart = [0.0] * (n - 1) + [1.0]
+    assert grubbs(apart).ratio == pytest.approx(largest_outlier_ratio(n))
+    assert normality(apart) == smallest_normality_p(n)
+    random = np.random.default_rng(n)
+    for values in random.normal(size=(50, n)):
+        assert grubbs(list(values)).ratio <= largest_outlier_ratio(n)
+        assert normality(list(values)) >= smallest_normality_p(n)
 
 
 def test_a_study_finds_the_spreads_that_made_it() -> None:

@@ -6,12 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axisrig.bench.statistics.estimates import Numbers, Sample, is_flat, numbers, t_quantile
+from axisrig.bench.statistics.estimates import (
+    CONFIDENCE,
+    Estimate,
+    Numbers,
+    Sample,
+    is_flat,
+    numbers,
+    t_quantile,
+)
 from axisrig.kernel.errors import UserError
 
 RISK = 0.05
 """Of a test that finds something where there is nothing, two-sided."""
 BINS_MAX = 100
+NO_REST = 1e-12
+"""Share of the variance within groups that is rounding."""
 SHAPIRO_MAX = 5000
 
 
@@ -183,27 +193,52 @@ def trend(values: Sample) -> Trend:
     return Trend(float(test.statistic), float(test.pvalue))
 
 
-def variance_share(values: Sample, groups: Sequence[object]) -> float:
+def variance_share(values: Sample, groups: Sequence[object]) -> Estimate:
     """Return the share of the variance of the values that their groups take up, 0 to 1.
 
     sum n_g (mean_g - mean)^2 / sum (x - mean)^2, the correlation ratio; over a full grid of
     settings it is the first-order index of sensitivity of the one that makes the groups.
-    groups: of each value, shape (n,). Source: Saltelli et al., Global Sensitivity Analysis (2008).
-    Raises UserError for fewer than 2 values, fewer than 2 groups, and without spread.
+    Bounds: l/(l + n) of the noncentralities l with which F = (share/(k - 1))/((1 - share)/(n - k))
+    of k groups is at its 97.5 % and its 2.5 % point; values within a group count as drawn at
+    random. groups: of each value, shape (n,).
+    Sources: Saltelli et al., Global Sensitivity Analysis (2008); Steiger, Psychological Methods 9
+    (2004) 164. Raises UserError for fewer than 2 values, fewer than 2 groups, without spread, and
+    where each value has a group of its own, whose share is 1 whatever the values are.
     """
     found = numbers(values, 2)
-    if len(groups) != len(found):
-        raise UserError("each value needs its group", value=(len(found), len(groups)))
+    n = len(found)
+    if len(groups) != n:
+        raise UserError("each value needs its group", value=(n, len(groups)))
     names = list(dict.fromkeys(groups))
     if len(names) < 2:
         raise UserError("all values are of one group", value=names[0])
     away = found - np.mean(found)
     if is_flat(found):
         raise UserError("all values are equal: there is no variance to share")
+    if len(names) == n:
+        raise UserError("each value has a group of its own: two values of a group are needed")
     member = np.array([names.index(group) for group in groups])
     counts = np.bincount(member)
     means = np.bincount(member, weights=away) / counts
-    return float((counts @ means**2) / (away @ away))
+    share = min(float((counts @ means**2) / (away @ away)), 1.0)
+    lower, upper = _share_bounds(share, n, len(names))
+    return Estimate(share, lower, upper, n)
+
+
+def _share_bounds(share: float, n: int, groups: int) -> tuple[float, float]:
+    from scipy.special import fdtr, ncfdtrinc  # noqa: PLC0415 - takes long to load
+
+    if share > 1.0 - NO_REST:
+        return share, share
+    degrees = groups - 1, n - groups
+    f = (share / degrees[0]) / ((1.0 - share) / degrees[1])
+    central, tail = float(fdtr(*degrees, f)), (1.0 - CONFIDENCE) / 2.0
+    ends = []
+    for probability in (1.0 - tail, tail):
+        # A smaller F than the central one at this point: no noncentrality is as small
+        off = 0.0 if central <= probability else float(ncfdtrinc(*degrees, probability, f))
+        ends.append(off / (off + n))
+    return ends[0], ends[1]
 
 
 def standardized_coefficients(values: Sample, columns: Sequence[Sample]) -> tuple[float, ...]:

@@ -6,7 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from axisrig.bench.statistics.estimates import (
+    CONFIDENCE,
     Estimate,
+    Numbers,
     Sample,
     cp_of,
     cpk_of,
@@ -18,6 +20,8 @@ from axisrig.kernel.errors import UserError
 
 POOLED_ABOVE = 0.05
 """An interaction whose p-value is above this is counted as repeatability."""
+DRAWS, SEED = 20_000, 1
+"""Of the variances that the mean squares of a study may have come from."""
 TOLERANCE_SHARE = 0.2
 """Part of the tolerance that a type-1 study allows for 6 s of the device."""
 
@@ -56,36 +60,23 @@ class GageStudy:
     """A crossed study of repeatability and reproducibility. Standard deviations, values' unit.
 
     repeatability: equipment. operator, interaction: make up `reproducibility`. part: between parts.
-    is_pooled: the interaction is counted as repeatability, and is 0 here.
-    rows: part, operator, interaction, repeatability (of both when pooled).
+    grr: of the device, repeatability and reproducibility; grr_pct: in percent of the total, 0 where
+    nothing varies. is_pooled: the interaction is counted as repeatability, and is 0 here.
+    counts: of parts, operators, repeats. rows: part, operator, interaction, repeatability (of both
+    when pooled).
     """
 
     repeatability: float
     operator: float
     interaction: float
     part: float
+    reproducibility: float
+    grr: float
+    total: float
+    grr_pct: float
     is_pooled: bool
     rows: tuple[Source, Source, Source, Source]
-
-    @property
-    def reproducibility(self) -> float:
-        """Standard deviation between operators, with their interaction."""
-        return float(np.hypot(self.operator, self.interaction))
-
-    @property
-    def grr(self) -> float:
-        """Standard deviation of the device: repeatability and reproducibility."""
-        return float(np.hypot(self.repeatability, self.reproducibility))
-
-    @property
-    def total(self) -> float:
-        """Standard deviation of the whole study."""
-        return float(np.hypot(self.grr, self.part))
-
-    @property
-    def grr_pct(self) -> float:
-        """grr in percent of the total; 0 where nothing varies."""
-        return 100.0 * self.grr / self.total if self.total else 0.0
+    counts: tuple[int, int, int]
 
     @property
     def categories(self) -> int:
@@ -94,6 +85,55 @@ class GageStudy:
         Source: AIAG, Measurement Systems Analysis, 4th edition, III-B (ndc).
         """
         return int(1.41 * self.part / self.grr) if self.grr else 0
+
+    def estimate(self, name: str) -> Estimate:
+        """Return one of the standard deviations, or `grr_pct`, with its bounds.
+
+        Each mean square is a variance times chi-square over its degrees of freedom; the bounds are
+        those of the value over DRAWS sets of variances that may have given the mean squares
+        (generalized confidence intervals). Source: Hamada and Weerahandi, Journal of Quality
+        Technology 32 (2000) 241.
+        """
+        random = np.random.default_rng(SEED)
+        drawn = [row.sum_of_squares / random.chisquare(row.degrees, DRAWS) for row in self.rows]
+        values = _spreads(np.array(drawn), self.counts, is_pooled=self.is_pooled)[name]
+        tail = 50.0 * (1.0 - CONFIDENCE)
+        lower, upper = np.percentile(values, (tail, 100.0 - tail))
+        n = self.counts[0] * self.counts[1] * self.counts[2]
+        return Estimate(float(getattr(self, name)), float(lower), float(upper), n)
+
+
+def _spreads(
+    squares: Numbers, counts: tuple[int, int, int], *, is_pooled: bool
+) -> dict[str, Numbers]:
+    """Return what mean squares say, shape (4, n): of part, operator, interaction, repeatability.
+
+    A variance below 0 counts as 0.
+    """
+    parts, operators, repeats = counts
+    part, operator, both, rest = squares
+    against = rest if is_pooled else both
+
+    def deviation(row: Numbers, under: Numbers, count: int) -> Numbers:
+        return np.sqrt(np.maximum((row - under) / count, 0.0))
+
+    of_operator = deviation(operator, against, parts * repeats)
+    interaction = np.zeros_like(rest) if is_pooled else deviation(both, rest, repeats)
+    of_part, repeatability = deviation(part, against, operators * repeats), np.sqrt(rest)
+    reproducibility = np.hypot(of_operator, interaction)
+    grr = np.hypot(repeatability, reproducibility)
+    total = np.hypot(grr, of_part)
+    percent = 100.0 * np.divide(grr, total, out=np.zeros_like(total), where=total > 0.0)
+    return {
+        "repeatability": repeatability,
+        "operator": of_operator,
+        "interaction": interaction,
+        "part": of_part,
+        "reproducibility": reproducibility,
+        "grr": grr,
+        "total": total,
+        "grr_pct": percent,
+    }
 
 
 def type_1(values: Sample, reference: float, tolerance: float) -> TypeOne:
@@ -159,14 +199,8 @@ def gage_study(values: npt.ArrayLike, *, is_pooled: bool | None = None) -> GageS
     part = tested(Source(p - 1, float(o * r * np.sum(of_parts**2))), against)
     operator = tested(Source(o - 1, float(p * r * np.sum(of_operators**2))), against)
 
-    def deviation(row: Source, under: Source, count: int) -> float:
-        return float(max((row.mean_square - under.mean_square) / count, 0.0) ** 0.5)
-
-    return GageStudy(
-        repeatability=rest.mean_square**0.5,
-        operator=deviation(operator, against, p * r),
-        interaction=0.0 if is_pooled else deviation(both, rest, r),
-        part=deviation(part, against, o * r),
-        is_pooled=is_pooled,
-        rows=(part, operator, both, rest),
-    )
+    rows = (part, operator, both, rest)
+    squares = np.array([[row.mean_square] for row in rows])
+    found = _spreads(squares, (p, o, r), is_pooled=is_pooled)
+    spreads = {name: float(value[0]) for name, value in found.items()}
+    return GageStudy(**spreads, is_pooled=is_pooled, rows=rows, counts=(p, o, r))

@@ -166,11 +166,21 @@ def _gage(sample: Collected, name: str) -> Found:
     study = gage_study([[cells[row, column] for column in columns] for row in rows])
     words = f"{len(rows)} parts, {len(columns)} operators, {counts.pop()} repeats"
     words += ", interaction pooled" if study.is_pooled else ", with interaction"
-    return Found(float(getattr(study, name)), words=words)
+    estimate = study.estimate(name)
+    # A standard deviation is off by as much as that of a plain sample; a share of them is not
+    of_values = (
+        0.0 if name == "grr_pct" else sample.uncertainty * (estimate.n / (estimate.n - 1)) ** 0.5
+    )
+    return _bounded(estimate, words, of_values)
 
 
 def _share(sample: Collected) -> Found:
-    return Found(variance_share(sample.values, sample.sides[0]))
+    return _bounded(variance_share(sample.values, sample.sides[0]), "")
+
+
+def _bounded(found: Estimate, words: str, besides: float = 0.0) -> Found:
+    text = f"95 % {found.lower:.4g} .. {found.upper:.4g}"
+    return Found(found.value, found.bound + besides, f"{words}; {text}" if words else text)
 
 
 FUNCTIONS: Mapping[str, Function] = {

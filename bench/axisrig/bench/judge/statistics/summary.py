@@ -177,5 +177,5 @@ def _over(texts: Sequence[str], places: Sequence[float], sample: Sequence[float]
         "places": list(places or texts),
         "slope": _asked(lambda: asdict(line(places, sample).slope)),
         "intercept": _asked(lambda: asdict(line(places, sample).intercept)),
-        "share": _asked(lambda: variance_share(sample, texts)),
+        "share": _asked(lambda: variance_share(sample, texts).value),
     }

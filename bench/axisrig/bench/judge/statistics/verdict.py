@@ -11,6 +11,7 @@ from axisrig.bench.judge.statistics.functions import FUNCTIONS, Collected
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.statistic_checks import RUN, TOUCH, StatisticCheck
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.statistics.reach import unreached
 from axisrig.kernel.errors import UserError
 
 Observe = Callable[[Observed, Check], Observation]
@@ -83,8 +84,9 @@ NOT_RANDOM = (
 def judge_statistic(check: StatisticCheck, samples: Sequence[RunSample]) -> CheckResult:
     """Judge a statistic over the runs of its case.
 
-    inconclusive: a run gives no values (it is missing, aborted or in error), there are too few, or
-    the statistic is undefined for them (no spread). fail: a run did not deliver its metric.
+    inconclusive: a run gives no values (it is missing, aborted or in error), there are too few, too
+    few for the limit of a test, or the statistic is undefined for them (no spread). fail: a run did
+    not deliver its metric.
     """
     missing = [f"{sample.run} {sample.missing}" for sample in samples if sample.missing]
     if missing:
@@ -104,6 +106,9 @@ def judge_statistic(check: StatisticCheck, samples: Sequence[RunSample]) -> Chec
     if n < row.least:
         hint = f"; {NOT_RANDOM}" if equal else ""
         return _open(check, f"{words}; {row.name} needs {row.least} values{hint}")
+    beyond = _out_of_reach(check, n)
+    if beyond:
+        return _open(check, f"{words}; {beyond}")
     try:
         result = FUNCTIONS[row.name](_collect(check, samples, found))
     except UserError as error:
@@ -129,6 +134,14 @@ def counted_values(samples: Sequence[RunSample]) -> tuple[list[str], list[float]
                 names.append(f"{sample.run}, touch {reading.touch}")
                 values.append(float(value))
     return names, values, equal
+
+
+def _out_of_reach(check: StatisticCheck, n: int) -> str:
+    """Say which limit of a test n values cannot get to: it holds, or not, whatever they are."""
+    condition = check.condition
+    limits = [limit for limit in (condition.lower, condition.upper) if limit is not None]
+    found = (unreached(check.statistic.name, n, limit) for limit in limits)
+    return next((words for words in found if words), "")
 
 
 def _open(check: StatisticCheck, note: str) -> CheckResult:
