@@ -129,6 +129,25 @@ def test_ref_makes_the_present_sensor_value_0(distance_bench: Make, say: Any) ->
     assert made.seen.actual_mm[-1] == pytest.approx(say.start_mm + 1.0, abs=2 / say.per_mm)
 
 
+def test_ref_waits_for_values_of_a_variable_that_has_just_been_chosen(
+    distance_bench: Make, say: Any
+) -> None:
+    """The axis has no second encoder, so that nothing was measured before. A mean of 4 values."""
+    made = distance_bench(spec={"height_mm": None}, n_cycles=4)
+    plc, noise_um = made.channel.plc, [300, -100, 0, -200]
+    plc.values["GAP"] = 0.0
+    turns: list[int] = []
+
+    def read() -> None:
+        turns.append(0)
+        plc.values["GAP"] = -2e4 + 10 * noise_um[len(turns) % 4]
+
+    plc.inputs.append(read)
+    chosen = say.command(sensor_source="VARIABLE", sensor_variable="V.E.GAP")
+    made.run(say.dwell(10), chosen, say.command("ref"), say.dwell(5))
+    assert made.control.zero_mm == pytest.approx(-2.0, abs=1e-9)
+
+
 @pytest.mark.provokes(310029, 7, owner="axis Z", source="SECOND_ENCODER")
 @pytest.mark.parametrize("word", ["check", "ref"])
 def test_without_a_sensor_there_is_nothing_to_look_at(

@@ -274,6 +274,12 @@ class DistanceControl:
             self._memory = self.settings, cycles
         return cycles
 
+    def listen(self, sensor_mm: float) -> None:
+        """Take a sensor value while nothing says where the surface is."""
+        self._standing.append(sensor_mm)
+        self.sensor_mm = sensor_mm - self._zero_mm
+        self.distance_mm = -self.sensor_mm
+
     def forget_readings(self) -> None:
         """Forget what was read: another sensor measures from now on."""
         self._standing.clear()

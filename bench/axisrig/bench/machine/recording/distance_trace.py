@@ -71,7 +71,8 @@ class DistanceTrace:
     def _note(self, name: str, found: Sensing) -> None:
         control, is_known = found.control, found.sensor_mm is not None
         sensor_mm = control.sensor_mm * control.settings.sensor_sign
-        heights = (sensor_mm, control.distance_mm, control.surface_mm)
+        surface_mm = control.surface_mm if found.has_surface else math.nan
+        heights = (sensor_mm, control.distance_mm, surface_mm)
         rows = self._rows.get(name)
         if rows is None:
             rows = self._rows[name] = Rows(len(DISTANCE_CONTROL_COLUMNS))

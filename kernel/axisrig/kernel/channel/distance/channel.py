@@ -313,6 +313,11 @@ class ChannelDistance(Sensing):
         return min(1.0, v, self.allowed.a_mm_s2 / settings.a_mm_s2)
 
     @property
+    def has_surface(self) -> bool:
+        """Whether something says along which normal the surface counts."""
+        return self.guide is not None
+
+    @property
     def shown_sensor_mm(self) -> float:
         """The distance as the PLC gives it, less ref_offset and what REF has made 0."""
         return self.control.sensor_mm * self.control.settings.sensor_sign
@@ -331,12 +336,22 @@ class ChannelDistance(Sensing):
     def step(self) -> None:
         """Control with the values of this cycle; raises the alarms of the control."""
         if self.guide is None:
+            self._listen()
             return
         try:
             self._step(self.guide)
         except Alarm:
             self.logged_events += 1
             raise
+
+    def _listen(self) -> None:
+        """Take the sensor value for REF: any axis that moves may change it."""
+        sent = tuple(link.set_mm for link in self._links)
+        if sent != self._sent:
+            self.control.forget_readings()
+        self._sent = sent
+        if self.sensor_mm is not None:
+            self.control.listen(self.sensor_mm)
 
     def _step(self, guide: Guide) -> None:
         actual, sent = self._actual(), tuple(link.set_mm for link in self._links)

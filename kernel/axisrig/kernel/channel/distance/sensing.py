@@ -59,6 +59,11 @@ class Sensing:
         return bool(self.control.offset_mm or self.output_mm or self._before_mm)
 
     @property
+    def has_surface(self) -> bool:
+        """Whether the control knows where the surface is as soon as its sensor has a value."""
+        return True
+
+    @property
     def is_on_its_way(self) -> bool:
         """Whether the control has no offset any more and the last one has still to leave."""
         return self.has_offset and not self.control.offset_mm
@@ -102,6 +107,7 @@ class Sensing:
         if is_other:
             self.control.forget_readings()
         self.sensor = sensor
+        self.take()
 
     def require_sensor(self) -> float:
         """Return the sensor value.
