@@ -15,7 +15,7 @@ from tests.recordings import facts
 
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case
-from axisrig.bench.judge.distance.truth import unbroken
+from axisrig.bench.judge.distance.times import unbroken
 from axisrig.bench.judge.observed.observed import KEPT_BYTES, Columns, Observed
 from axisrig.bench.judge.topics import TOPICS
 from axisrig.bench.plan.plan import read_plan

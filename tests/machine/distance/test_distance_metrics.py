@@ -5,9 +5,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
 from axisrig.bench.judge.observed.observation import Observation
-from axisrig.bench.judge.topics import observe
+from axisrig.bench.judge.topics import DISTANCE_METRICS, observe
 from axisrig.bench.plan.checks import known_metrics, parse_check
 
 LEVEL = "Z[DIST_CTRL ON CONST_DIST SET_DIST=1.9]\nG04 0.3\nZ[DIST_CTRL OFF NO_MOVE]"

@@ -10,7 +10,8 @@ from functools import partial
 from typing import Any
 
 from axisrig.bench.judge.distance.findings import distance_blocks, distance_events
-from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
+from axisrig.bench.judge.distance.metrics import LOOP_METRICS
+from axisrig.bench.judge.distance.offset_metrics import OFFSET_METRICS
 from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
 from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
 from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
@@ -40,6 +41,8 @@ from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import MissingSignalError
 
 STOPPED = "stopped by the operator"
+
+DISTANCE_METRICS = {**LOOP_METRICS, **OFFSET_METRICS}
 
 TOPICS: tuple[Topic, ...] = (
     Topic("program", PROGRAM_METRICS, program_events),

@@ -261,6 +261,7 @@ def _distance(machine: Machine, name: str) -> DistanceRecord:
         _variable(machine, machine.channel.distance.axes[name].sensor),
         name in machine.referenced,
         machine.distance_log.recorded(name),
+        machine.distance_log.orders(name),
     )
 
 
@@ -274,6 +275,7 @@ def _distance_3d(machine: Machine) -> ChannelDistanceRecord | None:
         log.recorded(CHANNEL),
         log.dumps(machine.channel),
         log.guides,
+        log.orders(CHANNEL),
     )
 
 

@@ -1,10 +1,11 @@
 """What a run leaves of distance control."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
+from axisrig.bench.record.axes import Value
 from axisrig.bench.record.frozen import Frozen
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.time.clock import TimeNs
@@ -75,15 +76,35 @@ class DistanceChange(Frozen):
 
 
 @dataclass(frozen=True)
+class DistanceOrder(Frozen):
+    """What was asked of a distance control in the cycle of a SYNC.
+
+    by: NC (after the step of its cycle), PLC (before it) or OBJECT, a CNC object. action: ON,
+    ON_CONST_DIST, OFF or FREEZE as it was carried out; empty where only values are given. Of the
+    PLC, set values are here only beside one of the program: the series has them. words: parameters
+    by their names in the list, after its structure and in its unit; filter_time_s of #DIST CTRL.
+    """
+
+    time_ns: TimeNs
+    by: str
+    action: str = ""
+    is_dry_run: bool = False
+    set_pos_mm: float | None = None
+    set_dist_mm: float | None = None
+    words: Mapping[str, Value] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class DistanceRecord(Frozen):
     """Distance control of an axis. variable: V.E. name of the sensor in use, empty for 60E4.
 
-    is_referenced: the program has set the zero of its sensor (REF).
+    is_referenced: the program has set the zero of its sensor (REF). orders: None up to version 3.
     """
 
     variable: str = ""
     is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
+    orders: tuple[DistanceOrder, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -96,7 +117,7 @@ class Diagnosis(Frozen):
 
 @dataclass(frozen=True)
 class ChannelDistanceRecord(Frozen):
-    """3D distance control of the channel. variable, is_referenced: as in `DistanceRecord`.
+    """3D distance control of the channel. variable, is_referenced, orders: as in `DistanceRecord`.
 
     diagnosis: at every change, and at the end of the run. guides: where the offset acted.
     """
@@ -106,6 +127,7 @@ class ChannelDistanceRecord(Frozen):
     changes: tuple[DistanceChange, ...] = ()
     diagnosis: tuple[Diagnosis, ...] = ()
     guides: tuple[GuideChange, ...] = ()
+    orders: tuple[DistanceOrder, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -13,17 +13,21 @@ from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.distance.channel import OWNER, ChannelDistance
 from axisrig.kernel.channel.distance.diagnosis import diagnosis
 from axisrig.kernel.channel.distance.offsets import Offsets
+from axisrig.kernel.channel.distance.orders import Order, given
 from axisrig.kernel.channel.distance.sensing import Sensing
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings
 from axisrig.kernel.distance import DistanceCommand, DistanceControl, DistanceState, Source
+from axisrig.kernel.distance.objects import objects
+from axisrig.kernel.distance.objects import write as write_object
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.motion.interpolator import Positions
 from axisrig.kernel.nc import canon
+from axisrig.kernel.parameters.types import Value
 from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.plc.unit import DistanceUnit
 from axisrig.kernel.time.clock import TimeNs
@@ -80,6 +84,7 @@ class DistanceControls:
     `ChannelDistance`.
     settings: of every axis, in the order of the set positions. warn: takes alarms of class 1.
     further: what came up in a cycle besides the alarm that was raised. has_stepped: in this cycle.
+    orders: all that was asked of the controls, in order.
     """
 
     def __init__(
@@ -102,6 +107,7 @@ class DistanceControls:
         self._awaited: dict[str | None, DistanceCommand] = {}
         self.further: list[Alarm] = []
         self.has_stepped = False
+        self.orders: list[Order] = []
 
     def control(self, axis: str) -> DistanceControl:
         """Return the control of an axis; KeyError for one that has none."""
@@ -191,8 +197,17 @@ class DistanceControls:
             control.set_surface(wanted.set_pos_mm)
         if wanted.set_dist_mm is not None:
             control.set_distance(wanted.set_dist_mm)
+        by = Source.PLC.name
+        self.orders += given(name, by, wanted.set_pos_mm, wanted.set_dist_mm, {})
         if wanted.transition is not None:
             self._command(axis, wanted.transition, Source.PLC)
+            self.orders.append(Order(name, by, wanted.transition.name))
+
+    def write_object(self, axis: str, name: str, value: Value) -> None:
+        """Write a CNC object of the control of an axis, as `objects.write`."""
+        write_object(self.control(axis), name, value)
+        parameters = {objects()[name].parameter: value}
+        self.orders.append(Order(axis, "OBJECT", parameters=parameters))
 
     # The program
 
@@ -229,6 +244,8 @@ class DistanceControls:
             self._warn_if(found.set_distance(command.set_dist_mm))
         if parameters:
             control.program(**parameters)
+        by, set_values = Source.NC.name, (command.set_pos_mm, command.set_dist_mm)
+        self.orders += given(command.axis, by, *set_values, command.parameters)
         if command.action == "check":
             control.check_position(found.require_sensor())
         elif command.action == "ref":
@@ -240,6 +257,7 @@ class DistanceControls:
             else:
                 assert isinstance(found, AxisDistance)
                 self._command(found, wanted, Source.NC, no_move=no_move, dry_run=command.dry_run)
+            self.orders.append(Order(command.axis, by, wanted.name, command.dry_run))
             if command.wait:
                 self._awaited[command.axis] = wanted
         self._show()

@@ -2,14 +2,20 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from axisrig.bench.judge.distance.stretches import Stretch, active
-from axisrig.bench.judge.distance.truth import ERROR, FREEZE, DistanceTruth, Flags
-from axisrig.bench.oracles.distance.lists import Control
+from axisrig.bench.judge.distance.times import Unbroken
+from axisrig.bench.judge.distance.truth import (
+    ERROR,
+    FOLLOWING,
+    FREEZE,
+    DistanceTruth,
+    Flags,
+)
+from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.model import Law
 from axisrig.bench.oracles.distance.smoothing import of_control
@@ -33,39 +39,41 @@ class Walked:
 def walk(truth: DistanceTruth) -> Walked:
     """Walk every time in which the control followed, each from the offset it began with.
 
-    Behind a FREEZE in the same mode the filter has gone on; from INACTIVE it begins anew, and the
-    first sensor value has none before it.
+    Behind a FREEZE or a dry run in the same mode the filter has gone on; from INACTIVE it begins
+    anew, and the first sensor value has none before it.
     """
     count = len(truth.observed)
     offset, asked = np.full(count, np.nan), np.full(count, np.nan)
     has_before = np.ones(count, dtype=bool)
-    law, last = None, None
-    for stretch in active(truth):
-        begin = first_step(truth, stretch)
-        frozen = last is not None and _is_frozen(truth, last.end, stretch.begin)
-        if law is not None and last is not None and frozen and last.mode == stretch.mode:
-            for read in _read(truth, law.mode, last.end, begin):
-                law.listen(*read.values_mm)
-            law.stand()
-            # The cycle in which the program froze it has still made a step
-            law.offset_mm = truth.observed.value(truth.axis, "offset_mm", max(begin - 1, 0))
+    law: Law | None = None
+    last: Unbroken | None = None
+    for time in truth.states:
+        if time.value not in FOLLOWING:
+            continue
+        begin = first_step(truth, time.begin)
+        goes_on = last is not None and _is_frozen(truth, last.end, time.begin)
+        if law is None or last is None or not goes_on or last.value != time.value:
+            law = _fresh(truth, time, begin)
+            has_before[begin] = goes_on
         else:
-            law = _fresh(truth, stretch, begin)
-            has_before[begin] = frozen
-        end = stretch.end
-        if any(time.begin == end and time.value == ERROR for time in truth.states):
+            for row, read in enumerate(_read(truth, law.mode, last.end, begin), last.end):
+                _take_over(truth, law, row, time.value)
+                law.listen(*read.values_mm)
+            _stand(truth, law, begin)
+        end = time.end
+        if any(other.begin == end and other.value == ERROR for other in truth.states):
             end += 1  # the cycle of the alarm
         for row, read in enumerate(_read(truth, law.mode, begin, end), begin):
-            control = programmed(truth, row)
-            if control != law.control:
-                law.change(control, of_control(control, truth.period_ns))
+            acting = _take_over(truth, law, row, time.value)
+            if acting.begins and acting.row == row > begin:
+                _stand(truth, law, row)
             law.override, law.axes = read.override, read.axes
-            turn = law.hold if read.is_held else law.walk
+            turn = law.hold if read.is_held or acting.is_dry_run else law.walk
             turn(*read.values_mm)
             offset[row] = law.offset_mm
             # Nothing is watched while the offset is held
             asked[row] = np.nan if read.is_held else law.asked_mm
-        last = stretch
+        last = time
     return Walked(offset, asked, has_before)
 
 
@@ -75,38 +83,36 @@ def _is_frozen(truth: DistanceTruth, begin: int, end: int) -> bool:
     return all(time.value == FREEZE for time in inside)
 
 
-def _fresh(truth: DistanceTruth, stretch: Stretch, begin: int) -> Law:
-    control = programmed(truth, begin)
+def _stand(truth: DistanceTruth, law: Law, row: int) -> None:
+    """Begin to follow again in the step of a row.
+
+    The cycle in which the program froze it, or began a dry run, has still made a step.
+    """
+    law.stand()
+    law.offset_mm = truth.observed.value(truth.axis, "offset_mm", max(row - 1, 0))
+
+
+def _fresh(truth: DistanceTruth, time: Unbroken, begin: int) -> Law:
+    acting = truth.acting_in(begin)
+    control = acting.listed.control
     return Law(
-        stretch.mode,
+        truth.mode_in(time.value, acting.listed),
         control,
         truth.period_ns,
-        truth.listed.limits,
+        acting.listed.limits,
         of_control(control, truth.period_ns),
         offset_mm=truth.observed.value(truth.axis, "offset_mm", max(begin - 1, 0)),
     )
 
 
-def programmed(truth: DistanceTruth, row: int) -> Control:
-    """Return the controller in the cycle of a row: that of the list with what the program changed.
-
-    What acts from the end of a cycle on, the next one computes with.
-    """
-    listed, changes = truth.listed.control, truth.control.changes
-    if not changes:
-        return listed
-    sync_ns = truth.observed.time_ns(row) // truth.period_ns * truth.period_ns
-    acting = changes[0].controller.control
-    for change in changes:
-        if change.time_ns >= sync_ns:
-            break
-        acting = change.controller.control
-    first = changes[0].controller.control
-    if acting == first:
-        return listed
-    changed = {f.name: getattr(acting, f.name) for f in fields(Control)}
-    changed = {name: value for name, value in changed.items() if value != getattr(first, name)}
-    return replace(listed, **changed)
+def _take_over(truth: DistanceTruth, law: Law, row: int, state: int) -> Acting:
+    """Let the law have what acts in the step of a row."""
+    acting = truth.acting_in(row)
+    listed = acting.listed
+    law.limits, law.mode = listed.limits, truth.mode_in(state, listed)
+    if listed.control != law.control:
+        law.change(listed.control, of_control(listed.control, truth.period_ns))
+    return acting
 
 
 class _Read(NamedTuple):
@@ -134,7 +140,7 @@ def _read(truth: DistanceTruth, mode: str, begin: int, end: int) -> Iterator[_Re
             part.read_mm(mode),
             part["actual_mm"],
             np.concatenate([set_mm[:1], set_mm[:-1]]),
-            part[wanted],
+            part.wanted_mm(wanted),
             part.override,
             part.is_held,
         )
@@ -143,25 +149,27 @@ def _read(truth: DistanceTruth, mode: str, begin: int, end: int) -> Iterator[_Re
             yield _Read((values[0], values[1], values[2], values[3]), override, is_held, axes)
 
 
-def first_step(truth: DistanceTruth, stretch: Stretch) -> int:
-    """Return the first cycle that computes a step: what the program commands acts a cycle later.
+def first_step(truth: DistanceTruth, begin: int) -> int:
+    """Return the first cycle that computes a step of a time in which the control follows.
 
-    The row in which the program switches on shows the new state and no step yet.
+    begin: of the time. What the program commands acts a cycle later: the row in which it switches
+    on shows the new state and no step yet.
     """
-    delta_mm = truth.observed.value(truth.axis, "delta_mm", stretch.begin)
-    return stretch.begin if delta_mm != 0.0 else stretch.begin + 1
+    return next(
+        (one.row for one in truth.acting if one.begins and begin <= one.row <= begin + 1), begin
+    )
 
 
 def due(truth: DistanceTruth, walked: Walked) -> Due | None:
     """Return the alarm that was due and the row of its cycle."""
-    for part, begin, inside in truth.parts(before=1):
-        rows = slice(begin, begin + inside.stop - inside.start)
-        watched = ~np.isnan(walked.asked_mm[rows])
-        asked = np.where(watched, walked.asked_mm[rows], 0.0)
-        sensor = part.watched_mm
-        change = np.diff(sensor, prepend=sensor[:1])[inside] * walked.has_before[rows]
-        limits = truth.listed.limits
-        found = first_due(sensor[inside], change, asked, watched, limits, truth.period_ns)
-        if found is not None:
-            return Due(found.alarm, begin + found.row)
+    for limits, span in truth.limits():
+        for part, begin, inside in truth.parts(span, before=1):
+            rows = slice(begin, begin + inside.stop - inside.start)
+            watched = ~np.isnan(walked.asked_mm[rows])
+            asked = np.where(watched, walked.asked_mm[rows], 0.0)
+            sensor = part.watched_mm
+            change = np.diff(sensor, prepend=sensor[:1])[inside] * walked.has_before[rows]
+            found = first_due(sensor[inside], change, asked, watched, limits, truth.period_ns)
+            if found is not None:
+                return Due(found.alarm, begin + found.row)
     return None

@@ -4,10 +4,11 @@ The filter gets the distance of CONST_DIST, or the deviation of SET_POS (FCT-M3 
 """
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
-from axisrig.bench.judge.distance.stretches import Stretch, active, runs_of
+from axisrig.bench.judge.distance.stretches import Stretch, runs_of
 from axisrig.bench.judge.distance.truth import DistanceTruth, gap_true_mm
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.errors import NoClosedFormError
@@ -29,17 +30,18 @@ def _of_distance(truth: DistanceTruth) -> Signal:
 
 
 def _of_surface(truth: DistanceTruth) -> Signal:
-    return truth["surface_cnc_mm"] - truth["set_pos_mm"]
+    return truth["surface_cnc_mm"] - truth.wanted_mm("set_pos_mm")
 
 
-def delay_cycles(truth: DistanceTruth) -> float:
+def delay_cycles(truth: DistanceTruth, filtered: Sequence[Stretch]) -> float:
     """Return by how many cycles the filter is late: sum of (in - out) over a step / its height.
 
     For every linear filter of gain 1 that is its group delay at frequency 0. The step: the largest
-    change of the surface between two times in which it is at rest. Raises NoClosedFormError.
+    change of the surface between two times in which it is at rest. filtered: stretches of one
+    filter. Raises NoClosedFormError.
     """
     best = (0.0, 0.0)
-    for stretch in active(truth):
+    for stretch in filtered:
         given, out = filtered_mm(truth, stretch)
         flats = _flats(truth, stretch)
         for (begin, end), (top_begin, top_end) in itertools.pairwise(flats):
@@ -54,14 +56,16 @@ def delay_cycles(truth: DistanceTruth) -> float:
     return best[1] / best[0]
 
 
-def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
+def noise_gain(
+    truth: DistanceTruth, filtered: Sequence[Stretch], settling_cycles: int
+) -> tuple[float, int]:
     """Return standard deviation after over that before the filter, and from how many cycles.
 
-    settling_cycles: left out at the begin of each time in which the surface is at rest. Raises
-    NoClosedFormError without noise.
+    filtered: stretches of one filter. settling_cycles: left out at the begin of each time in which
+    the surface is at rest. Raises NoClosedFormError without noise.
     """
     given_parts, out_parts = [], []
-    for stretch in active(truth):
+    for stretch in filtered:
         given, out = filtered_mm(truth, stretch)
         for begin, end in _flats(truth, stretch):
             rows = slice(begin + settling_cycles, end)

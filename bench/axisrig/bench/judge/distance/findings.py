@@ -6,7 +6,7 @@ each limit was used. Lengths in mm, times in ns, speeds in mm/s.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,6 +17,7 @@ from axisrig.bench.judge.distance.stretches import Stretch
 from axisrig.bench.judge.distance.tool import distance_truths
 from axisrig.bench.judge.distance.truth import (
     INACTIVE,
+    STATE_WORDS,
     TURNING_OFF,
     DistanceTruth,
     Flags,
@@ -25,9 +26,8 @@ from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.following import ramp_lag_mm
-from axisrig.bench.oracles.distance.lists import CHANNEL, Control
-from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
-from axisrig.bench.oracles.distance.smoothing import of_control
+from axisrig.bench.oracles.distance.lists import CHANNEL, Limits
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, growth
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.distance import DistanceChange
@@ -124,9 +124,10 @@ def _parts(
     found = []
     for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
         is_on = change.is_on
-        wanted = _set_values(truth, change, _rows(truth, change, end_ns))
+        rows = _rows(truth, change, end_ns)
+        wanted = _set_values(truth, change, rows)
         if is_on:
-            law = _law(truth, change.mode, change.controller.control)
+            law = _law(truth, _stretch(truth, change, rows))
             if law not in laws:
                 laws.append(law)
         found.append(
@@ -165,8 +166,17 @@ def _set_values(
     return (float(known[0]), float(known[-1])) if len(known) else (None, None)
 
 
-def _law(truth: DistanceTruth, mode: str, control: Control) -> dict[str, Any]:
-    loop = _loop(truth, mode, control)
+def _stretch(truth: DistanceTruth, change: DistanceChange, rows: "np.ndarray[Any, Any]") -> Stretch:
+    """Return the rows from a change on, with what acts in the step after its first one."""
+    begin = int(rows[0]) if len(rows) else truth.observed.index_at(change.time_ns)
+    acting = truth.acting_in(begin + 1)
+    mode = truth.mode_in(STATE_WORDS.index(change.state), acting.listed)
+    return Stretch(begin, begin + len(rows), mode, acting.listed, acting.is_dry_run)
+
+
+def _law(truth: DistanceTruth, stretch: Stretch) -> dict[str, Any]:
+    mode, control = stretch.mode, stretch.listed.control
+    loop = truth.loop(mode, stretch.listed)
     unknown = truth.unknown_poles(mode)
     limit = math.inf if unknown else kp_limit(loop)
     is_plain = not control.tn_s and not control.tv_s
@@ -186,15 +196,6 @@ def _law(truth: DistanceTruth, mode: str, control: Control) -> dict[str, Any]:
         "kp_limit_unknown": unknown,
         "growth": growth(loop, control.kp),
     }
-
-
-def _loop(truth: DistanceTruth, mode: str, control: Control) -> Loop:
-    return replace(
-        truth.loop(mode),
-        smoothing=of_control(control, truth.period_ns),
-        integral=truth.period_s / control.tn_s if control.tn_s else 0.0,
-        derivative=control.tv_s / truth.period_s,
-    )
 
 
 def _dead(truth: DistanceTruth) -> dict[str, Any]:
@@ -233,12 +234,12 @@ def _errors(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[dic
         rows = _rows(truth, change, end_ns)
         if not change.is_on or change.is_dry_run or len(rows) < _LEAST_ROWS:
             continue
-        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, change.mode)
+        stretch = _stretch(truth, change, rows)
         part, speed = _tail(truth, stretch)
         errors = behind[part.judged]
         expected, note = None, ""
         try:
-            expected = _expected_mm(truth, part, speed, change.controller.control)
+            expected = _expected_mm(truth, part, speed)
         except NoClosedFormError as reason:
             note = str(reason)
         found.append(
@@ -256,27 +257,30 @@ def _errors(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[dic
 
 
 def _tail(truth: DistanceTruth, stretch: Stretch) -> tuple[Stretch, float]:
-    """The end of a stretch as far back as the surface moves evenly, and its speed in mm/s."""
+    """The end of a stretch as far back as the surface moves evenly under one set value, and its
+    speed in mm/s.
+    """
     assert truth.surface_mm is not None
     rise = np.diff(truth.surface_mm[stretch.rows])
-    uneven = np.flatnonzero(np.abs(rise - rise[-1:]) > _EVEN_MM)
+    is_uneven = np.abs(rise - rise[-1:]) > _EVEN_MM
+    uneven = np.flatnonzero(is_uneven | stretches.is_disturbed(truth, stretch))
     begin = stretch.begin + (int(uneven[-1]) + 2 if len(uneven) else 0)
     begin = min(begin, stretch.end - 1)
     per_cycle = float(rise[-1]) if len(rise) else 0.0
     speed = 0.0 if abs(per_cycle) <= _EVEN_MM else per_cycle / truth.period_s
-    return Stretch(begin, stretch.end, stretch.mode), speed
+    return replace(stretch, begin=begin), speed
 
 
-def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float, control: Control) -> float:
+def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float) -> float:
     """Closed form of the error at the end; raises NoClosedFormError."""
-    loop = _loop(truth, part.mode, control)
-    stretches.must_settle(loop, control.kp, part)
+    loop = truth.loop(part.mode, part.listed)
+    stretches.must_settle(loop, part)
     stretches.must_not_clamp(truth, part)
     if speed_mm_s == 0.0:
         return 0.0
-    if control.tn_s:
+    if part.listed.control.tn_s:
         raise NoClosedFormError("closed form of P and PD control only")
-    return ramp_lag_mm(loop, speed_mm_s, control.kp, truth.period_ns)
+    return ramp_lag_mm(loop, speed_mm_s, part.kp, truth.period_ns)
 
 
 # Limits
@@ -284,24 +288,28 @@ def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float, control
 
 def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
     """Each limit with the most that was used of it."""
-    limits, offset, sensor = truth.listed.limits, truth["offset_mm"], truth.watched_mm
+    offset, sensor = truth["offset_mm"], truth.watched_mm
     # The row in which the program switches on has no value of the control yet
-    on = _behind_first(truth.is_active)
+    on, anywhere = _behind_first(truth.is_active), np.ones(len(offset), dtype=bool)
     steps = np.diff(offset, prepend=offset[:1]) / truth.period_s
     # NO_MOVE hands the offset over at once: no motion
     was_off = np.concatenate([[INACTIVE], truth.state[:-1]])
     steps[(truth.state == INACTIVE) & (was_off != TURNING_OFF)] = 0.0
-    changes = np.abs(np.diff(steps, prepend=0.0)) / truth.period_s
-    jumps = np.abs(np.diff(sensor, prepend=sensor[:1])) / truth.period_s
-    lowest = _most(-sensor, on)
+    changes = np.diff(steps, prepend=0.0) / truth.period_s
+    jumps = np.diff(sensor, prepend=sensor[:1]) / truth.period_s
     rows = (
-        ("v_max", limits.v_mm_s, "mm/s", _most(np.abs(steps))),
-        ("a_max", limits.a_mm_s2, "mm/s²", _most(changes, on)),
-        ("max_deviation", limits.deviation_mm, "mm", _most(np.abs(offset))),
-        ("max_act_value_change", limits.change_mm_s, "mm/s", _most(jumps, _behind_first(on))),
-        ("max_pos", limits.high_mm, "mm", _most(sensor, on)),
-        ("min_pos", limits.low_mm, "mm", None if lowest is None else -lowest),
+        ("v_max", "mm/s", steps, anywhere, lambda one: one.v_mm_s),
+        ("a_max", "mm/s²", changes, on, lambda one: one.a_mm_s2),
+        ("max_deviation", "mm", offset, anywhere, lambda one: one.deviation_mm),
+        ("max_act_value_change", "mm/s", jumps, _behind_first(on), lambda one: one.change_mm_s),
     )
+    found = [
+        (key, unit, *_most_of_limit(truth, limit, np.abs(values), where))
+        for key, unit, values, where, limit in rows
+    ]
+    listed, lowest = truth.listed.limits, _most(-sensor, on)  # no word changes these
+    found.append(("max_pos", "mm", listed.high_mm, _most(sensor, on)))
+    found.append(("min_pos", "mm", listed.low_mm, None if lowest is None else -lowest))
     is_channel = truth.axis == CHANNEL
     return [
         {
@@ -312,8 +320,23 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
             "used": used,
             "acts": _acts(key, is_channel=is_channel),
         }
-        for key, value, unit, used in rows
+        for key, unit, value, used in found
     ]
+
+
+def _most_of_limit(
+    truth: DistanceTruth,
+    limit: Callable[[Limits], float],
+    values: "np.ndarray[Any, Any]",
+    where: Flags,
+) -> tuple[float, float | None]:
+    """Return the limit of which most was used, of those that acted, and how much of it."""
+    acted: dict[float, Flags] = {}
+    for limits, rows in truth.limits():
+        inside = acted.setdefault(limit(limits), np.zeros(len(values), dtype=bool))
+        inside[rows] = True
+    found = [(value, _most(values, where & rows)) for value, rows in acted.items()]
+    return max(found, key=lambda one: -1.0 if one[1] is None or not one[0] else one[1] / one[0])
 
 
 def _acts(key: str, *, is_channel: bool) -> str:
@@ -331,7 +354,7 @@ def _behind_first(rows: Flags) -> Flags:
     return kept
 
 
-def _most(values: "np.ndarray[Any, Any]", rows: Flags | None = None) -> float | None:
-    inside = values if rows is None else values[rows]
+def _most(values: "np.ndarray[Any, Any]", rows: Flags) -> float | None:
+    inside = values[rows]
     inside = inside[np.isfinite(inside)]
     return float(np.max(inside)) if len(inside) else None

@@ -1,22 +1,24 @@
 """Parts of a run that closed forms are about: control on, surface at constant speed, and so on."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
+from axisrig.bench.judge.distance.times import Unbroken
 from axisrig.bench.judge.distance.truth import (
-    ACTIVE,
-    ACTIVE_CONST_DIST,
+    FOLLOWING,
     NO_PLANT,
     DistanceTruth,
     Flags,
     surface_mm,
 )
+from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.oracles.distance.following import settling_cycles
-from axisrig.bench.oracles.distance.loop import Loop, growth
+from axisrig.bench.oracles.distance.lists import Listed
+from axisrig.bench.oracles.distance.loop import SET_POS, Loop, growth
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 
@@ -25,15 +27,26 @@ JUDGED_SHARE = 0.2
 SETTLED_SHARE = 1e-3
 """What may be left of the transient when the judged share begins."""
 _EVEN_MM = 2e-7
+NEVER_ON = "distance control was never on"
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Rows begin .. end - 1 in which the control follows in one mode."""
+    """Rows begin .. end - 1 in which the control follows in one mode by one law.
+
+    listed: what acts, as the list would say it. is_dry_run: nothing is put out.
+    """
 
     begin: int
     end: int
     mode: str
+    listed: Listed
+    is_dry_run: bool = False
+
+    @property
+    def kp(self) -> float:
+        """The proportional part that acts."""
+        return self.listed.control.kp
 
     @property
     def rows(self) -> slice:
@@ -46,21 +59,66 @@ class Stretch:
         return slice(self.end - max(int((self.end - self.begin) * JUDGED_SHARE), 1), self.end)
 
 
+def compared(truth: DistanceTruth) -> list[Stretch]:
+    """Return the unbroken times of one law in which the sensor was followed, dry runs too.
+
+    A law begins where the control was switched on, and where a word of the program or a CNC object
+    changes what acts. The row in which the program switches on belongs to what it begins.
+    """
+    found: list[Stretch] = []
+    for time in truth.states:
+        if time.value in FOLLOWING:
+            found += _by_law(truth, time)
+    return found
+
+
+def _by_law(truth: DistanceTruth, time: Unbroken) -> Iterator[Stretch]:
+    begin, acting = time.begin, truth.acting_in(min(time.begin + 1, time.end - 1))
+    for one in truth.acting:
+        is_other = (one.listed, one.is_dry_run) != (acting.listed, acting.is_dry_run)
+        if time.begin + 1 < one.row < time.end and (one.begins or is_other):
+            yield _stretch(truth, begin, one.row, time.value, acting)
+            begin, acting = one.row, one
+    yield _stretch(truth, begin, time.end, time.value, acting)
+
+
+def _stretch(truth: DistanceTruth, begin: int, end: int, state: int, acting: Acting) -> Stretch:
+    mode = truth.mode_in(state, acting.listed)
+    return Stretch(begin, end, mode, acting.listed, acting.is_dry_run)
+
+
 def active(truth: DistanceTruth) -> list[Stretch]:
-    """Return the unbroken times in which the control followed, in order."""
-    return [
-        Stretch(begin, end, truth.mode_in(state))
-        for begin, end, state in truth.states
-        if state in (ACTIVE, ACTIVE_CONST_DIST)
-    ]
+    """Return those of them that put out an offset, in order."""
+    return [stretch for stretch in compared(truth) if not stretch.is_dry_run]
 
 
 def last_active(truth: DistanceTruth) -> Stretch:
-    """Return the last one; raises NoClosedFormError when the control was never on."""
+    """Return the last of them; raises NoClosedFormError when the control was never on."""
     found = active(truth)
     if not found:
-        raise NoClosedFormError("distance control was never on")
+        raise NoClosedFormError(NEVER_ON)
     return found[-1]
+
+
+def last_on(truth: DistanceTruth) -> list[Stretch]:
+    """Return those of the last unbroken time with the control on, one for each law it followed."""
+    found = [last_active(truth)]
+    for stretch in reversed(active(truth)):
+        if stretch.end == found[0].begin:
+            found.insert(0, stretch)
+    return found
+
+
+def of_last_filter(truth: DistanceTruth) -> list[Stretch]:
+    """Return the stretches, of dry runs too, that have the filter of the last one.
+
+    Raises NoClosedFormError when the control was never on.
+    """
+    found = compared(truth)
+    if not found:
+        raise NoClosedFormError(NEVER_ON)
+    last = truth.smoothing(found[-1].listed)
+    return [one for one in found if truth.smoothing(one.listed).is_same(last)]
 
 
 def runs_of(flags: Flags) -> list[tuple[int, int]]:
@@ -72,8 +130,8 @@ def runs_of(flags: Flags) -> list[tuple[int, int]]:
 def steady(truth: DistanceTruth) -> tuple[Stretch, float]:
     """Return where the surface rises with constant speed under the control, and that speed (mm/s).
 
-    The longest such stretch; where the surface never moves so, the longest in which it is at rest.
-    Raises NoClosedFormError.
+    The longest such stretch of one law and one set value, not held; where the surface never moves
+    so, the longest in which it is at rest. Raises NoClosedFormError.
     """
     if not truth.has_surface:
         raise NoClosedFormError(NO_PLANT)
@@ -83,8 +141,9 @@ def steady(truth: DistanceTruth) -> tuple[Stretch, float]:
         rows = slice(stretch.begin, stretch.end)
         inside = np.diff(truth.gathered(surface_mm, rows))
         is_even = np.abs(np.diff(inside, prepend=inside[:1])) <= _EVEN_MM
-        for first, last in runs_of(is_even):
-            part = Stretch(stretch.begin + 1 + first, stretch.begin + 1 + last, stretch.mode)
+        for first, last in runs_of(is_even & ~is_disturbed(truth, stretch)):
+            begin = stretch.begin + 1
+            part = replace(stretch, begin=begin + first, end=begin + last)
             per_cycle = float(np.median(inside[first:last]))
             speed = 0.0 if abs(per_cycle) <= _EVEN_MM else per_cycle / truth.period_s
             if best is None or _rank(part, speed) > _rank(*best):
@@ -96,17 +155,28 @@ def steady(truth: DistanceTruth) -> tuple[Stretch, float]:
     return best
 
 
+def is_disturbed(truth: DistanceTruth, stretch: Stretch) -> Flags:
+    """Return for each row but the first whether another set value acts, or the offset is held."""
+    column = "set_pos_mm" if stretch.mode == SET_POS else "set_dist_mm"
+    wanted = truth.gathered(lambda some: some.wanted_mm(column), stretch.rows)
+    is_held = truth.gathered(lambda some: some["distance_held"], stretch.rows) == 1
+    is_other = np.diff(wanted) != 0.0
+    is_other[:1] = False  # what the stretch has begun with
+    disturbed: Flags = is_other | is_held[1:]
+    return disturbed
+
+
 def _rank(part: Stretch, speed_mm_s: float) -> tuple[bool, int]:
     length = part.end - part.begin
     return (speed_mm_s != 0.0 and length >= 20, length)
 
 
-def must_settle(loop: Loop, kp: float, part: Stretch) -> None:
+def must_settle(loop: Loop, part: Stretch) -> None:
     """Raise NoClosedFormError when the transient is not over in the judged share."""
-    if growth(loop, kp) >= 1.0:
+    if growth(loop, part.kp) >= 1.0:
         raise NoClosedFormError("the loop is not stable")
     before = (part.end - part.begin) * (1.0 - JUDGED_SHARE)
-    needed = settling_cycles(loop, kp, SETTLED_SHARE) + loop.smoothing.delay_cycles * 2
+    needed = settling_cycles(loop, part.kp, SETTLED_SHARE) + loop.smoothing.delay_cycles * 2
     if before < needed:
         raise NoClosedFormError(
             f"the transient needs {needed:.0f} cycles, the surface was even for {before:.0f} before"
@@ -115,7 +185,7 @@ def must_settle(loop: Loop, kp: float, part: Stretch) -> None:
 
 def must_not_clamp(truth: DistanceTruth, part: Stretch) -> None:
     """Raise NoClosedFormError when v_max or a_max hold the offset back in the judged share."""
-    limits = truth.listed.limits
+    limits = part.listed.limits
     steps = truth.gathered(lambda some: np.abs(some["step_mm"] - some["delta_mm"]), part.judged)
     if len(steps) and float(np.max(steps)) > 1e-9:
         raise NoClosedFormError(f"the offset is clamped (v_max {limits.v_mm_s:g} mm/s, a_max)")
@@ -145,12 +215,12 @@ def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     else:
         begin = clamped.last + 1 if clamped is not None else begin
         end = stretch.end
-    floor = 6.0 * truth.listed.mm_per_increment * max(truth.listed.control.kp, 0.1)
+    floor = 6.0 * truth.listed.mm_per_increment * max(stretch.kp, 0.1)
     above = _where(truth, slice(begin, end), lambda some: np.abs(some["step_mm"]) > floor)
     if above is None:
-        return Envelope(0.0, 0, "nothing moves")
+        raise NoClosedFormError("nothing moved: what nothing excites shows no stability")
     # A filter and the dead cycles have to fill first
-    first = begin + int(truth.listed.control.count) + truth.dead.dead + 3
+    first = begin + int(stretch.listed.control.count) + truth.dead.dead + 3
     end = above.last + 1
     if end - first < 24:
         return Envelope(0.0, end - begin, f"died away within {end - begin} cycles")

@@ -4,7 +4,7 @@ Positions are those of the tool clamping point along the normal, by chains of 4x
 positions of all axes; the sensor value counts the other way round, as the law of an axis wants it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -31,8 +31,6 @@ from axisrig.bench.oracles.distance.cycles import (
 from axisrig.bench.oracles.distance.lists import (
     CHANNEL,
     OF_CHANNEL,
-    Listed,
-    as_written,
     axis_limits,
 )
 from axisrig.bench.oracles.distance.loop import SET_POS
@@ -219,12 +217,10 @@ class ToolTruth(DistanceTruth):
         assert found is not None
         return found
 
-    @cached_property
-    def listed(self) -> Listed:
-        """What the list of the channel says."""
-        if self.whole is not None:
-            return self.whole.listed
-        return as_written(dict(self.observed.facts.channel), OF_CHANNEL)
+    @property
+    def written(self) -> tuple[Mapping[str, object], tuple[str, ...]]:
+        """What the list of the channel has written, and the name of the structure in it."""
+        return self.observed.facts.channel, OF_CHANNEL
 
     @property
     def sensor_name(self) -> str:

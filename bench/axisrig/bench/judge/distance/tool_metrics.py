@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from axisrig.bench.judge.distance import expected_offset
-from axisrig.bench.judge.distance.stretches import active
+from axisrig.bench.judge.distance.stretches import compared
 from axisrig.bench.judge.distance.tilting import Tilts, tilts
 from axisrig.bench.judge.distance.tool import Choice, ToolTruth, axes_of, choices, distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, NO_PLANT, TURNING_OFF
@@ -307,7 +307,7 @@ def clamping_height_error_nm(observed: Observed, _axis: str | None) -> Observati
     """Height of the clamping point that the control uses against that of the chains."""
     truth = _control(observed)
     rows = np.zeros(len(observed), dtype=bool)
-    for stretch in active(truth):  # what the program commands acts a cycle later
+    for stretch in compared(truth):  # what the program commands acts a cycle later
         rows[stretch.begin + 1 : stretch.end] = True
     if not rows.any():
         raise NoClosedFormError("distance control was never on")

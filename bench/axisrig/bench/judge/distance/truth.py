@@ -4,31 +4,36 @@ Row k of every signal belongs to the SYNC of cycle k: the state of the plant at 
 the kernel made of it in the cycle after it.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from axisrig.bench.judge.distance.orders import orders_of, set_by_program
+from axisrig.bench.judge.distance.times import Unbroken, changes, unbroken
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
-from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, Sent, measured, predicted
-from axisrig.bench.oracles.distance.lists import Listed, as_written
+from axisrig.bench.oracles.distance.acting import Acting, acting
+from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, measured, predicted
+from axisrig.bench.oracles.distance.lists import OF_AXIS, Limits, Listed
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
-from axisrig.bench.record.series import SECOND, TARGET, Signal, Telegrams, Times
-from axisrig.kernel.time.clock import S, TimeNs
+from axisrig.bench.record.series import SECOND, TARGET, Signal, Times
+from axisrig.kernel.time.clock import S
 
 Flags = npt.NDArray[np.bool_]
 
 INACTIVE, ACTIVE, FREEZE, TURNING_OFF, ACTIVE_CONST_DIST, ERROR = range(6)
+FOLLOWING = (ACTIVE, ACTIVE_CONST_DIST)
+"""States in which the control follows its sensor."""
 STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
 # At SYNC k the drive is at what was sent in cycle k - 2: docs/architecture.md
 DEMAND_CYCLES = 2
@@ -45,29 +50,6 @@ class TruthPart(NamedTuple):
     truth: "DistanceTruth"
     begin: int
     inside: slice
-
-
-class Unbroken(NamedTuple):
-    """Rows begin .. end - 1, in which something has one value."""
-
-    begin: int
-    end: int
-    value: int
-
-
-def unbroken(parts: Iterable[tuple[npt.NDArray[Any], int]]) -> list[Unbroken]:
-    """Return the unbroken times of each value; parts: values, shape (n,), and their first row."""
-    found: list[Unbroken] = []
-    for values, first in parts:
-        edges = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]
-        for begin, end in pairwise(edges):
-            if begin == end:
-                continue
-            time = Unbroken(first + begin, first + end, int(values[begin]))
-            if found and found[-1].end == time.begin and found[-1].value == time.value:
-                time = found.pop()._replace(end=time.end)
-            found.append(time)
-    return found
 
 
 @dataclass(frozen=True)
@@ -179,12 +161,61 @@ class DistanceTruth:
         """The same in seconds."""
         return self.period_ns / S
 
+    @property
+    def written(self) -> tuple[Mapping[str, object], tuple[str, ...]]:
+        """What list and plan have written, and the names of the structure in it."""
+        return self.record.written, OF_AXIS
+
     @cached_property
-    def listed(self) -> Listed:
-        """What the lists and the plan say."""
+    def acting(self) -> list[Acting]:
+        """What acted from which row on: list, words of the program, CNC objects."""
         if self.whole is not None:
-            return self.whole.listed
-        return as_written(dict(self.record.written))
+            return self.whole.acting
+
+        def follows_in(row: int) -> bool:
+            return int(self.observed.value(self.axis, "distance_state", row)) in FOLLOWING
+
+        orders = orders_of(self.observed, self.control)
+        return acting(*self.written, orders, self.period_ns, follows_in)
+
+    def acting_in(self, row: int) -> Acting:
+        """Return what acts in the step of a row of the run."""
+        return self.acting[bisect_right(self.acting, row, key=lambda one: one.row) - 1]
+
+    def limits(self) -> Iterator[tuple[Limits, slice]]:
+        """Yield limits with the rows of the run in which they act."""
+        ends = [*(one.row for one in self.acting[1:]), len(self.observed)]
+        for one, end in zip(self.acting, ends, strict=True):
+            if one.row < end:
+                yield one.listed.limits, slice(one.row, end)
+
+    def wanted_mm(self, name: str) -> Signal:
+        """Return SET_POS or SET_DIST as each step had it, by its column; 0 without one.
+
+        The column is that of the end of the cycle: what the program has set in it acts in the next.
+        """
+        values = np.nan_to_num(self[name])
+        first, ends = self.observed.rows.start, self[name]
+        for row, by_plc in self.set_by_program[name].items():
+            place = row - first
+            if 0 <= place < len(values):
+                before = ends[place - 1] if place else np.nan
+                values[place] = np.nan_to_num(before if by_plc is None else by_plc)
+        return values
+
+    @cached_property
+    def set_by_program(self) -> Mapping[str, Mapping[int, float | None]]:
+        """Rows in which the program has given SET_POS or SET_DIST, by column, with what the PLC
+        side gave in the same cycle.
+        """
+        if self.whole is not None:
+            return self.whole.set_by_program
+        return set_by_program(self.observed, self.control)
+
+    @property
+    def listed(self) -> Listed:
+        """What the lists and the plan say of what nothing else changes, such as the sensor."""
+        return self.acting[0].listed
 
     @cached_property
     def state(self) -> npt.NDArray[np.int64]:
@@ -297,7 +328,7 @@ class DistanceTruth:
         """Return dead cycles as frames show them; raises NotMeasurableError."""
         start_ns = self._control_ns
         targets, sensor = (
-            _changes(self.observed.telegrams(self.axis, field), start_ns)
+            changes(self.observed.telegrams(self.axis, field), start_ns)
             for field in (TARGET, SECOND)
         )
         return measured(targets, sensor, self.period_ns, quiet_increments)
@@ -310,24 +341,26 @@ class DistanceTruth:
 
     # The loop
 
-    @cached_property
-    def smoothing(self) -> Smoothing:
-        """Filter of the sensor value, by the list."""
-        return of_control(self.listed.control, self.period_ns)
+    def smoothing(self, listed: Listed) -> Smoothing:
+        """Return the filter of the sensor value."""
+        return of_control(listed.control, self.period_ns)
 
     @cached_property
     def surface_gain(self) -> float:
         """By how much the distance grows for 1 mm of offset."""
         return 1.0
 
-    def loop(self, mode: str) -> Loop:
-        """Return the loop in a mode, by lists and plant; needs 60E4 with every SYNC."""
-        control = self.listed.control
+    def loop(self, mode: str, listed: Listed) -> Loop:
+        """Return the loop in a mode; needs 60E4 with every SYNC.
+
+        listed: what acts in it, as of `acting`.
+        """
+        control = listed.control
         lag_s = self.drive_lag_s
         return Loop(
             mode,
             self.dead.dead - self.sensor_age_cycles,
-            self.smoothing,
+            self.smoothing(listed),
             sent_cycles=self.dead.reaction,
             skew_cycles=self.sensor_age_cycles,
             integral=self.period_s / control.tn_s if control.tn_s else 0.0,
@@ -364,11 +397,12 @@ class DistanceTruth:
             return 0.0
         return (1.0 - self.values.number("feed_forward")) / gain
 
-    def mode_in(self, state: int) -> str:
-        """Return the mode of the loop in a state."""
+    @staticmethod
+    def mode_in(state: int, listed: Listed) -> str:
+        """Return the mode of the loop in a state. listed: what acts in it."""
         if state != ACTIVE_CONST_DIST:
             return SET_POS
-        return BOTH if self.listed.uses_both else CONST_DIST
+        return BOTH if listed.uses_both else CONST_DIST
 
 
 def gap_true_mm(truth: DistanceTruth) -> Signal:
@@ -390,27 +424,3 @@ def behind_mm(truth: DistanceTruth) -> Signal:
     if truth.behind_mm is None:
         raise NoClosedFormError(NO_PLANT)
     return truth.behind_mm
-
-
-def _changes(blocks: Iterable[Telegrams], start_ns: TimeNs) -> Iterator[Sent]:
-    """Yield the values of a field from an instant on that differ from the one before.
-
-    The last one before the instant comes first: one that is sent when it changes is old.
-    """
-    last: Sent | None = None
-    has_begun = False
-    for frame_ns, increments in blocks:
-        first = int(np.searchsorted(frame_ns, start_ns))
-        if first:
-            last = Sent(int(frame_ns[first - 1]), int(increments[first - 1]))
-        for time_ns, value in zip(
-            frame_ns[first:].tolist(), increments[first:].tolist(), strict=True
-        ):
-            if last is not None and not has_begun:
-                yield last
-            has_begun = True
-            if last is None or value != last.value:
-                last = Sent(time_ns, value)
-                yield last
-    if last is not None and not has_begun:
-        yield last

@@ -26,7 +26,6 @@ from axisrig.bench.rig.plc.override import PERMILLE_PER_PCT, OverrideCourse
 from axisrig.bench.rig.plc.words import VARIABLE, ObjectWrite, Rule, VariableWrite
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.drive_functions import DriveAccess
-from axisrig.kernel.distance.objects import write as write_object
 from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.drives.sdo import SdoError, object_name
 from axisrig.kernel.errors import Alarm, UserError
@@ -242,7 +241,7 @@ class PlcSide:
             case ProbingWrite() as write:
                 self._plc.note(self._probing.write(write), rule.column)
             case ObjectChange(axis=axis, name=name, value=value):
-                write_object(self._channel.distance.control(axis), name, value)
+                self._channel.distance.write_object(axis, name, value)
                 self._plc.note(f"{axis} {name} = {value} from the PLC", rule.column)
         self._done(is_awaited)
 

@@ -3,12 +3,25 @@
 from dataclasses import dataclass
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
+from axisrig.bench.record.distance import (
+    Controller,
+    Diagnosis,
+    DistanceChange,
+    DistanceOrder,
+)
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.guide import Guide, StayingGuide, ToolGuide
+from axisrig.kernel.channel.distance.orders import Order
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
-from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
+from axisrig.kernel.distance import (
+    DistanceControl,
+    DistanceSettings,
+    DistanceState,
+    Source,
+    objects,
+)
+from axisrig.kernel.distance.settings import field_name
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
 
@@ -38,10 +51,12 @@ class Change:
 class DistanceLog:
     """Notes the controls of a channel, looked at in every NC cycle, when they change.
 
-    A change of parameters while a control is not on is noted when it is switched on.
+    A change of parameters while a control is not on is noted when it is switched on. What was asked
+    of them is noted whenever it was.
     """
 
     def __init__(self) -> None:
+        self._orders: list[tuple[TimeNs, Order]] = []
         self._changes: dict[str, list[Change]] = {}
         self._dumps: list[Diagnosis] = []
         self._guide: Guide | None = None
@@ -49,6 +64,8 @@ class DistanceLog:
 
     def __call__(self, channel: Channel) -> None:
         """Look at the controls of this cycle (step 7 of the cycle)."""
+        new = channel.distance.orders[len(self._orders) :]
+        self._orders += [(channel.sync_ns, order) for order in new]
         for name, axis in channel.distance.axes.items():
             self._look(channel, name, axis)
         found = channel.distance.channel
@@ -119,6 +136,34 @@ class DistanceLog:
     def recorded(self, axis: str) -> tuple[DistanceChange, ...]:
         """Return the changes of an axis as the recording has them."""
         return tuple(_change(change) for change in self.of(axis))
+
+    def orders(self, axis: str) -> tuple[DistanceOrder, ...]:
+        """Return what was asked of an axis, or of CHANNEL, as the recording has it."""
+        of_channel = axis == CHANNEL
+        found = [
+            (time_ns, order)
+            for time_ns, order in self._orders
+            if (order.axis is None if of_channel else order.axis == axis)
+        ]
+        by_program = {time_ns for time_ns, order in found if order.by == Source.NC.name}
+        return tuple(
+            _order(time_ns, order)
+            for time_ns, order in found
+            if order.action or order.parameters or time_ns in by_program
+        )
+
+
+def _order(time_ns: TimeNs, order: Order) -> DistanceOrder:
+    words = {_listed_word(name): value for name, value in order.parameters.items()}
+    values = order.is_dry_run, order.set_pos_mm, order.set_dist_mm
+    return DistanceOrder(time_ns, order.by, order.action, *values, words)
+
+
+def _listed_word(name: str) -> str:
+    """Return how the lists call a parameter that the program has given."""
+    known = {item.setting: item.parameter for item in objects().values() if item.is_writable}
+    known["both_encoders"] = "mode_dist_use_both_encoder"
+    return known.get(field_name(name), name)
 
 
 def _change(change: Change) -> DistanceChange:

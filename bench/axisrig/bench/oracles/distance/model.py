@@ -75,7 +75,7 @@ class Law:
 
     def __post_init__(self) -> None:
         self._filter = Filtering(self.smoothing)
-        self._sum_mm, self._before_mm = 0.0, math.nan
+        self._integral_mm, self._before_mm = 0.0, math.nan
 
     def walk(self, sensor_mm: float, actual_mm: float, sent_mm: float, set_mm: float) -> float:
         """Take what a cycle reads, return the offset that it computes.
@@ -85,9 +85,10 @@ class Law:
         """
         self.listen(sensor_mm, actual_mm, sent_mm, set_mm)
         error = self.error_mm
-        step, is_clamped = self._clamped(self._pid(error), error)
+        asked, integral = self._pid(error)
+        step, is_clamped = self._clamped(asked, error)
         if not is_clamped:
-            self._sum_mm += error
+            self._integral_mm = integral
         self._before_mm = error
         self.step_mm = step
         self.offset_mm += step
@@ -110,26 +111,26 @@ class Law:
 
     def change(self, control: Control, smoothing: Smoothing) -> None:
         """Take other parameters while on; another filter begins with what the last one gave."""
-        now, before = smoothing, self.smoothing
-        if not (
-            np.array_equal(now.numerator, before.numerator)
-            and np.array_equal(now.denominator, before.denominator)
-        ):
+        if not smoothing.is_same(self.smoothing):
             self._filter = Filtering(smoothing)
             self._filter.fill(self.filtered_mm)
         self.control, self.smoothing = control, smoothing
 
     def stand(self) -> None:
         """Begin to follow again: nothing in the sum, no error before, speed 0."""
-        self._sum_mm, self._before_mm, self.step_mm = 0.0, math.nan, 0.0
+        self._integral_mm, self._before_mm, self.step_mm = 0.0, math.nan, 0.0
 
-    def _pid(self, error: float) -> float:
+    def _pid(self, error: float) -> tuple[float, float]:
+        """Return what is asked for, and the I part with the error of this cycle.
+
+        The I part is a sum of shares T/Tn, so that another Tn makes no step, and is none without Tn
+        (docs/ambiguities.md).
+        """
         period_s, control = self.period_ns / S, self.control
         before = error if math.isnan(self._before_mm) else self._before_mm
-        asked = error + control.tv_s / period_s * (error - before)
-        if control.tn_s:
-            asked += period_s / control.tn_s * (self._sum_mm + error)
-        return control.kp * asked
+        integral = self._integral_mm + error * period_s / control.tn_s if control.tn_s else 0.0
+        slope = control.tv_s / period_s * (error - before)
+        return control.kp * (error + integral + slope), integral
 
     def _clamped(self, asked: float, error: float) -> tuple[float, bool]:
         limits, period_s = self.limits, self.period_ns / S

@@ -46,6 +46,11 @@ class Smoothing:
         """Standard deviation of its output for white noise of 1: root of the sum of h(k)^2."""
         return float(np.sqrt(np.sum(_impulse_response(self, _NOISE_CYCLES) ** 2)))
 
+    def is_same(self, other: "Smoothing") -> bool:
+        """Whether another filter gives the same values."""
+        mine, its = (self.numerator, self.denominator), (other.numerator, other.denominator)
+        return all(np.array_equal(one, two) for one, two in zip(mine, its, strict=True))
+
     def response(self, omega_t: Polynomial) -> npt.NDArray[np.complex128]:
         """Return the complex gain at omega T (rad per cycle)."""
         q = np.exp(-1j * np.asarray(omega_t))

@@ -1,0 +1,135 @@
+"""What a distance control acts with, from what was asked of it: FCT-M3 7.6, docs/ambiguities.md."""
+
+from collections.abc import Mapping
+
+import pytest
+
+from axisrig.bench.oracles.distance.acting import NC, OBJECT, PLC, Acting, Order, acting
+from axisrig.bench.oracles.distance.lists import OF_AXIS, OF_CHANNEL
+
+MS = 1_000_000
+LISTED = {"kenngr.distc.kp": 0.2, "kenngr.distc.v_max": 50_000}
+
+
+def acts(
+    *orders: Order,
+    on: Mapping[int, bool] | None = None,
+    written: Mapping[str, object] = LISTED,
+    stems: tuple[str, ...] = OF_AXIS,
+) -> list[Acting]:
+    """What acts from which row on; on: rows at whose end the control is on, all others not."""
+    return acting(written, stems, orders, MS, lambda row: bool((on or {}).get(row)))
+
+
+def kps(found: list[Acting]) -> list[tuple[int, float]]:
+    return [(one.row, one.listed.control.kp) for one in found]
+
+
+def on(row: int, by: str = NC, *, dry: bool = False) -> Order:
+    return Order(row, by, "ON", dry)
+
+
+def kp(row: int, value: float, by: str = NC) -> Order:
+    return Order(row, by, words={"kp": value})
+
+
+def test_without_a_word_the_list_acts() -> None:
+    assert kps(acts()) == [(0, 0.2)]
+
+
+def test_a_word_of_the_program_acts_from_the_next_cycle_on() -> None:
+    assert kps(acts(kp(7, 0.3))) == [(0, 0.2), (8, 0.3)]
+
+
+def test_a_command_acts_in_the_next_cycle_of_the_plc_side_in_its_own() -> None:
+    by_nc, by_plc = acts(on(7)), acts(on(7, PLC))
+    assert [(one.row, one.begins) for one in by_nc] == [(0, False), (8, True)]
+    assert [(one.row, one.begins) for one in by_plc] == [(0, False), (7, True)]
+
+
+@pytest.mark.parametrize("by", [NC, PLC])
+def test_an_object_waits_until_the_control_is_switched_on(by: str) -> None:
+    row = 10 if by == NC else 9
+    assert kps(acts(kp(3, 0.4, OBJECT), on(9, by))) == [(0, 0.2), (row, 0.4)]
+
+
+def test_an_object_that_is_written_while_on_waits_for_the_next_time() -> None:
+    orders = (on(2), kp(5, 0.4, OBJECT), on(6), Order(8, NC, "FREEZE"), on(9))
+    found = acts(*orders, on={5: True})
+    assert kps(found) == [(0, 0.2), (3, 0.2), (7, 0.2), (9, 0.2), (10, 0.4)]
+    assert [one.begins for one in found] == [False, True, False, False, True]
+
+
+def test_an_object_acts_out_of_a_dry_run_and_in_it() -> None:
+    orders = (on(2, dry=True), kp(4, 0.4, OBJECT), on(6))
+    found = acts(*orders, on={5: True})
+    assert [(one.row, one.listed.control.kp, one.is_dry_run) for one in found] == [
+        (0, 0.2, False),
+        (3, 0.2, True),
+        (7, 0.4, False),
+    ]
+    assert found[-1].begins
+
+
+def test_a_dry_run_of_what_is_on_begins_nothing() -> None:
+    found = acts(on(2), kp(4, 0.4, OBJECT), on(6, dry=True), on={5: True})
+    assert (found[-1].is_dry_run, found[-1].begins, found[-1].listed.control.kp) == (
+        True, False, 0.2,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("orders", "acting_kp"),
+    [
+        pytest.param((kp(2, 0.3), kp(3, 0.4, OBJECT)), 0.4, id="the object is later"),
+        pytest.param((kp(2, 0.4, OBJECT), kp(3, 0.3)), 0.3, id="the word is later"),
+        pytest.param((kp(2, 0.4, OBJECT), kp(3, 0.5, OBJECT)), 0.5, id="two objects"),
+        pytest.param((kp(2, 0.3), kp(2, 0.5)), 0.5, id="two words of one cycle"),
+    ],
+)
+def test_the_later_one_counts(orders: tuple[Order, ...], acting_kp: float) -> None:
+    assert acts(*orders, on(4))[-1].listed.control.kp == acting_kp
+
+
+def test_a_word_leaves_the_object_of_another_parameter() -> None:
+    tn = Order(2, OBJECT, words={"i_tn": 0.5})
+    control = acts(tn, kp(3, 0.3), on(4))[-1].listed.control
+    assert (control.kp, control.tn_s) == (0.3, 0.5)
+
+
+def test_limits_by_objects_are_in_the_units_of_the_list() -> None:
+    words = {"v_max": 60_000, "a_max": 700, "max_act_value_change": 8000}
+    limits = acts(Order(1, OBJECT, words=words), on(4))[-1].listed.limits
+    assert (limits.v_mm_s, limits.a_mm_s2, limits.change_mm_s) == (60.0, 700.0, 8.0)
+
+
+def test_both_encoders_by_the_program() -> None:
+    listed = {"kenngr.distc.mode_dist_use_both_encoder": 1}
+    found = acts(Order(1, NC, words={"mode_dist_use_both_encoder": False}), written=listed)
+    assert [one.listed.uses_both for one in found] == [True, False]
+
+
+def test_a_word_wins_over_both_structures_of_the_list() -> None:
+    listed = {"kenngr.distc.kp": 0.1, "kenngr.dist_ctrl[0].kp": 0.2}
+    assert kps(acts(kp(1, 0.3), written=listed)) == [(0, 0.2), (2, 0.3)]
+
+
+def test_a_filter_of_the_program_wins_over_the_older_switch_of_the_list() -> None:
+    listed = {"kenngr.distc.low_pass_filter_enable": 1}
+    found = acts(Order(1, NC, words={"filter_type": "DEFAULT"}), written=listed)
+    assert [one.listed.control.filter_type for one in found] == ["LOWPASS", "DEFAULT"]
+
+
+def test_a_filter_time_of_3d_control_is_a_number_of_cycles() -> None:
+    found = acts(
+        Order(1, NC, words={"filter_time_s": 0.012}), written={"dist_ctrl[0].n_cycles": 3},
+        stems=OF_CHANNEL,
+    )  # fmt: skip
+    assert [one.listed.control.count for one in found] == [3, 12]
+
+
+def test_what_was_on_before_an_error_begins_anew() -> None:
+    """The rows say that it is off, whatever was commanded last."""
+    found = acts(on(2), kp(5, 0.4, OBJECT), on(9), on={})
+    assert found[-1].begins
+    assert found[-1].listed.control.kp == 0.4
