@@ -46,7 +46,7 @@ $CASE 51062  ; the position is initialised
 N290 Z[DIST_CTRL ON SET_POS=30]
 N300 #CHANNEL INIT[ACTPOS]
 $BREAK
-$CASE 310000  ; the axis is to measure
+$CASE 900521  ; the axis is to measure
 N310 Z[DIST_CTRL ON SET_POS=30]
 N320 G100 Z33 F600
 $BREAK

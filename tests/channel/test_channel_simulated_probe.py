@@ -66,6 +66,19 @@ def test_type_3_goes_on_behind_a_simulated_signal(channel_bench: Make, words: An
     assert bench.final_mm("Z") == 110.0
 
 
+@pytest.mark.parametrize("mode", [4, 5])
+def test_an_axis_that_is_at_its_target_already_signals_at_once_in_mode_5_alone(
+    channel_bench: Make, words: Any, mode: int
+) -> None:
+    """TF5200 axis parameters 118162699: Y of the block stands where it is sent to."""
+    y, z = words.axis("Y"), words.axis("Z", start_mm=130.0, simulated=(mode, 0))
+    bench = channel_bench(y, z)
+    run = replace(words.probe(1, 600.0, Z=110.0), programmed_axes=("Y", "Z"))
+    bench.run([run, words.wait(1), words.end()])
+    expected_mm = 130.0 if mode == 5 else 110.0
+    assert _value(bench) == pytest.approx(expected_mm, abs=0.01)
+
+
 def test_mode_4_waits_for_all_axes_and_mode_5_for_the_first(
     channel_bench: Make, words: Any
 ) -> None:

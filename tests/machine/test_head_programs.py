@@ -131,6 +131,7 @@ def test_the_limits_of_the_axes_hold_on_the_overtravel(run5: Run) -> None:
         "N10 D1\nN20 #TRAFO [9]\nN30 G00 G90 X0 Y0 Z60 A44\nN40 G100 A46 F6000",
         "set:A.kenngr.probing_offset=440000",
         "set:Z.getriebe[0].dynamik.vb_max=50000",
+        "set:Z.getriebe[0].vb_eilgang=50000",
     )
     assert outcome.alarms == []
     assert ends(outcome)[4] == pytest.approx(90.0, abs=2.0 * STEP_DEG)

@@ -70,12 +70,21 @@ def test_the_axis_that_allows_least_decides_how_far_a_path_goes_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "with_parameter", "without"),
-    [(1, True, False), (2, True, True), (3, True, False), (4, True, False), (5, False, False)],
+    ("number", "parameter", "programmed", "is_alarm"),
+    [
+        *((1, parameter, None, parameter) for parameter in (True, False)),
+        *((2, parameter, said, True) for parameter in (True, False) for said in (None, False)),
+        *((number, True, None, False) for number in (3, 4, 5)),
+        *((number, False, True, True) for number in (1, 3, 4)),
+        *((number, True, False, False) for number in (1, 3, 4)),
+        (5, True, True, False),
+    ],
 )
-def test_which_types_want_a_signal(number: int, with_parameter: bool, without: bool) -> None:
-    assert misses_signal(TYPES[number], True) is with_parameter
-    assert misses_signal(TYPES[number], False) is without
+def test_which_types_want_a_signal(
+    number: int, parameter: bool, programmed: bool | None, is_alarm: bool
+) -> None:
+    """FCT-C4 8.2.1: P-CHAN-00176 is about type 1; type 2 always, type 5 never."""
+    assert misses_signal(TYPES[number], parameter, programmed) is is_alarm
 
 
 def test_parameters_of_an_axis_in_the_units_of_the_kernel() -> None:

@@ -224,9 +224,9 @@ def test_only_a_signal_jumps_and_makes_the_target_the_actual_position(case: str)
 
 @pytest.mark.parametrize("case", ROWS)
 def test_alarms_and_merf(case: str) -> None:
-    """A missing signal is an alarm always in type 2, by P-CHAN-00176 in 1, 3 and 4, never in 5."""
+    """A missing signal is an alarm always in type 2, by P-CHAN-00176 in 1, never in 3, 4 and 5."""
     row, run = ROWS[case], _run(ROWS[case])
-    by_parameter = run.type in (1, 3, 4) and _input(row, "set:channel.meas_error_no_signal") == 1
+    by_parameter = run.type == 1 and _input(row, "set:channel.meas_error_no_signal") == 1
     is_alarm = not run.has_signal and (run.type == 2 or by_parameter)
     lowered = "== 900222" if run.is_lowered else "none"
     assert row["check:alarms"] == ("== 900004" if is_alarm else lowered)

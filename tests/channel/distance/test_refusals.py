@@ -158,7 +158,7 @@ def _run_of(words: Any, *, beside: bool) -> canon.Command:
     return run
 
 
-@pytest.mark.provokes(310000, 7, axis="Z", owner="axis Z")
+@pytest.mark.provokes(900521, 7, axis="Z", owner="axis Z")
 @pytest.mark.parametrize("beside", [False, True])
 def test_no_run_begins_on_an_axis_whose_control_is_on(
     distance_bench: Make, say: Any, words: Any, beside: bool
@@ -166,7 +166,7 @@ def test_no_run_begins_on_an_axis_whose_control_is_on(
     made = distance_bench(options={"plane_mm": 5.0})
     run = _run_of(words, beside=beside)
     made.run(say.command("on", set_pos_mm=0.0), say.dwell(20), run)
-    assert made.alarm_ids == [310000]
+    assert made.alarm_ids == [900521]
     assert set(made.seen.interpolated_mm) == {say.start_mm}
 
 

@@ -124,8 +124,8 @@ def test_another_axis_may_have_its_own(make_head: Make, tool: Any) -> None:
 
 
 @pytest.mark.provokes(70333, 7)
-@pytest.mark.provokes(310000, 7, axis="X", owner="the channel")
-@pytest.mark.parametrize(("block", "alarm_id"), [("#PUT AX[X]", 70333), ("G100 X5 F100", 310000)])
+@pytest.mark.provokes(900521, 7, axis="X", owner="the channel")
+@pytest.mark.parametrize(("block", "alarm_id"), [("#PUT AX[X]", 70333), ("G100 X5 F100", 900521)])
 def test_its_axes_neither_leave_nor_measure(make_head: Make, block: str, alarm_id: int) -> None:
     made = make_head().run(
         TILTED

@@ -138,7 +138,7 @@ wire = { z = "z" }
 """
 
 
-@pytest.mark.provokes(310000, 7, axis="Z", owner="axis Z", controlword="ACTIVE")
+@pytest.mark.provokes(900521, 7, axis="Z", owner="axis Z", controlword="ACTIVE")
 @pytest.mark.parametrize("newer", [False, True])
 def test_a_measurement_begins_while_control_is_on(run_distance, newer):
     watched = run_distance(
@@ -147,7 +147,7 @@ def test_a_measurement_begins_while_control_is_on(run_distance, newer):
         lines=MEASURES,
         rig=PROBE,
     )
-    assert ends_at(watched, 30) == 310000
+    assert ends_at(watched, 30) == 900521
 
 
 @pytest.mark.provokes(70521, 7, owner="axis Z")

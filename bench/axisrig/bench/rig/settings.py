@@ -25,6 +25,7 @@ from axisrig.bench.rig.reading.lists import (
     offset_notes,
     read_lists,
     read_offsets,
+    relation_notes,
     stop_notes,
     take_over,
 )
@@ -296,6 +297,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
     try:
         settings.warnings = take_over(channel, axes)
         settings.notes = inert_notes(rig, channel, axes)
+        settings.notes += relation_notes(axes)
         settings.notes += stop_notes(axes)
         settings.notes += offset_notes(settings.offsets, tuple(axes))
     except UserError as error:

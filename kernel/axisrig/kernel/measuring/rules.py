@@ -20,6 +20,8 @@ PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP = "PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP"
 EXTERNAL, EXTERNAL_WITH_DRIVE = "PLC_EXT_LATCH_CONTROL", "EXT_PROBE_WITH_DRIVE"
 OF_PLC = (PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP, EXTERNAL, EXTERNAL_WITH_DRIVE)
 """Sources that need a task of the PLC."""
+BY_PROGRAM, BY_PARAMETER = "ERR_NO_SIGNAL", "P-CHAN-00176"
+"""What decides about an alarm when no signal comes, ERR_NO_SIGNAL in both."""
 
 
 @dataclass(frozen=True)
@@ -130,9 +132,14 @@ def lengthened(
     return {name: here[name] + (target[name] - here[name]) * scale for name in here}
 
 
-def misses_signal(kind: MeasuringType, error_no_signal: bool) -> bool:
+def misses_signal(kind: MeasuringType, parameter: bool, programmed: bool | None) -> bool:
     """Return whether a run without a signal is an alarm.
 
-    error_no_signal: P-CHAN-00176, or ERR_NO_SIGNAL of #MEAS.
+    parameter: P-CHAN-00176, which is about type 1. programmed: ERR_NO_SIGNAL of #MEAS, None where
+    the program has not written it.
     """
-    return kind.no_signal == "alarm" or (kind.no_signal == "P-CHAN-00176" and error_no_signal)
+    if kind.no_signal == BY_PROGRAM:
+        return bool(programmed)
+    if kind.no_signal == BY_PARAMETER:
+        return parameter if programmed is None else programmed
+    return kind.no_signal == "alarm"

@@ -11,7 +11,7 @@ it latches, to one cycle. Source: TF5200 axis parameters 118162699 and 118165771
     6  the axes are in a body, which their P-AXIS-00145 to 00148 describe (`Body`)
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import dist
 
@@ -25,15 +25,27 @@ SAME_MM = 1e-9
 
 @dataclass(frozen=True)
 class Way:
-    """The programmed way of a run, axis positions in mm; offset_mm: SIMU_OFFSET."""
+    """The programmed way of a run, axis positions in mm; offset_mm: SIMU_OFFSET.
+
+    target_mm: of the axes that move. programmed: the axes of the block; one without a target is
+    at it already.
+    """
 
     start_mm: Mapping[str, float]
     target_mm: Mapping[str, float]
     offset_mm: float = 0.0
+    programmed: Collection[str] = ()
 
     def travelled_mm(self, here_mm: Mapping[str, float]) -> float:
         """Return how far a position is from the start."""
         return dist(tuple(self.start_mm.values()), tuple(here_mm[name] for name in self.start_mm))
+
+    def has_axis_at_target(self, here_mm: Mapping[str, float]) -> bool:
+        """Return whether one of the axes is at its target."""
+        ends_mm = self.target_mm
+        return any(name not in ends_mm for name in self.programmed) or any(
+            abs(end_mm - here_mm[name]) <= SAME_MM for name, end_mm in ends_mm.items()
+        )
 
     @property
     def length_mm(self) -> float:
@@ -137,4 +149,4 @@ class SimulatedProbe:
             return self.body.contains(here_mm)
         if self.mode == ALL:
             return way.travelled_mm(here_mm) >= way.length_mm + way.offset_mm - SAME_MM
-        return any(abs(end - here_mm[name]) <= SAME_MM for name, end in way.target_mm.items())
+        return way.has_axis_at_target(here_mm)

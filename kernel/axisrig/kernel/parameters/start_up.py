@@ -11,6 +11,7 @@ from importlib import resources
 
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.parameters.origin import Origin
+from axisrig.kernel.parameters.relations import corrected
 from axisrig.kernel.parameters.types import Value, written
 from axisrig.kernel.parameters.values import Corrected, ParameterSet
 
@@ -67,6 +68,7 @@ def start_up(parameters: ParameterSet, name: str) -> list[Alarm]:
     if is_axis:
         _check_input(parameters)
         warnings += _axis(parameters, name)
+        warnings += corrected(parameters, name)
     elif parameters.kind == "channel":
         warnings += _channel(parameters, owner)
     return warnings

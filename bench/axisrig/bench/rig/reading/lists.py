@@ -11,6 +11,7 @@ from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import ParameterSet, read_list, start_up, written
 from axisrig.kernel.parameters.lists import NEXT_AXIS
+from axisrig.kernel.parameters.relations import noted
 from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they name
@@ -117,6 +118,11 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
             hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"
             " does as_canopen = true of its [drive.D]; the results show it",
         )
+
+
+def relation_notes(axes: Mapping[str, ParameterSet]) -> list[str]:
+    """Say which settings go past a limit that is another parameter and stay as they are."""
+    return [f"axis {name}: {words}" for name in axes for words in noted(axes[name])]
 
 
 def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[str]:

@@ -11,7 +11,7 @@ from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.distance.channel import ChannelDistance
 from axisrig.kernel.errors import Alarm
 
-CONTROL_IS_ON = 310000
+CONTROL_IS_ON = 900521
 
 
 class Offsets:
@@ -34,7 +34,7 @@ class Offsets:
         return bool(self.axes) or self.channel is not None
 
     def check_measuring(self, axis: str) -> None:
-        """Raise Alarm 310000 for an axis that cannot measure while a control of it is on."""
+        """Raise Alarm 900521 for an axis that cannot measure while a control of it is on."""
         for found in (self.axes.get(axis), self._channel_of(axis)):
             if found is not None and found.is_moving and not found.control.is_dry_run:
                 word = found.control.state.name

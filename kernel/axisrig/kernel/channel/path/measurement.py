@@ -196,7 +196,8 @@ class Measurement:
     def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
         """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
         found = {}
-        way = Way(self._here_mm(), command.target_mm, command.simulated_offset_mm)
+        target_mm, offset_mm = command.target_mm, command.simulated_offset_mm
+        way = Way(self._here_mm(), target_mm, offset_mm, command.programmed_axes)
         lists = {name: self._path.settings(name).measuring.simulated for name in self._links}
         for name in command.measuring_axes:
             mode, parameter = lists[name][:2]
@@ -225,7 +226,6 @@ class Measurement:
         drive, by axis. behind_mm: see `dead_times`. Raises Alarm 50052.
         """
         kind = measuring_types()[measuring_type]
-        is_missed = self._settings.error_no_signal if error_no_signal is None else error_no_signal
         choice = self._choice
         at_plc = {
             name: self._at_plc.choose(name, choice.source(name), *choice.latch(name))
@@ -237,7 +237,7 @@ class Measurement:
             [ports[name] for name in axes],
             str(block),
             self._clock.now_ns,
-            misses_signal(kind, is_missed),
+            misses_signal(kind, self._settings.error_no_signal, error_no_signal),
             goes_on=goes_on,
             dead_times=dead_times(self._path, self._links, axes, self._period_ns, behind_mm),
             warn=lambda alarm: self._warn(alarm.at(block.place)),
@@ -347,7 +347,7 @@ class Measurement:
     def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
         """Raise Alarm 50059, 900100, 900241, 900242 or 900400 for an axis that cannot take part.
 
-        is_beside: it moves beside the path. Raises Alarm 310000 while its distance control is on.
+        is_beside: it moves beside the path. Raises Alarm 900521 while its distance control is on.
         """
         self._check_released(axis, 50059)
         self._offsets.check_measuring(axis)
