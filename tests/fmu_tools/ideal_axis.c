@@ -3,6 +3,7 @@
    CRASH_FROM: the call itself, a thread that the call starts, or one that the call waits for.
    EXIT_CODE: of exit() and _exit().
    FLAW: what it does wrong without a crash. */
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -19,7 +20,7 @@ enum { NOWHERE, LOAD, INSTANTIATE, INITIALIZE, SET, GET, STEP, TERMINATE, FREE }
 enum { SEGFAULT, ABORT, EXIT, QUIT, HANG, KILL };
 enum { CALL, THREAD, AWAITED };
 enum { NONE, GLOBAL, ADDRESS, COUNTS, FORGETS, FORGETS_BYTES, NAN_OUTPUT, CHDIR, FLUSH, REFUSES,
-       STICKS, PRINTS, LIES };
+       STICKS, PRINTS, LIES, HOLDS, COUNTS_STEPS };
 
 #ifndef CRASH_IN
 #define CRASH_IN NOWHERE
@@ -77,13 +78,16 @@ __attribute__((constructor)) static void load(void) {
 #endif
 }
 
-static void move(Axis *a) {
+/* HOLDS: everything stands still inside a millisecond, as in a container that steps by itself.
+   COUNTS_STEPS: what comes out depends on the number of steps. */
+static void move(Axis *a, double step) {
+  if (FLAW == HOLDS && floor(a->time * 1e3 + 1e-6) == floor((a->time - step) * 1e3 + 1e-6)) return;
   const double *r = a->reference; /* position, velocity, time, end */
   double end = a->time < r[3] ? a->time : r[3];
   if (a->enabled) a->position = r[0] + r[1] * (end - r[2]);
   a->velocity = a->enabled && a->time < r[3] ? r[1] : 0.0;
   double *way = FLAW == GLOBAL ? &everybodys_way : &a->way;
-  *way += 1e-6 + a->position * 1e-3;
+  *way += (1e-3 + a->position) * (FLAW == COUNTS_STEPS ? 1e-3 : step);
   if (FLAW == ADDRESS) *way = (double)((size_t)&everybodys_way >> 12);
   if (FLAW == COUNTS) *way = instances;
   if (FLAW == NAN_OUTPUT) *way = 0.0 / (a->time - a->time);
@@ -194,7 +198,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step,
   if (FLAW == REFUSES && step < 5e-4) return fmi3Error;
   a->time = *last = time + step;
   *event = *terminate = *early = fmi3False;
-  move(a);
+  move(a, step);
   return fmi3OK;
 }
 

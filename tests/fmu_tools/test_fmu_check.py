@@ -88,6 +88,7 @@ def test_the_library_of_this_project_is_good(checked: Check) -> None:
 FLAWS = [
     ("ADDRESS", "repeatability", "a run in another process differs"),
     ("FORGETS", "state", "restored, the run differs: way at t = "),
+    ("HOLDS", "steps", "its outputs stand still for steps below 1 ms"),
     ("FORGETS_BYTES", "state as bytes", "unpacked, the run differs: "),
     pytest.param(
         *("FLUSH", "call sequence", "switches denormal numbers"),
@@ -144,6 +145,7 @@ def test_instances_that_know_of_each_other(
         ("NAN_OUTPUT", "call sequence", "outputs that are no finite number: way"),
         ("CHDIR", "call sequence", "changes the working folder of the process"),
         ("REFUSES", "steps", "refuses steps of 0.05 ms: doStep: error"),
+        ("COUNTS_STEPS", "steps", "the course depends on the steps: way differs by "),
         ("STICKS", "reset", "a run after reset differs: "),
     ],
 )

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.bench.rig.printed import printed_lines
+from axisrig.bench.tools.fmu.courses import course_findings
 from axisrig.bench.tools.fmu.findings import Finding, fail, ok, warn
 from axisrig.bench.tools.fmu.roles import role_findings
 from axisrig.bench.tools.fmu.trial import Reading, Trial, first_difference, not_finite, step_of
@@ -164,6 +165,7 @@ def steps(path: Path) -> Outcome:
             found.findings.append(warn("steps", text, remedy))
     if taken:
         found.findings.append(ok("steps", f"takes {', '.join(taken)}"))
+    found.findings += course_findings(path, inner_ns)
     if inner_ns > BENCH_STEPS_NS[1]:
         text = f"its own step of {inner_ns / 1e6:g} ms is longer than those of the bench"
         found.findings.append(warn("steps", text, "outputs change only that often"))

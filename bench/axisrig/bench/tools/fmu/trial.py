@@ -19,7 +19,7 @@ _REALS = ("Real", "Float64", "Float32")
 # Inputs move by this share of their start value, or of 1, so that outputs have something to follow
 _MOTION = 1e-3
 _PATTERN = (0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0)
-_FLAG_AFTER_STEPS = 10
+FLAG_AFTER_STEPS = 10
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,15 @@ class Trial:
                 readings.append(self.step(step_ns))
         return readings
 
+    def course(self, step_ns: TimeNs, span_ns: TimeNs) -> list[Reading]:
+        """Do steps of one length over a span; inputs move at whole milliseconds, for any length."""
+        readings = [self.read()]
+        with suppress(EndedError):
+            for _ in range(span_ns // step_ns):
+                self.count = self.slave.time_ns // DEFAULT_STEP_NS
+                readings.append(self.step(step_ns))
+        return readings
+
     def _move_inputs(self) -> None:
         for variable, value in _moved_inputs(self.slave.description, self.count):
             setter = getattr(self.slave.fmpy, f"set{variable.type}")
@@ -127,7 +136,7 @@ def _moved_inputs(
             yield variable, min(max(start + swing, low), high)
         elif variable.type == "Boolean":
             start_flag = str(variable.start).strip().lower() in ("true", "1")
-            yield variable, start_flag is not (count >= _FLAG_AFTER_STEPS)
+            yield variable, start_flag is not (count >= FLAG_AFTER_STEPS)
 
 
 def _bits(value: tuple[Any, ...]) -> bytes:

@@ -15,6 +15,7 @@ from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.distance import FOLLOW_NS, PlantDistance
 from axisrig.kernel.cosim.plant.edges import make_probe
 from axisrig.kernel.cosim.plant.grid import GridAxis
+from axisrig.kernel.cosim.plant.held import refuse_held_outputs
 from axisrig.kernel.cosim.plant.probe import PlantProbe
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
@@ -229,6 +230,9 @@ class Plant:
             for plant in plants:
                 plant.save()
         edges = self._move(end_ns, near)
+        if edges:
+            for axis in self._axes:
+                refuse_held_outputs(axis, begin_ns, end_ns)
         is_enough = divisions < DIVISIONS and edges <= 1 and not self._derives_velocity
         if can_divide and edges and not is_enough:
             for plant in plants:
