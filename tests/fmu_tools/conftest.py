@@ -14,7 +14,8 @@ import pytest
 
 from axisrig.bench.cli.main import main
 from axisrig.fmus.compiler import find_compiler, this_platform
-from axisrig.kernel.cosim.fmi.archive import inspect, session_folder, unpack
+from axisrig.kernel.cosim.fmi.archive import inspect, unpack
+from axisrig.kernel.cosim.fmi.session import session_folder
 from axisrig.kernel.errors import UserError
 
 sys.path.insert(0, str(Path(__file__).parent))  # fmu_rigs.py

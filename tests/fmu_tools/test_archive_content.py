@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from axisrig.kernel.cosim.fmi import archive
-from axisrig.kernel.cosim.fmi.archive import inspect, session_folder, unpack
+from axisrig.kernel.cosim.fmi.archive import inspect, unpack
+from axisrig.kernel.cosim.fmi.session import session_folder
 from axisrig.kernel.errors import UserError
 
 ROOT = Path(__file__).parents[2]

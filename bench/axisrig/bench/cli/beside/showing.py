@@ -11,7 +11,7 @@ from axisrig.bench.cli.beside.server import serving
 from axisrig.bench.cli.beside.terminal import drawing
 from axisrig.bench.cli.beside.ticking import ticking
 from axisrig.bench.machine.live.pipe import Inlet
-from axisrig.kernel.cosim.fmi.archive import session_folder
+from axisrig.kernel.cosim.fmi.session import session_folder
 from axisrig.kernel.errors import UserError
 
 PIPE = "live"

@@ -6,7 +6,6 @@ once per content into a folder that only this user can read and that goes when t
 Source: APPNOTE.TXT 6.3 (zip); FMI 3.0 section 2.5 (structure of the archive).
 """
 
-import atexit
 import copy
 import hashlib
 import os
@@ -27,6 +26,7 @@ from pathlib import Path
 from typing import NoReturn
 from xml.parsers import expat
 
+from axisrig.kernel.cosim.fmi.session import session_folder
 from axisrig.kernel.errors import UserError
 
 DESCRIPTION = "modelDescription.xml"
@@ -73,31 +73,6 @@ class Archive:
     sha256: str
     size: int
     entries: tuple[Entry, ...]
-
-
-_SESSION: list[Path] = []
-
-
-def session_folder() -> Path:
-    """Return the private folder in which FMUs are unpacked; it goes with the process that made it.
-
-    Made before children are started and handed to them, it outlives their crash.
-    """
-    if not _SESSION:
-        folder, owner = Path(tempfile.mkdtemp(prefix="axisrig-fmu-")), os.getpid()
-
-        def remove() -> None:
-            if os.getpid() == owner:  # a forked child must not take its siblings' files away
-                shutil.rmtree(folder, ignore_errors=True)
-
-        atexit.register(remove)
-        _SESSION.append(folder)
-    return _SESSION[0]
-
-
-def share_session_folder(folder: Path) -> None:
-    """Unpack into the folder of the process that started this one."""
-    _SESSION[:] = [folder]
 
 
 def inspect(path: Path) -> Archive:

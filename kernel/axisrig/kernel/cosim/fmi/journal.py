@@ -85,7 +85,12 @@ def is_open() -> bool:
 
 def last_call(path: Path) -> LastCall | None:
     """Read what a process noted last; None when it called no FMU."""
-    content = path.read_bytes()
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    if len(content) < _HEAD.size:  # foreign code in the process can write there as well
+        return None
     number, is_inside, time_ns = _HEAD.unpack_from(content)
     if number == 0:
         return None
