@@ -1,12 +1,22 @@
 """Processes that run rows: who gets the next one, and when."""
 
+import errno
 import os
+import struct
+import subprocess
+import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
-from axisrig.bench.campaign.processes import run_apart, run_as_they_end
+import pytest
+
+from axisrig.bench.campaign import channel, worker
+from axisrig.bench.campaign.processes import Died, run_apart, run_as_they_end
 
 WAIT_S = 20.0
+
+posix = pytest.mark.skipif(os.name != "posix", reason="limits and descriptors of POSIX")
 
 
 def _begin(folder: Path, number: int) -> int:
@@ -58,3 +68,146 @@ def test_who_follows_hears_of_each_task_when_it_begins_and_when_it_has_ended() -
     assert heard[:2] == [(0, True), (1, True)]
     assert sorted(heard) == [(number, begins) for number in range(3) for begins in (False, True)]
     assert heard.index((2, True)) > min(heard.index((0, False)), heard.index((1, False)))
+
+
+# ---- what foreign code in a process can do to the one that watches
+
+
+def _answer_of() -> int:
+    """The descriptor of the channel on which this process answers."""
+    return worker._ANSWERS[0].fileno()
+
+
+def _interfere(content: bytes, rests: bool) -> str:
+    """Write into the channel of the answer; rests: and answer nothing after that."""
+    os.write(_answer_of(), content)
+    if rests:
+        time.sleep(WAIT_S)
+    return "answered"
+
+
+HEAD = channel.MAGIC + struct.pack("<Q", 10)
+
+
+@pytest.mark.parametrize(
+    ("content", "rests", "words"),
+    [
+        (b"something", False, "b'something"),
+        (b"\0", True, "is no answer"),
+        (HEAD + b"0123456789" + b"#" * 32, False, "does not fit its checksum"),
+        (channel.MAGIC + b"\xff" * 8, False, "at most"),
+        (HEAD, True, "broke off after 16 bytes"),
+        (channel.MAGIC[:3], True, "broke off after 3 bytes"),
+    ],
+)
+def test_what_is_no_answer_costs_one_row(
+    monkeypatch: pytest.MonkeyPatch, content: bytes, rests: bool, words: str
+) -> None:
+    """And nobody waits for the rest of it: each way ends long before the process does."""
+    monkeypatch.setattr(channel, "STALL_S", 0.2)
+    began_s = time.monotonic()
+    tasks: list[list[object]] = [[content, rests], [b"", False]]
+    died, other = run_apart(_interfere, tasks)
+    assert isinstance(died, Died)
+    assert "wrote into the channel of its answer" in died.reason
+    assert words in died.reason
+    assert other == "answered"
+    assert time.monotonic() - began_s < WAIT_S / 2
+
+
+def test_an_answer_that_is_too_large_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(channel, "ANSWER_BYTES_MAX", 1000)
+    with pytest.raises(RuntimeError, match=r"the answer has .* bytes, at most 1000"):
+        list(run_apart(bytes, [[2000]]))
+
+
+def test_a_large_order_arrives() -> None:
+    assert list(run_apart(len, [[bytes(3_000_000)], [b""]], is_fresh=False)) == [3_000_000, 0]
+
+
+def _write_with_a_limit(path: Path, limit: int | None) -> int:
+    import resource  # noqa: PLC0415 - not on Windows
+
+    if limit is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    with path.open("wb", buffering=0) as file:
+        return file.write(bytes(10)) + (file.write(bytes(10)) or 0)
+
+
+@posix
+def test_a_limit_that_was_lowered_is_no_full_disk(tmp_path: Path) -> None:
+    """It ends its own row; a disk that is full, of which nothing was lowered, ends the campaign."""
+    died, other = run_apart(_write_with_a_limit, [[tmp_path / "a", 10], [tmp_path / "b", None]])
+    assert isinstance(died, Died)
+    assert "it had lowered limits of its process: RLIMIT_FSIZE to 10" in died.reason
+    assert other == 20
+    with pytest.raises(OSError, match="No space left"):
+        list(run_apart(_full, [[]]))
+
+
+def _full() -> None:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "file")
+
+
+def _sockets(_number: int) -> int:
+    """How many channels this process has, and that it holds nobody else's."""
+    assert not worker.PARENT_ENDS
+    links = [str(path.readlink()) for path in Path("/proc/self/fd").iterdir() if path.is_symlink()]
+    return sum(link.startswith("socket:") for link in links)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_a_process_has_no_end_of_another(tmp_path: Path) -> None:
+    """Those that are started later have no more descriptors than the first."""
+    first, *others = run_apart(_sockets, [[n] for n in range(4)], jobs=4)
+    assert others == [first] * 3
+
+
+CAMPAIGN = """\
+import sys, time
+from pathlib import Path
+from axisrig.bench.campaign.processes import run_apart
+sys.path.insert(0, {folder!r})
+from held import hold
+print(list(run_apart(hold, [[n] for n in range(2)], jobs=2)))
+"""
+HELD = """\
+import os, time
+from pathlib import Path
+
+
+def hold(number):
+    Path({folder!r}, f"pid{{number}}").write_text(str(os.getpid()))
+    end_s = time.monotonic() + 60
+    while time.monotonic() < end_s:  # as an FMU that never comes back
+        pass
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere they end with their task")
+def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
+    """SIGKILL to the parent alone, in the middle of their tasks."""
+    (tmp_path / "held.py").write_text(HELD.format(folder=str(tmp_path)), encoding="utf-8")
+    script = tmp_path / "campaign.py"
+    script.write_text(CAMPAIGN.format(folder=str(tmp_path)), encoding="utf-8")
+    files = [tmp_path / f"pid{number}" for number in range(2)]
+    with subprocess.Popen([sys.executable, script]) as parent:
+        assert _soon(lambda: all(path.is_file() and path.read_text() for path in files))
+        parent.kill()
+    workers = [int(path.read_text()) for path in files]
+    assert _soon(lambda: not any(_lives(pid) for pid in workers))
+
+
+def _soon(is_so: Callable[[], bool]) -> bool:
+    end_s = time.monotonic() + WAIT_S
+    while not is_so() and time.monotonic() < end_s:
+        time.sleep(0.01)
+    return is_so()
+
+
+def _lives(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"

@@ -6,27 +6,25 @@ without its answer has died. What it was in the middle of is read from its journ
 (kernel/axisrig/kernel/cosim/fmi/journal.py).
 """
 
-import faulthandler
-import gc
 import os
-import pickle
 import signal
 import sys
 import time
-import traceback
 from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
-from axisrig.bench.rig.printed import cut, divert, lines_in, told
+from axisrig.bench.campaign.channel import ChannelError, Inbox
+from axisrig.bench.campaign.worker import PARENT_ENDS, Answer, Line, Order, output_of, say, work
+from axisrig.bench.rig.printed import cut, lines_in, told
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.kernel.cosim.fmi import journal
-from axisrig.kernel.cosim.fmi.archive import session_folder, share_session_folder
+from axisrig.kernel.cosim.fmi.session import session_folder
 from axisrig.kernel.errors import UserError
 
 T = TypeVar("T")
@@ -35,6 +33,7 @@ CALL_LIMIT_S = 60.0
 TASKS_MAX = 250
 """So many tasks a process does; then a new one takes its place, with the memory that it needs."""
 _LOOK_S = 0.25  # how often the parent looks at processes and journals when nothing is heard
+_REST_S = 0.01  # between looks when what there is to hear is nothing
 _GRACE_S = 2.0  # so long a process may take to end after its connection has broken off
 _HINTS = {
     "SIGSEGV": "it reached for memory that is not its own",
@@ -59,92 +58,16 @@ class Died:
     log: Sequence[str] = ()
 
 
-class _Said(NamedTuple):
-    """A line for standard output."""
-
-    text: str
-
-
-class _Answer(NamedTuple):
-    """What the function returned, or raised."""
-
-    value: Any
-    error: Exception | None = None
-
-
-class _Order(NamedTuple):
-    """What a process is to do next; note: where it writes what it does."""
-
-    note: Path
-    function: Callable[..., Any]
-    arguments: Sequence[Any]
-
-
-# ---- In the process apart
-
-_PARENT: list[Connection] = []
-
-
-def say(text: str) -> None:
-    """Put a line out on standard output; in a process apart, on that of who started it."""
-    if _PARENT:
-        _PARENT[0].send(_Said(text))
-    else:
-        print(text, flush=True)
-
-
-def _work(pipe: Connection, folder: Path) -> None:
-    """Do what is ordered until nobody is there any more."""
-    # How it dies is reported from outside, with the name of the FMU; a stack of Python says nothing
-    faulthandler.disable()
-    # Ctrl-C reaches every process of a terminal; the one that watches ends this one
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # The command line's handler would wait for a call that never comes back
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    share_session_folder(folder)
-    gc.freeze()  # what came with the process stays: it is not looked through for garbage
-    _PARENT[:] = [pipe]
-    try:
-        while True:
-            _answer(pipe, pipe.recv())
-    except (EOFError, OSError):
-        os._exit(1)  # without the exit handlers of foreign libraries
-
-
-def _answer(pipe: Connection, order: _Order) -> None:
-    journal.begin(order.note)
-    divert(_output(order.note))
-    try:
-        pipe.send(_Answer(order.function(*order.arguments)))
-    except Exception as error:
-        pipe.send(_Answer(None, _portable(error)))
-
-
-def _portable(error: Exception) -> Exception:
-    """Return an exception that can be raised in another process, with the stack of this one."""
-    stack = "".join(traceback.format_exception(error))
-    try:
-        error.add_note(stack)
-        pickle.loads(pickle.dumps(error))
-        return error
-    except Exception:
-        return RuntimeError(stack)
-
-
-def _output(note: Path) -> Path:
-    return note.with_suffix(".out")
-
-
-# ---- In the process that watches
-
-
 class _Worker:
     """A process and what it is doing. number: of its task, None when it waits for one."""
 
     def __init__(self, context: Any, folder: Path) -> None:
         self.pipe, theirs = context.Pipe()
+        PARENT_ENDS.add(self.pipe)
+        self.inbox = Inbox(self.pipe, time.monotonic)
         # Daemons end with this process, whatever it ends by in Python
-        self.process = context.Process(target=_work, args=(theirs, folder), daemon=True)
+        arguments = (theirs, folder, os.getpid())
+        self.process = context.Process(target=work, args=arguments, daemon=True)
         self.process.start()
         theirs.close()  # so that its end is heard here
         self.number: int | None = None
@@ -153,10 +76,10 @@ class _Worker:
         self.began_s = self.call_s = 0.0
         self.call = 0
 
-    def order(self, number: int, order: _Order) -> bool:
+    def order(self, number: int, order: Order) -> bool:
         """Hand out a task; False when the process is there no more."""
         try:
-            self.pipe.send(order)
+            self.inbox.order(order)
         except OSError:
             return False
         self.number, self.note, self.call = number, order.note, 0
@@ -169,6 +92,7 @@ class _Worker:
         It takes a while to give its memory back; see `wait`.
         """
         self.process.kill()
+        PARENT_ENDS.discard(self.pipe)
         self.pipe.close()
 
     def wait(self) -> None:
@@ -196,7 +120,7 @@ class _Crew:
     news: Callable[[int, bool], None]
 
     def __post_init__(self) -> None:
-        self.answers: dict[int, _Answer] = {}
+        self.answers: dict[int, Answer] = {}
         self._workers: list[_Worker] = []
         self._ending: list[_Worker] = []  # nobody waits for them while there is work
         self._next = 0
@@ -213,7 +137,10 @@ class _Crew:
         """
         self._hand_out()
         news = [item for w in self._workers for item in (w.pipe, w.process.sentinel)]
-        wait(news, _LOOK_S)
+        heard = wait(news, _LOOK_S)
+        pipes = [worker.pipe for worker in self._workers]
+        if heard and all(w.process.exitcode is None and w.pipe not in heard for w in self._workers):
+            wait(pipes, _REST_S)  # foreign code wrote where only the end of its process belongs
         for worker in list(self._workers):
             if worker.number is not None:
                 self._hear(worker)
@@ -227,7 +154,7 @@ class _Crew:
         while self._next < len(self.tasks) and (worker := self._free(self._next)) is not None:
             note = self._notes / str(self._next)
             journal.create(note)
-            order = _Order(note, self.function, self.tasks[self._next])
+            order = Order(note, self.function, self.tasks[self._next])
             if worker.order(self._next, order):
                 self.news(self._next, True)
                 self._next += 1
@@ -251,20 +178,25 @@ class _Crew:
         is_gone = worker.process.exitcode is not None  # asked first: it may answer and end then
         while True:
             try:
-                said = worker.pipe.recv() if worker.pipe.poll() else None
+                said = worker.inbox.take()
             except (EOFError, OSError):
                 said, is_gone = None, True
-            if isinstance(said, _Said):
+            except Exception as error:  # what is no answer may be anything
+                return self._take(worker, Answer(_no_answer(worker, error)), is_last=True)
+            if isinstance(said, Line):
                 say(said.text)
-            elif said is not None:
+            elif isinstance(said, Answer):
+                if said.lowered:
+                    reason = f"{said.error}; it had lowered limits of its process: {said.lowered}"
+                    said = Answer(Died(reason, log=_printed(worker)))
                 return self._take(worker, said, is_last=False)
             else:
                 break
         died = self._death(worker) if is_gone else self._excess(worker)
         if died is not None:
-            self._take(worker, _Answer(died), is_last=True)
+            self._take(worker, Answer(died), is_last=True)
 
-    def _take(self, worker: _Worker, answer: _Answer, *, is_last: bool) -> None:
+    def _take(self, worker: _Worker, answer: Answer, *, is_last: bool) -> None:
         assert worker.number is not None
         self.answers[worker.number] = answer
         self.news(worker.number, False)
@@ -283,7 +215,7 @@ class _Crew:
 
     def _excess(self, worker: _Worker) -> Died | None:
         """Say which limit a process has passed."""
-        cut(_output(worker.note))
+        cut(output_of(worker.note))
         now_s, call = time.monotonic(), journal.last_call(worker.note)
         if self.timeout_s is not None and now_s - worker.began_s >= self.timeout_s:
             reason = f"no end within {self.timeout_s:g} s of wall time{_was_in(call)}"
@@ -418,8 +350,17 @@ def do_apart(
     return result
 
 
+def _no_answer(worker: _Worker, error: Exception) -> Died:
+    """Say that a process wrote something else than its answer where that belongs."""
+    call = journal.last_call(worker.note)
+    last = "" if call is None else f"; its last call was {call}"
+    what = str(error) if isinstance(error, ChannelError) else f"{type(error).__name__}: {error}"
+    reason = f"something in the process wrote into the channel of its answer: {what}{last}"
+    return Died(reason, log=_printed(worker))
+
+
 def _printed(worker: _Worker) -> list[str]:
-    return told("the process", lines_in(_output(worker.note)))
+    return told("the process", lines_in(output_of(worker.note)))
 
 
 def _was_in(call: journal.LastCall | None) -> str:

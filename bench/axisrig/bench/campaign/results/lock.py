@@ -13,13 +13,28 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from axisrig.bench.campaign.results.layout import LOCK
 from axisrig.bench.files import naming
 from axisrig.kernel.errors import UserError
 
-LOCK = ".lock"
+_NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 
 _held: dict[Path, str] = {}
 """Folders that this process holds. POSIX locks do not keep a process out of its own."""
+_descriptors: set[int] = set()
+"""Of the files that it has locked."""
+
+
+def _let_go() -> None:
+    """In a process that was forked: it holds nothing, and foreign code in it has no such file."""
+    for descriptor in _descriptors:
+        os.close(descriptor)
+    _descriptors.clear()
+    _held.clear()
+
+
+if sys.platform != "win32":
+    os.register_at_fork(after_in_child=_let_go)
 
 if sys.platform == "win32":
     import msvcrt
@@ -47,11 +62,16 @@ else:
         return True
 
 
+class InUseError(UserError):
+    """Another process, or this one, holds the folder."""
+
+
 class FolderLock:
     """Holds a folder for this process, as a context manager; makes the folder where there is none.
 
     A folder that it made and that is empty at the end is removed again.
-    Raises UserError on entry, with the holder, when the folder is in use.
+    Raises InUseError on entry, with the holder, when the folder is in use, and UserError where
+    `.lock` is something else.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -68,7 +88,7 @@ class FolderLock:
             raise self._refused(_held[self._key])
         path = self.folder / LOCK
         while True:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            descriptor = _opened(path)
             if not _try_lock(descriptor):
                 os.lseek(descriptor, 0, os.SEEK_SET)
                 holder = os.read(descriptor, 1000).decode(errors="replace").strip()
@@ -87,6 +107,7 @@ class FolderLock:
             os.close(descriptor)
             raise
         self._descriptor = descriptor
+        _descriptors.add(descriptor)
         _held[self._key] = holder
         return self
 
@@ -96,6 +117,9 @@ class FolderLock:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        if self._descriptor not in _descriptors:
+            return  # of the process from which this one was forked
+        _descriptors.remove(self._descriptor)
         path = self._key / LOCK
         if sys.platform == "win32":  # an open file cannot be removed there
             os.close(self._descriptor)
@@ -109,12 +133,24 @@ class FolderLock:
                 break
             made.rmdir()
 
-    def _refused(self, holder: str) -> UserError:
-        return UserError(
+    def _refused(self, holder: str) -> InUseError:
+        return InUseError(
             f"the folder is in use: {holder} writes its results there",
             file=self.folder,
             hint="wait for its end, or name another folder with -o",
         )
+
+
+def _opened(path: Path) -> int:
+    """Open the lock. Raises UserError for one that is, or may be, a file of somebody else."""
+    hint = "remove it: a lock is a plain file that axisrig makes anew"
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise UserError("the lock of the folder is no plain file", file=path, hint=hint)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | _NO_LINK, 0o644)
+    if os.fstat(descriptor).st_nlink > 1:
+        os.close(descriptor)
+        raise UserError("the lock of the folder has another name too", file=path, hint=hint)
+    return descriptor
 
 
 def _is_file(descriptor: int, path: Path) -> bool:
