@@ -1,8 +1,9 @@
-"""The process of a command: its garbage and threads, and the list of commands in its help."""
+"""The process of a command: garbage, threads, signals, and the list of commands in its help."""
 
 import atexit
 import gc
 import os
+import signal
 import sys
 from typing import Any
 
@@ -33,3 +34,31 @@ def start_lightly() -> None:
     sys.modules.setdefault("asammdf", None)  # type: ignore[arg-type]
     # numpy would start a thread for each core
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+_AGAIN_S = 0.02
+
+
+def end_on_signals() -> None:
+    """Let SIGTERM end the command as Ctrl-C does, wherever in the process it comes.
+
+    An exception in a finaliser, or in a function that a library in C calls, is dropped by Python:
+    one of these two is raised once more, until somebody takes it.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if hasattr(signal, "setitimer") and not isinstance(sys.unraisablehook, _RaiseAgain):
+        sys.unraisablehook = _RaiseAgain(sys.unraisablehook)
+
+
+class _RaiseAgain:
+    """What Python calls for an exception that it drops."""
+
+    def __init__(self, before: Any) -> None:
+        self._before = before
+
+    def __call__(self, dropped: Any) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            signal.signal(signal.SIGALRM, signal.default_int_handler)
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
+        else:
+            self._before(dropped)
