@@ -15,6 +15,7 @@ import pytest
 
 from axisrig.kernel.errors import UserError
 from axisrig.results import Results, load
+from axisrig.results.query import query
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOK = ROOT / "docs" / "results.ipynb"
@@ -178,6 +179,73 @@ def test_sql_asks_all_tables(
     assert code == 2
     assert err.startswith("error: the query was refused: ")
     assert err.count("\n") == 1
+
+
+OUTSIDE = [
+    "select * from 'secret.csv'", "select * from read_csv('{place}/secret.csv')",
+    "select * from read_text('secret.csv')", "select * from glob('*')", "load httpfs",
+    "install httpfs", "attach '{place}/new.db'", "copy (select 1) to '{place}/new.csv'",
+    "copy (select 1) to '{trace}' (use_tmp_file false)", "export database '{place}/new'",
+    "set enable_external_access = true", "explain analyze copy (select 1) to '{place}/new.csv'",
+    "select 1; select 2", "select 1;select 1", "create table t as select 1", "", " ; ",
+    "-- nothing", "select * from results", "select * from sql",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("sql", OUTSIDE)
+def test_a_query_reads_the_folder_and_nothing_else(
+    folder_of_results: Path, monkeypatch: pytest.MonkeyPatch, sql: str
+) -> None:
+    """No other file, no extension, one statement: the text may come from anybody."""
+    pytest.importorskip("duckdb", reason="the extra `query` is not installed")
+    place = folder_of_results.parent
+    (place / "secret.csv").write_text("a\n1\n", encoding="utf-8")
+    monkeypatch.chdir(place)
+    results = load(folder_of_results)
+    trace = next(iter(results.traces().values()))
+    before = {path: path.stat() for path in place.rglob("*")}
+    with pytest.raises(UserError, match=r"the query was refused|is one statement that selects"):
+        query(results, sql.format(place=place, trace=trace))
+    after = {path: path.stat() for path in place.rglob("*")}
+    assert {p: s.st_mtime_ns for p, s in before.items()} == {
+        p: s.st_mtime_ns for p, s in after.items()
+    }
+
+
+@pytest.mark.parametrize(
+    ("sql", "rows"),
+    [
+        ("from cases", 2), ("describe checks", 14), ("with c as (from cases) select * from c;", 2),
+        ("pivot cases on verdict using count(*) group by plan", 1), ("select 1 -- ;", 1),
+    ],
+)  # fmt: skip
+def test_a_query_in_any_form_of_a_selection(folder_of_results: Path, sql: str, rows: int) -> None:
+    pytest.importorskip("duckdb", reason="the extra `query` is not installed")
+    assert len(query(load(folder_of_results), sql)) == rows
+
+
+def test_a_query_of_a_damaged_series_names_it(folder_of_results: Path, tmp_path: Path) -> None:
+    pytest.importorskip("duckdb", reason="the extra `query` is not installed")
+    folder = shutil.copytree(folder_of_results, tmp_path / "out")
+    path = folder / "traces" / "touch-fast.parquet"
+    path.write_bytes(path.read_bytes()[:-100])
+    for sql in ("select count(*) from signals", "select * from nothing"):
+        with pytest.raises(UserError) as caught:
+            query(load(folder), sql)
+        assert caught.value.file == str(path.absolute())
+
+
+def test_a_query_of_a_folder_without_rows(folder_of_results: Path, tmp_path: Path) -> None:
+    pytest.importorskip("duckdb", reason="the extra `query` is not installed")
+    for name in ("cases.csv", "results.csv", "manifest.json"):
+        head = (folder_of_results / name).read_text(encoding="utf-8")
+        text = head if name.endswith("json") else head.splitlines(keepends=True)[0]
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    results = load(tmp_path)
+    assert len(query(results, "select run, verdict from cases")) == 0
+    assert len(query(results, "select metric, value from checks")) == 0
+    with pytest.raises(UserError, match="signals does not exist"):
+        query(results, "from signals")
 
 
 class _Nothing:

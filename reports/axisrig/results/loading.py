@@ -16,7 +16,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from axisrig.bench.campaign.results.stored import StoredRun, read_results
+from axisrig.bench.campaign.results.stored import (
+    CASE_COLUMNS,
+    NOTE,
+    RESULT_COLUMNS,
+    StoredRun,
+    read_results,
+)
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import events
 from axisrig.bench.plan.assignment import find_form, parse_column
@@ -48,7 +54,7 @@ class Results:
         `verdict` is ordered (`VERDICTS`), times are s, inputs are numbers where all cells of their
         column are, in the unit that the column has.
         """
-        table = _table([run.case for run in self._stored.runs])
+        table = _table([run.case for run in self._stored.runs], CASE_COLUMNS)
         for column in table.columns:
             form = find_form(column)
             if form is not None and form.is_input:
@@ -66,7 +72,7 @@ class Results:
         and uncertainty have the unit in the column `unit`.
         """
         rows = [row for run in self._stored.runs for row in run.checks]
-        table = _table(rows)
+        table = _table(rows, (*RESULT_COLUMNS, NOTE))
         if "value" in table:
             place = list(table.columns).index("value") + 1
             table.insert(place, "text", [row.get("value", "") for row in rows])
@@ -212,9 +218,12 @@ def load(folder: Path | str) -> Results:
     return Results(Path(folder))
 
 
-def _table(rows: Sequence[Mapping[str, str]]) -> pd.DataFrame:
-    """Make a table of texts, numbers where they are numbers, and ordered verdicts."""
-    columns = list(dict.fromkeys(column for row in rows[:1] for column in row))
+def _table(rows: Sequence[Mapping[str, str]], known: Sequence[str]) -> pd.DataFrame:
+    """Make a table of texts, numbers where they are numbers, and ordered verdicts.
+
+    known: columns of one without rows.
+    """
+    columns = list(rows[0]) if rows else list(known)
     table = pd.DataFrame({column: [row.get(column, "") for row in rows] for column in columns})
     for column in (name for name in NUMBERS if name in table):
         table[column] = pd.to_numeric(table[column], errors="coerce")

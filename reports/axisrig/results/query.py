@@ -1,39 +1,81 @@
-"""`axisrig query`: SQL over a results folder."""
+"""`axisrig query`: SQL over a results folder, and over nothing else."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
+from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 from axisrig.results.loading import Results
 
 TABLES = ("cases", "checks", "signals")
+_SHUT = (
+    "set autoinstall_known_extensions = false",  # nothing comes from the network
+    "set autoload_known_extensions = false",
+    "set python_enable_replacements = false",  # names are tables, never variables of this program
+    "set temp_directory = ''",  # what is too large for the memory is not written somewhere else
+    "set enable_external_access = false",
+    "set lock_configuration = true",
+)
+"""What a statement may not do, whatever it says. Source: DuckDB, Securing DuckDB."""
 
 
 def query(results: Results, sql: str) -> pd.DataFrame:
     """Carry out one statement of SQL (DuckDB) and return what it selects.
 
     Tables: `cases` and `checks` as `Results` has them, `signals` the time series of all runs with
-    the column `run`, read as far as the statement needs them. Raises UserError for a statement that
-    DuckDB refuses, ImportError without duckdb.
+    the column `run`, read as far as the statement needs them. No other file is read, none written.
+    Raises UserError for a statement that is none, or that DuckDB refuses, and for a damaged time
+    series; ImportError without duckdb.
     """
     import duckdb  # noqa: PLC0415 - an extra
 
+    files = [path.absolute() for path in results.traces().values()]
     with duckdb.connect(":memory:") as connection:
-        for name in ("autoinstall_known_extensions", "autoload_known_extensions"):
-            connection.execute(f"set {name} = false")  # nothing comes from the network
         connection.register("cases", results.cases)
         connection.register("checks", results.checks)
-        files = [str(path) for path in results.traces().values()]
+        names = ", ".join(_quoted(str(path)) for path in files)
         if files:
-            names = ", ".join(f"'{name.replace(chr(39), chr(39) * 2)}'" for name in files)
-            connection.execute(
-                "create view signals as select parse_filename(filename, true) as run,"
-                " * exclude (filename)"
-                f" from read_parquet([{names}], filename = true, union_by_name = true)"
-            )
+            connection.execute(f"set allowed_paths = [{names}]")
+        for text in _SHUT:
+            connection.execute(text)
         try:
-            found = connection.execute(sql)
-            return found.df()
-        except duckdb.Error as error:
+            _refuse_others(connection.extract_statements(sql), duckdb.StatementType)
+            if files:
+                connection.execute(
+                    "create view signals as select parse_filename(filename, true) as run,"
+                    " * exclude (filename)"
+                    f" from read_parquet([{names}], filename = true, union_by_name = true)"
+                )
+            return connection.execute(sql).df()
+        except (duckdb.Error, ValueError, OverflowError) as error:
+            _refuse_damaged(files)
             first = str(error).strip().splitlines()[0]
             hint = f"tables: {', '.join(TABLES)}; `describe cases` lists the columns of one"
             raise UserError(f"the query was refused: {first}", hint=hint) from error
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("'", "''") + "'"
+
+
+def _refuse_others(statements: Sequence[Any], kinds: Any) -> None:
+    """Raise UserError unless there is one statement, which selects.
+
+    A PIVOT comes as two without a text: it looks for the values first.
+    """
+    texts = [statement.query for statement in statements if statement.query]
+    if len(texts) > 1 or not statements or statements[-1].type != kinds.SELECT:
+        raise UserError(
+            "a query is one statement that selects",
+            value=" ".join(" ".join(texts).split())[:80] or "nothing",
+            hint="axisrig query DIR 'select run, verdict from cases'",
+        )
+
+
+def _refuse_damaged(files: Sequence[Path]) -> None:
+    """Raise UserError for the first file that is no time series."""
+    for path in files:
+        _ = Series(path).names
