@@ -2,6 +2,8 @@
 
 import errno
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,6 +17,8 @@ import pytest
 from cli_plan import write_plan
 from typer import Exit
 
+from axisrig.bench import files
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.cli.options import rejecting
 from axisrig.bench.record import series
 from axisrig.kernel.errors import UserError
@@ -97,7 +101,7 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
     )  # fmt: skip
     try:
         for _ in range(1500):
-            if (place / "out" / "bus" / "plan-slow.blf").exists():
+            if list((place / "out" / ".new").glob("*/bus/plan-slow.blf")):
                 break
             time.sleep(0.02)
         before = _verdicts(place / "out")
@@ -126,7 +130,7 @@ def test_a_full_disk_ends_with_4_and_names_the_file(
     code, out, err = axisrig("run", plan, "-o", "out", "-j", "1")
     assert code == 4
     assert "Traceback" not in out + err
-    assert "error: out/traces/plan-b.parquet: No space left on device\n" in err
+    assert re.search(r"error: out/\.new/.*/traces/plan-b\.parquet: No space left on device\n", err)
     assert "interrupted: 1 of 3 runs are in out" in err
     assert _verdicts(place / "out") == {"plan-a": "pass"}
     assert out.endswith("out/report.html\n")
@@ -143,10 +147,13 @@ def test_a_full_disk_under_a_bus_log(place: Path, axisrig: Call, suffix: str) ->
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
-def test_a_full_disk_under_the_report(place: Path, axisrig: Call) -> None:
+def test_a_full_disk_under_the_report(
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     plan = write_plan(place, PASSES)
     assert axisrig("run", plan, "-o", "out")[0] == 0
-    (place / "out" / ".report.html.new").symlink_to("/dev/full")
+    full = Path("/dev/full")
+    monkeypatch.setattr(files, "opened_new", lambda _: full.open("w"))
     code, _, err = axisrig("report", "out")
     assert (code, err) == (4, "error: out/report.html: No space left on device\n")
 
@@ -176,3 +183,21 @@ def test_a_disk_that_is_full_has_code_4_whatever_is_told_of_it(
             rejecting(call)()
         assert ended.value.exit_code == code
     assert capsys.readouterr().err.count("error: ") == 3
+
+
+def test_a_folder_that_goes_while_rows_run_ends_with_4(
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An interrupted campaign, not a rejected one: something ran."""
+    add = ResultsWriter.add
+
+    def add_and_remove(writer: ResultsWriter, result: CaseResult) -> None:
+        add(writer, result)
+        shutil.rmtree(writer.folder)
+
+    monkeypatch.setattr(ResultsWriter, "add", add_and_remove)
+    plan = write_plan(place, PASSES, FAILS)
+    code, out, err = axisrig("run", plan, "-o", "out", "-j", "1")
+    assert (code, "Traceback" in out + err) == (4, False)
+    assert "No such file or directory" in err
+    assert "interrupted: 1 of 2 runs are in out" in err

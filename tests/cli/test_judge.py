@@ -12,6 +12,7 @@ from cli_plan import HEADER
 from tests.reports.pages import whole
 
 from axisrig.bench.cli.main import main
+from axisrig.bench.files import sha256_of
 from axisrig.bench.machine.machine import Machine
 
 Call = Callable[..., tuple[int, str, str]]
@@ -146,11 +147,18 @@ def test_another_seed_is_another_run(place: Path, axisrig: Call) -> None:
 
 
 def test_what_was_not_recorded_is_an_error_and_never_a_pass(place: Path, axisrig: Call) -> None:
-    trace = place / "out" / "traces" / "plan-a.parquet"
+    trace, table = place / "out" / "traces" / "plan-a.parquet", place / "out" / "cases.csv"
+    before = sha256_of(trace)
     pq.write_table(pq.read_table(trace).drop_columns(["Z.cnc_lag_mm"]), trace)
     code, _, _ = axisrig("judge", "out", "--plan", "plan.csv")
     assert code == 4
-    found = notes(place)
+    words = "error: not run: not as the run has written it: traces/plan-a.parquet"
+    assert notes(place)["a lag_mm_max"] == words
+    # As a run that did not record it would have written it
+    table.write_text(table.read_text().replace(before, sha256_of(trace)))
+    code, _, _ = axisrig("judge", "out", "--plan", "plan.csv")
+    assert code == 4
+    found = notes(place, 2)
     assert found["a lag_mm_max"] == "error: the recording has no signal Z.cnc_lag_mm"
     assert found["a latch_error_um:Z"].startswith("pass")
 

@@ -385,7 +385,7 @@ def test_going_on_has_a_live_view_when_this_call_asks_for_one(tmp_path: Path) ->
     """Of the words of a stored command those of one call go."""
     words = ["axisrig", "run", "plan.csv", "--live", "--fresh", "--isolate", "--live-terminal"]
     (tmp_path / "manifest.json").write_text(json.dumps({"command": words}), encoding="utf-8")
-    assert stored_arguments(tmp_path) == ["plan.csv", "--isolate"]
+    assert stored_arguments(tmp_path, (), ()) == ["plan.csv", "--isolate"]
 
 
 def test_probes_of_a_search_are_shown_too(tmp_path: Path) -> None:

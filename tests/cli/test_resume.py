@@ -72,6 +72,45 @@ def test_what_is_missing_or_changed_is_run_again(
     assert _counts(place / "out") == (0, 3, 3)
 
 
+def test_the_folder_that_a_call_names_is_the_one_that_is_written(
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A copy of a folder is completed where it is, and the original stays as it was."""
+    plan = write_plan(place, PASSES, FAILS)
+    monkeypatch.setattr(sys, "argv", ["axisrig", "run", plan, "-o", "out", "-j", "1"])
+    axisrig("run", plan, "-o", "out", "-k", "a")
+    before = _content(place / "out")
+    shutil.copytree(place / "out", place / "copy")
+    assert axisrig("run", "--resume", "-o", "copy", "-j", "1")[0] == 1
+    assert _content(place / "out") == before
+    assert _counts(place / "copy") == (1, 1, 0)
+    manifest = json.loads((place / "copy" / "manifest.json").read_text(encoding="utf-8"))
+    words = ["run", plan, "-o", "copy", "-j", "1", "--resume"]
+    assert sorted(manifest["command"][1:]) == sorted(words)
+
+
+@pytest.mark.parametrize(
+    "name", ["traces/plan-a.parquet", *(pytest.param(name, marks=pytest.mark.long) for name in
+             ("runs/plan-a.json", "bus/plan-a.blf"))],
+)  # fmt: skip
+def test_a_run_whose_files_were_changed_is_run_again(place: Path, axisrig: Call, name: str) -> None:
+    """As after a campaign of an older plan whose processes wrote on."""
+    plan = write_plan(place, PASSES)
+    axisrig("run", plan, "-o", "out")
+    before = _content(place / "out")
+    path = place / "out" / name
+    path.write_bytes(path.read_bytes() + b"\n")
+    words = f"plan-a: not as the run has written it: {name}"
+    if not name.startswith("traces"):
+        assert axisrig("replay", "out", "plan-a")[2].startswith(f"{words}\n")
+    for option in ("--resume", "--failed"):
+        path.write_bytes(before[name] + b"\n")
+        code, _, err = axisrig("run", plan, "-o", "out", option)
+        assert (code, _counts(place / "out")) == (0, (0, 1, 1))
+        assert f"{words}; it was run again" in err
+        assert _content(place / "out") == before
+
+
 def test_failed_runs_alone(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, PASSES, FAILS)
     axisrig("run", plan, "-o", "out")

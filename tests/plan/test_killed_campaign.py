@@ -170,7 +170,7 @@ def test_the_file_that_met_the_full_disk_is_named(
 
     with pytest.raises(OSError, match="No space left") as caught:
         campaign()
-    assert caught.value.filename == str(out / "traces" / "probing-b.parquet")
+    assert caught.value.filename.endswith("/traces/probing-b.parquet")
     assert [run.run for run in read_results(out).runs] == ["probing-a"]
     assert [path.name for path in (out / "runs").iterdir()] == ["probing-a.json"]
 

@@ -45,7 +45,7 @@ def test_the_columns_are_those_other_tools_build_on(plan: Plan, tmp_path: Path) 
     head = (out / "cases.csv").read_text(encoding="utf-8").splitlines()[0]
     assert head == (
         "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,drive_substituted,"
-        "unproved_latches,depends_sha256,program,rig,title,requirement,set:Z.edge"
+        "unproved_latches,depends_sha256,trace_sha256,recording_sha256,bus_log_sha256,program,rig,title,requirement,set:Z.edge"
     )
     first = rows(out / "results.csv")[0]
     assert first == {

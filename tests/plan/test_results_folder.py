@@ -93,7 +93,7 @@ def test_what_was_made_of_the_earlier_rows_goes_at_once(plan: Plan, tmp_path: Pa
 def test_a_new_folder_gets_its_manifest_at_the_start_and_at_the_end(
     plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And no place for runs that replace others: none does."""
+    """And at its end no place for runs that have not ended."""
     written: list[str] = []
     real = writer_module.write_whole
 
@@ -107,7 +107,7 @@ def test_a_new_folder_gets_its_manifest_at_the_start_and_at_the_end(
         assert manifest(out)["finished"] is False
         for case in plan.cases:
             add(writer, case)
-        assert not (out / ".new").exists()
+    assert not (out / ".new").exists()
     assert manifest(out)["finished"] is True
     assert written.count("manifest.json") == 2
 

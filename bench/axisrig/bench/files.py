@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 DISK_FULL = frozenset({errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)})
 """Error numbers of a disk, a quota or a file size that is used up."""
@@ -38,6 +39,12 @@ def beside(path: Path) -> Path:
     return path.with_name(f".{path.name}.new")
 
 
+def opened_new(path: Path) -> TextIO:
+    """Open a new file in the place of an old one; where that is a link, its target stays."""
+    path.unlink(missing_ok=True)
+    return path.open("x", encoding="utf-8", newline="")
+
+
 def write_whole(path: Path, text: str) -> None:
     """Write a file that is there as a whole or not at all; raises OSError with its name."""
     write_parts(path, (text,))
@@ -48,7 +55,7 @@ def write_parts(path: Path, parts: Iterable[str]) -> None:
     new = beside(path)
     try:
         with naming(path):
-            with new.open("w", encoding="utf-8", newline="") as file:
+            with opened_new(new) as file:
                 file.writelines(parts)
             new.replace(path)
     except OSError:
@@ -77,4 +84,5 @@ def append(path: Path, text: str) -> None:
 
 def sha256_of(path: Path) -> str:
     """Return the SHA-256 of a file as hexadecimal digits."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

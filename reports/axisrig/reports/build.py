@@ -8,7 +8,6 @@ into a temporary file and appended at the end.
 import base64
 import gzip
 import json
-import os
 import posixpath
 import shlex
 from collections import Counter
@@ -74,12 +73,14 @@ def build_report(
     findings: Findings = findings,
     topics: Sequence[ReportTopic] = TOPICS,
     is_full: bool = False,
+    put_out: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Write `report.html` into a results folder and return its path.
 
     findings: of a recorded run, a block for each of the topics by its name. is_full: keep every
     sample of every run; else a run that passed has smallest and largest values, with all samples
-    in the stretches that have a button.
+    in the stretches that have a button. put_out: takes what is said of runs whose files are not
+    those that they have written.
     Raises UserError when the folder is none, or a recording is damaged, OSError with the name of
     the file.
     """
@@ -88,6 +89,8 @@ def build_report(
     pages = _Pages(Parts(findings, topics))
     with TemporaryFile("w+", encoding="ascii", newline="") as store:
         made = _made(results, pages, store, is_full=is_full)
+        for line in made.altered:
+            put_out(line)
         head, tail = pages.page.render(_page(results, made, topics)).split(_STORE)
         store.seek(0)
         write_parts(path, (head, *iter(lambda: store.read(_BLOCK), ""), tail))
@@ -133,6 +136,7 @@ class _Made:
     rows: list[Markup] = field(default_factory=list)
     cards: list[tuple[Verdict, Markup]] = field(default_factory=list)
     campaign: CampaignMap = field(default_factory=CampaignMap)
+    altered: list[str] = field(default_factory=list)
     coverage: Coverage = field(default_factory=Coverage)
     seconds: dict[str, list[float]] = field(default_factory=lambda: {"sim": [], "real": []})
 
@@ -144,7 +148,7 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
     probes: dict[str, list[StoredRun]] = {}
     for one in results.runs:
         probes.setdefault(one.case.get(PROBE, ""), []).append(one)
-    folder = results.folder / str(results.manifest.get(RECORDINGS, ""))
+    folder = results.place or results.folder
     has_plans = len({run.case["plan"] for run in results.runs}) > 1
     for stored in results.runs:
         run = replace(stored)  # what it reads goes with it
@@ -154,6 +158,8 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
         own = probes.get(run.run, ())
         view |= {"has_plans": has_plans, "probes": probe_rows(run, own)}
+        view["altered"] = run.altered_words
+        made.altered += [f"{run.run}: {run.altered_words}"] if run.altered else []
         with readable(run, "budget"):
             view["budget"] = budget_section(folder, run)
         view["searched"] = search_pictures(run, own) if view["probes"] else ""
@@ -201,6 +207,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "files": _files(manifest),
             "packages": manifest.get("packages", {}),
             "failed": len(made.cards),
+            "altered": made.altered,
             "cards": [card for _, card in cards if card],
             "rows": made.rows,
             "legends": [topic.legend for topic in topics if topic.legend],
@@ -235,12 +242,12 @@ def _output(results: StoredResults) -> str:
 def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str, str]]]:
     """Return what gives the files of a run: what it is, its name, and the address from the page."""
     manifest = results.manifest
-    base = str(manifest.get(RECORDINGS, "")).replace(os.sep, "/")
+    base = manifest.get(RECORDINGS, "")
     plans = {plan["name"]: plan["path"] for plan in manifest.get("plans", [])}
     output = str(manifest.get("output", ""))
     logs: dict[str, list[str]] = {}
-    folder = results.folder / base / "bus"
-    for log in sorted(folder.iterdir()) if folder.is_dir() else []:
+    folder = None if results.place is None else results.place / "bus"
+    for log in sorted(folder.iterdir()) if folder is not None and folder.is_dir() else []:
         logs.setdefault(log.stem, []).append(log.name)
 
     def links(run: StoredRun) -> list[tuple[str, str, str]]:
@@ -342,7 +349,7 @@ def _earlier(manifest: Mapping[str, Any]) -> Iterator[str]:
     """Calls before the last one whose results are still in the folder."""
     for call in manifest.get("earlier", []):
         command = shlex.join(call.get("command", []))
-        yield f"{_runs(len(call['runs']))} of {call.get('started', '')} {command}".rstrip()
+        yield f"{_runs(len(call.get('runs', ())))} of {call.get('started', '')} {command}".rstrip()
 
 
 def _runs(count: int) -> str:

@@ -65,6 +65,7 @@ class Campaign:
     kept: verdicts of runs that stay as the folder has them (`--resume`, `--failed`).
     planned: rows of results, of which `statistics` are over several runs.
     failure: why the rest could not be written, with the name of the file. report: its report.
+    altered: what is said of runs of the folder whose files are not those that they have written.
     """
 
     folder: Path
@@ -74,6 +75,7 @@ class Campaign:
     report: Path | None = None
     kept: Sequence[Verdict] = ()
     statistics: int = 0
+    altered: Sequence[str] = ()
 
     @property
     def is_interrupted(self) -> bool:
@@ -167,7 +169,8 @@ def run_campaign(  # noqa: PLR0913
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     over_several = len(runs) - len(cases)
-    return Campaign(folder, results, len(runs), failure, report, stay, over_several)
+    said = kept.altered
+    return Campaign(folder, results, len(runs), failure, report, stay, over_several, said)
 
 
 def _running(
@@ -219,11 +222,18 @@ def _hashes(plans: Sequence[Plan], cases: Sequence[Case]) -> dict[str, str]:
 def _report(
     build_report: Callable[[Path], Path] | None, folder: Path, failure: OSError | None
 ) -> tuple[Path | None, OSError | None]:
-    """Build the report; what went wrong first is the failure."""
+    """Build the report; what went wrong first is the failure.
+
+    A folder that has gone while rows ran has none.
+    """
     try:
         return (build_report(folder) if build_report else None), failure
     except OSError as error:
         return None, failure or error
+    except UserError:
+        if failure is None:
+            raise
+        return None, failure
 
 
 def _jobs(
@@ -335,6 +345,8 @@ def _selected(plan: Plan, select: str | None) -> Plan:
 
 def show_campaign(campaign: Campaign) -> None:
     """Print the verdicts and the path of the report; what went wrong to standard error."""
+    for line in campaign.altered:
+        print(f"{line}; it was run again", file=sys.stderr)
     if campaign.kept:
         print(f"kept {len(campaign.kept)} runs, ran {len(campaign.results)}", file=sys.stderr)
     if campaign.results:

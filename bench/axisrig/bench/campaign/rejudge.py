@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from axisrig.bench.campaign.results.folder import FOLDERS, JUDGED
+from axisrig.bench.campaign.results.layout import FOLDERS, JUDGED
 from axisrig.bench.campaign.results.manifest import build_manifest, file_hashes
 from axisrig.bench.campaign.results.stored import (
     PROBE,
@@ -20,6 +20,7 @@ from axisrig.bench.campaign.results.stored import (
     StoredRun,
     read_results,
 )
+from axisrig.bench.campaign.results.sums import SUMS
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
@@ -124,10 +125,13 @@ def _judged_run(stored: StoredResults, case: Case) -> CaseResult:
     try:
         run = _recording_of(stored.runs, case)
         _check_is_same(run, case, stored.manifest.get("files", {}))
+        if run.altered:
+            raise UserError(run.altered_words)
     except UserError as error:
         return no_values(case, Verdict.ERROR, f"{NOT_RUN}: {error}")
     result = _judge(run, case)
     result.recording = run.run
+    result.sums = {column: run.case.get(column, "") for column in SUMS}
     return result
 
 

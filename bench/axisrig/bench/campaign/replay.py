@@ -6,6 +6,7 @@ from pathlib import Path
 
 from axisrig.bench.campaign.results.stored import PROBE, RUNS, read_results
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
+from axisrig.bench.campaign.resuming import own_plan
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.assignment import INPUT_KINDS
 from axisrig.bench.plan.case import Case
@@ -46,6 +47,11 @@ def recorded_case(folder: Path, run: str) -> tuple[Case, Mapping[str, str]]:
     return _find(plan.cases, run, row.get(PROBE, ""), inputs), row
 
 
+def altered_words(folder: Path, run: str) -> str:
+    """Say which files of a run are not those that it has written; empty without any."""
+    return next(one.altered_words for one in read_results(folder).runs if one.run == run)
+
+
 def _recorded(folder: Path, run: str) -> Mapping[str, str]:
     rows = {stored.run: stored.case for stored in read_results(folder).runs}
     if run not in rows:
@@ -65,7 +71,7 @@ def _recorded(folder: Path, run: str) -> Mapping[str, str]:
 
 def _plan_path(folder: Path, name: str) -> Path:
     plans = read_results(folder).manifest.get("plans", [])
-    paths = {plan["name"]: Path(plan["path"]) for plan in plans}
+    paths = {plan["name"]: own_plan(folder, plan["path"]) for plan in plans}
     if name not in paths or not paths[name].is_file():
         raise UserError(
             "the plan of this run is not there any more",

@@ -8,7 +8,7 @@ the results of the run.
 import hashlib
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
@@ -16,6 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.layout import refuse_links
 from axisrig.bench.campaign.results.manifest import other_files
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
@@ -41,7 +42,8 @@ from axisrig.kernel.nc.text.parser import read_program
 
 LIVE = ("--live", "--live-terminal")
 """Options that change nothing that is written."""
-_OF_ONE_CALL = ("--fresh", "--resume", "--failed")
+_OF_ONE_CALL = ("--fresh", "--resume", "--failed", "-o", "--out", "-y", "--yes", *LIVE)
+"""Options that a call does not take over: the folder is the one it names, consent is its own."""
 CHANGED = "files that the run depends on have changed since the campaign began"
 
 
@@ -133,12 +135,14 @@ class Kept:
     """What a call keeps of a folder, and what it runs.
 
     cases: to run. verdicts: of the runs that stay. changed: how many of those to run have results
-    that they no longer fit, None where nothing is asked to stay.
+    that they no longer fit, None where nothing is asked to stay. altered: what is said of those of
+    which a file is not the one that they have written.
     """
 
     cases: Sequence[Case]
     verdicts: Sequence[Verdict] = ()
     changed: int | None = None
+    altered: Sequence[str] = ()
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -182,14 +186,15 @@ def choose(
     """Choose the runs of a call that goes on with a folder.
 
     hashes: `depends_sha256` of each run. Without `--failed` it runs those that are missing,
-    aborted, or depend on something else than when they ran.
+    aborted, or depend on something else than when they ran; in any case those of which a file is
+    not the one that they have written.
     """
     if going_on is GoingOn.NO:
         return Kept(cases)
     stored = read_results(folder).runs if is_results_folder(folder) else []
     rows = {run.run: run for run in stored}
     probes = Counter(row.case.get(PROBE, "") for row in rows.values())
-    chosen, verdicts, changed = [], [], 0
+    chosen, verdicts, altered, changed = [], [], list[str](), 0
     for case in cases:
         row = rows.get(case.run)
         now = hashes[case.run]
@@ -198,12 +203,21 @@ def choose(
         is_whole = row is not None and (
             row.file is not None if case.search is None else _has(row, probes[case.run])
         )
-        if row is not None and _stays(row, is_same and is_whole, is_failed=is_failed):
+        words = _altered(row, rows) if row is not None else []
+        altered += words
+        stays = row is not None and _stays(row, is_same and is_whole, is_failed=is_failed)
+        if row is not None and stays and not words:
             verdicts.append(row.verdict)
         else:
             chosen.append(case)
-            changed += row is not None and not is_same
-    return Kept(chosen, verdicts, changed)
+            changed += row is not None and (bool(words) or not is_same)
+    return Kept(chosen, verdicts, changed, altered)
+
+
+def _altered(row: StoredRun, rows: Mapping[str, StoredRun]) -> list[str]:
+    """Say which files of a run, and of its probes, are not those that it has written."""
+    probes = [one for one in rows.values() if one.case.get(PROBE) == row.run]
+    return [f"{one.run}: {one.altered_words}" for one in (row, *probes) if one.altered]
 
 
 def longest_first(cases: Sequence[Case], folder: Path) -> list[Case]:
@@ -232,9 +246,12 @@ def _has(row: StoredRun, probes: int) -> bool:
     return row.case.get(RUNS) == str(probes)
 
 
-def stored_arguments(folder: Path | None) -> list[str]:
+def stored_arguments(
+    folder: Path | None, given: Collection[str], valued: Collection[str]
+) -> list[str]:
     """Return the arguments of `axisrig run` that a folder comes from, to go on with it.
 
+    given: options of this call; those of the folder give way. valued: options with a value.
     Raises UserError for a folder that no `axisrig run` has written.
     """
     if folder is None:
@@ -242,6 +259,7 @@ def stored_arguments(folder: Path | None) -> list[str]:
             "no plan is named",
             hint="axisrig run --resume -o DIR takes the plan that DIR comes from",
         )
+    refuse_links(folder)
     command = read_manifest(folder).get("command", []) if folder.is_dir() else []
     if command[1:2] != ["run"]:
         raise UserError(
@@ -250,4 +268,36 @@ def stored_arguments(folder: Path | None) -> list[str]:
             value=" ".join(command) or None,
             hint="name the plans to go on with",
         )
-    return [word for word in command[2:] if word not in (*_OF_ONE_CALL, *LIVE)]
+    for plan in read_manifest(folder).get("plans", []):
+        own_plan(folder, plan["path"])
+    return _without(command[2:], {*_OF_ONE_CALL, *given}, valued)
+
+
+def own_plan(folder: Path, path: str) -> Path:
+    """Return a plan that a results folder names. Raises UserError for one that lies in it.
+
+    A plan names programs and metric modules, which are carried out: it is not a part of results.
+    """
+    if Path(path).resolve().is_relative_to(folder.resolve()):
+        raise UserError(
+            "the results folder names a plan inside itself: results are data, they bring no plan",
+            file=folder,
+            value=path,
+            hint="axisrig run PLAN -o ANOTHER_DIR, once you have read the plan",
+        )
+    return Path(path)
+
+
+def _without(words: Sequence[str], dropped: Collection[str], valued: Collection[str]) -> list[str]:
+    """Return the words of a command without some options. valued: those that a value follows."""
+    kept: list[str] = []
+    rest = iter(words)
+    for word in rest:
+        is_long = word.startswith("--")
+        name = word.partition("=")[0] if is_long else word[:2] if word[:1] == "-" else ""
+        whole = [word]
+        if name in valued and word == name:
+            whole += [value for value in (next(rest, None),) if value is not None]
+        if name not in dropped:
+            kept += whole
+    return kept

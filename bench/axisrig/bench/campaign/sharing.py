@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from axisrig.bench.bus.logs import SEGMENT_MARK
-from axisrig.bench.campaign.results.folder import FOLDERS
+from axisrig.bench.campaign.results.layout import FOLDERS, MANIFEST
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import DEPENDS, StoredResults, StoredRun, read_results
+from axisrig.bench.campaign.results.sums import BUS_LOG_SUM
 from axisrig.bench.campaign.results.writer import ResultsWriter
-from axisrig.bench.campaign.resuming import LIVE, depends_sha256
+from axisrig.bench.campaign.resuming import LIVE, depends_sha256, own_plan
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
@@ -93,6 +94,8 @@ def merge(
     found, doubled = _runs(parts)
     hashes = {row.run: depends_sha256(row) for plan in plans for row in plan.rows}
     for run, (part, stored) in found.items():
+        if stored.altered:
+            raise UserError(stored.altered_words, file=part.folder, value=run)
         if run in cases and stored.case.get(DEPENDS) != hashes[run]:
             raise UserError(
                 "what the run depends on is not what it was run with",
@@ -136,6 +139,9 @@ def _refuse_strangers(parts: Sequence[StoredResults]) -> None:
     for part in parts:
         if part.manifest.get("command", [])[1:2] != ["run"]:
             raise UserError("the folder does not come from `axisrig run`", file=part.folder)
+        for name in ("sources_sha256", "plans"):
+            if not part.manifest.get(name):
+                raise UserError(f"the manifest has no {name}", file=part.folder / MANIFEST)
         for what, now, then in (
             ("plans", _names(part.manifest), _names(first.manifest)),
             ("axisrig", part.manifest["sources_sha256"], first.manifest["sources_sha256"]),
@@ -178,7 +184,8 @@ def _plans(part: StoredResults) -> list[Plan]:
     texts += [word.partition("=")[2] for word in words if word.startswith("--set=")]
     texts += [_FLAGS[word] for word in words if word in _FLAGS]
     changes = [parse_assignment(text) for text in texts]
-    plans = [read_plan(Path(plan["path"])) for plan in part.manifest["plans"]]
+    paths = [own_plan(part.folder, plan["path"]) for plan in part.manifest["plans"]]
+    plans = [read_plan(path) for path in paths]
     return [plan.with_inputs(changes, _select(part)) for plan in plans]
 
 
@@ -212,7 +219,8 @@ def _runs(
 
 
 def _is_same(run: StoredRun, other: StoredRun) -> bool:
-    first, second = ({**one.case, "wall_s": ""} for one in (run, other))
+    once = dict.fromkeys(("wall_s", BUS_LOG_SUM), "")  # an asc log has a date
+    first, second = ({**one.case, **once} for one in (run, other))
     return first == second and list(run.checks) == list(other.checks)
 
 

@@ -1,4 +1,4 @@
-"""The commands that compare results and hand them to other programs."""
+"""The commands that draw and compare results and hand them to other programs."""
 
 import sys
 from pathlib import Path
@@ -6,10 +6,26 @@ from typing import Annotated
 
 import typer
 
-from axisrig.bench.cli.options import FreshOption, rejecting
+from axisrig.bench.cli.options import FreshOption, FullOption, rejecting
 from axisrig.kernel.errors import UserError
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
+
+
+@rejecting
+def report(
+    folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
+    is_full: FullOption = False,
+) -> None:
+    """Write report.html again from a results folder.
+
+    A folder of another tool needs cases.csv (run, verdict) and results.csv (run, metric, verdict).
+    """
+    from axisrig.bench.campaign.results.folder import recover
+    from axisrig.reports.build import build_report
+
+    recover(folder)
+    print(build_report(folder, is_full=is_full, put_out=_to_stderr))
 
 
 @rejecting
@@ -117,6 +133,10 @@ def diff(
     from axisrig.results.compare.words import diff_lines
 
     folders = [read_results(before), read_results(after)]
+    for one in folders:
+        for run in one.runs:
+            if run.altered:
+                _to_stderr(f"{one.folder}: {run.run}: {run.altered_words}")
     found = compare(*folders)
     for line in diff_lines(found):
         print(line)
@@ -152,10 +172,14 @@ def trend(
         print(write_trend(page, found))
 
 
+def _to_stderr(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
 def _lacking(package: str, extra: str) -> UserError:
     return UserError(
         f"{package} is not installed", hint=f"pip install 'axisrig[{extra}]' brings it"
     )
 
 
-DATA = (merge, diff, trend, export, query, sources)
+DATA = (report, merge, diff, trend, export, query, sources)

@@ -7,7 +7,6 @@ is rejected before anything runs. replay: as run when every frame came again, el
 """
 
 import io
-import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -47,6 +46,7 @@ from axisrig.bench.cli.options import (
     SegmentOption,
     SetOption,
     ShardOption,
+    TimeoutOption,
     VersionOption,
     YesOption,
     on_engine,
@@ -54,7 +54,7 @@ from axisrig.bench.cli.options import (
 )
 from axisrig.bench.cli.perf_command import perf
 from axisrig.bench.cli.rig_commands import rig_app
-from axisrig.bench.cli.start import Whole, start_lightly
+from axisrig.bench.cli.start import Whole, end_on_signals, start_lightly
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
@@ -65,7 +65,6 @@ if TYPE_CHECKING:
 
 DEMO = "demo"
 """Tag of the rows that `axisrig demo` runs."""
-
 
 app = typer.Typer(
     name="axisrig",
@@ -119,14 +118,16 @@ def _logs(path: Path | None) -> list[Path]:
     return [] if path is None else [path]
 
 
-def _go_on(folder: Path | None, option: str) -> NoReturn:
-    """Call `axisrig run` as it was called for a folder, with one more option."""
-    from axisrig.bench.campaign.resuming import LIVE, stored_arguments
+def _go_on(context: typer.Context, folder: Path | None, option: str) -> NoReturn:
+    """Call `axisrig run` as it was called for a folder, with the options of this call."""
+    from axisrig.bench.campaign.resuming import stored_arguments
+    from axisrig.bench.cli.given import given_options
 
     if not option:
         raise typer.BadParameter("no plan is named", param_hint="PLANS")
-    live = [word for word in sys.argv if word in LIVE]
-    sys.argv[1:] = ["run", *stored_arguments(folder), option, *live]
+    given = given_options(context)
+    stored = stored_arguments(folder, given.options, given.valued)
+    sys.argv[1:] = ["run", *stored, *given.words]
     app(sys.argv[1:])
     raise typer.Exit
 
@@ -146,16 +147,14 @@ def _watch(on_page: bool, in_terminal: bool) -> "Watch":
 @app.command()
 @rejecting
 def run(
+    context: typer.Context,
     plans: Annotated[
         list[Path] | None, typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables.")
     ] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
     jobs: JobsOption = JOBS_AUTO,
-    timeout_s: Annotated[
-        float | None,
-        typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes."),
-    ] = None,
+    timeout_s: TimeoutOption = None,
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
@@ -192,7 +191,7 @@ def run(
 
     going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
     if not plans:
-        _go_on(out, going_on.option)
+        _go_on(context, out, going_on.option)
     said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
     campaign = run_campaign(
         plans,
@@ -220,6 +219,7 @@ def run(
 @app.command()
 @rejecting
 def demo(
+    context: typer.Context,
     folder: Annotated[Path, typer.Option("--plans", help="Folder with the plans.")] = Path(
         "testplans"
     ),
@@ -234,7 +234,7 @@ def demo(
     build_library()
     if not is_all:
         print(f"rows tagged {DEMO}; axisrig demo --all runs every row", file=sys.stderr)
-    run(plans_in(folder), out, None if is_all else DEMO, jobs, None, is_fresh=is_fresh)
+    run(context, plans_in(folder), out, None if is_all else DEMO, jobs, None, is_fresh=is_fresh)
 
 
 @app.command()
@@ -305,8 +305,9 @@ def nc(
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
     from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.campaign.processes import do_apart, say
+    from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.campaign.single import run_outside, run_program
+    from axisrig.bench.campaign.worker import say
 
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
     said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
@@ -404,35 +405,20 @@ def replay(
     Exit code: that of its verdict, as for run; 1 when a frame differs, whatever the verdict is.
     """
     from axisrig.bench.campaign.processes import do_apart
-    from axisrig.bench.campaign.replay import recorded_case
+    from axisrig.bench.campaign.replay import altered_words, recorded_case
     from axisrig.bench.campaign.replay import replay as run_again
     from axisrig.bench.campaign.shown import show_verdicts
     from axisrig.bench.plan.verdict import exit_code
 
     logs, limits = _logs(bus_log), (is_isolated, call_limit_s)
     case, row = recorded_case(folder, run_id)
+    if words := altered_words(folder, run_id):
+        _to_stderr(f"{run_id}: {words}")
     what = (run_again, case, row, logs)
     again = do_apart(*what, rigs=[case.rig], file=folder, limits=limits)
     show_verdicts([again.result])
     print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
     raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)
-
-
-@app.command()
-@rejecting
-def report(
-    folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
-    is_full: FullOption = False,
-) -> None:
-    """Write report.html again from a results folder.
-
-    A folder of another tool needs cases.csv (run, verdict) and results.csv (run, metric, verdict).
-    """
-    from axisrig.bench.campaign.results.folder import recover
-    from axisrig.reports.build import build_report
-
-    recover(folder)
-    print(build_report(folder, is_full=is_full))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -442,7 +428,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     if arguments is None:
         start_lightly()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as with Ctrl-C
+    end_on_signals()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console that lacks a sign gets a `?`

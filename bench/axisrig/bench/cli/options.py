@@ -83,6 +83,9 @@ def _jobs(text: str | int) -> int:
     return jobs
 
 
+TimeoutOption = Annotated[
+    float | None, typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes.")
+]
 JobsOption = Annotated[
     int,
     typer.Option(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from axisrig.bench.campaign.results.folder import BUDGETS
+from axisrig.bench.campaign.results.layout import BUDGETS
 from axisrig.bench.campaign.results.stored import StoredRun, read_rows
 from axisrig.reports.budget.drawing import waterfall
 

@@ -1,26 +1,42 @@
-"""What lies in a results folder, and how the results of one run take their place in it.
+"""How the results of one run take their place in a results folder.
 
-A row in `cases.csv` says that everything else of the run is there and belongs to it. A run that is
-new in the folder writes its files where they belong, and its row last. A run that has results
-already writes beside them, in `.new`; when it has ended, `.new/<run>.commit` holds its rows, and
-only then the old row goes, the files change, the new rows come. A process that is killed meanwhile
-leaves the commit, and the next one who opens the folder carries it out.
+A row in `cases.csv` says that everything else of the run is there and belongs to it; it has the
+SHA-256 of its files. A run writes into a folder of its campaign in `.new`, of which nobody else
+knows the name: a process that outlives its campaign changes nothing of the results. When the run
+has ended, the process that holds the lock moves its files where they belong, and its row comes
+last. Where the folder has results of the run already, `<run>.commit` beside its files holds its
+rows first, and only then the old row goes, the files change, the new rows come. A process that is
+killed meanwhile leaves the commit, and the next one who opens the folder carries it out.
 """
 
 import csv
 import glob
 import hashlib
 import io
-import json
 import os
 import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
-from axisrig.bench.campaign.results.lock import LOCK, FolderLock
+from axisrig.bench.campaign.results.commits import Commit, read_commit
+from axisrig.bench.campaign.results.layout import (
+    BESIDE,
+    BUDGETS,
+    COMMIT,
+    FILES,
+    FOLDERS,
+    JUDGED,
+    LOCK,
+    MADE,
+    NEW,
+    PLANS,
+    refuse_links,
+)
+from axisrig.bench.campaign.results.lock import FolderLock, InUseError
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     IN_PLAN,
@@ -30,20 +46,11 @@ from axisrig.bench.campaign.results.stored import (
     read_manifest,
     read_rows,
 )
-from axisrig.bench.files import append, beside, json_text, write_whole
+from axisrig.bench.campaign.results.sums import sums_of
+from axisrig.bench.files import append, write_whole
 from axisrig.kernel.errors import UserError
 
-FOLDERS = ("traces", "runs", "bus")
-PLANS = "plans"
-"""Folder for the plans as they were meant, a row for each run."""
-JUDGED = "judged"
-"""Folder for verdicts made anew from the recordings of this one (`rejudge`)."""
-BUDGETS = "budgets"
-"""Folder for budgets of its runs, a table for each (`axisrig budget`)."""
-_MADE = ("junit.xml", "report.html")
-_FILES = ("results.csv", "cases.csv", *_MADE, "manifest.json")
-_NEW, _COMMIT = ".new", ".commit"
-_LEFT = frozenset({LOCK, _NEW, *(beside(Path(name)).name for name in _FILES)})
+_LEFT = frozenset({LOCK, NEW, *BESIDE})
 
 Checks = Sequence[Mapping[str, str]]
 
@@ -74,16 +81,25 @@ def clear(folder: Path) -> None:
 
     Folders that the next results need again stay, empty.
     """
-    for name in (_NEW, JUDGED, BUDGETS):
-        shutil.rmtree(folder / name, ignore_errors=True)
+    for name in (NEW, JUDGED, BUDGETS):
+        _remove(folder / name)
     for name in (PLANS, *FOLDERS):
         _empty(folder / name)
-    for name in _FILES:
+    for name in (*BESIDE, *FILES):
         (folder / name).unlink(missing_ok=True)
 
 
+def _remove(folder: Path) -> None:
+    """Remove a folder, as far as that is possible; of a link only the link."""
+    if folder.is_symlink():
+        folder.unlink()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
 def _empty(folder: Path) -> None:
-    """Remove what is in a folder, as far as that is possible."""
+    """Remove what is in a folder, as far as that is possible; of a link only the link."""
+    if folder.is_symlink():
+        folder.unlink()
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.is_dir(follow_symlinks=False):
@@ -94,13 +110,17 @@ def _empty(folder: Path) -> None:
 
 
 def recover(folder: Path) -> None:
-    """Carry out what a campaign that was killed had begun, unless another one holds the folder."""
-    if any((folder / _NEW).glob(f"*{_COMMIT}")):
-        try:
-            with FolderLock(folder):
-                ResultsFolder(folder).open()
-        except UserError:
-            pass  # in use: its campaign does this itself
+    """Carry out what a campaign that was killed had begun, unless another one holds the folder.
+
+    Raises UserError for a folder that is damaged or has links.
+    """
+    if folder.is_dir():
+        refuse_links(folder)
+    if any((folder / NEW).rglob(f"*{COMMIT}")):
+        with suppress(InUseError), FolderLock(folder):  # in use: its campaign does this itself
+            results = ResultsFolder(folder)
+            results.open()
+            results.close()
 
 
 class ResultsFolder:
@@ -117,6 +137,7 @@ class ResultsFolder:
         self.checks: dict[str, Checks] = {}
         self._replaced: frozenset[str] = frozenset()
         self._hashes: dict[str, Any] = {}  # of the tables as they were written last
+        self._stage = folder / NEW  # for what runs of this campaign write
 
     def open(self) -> None:
         """Read the rows and bring the folder into order after a process that was killed.
@@ -124,36 +145,46 @@ class ResultsFolder:
         What is made of the rows goes: a reader would take it for that of the present call.
         Raises UserError when the rows are damaged.
         """
-        new = self.folder / _NEW
+        refuse_links(self.folder)
+        new = self.folder / NEW
         for name in FOLDERS:
             (self.folder / name).mkdir(exist_ok=True)
         if (self.folder / "cases.csv").is_file():
+            commits = [(path, read_commit(path)) for path in sorted(new.rglob(f"*{COMMIT}"))]
             self._read()
-            for name in _MADE:
+            for name in MADE:
                 (self.folder / name).unlink(missing_ok=True)
             self.write_rows()  # without rows of runs that were killed while they were written
-            for path in sorted(new.glob(f"*{_COMMIT}")):
-                self._carry_out(path)
+            for path, commit in commits:
+                self._carry_out(path, commit)
         shutil.rmtree(new, ignore_errors=True)
         self._replaced = frozenset(self.cases)
-        for name in FOLDERS if self._replaced else ():
-            (new / name).mkdir(parents=True, exist_ok=True)
+        new.mkdir(exist_ok=True)
+        self._stage = Path(mkdtemp(prefix="campaign-", dir=new))
+        for name in FOLDERS:
+            (self._stage / name).mkdir()
 
     def path_of(self, kind: str, run: str, suffix: str) -> Path:
         """Return where a file of a run is to be written; kind: one of `FOLDERS`."""
-        root = self.folder / _NEW if run in self._replaced else self.folder
-        return root / kind / f"{run}{suffix}"
+        return self._stage / kind / f"{run}{suffix}"
 
     def put(self, run: str, case: Mapping[str, str], checks: Checks) -> None:
         """Add the rows of a run whose files are written; those it had before go."""
+        names = self._files_of(self._stage, run)
+        row = {**case, **sums_of(self._stage, run, names)} if names else case
         if run not in self._replaced:
-            self._put_rows(run, case, checks)
+            self._move(self._stage, names)
+            self._put_rows(run, row, checks)
             return
-        staged = self._files_of(self.folder / _NEW, run)
-        content = {"run": run, "files": staged, "case": case, "checks": checks}
-        path = self.folder / _NEW / f"{run}{_COMMIT}"
-        write_whole(path, json_text(content))
-        self._carry_out(path)
+        commit, path = Commit(run, names, row, checks), self._stage / f"{run}{COMMIT}"
+        write_whole(path, commit.text)
+        self._carry_out(path, commit)
+
+    def _move(self, stage: Path, names: Iterable[str]) -> None:
+        """Move files of a run where they belong, unless they are there already."""
+        for name in names:
+            if (stage / name).is_file():
+                (stage / name).replace(self.folder / name)
 
     def drop_files(self, runs: Iterable[str]) -> None:
         """Remove the files of runs without a row, such as logs of runs that were broken off."""
@@ -191,8 +222,8 @@ class ResultsFolder:
 
     def close(self) -> None:
         """Remove what is left of runs that have not ended."""
-        new = self.folder / _NEW
-        if not any(new.glob(f"*{_COMMIT}")):  # else a disk was full; `open` goes on with it
+        new = self.folder / NEW
+        if not any(new.rglob(f"*{COMMIT}")):  # else a disk was full; `open` goes on with it
             shutil.rmtree(new, ignore_errors=True)
 
     def _read(self) -> None:
@@ -207,21 +238,17 @@ class ResultsFolder:
                 checks[row["run"]].append(row)
         self.checks = dict(checks)
 
-    def _carry_out(self, path: Path) -> None:
+    def _carry_out(self, path: Path, commit: Commit) -> None:
         """Let the results of a run take the place of those it had; may be done over again."""
-        content = json.loads(path.read_text(encoding="utf-8"))
-        run: str = content["run"]
-        self.columns += [c for c in content["case"] if c not in (*self._header, IN_PLAN)]
+        run = commit.run
+        self.columns += [c for c in commit.case if c not in (*self._header, IN_PLAN)]
         if self.cases.pop(run, None) is not None:
             self._write_cases()
         for name in self._files_of(self.folder, run):
-            if name not in content["files"]:
+            if name not in commit.files:
                 (self.folder / name).unlink()
-        for name in content["files"]:
-            staged = self.folder / _NEW / name
-            if staged.is_file():
-                staged.replace(self.folder / name)
-        self._put_rows(run, content["case"], content["checks"])
+        self._move(path.parent, commit.files)
+        self._put_rows(run, commit.case, commit.checks)
         path.unlink()
 
     def _put_rows(self, run: str, case: Mapping[str, str], checks: Checks) -> None:

@@ -11,6 +11,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from axisrig.bench.campaign.results.layout import JUDGED, MANIFEST, TABLES, refuse_links
+from axisrig.bench.campaign.results.manifest_form import wrong_entry
+from axisrig.bench.campaign.results.sums import (
+    BUS_LOG_SUM,
+    RECORDING_SUM,
+    SUMS,
+    TRACE_SUM,
+    altered_files,
+    is_log_sums,
+    is_sum,
+)
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.topics import STOPPED
 from axisrig.bench.plan.verdict import Verdict, worst
@@ -29,7 +40,7 @@ CASE_COLUMNS = (
 )
 DEPENDS = "depends_sha256"
 """Hash of everything that the results of a run follow from (`bench.campaign.resuming`)."""
-LATER_COLUMNS = ("drive_substituted", "unproved_latches", DEPENDS)
+LATER_COLUMNS = ("drive_substituted", "unproved_latches", DEPENDS, *SUMS)
 """Columns of `cases.csv` after these that older results do not have."""
 IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""
@@ -74,7 +85,7 @@ class StoredRun:
 
     case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
     file: `runs/<run>.json`, None when it is missing. trace: the Parquet file, or None when the run
-    left none. said: where that is known without `file`.
+    left none. said: where that is known without `file`. place: the folder with its recording.
     """
 
     case: Mapping[str, str]
@@ -82,6 +93,22 @@ class StoredRun:
     file: Path | None
     trace: Path | None
     said: Said | None = None
+    place: Path | None = None
+
+    @cached_property
+    def altered(self) -> list[str]:
+        """Its files that are not those that the run has written, by their SHA-256.
+
+        Names from the folder with the recording; raises OSError for one that cannot be read.
+        """
+        if self.place is None:
+            return []
+        return list(altered_files(self.place, self.recorded, self.case))
+
+    @property
+    def altered_words(self) -> str:
+        """The same in words, empty where there is nothing to say."""
+        return f"not as the run has written it: {', '.join(self.altered)}" if self.altered else ""
 
     @cached_property
     def recording(self) -> RunFile:
@@ -145,11 +172,16 @@ class StoredRun:
 
 @dataclass(frozen=True)
 class StoredResults:
-    """A results folder: the runs in the order of `cases.csv` and the manifest."""
+    """A results folder: the runs in the order of `cases.csv` and the manifest.
+
+    place: the folder with the recordings, this one or that above verdicts that were made anew;
+    None where these are without it.
+    """
 
     folder: Path
     runs: Sequence[StoredRun]
     manifest: Mapping[str, Any]
+    place: Path | None = None
 
     @property
     def input_columns(self) -> list[str]:
@@ -181,78 +213,64 @@ class StoredResults:
 
 
 def read_results(folder: Path) -> StoredResults:
-    """Read a results folder. Raises UserError when it is none."""
-    for name in ("cases.csv", "results.csv"):
+    """Read a results folder. Raises UserError when it is none, damaged, or has links."""
+    for name in TABLES:
         if not (folder / name).is_file():
             raise UserError(
                 f"no results folder: {name} is missing",
                 file=folder,
                 hint="give the folder that `axisrig run -o` wrote",
             )
+    refuse_links(folder)
     manifest = read_manifest(folder)
-    is_foreign = not (folder / "manifest.json").is_file()
+    is_foreign = not (folder / MANIFEST).is_file()
     is_whole = is_foreign or bool(manifest.get("finished"))
     lacking = (FOREIGN_RESULTS, {**FOREIGN_CASES, "plan": folder.name}) if is_foreign else ({}, {})
     checks: dict[str, list[Mapping[str, str]]] = {}
     for row in _rows(folder / "results.csv", RESULT_COLUMNS, lacking[0], is_whole):
         checks.setdefault(row["run"], []).append(row)
-    base = folder / str(manifest.get(RECORDINGS, ""))
+    place = _place(folder, manifest)
     runs = []
     for row in _rows(folder / "cases.csv", CASE_COLUMNS, lacking[1], is_whole):
         run = row.get(RECORDING) or row["run"]
-        file = base / "runs" / f"{run}.json"
-        trace = base / "traces" / f"{run}.parquet"
-        runs.append(StoredRun(row, checks.get(row["run"], []), _existing(file), _existing(trace)))
-    return StoredResults(folder, runs, manifest)
+        file = trace = None
+        if place is not None:
+            file = _existing(place / "runs" / f"{run}.json")
+            trace = _existing(place / "traces" / f"{run}.parquet")
+        runs.append(StoredRun(row, checks.get(row["run"], []), file, trace, place=place))
+    return StoredResults(folder, runs, manifest, place)
+
+
+def _place(folder: Path, manifest: Mapping[str, Any]) -> Path | None:
+    """Return the folder with the recordings, which is above that of verdicts made anew."""
+    if RECORDINGS not in manifest:
+        return folder
+    if folder.resolve().parent.name != JUDGED:
+        return None  # it was taken out of its folder: what lies two above it is not its own
+    place = folder / str(manifest[RECORDINGS])
+    refuse_links(place)
+    return place
 
 
 def read_manifest(folder: Path) -> Mapping[str, Any]:
     """Read `manifest.json`, empty where there is none. Raises UserError when it is damaged."""
-    path = folder / "manifest.json"
+    path = folder / MANIFEST
     manifest = _json(path)
-    runs_planned = manifest.get("runs_planned", 0)
-    if not isinstance(runs_planned, int):
-        raise _damaged(path, "runs_planned is no whole number")
-    plans = manifest.get("plans", [])
-    if not isinstance(plans, list) or not all(_is_plan(plan) for plan in plans):
-        raise _damaged(path, "plans is no list of plans with name, path and sha256")
-    earlier = manifest.get("earlier", [])
-    if not isinstance(earlier, list) or not all(_is_call(call) for call in (manifest, *earlier)):
-        raise _damaged(path, "earlier is no list of calls with their command and runs")
-    missing = manifest.get("missing", {})
-    if not isinstance(missing, dict) or not all(_is_texts(runs) for runs in missing.values()):
-        raise _damaged(path, "missing is no table of lists of runs")
-    for name in ("files", "fmus"):
-        if not _is_words(manifest.get(name, {})):
-            raise _damaged(path, f"{name} is no table of hashes")
-    if not isinstance(manifest.get("packages", {}), dict):
-        raise _damaged(path, "packages is no table")
+    wrong = wrong_entry(manifest)
+    if wrong is not None:
+        raise damaged(path, wrong)
+    ids = [run for runs in manifest.get("missing", {}).values() for run in runs]
+    ids += [run for call in manifest.get("earlier", []) for run in call.get("runs", [])]
+    for run in ids:
+        if not _RUN.fullmatch(run):
+            raise damaged(path, f"{run[:40]!r} is no run id")
     return manifest
-
-
-def _is_plan(plan: object) -> bool:
-    keys = ("name", "path", "sha256")
-    return isinstance(plan, dict) and all(isinstance(plan.get(key), str) for key in keys)
-
-
-def _is_call(call: object) -> bool:
-    keys = ("command", "runs")
-    return isinstance(call, dict) and all(_is_texts(call.get(key, [])) for key in keys)
-
-
-def _is_texts(value: object) -> bool:
-    return isinstance(value, list) and all(isinstance(item, str) for item in value)
-
-
-def _is_words(value: object) -> bool:
-    """Whether it is a table of texts."""
-    return isinstance(value, dict) and _is_texts(list(value.values()))
 
 
 def is_results_folder(folder: Path) -> bool:
     """Tell whether a folder was written by `axisrig run`: its manifest says so."""
     try:
-        manifest = _json(folder / "manifest.json")
+        manifest = _json(folder / MANIFEST)
     except UserError:
         return False
     return "axisrig" in manifest and "runs_planned" in manifest
@@ -284,32 +302,32 @@ def read_rows(
         header = next(lines, [])
         numbered = [(lines.line_num, cells) for cells in lines if cells]
     except (UnicodeDecodeError, csv.Error) as error:
-        raise _damaged(path, str(error)) from error
+        raise damaged(path, str(error)) from error
     filled = lacking or {}
     for name in columns:
         if header.count(name) != 1 and not (name in filled and name not in header):
-            raise _damaged(path, f"the column {name} is missing or there twice", 1)
+            raise damaged(path, f"the column {name} is missing or there twice", 1)
     if not is_whole and numbered and not text.endswith("\n"):
         numbered.pop()
     rows, seen = [], set()
     for line, cells in numbered:
         if len(cells) != len(header):
-            raise _damaged(path, f"{len(cells)} cells, the header has {len(header)}", line)
+            raise damaged(path, f"{len(cells)} cells, the header has {len(header)}", line)
         row = dict(zip(header, cells, strict=True))
         row |= {name: cell for name, cell in filled.items() if not row.get(name)}
-        _check_cells(path, row, line)
+        check_cells(path, row, line)
         if columns is CASE_COLUMNS and row["run"] in seen:
-            raise _damaged(path, f"the run {row['run']} is there twice", line)
+            raise damaged(path, f"the run {row['run']} is there twice", line)
         seen.add(row["run"])
         rows.append(row)
     return header, rows
 
 
-def _check_cells(path: Path, row: Mapping[str, str], line: int) -> None:
+def check_cells(path: Path, row: Mapping[str, str], line: int | None = None) -> None:
     """Raise UserError for a cell that can be no result."""
     for column, (is_right, what) in _CELLS.items():
         if column in row and not is_right(row[column]):
-            raise _damaged(path, f"{column} {row[column][:40]!r} is no {what}", line)
+            raise damaged(path, f"{column} {row[column][:40]!r} is no {what}", line)
 
 
 _VERDICTS = frozenset(verdict.word for verdict in Verdict)
@@ -338,6 +356,9 @@ _CELLS: Mapping[str, tuple[Callable[[str], object], str]] = {
     "sim_s": (_is_number, "time"),
     "wall_s": (_is_number, "time"),
     "uncertainty": (_is_uncertainty, "uncertainty"),
+    TRACE_SUM: (is_sum, "SHA-256"),
+    RECORDING_SUM: (is_sum, "SHA-256"),
+    BUS_LOG_SUM: (is_log_sums, "SHA-256 of bus logs"),
 }
 """Column of either table -> whether a cell can be one of it, and what it is called."""
 
@@ -348,15 +369,16 @@ def _json(path: Path) -> Mapping[str, Any]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:  # no JSON, or no UTF-8
-        raise _damaged(path, str(error)) from error
+        raise damaged(path, str(error)) from error
     if not isinstance(content, dict):
-        raise _damaged(path, "no object")
+        raise damaged(path, "no object")
     return content
 
 
-def _damaged(path: Path, what: str, line: int | None = None) -> UserError:
+def damaged(path: Path, what: str, line: int | None = None) -> UserError:
+    """Return the error of a results folder of which a file is no such file."""
     hint = "`axisrig run --fresh` makes the results anew"
-    if not path.with_name("manifest.json").is_file():
+    if path.suffix == ".csv" and not path.with_name(MANIFEST).is_file():
         words = ", ".join(verdict.word for verdict in Verdict)
         hint = (
             "results of another tool need the columns run and verdict in cases.csv, run, metric and"

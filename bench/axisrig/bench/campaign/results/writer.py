@@ -22,9 +22,11 @@ from types import TracebackType
 from typing import Self
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES
-from axisrig.bench.campaign.results.folder import PLANS, ResultsFolder, clear, refuse_foreign
+from axisrig.bench.campaign.results.check_row import check_row
+from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
+from axisrig.bench.campaign.results.layout import MANIFEST, PLANS, refuse_links
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
@@ -38,6 +40,7 @@ from axisrig.bench.campaign.results.stored import (
     Said,
     StoredRun,
 )
+from axisrig.bench.campaign.results.sums import SUMS
 from axisrig.bench.files import json_text, naming, write_whole
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.statistics.verdict import Reading
@@ -62,7 +65,8 @@ class CaseResult:
 
     checks: one per check of the case. facts: what the run has left, None for one that ended before
     it could be judged; error: why, with what was printed until then in `log`. series: its columns.
-    recording: of a run that was judged again, the run that was recorded; empty without one.
+    recording: of a run that was judged again, the run that was recorded; empty without one. sums:
+    of its files, as the row of that run has them.
     depends_sha256: hash of everything that the run depends on, empty where nobody asks for it.
     loop_s: what the stopwatch gave the simulation itself, without its start and its end.
     samples: its values for the statistics of its case, by their checks.
@@ -78,6 +82,7 @@ class CaseResult:
     error: str | None = None
     log: list[str] = field(default_factory=list)
     recording: str = ""
+    sums: Mapping[str, str] = field(default_factory=dict)
     loop_s: float = 0.0
     depends_sha256: str = ""
     samples: Mapping[str, tuple[Reading, ...]] = field(default_factory=dict)
@@ -160,6 +165,7 @@ def refuse_folder(folder: Path, plans: Sequence[Plan], *, is_fresh: bool) -> Non
     """
     refuse_foreign(folder)
     if not is_fresh:
+        refuse_links(folder)
         refuse_other_plans(folder, plans)
 
 
@@ -215,7 +221,7 @@ class ResultsWriter:
                 clear(folder)
             self._history = History(folder, plans, manifest, self._runs)
             self._rows = ResultsFolder(folder)
-            if not (folder / "manifest.json").exists():
+            if not (folder / MANIFEST).exists():
                 self._write_manifest()  # a folder without one is somebody else's
             self._rows.open()
             (folder / PLANS).mkdir(exist_ok=True)
@@ -310,7 +316,7 @@ class ResultsWriter:
         if is_run:
             self._write_run(result)
         rows = [
-            dict(zip((*RESULT_COLUMNS, NOTE), _check_row(case, item), strict=True))
+            dict(zip((*RESULT_COLUMNS, NOTE), check_row(case, item), strict=True))
             for item in checks
         ]
         self._rows.put(case.run, self._case_row(result, verdict), rows)
@@ -397,6 +403,7 @@ class ResultsWriter:
         carried = {column: inputs.get(column, "") for column in self._carried}
         unproved = " ".join(result.unproved_latches)
         later = [result.drive_substituted, unproved, result.depends_sha256]
+        later += [result.sums.get(column, "") for column in SUMS]
         known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
         expected = {"expected": f"fail:{' '.join(case.expected)}"} if case.expected else {}
         return dict(known) | carried | expected
@@ -409,7 +416,7 @@ class ResultsWriter:
         manifest |= {"drive_substituted": substituted}
         text = json_text(manifest)
         if text != self._manifest_text:
-            write_whole(self.folder / "manifest.json", text)
+            write_whole(self.folder / MANIFEST, text)
             self._manifest_text = text
 
 
@@ -429,22 +436,3 @@ def _is_carried(column: str) -> bool:
 def _as_written(case: Case, path: Path) -> str:
     """A file as a cell of the plan names it."""
     return path_from(case.folder, path)
-
-
-def _check_row(case: Case, item: CheckResult) -> list[str]:
-    condition = item.check.condition
-    return [
-        case.plan,
-        case.case,
-        case.run,
-        condition.text,
-        item.check.metric,
-        value_text(item.value),
-        item.check.unit,
-        value_text(condition.lower),
-        value_text(condition.upper),
-        repr(float(item.uncertainty)),
-        item.verdict.word,
-        item.check.reference,
-        item.note,
-    ]
