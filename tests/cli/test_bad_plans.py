@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.record.facts import VERSION
+
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
 Reject = Callable[..., str]
@@ -284,7 +286,7 @@ DAMAGES: list[tuple[str, str, bytes | Callable[[str], str], tuple[str, ...]]] = 
     (
         "run of a later version",
         "runs/plan-a.json",
-        _other('"version": 3', '"version": 4'),
+        _other(f'"version": {VERSION}', f'"version": {VERSION + 1}'),
         ("report",),
     ),
     ("run without a value", "runs/plan-a.json", _other('"end_ns"', '"ended_ns"'), ("report",)),

@@ -14,6 +14,7 @@ from tests.reports.pages import whole
 from axisrig.bench.cli.main import main
 from axisrig.bench.files import sha256_of
 from axisrig.bench.machine.machine import Machine
+from axisrig.bench.record.facts import VERSION
 
 Call = Callable[..., tuple[int, str, str]]
 METRICS = f"{HEADER},check:latch_error_um:Z,check:lag_mm_max"
@@ -185,7 +186,7 @@ def test_a_recording_of_another_version_is_refused_and_nothing_is_written(
     place: Path, rejected: Callable[..., str]
 ) -> None:
     file = place / "out" / "runs" / "plan-b.json"
-    file.write_text(file.read_text().replace('"version": 3', '"version": 0'))
+    file.write_text(file.read_text().replace(f'"version": {VERSION}', '"version": 0'))
     said = rejected("judge", "out", "--plan", "plan.csv")
     assert said.startswith("out/runs/plan-b.json: a recording of another version; found 0")
     assert not (place / "out" / "judged").exists()
