@@ -12,6 +12,7 @@ from tests.machine.fixed_stop.conftest import blocks
 
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.plan.plan import read_plan
 
 PRESSED_MM = 0.1 * 2 * np.pi * 9.0 / 0.010 / 20e6 * 1e3  # 10 % of 9 N.m, 10 mm, 20 N/um
@@ -105,6 +106,24 @@ def test_each_axis_is_judged_in_the_last_run_that_it_takes_part_in(judge_both: J
         assert values[f"detection_criterion:{axis}"] == "lag"
         assert values[f"found_without_contact:{axis}"] == 0
     assert values["contact_to_detection_ms"] == values["contact_to_detection_ms:Y"]
+
+
+@pytest.mark.long
+def test_a_stop_on_an_unknown_side_is_no_missing_contact(
+    judge: Judge, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An FMU of another maker gives force and face of its stop, and parameters of its own."""
+    known = PlantValues.get
+
+    def others(values: PlantValues, *names: str) -> float | None:
+        return None if any(name.startswith("stop") for name in names) else known(values, *names)
+
+    monkeypatch.setattr(PlantValues, "get", others)
+    values, notes, _ = judge(ONE.format(feed=600), (*TELLS, "stop_force_n_max"), STOP)
+    assert values["stop_force_n_max"] > 100.0
+    for name in TELLS:
+        assert values[name] is None
+        assert "no stop_direction" in notes[name]
 
 
 @pytest.mark.long

@@ -111,6 +111,12 @@ def _force(
 # When
 
 
+_UNKNOWN_SIDE = (
+    "the plant of axis {axis} gives a force at its stop, and no stop_direction: on which side it is"
+    " nobody knows"
+)
+
+
 @_of_run
 def contact_to_detection_ms(run: StopRun, axis: str | None) -> Observation:
     """From the contact that lasts at the detection, of the detecting axis without a name."""
@@ -118,6 +124,8 @@ def contact_to_detection_ms(run: StopRun, axis: str | None) -> Observation:
     if run.stop.detected_ns is None or name is None:
         return Observation(None, note="no stop was found")
     lasting = run.lasting(name)
+    if lasting is None and name in run.truths and not run.truths[name].tells_stop:
+        return Observation(None, note=_UNKNOWN_SIDE.format(axis=name))
     if lasting is None:
         return Observation(None, note=f"axis {name} had no contact before")
     contact = lasting.contact
@@ -167,6 +175,8 @@ def found_without_contact(run: StopRun, _axis: str | None) -> Observation:
         return Observation(0, note="no stop was found")
     if stop.detected_by not in run.truths:
         return Observation(None, note=f"no truth of axis {stop.detected_by} in a run")
+    if not run.truths[stop.detected_by].tells_stop:
+        return Observation(None, note=_UNKNOWN_SIDE.format(axis=stop.detected_by))
     lasting = run.lasting(stop.detected_by)
     return Observation(int(lasting is None or lasting.contact is None))
 

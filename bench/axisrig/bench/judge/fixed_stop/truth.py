@@ -53,6 +53,15 @@ class AxisTruth:
         """What its FMU gives beside the roles."""
         return PlantValues(self.plant, self.record.arm_m)
 
+    @property
+    def tells_stop(self) -> bool:
+        """Whether the plant gives where its stop is, or that it has none.
+
+        One that gives a force or a face, and no parameter for the side of its stop, does not.
+        """
+        gives = self.stop_force_n is not None or self.stop_face_mm is not None
+        return not gives or self.values.get("stop_direction") is not None
+
     @cached_property
     def stop_path(self) -> StopPath | None:
         """Where the stop is, None without one in reach."""
