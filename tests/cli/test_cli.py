@@ -205,6 +205,20 @@ def test_check_describes_plan_and_rig_on_standard_output(place: Path, axisrig: C
     assert not (place / "out").exists()
 
 
+def test_check_goes_on_after_a_file_that_is_rejected(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
+    (place / "bad.csv").write_text("case,progam\na,part.nc\n", encoding="utf-8")
+    (place / "bad.lst").write_text("kenngr.messachse maybe\n", encoding="utf-8")
+    code, out, err = axisrig("check", "bad.csv", plan, "gone.toml", "rig.toml", "bad.lst")
+    assert code == 2
+    assert "plan-a" in out
+    assert "of 1000.0 us" in out
+    for name in ("bad.csv", "gone.toml", "bad.lst"):
+        assert f"error: {name}" in err or f"/{name}" in err
+    assert axisrig("check", plan, "bad.csv")[0] == 2
+    assert axisrig("check", plan, "rig.toml")[0] == 0
+
+
 @pytest.mark.parametrize(
     "width",
     [80, 120],

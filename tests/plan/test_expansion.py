@@ -16,6 +16,7 @@ from axisrig.bench.plan.composition import MeantRow
 from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.expansion import RUNS_MAX, draw, parse_cell, variants
 from axisrig.bench.plan.plan import default_seed, read_plan
+from axisrig.bench.plan.run_ids import RUN_ID
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -203,6 +204,20 @@ def test_long_and_equal_values_get_a_hash(write_plan: PlanWriter) -> None:
     assert all(re.fullmatch("[aA]_[bB]-[0-9a-f]{8}", run) for run in runs[:3])
     assert re.fullmatch("x{40}-[0-9a-f]{8}", runs[4])
     assert len({run.casefold() for run in runs}) == 5
+
+
+SWEPT = st.text("+-*/ =%abZ019.;,ü", min_size=1, max_size=9).map(str.strip).filter(bool)
+
+
+@given(st.sets(SWEPT.filter(lambda text: ".." not in text), min_size=2, max_size=4))
+def test_every_value_makes_an_id_that_a_results_folder_takes(values: set[str]) -> None:
+    """`at=motion+[10ms | 20ms]` and `+600` are values as others are."""
+    texts = ["+600", "motion+10ms", *sorted(values)]
+    cell = _cell(f"[{' | '.join(texts)}]")
+    row = MeantRow(Place(Path("plan.csv"), 2, 1, "case"), {"plc:V.E.A": cell})
+    found = list(variants(row, ["plc:V.E.A"], [], repeats=1, samples=None, seed="")[1])
+    assert all(RUN_ID.fullmatch(f"plan-a-{variant.label}") for variant in found)
+    assert found[0].label.startswith("_600")
 
 
 def test_a_latin_hypercube_and_a_sobol_sequence_are_those_of_scipy(write_plan: PlanWriter) -> None:

@@ -1,6 +1,7 @@
 """Shares against numbers worked out by hand: contact, braking, noise, what a PLC hands over."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from math import sqrt
 from pathlib import Path
@@ -15,6 +16,7 @@ from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
 from axisrig.bench.tools.budget.budget import Budget, Share, make_budget
+from axisrig.bench.tools.budget.causes import active_causes
 from axisrig.bench.tools.budget.encoder import normal_number
 from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um, way_per_length
 from axisrig.kernel.time.clock import MS
@@ -106,6 +108,34 @@ def test_noise_has_the_numbers_of_its_distribution() -> None:
     assert abs(mean) < 4 / sqrt(len(numbers))
     assert sum(n * n for n in numbers) / len(numbers) == pytest.approx(1.0, abs=0.1)
     assert normal_number(0, 3) == 0.0
+
+
+@pytest.mark.parametrize("farthest_mm", [0.0, 100.0, 160.0, 331.0, -5000.0, 50_000.0])
+def test_the_finer_increments_of_a_budget_still_reach_where_the_axis_was(
+    farthest_mm: float,
+) -> None:
+    """32 bits on 10 mm: 2^26 increments reach 320 mm; a drive as fine as that has no rounding."""
+    case = row("latch_accuracy", "f600")
+    found = active_causes(
+        case, settings_of(case), "Z", is_latched=True, farthest_mm=abs(farthest_mm)
+    )
+    encoder = [each for each in found if each.cause.form == "rounding"]
+    if abs(farthest_mm) > 10_000.0:
+        assert encoder == []
+        return
+    increments = int(str(encoder[0].off["drive:servo.encoder_increments"]))
+    assert 2**20 < increments <= 2**26
+    assert increments * abs(farthest_mm) / 10.0 < 2**31
+    assert increments * abs(farthest_mm) / 10.0 * 4 >= 2**31 or increments == 2**26
+
+
+@pytest.mark.long
+def test_a_budget_far_from_zero_is_there(tmp_path: Path) -> None:
+    """A touch at 330 mm, beyond the range of 2^26 increments."""
+    program = written(tmp_path, "far.nc", "N10 G90 G100 Z329 F600\nN20 M30\n")
+    texts = ["plant:z.position_start_mm=331", "plant:probe.surface_mm=330"]
+    case = replace(row("latch_accuracy", "f600", *texts), program=program)
+    assert "encoder" in shares(budget_of(case))
 
 
 @pytest.mark.long

@@ -1,10 +1,11 @@
 """`axisrig check`: plans, rigs and parameter lists, checked and described without a run."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning
 from axisrig.bench.campaign.preparing import prepare, settings_of
+from axisrig.bench.campaign.processes import do_apart
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
@@ -39,6 +40,25 @@ def rigs_of(path: Path) -> list[Path]:
     if path.is_dir() or path.suffix.lower() not in SUFFIXES:
         return []
     return sorted({case.rig for case in read_plan(path).cases})
+
+
+def check_files(
+    files: Sequence[Path],
+    assignments: Sequence[str],
+    limits: tuple[bool, float | None],
+    show: Callable[[str], None],
+) -> None:
+    """Do `check_file` for each file, also after one that is rejected.
+
+    limits: as `do_apart` takes them. show: takes what is described. Raises UserError with all that
+    is wrong with any file.
+    """
+    mistakes = Mistakes()
+    for file in files:
+        with mistakes.kept():
+            what = (check_file, file, assignments)
+            show(do_apart(*what, rigs=rigs_of(file), file=file, limits=limits))
+    mistakes.refuse(files[0])
 
 
 def check_file(path: Path, assignments: Sequence[str] = ()) -> str:

@@ -380,13 +380,10 @@ def check(
     as_canopen: AsCanopenOption = False,
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
-    from axisrig.bench.campaign.checking import check_file, rigs_of
-    from axisrig.bench.campaign.processes import do_apart
+    from axisrig.bench.campaign.checking import check_files
 
-    for file in files:
-        what = (check_file, file, _inputs(None, is_forced, as_canopen))
-        limits = (is_isolated, call_limit_s)
-        print(do_apart(*what, rigs=rigs_of(file), file=file, limits=limits))
+    inputs = _inputs(None, is_forced, as_canopen)
+    check_files(files, inputs, (is_isolated, call_limit_s), print)
 
 
 @app.command()

@@ -22,6 +22,7 @@ from itertools import product
 from zlib import crc32
 
 from axisrig.bench.plan.composition import EMPTY, MeantRow
+from axisrig.bench.plan.run_ids import UNSAFE
 from axisrig.bench.plan.table import Cell
 
 RUNS_MAX = 100_000
@@ -35,7 +36,6 @@ _ARGUMENTS = {"log": 3, "lhs": 2, "sobol": 2, "normal": 2}
 _DIGITS = 10
 """Digits of values that are no ends: as many as a cell can show, more than any input needs."""
 _LABEL_MAX, _LABEL_CUT, _HASH_DIGITS = 60, 40, 8
-_UNSAFE = re.compile(r"[^A-Za-z0-9.+-]")
 
 
 @dataclass(frozen=True)
@@ -278,7 +278,7 @@ def _filled(listed: Mapping[str, Pattern], values: tuple[str, ...]) -> dict[str,
 
 def _labels(swept: Sequence[Mapping[str, str]]) -> list[str]:
     """Give each combination of values its text in ids; long and equal ones get a hash."""
-    plain = ["-".join(_UNSAFE.sub("_", text or EMPTY) for text in one.values()) for one in swept]
+    plain = ["-".join(UNSAFE.sub("_", text or EMPTY) for text in one.values()) for one in swept]
     # File systems that ignore case would let one run overwrite the other
     folded = [text.casefold() for text in plain]
     counts: dict[str, int] = {}

@@ -27,6 +27,7 @@ from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, va
 from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.own_metrics import OwnModule, own_module
 from axisrig.bench.plan.probes import refuse_ids_of_probes, with_search
+from axisrig.bench.plan.run_ids import SIGNS
 from axisrig.bench.plan.searching import HEAD, Search, parse_row_check, parse_search
 from axisrig.bench.plan.select import chosen
 from axisrig.bench.plan.table import Cell, Place
@@ -34,7 +35,7 @@ from axisrig.kernel.errors import UserError
 
 __all__ = ["Plan", "default_seed", "read_plan"]
 
-_NAME = re.compile(r"[A-Za-z0-9_.-]{1,60}")
+_NAME = re.compile(f"[{SIGNS}]{{1,60}}")
 _RUN_MAX = 200
 _SEED_MAX = 2**32 - 1
 _REPEATS_MAX = 999

@@ -4,7 +4,6 @@ import csv
 import io
 import json
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,6 +23,7 @@ from axisrig.bench.campaign.results.sums import (
 )
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.topics import STOPPED
+from axisrig.bench.plan.run_ids import RUN_ID
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import VERSION, RunFile, read_run
 from axisrig.kernel.errors import UserError
@@ -67,8 +67,6 @@ FOREIGN_RESULTS: Mapping[str, str] = {
 }
 """What a cell is that a table of another tool lacks. Such a folder has no `manifest.json`; all
 that it needs are `run` and `verdict` in `cases.csv`, and `metric` beside them in `results.csv`."""
-
-_RUN = re.compile(r"[A-Za-z0-9_.-]+")  # a part of file names
 
 
 class Said(NamedTuple):
@@ -350,8 +348,8 @@ def _is_verdict(text: str) -> bool:
 
 
 _CELLS: Mapping[str, tuple[Callable[[str], object], str]] = {
-    "run": (_RUN.fullmatch, "run id"),
-    RECORDING: (lambda text: not text or _RUN.fullmatch(text), "run id"),
+    "run": (RUN_ID.fullmatch, "run id"),
+    RECORDING: (lambda text: not text or RUN_ID.fullmatch(text), "run id"),
     "verdict": (_is_verdict, "verdict"),
     "sim_s": (_is_number, "time"),
     "wall_s": (_is_number, "time"),

@@ -23,6 +23,7 @@ from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import (
+    ROUNDING,
     Active,
     Cause,
     active_causes,
@@ -38,7 +39,6 @@ from axisrig.kernel.errors import UserError
 
 _ANY = "-1e15 .. 1e15"
 _UM_PER_MM = 1e3
-ROUNDING = "rounding"
 _CLOSE = 0.01
 """A share is its closed form when it is within 1 % of it, or within an increment."""
 
@@ -281,7 +281,12 @@ def _combine(
 
 def _causes_of(case: Case, settings: Settings, axis: str, whole: Seen) -> list[Active]:
     found = active_causes(
-        case, settings, axis, whole.latch_ms is not None, is_external=whole.source == HELD
+        case,
+        settings,
+        axis,
+        whole.latch_ms is not None,
+        is_external=whole.source == HELD,
+        farthest_mm=whole.farthest_mm,
     )
     if whole.track is not None:
         found += motion_causes(

@@ -2,10 +2,11 @@
 
 import csv
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 
+from axisrig.bench.machine.start_places import ENCODER_RANGE
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable
@@ -20,7 +21,7 @@ from axisrig.bench.tools.budget.motion import (
 from axisrig.bench.tools.budget.starts import start_value
 from axisrig.kernel.errors import UserError
 
-ASSUMED = "="
+ASSUMED, ROUNDING = "=", "rounding"
 
 
 @dataclass(frozen=True)
@@ -108,9 +109,11 @@ def active_causes(
     is_latched: bool,
     *,
     is_external: bool = False,
+    farthest_mm: float = 0.0,
 ) -> list[Active]:
     """Return the causes that are on. is_latched: the drive has latched the value. is_external: the
-    source is PLC_EXT_LATCH_CONTROL. Those of the motion are not among them (`motion_causes`).
+    source is PLC_EXT_LATCH_CONTROL. farthest_mm: from 0 that an axis with the same drive has been.
+    Those of the motion are not among them (`motion_causes`).
     """
     task = settings.rig.plc_task
     at_terminal = terminal_probe(settings) is not None
@@ -122,8 +125,24 @@ def active_causes(
         "terminal": not is_latched and at_terminal,
         "external": is_external and is_handed(settings),
     }
-    found = [_active(case, settings, axis, cause) for cause in causes() if there[cause.needs]]
+    known = (_in_reach(settings, axis, cause, farthest_mm) for cause in causes())
+    found = [_active(case, settings, axis, cause) for cause in known if there[cause.needs]]
     return [each for each in found if each is not None]
+
+
+def _in_reach(settings: Settings, axis: str, cause: Cause, farthest_mm: float) -> Cause:
+    """Return a cause that switches the rounding off with increments whose 32 bits reach so far.
+
+    They are twice as many as are needed: a motor is beside its load, and both move on. Where the
+    drive has as fine ones itself there is nothing to switch off.
+    """
+    if cause.form != ROUNDING:
+        return cause
+    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    finest = int(cause.off)
+    while finest * 2.0 * farthest_mm >= ENCODER_RANGE * table.lead_mm:
+        finest //= 2
+    return replace(cause, off=str(max(finest, table.encoder_increments)))
 
 
 def motion_causes(
@@ -217,7 +236,7 @@ def _value(
         return str(settings.axis[place].integer(key))
     if cause.place == "drive":
         value = getattr(settings.rig.drive[place], key)
-        is_exact = isinstance(value, str) or cause.form == "rounding"
+        is_exact = isinstance(value, str) or cause.form == ROUNDING
         return str(value) if is_exact else f"{value:g}"
     found = start_value(settings, place, key)
     if found is None:

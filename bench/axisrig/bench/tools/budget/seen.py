@@ -4,6 +4,8 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.judge.latch.truth import Touch, touch
 from axisrig.bench.judge.observed.observed import Observed
@@ -74,7 +76,8 @@ class Seen:
     off at a time stamp. lost_um: what a position that telegrams have lost differs
     from the true one. noise: number of the noise of the motor encoder in the value.
     is_after_signal: the value is of an instant at which the axis brakes for a signal.
-    gains_speed: the speed grows at the contact. source: of the signal, P-AXIS-00516.
+    gains_speed: the speed grows at the contact. source: of the signal, P-AXIS-00516. farthest_mm:
+    from 0 that an axis with the same drive has been.
     """
 
     error_um: float
@@ -91,6 +94,7 @@ class Seen:
     is_after_signal: bool = False
     gains_speed: bool = False
     source: str = ""
+    farthest_mm: float = 0.0
 
     @property
     def way_um(self) -> float | None:
@@ -138,7 +142,22 @@ def see(result: CaseResult, axis: str, settings: Settings) -> Seen:
     seen = touch(observed, axis)
     if seen is None or seen.contact is None:
         return Seen(*numbers, None)
-    return _whole(observed, seen, axis, settings, Seen(*numbers, _track(observed, seen, axis)))
+    track, farthest_mm = _track(observed, seen, axis), _farthest_mm(observed, axis, settings)
+    plain = Seen(*numbers, track, farthest_mm=farthest_mm)
+    return _whole(observed, seen, axis, settings, plain)
+
+
+def _farthest_mm(observed: Observed, axis: str, settings: Settings) -> float:
+    """Return how far from 0 any axis with the drive of this one has been."""
+    drive = settings.rig.axis[axis].drive
+    ends = [
+        (float(np.min(values)), float(np.max(values)))
+        for name, table in settings.rig.axis.items()
+        if table.drive == drive and observed.has(name, "truth_mm")
+        for part in observed.parts()
+        for values in (part.observed.column(name, "truth_mm", part.inside),)
+    ]
+    return max((abs(end) for pair in ends for end in pair), default=0.0)
 
 
 def _whole(observed: Observed, seen: Touch, axis: str, settings: Settings, plain: Seen) -> Seen:
