@@ -94,8 +94,8 @@ class GageStudy:
         (generalized confidence intervals). Source: Hamada and Weerahandi, Journal of Quality
         Technology 32 (2000) 241.
         """
-        random = np.random.default_rng(SEED)
-        drawn = [row.sum_of_squares / random.chisquare(row.degrees, DRAWS) for row in self.rows]
+        generator = np.random.default_rng(SEED)
+        drawn = [row.sum_of_squares / generator.chisquare(row.degrees, DRAWS) for row in self.rows]
         values = _spreads(np.array(drawn), self.counts, is_pooled=self.is_pooled)[name]
         tail = 50.0 * (1.0 - CONFIDENCE)
         lower, upper = np.percentile(values, (tail, 100.0 - tail))
