@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.campaign.processes import Died, run_apart
-from axisrig.bench.machine.plc.hli import Hli, Inputs, Named, Variables
+from axisrig.bench.machine.plc.elements import Named
+from axisrig.bench.machine.plc.hli import Hli, Inputs, Variables
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.terminal import ChannelInput
 from axisrig.kernel.errors import UserError
@@ -79,7 +80,7 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         ("hli.ax['Z'].lr_mc_control.ext_latch.done_w = 1", r"ext_latch.done_w has a wrong type"),
         ("hli.ax['X'].lr_mc_control.override.command_w = 1001", "allowed: 0 .. 1000"),
         ("hli.ch.reset.enable_w = 1", "ch.reset.enable_w has a wrong type; found 1"),
-        ("hli.ch.comand_w = 1", "no attribute 'comand_w'"),
+        ("hli.ch.comand_w = 1", "unknown element of hli.ch; found 'comand_w'"),
         ("hli.ve.FEED = 1", "no attribute 'FEED'"),
         ("hli.ax.Z = 1", "no attribute 'Z'"),
         ("del hli.ch.feedhold.command_w", "command_w of the HLI cannot be deleted"),
@@ -180,7 +181,7 @@ def test_a_program_may_look_whether_something_is_there(tmp_path: Path) -> None:
         ),
         (
             "    def cycle(self, inputs, hli):\n        hli.ch.feedhold.comand_w = True\n",
-            "has no attribute 'comand_w'",
+            "unknown element of ch.feedhold; found 'comand_w'; did you mean: command_w",
         ),
         (
             "    def cycle(self, inputs, hli):\n        hli.ve['A'] = 'x'\n",

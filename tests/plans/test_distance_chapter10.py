@@ -175,3 +175,17 @@ def test_the_plc_commands_what_a_part_needs(row: dict[str, str]) -> None:
     assert tuple(cell[0] for cell in cells) == COMMANDS[: max(part - 1, 1)]
     assert cells[0][1] == f"set_pos={SET_POS:g}"
     assert row["check:distance_state_end"] == STATES[part - 1]
+
+
+@pytest.mark.parametrize(
+    "row", [r for r in ROWS if "task" in r["tags"].split()], ids=lambda r: r["case"]
+)
+def test_the_unit_shows_surface_offset_state_and_source(row: dict[str, str]) -> None:
+    """Lengths in 0.1 um; the second change of the surface comes after the command FREEZE."""
+    part = int(row["plc:V.E.PART"])
+    surface = SET_POS + float(row["plant:gap.lift_mm"])
+    surface += float(row["plant:gap.lift_2_mm"]) if part > 2 else 0.0
+    state = {2: 1, 3: 2, 4: 1, 5: 0}[part]
+    shown = [band(row[f"check:msg:N60.{k}"].removeprefix("==")) for k in range(1, 5)]
+    assert [middle for middle, _ in shown] == [surface * 1e4, offset(row, part) * 1e4, state, 1]
+    assert all(half <= 1.0 for _, half in shown)

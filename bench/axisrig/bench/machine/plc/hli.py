@@ -16,51 +16,46 @@ Names that end in `_w` are written by the PLC, in `_r` by the CNC, in `_rw` by b
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from math import isfinite
-from typing import Any, TypeVar
+from typing import Any
 
+from axisrig.bench.machine.plc.distance_elements import (
+    DistanceCommandElements,
+    DistanceControlUnit,
+    DistanceStateElements,
+)
+from axisrig.bench.machine.plc.elements import (
+    SGN64,
+    Kept,
+    Named,
+    out_of_range,
+    put,
+    replaced,
+    require,
+    require_number,
+)
 from axisrig.bench.machine.plc.terminal import ChannelInput
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.distance import DistanceCommand, DistanceState
+from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.plc.probing import LatchTask
 
+HLI_DIST_CTRL_OFF = int(DistanceCommand.OFF)
+HLI_DIST_CTRL_ON = int(DistanceCommand.ON)
+HLI_DIST_CTRL_FREEZE = int(DistanceCommand.FREEZE)
+HLI_DIST_CTRL_ON_CONST_DIST = int(DistanceCommand.ON_CONST_DIST)
+HLI_DIST_CTRL_STATE_INACTIVE = int(DistanceState.INACTIVE)
+HLI_DIST_CTRL_STATE_ACTIVE = int(DistanceState.ACTIVE)
+HLI_DIST_CTRL_STATE_FREEZE = int(DistanceState.FREEZE)
+HLI_DIST_CTRL_STATE_TURNING_OFF = int(DistanceState.TURNING_OFF)
+HLI_DIST_CTRL_STATE_ACTIVE_CONST_DIST = int(DistanceState.ACTIVE_CONST_DIST)
+HLI_DIST_CTRL_STATE_ERROR = int(DistanceState.ERROR)
 HLI_EXT_LATCH_ENABLE_PROBE = int(LatchTask.ENABLE)
 HLI_EXT_LATCH_DISABLE_PROBE = int(LatchTask.DISABLE)
 HLI_EXT_LATCH_PREPARE_PROBE = int(LatchTask.PREPARE)
 WRITTEN = ("enable_w", "command_w")
 """Elements of a unit that the program sets."""
-SGN64 = range(-(2**63), 2**63)
 HIGHEST_PERMILLE = 2000
 """Of the override of the path; of an axis 1000 is the most."""
-
-
-_Key = TypeVar("_Key")
-_Value = TypeVar("_Value")
-
-
-class UnknownNameError(KeyError):
-    """A program asks for something that is not there; what: in words. known: the names there are.
-
-    It is a KeyError, so that a program may catch it as one.
-    """
-
-    def __init__(self, what: str, name: object, known: Iterable[object]) -> None:
-        super().__init__(name)
-        self.what, self.name, self.known = what, name, list(known)
-
-
-class Named(dict[_Key, _Value]):
-    """Things by name; what: one of them in words. Raises UnknownNameError for another name."""
-
-    __slots__ = ("_what",)
-
-    def __init__(self, what: str, items: Mapping[_Key, _Value]) -> None:
-        super().__init__(items)
-        self._what = what
-
-    def __missing__(self, key: _Key) -> _Value:
-        """Say which names there are."""
-        raise UnknownNameError(self._what, key, self)
 
 
 class Variables(Named[str, float]):
@@ -73,11 +68,11 @@ class Variables(Named[str, float]):
 
     def __setitem__(self, name: str, value: float) -> None:
         """Set one."""
-        _require_number(name, value)
+        require_number(name, value)
         super().__setitem__(name, value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Inputs:
     """The process image of one cycle.
 
@@ -89,16 +84,6 @@ class Inputs:
     cycle: int
     channel: Mapping[int, ChannelInput]
     wc_state: int = 0
-
-
-class Kept:
-    """Something whose elements a program may not delete."""
-
-    __slots__ = ()
-
-    def __delattr__(self, element: str) -> None:
-        """Refuse it. Raises UserError."""
-        raise UserError(f"{element} of the HLI cannot be deleted", hint="set it to False or 0")
 
 
 @dataclass(slots=True)
@@ -117,8 +102,8 @@ class BoolUnit(Kept):
     def __setattr__(self, element: str, value: Any) -> None:
         """Set an element. Raises UserError for one that a program sets to another type."""
         if element in WRITTEN:
-            _require(f"{self.label}.{element}", value, bool)
-        object.__setattr__(self, element, value)
+            require(f"{self.label}.{element}", value, bool)
+        put(self, element, value)
 
 
 @dataclass(slots=True)
@@ -135,16 +120,12 @@ class Sgn64Unit(Kept):
     def __setattr__(self, element: str, value: Any) -> None:
         """Set an element. Raises UserError for another type, and for what is out of its range."""
         if element == "enable_w":
-            _require(f"{self.label}.{element}", value, bool)
+            require(f"{self.label}.{element}", value, bool)
         elif element == "command_w":
-            _require(f"{self.label}.{element}", value, int)
+            require(f"{self.label}.{element}", value, int)
             if value not in self.allowed:
-                raise UserError(
-                    f"{self.label}.command_w is out of its range",
-                    value=value,
-                    allowed=f"{self.allowed.start} .. {self.allowed.stop - 1}",
-                )
-        object.__setattr__(self, element, value)
+                raise out_of_range(f"{self.label}.command_w", value, self.allowed)
+        put(self, element, value)
 
 
 @dataclass(slots=True)
@@ -167,8 +148,8 @@ class ExtLatchUnit(Kept):
     def __setattr__(self, element: str, value: Any) -> None:
         """Set an element. Raises UserError for one that a program sets to another type."""
         if element in ("please_rw", "done_w"):
-            _require(f"{self.label}.{element}", value, bool)
-        object.__setattr__(self, element, value)
+            require(f"{self.label}.{element}", value, bool)
+        put(self, element, value)
 
 
 @dataclass(slots=True)
@@ -181,6 +162,7 @@ class McControl(Kept):
     ext_latch: ExtLatchUnit = field(default_factory=ExtLatchUnit)
     feedhold: BoolUnit = field(default_factory=BoolUnit)
     override: Sgn64Unit = field(default_factory=lambda: Sgn64Unit(command_w=1000))
+    distance_control: DistanceControlUnit = field(default_factory=DistanceControlUnit)
 
 
 @dataclass(slots=True)
@@ -211,10 +193,14 @@ class ChannelHli(Kept):
     """The channel; state_r: its state in words (RUNNING, READY ..).
 
     feedhold, override (0.1 %): of the path. reset, start: a rising edge of command_w resets the
-    channel, or starts the program of the run.
+    channel, or starts the program of the run. tool_tilt_r, tool_length_r: of the tool while a
+    kinematic is on, inclination to Z of the machine in 0.0001 deg, length from the clamping point
+    to the tool centre point in 0.1 um, virtually extended or not; 0 without one.
     """
 
     state_r: str = ""
+    tool_tilt_r: int = 0
+    tool_length_r: int = 0
     feedhold: BoolUnit = field(default_factory=BoolUnit)
     override: Sgn64Unit = field(default_factory=lambda: Sgn64Unit(command_w=1000))
     reset: BoolUnit = field(default_factory=BoolUnit)
@@ -247,23 +233,23 @@ class Hli(Kept):
         else.
         """
         if not isinstance(self.ax, Named) or len(self.ax) != len(self._axes):
-            raise _replaced("ax", self.ax, "ax[name].lr_mc_control")
+            raise replaced("ax", self.ax, "ax[name].lr_mc_control")
         if any(self.ax.get(name) is not axis for name, axis in self._axes.items()):
-            raise _replaced("ax", self.ax, "ax[name].lr_mc_control")
+            raise replaced("ax", self.ax, "ax[name].lr_mc_control")
         if self.ch is not self._ch:
-            raise _replaced("ch", self.ch, "ch.feedhold.command_w")
+            raise replaced("ch", self.ch, "ch.feedhold.command_w")
         if type(self.ve) is not Variables:
-            raise _replaced("ve", self.ve, "ve[name]")
+            raise replaced("ve", self.ve, "ve[name]")
         for name, axis in self._axes.items():
             if type(axis.lr_mc_control) is not McControl:
                 elements = f"ax[{name}].lr_mc_control.probing_signal.command_w"
-                raise _replaced(f"ax[{name}].lr_mc_control", axis.lr_mc_control, elements)
+                raise replaced(f"ax[{name}].lr_mc_control", axis.lr_mc_control, elements)
             if type(axis.lr_state) is not LrState:
-                raise _replaced(f"ax[{name}].lr_state", axis.lr_state, f"ax[{name}].lr_mc_control")
+                raise replaced(f"ax[{name}].lr_state", axis.lr_state, f"ax[{name}].lr_mc_control")
             _check_units(f"ax[{name}].lr_mc_control", axis.lr_mc_control)
         _check_units("ch", self.ch)
         for name, value in self.ve.items():
-            _require_number(name, value)
+            require_number(name, value)
 
 
 _UNITS = {
@@ -274,6 +260,7 @@ _UNITS = {
         "ext_latch": ExtLatchUnit,
         "feedhold": BoolUnit,
         "override": Sgn64Unit,
+        "distance_control": DistanceControlUnit,
     },
     ChannelHli: {
         "feedhold": BoolUnit,
@@ -284,28 +271,55 @@ _UNITS = {
 }
 
 
+_WORDS: Mapping[type, str] = {
+    Hli: "hli",
+    AxisHli: "hli.ax[..]",
+    McControl: "lr_mc_control",
+    LrState: "lr_state",
+    ChannelHli: "hli.ch",
+    BoolUnit: "the unit",
+    Sgn64Unit: "the unit",
+    ExtLatchUnit: "the unit",
+    DistanceControlUnit: "the unit",
+    DistanceCommandElements: "command_w",
+    DistanceStateElements: "state_r",
+    Inputs: "inputs",
+    ChannelInput: "inputs.channel[..]",
+}
+"""What a program may ask for an element, in words where it has no label of its own."""
+
+
 def _label(head: str, holder: McControl | ChannelHli) -> None:
     for name in _UNITS[type(holder)]:
         getattr(holder, name).label = f"{head}.{name}"
+    if isinstance(holder, McControl):
+        holder.distance_control.command_w.label = f"{head}.distance_control.command_w"
 
 
 def _check_units(head: str, holder: McControl | ChannelHli) -> None:
     for name, kind in _UNITS[type(holder)].items():
         if type(found := getattr(holder, name)) is not kind:
             elements = "ext_latch.done_w" if kind is ExtLatchUnit else f"{name}.command_w"
-            raise _replaced(f"{head}.{name}", found, f"{head}.{elements}")
+            raise replaced(f"{head}.{name}", found, f"{head}.{elements}")
 
 
-def _replaced(what: str, found: object, elements: str) -> UserError:
-    return UserError(f"{what} has been replaced", value=found, hint=f"set {elements}")
-
-
-def _require_number(name: str, value: Any) -> None:
-    if type(value) not in (int, float) or not isfinite(value):
-        raise UserError(f"V.E.{name} has a wrong type", value=value, allowed="a number")
-
-
-def _require(name: str, value: Any, kind: type) -> None:
-    if type(value) is not kind:
-        words = {bool: "True or False", int: "a whole number"}
-        raise UserError(f"{name} has a wrong type", value=value, allowed=words[kind])
+def unknown_element(error: AttributeError) -> UserError | None:
+    """Return the message about an element that is not there; None for anything else."""
+    holder: Any = error.obj
+    name, words = error.name, _WORDS.get(type(holder))
+    if isinstance(holder, Named) and name is not None:
+        where = "hli.ve" if isinstance(holder, Variables) else "hli.ax"
+        hint = f'write {where}["{name}"]'
+        return UserError(
+            f"the PLC program asks for an unknown element of {where}", value=name, hint=hint
+        )
+    if words is None or name is None:
+        return None
+    label = str(getattr(holder, "label", "")) or words
+    slots = type(holder).__slots__
+    known = [each for each in slots if each[0] != "_" and each != "label"]
+    return UserError(
+        f"the PLC program asks for an unknown element of {label}",
+        value=name,
+        allowed=nearest(name, known, 1) or known,
+    )

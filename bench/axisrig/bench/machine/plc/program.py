@@ -9,7 +9,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from axisrig.bench.machine.plc.hli import Hli, Inputs, UnknownNameError
+from axisrig.bench.machine.plc.elements import UnknownNameError
+from axisrig.bench.machine.plc.hli import Hli, Inputs, unknown_element
 from axisrig.kernel.cosim.fmi import journal
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
@@ -135,6 +136,9 @@ class PlcProgram:
                 value=error.name,
                 allowed=error.known or "none",
             )
+        if isinstance(error, AttributeError) and (unknown := unknown_element(error)) is not None:
+            unknown.file, unknown.line = str(self._path), line
+            return unknown
         return UserError(
             f"the PLC program has failed: {type(error).__name__}: {error}",
             file=self._path,

@@ -9,9 +9,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Named, Variables
+from axisrig.bench.machine.plc.elements import Named
+from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Variables
 from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.machine.plc.program import PlcProgram
+from axisrig.bench.machine.plc.task_units import TaskUnits, UnitShown, UnitWrites
 from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
 from axisrig.kernel.channel import Channel
@@ -37,6 +39,7 @@ class _Writes:
     resets: bool = False
     starts: bool = False
     values: Mapping[str, float] = field(default_factory=dict)
+    distance: Mapping[str, UnitWrites] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ class _AxisShown:
     has_value: bool
     position_units: int
     digital_inputs: int
+    distance: UnitShown
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,8 @@ class _Shown:
     state: str
     axes: Mapping[str, _AxisShown]
     values: Mapping[str, float]
+    tilt_units: int
+    length_units: int
 
 
 class PlcTaskRunner:
@@ -94,6 +100,11 @@ class PlcTaskRunner:
         self._taken: _Writes | None = None
         self._shown: list[_Shown] = []  # the last two
         self._has_columns = has_columns
+        self._units = TaskUnits(
+            channel.plc.axis,
+            lambda words: channel.plc.note(f"{words} from the PLC program", table.program),
+            has_columns=has_columns,
+        )
         self._free_ns: TimeNs = 0
         # V.E. as this cycle of the PLC has found them
         self._values: Mapping[str, float] = dict(channel.plc.values)
@@ -165,6 +176,7 @@ class PlcTaskRunner:
             return
         hli = self._hli
         hli.ch.state_r = shown.state
+        hli.ch.tool_tilt_r, hli.ch.tool_length_r = shown.tilt_units, shown.length_units
         hli.ve, self._values = Variables(shown.values), shown.values
         for name, axis in shown.axes.items():
             self._read_axis(name, hli.ax[name], axis)
@@ -181,6 +193,7 @@ class PlcTaskRunner:
         state.position_r = axis.position_units
         state.digital_inputs_r = axis.digital_inputs
         unit.task_number_r = self._table.task
+        self._units.read(name, control.distance_control, axis.distance)
         if axis.number > self._orders[name]:  # a new task
             self._orders[name] = axis.number
             unit.task_r, unit.input_r = int(axis.order.task), axis.order.probe_input
@@ -208,6 +221,10 @@ class PlcTaskRunner:
             resets=channel.reset.enable_w and channel.reset.command_w,
             starts=channel.start.enable_w and channel.start.command_w,
             values={name: float(v) for name, v in hli.ve.items() if self._values.get(name) != v},
+            distance={
+                name: self._units.written(name, control.distance_control)
+                for name, control in controls.items()
+            },
         )
 
     def _axis_writes(self, name: str, axis: AxisHli) -> AxisWrites:
@@ -241,6 +258,8 @@ class PlcTaskRunner:
             return
         self._task.written_ns = newest.time_ns
         self._command(newest, before)
+        for name, wanted in newest.distance.items():
+            self._units.take(name, wanted)
         if newest is before:
             return
         self._taken = newest
@@ -286,6 +305,15 @@ class PlcTaskRunner:
                 measurement.measured_acs_mm(link.name) is not None,
                 round(link.actual_mm * UNITS_PER_MM),
                 link.digital_inputs or 0,
+                self._units.shown(link.name),
             )
-        shown = _Shown(self._clock.now_ns, channel.state.name, axes, dict(plc.values))
+        tilt_deg, length_mm = plc.tool.tilt_deg or 0.0, plc.tool.length_mm or 0.0
+        shown = _Shown(
+            self._clock.now_ns,
+            channel.state.name,
+            axes,
+            dict(plc.values),
+            round(tilt_deg * UNITS_PER_MM),
+            round(length_mm * UNITS_PER_MM),
+        )
         self._shown = [*self._shown[-1:], shown]

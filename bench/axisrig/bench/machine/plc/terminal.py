@@ -16,7 +16,7 @@ from axisrig.kernel.plc.probing import PPM
 from axisrig.kernel.time.clock import US, TimeNs
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class ChannelInput:
     """One channel in the process image; stamps in ns of the clock of the terminal.
 
