@@ -9,15 +9,30 @@ base.
 from typing import NamedTuple
 
 
+class Ramp(NamedTuple):
+    """A change of the acceleration from one value to another, or none; its duration.
+
+    begun_s: how much of it is past where the path is: what is left of a ramp that a new plan
+    finds under way.
+    """
+
+    from_mm_s2: float
+    to_mm_s2: float
+    duration_s: float
+    begun_s: float = 0.0
+
+
 class State(NamedTuple):
     """Where a path is, how fast, and its acceleration, negative while it brakes.
 
-    a_mm_s2: 0 where the slope has no ramps, since nothing depends on it.
+    a_mm_s2: 0 where the slope has no ramps, since nothing depends on it. left: the ramps that lead
+    on from here to standstill, if a course is under way.
     """
 
     path_mm: float
     speed_mm_s: float
     a_mm_s2: float
+    left: tuple[Ramp, ...] = ()
 
 
 class Weights(NamedTuple):

@@ -3,19 +3,22 @@
 import math
 from dataclasses import dataclass, replace
 
-from axisrig.kernel.motion.course import AnySlope, State, Weights
+from axisrig.kernel.motion.course import AnySlope, Ramp, State, Weights
 from axisrig.kernel.motion.jerk_profile import JerkProfile, joined
 from axisrig.kernel.motion.jerk_ramps import (
     JerkLimits,
-    Ramp,
     braking,
     downwards,
+    going_on,
     halved,
     pulse,
+    turned,
     way,
     with_jerk,
 )
 from axisrig.kernel.motion.stroke import RunUp, Stroke
+
+Ramps = tuple[list[Ramp], list[Ramp]]
 
 _SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
 _SAME_SPEED = 1e-12  # share of a speed that is rounding
@@ -116,55 +119,118 @@ class JerkSlope(JerkLimits):
         """Plan the rest of a path from any state on, in the shortest time; this one accelerates.
 
         A speed above the feed comes down to it at once. Where the path is too short for that, it
-        brakes into its end, as weakly as it can while it is at the feed.
+        brakes into its end, as weakly as it can while it is at the feed. A falling ramp of SIN2
+        that is under way comes to its end before anything else begins.
         """
         assert isinstance(deceleration, JerkSlope)
-        return _Rest(state, end_mm, feed_mm_s, self, deceleration).planned()
+        kept, after = _kept(state, self)
+        planned = _Rest(after, end_mm, feed_mm_s, self, deceleration).planned()
+        if planned is None or (kept and _is_end(after, end_mm)):
+            return self._to_its_end(state, end_mm, feed_mm_s, deceleration)
+        lead, tail = planned
+        return joined(state, end_mm, kept + lead, tail, self.shape)
+
+    def _to_its_end(
+        self, state: State, end_mm: float, feed_mm_s: float, deceleration: "JerkSlope"
+    ) -> JerkProfile:
+        """Let the course that is under way come to its end, and go on from there.
+
+        It may be that of a harder hold, which these slopes cannot let go of before it stands.
+        """
+        left = list(state.left)
+        stop_mm = state.path_mm + way(state.speed_mm_s, left, self.shape)[0]
+        standing = State(stop_mm, 0.0, 0.0)
+        planned = _Rest(standing, end_mm, feed_mm_s, self, deceleration).planned()
+        if planned is None or _is_end(standing, end_mm):
+            return joined(state, end_mm, [], left, self.shape)
+        lead, tail = planned
+        return joined(state, end_mm, left + lead, tail, self.shape)
 
     def stopped(self, state: State) -> JerkProfile:
-        """Return the profile that stops from a state with this slope."""
-        path_mm, speed_mm_s, a_mm_s2 = state
+        """Return the profile that stops from a state with this slope, whatever ramp there is."""
+        path_mm, speed_mm_s, a_mm_s2, _ = state
         ramps = braking(speed_mm_s, a_mm_s2, self)
         end_mm = path_mm + way(speed_mm_s, ramps, self.shape)[0]
         return joined(state, end_mm, ramps, [], self.shape)
 
     def held(self, state: State, end_mm: float, deceleration: AnySlope) -> JerkProfile:
-        """Return the profile that stops from a state no further than `end_mm`."""
+        """Return the profile that stops from a state no further than `end_mm`.
+
+        A falling ramp of SIN2 that is under way comes to its end, a rising one turns. The
+        acceleration falls as the motion planned it, where this slope would let it fall more slowly:
+        the speed would pass the feed.
+        """
         assert isinstance(deceleration, JerkSlope)
-        for slope in (self, deceleration):
-            stopped = slope.stopped(state)
-            if stopped.end_mm < end_mm - _SAME_MM:
-                return stopped
-        return joined(state, end_mm, [], _fitted(state, end_mm, deceleration), self.shape)
+        release_s = min(self.releasing_s3_mm, deceleration.releasing_s3_mm) * self.a_mm_s2
+        for slope in (replace(self, release_s=release_s), deceleration):
+            kept, after = _kept(state, slope, slope.releasing_s3_mm)
+            ramps = kept + braking(after.speed_mm_s, after.a_mm_s2, slope, _rising(after))
+            stop_mm = state.path_mm + way(state.speed_mm_s, ramps, self.shape)[0]
+            if stop_mm < end_mm - _SAME_MM:
+                return joined(state, stop_mm, ramps, [], self.shape)
+        fitted = _fitted(after, end_mm, deceleration)
+        if fitted is None or (kept and _is_end(after, end_mm)):
+            return joined(state, end_mm, [], list(state.left), self.shape)
+        return joined(state, end_mm, kept, fitted, self.shape)
 
 
-def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp]:
-    """Return the ramps that brake at once, with shorter ones where the end is too near.
+def _rising(state: State) -> Ramp | None:
+    """Return the ramp of SIN2 that is under way, if it rises, as magnitudes."""
+    ramp = state.left[0] if state.left else None
+    if ramp is None or ramp.begun_s == 0.0 or abs(ramp.to_mm_s2) <= abs(ramp.from_mm_s2):
+        return None
+    return ramp if ramp.to_mm_s2 > 0.0 else downwards([ramp])[0]
 
-    It is after a stop that was harder than this slope and has been let go. With longer ones where
-    the end is a little further: with SIN2 a deceleration that falls in two ramps, over the feed,
-    takes more way than in one, and ends between the two are reached by neither.
+
+def _kept(
+    state: State, slope: JerkSlope, releasing_s3_mm: float = math.inf
+) -> tuple[list[Ramp], State]:
+    """Return what is left of a falling ramp of SIN2, and the state after it.
+
+    A new one in its place would begin slowly again: planned anew in every cycle, the acceleration
+    would never fall. releasing_s3_mm: ramp time per acceleration of a harder slope, with which
+    an acceleration may fall sooner.
     """
-    path_mm, speed_mm_s, a_mm_s2 = state
-    length_mm = end_mm - path_mm
+    path_mm, speed_mm_s, _, left = state
+    ramp = left[0] if left else Ramp(0.0, 0.0, 0.0)
+    a0, a1, duration_s, begun_s = ramp
+    if begun_s == 0.0 or abs(a1) >= abs(a0):
+        return [], state
+    if a0 > 0.0:
+        sooner_s = min(duration_s, (a0 - a1) * releasing_s3_mm)
+        ramp = Ramp(a0, a1, sooner_s, begun_s * (sooner_s / duration_s))
+    way_mm, after_mm_s = way(speed_mm_s, [ramp], slope.shape)
+    return [ramp], State(path_mm + way_mm, max(after_mm_s, 0.0), a1, left[1:])
+
+
+def _is_end(state: State, end_mm: float) -> bool:
+    """Whether a path has come to its end, but for rounding."""
+    path_mm, speed_mm_s, a_mm_s2, _ = state
+    return a_mm_s2 == 0.0 and speed_mm_s < _SAME_MM and path_mm > end_mm - _SAME_MM
+
+
+def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp] | None:
+    """Return the ramps that brake at once; None where the end is too near for them.
+
+    With longer ones where the end is a little further: with SIN2 a deceleration that falls in two
+    ramps, over the feed, takes more way than in one, and ends between the two are reached by
+    neither.
+    """
+    path_mm, speed_mm_s, a_mm_s2, left = state
+    length_mm, under_way = end_mm - path_mm, _rising(state)
 
     def ramps(share: float) -> list[Ramp]:
         rising, falling = down.rising_s3_mm * share, down.falling_s3_mm * share
-        shorter = with_jerk(down, down.a_mm_s2, rising, falling, down.releasing_s3_mm * share)
-        return braking(speed_mm_s, a_mm_s2, shorter)
+        longer = with_jerk(down, down.a_mm_s2, rising, falling, down.releasing_s3_mm * share)
+        return braking(speed_mm_s, a_mm_s2, longer, under_way)
 
     def way_mm(share: float) -> float:
         return way(speed_mm_s, ramps(share), down.shape)[0]
 
-    if way_mm(1.0) <= length_mm + _SAME_MM:
-        is_too_short = way_mm(1.0) < length_mm - _SAME_MM and way_mm(2.0) >= length_mm
-        return ramps(halved(way_mm, length_mm, 1.0, 2.0) if is_too_short else 1.0)
-    if way_mm(0.0) < length_mm:
-        return ramps(halved(way_mm, length_mm, 0.0, 1.0))
-    if length_mm <= 0.0 or speed_mm_s <= 0.0:
-        return []
-    hard_mm_s2 = 0.5 * speed_mm_s * speed_mm_s / length_mm
-    return [Ramp(-hard_mm_s2, -hard_mm_s2, speed_mm_s / hard_mm_s2)]
+    if left and way_mm(1.0) > length_mm + _SAME_MM:
+        return None
+    is_too_short = way_mm(1.0) < length_mm - _SAME_MM and way_mm(2.0) >= length_mm
+    return ramps(halved(way_mm, length_mm, 1.0, 2.0) if is_too_short else 1.0)
 
 
 class _Rest:
@@ -180,6 +246,7 @@ class _Rest:
     ) -> None:
         self._state, self._end_mm, self._feed_mm_s = state, end_mm, feed_mm_s
         self._speed_mm_s, self._a = state.speed_mm_s, state.a_mm_s2
+        self._rising = _rising(state)
         self._length_mm = end_mm - state.path_mm
         # An acceleration falls as it would at the end of its own pulse
         self._up, self._shape = up, up.shape
@@ -189,59 +256,90 @@ class _Rest:
         self._falling = falling
         if 0.5 * self._now * self._now * falling > self._speed_mm_s:
             self._falling = 2.0 * self._speed_mm_s / (self._now * self._now)
-        release_s = abs(self._a) * (up.falling_s3_mm if self._a > 0.0 else self._falling)
-        self._at_once_mm_s = self._speed_mm_s + 0.5 * self._a * release_s
-        self._first = [Ramp(self._a, 0.0, release_s)] if release_s > 0.0 else []
+        self._first, self._at_once_mm_s = self._release()
+        # A lead to less than this begins with the release
+        self._turns_mm_s = math.inf if self._a <= 0.0 else self._at_once_mm_s
+        if self._a > 0.0 and self._rising is not None:
+            self._turns_mm_s = self._speed_mm_s + 0.5 * self._a * self._a * up.falling_s3_mm
         self._is_too_fast = self._at_once_mm_s > feed_mm_s * (1.0 + _SAME_SPEED)
         self._run_up: RunUp | None = None
+        self._turns_first, self._run_up_from_mm_s = False, self._at_once_mm_s
         if up.stroke is not None and not self._is_too_fast:
             self._keep_to(up.stroke)
+
+    def _release(self) -> tuple[list[Ramp], float]:
+        """Return the ramps in which acceleration or deceleration falls, and the speed after them.
+
+        A rising ramp of SIN2 turns; one of a deceleration ends with the speed at the latest.
+        """
+        speed_mm_s, shape = self._speed_mm_s, self._shape
+        s3_mm = self._up.falling_s3_mm if self._a > 0.0 else self._falling
+        if self._rising is None:
+            release_s = abs(self._a) * s3_mm
+            ramps = [Ramp(self._a, 0.0, release_s)] if release_s > 0.0 else []
+            return ramps, speed_mm_s + 0.5 * self._a * release_s
+        ramps = turned(self._rising, s3_mm)
+        _, change_mm_s = way(0.0, ramps, shape)
+        if self._a > 0.0:
+            return ramps, speed_mm_s + change_mm_s
+        if change_mm_s > speed_mm_s:
+            ramps = turned(self._rising, s3_mm * speed_mm_s / change_mm_s)
+            change_mm_s = speed_mm_s
+        return downwards(ramps), speed_mm_s - change_mm_s
 
     def _keep_to(self, stroke: Stroke) -> None:
         """Accelerate so that a stop keeps to a stroke, where it would not do so anyway."""
         usual = self._lead_to(self._feed_mm_s)
         start_mm_s = self._speed_mm_s
-        if self._a < 0.0:
+        self._turns_first = self._a < 0.0 or (
+            self._rising is not None and self._feed_mm_s < self._turns_mm_s
+        )
+        if self._turns_first:
             usual, start_mm_s = usual[len(self._first) :], self._at_once_mm_s
+        elif self._rising is not None:
+            self._run_up_from_mm_s = self._turns_mm_s
         run_up = RunUp(start_mm_s, self._feed_mm_s, usual, self._up, stroke)
         if run_up.is_needed:
             self._run_up, self._feed_mm_s = run_up, run_up.top_mm_s
 
-    def planned(self) -> JerkProfile:
-        """Return the course of the rest."""
+    def planned(self) -> Ramps | None:
+        """Return the ramps of the rest: those from its begin, and those into its end.
+
+        None where the path is too short for them.
+        """
         length_mm = self._length_mm
         if length_mm <= 0.0 and self._speed_mm_s <= 0.0:
-            return JerkProfile(self._end_mm, self._end_mm, (), self._shape)
+            return [], []
         if not self._is_too_fast:
             if self._way_over(self._feed_mm_s) <= length_mm:
                 return self._over(self._feed_mm_s)
             if self._way_over(self._at_once_mm_s) <= length_mm:
                 between = self._at_once_mm_s, self._feed_mm_s
                 return self._over(halved(self._way_over, length_mm, *between))
-        if self._way_with(0.0) <= length_mm:
-            return self._with(0.0)
-        hardest = self._hardest()
-        if hardest > 0.0 and self._way_with(hardest) < length_mm:
-            return self._with(halved(self._way_with, length_mm, hardest, 0.0))
-        ramps = _fitted(self._state, self._end_mm, self._down)
-        return joined(self._state, self._end_mm, [], ramps, self._shape)
+        if self._is_too_fast or self._a <= 0.0:  # else too short by rounding, or by a harder hold
+            if self._way_with(0.0) <= length_mm:
+                return self._with(0.0)
+            hardest = self._hardest()
+            if hardest > 0.0 and self._way_with(hardest) < length_mm:
+                return self._with(halved(self._way_with, length_mm, hardest, 0.0))
+        fitted = _fitted(self._state, self._end_mm, self._down)
+        return None if fitted is None else ([], fitted)
 
     # Over a peak speed, from the one that is reached at once to the feed
 
     def _lead_to(self, peak_mm_s: float) -> list[Ramp]:
-        if self._run_up is not None and peak_mm_s >= self._at_once_mm_s:
-            return (self._first if self._a < 0.0 else []) + self._run_up.lead_to(peak_mm_s)
-        if self._a > 0.0 and peak_mm_s > self._at_once_mm_s:
-            return pulse(peak_mm_s - self._speed_mm_s, self._up, self._a)
+        if self._run_up is not None and peak_mm_s >= self._run_up_from_mm_s:
+            return (self._first if self._turns_first else []) + self._run_up.lead_to(peak_mm_s)
+        if peak_mm_s > self._turns_mm_s:
+            return pulse(peak_mm_s - self._speed_mm_s, self._up, self._a, 0.0, self._rising)
         return self._first + pulse(peak_mm_s - self._at_once_mm_s, self._up)
 
     def _way_over(self, peak_mm_s: float) -> float:
         lead_mm, _ = way(self._speed_mm_s, self._lead_to(peak_mm_s), self._shape)
         return lead_mm + self._down.distance_mm(peak_mm_s)
 
-    def _over(self, peak_mm_s: float) -> JerkProfile:
-        tail = braking(peak_mm_s, 0.0, self._down)
-        return joined(self._state, self._end_mm, self._lead_to(peak_mm_s), tail, self._shape)
+    def _over(self, peak_mm_s: float) -> Ramps:
+        return self._lead_to(peak_mm_s), braking(peak_mm_s, 0.0, self._down)
 
     # With a deceleration that is still there at the feed, or at the end of its fall
 
@@ -253,7 +351,7 @@ class _Rest:
             change_mm_s = self._at_once_mm_s - self._feed_mm_s
             return self._first + downwards(pulse(change_mm_s, self._down, 0.0, left))
         change_mm_s = self._speed_mm_s - self._feed_mm_s
-        return downwards(pulse(change_mm_s, self._down, self._now, left))
+        return downwards(pulse(change_mm_s, self._down, self._now, left, self._rising))
 
     def _hardest(self) -> float:
         """Return the deceleration at the feed of a path that brakes as hard as it can."""
@@ -263,19 +361,31 @@ class _Rest:
         from_mm_s = self._at_once_mm_s if self._a > 0.0 else self._speed_mm_s
         limits = [max(down.a_mm_s2, now)]
         if down.rise_s > 0.0:
-            square = 2.0 * (from_mm_s - self._feed_mm_s) / down.rising_s3_mm + now * now
-            limits.append(math.sqrt(square))
+            limits.append(self._risen(from_mm_s - self._feed_mm_s, limits[0]))
         if down.fall_s > 0.0:
             limits.append(math.sqrt(2.0 * self._feed_mm_s / down.falling_s3_mm))
         return min(limits)
+
+    def _risen(self, change_mm_s: float, most: float) -> float:
+        """Return what a deceleration rises to while it takes so much of the speed."""
+        now, rising, s3_mm = self._now, self._rising, self._down.rising_s3_mm
+        if self._a >= 0.0 or rising is None:
+            return math.sqrt(2.0 * change_mm_s / s3_mm + now * now)
+        base = rising.from_mm_s2
+
+        def taken_mm_s(peak: float) -> float:
+            return way(0.0, [going_on(base, now, peak, (peak - base) * s3_mm)], self._shape)[1]
+
+        if taken_mm_s(most) <= change_mm_s:
+            return most
+        return halved(taken_mm_s, change_mm_s, now, most)
 
     def _way_with(self, left: float) -> float:
         lead_mm, speed_mm_s = way(self._speed_mm_s, self._slow_to(left), self._shape)
         tail_mm, _ = way(speed_mm_s, braking(speed_mm_s, -left, self._down), self._shape)
         return lead_mm + tail_mm
 
-    def _with(self, left: float) -> JerkProfile:
+    def _with(self, left: float) -> Ramps:
         lead = self._slow_to(left)
         _, speed_mm_s = way(self._speed_mm_s, lead, self._shape)
-        tail = braking(speed_mm_s, -left, self._down)
-        return joined(self._state, self._end_mm, lead, tail, self._shape)
+        return lead, braking(speed_mm_s, -left, self._down)

@@ -9,9 +9,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
-from axisrig.kernel.motion.course import AnySlope
+from axisrig.kernel.motion.course import AnySlope, Ramp
 
 Limits = TypeVar("Limits", bound="JerkLimits")
 
@@ -28,14 +28,6 @@ class Shape(StrEnum):
     def way_share(self) -> float:
         """Share of (a1 - a0) T² by which a ramp lengthens the way: 1/6, or 1/4 - 1/pi²."""
         return 0.25 - 1.0 / (math.pi * math.pi) if self is Shape.SIN2 else 1.0 / 6.0
-
-
-class Ramp(NamedTuple):
-    """A change of the acceleration from one value to another, or none; its duration."""
-
-    from_mm_s2: float
-    to_mm_s2: float
-    duration_s: float
 
 
 @dataclass(frozen=True)
@@ -95,21 +87,97 @@ def way(speed_mm_s: float, ramps: list[Ramp], shape: Shape) -> tuple[float, floa
     One ramp: v T + a0 T²/2 + k (a1 - a0) T², k of the shape. Source: integral of its acceleration.
     """
     way_mm, share = 0.0, shape.way_share
-    for a0, a1, t_s in ramps:
+    for ramp in ramps:
+        a0, a1, t_s, begun_s = ramp
+        if begun_s > 0.0:
+            left_mm, speed_mm_s = gone(speed_mm_s, ramp, t_s - begun_s, shape)
+            way_mm += left_mm
+            continue
         way_mm += (speed_mm_s + (0.5 * a0 + share * (a1 - a0)) * t_s) * t_s
         speed_mm_s += 0.5 * (a0 + a1) * t_s
     return way_mm, speed_mm_s
 
 
+def gone(speed_mm_s: float, ramp: Ramp, dt: float, shape: Shape) -> tuple[float, float]:
+    """Return how far a ramp that has begun leads on from a speed in `dt`, and the speed then.
+
+    With b begun and the integrals I, J of the change from the begin of the ramp: v + a0 dt +
+    I(b + dt) - I(b), and v dt + a0 dt²/2 + J(b + dt) - J(b) - I(b) dt.
+    """
+    a0, a1, t_s, begun_s = ramp
+    _, once, twice = part(shape, begun_s, t_s, a1 - a0)
+    _, then_once, then_twice = part(shape, begun_s + dt, t_s, a1 - a0)
+    way_mm = (speed_mm_s + 0.5 * a0 * dt - once) * dt + (then_twice - twice)
+    return way_mm, speed_mm_s + a0 * dt + (then_once - once)
+
+
+def acceleration(ramp: Ramp, shape: Shape) -> float:
+    """Return the acceleration with which a ramp goes on."""
+    a0, a1, t_s, begun_s = ramp
+    return a0 + part(shape, begun_s, t_s, a1 - a0)[0] if begun_s > 0.0 else a0
+
+
+def going_on(start: float, now: float, end: float, duration_s: float) -> Ramp:
+    """Return the ramp of SIN2 from `start` to `end` from where its acceleration is `now` on.
+
+    Inverse of its course: sin²(pi x/2) = (now - start)/(end - start) at the share x of its time.
+    """
+    share = (now - start) / (end - start) if end != start else 1.0
+    begun = 2.0 / math.pi * math.asin(math.sqrt(min(max(share, 0.0), 1.0)))
+    return Ramp(start, end, duration_s, begun * duration_s)
+
+
+def turned(rising: Ramp, s3_mm: float) -> list[Ramp]:
+    """Return how an acceleration that is rising falls to 0 at once: the mirrored course.
+
+    s3_mm: ramp time per acceleration of the fall. All are magnitudes.
+    """
+    base, top, now = rising.from_mm_s2, rising.to_mm_s2, acceleration(rising, Shape.SIN2)
+    ramps = [going_on(top, now, base, (top - base) * s3_mm), Ramp(base, 0.0, base * s3_mm)]
+    return [ramp for ramp in ramps if ramp.duration_s > ramp.begun_s]
+
+
+def _peak(
+    change_mm_s: float, limits: JerkLimits, rising: Ramp, start: float, end: float
+) -> list[Ramp]:
+    """Return the pulse of a ramp of SIN2 that is under way: it goes on, to another peak."""
+    base, r, f = rising.from_mm_s2, limits.rising_s3_mm, limits.falling_s3_mm
+
+    def ramps(peak: float) -> list[Ramp]:
+        rise = going_on(base, start, peak, (peak - base) * r)
+        return [rise, Ramp(peak, end, (peak - end) * f)]
+
+    def gained_mm_s(peak: float) -> float:
+        return way(0.0, ramps(peak), Shape.SIN2)[1]
+
+    least, most = max(start, end), max(limits.a_mm_s2, start, end)
+    if gained_mm_s(most) <= change_mm_s:
+        peak, missing_mm_s = most, change_mm_s - gained_mm_s(most)
+    elif gained_mm_s(least) >= change_mm_s:
+        peak, missing_mm_s = least, 0.0
+    else:
+        peak, missing_mm_s = halved(gained_mm_s, change_mm_s, least, most), 0.0
+    rise, fall = ramps(peak)
+    held = Ramp(peak, peak, missing_mm_s / peak)
+    return [ramp for ramp in (rise, held, fall) if ramp.duration_s > ramp.begun_s]
+
+
 def pulse(
-    change_mm_s: float, limits: JerkLimits, start: float = 0.0, end: float = 0.0
+    change_mm_s: float,
+    limits: JerkLimits,
+    start: float = 0.0,
+    end: float = 0.0,
+    rising: Ramp | None = None,
 ) -> list[Ramp]:
     """Return the ramps that change a speed by so much, from one acceleration to another.
 
     All are magnitudes. Without a constant part the change is (p² - start²) r/2 + (p² - end²) f/2
-    with the peak p and the ramp times per acceleration r and f.
+    with the peak p and the ramp times per acceleration r and f. rising: the ramp of SIN2 that is
+    under way at `start`; it goes on.
     """
-    rising, falling = limits.rising_s3_mm, limits.falling_s3_mm
+    if rising is not None:
+        return _peak(change_mm_s, limits, rising, start, end)
+    per_rise, per_fall = limits.rising_s3_mm, limits.falling_s3_mm
     rise_s, fall_s = limits.rise_s, limits.fall_s
     if change_mm_s <= 0.0 and start == 0.0:
         return []
@@ -117,11 +185,11 @@ def pulse(
         peak = min(limits.a_mm_s2, 2.0 * change_mm_s / (rise_s + fall_s))
     else:
         peak = max(limits.a_mm_s2, start, end)
-        if rising + falling > 0.0:
-            square = 2.0 * change_mm_s + start * start * rising + end * end * falling
-            peak = min(peak, math.sqrt(max(square, 0.0) / (rising + falling)))
+        if per_rise + per_fall > 0.0:
+            square = 2.0 * change_mm_s + start * start * per_rise + end * end * per_fall
+            peak = min(peak, math.sqrt(max(square, 0.0) / (per_rise + per_fall)))
         peak = max(peak, start, end)
-        rise_s, fall_s = (peak - start) * rising, (peak - end) * falling
+        rise_s, fall_s = (peak - start) * per_rise, (peak - end) * per_fall
     gained_mm_s = 0.5 * ((peak + start) * rise_s + (peak + end) * fall_s)
     hold_s = max(change_mm_s - gained_mm_s, 0.0) / peak
     ramps = (Ramp(start, peak, rise_s), Ramp(peak, peak, hold_s), Ramp(peak, end, fall_s))
@@ -129,17 +197,24 @@ def pulse(
 
 
 def downwards(ramps: list[Ramp]) -> list[Ramp]:
-    """Return the same ramps as a deceleration."""
-    return [Ramp(-a0, -a1, t_s) for a0, a1, t_s in ramps]
+    """Return the same ramps as a deceleration, or those of a deceleration as magnitudes."""
+    return [Ramp(-a0, -a1, t_s, begun_s) for a0, a1, t_s, begun_s in ramps]
 
 
-def braking(speed_mm_s: float, a_mm_s2: float, limits: JerkLimits) -> list[Ramp]:
+def braking(
+    speed_mm_s: float, a_mm_s2: float, limits: JerkLimits, rising: Ramp | None = None
+) -> list[Ramp]:
     """Return the ramps that stop from a state as soon as possible.
 
     An acceleration falls first: meanwhile the speed grows by a t/2. A deceleration that is larger
     than the one of the limits stays, and one that must end sooner than they let it ends with the
-    speed.
+    speed. rising: magnitudes of the ramp of SIN2 that is under way, which a stop by a signal does
+    not look at.
     """
+    if a_mm_s2 > 0.0 and rising is not None:
+        first = turned(rising, limits.releasing_s3_mm)
+        _, speed_mm_s = way(speed_mm_s, first, limits.shape)
+        return first + downwards(pulse(speed_mm_s, limits))
     if a_mm_s2 > 0.0:
         t_s = a_mm_s2 * limits.releasing_s3_mm
         first = [Ramp(a_mm_s2, 0.0, t_s)] if t_s > 0.0 else []
@@ -148,7 +223,7 @@ def braking(speed_mm_s: float, a_mm_s2: float, limits: JerkLimits) -> list[Ramp]
     if now > 0.0 and 0.5 * now * now * limits.falling_s3_mm >= speed_mm_s:
         t_s = 2.0 * speed_mm_s / now
         return [Ramp(a_mm_s2, 0.0, t_s)] if t_s > 0.0 else []
-    return downwards(pulse(speed_mm_s, limits, now))
+    return downwards(pulse(speed_mm_s, limits, now, 0.0, rising))
 
 
 def part(shape: Shape, dt: float, duration_s: float, change: float) -> tuple[float, float, float]:

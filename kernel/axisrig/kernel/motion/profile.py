@@ -121,19 +121,19 @@ class Slope(AnySlope):
     ) -> "Profile":
         """Plan the rest of a path, see `plan_rest`."""
         assert isinstance(deceleration, Slope)
-        path_mm, speed_mm_s, _ = state
+        path_mm, speed_mm_s, _, _ = state
         return plan_rest(path_mm, end_mm, feed_mm_s, self, deceleration, speed_mm_s)
 
     def stopped(self, state: State) -> "Profile":
         """Return the profile that stops from a state with this slope."""
-        path_mm, speed_mm_s, _ = state
+        path_mm, speed_mm_s, _, _ = state
         end_mm = path_mm + self.distance_mm(speed_mm_s)
         return _joined(path_mm, end_mm, [], 0.0, self.steps(speed_mm_s))
 
     def held(self, state: State, end_mm: float, deceleration: AnySlope) -> "Profile":
         """Return the profile that stops from a state no further than `end_mm`."""
         assert isinstance(deceleration, Slope)
-        path_mm, speed_mm_s, _ = state
+        path_mm, speed_mm_s, _, _ = state
         for slope in (self, deceleration):
             stop_mm = path_mm + slope.distance_mm(speed_mm_s)
             if stop_mm <= end_mm:

@@ -15,11 +15,14 @@ Source: FCT-C4, P-AXIS-00086 with its remark, for what a stop may take; the stop
 import math
 from dataclasses import dataclass
 
+from axisrig.kernel.motion.course import Ramp
 from axisrig.kernel.motion.jerk_ramps import (
     JerkLimits,
-    Ramp,
     Shape,
+    acceleration,
     braking,
+    going_on,
+    gone,
     halved,
     part,
     pulse,
@@ -74,7 +77,8 @@ class Stroke:
     def holds(self, speed_mm_s: float, ramps: list[Ramp], shape: Shape, step_s: float) -> bool:
         """Return whether a stop has room throughout ramps that begin at a speed."""
         for ramp in ramps:
-            a0, a1, t_s = ramp
+            a0, a1, whole_s, begun_s = ramp
+            t_s = whole_s - begun_s
             if t_s <= 0.0:
                 continue
             looks = _LOOKS if shape is Shape.TRAPEZ else _LOOKS_SIN2
@@ -83,6 +87,12 @@ class Stroke:
                 looks = math.ceil(min(many, _MOST_LOOKS))
             for look in range(looks + 1):
                 dt = t_s * look / looks
+                if begun_s > 0.0:
+                    _, after_mm_s = gone(speed_mm_s, ramp, dt, shape)
+                    a = acceleration(ramp._replace(begun_s=begun_s + dt), shape)
+                    if not self.has_room(after_mm_s, a):
+                        return False
+                    continue
                 risen, once, _ = part(shape, dt, t_s, a1 - a0)
                 if not self.has_room(speed_mm_s + a0 * dt + once, a0 + risen):
                     return False
@@ -127,7 +137,7 @@ class RunUp:
             speed_mm_s = after_mm_s
         last = lead[-1].to_mm_s2 if lead else 0.0
         lead.append(Ramp(last, 0.0, last * falling))
-        return [ramp for ramp in lead if ramp.duration_s > 0.0]
+        return [ramp for ramp in lead if ramp.duration_s > ramp.begun_s]
 
     @property
     def _missing_mm_s(self) -> float:
@@ -143,7 +153,7 @@ class RunUp:
         begun, from_mm_s = self._begin(usual), self.top_mm_s
         for ramp in begun:
             self._add(ramp)
-        a = begun[-1].to_mm_s2 if begun else usual[0].from_mm_s2
+        a = begun[-1].to_mm_s2 if begun else acceleration(usual[0], self._up.shape)
         a = self._go_on(a if begun or self._up.rise_s > 0.0 else self._jump(a))
         self._add(Ramp(a, 0.0, a * self._up.falling_s3_mm))
         gained_mm_s = self.top_mm_s - from_mm_s
@@ -234,7 +244,7 @@ class RunUp:
         return slowly if self._is_free([slowly], self.top_mm_s) else Ramp(a, 0.0, release_s)
 
     def _add(self, ramp: Ramp) -> float:
-        if ramp.duration_s > 0.0:
+        if ramp.duration_s > ramp.begun_s:
             self._ramps.append(ramp)
             _, self.top_mm_s = way(self.top_mm_s, [ramp], self._up.shape)
         return ramp.to_mm_s2
@@ -244,13 +254,23 @@ def _landing(ramp: Ramp, change_mm_s: float, falling: float) -> Ramp:
     """Return as much of a ramp as changes a speed by so much, with the fall after it."""
 
     def landed_mm_s(share: float) -> float:
-        a0, a1, t_s = _cut(ramp, share)
+        cut = _cut(ramp, share)
+        a0, a1, t_s, begun_s = cut
+        if begun_s > 0.0:
+            return way(0.0, [cut], Shape.SIN2)[1] + 0.5 * a1 * a1 * falling
         return 0.5 * ((a0 + a1) * t_s + a1 * a1 * falling)
 
     return _cut(ramp, halved(landed_mm_s, change_mm_s, 0.0, 1.0))
 
 
 def _cut(ramp: Ramp, share: float) -> Ramp:
-    """Return the first part of a ramp, which changes the acceleration by a share."""
-    a0, a1, t_s = ramp
+    """Return the first part of a ramp, which changes the acceleration by a share.
+
+    One that has begun goes on to less than its own end.
+    """
+    a0, a1, t_s, begun_s = ramp
+    if begun_s > 0.0:
+        now = acceleration(ramp, Shape.SIN2)
+        end = now + share * (a1 - now)
+        return going_on(a0, now, end, t_s * (end - a0) / (a1 - a0))
     return Ramp(a0, a0 + share * (a1 - a0), share * t_s)
