@@ -187,5 +187,6 @@ def test_the_unit_shows_surface_offset_state_and_source(row: dict[str, str]) -> 
     surface += float(row["plant:gap.lift_2_mm"]) if part > 2 else 0.0
     state = {2: 1, 3: 2, 4: 1, 5: 0}[part]
     shown = [band(row[f"check:msg:N60.{k}"].removeprefix("==")) for k in range(1, 5)]
-    assert [middle for middle, _ in shown] == [surface * 1e4, offset(row, part) * 1e4, state, 1]
+    left = 0.0 if part == _OFF else offset(row, part)
+    assert [middle for middle, _ in shown] == [surface * 1e4, left * 1e4, state, 1]
     assert all(half <= 1.0 for _, half in shown)
