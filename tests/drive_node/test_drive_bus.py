@@ -280,7 +280,7 @@ def test_reset_brings_defaults_and_the_boot_up(
     bench.run_to_ms(15)
     assert bench.frames(0x703) == [b"\x00", b"\x00"]
     assert bench.remote.sdo[0x6065].raw == window
-    assert bench.remote.sdo[0x1006].raw == 1000
+    assert bench.remote.sdo[0x1006].raw == 0
     assert bench.remote.sdo[0x1800][2].raw == 1
     assert bench.node.state is not State.OPERATION_ENABLED
     assert not bench.axis.commands[-1].enabled

@@ -122,18 +122,66 @@ def test_position_offset_is_added_to_the_target(drive_bench: Make) -> None:
     assert velocity(bench) == pytest.approx(1500 / PER_M / 1e-3)
 
 
-def test_the_interpolation_time_is_60c2_where_1006_is_0(drive_bench: Make) -> None:
+Period = tuple[int, int, int, int]
+# (index, sub-index, value, bytes) that a master writes, in its order; time from target to target
+PERIODS: list[tuple[list[Period], int]] = [
+    ([], 1_000_000),  # 1006 is 0: 60C2 has 1 ms
+    ([(0x1006, 0, 4000, 4)], 4_000_000),
+    ([(0x60C2, 1, 100, 1)], 100_000_000),
+    ([(0x60C2, 1, 25, 1), (0x60C2, 2, -4, 1)], 2_500_000),
+    ([(0x60C2, 1, 25, 1), (0x60C2, 2, -4, 1), (0x1006, 0, 4000, 4)], 2_500_000),
+    ([(0x1006, 0, 4000, 4), (0x60C2, 2, -2, 1)], 10_000_000),
+    ([(0x1006, 0, 4000, 4), (0x60C2, 1, 1, 1)], 1_000_000),  # its default, but written
+]
+
+
+def interpolation_ns(bench: Any, mode: int = 8) -> int:
+    """Let the drive take a new target; return over which time it goes there."""
+    bench.remote.sdo[0x6060].raw = mode
+    bench.operational(bench.scheduler.now_ns // MS + 2)
+    bench.enable(bench.scheduler.now_ns // MS + 2)
+    bench.set_values(0x0F, 1000)
+    bench.remote.sdo[0x60FF].raw = 1000
+    bench.sync_at_ms(bench.scheduler.now_ns // MS + 1)
+    last = bench.axis.commands[-1]
+    return int(last.end_ns - last.time_ns)
+
+
+def write_all(bench: Any, writes: list[Period]) -> None:
+    for index, sub, value, size in writes:
+        data = value.to_bytes(size, "little", signed=value < 0)
+        bench.remote.sdo.download(index, sub, data)
+
+
+@pytest.mark.parametrize("mode", [8, 9])
+@pytest.mark.parametrize(("writes", "expected_ns"), PERIODS)
+def test_the_interpolation_time_is_60c2_once_written_and_1006_before(
+    drive_bench: Make, writes: list[Period], expected_ns: int, mode: int
+) -> None:
     bench = drive_bench()
-    sdo = bench.remote.sdo
-    sdo[0x60C2][1].raw, sdo[0x60C2][2].raw = 25, -4  # 2.5 ms
-    bench.operational(4)
-    bench.enable(5)
-    for period_us, expected_ns in ((1000, 1 * MS), (0, 2_500_000)):
-        sdo[0x1006].raw = period_us
-        bench.set_values(0x0F, 1000)
-        bench.sync_at_ms(bench.scheduler.now_ns // MS + 1)
-        last = bench.axis.commands[-1]
-        assert last.end_ns - last.time_ns == expected_ns
+    write_all(bench, writes)
+    assert interpolation_ns(bench, mode) == expected_ns
+
+
+@pytest.mark.parametrize(
+    ("stores", "command", "expected_ns"),
+    [
+        (False, 129, 4_000_000),  # reset node: no master has written 60C2 since
+        (False, 130, 2_500_000),  # reset communication leaves the application alone
+        (True, 129, 2_500_000),  # stored by 1010: a master has written it
+    ],
+)
+def test_a_reset_forgets_60c2_unless_it_was_stored(
+    drive_bench: Make, stores: bool, command: int, expected_ns: int
+) -> None:
+    bench = drive_bench()
+    write_all(bench, PERIODS[3][0])
+    if stores:
+        bench.remote.sdo[0x1010][1].raw = int.from_bytes(b"save", "little")
+    bench.remote.nmt.send_command(command)
+    bench.run_to_ms(bench.scheduler.now_ns // MS + 5)
+    write_all(bench, [(0x1006, 0, 4000, 4)])
+    assert interpolation_ns(bench) == expected_ns
 
 
 SCALES = [

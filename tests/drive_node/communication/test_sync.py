@@ -63,6 +63,7 @@ def test_sync_with_data_is_none_while_1019_is_0(stranger: Make) -> None:
 def test_counter_of_the_sync(stranger: Make) -> None:
     """1019 needs 1006 = 0; then the SYNC has one byte and one without is an error."""
     drive = stranger()
+    drive.write(0x1006, 0, 1000, 4)
     assert drive.write(0x1019, 0, 4, 1) == 0x08000022
     assert drive.write(0x1019, 0, 0, 1) == 0  # what it has
     assert drive.write(0x1006, 0, 0, 4) == 0
@@ -77,7 +78,6 @@ def test_counter_of_the_sync(stranger: Make) -> None:
 def test_sync_start_value(stranger: Make) -> None:
     """TPDO1 every second SYNC, counted from the one with counter 3: 4, 2, 4 of 1 to 4."""
     drive = stranger()
-    drive.write(0x1006, 0, 0, 4)
     drive.write(0x1019, 0, 4, 1)
     assert drive.write(0x1800, 6, 3, 1) == 0x06090030  # the PDO is valid
     drive.write(0x1800, 1, 0xC000_0183, 4)
@@ -131,6 +131,7 @@ def test_late_tpdo_is_withdrawn(stranger: Make) -> None:
 def test_missing_sync_stops_an_enabled_drive(stranger: Make) -> None:
     """Three periods of 1 ms without SYNC: emergency 8700 and the fault reaction."""
     drive = stranger(profile=DriveProfile(sync_loss_periods=3))
+    drive.write(0x1006, 0, 1000, 4)
     drive.enable()
     for _ in range(10):
         drive.after(0x80, wait_ms=2.9)
@@ -146,6 +147,7 @@ def test_missing_sync_stops_an_enabled_drive(stranger: Make) -> None:
 def test_sync_that_was_lost_before_the_drive_is_enabled(stranger: Make) -> None:
     """Enabled by SDO without any SYNC: three periods later at most it is told."""
     drive = stranger(profile=DriveProfile(sync_loss_periods=3))
+    drive.write(0x1006, 0, 1000, 4)
     drive.nmt(1)
     drive.after(0x80)
     drive.run_ms(100)
@@ -160,8 +162,8 @@ def test_sync_that_was_lost_before_the_drive_is_enabled(stranger: Make) -> None:
 def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
     periods = 0 if case == "not watched" else 3
     drive = stranger(profile=DriveProfile(sync_loss_periods=periods))
-    if case == "no period":
-        drive.write(0x1006, 0, 0, 4)
+    if case != "no period":
+        drive.write(0x1006, 0, 1000, 4)
     if case == "not enabled":
         drive.nmt(1)
         drive.after(0x80)

@@ -26,6 +26,7 @@ from axisrig.kernel.time.clock import Clock, Phase
 CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
 MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
 PROFILE_OBJECTS = range(0x6000, 0xA000)
+INTERPOLATION_TIME = 0x60C2
 STORE_EDS = 0x1021
 
 
@@ -166,6 +167,8 @@ class _ProfileObjects(Owner):
 
     def written(self, index: int, sub: int, value: int) -> None:
         """Act now, and send what has changed by the event-driven PDOs."""
+        if index == INTERPOLATION_TIME:
+            self._servo.interpolation.written()
         self._servo.update()
         self._servo.react(self._clock.now_ns)
         self._slave.exchange.send_events()

@@ -57,6 +57,15 @@ def encode(od: ObjectDictionary, index: int, sub: int, value: int) -> bytes:
     return data
 
 
+def allowed_values(found: ODVariable) -> range:
+    """Return the values from LowLimit to HighLimit of a whole number, else those of its type."""
+    low = -(1 << len(found) - 1) if is_signed(found) else 0
+    high = low + (1 << len(found)) - 1
+    return range(
+        low if found.min is None else found.min, (high if found.max is None else found.max) + 1
+    )
+
+
 def is_signed(found: ODVariable) -> bool:
     """Return whether a variable has a sign."""
     return found.data_type in datatypes.SIGNED_TYPES

@@ -11,7 +11,12 @@ from typing import Final, Literal
 
 from canopen.objectdictionary import ObjectDictionary
 
-from axisrig.kernel.drives.dictionary import check_mapping, encode, variable
+from axisrig.kernel.drives.dictionary import (
+    allowed_values,
+    check_mapping,
+    encode,
+    variable,
+)
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.drives.sdo import object_name
 from axisrig.kernel.errors import UserError
@@ -22,6 +27,8 @@ PROFILE_MASK = 0xFFFF  # low word of 1000: number of the device profile
 DRIVE_PROFILE = 402
 CSP = 8
 SYNC_ID = 0x80
+INTERPOLATION: Final = 0x60C2
+INDICES: Final = range(0, -10, -1)  # powers of ten of a second, down to a nanosecond
 
 NMT_START, NMT_RESET_NODE, NMT_RESET_COMMUNICATION = 1, 129, 130
 Boot = Literal["reset_communication", "reset_node", "wait", "none"]
@@ -41,8 +48,8 @@ SCALING = ((0x608F, 1), (0x608F, 2), (0x6091, 1), (0x6091, 2), (0x6092, 1), (0x6
 class BusSettings:
     """What all drives of the machine share.
 
-    sync_period_us: 1006. sync_counter: overflow of the SYNC counter 1019, 0 = SYNC without data.
-    heartbeat_ms: of the kernel's own heartbeat, 0 = none; master_node: its node id.
+    sync_period_us: 1006 and 60C2. sync_counter: overflow of the SYNC counter 1019, 0 = SYNC without
+    data. heartbeat_ms: of the kernel's own heartbeat, 0 = none; master_node: its node id.
     """
 
     sync_period_us: int = 1000
@@ -225,6 +232,36 @@ def _sync(settings: StartUpSettings, bus: BusSettings, od: ObjectDictionary) -> 
         yield _write(od, 0x1007, 0, settings.sync_window_us)
     if _can_write(od, 0x1006):
         yield _write(od, 0x1006, 0, bus.sync_period_us)
+    yield from _interpolation(bus.sync_period_us, od)
+
+
+def _interpolation(period_us: int, od: ObjectDictionary) -> Iterator[Step]:
+    """60C2, the time from one set position to the next, where the drive has it.
+
+    Source: CiA 402-2, time = value * 10^index s. Of the pairs that the drive takes the one with the
+    smallest value; an index that cannot be written stays as it is. Raises UserError for none.
+    """
+    value_at, index_at = (variable(od, INTERPOLATION, sub) for sub in (1, 2))
+    if value_at is None or index_at is None or not value_at.writable:
+        return
+    values = allowed_values(value_at)
+    is_fixed = not index_at.writable
+    indices = (index_at.default or 0,) if is_fixed else allowed_values(index_at)
+    time = Fraction(period_us, 1_000_000)
+    pairs = {index: time / Fraction(10) ** index for index in INDICES if index in indices}
+    for index, value in pairs.items():
+        if value.denominator == 1 and value.numerator in values:
+            yield _write(od, INTERPOLATION, 1, value.numerator)
+            if not is_fixed:
+                yield _write(od, INTERPOLATION, 2, index)
+            return
+    raise UserError(
+        "the period of the NC cycle cannot be written to object 60C2, interpolation time period",
+        value=f"{period_us} us",
+        allowed=f"{values[0]} to {values[-1]} times a power of ten of a second,"
+        f" exponents {', '.join(map(str, pairs))}",
+        hint="choose another period_us of [cycle]",
+    )
 
 
 def _can_write(od: ObjectDictionary, index: int, sub: int = 0) -> bool:

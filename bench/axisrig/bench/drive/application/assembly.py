@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
+from axisrig.bench.drive.application.functions.interpolation import InterpolationTime
 from axisrig.bench.drive.application.functions.latch_position import LatchPosition
 from axisrig.bench.drive.application.functions.limits import Limits
 from axisrig.bench.drive.application.functions.motion import Motion
@@ -55,6 +56,7 @@ def make_parts(
         set_home,
         profile.homing_torque,
         profile.homing_stop_ms,
+        InterpolationTime(image),
     )
 
 

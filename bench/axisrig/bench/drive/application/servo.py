@@ -82,7 +82,7 @@ class Servo:
         self.emergency = Emergency(image, send_emergency)
         parts = make_parts(axis, profile, image, signals, switches or {}, seed)
         self.scaling, self.limits, self.motion = parts.units, parts.limits, parts.motion
-        self._standstill = parts.standstill
+        self._standstill, self.interpolation = parts.standstill, parts.interpolation
         self.touch_probe, self.switches = parts.touch_probe, parts.switches
         self.machine = StateMachine(image)
         self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
@@ -107,12 +107,14 @@ class Servo:
         self._following_error = 0  # bit 13 of the statusword
         self.scaling.forget_home()
         self.limits.forget()
+        self.interpolation.forget()
         self.update()
 
     def update(self) -> None:
         """Read scaling, limits and monitoring again, after a write by SDO."""
         self.scaling.update()
         self.limits.update()
+        self.interpolation.update()
         self._monitor.update()
 
     @property

@@ -21,6 +21,7 @@ from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.campaign.hardware_runs import Outside
 from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.drive.node import DriveNode
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.parts import build_nodes, build_segments
@@ -128,9 +129,9 @@ class DriveServer:
     """The virtual drives of a rig on real interfaces; a context manager that closes them.
 
     settings: of the rig, without kernel. by_sync: each SYNC of the master advances the time of
-    drives and plants by one period (1006), however late it comes. folder: gets the bus log,
-    events, latches and a trace; None = nothing is written. store: file that keeps what the master
-    stores (1010), None = it is forgotten at the end.
+    drives and plants by one period (1006, or 60C2 where it is 0), however late it comes. folder:
+    gets the bus log, events, latches and a trace; None = nothing is written. store: file that keeps
+    what the master stores (1010), None = it is forgotten at the end.
     Raises UserError when the rig does not fit, or an interface cannot be opened.
     """
 
@@ -226,7 +227,7 @@ class DriveServer:
         self._open.close()
 
     def _sync_period_ns(self) -> TimeNs:
-        return max((node.image.sync_period_us for node in self.nodes.values()), default=0) * US
+        return max((_sync_period_ns(node) for node in self.nodes.values()), default=0)
 
     def _on_frame(self, _time_ns: TimeNs, _segment: str, frame: Frame, _is_error: bool) -> None:
         if frame.arbitration_id == SYNC_COB_ID and not frame.is_extended_id:
@@ -250,6 +251,11 @@ class DriveServer:
             if segment.reopen():
                 del self._tried_ns[name]
                 self._watcher.tell(self.scheduler.now_ns, "", "bus", f"{name} is there again")
+
+
+def _sync_period_ns(node: DriveNode) -> TimeNs:
+    """Return the period of the SYNC as the objects of a drive say it."""
+    return node.image.sync_period_us * US or node.servo.interpolation.period_ns()
 
 
 class Trace:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
+from axisrig.bench.drive.application.functions.interpolation import InterpolationTime
 from axisrig.bench.drive.application.functions.limits import Limits
 from axisrig.bench.drive.application.functions.motion import Motion
 from axisrig.bench.drive.application.functions.ports import ControlKind
@@ -13,7 +14,7 @@ from axisrig.bench.drive.application.functions.switches import Switches
 from axisrig.bench.drive.application.functions.touch_probe import TouchProbe
 from axisrig.bench.drive.application.functions.units import Units
 from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.kernel.time.clock import US, S, TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +37,7 @@ class Parts:
     set_home: Callable[[float], None]
     homing_torque: int
     homing_stop_ms: int
-
-    def period_ns(self) -> TimeNs:
-        """Return the interpolation time: 1006, or 60C2 where that is 0."""
-        image = self.image
-        if image.sync_period_us:
-            return image.sync_period_us * US
-        parts_of_s: int = 10**-image.interpolation_index
-        return image.interpolation_value * S // parts_of_s
+    interpolation: InterpolationTime
 
 
 class Mode:

@@ -11,7 +11,7 @@ from axisrig.bench.drive.application.functions.motion import FORCE, POSITION, VE
 from axisrig.bench.drive.application.modes.base import Mode
 from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.drives.ds402 import Status
-from axisrig.kernel.time.clock import US, S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 FOLLOWS_COMMAND = int(Status.FOLLOWS_COMMAND)
 
@@ -30,7 +30,7 @@ class CyclicPosition(Mode):
         parts, motion = self.parts, self.parts.motion
         start_m = motion.position_m()
         velocity = motion.velocity_m_s(now_ns) if motion.kind is POSITION else 0.0
-        end_ns = now_ns + (parts.period_ns() if velocity else 0)
+        end_ns = now_ns + (parts.interpolation.period_ns() if velocity else 0)
         end_m = start_m + velocity * (end_ns - now_ns) / S
         image = parts.image
         image.target_position = parts.units.position_units(end_m) - image.position_offset
@@ -42,7 +42,7 @@ class CyclicPosition(Mode):
         parts = self.parts
         image, limits, motion = parts.image, parts.limits, parts.motion
         demand_m = motion.axis.demand_position_m()
-        period_ns = image.sync_period_us * US or parts.period_ns()
+        period_ns = parts.interpolation.period_ns()
         target_m = parts.units.position_m(image.target_position + image.position_offset)
         self.is_limited = False
         if not limits.low_m <= target_m <= limits.high_m:
@@ -77,7 +77,7 @@ class CyclicVelocity(Mode):
         wanted = parts.units.metres(image.target_velocity + image.velocity_offset)
         target = parts.limits.velocity_m_s(wanted)
         self.is_limited = target != wanted
-        end_ns = now_ns + parts.period_ns()
+        end_ns = now_ns + parts.interpolation.period_ns()
         motion.speed(now_ns, motion.velocity_m_s(now_ns), target, end_ns)
 
     def status(self) -> int:
