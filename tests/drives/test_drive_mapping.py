@@ -2,11 +2,15 @@
 
 import struct
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.mapping import telegrams
+from axisrig.kernel.drives.mapping import Telegram, telegrams
+from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 NODE = 3
@@ -141,3 +145,75 @@ def test_operational_comes_last_and_only_then_pdos_flow(link_bench: Make) -> Non
     assert last_answer < start
     assert bench.heard[start][2] == bytes([1, NODE])
     assert all(can_id not in (0x183, 0x283, 0x383) for can_id in ids[:start])
+
+
+def _without(*names: str) -> dict[str, Telegram]:
+    return {name: found for name, found in telegrams(0x60BA).items() if name not in names}
+
+
+@pytest.mark.parametrize("left_out", [(), ("TPDO2",), ("TPDO3",), ("TPDO2", "TPDO3")])
+def test_only_the_tpdos_of_the_table_are_sent(link_bench: Make, left_out: tuple[str, ...]) -> None:
+    """TPDO1 to TPDO3 of the drive are valid at power on, one that was left on by a master too."""
+    bench = link_bench()
+    mapped = _without(*left_out)
+    bench.scheduler.run_until(2 * MS)
+    sdo = bench.remote.sdo
+    sdo[0x1A03][1].raw, sdo[0x1A03][0].raw = 0x60640020, 1
+    sdo[0x1803][2].raw, sdo[0x1803][1].raw = 1, 0x483
+    ended = bench.start_up(StartUpSettings(boot="none"), telegrams=mapped)
+    bench.scheduler.run_while(lambda: not ended, None)
+    assert ended == [None]
+    bench.network.send_message(0x80, b"")
+    bench.scheduler.run_until(bench.scheduler.now_ns + 2 * MS)
+    heard = {can_id for _, can_id, _ in bench.heard}
+    sent = {0x183: "TPDO1", 0x283: "TPDO2", 0x383: "TPDO3", 0x483: "TPDO4"}
+    assert {name for can_id, name in sent.items() if can_id in heard} == {
+        name for name in mapped if name.startswith("T")
+    }
+
+
+TABLE = """\
+pdo,transmission,inhibit_100us,index,sub,bits,signed,field
+RPDO1,1,0,0x6040,0,16,no,controlword
+RPDO1,1,0,0x607A,0,32,yes,target
+TPDO1,1,0,0x6041,0,16,no,statusword
+TPDO1,1,0,0x6064,0,32,yes,actual
+RPDO2,1,0,0x60B8,0,16,no,probe_function
+RPDO2,1,0,0x6072,0,16,no,
+"""
+
+
+@pytest.mark.parametrize(
+    ("row", "line", "named"),
+    [
+        ("RPDO2,1,0,0x607A,0,32,yes,", 3, "0x607A:0"),
+        ("RPDO3,1,0,0x6040,0,16,no,", 2, "0x6040:0"),
+        ("RPDO1,1,0,0x60B8,0,16,no,", 6, "0x60B8:0"),
+        ("RPDO1,1,0,24754,0x0,16,no,", None, ""),  # an index is hexadecimal
+        ("RPDO1,1,0,6072,0,16,no,", 7, "0x6072:0"),
+        ("RPDO4,1,0,0x6072,1,16,no,", None, ""),  # another sub-index
+        ("TPDO2,1,0,0x607A,0,32,yes,", None, ""),  # a drive may send what it was sent
+        ("TPDO2,1,0,0x6064,0,32,yes,", None, ""),
+    ],
+)
+def test_a_value_in_two_places_of_the_rpdos_is_refused_with_both_lines(
+    tmp_path: Path, row: str, line: int | None, named: str
+) -> None:
+    table = tmp_path / "map.csv"
+    table.write_text(f"{TABLE}{row}\n", encoding="utf-8")
+    if line is None:
+        telegrams(0x60BA, str(table))
+        return
+    with pytest.raises(UserError) as caught:
+        telegrams(0x60BA, str(table))
+    assert (caught.value.file, caught.value.line, caught.value.value) == (str(table), 8, named)
+    assert f"line {line}" in caught.value.message
+
+
+def test_entries_that_fill_a_place_may_repeat(tmp_path: Path) -> None:
+    """CiA 301: 0005 (U8) and others as entries of an RPDO are data that nobody reads."""
+    table = tmp_path / "map.csv"
+    table.write_text(TABLE + "RPDO1,1,0,0x0005,0,8,no,\n" * 2, encoding="utf-8")
+    assert [mapped.index for mapped in telegrams(0x60BA, str(table))["RPDO1"].objects] == [
+        0x6040, 0x607A, 5, 5,
+    ]  # fmt: skip

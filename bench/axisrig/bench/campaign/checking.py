@@ -23,6 +23,7 @@ from axisrig.bench.rig.distance.check import (
     distance_warnings,
     drive_lags_s,
 )
+from axisrig.bench.rig.eds_words import eds_warnings
 from axisrig.bench.rig.latches import describe_latches
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.file import read_rig
@@ -143,7 +144,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         for change in changes
         if change.column in settings.bare
     ]
-    lacking = [*distance_warnings(settings), *age_warnings(settings)]
+    lacking = [*eds_warnings(settings), *distance_warnings(settings), *age_warnings(settings)]
     remarks += [f"warning: {warning}" for warning in lacking]
     described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
     axes = "\n".join([*described, *remarks])

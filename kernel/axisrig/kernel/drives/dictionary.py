@@ -4,16 +4,21 @@ canopen reads the EDS; here its dictionary is asked for types, and a mapping or 
 drive cannot take is a `UserError` before the machine runs.
 """
 
+import re
 from collections.abc import Iterable, Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any
 
-from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes, import_od
+from canopen.objectdictionary import ObjectDictionary, ODArray, ODVariable, datatypes, import_od
 
 from axisrig.kernel.drives.functions import Functions
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.drives.sdo import object_name
 from axisrig.kernel.errors import UserError
+
+_SECTION = re.compile(r"^\[([0-9A-Fa-f]{4})\]\s*$(.*?)(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
+_COMPACT = re.compile(r"^CompactSubObj\s*=\s*(0x[0-9A-Fa-f]+|[0-9]+)", re.MULTILINE)
 
 
 def read_eds(path: str, node_id: int) -> ObjectDictionary:
@@ -25,42 +30,87 @@ def read_eds(path: str, node_id: int) -> ObjectDictionary:
     except Exception as error:
         # canopen lets through whatever its parser meets: missing keys, numbers that are none
         raise UserError(f"the EDS cannot be read: {error}", file=path) from error
+    _complete_arrays(found, path)
     return found
+
+
+def _complete_arrays(od: ObjectDictionary, path: str) -> None:
+    """Give arrays that the EDS has in the short form (CompactSubObj) all their members."""
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    for head, body in _SECTION.findall(text):
+        compact = _COMPACT.search(body)
+        array = od.get(int(head, 16)) if compact else None
+        if compact and isinstance(array, ODArray):
+            for sub in range(2, min(int(compact[1], 0), 254) + 1):
+                if sub not in array.subindices:
+                    member = copy(array[1])
+                    member.subindex, member.name = sub, f"{array[1].name} {sub}"
+                    array.add_member(member)
 
 
 def variable(od: ObjectDictionary, index: int, sub: int) -> ODVariable | None:
     """Return the variable of an object, None when the dictionary has none there."""
     found = od.get_variable(index, sub)
-    # canopen gives a plain variable for any sub-index
-    return found if isinstance(found, ODVariable) and found.subindex == sub else None
+    # canopen gives a plain variable for any sub-index, and makes members of arrays up
+    if not isinstance(found, ODVariable) or found.subindex != sub:
+        return None
+    whole = od[index]
+    return None if isinstance(whole, ODArray) and sub not in whole.subindices else found
 
 
-def encode(od: ObjectDictionary, index: int, sub: int, value: int) -> bytes:
+def encode(
+    od: ObjectDictionary, index: int, sub: int, value: int, *, minds_limits: bool = True
+) -> bytes:
     """Return `value` as the object's type wants it.
 
+    minds_limits: also LowLimit and HighLimit of the EDS count.
     Raises UserError for an object that the drive does not have or cannot write, and for a value
-    outside its type.
+    outside its type or limits.
     """
     found = variable(od, index, sub)
     if found is None:
-        raise UserError("the drive has no such object", value=object_name(index, sub))
+        raise UserError(
+            "the drive has no such object", value=object_name(index, sub), allowed=_subs(od, index)
+        )
     if not found.writable:
         raise UserError("the drive does not let the object be written", value=_named(found))
     if found.data_type not in (*datatypes.INTEGER_TYPES, datatypes.BOOLEAN):
         raise UserError("only whole numbers can be written at start-up", value=_named(found))
+    bits = len(found)
     try:
-        data: bytes = found.encode_raw(value)
-    except Exception as error:
+        data = value.to_bytes(-(-bits // 8), "little", signed=is_signed(found))
+    except OverflowError as error:
         raise UserError(
-            f"the value does not fit {_named(found)}", value=value, allowed=f"{len(found)} bits"
+            f"the value does not fit {_named(found)}", value=value, allowed=f"{bits} bits"
         ) from error
+    values = allowed_values(found)
+    if minds_limits and value not in values:
+        raise UserError(
+            f"{_named(found)} does not take the value by the EDS",
+            value=value,
+            allowed=f"{values[0]} to {values[-1]}",
+        )
     return data
 
 
+def _subs(od: ObjectDictionary, index: int) -> str | None:
+    """Say which sub-indices an array or a record has."""
+    found = od.get(index)
+    if found is None or isinstance(found, ODVariable):
+        return None
+    return f"sub-index {', '.join(str(sub) for sub in found)}"
+
+
 def allowed_values(found: ODVariable) -> range:
-    """Return the values from LowLimit to HighLimit of a whole number, else those of its type."""
-    low = -(1 << len(found) - 1) if is_signed(found) else 0
-    high = low + (1 << len(found)) - 1
+    """Return the values of a whole number: from LowLimit to HighLimit, else those of its type.
+
+    Limits that allow nothing but one value are place holders of EDS editors and say nothing.
+    """
+    bits = 1 if found.data_type == datatypes.BOOLEAN else len(found)
+    low = -(1 << bits - 1) if is_signed(found) else 0
+    high = low + (1 << bits) - 1
+    if found.min is not None and found.max is not None and found.min >= found.max:
+        return range(low, high + 1)
     return range(
         low if found.min is None else found.min, (high if found.max is None else found.max) + 1
     )

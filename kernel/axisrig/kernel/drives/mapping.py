@@ -6,7 +6,7 @@ the drive at start-up and what it packs and unpacks afterwards, so that both can
 
 import csv
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import resources
@@ -38,6 +38,7 @@ FIELDS: Final[Mapping[str, bool]] = {
     "latch_count": False, "inputs": False, "second": False,
 }  # fmt: skip
 # Fields that need not come with every SYNC
+DUMMIES: Final = range(0x0001, 0x0008)  # objects that fill a place of an RPDO
 AT_THEIR_TIME: Final = ("inputs", "second")
 NEEDED: Final = ("controlword", "target", "statusword", "actual")
 COLUMNS: Final = (
@@ -234,6 +235,7 @@ def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
     ]
     for line, row in rows:
         _check_row(row, table, line)
+    _check_once(rows, table)
     return rows
 
 
@@ -273,6 +275,27 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
     sends = FIELDS.get(row["field"])
     if sends is not None and sends is not row["pdo"].startswith("R"):
         raise wrong("pdo", f"{'an RPDO' if sends else 'a TPDO'} for {row['field']}")
+
+
+def _check_once(rows: Sequence[tuple[int, Mapping[str, str]]], table: str | None) -> None:
+    """Raise UserError for an object that two places of RPDOs carry, since both would set it.
+
+    Data types as dummy entries (CiA 301, 0001 to 0007) set nothing.
+    """
+    seen: dict[tuple[int, int], tuple[int, str]] = {}
+    for line, row in rows:
+        if not row["pdo"].startswith("R") or row["index"] in _FROM_LATCH:
+            continue
+        place = int(row["index"], 16), int(row["sub"], 0)
+        first_line, first = seen.setdefault(place, (line, row["pdo"]))
+        if first_line != line and place[0] not in DUMMIES:
+            raise UserError(
+                f"{row['pdo']} carries an object that {first} carries already in line {first_line}:"
+                " the drive would get two values of it",
+                file=table, line=line, value=f"0x{place[0]:04X}:{place[1]}",
+                allowed="each object in one place of the RPDOs",
+                hint=f"take it out of line {first_line} or of line {line}",
+            )  # fmt: skip
 
 
 def _check_whole(

@@ -17,7 +17,7 @@ from axisrig.kernel.drives.dictionary import (
     encode,
     variable,
 )
-from axisrig.kernel.drives.mapping import Telegram
+from axisrig.kernel.drives.mapping import COB_ID_BASE, Telegram
 from axisrig.kernel.drives.sdo import object_name
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, TimeNs
@@ -27,6 +27,7 @@ PROFILE_MASK = 0xFFFF  # low word of 1000: number of the device profile
 DRIVE_PROFILE = 402
 CSP = 8
 SYNC_ID = 0x80
+TPDO_PARAMETERS: Final = range(0x1800, 0x1A00)  # communication parameters, CiA 301
 INTERPOLATION: Final = 0x60C2
 INDICES: Final = range(0, -10, -1)  # powers of ten of a second, down to a nanosecond
 
@@ -191,6 +192,7 @@ def _steps(
     for sub, value in settings.identity.items():
         yield Check(f"{object_name(0x1018, sub)} identity", 0x1018, sub, value)
     yield from _sync(settings, bus, od)
+    yield from _left_out(telegrams, node_id, od)
     for telegram in telegrams.values():
         yield from _telegram(telegram, node_id, od, settings.rpdo_timeout_ms)
     yield _write(od, 0x6060, 0, settings.mode)
@@ -212,7 +214,8 @@ def _steps(
 def _write(
     od: ObjectDictionary, index: int, sub: int, value: int, name: str | None = None
 ) -> Write:
-    data = encode(od, index, sub, value)
+    # What CiA 301 lays down for PDOs, bit 31 and 0 entries on the way, no limit of an EDS knows
+    data = encode(od, index, sub, value, minds_limits=name is None)
     found = variable(od, index, sub)
     described = "" if found is None or name else f" {found.name}"
     shown = f"0x{value:X}" if value > 9 else value
@@ -267,6 +270,23 @@ def _interpolation(period_us: int, od: ObjectDictionary) -> Iterator[Step]:
 def _can_write(od: ObjectDictionary, index: int, sub: int = 0) -> bool:
     found = variable(od, index, sub)
     return found is not None and bool(found.writable)
+
+
+def _left_out(
+    telegrams: Mapping[str, Telegram], node_id: int, od: ObjectDictionary
+) -> Iterator[Step]:
+    """Switch off every TPDO of the drive that is not in the mapping, however it was left.
+
+    One that is valid by default, or was stored so, would be sent all the same and take bus time.
+    """
+    mapped = {telegram.communication_index for telegram in telegrams.values()}
+    for index in TPDO_PARAMETERS:
+        found = variable(od, index, 1) if index in od and index not in mapped else None
+        if found is not None and found.writable:
+            name = f"TPDO{index - TPDO_PARAMETERS[0] + 1}"
+            predefined = COB_ID_BASE[name] + node_id if name in COB_ID_BASE else 0
+            cob_id = found.default or predefined
+            yield _write(od, index, 1, cob_id | NOT_VALID, f"{name} off")
 
 
 def _telegram(

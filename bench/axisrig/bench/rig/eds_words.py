@@ -1,0 +1,110 @@
+"""What the EDS or DCF of a drive says against its rig: warnings, since files may err."""
+
+from collections.abc import Iterator
+from configparser import RawConfigParser
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from canopen.objectdictionary import ObjectDictionary
+
+from axisrig.bench.rig.reading.file import AxisTable, DriveTable
+from axisrig.bench.rig.reading.startup import drive_dictionary
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.dictionary import variable
+from axisrig.kernel.drives.startup_steps import PROFILE_MASK
+from axisrig.kernel.errors import UserError
+
+COMMISSIONING: Final = "DeviceComissioning"  # CiA 306 spells it so
+DEVICE_TYPE, SUPPORTED_MODES, INTERPOLATION, SYNC_PERIOD = 0x1000, 0x6502, 0x60C2, 0x1006
+RATES: Final = (10_000, 20_000, 50_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
+"""Bit rates of CiA 301, bit/s: an EDS says yes or no to each, and nothing of others."""
+
+
+def eds_warnings(settings: Settings) -> list[str]:
+    """Compare profile, modes, bit rate and node of each drive that has an EDS with the rig."""
+    return [
+        f"axis {name}, drive {axis.drive}: {text}"
+        for name, axis in settings.rig.axis.items()
+        for text in _of_axis(settings, axis)
+    ]
+
+
+def _of_axis(settings: Settings, axis: AxisTable) -> Iterator[str]:
+    drive = settings.rig.drive[axis.drive]
+    if drive.eds is None:
+        return
+    od = drive_dictionary(drive, axis.node, drive.make())
+    yield from _device(drive, od)
+    bitrate = settings.segment[axis.segment].bitrate
+    rates = sorted(od.device_information.allowed_baudrates)
+    if rates and bitrate in RATES and bitrate not in rates:
+        known = ", ".join(_rate(rate) for rate in rates)
+        yield (
+            f"by its EDS it has no {_rate(bitrate)}, the bit rate of segment {axis.segment}"
+            f" (it has {known})"
+        )
+    node, dcf_rate = commissioned(drive.eds)
+    is_other = node not in (None, axis.node) or dcf_rate not in (None, bitrate)
+    if is_other:
+        found = [f"node {node}"] if node is not None else []
+        found += [_rate(dcf_rate)] if dcf_rate is not None else []
+        yield (
+            f"its DCF is for {' at '.join(found)}, the rig has node {axis.node} at {_rate(bitrate)}"
+        )
+
+
+def _device(drive: DriveTable, od: ObjectDictionary) -> Iterator[str]:
+    profile = _default(od, DEVICE_TYPE) & PROFILE_MASK
+    if profile and drive.device_type is not False and profile != drive.device_type:
+        yield (
+            f"its EDS is of profile {profile} (object 1000), the rig wants {drive.device_type}:"
+            " the start-up ends with 900021 where the drive says so too"
+        )
+    modes = _default(od, SUPPORTED_MODES)
+    # Bit n - 1 is mode n; those of the maker have no bit of their own. 0: the file leaves it open
+    if modes and drive.mode > 0 and not modes >> drive.mode - 1 & 1:
+        yield (
+            f"by its EDS it has no mode {drive.mode} (csp is bit 7 of object 6502,"
+            f" which is 0x{modes:X})"
+        )
+    if not any(variable(od, *place) for place in ((SYNC_PERIOD, 0), (INTERPOLATION, 1))):
+        yield (
+            "its EDS has neither 60C2 nor 1006: nothing gives it the period of the set positions;"
+            " set it as the maker says"
+        )
+
+
+def _default(od: ObjectDictionary, index: int) -> int:
+    found = variable(od, index, 0)
+    value = None if found is None else found.default
+    return value if isinstance(value, int) else 0
+
+
+def _rate(rate: int) -> str:
+    return f"{rate // 1000} kbit/s" if rate % 1000 == 0 else f"{rate} bit/s"
+
+
+def commissioned(path: str) -> tuple[int | None, int | None]:
+    """Return node number and bit rate (bit/s) that a DCF gives its device; None: not said.
+
+    Raises UserError with the key for what is no number.
+    """
+    file = Path(path)
+    return _commissioned(path, file.stat().st_mtime_ns)
+
+
+@cache
+def _commissioned(path: str, _state: int) -> tuple[int | None, int | None]:
+    parser = RawConfigParser(inline_comment_prefixes=(";",), strict=False)
+    parser.read_string(Path(path).read_text(encoding="utf-8", errors="replace"))
+    node, rate = (_number(parser, path, key) for key in ("NodeID", "Baudrate"))
+    return node, None if rate is None else rate * 1000
+
+
+def _number(parser: RawConfigParser, path: str, key: str) -> int | None:
+    text = parser.get(COMMISSIONING, key, fallback="")
+    try:
+        return int(text, 0) or None if text else None
+    except ValueError as error:
+        raise UserError(f"[{COMMISSIONING}] {key} is no number", file=path, value=text) from error

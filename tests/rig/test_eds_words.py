@@ -1,0 +1,283 @@
+"""An EDS or DCF is compared with its rig: what cannot be is refused, the rest warns."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.eds_words import eds_warnings
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+DRIVE = "[drive.servo]\nlead_mm = 10.0\n"
+
+
+def changed(text: str, section: str, **keys: str) -> str:
+    """Set keys of a section; a key that is not there is added."""
+    begin = text.index(f"[{section}]\n")
+    end = text.find("\n[", begin) + 1 or len(text)
+    body = text[begin:end].rstrip("\n")
+    for key, value in keys.items():
+        body, count = re.subn(rf"(?m)^{key}=.*$", f"{key}={value}", body)
+        body += "" if count else f"\n{key}={value}"
+    return f"{text[:begin]}{body}\n\n{text[end:]}"
+
+
+@pytest.fixture
+def with_eds(rig_file: Write, settings_of: Read) -> Callable[..., Settings]:
+    """Read the rig with an EDS of this text, and these further keys of its drive."""
+
+    def make(text: str, keys: str = "", *changes: tuple[str, str], suffix: str = "eds") -> Settings:
+        path = rig_file((DRIVE, f'{DRIVE}eds = "foreign.{suffix}"\n{keys}\n'), *changes)
+        (path.parent / f"foreign.{suffix}").write_text(text, encoding="utf-8")
+        return settings_of(path)
+
+    return make
+
+
+EDS = eds_text(DriveProfile())
+
+
+def test_the_eds_of_our_own_drive_is_no_reason_for_a_word(
+    with_eds: Callable[..., Settings],
+) -> None:
+    settings = with_eds(EDS)
+    check_rig(settings)
+    assert eds_warnings(settings) == []
+
+
+# Modes
+
+
+@pytest.mark.parametrize(
+    ("modes", "mode", "is_warned"),
+    [
+        ("0x25", 8, True),  # pp, pv, hm
+        ("0xA5", 8, False),
+        ("0x1A5", 8, False),
+        ("0x10025", 8, True),  # a bit of the maker besides
+        ("0", 8, False),  # the file leaves it open
+        ("", 8, False),
+        ("0x25", -3, False),  # a mode of the maker has no bit
+    ],
+)
+def test_csp_is_looked_for_in_6502(
+    with_eds: Callable[..., Settings], modes: str, mode: int, is_warned: bool
+) -> None:
+    settings = with_eds(changed(EDS, "6502", DefaultValue=modes), f"mode = {mode}")
+    check_rig(settings)
+    warnings = eds_warnings(settings)
+    assert [("axis Z" in text, "no mode 8" in text) for text in warnings] == [
+        (True, True)
+    ] * is_warned
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "is_refused"),
+    [
+        ("-9", "6", True),
+        ("9", "10", True),
+        ("-9", "8", False),
+        ("0", "0", False),
+        ("0x80", "6", True),
+    ],
+)
+def test_a_mode_outside_the_limits_of_6060_is_refused(
+    with_eds: Callable[..., Settings], low: str, high: str, is_refused: bool
+) -> None:
+    settings = with_eds(changed(EDS, "6060", LowLimit=low, HighLimit=high))
+    if not is_refused:
+        check_rig(settings)
+        return
+    with pytest.raises(UserError) as caught:
+        check_rig(settings)
+    assert "drive servo of axis Z: 0x6060:0" in caught.value.message
+    low_value = -128 if low == "0x80" else int(low)
+    assert (caught.value.value, caught.value.allowed) == (8, f"{low_value} to {high}")
+
+
+def test_limits_count_for_every_write_of_the_start_up(with_eds: Callable[..., Settings]) -> None:
+    text = changed(EDS, "6065", LowLimit="10", HighLimit="5000")
+    for value, is_refused in ((10, False), (5000, False), (9, True), (5001, True)):
+        settings = with_eds(text, f'sdo = [["0x6065:0", {value}]]')
+        if not is_refused:
+            check_rig(settings)
+            continue
+        with pytest.raises(UserError) as caught:
+            check_rig(settings)
+        assert (caught.value.value, caught.value.allowed) == (value, "10 to 5000")
+
+
+# Bus
+
+
+@pytest.mark.parametrize(
+    ("bitrate", "text", "is_warned"),
+    [
+        ("1_000_000", changed(EDS, "DeviceInfo", BaudRate_1000="0"), True),
+        ("500_000", changed(EDS, "DeviceInfo", BaudRate_1000="0"), False),
+        ("500_000", changed(EDS, "DeviceInfo", BaudRate_500="0"), True),
+        ("1_000_000", re.sub(r"(?m)^BaudRate_.*\n", "", EDS), False),  # it says nothing
+    ],
+)
+def test_the_bit_rate_of_the_segment_is_one_of_the_eds(
+    with_eds: Callable[..., Settings], bitrate: str, text: str, is_warned: bool
+) -> None:
+    cycle = ("cycle_offset_us = 600", "cycle_offset_us = 4000\nperiod_us = 10000")
+    settings = with_eds(text, "", ("bitrate = 1_000_000", f"bitrate = {bitrate}"), cycle)
+    check_rig(settings)
+    kbit = int(bitrate) // 1000
+    assert [f"no {kbit} kbit/s" in warning for warning in eds_warnings(settings)] == [
+        True
+    ] * is_warned
+
+
+@pytest.mark.parametrize(
+    ("node", "rate", "told"),
+    [
+        ("0x10", "500", "its DCF is for node 16 at 500 kbit/s, the rig has node 3 at 1000 kbit/s"),
+        ("3", "500", "its DCF is for node 3 at 500 kbit/s, the rig has node 3 at 1000 kbit/s"),
+        ("4", "1000", "its DCF is for node 4 at 1000 kbit/s, the rig has node 3 at 1000 kbit/s"),
+        ("4", "", "its DCF is for node 4, the rig has node 3 at 1000 kbit/s"),
+        ("3", "1000", ""),
+        ("", "", ""),
+    ],
+)
+def test_a_dcf_is_of_the_node_and_the_bit_rate_of_the_rig(
+    with_eds: Callable[..., Settings], node: str, rate: str, told: str
+) -> None:
+    keys = [f"{key}={value}" for key, value in (("NodeID", node), ("Baudrate", rate)) if value]
+    section = "\n".join(["[DeviceComissioning]", "NodeName=Z", *keys, "", ""])
+    settings = with_eds(section + EDS, suffix="dcf")
+    check_rig(settings)
+    assert [text.partition("servo: ")[2] for text in eds_warnings(settings)] == [told] * bool(told)
+
+
+def test_two_axes_are_compared_each_with_its_own_node(
+    with_eds: Callable[..., Settings],
+) -> None:
+    """Both use the DCF of node 3: right for Z, not for Y."""
+    second = """\
+[axis.Y]
+list = "lists/axis-y.lst"
+segment = "can1"
+node = 5
+drive = "servo"
+plant = "y"
+
+[plant.y]
+fmu = "AxisRig.Drives.ServoAxis"
+
+[plant.z]
+"""
+    settings = with_eds(
+        "[DeviceComissioning]\nNodeID=3\nBaudrate=1000\n\n" + EDS, "", ("[plant.z]\n", second)
+    )
+    (warning,) = eds_warnings(settings)
+    assert warning.startswith("axis Y, drive servo: its DCF is for node 3")
+
+
+# Device
+
+
+@pytest.mark.parametrize(
+    ("device_type", "keys", "profile"),
+    [
+        ("0x000F0191", "", 401),
+        ("0x000F0191", "device_type = 401", None),
+        ("0x000F0191", "device_type = false", None),
+        ("0x00020192", "device_type = 401", 402),
+        ("0", "", None),
+    ],
+)
+def test_the_profile_of_1000_is_that_of_the_rig(
+    with_eds: Callable[..., Settings], device_type: str, keys: str, profile: int | None
+) -> None:
+    settings = with_eds(changed(EDS, "1000", DefaultValue=device_type), keys)
+    check_rig(settings)
+    warnings = eds_warnings(settings)
+    assert [f"profile {profile}" in text for text in warnings] == [True] * (profile is not None)
+
+
+@pytest.mark.parametrize(
+    ("lacks", "is_warned"), [("1006 60C2", True), ("1006", False), ("60C2", False)]
+)
+def test_a_drive_that_nothing_gives_the_period_is_named(
+    with_eds: Callable[..., Settings], lacks: str, is_warned: bool
+) -> None:
+    settings = with_eds(eds_text(DriveProfile(lacks=lacks)))
+    check_rig(settings)
+    assert ["60C2 nor 1006" in text for text in eds_warnings(settings)] == [True] * is_warned
+
+
+# Arrays
+
+SHORT = """\
+[2100]
+ParameterName=Gains
+ObjectType=0x8
+DataType=0x0006
+AccessType=rw
+PDOMapping=0
+CompactSubObj={count}
+
+"""
+
+
+@pytest.mark.parametrize(
+    ("place", "is_refused"),
+    [
+        ("0x1010:3", False), ("0x1010:4", True), ("0x1010:9", True),  # an array of 3
+        ("0x1018:9", True),  # a record
+        ("0x2100:1", False), ("0x2100:5", False), ("0x2100:6", True), ("0x2100:0xFF", True),
+        ("0x6065:1", True),  # a variable
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("count", ["5", "0x5"])
+def test_a_sub_index_beyond_an_array_is_refused(
+    with_eds: Callable[..., Settings], place: str, is_refused: bool, count: str
+) -> None:
+    value = int.from_bytes(b"save", "little") if place.startswith("0x1010") else 1
+    settings = with_eds(EDS + SHORT.format(count=count), f'sdo = [["{place}", {value}]]')
+    if not is_refused:
+        check_rig(settings)
+        return
+    with pytest.raises(UserError) as caught:
+        check_rig(settings)
+    assert "the drive has no such object" in caught.value.message
+    assert caught.value.value == place.replace(":0x", ":")
+    if "1010" in place:
+        assert caught.value.allowed == "sub-index 0, 1, 2, 3"
+
+
+def test_members_of_a_short_array_may_be_mapped_as_the_first_is(
+    with_eds: Callable[..., Settings],
+) -> None:
+    """What the first member may do, the others may: here none in a PDO."""
+    table = (
+        "pdo,transmission,inhibit_100us,index,sub,bits,signed,field\n"
+        "RPDO1,1,0,0x6040,0,16,no,controlword\n"
+        "RPDO1,1,0,0x607A,0,32,yes,target\n"
+        "TPDO1,1,0,0x6041,0,16,no,statusword\n"
+        "TPDO1,1,0,0x6064,0,32,yes,actual\n"
+        "TPDO2,1,0,0x2100,{sub},16,no,\n"
+    )
+    for mappable, sub, message in (
+        ("1", 5, None), ("1", 6, "does not have"), ("0", 5, "no PDO may carry"),
+    ):  # fmt: skip
+        short = SHORT.format(count=5).replace("PDOMapping=0", f"PDOMapping={mappable}")
+        settings = with_eds(EDS + short, f'pdo_map = "map-{mappable}-{sub}.csv"')
+        Path(settings.rig.drive["servo"].pdo_map or "").write_text(
+            table.format(sub=sub), encoding="utf-8"
+        )
+        if message is None:
+            check_rig(settings)
+            continue
+        with pytest.raises(UserError, match=message):
+            check_rig(settings)
