@@ -6,6 +6,7 @@ import can
 import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS
 
@@ -32,6 +33,21 @@ def test_remote_frames_reach_those_who_subscribed_to_them(segment: Segment) -> N
     master.send(can.Message(arbitration_id=0x703, is_remote_frame=True, is_extended_id=False))
     segment.scheduler.run_until(3 * MS)
     assert len(heard) == 1
+
+
+@pytest.mark.parametrize("can_id", [0x183, 0x18FF0183])
+@pytest.mark.parametrize("length", [0, 1, 8])
+def test_a_remote_frame_asks_for_the_length_that_is_meant(
+    segment: Segment, can_id: int, length: int
+) -> None:
+    """And carries no data: CAN 2.0, remote frame."""
+    seen: list[Frame] = []
+    segment.observe(lambda _time_ns, _name, frame, _is_error: seen.append(frame))
+    segment.port("drive")  # which acknowledges
+    network = SimNetwork(segment.port("master")).connect()
+    network.send_message(can_id, bytes(length), remote=True)
+    segment.scheduler.run_until(1 * MS)
+    assert seen == [Frame(can_id, b"", can_id > 0x7FF, True, length)]
 
 
 def test_extended_identifier_does_not_pass_for_a_short_one(segment: Segment) -> None:

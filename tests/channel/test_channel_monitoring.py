@@ -275,6 +275,15 @@ def test_node_guarding_is_answered_with_a_toggle(trouble: Any) -> None:
     assert all(a != b for a, b in pairwise(said))
 
 
+def test_node_guarding_asks_for_as_many_bytes_as_the_answer_has(trouble: Any) -> None:
+    """CAN 2.0: the data length code of a remote frame is that of the frame that it asks for."""
+    case = trouble(**_guarding())
+    seen: list[tuple[bool, int]] = []
+    case.change(HEARTBEAT, lambda frame: seen.append((frame.is_remote_frame, frame.dlc)))
+    case.bench.finish()
+    assert set(seen) == {(True, 1), (False, 1)}
+
+
 def test_900023_when_node_guarding_is_not_answered(trouble: Any) -> None:
     case = trouble(**_guarding())
     case.change(HEARTBEAT, lambda frame: Drop() if frame.data else None)

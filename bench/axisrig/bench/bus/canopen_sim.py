@@ -22,6 +22,7 @@ from canopen.objectdictionary import ObjectDictionary
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoCommunicationError
 
+from axisrig.bench.bus.frame import STANDARD_ID_MAX
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.bench.bus.subscribers import Subscribers
 
@@ -221,8 +222,22 @@ class SimNetwork(canopen.Network):
     def send_message(
         self, can_id: int, data: bytes | bytearray | list[int] | None, remote: bool = False
     ) -> None:
-        """Send a frame, as `Network.send_message`, without a `can.Message` where possible."""
-        if self._send_raw is not None and not remote:
+        """Send a frame, as `Network.send_message`, without a `can.Message` where possible.
+
+        A remote frame asks for as many bytes as `data` has; it must be the length of the answer
+        (CAN 2.0, data length code of a remote frame).
+        """
+        if remote and self.bus is not None:
+            frame = can.Message(
+                arbitration_id=can_id,
+                is_extended_id=can_id > STANDARD_ID_MAX,
+                is_remote_frame=True,
+                dlc=len(data or b""),
+            )
+            with self.send_lock:
+                self.bus.send(frame)
+            self.check()
+        elif self._send_raw is not None:
             self._send_raw(can_id, data or b"")
         else:
             super().send_message(can_id, data, remote)  # type: ignore[arg-type]

@@ -32,7 +32,7 @@ class Network(Protocol):
         ...
 
     def send_message(self, can_id: int, data: Any, remote: bool = False) -> None:
-        """Request a frame; never waits."""
+        """Request a frame; never waits. A remote one asks for as many bytes as `data` has."""
         ...
 
 

@@ -18,6 +18,7 @@ from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 ERROR_CONTROL_BASE = 0x700
 BOOT_UP, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0, 4, 5, 127
 NMT_STATES = {STOPPED: "stopped", OPERATIONAL: "operational", PRE_OPERATIONAL: "pre-operational"}
+ONE_BYTE = b"\0"  # length of the answer of node guarding: state and toggle bit
 TOGGLE = 0x80
 SYNC_ID = 0x80
 # An emergency comes before the status word that explains it: so many cycles are waited for that
@@ -69,7 +70,7 @@ class DriveWatch:
 
     def _guard(self) -> None:
         if self._is_watching:
-            self._link.network.send_message(self._id, b"", remote=True)
+            self._link.network.send_message(self._id, ONE_BYTE, remote=True)
             due_ns = self._clock.now_ns + self._settings.guard_ns
             self._clock.call_at(due_ns, Phase.APPLICATION, self._guard)
 
