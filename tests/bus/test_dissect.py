@@ -36,7 +36,7 @@ from axisrig.bench.bus.frame import Frame, data_frame
         (0x583, "80 34 12 00 00 00 02 06", "SDO answer", 3,
          {"specifier": 4, "index": 0x1234, "sub": 0, "abort_code": 0x06020000}),
         (0x603, "A4 08 10 00 7F 00 00 00", "SDO request", 3,
-         {"specifier": 5, "index": 0x1008, "sub": 0}),
+         {"specifier": 5, "index": 0x1008, "sub": 0, "block_size": 127}),
         (0x7E5, "04 01 00 00 00 00 00 00", "LSS request", None,
          {"command": 4, "data": b"\x01" + bytes(6)}),
         (0x100, "00 00 00 00 00 00", "TIME", None, {"data": bytes(6)}),

@@ -13,7 +13,11 @@ from importlib import resources
 from axisrig.bench.bus.frame import Frame
 
 UPLOAD_REQUEST, DOWNLOAD_REQUEST, DOWNLOAD_SEGMENT, UPLOAD_SEGMENT, ABORT = 2, 1, 0, 3, 4
-BLOCK_UPLOAD, BLOCK_DOWNLOAD = 5, 6
+BLOCK_UPLOAD, BLOCK_DOWNLOAD = 5, 6  # of a client; of a server the other way round
+BLOCK_SENDER = 6  # of the side that has the data: client in a download, server in an upload
+BLOCK_BEGIN, BLOCK_END, BLOCK_TAKEN, BLOCK_START = 0, 1, 2, 3  # lowest bits of block frames
+ABORT_COMMAND = 0x80  # the only first byte of an abort: its other bits are reserved, 0
+UNKNOWN = 7
 # (client or server, command specifier) -> words
 _SDO_COMMANDS = {
     ("request", DOWNLOAD_SEGMENT): "download segment",
@@ -115,13 +119,14 @@ def _fields(service: str, data: bytes) -> dict[str, int | bytes]:
 def _sdo(side: str, data: bytes) -> dict[str, int | bytes]:
     """Split an SDO frame into fields. One frame alone does not show if it is a block segment."""
     specifier = data[0] >> 5
+    is_known = (side, specifier) in _SDO_COMMANDS or data[0] == ABORT_COMMAND
+    if not is_known:
+        return {"specifier": UNKNOWN, "data": data, "is_last": 0}
     fields: dict[str, int | bytes] = {"specifier": specifier}
-    has_object = specifier == ABORT or specifier in _INITIATE[side]
-    is_block_begin = (side, specifier) in (("request", 5), ("request", 6)) and data[0] & 3 == 0
-    is_block_begin |= (side, specifier) in (("answer", 5), ("answer", 6)) and data[0] & 3 == 0
-    if has_object or is_block_begin:
-        fields["index"] = int.from_bytes(data[1:3], "little")
-        fields["sub"] = data[3] if len(data) > 3 else 0
+    if specifier in (BLOCK_UPLOAD, BLOCK_DOWNLOAD):
+        return fields | _block(side, specifier, data)
+    if specifier == ABORT or specifier in _INITIATE[side]:
+        fields |= _object(data)
     else:
         fields["toggle"] = data[0] >> 4 & 1
     if specifier == ABORT:
@@ -136,6 +141,33 @@ def _sdo(side: str, data: bytes) -> dict[str, int | bytes]:
         fields["data"] = data[1 : 8 - (data[0] >> 1 & 7)]
         fields["is_last"] = data[0] & 1
     return fields
+
+
+def _object(data: bytes) -> dict[str, int | bytes]:
+    return {"index": int.from_bytes(data[1:3], "little"), "sub": data[3] if len(data) > 3 else 0}
+
+
+def _block(side: str, specifier: int, data: bytes) -> dict[str, int | bytes]:
+    """Split a frame of a block transfer that is no segment: begin, block taken, end.
+
+    Source: CiA 301, SDO block download and upload. The side that has the data says their size and
+    the end with its CRC, the other one the size of blocks and what it has taken.
+    """
+    is_sender = specifier == BLOCK_SENDER
+    step = data[0] & (1 if is_sender else 3)
+    if step == BLOCK_BEGIN:
+        fields = _object(data)
+        if not is_sender:
+            fields["block_size"] = data[4] if len(data) > 4 else 0
+        elif data[0] & 2:
+            fields["size"] = int.from_bytes(data[4:8], "little")
+        return fields
+    if is_sender:
+        crc = int.from_bytes(data[1:3], "little")
+        return {"step": BLOCK_END, "unused": data[0] >> 2 & 7, "crc": crc}
+    if step == BLOCK_TAKEN and len(data) > 2:
+        return {"step": step, "taken": data[1], "block_size": data[2]}
+    return {"step": step}
 
 
 def sdo_words(side: str, specifier: int) -> str:

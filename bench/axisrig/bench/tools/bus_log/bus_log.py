@@ -4,7 +4,7 @@ import heapq
 import logging
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -20,10 +20,11 @@ from axisrig.bench.campaign.replay import recorded_case
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.bus_words import Names, is_boot_up
+from axisrig.bench.tools.bus_log.candump import read_candump
 from axisrig.kernel.errors import UserError, printable
 
 READABLE = list(LOG_SUFFIXES.values())
-PCAP = LOG_SUFFIXES["pcap"]
+PCAP, CANDUMP = LOG_SUFFIXES["pcap"], LOG_SUFFIXES["candump"]
 DRIVES_LOG = "bus.blf"
 """What `axisrig drive -o DIR` writes."""
 
@@ -33,6 +34,7 @@ EPOCH_S = 1e8
 GROUPS = ("SDO", "LSS", "PDO", "TPDO", "RPDO", "boot-up", "abort", "error")
 """Words for services beside those of `services.csv`."""
 
+_PDO = re.compile(r"[rt]pdo\d{1,3}")
 _OBJECT = re.compile(r"(?:0x)?([0-9a-f]{4})(?::([0-9a-f]{1,2}))?")
 
 
@@ -128,7 +130,8 @@ def _wanted(only: Iterable[str], axes: Sequence[str]) -> frozenset[str]:
         low = word.strip().lower()
         who, dot, kind = low.partition(".")
         item = _OBJECT.fullmatch(low)
-        if low in known or (who in whose and (not kind or kind in known)):
+        is_kind = low in known or _PDO.fullmatch(low)
+        if is_kind or (who in whose and (not kind or kind in known or _PDO.fullmatch(kind))):
             found.add(low if kind else who if dot else low)
         elif item is not None:
             found.add(item[1] + (f":{int(item[2], 16):x}" if item[2] else ""))
@@ -145,8 +148,6 @@ def _lines(
 ) -> Iterator[_Line]:
     last: dict[tuple[str, int], object] = {}
     for time_ms, message in _times(messages_of(paths)):
-        if time_ms < selection.from_ms:
-            continue
         if time_ms > selection.to_ms:
             return
         segment = names.segment(message.channel)
@@ -157,7 +158,9 @@ def _lines(
             message.is_remote_frame,
             message.dlc,
         )
-        told = dissect(frame, is_error=message.is_error_frame)
+        told = names.follow(segment, frame, dissect(frame, is_error=message.is_error_frame))
+        if time_ms < selection.from_ms:
+            continue
         key = (segment, frame.arbitration_id)
         content = _content(told, frame)
         is_old = _repeats(told) and key in last and last[key] == content
@@ -179,8 +182,13 @@ def messages_of(paths: Sequence[Path]) -> Iterator[can.Message]:
         yield from heapq.merge(*map(read_pcap, paths), key=lambda message: message.timestamp)
         return
     try:
-        with _complaining(), can.LogReader(paths[0]) as reader:
-            yield from reader
+        with _complaining(), ExitStack() as opened:
+            is_candump = paths[0].suffix.lower() == CANDUMP
+            yield from (
+                read_candump(paths[0])
+                if is_candump
+                else opened.enter_context(can.LogReader(paths[0]))
+            )
     except Exception as error:  # the readers of python-can raise whatever comes up
         what = printable(str(error)) or type(error).__name__
         raise UserError(f"the log is damaged: {what}", file=paths[0]) from error

@@ -1,18 +1,29 @@
 """Frames of a bus in words, in the terms of CANopen and of the drive profile.
 
-With the rig the frames have the names of its axes and the values of their PDOs; without it only
-what the identifiers of the pre-defined connection set say.
+With the rig the frames have the names of its axes. What PDOs carry is taken from the SDO traffic of
+the log itself, else from the rig, else frames are what the pre-defined connection set says.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from axisrig.bench.bus.dissect import BOOT_UP, NMT_COMMANDS, STATES, Dissected, sdo_words
+from axisrig.bench.bus.dissect import (
+    BLOCK_END,
+    BLOCK_START,
+    BLOCK_TAKEN,
+    BOOT_UP,
+    NMT_COMMANDS,
+    STATES,
+    Dissected,
+    sdo_words,
+)
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.rig.check import axis_telegrams
 from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.bus_log.mapping import LoggedPdos, Pdo
 from axisrig.bench.tools.bus_log.object_words import name_of, number_of, value_words
+from axisrig.bench.tools.bus_log.transfers import Transfers
 from axisrig.kernel.drives.emergency import Emergency
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.drives.sdo import abort_text, object_name
@@ -40,13 +51,14 @@ class Names:
         self._per_mm: dict[str, Fraction] = {}
         self._segments = list(settings.rig.segment) if settings else []
         self._nodes: dict[tuple[str, int], str] = {}
-        self._telegrams: dict[tuple[str, int], tuple[str, Telegram]] = {}
+        self._transfers = Transfers()
+        telegrams = {}
         for name, axis in settings.rig.axis.items() if settings else ():
             self._nodes[axis.segment, axis.node] = name
             assert settings is not None
             self._per_mm[name] = settings.rig.drive[axis.drive].make().units_per_mm
-            for telegram in axis_telegrams(settings, name).values():
-                self._telegrams[axis.segment, telegram.cob_id(axis.node)] = (name, telegram)
+            telegrams[axis.segment, axis.node] = axis_telegrams(settings, name)
+        self._pdos = LoggedPdos(telegrams)
 
     def segment(self, channel: object) -> str:
         """Return the name of a segment; logs with numbers count from 0 in the order of the rig.
@@ -64,17 +76,41 @@ class Names:
         """Names of the axes, in the order of the rig."""
         return list(self._nodes.values())
 
+    def follow(self, segment: str, frame: Frame, told: Dissected) -> Dissected:
+        """Take a frame for what it is after all that came before; every frame in its order."""
+        node = told.node
+        if told.service.startswith("SDO ") and node is not None and not frame.is_remote_frame:
+            told, value = self._transfers.take(segment, frame.data, told)
+            if value is not None:
+                number = int.from_bytes(value.data, "little")
+                self._pdos.note(segment, node, value.index, value.sub, number)
+        elif is_boot_up(told) and node is not None:
+            self._transfers.forget(segment, node)
+            self._pdos.forget(segment, node)
+        pdo = self._pdo(segment, frame, told)
+        return told if pdo is None else replace(told, service=pdo.name, node=pdo.node)
+
+    def _pdo(self, segment: str, frame: Frame, told: Dissected) -> Pdo | None:
+        is_error = told.service == "error frame"
+        found = self._pdos.find(segment, frame.arbitration_id, frame.is_extended_id)
+        return None if is_error else found
+
     def tell(self, segment: str, frame: Frame, told: Dissected) -> Told:
-        """Return the name of a frame, what it says and what it can be asked for by."""
+        """Return the name of a frame, what it says and what it can be asked for by.
+
+        told: from `follow`.
+        """
         if told.service == "error frame":
             return Told("error frame", "", frozenset(("error frame", "error")))
-        known = self._telegrams.get((segment, frame.arbitration_id))
-        if known is not None and not frame.is_remote_frame:
-            axis, telegram = known
-            text = _pdo_words(telegram, frame.data, self._per_mm[axis])
+        known = self._pdo(segment, frame, told)
+        telegram = known.telegram if known is not None else None
+        if telegram is not None and told.node is not None and not frame.is_remote_frame:
+            axis = self._nodes.get((segment, told.node))
+            text = _pdo_words(telegram, frame.data, self._per_mm.get(axis or ""))
             objects = [(item.index, item.sub) for item in telegram.objects]
-            tags = _tags(telegram.name, (axis, str(told.node)), told, objects)
-            return Told(f"{axis}.{telegram.name}", text, tags)
+            tags = _tags(telegram.name, [*([axis] if axis else []), str(told.node)], told, objects)
+            whose = "" if axis or not self._is_rig else f", {NOBODYS}"
+            return Told(f"{axis or told.node}.{telegram.name}", f"{text}{whose}", tags)
         fields = told.fields
         objects = [(_int(fields, "index"), _int(fields, "sub"))] if "index" in fields else []
         node = told.node or (_int(fields, "target") if told.service == "NMT" else 0) or None
@@ -171,7 +207,21 @@ def _sdo_words(side: str, fields: Mapping[str, int | bytes], per_mm: Fraction | 
         return f"{text} = {value_words(*key, bits, number, per_mm, hexadecimal=True)}"
     if "size" in fields:
         return f"{text}, {_int(fields, 'size')} bytes follow"
+    if "step" in fields:
+        return f"{text} {_block_words(fields)}"
+    text += f", segment {_int(fields, 'segment')}:" if "segment" in fields else ""
     data = fields.get("data")
     if isinstance(data, bytes):
         return f"{text} {data.hex(' ')}{', the last one' if fields['is_last'] else ''}"
     return text
+
+
+def _block_words(fields: Mapping[str, int | bytes]) -> str:
+    """Say a frame of a block transfer that is neither its begin nor a segment."""
+    step = _int(fields, "step")
+    if step == BLOCK_TAKEN:
+        return f"{_int(fields, 'taken')} segments taken, next {_int(fields, 'block_size')} at most"
+    if step == BLOCK_END and "crc" in fields:
+        unused = _int(fields, "unused")
+        return f"end, {unused} bytes of the last segment unused, CRC 0x{_int(fields, 'crc'):04X}"
+    return "start" if step == BLOCK_START else "end"
