@@ -9,14 +9,17 @@ import pytest
 from axisrig.kernel.distance import (
     DistanceCommand,
     DistanceControl,
+    DistanceLaw,
     DistanceSettings,
     DistanceState,
     Reading,
     Source,
+    StepLimiter,
 )
 from axisrig.kernel.time.clock import MS
 
 OWNER = "axis Z"
+CLAMPED = DistanceLaw(limiter=StepLimiter.CLAMP)
 STATE_WAYS: dict[DistanceState, tuple[DistanceCommand, ...]] = {
     DistanceState.INACTIVE: (),
     DistanceState.ACTIVE: (DistanceCommand.ON,),
@@ -32,7 +35,8 @@ class Loop:
 
     The tool is where program and offset said `dead_cycles` + 1 cycles ago; with none the error is
     measured as the offset of the cycle before has left it. height_mm: of the surface by the number
-    of the cycle. lag: share of its way to there that the tool leaves open in each cycle.
+    of the cycle. increment_mm: of the sensor, 0 = none. lag: share of its way to there that the
+    tool leaves open in each cycle.
     """
 
     control: DistanceControl
@@ -40,6 +44,7 @@ class Loop:
     program_mm: float = 0.0
     dead_cycles: int = 0
     lag: float = 0.0
+    increment_mm: float = 0.0
     cycle: int = 0
     is_held: bool = False
     override: float = 1.0
@@ -57,6 +62,8 @@ class Loop:
             target_mm = self.program_mm + (past[-1] if past else 0.0)
             self.actual_mm += (target_mm - self.actual_mm) * (1 - self.lag)
             sensor_mm = self.height_mm(self.cycle) - self.actual_mm
+            if self.increment_mm:
+                sensor_mm = round(sensor_mm / self.increment_mm) * self.increment_mm
             self.cycle += 1
             try:
                 reading = Reading(
@@ -93,10 +100,14 @@ class Loop:
 
 
 def wide(**changes: Any) -> DistanceSettings:
-    """Settings without a filter, whose limits nothing reaches but what a test changes."""
+    """Settings without a filter, whose limits nothing reaches but what a test changes.
+
+    They clamp: a slope would act on each step that is larger than the error, whatever a_max is.
+    """
     wanted: dict[str, Any] = {
         "n_cycles": 0, "v_max_mm_s": 1e6, "a_max_mm_s2": 1e9, "max_deviation_mm": 1e3,
         "max_change_mm_s": 1e6, "min_pos_mm": -50.0, "max_pos_mm": 50.0,
+        "law": CLAMPED,
     } | changes  # fmt: skip
     return DistanceSettings().replaced(**wanted)
 
@@ -111,9 +122,10 @@ def make_loop() -> Callable[..., Loop]:
         program_mm: float = 0.0,
         dead_cycles: int = 0,
         lag: float = 0.0,
+        period_ns: int = MS,
         **changes: Any,
     ) -> Loop:
-        control = DistanceControl(OWNER, wide(**changes), MS)
+        control = DistanceControl(OWNER, wide(**changes), period_ns)
         return Loop(control, height_mm, program_mm, dead_cycles, lag, actual_mm=program_mm)
 
     return make

@@ -196,6 +196,32 @@ def test_another_version_is_told_from_damage(tmp_path: Path, version: object) ->
         read_run(path)
 
 
+@pytest.mark.parametrize("version", [1, 2, 3])
+def test_an_older_recording_was_made_under_the_older_law(tmp_path: Path, version: int) -> None:
+    """A derivative of the error per second, and a clamp; a newer one has what its rig chose."""
+    chosen = distance.Controller(
+        0.3, 0.0, 0.01, "MOVING_AVERAGE", 20, 0.7, 4, 25.0, 0.1, False,
+        "feedback", "slope", "per_cycle",
+    )  # fmt: skip
+    change = distance.DistanceChange(0, "ACTIVE", "NC", "60E4", False, chosen)
+    left = facts(distance={"Z": distance.DistanceRecord(changes=(change,))})
+    path = tmp_path / "run.json"
+    path.write_text(run_text(left), encoding="utf-8")
+    assert read_run(path).facts == left
+    content = json.loads(run_text(left))
+    content["version"] = version
+    controller = content["facts"]["distance"]["Z"]["changes"][0]["controller"]
+    for name in ("derivative_of", "limiter", "derivative"):
+        del controller[name]
+    path.write_text(json.dumps(content), encoding="utf-8")
+    found = read_run(path).facts
+    assert found is not None
+    control = found.distance["Z"].changes[0].controller.control
+    assert (control.derivative_of, control.limiter) == ("error", "clamp")
+    assert control.derivative == "per_second"
+    assert control.kp == 0.3
+
+
 def test_a_file_that_cannot_be_read_is_no_damage(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=r"run\.json"):
         read_run(tmp_path / "run.json")

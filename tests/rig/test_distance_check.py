@@ -13,7 +13,7 @@ from axisrig.bench.rig.distance.check import (
     describe_distance,
     distance_warnings,
 )
-from axisrig.bench.rig.distance.loops import listed_of, unstable
+from axisrig.bench.rig.distance.loops import listed_for, unstable
 from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
@@ -40,7 +40,7 @@ def limits(settings: Settings, lags_s: dict[str, float] | None = None) -> dict[s
 def unstable_as_listed(settings: Settings, mode: str) -> str | None:
     """What a run with the listed control in a mode would warn of."""
     (sensor,) = sensors_of(settings, "Z")
-    return unstable(settings, "Z", sensor, mode, listed_of(settings.axis["Z"]).control)
+    return unstable(settings, "Z", sensor, mode, listed_for(settings, "Z").control)
 
 
 RUNS_AWAY = "distance-z-variable-gap"  # for the cases of the sign table

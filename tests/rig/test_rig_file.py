@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.rig.reading.file import MapTable, read_rig, rig_error
+from axisrig.kernel.distance import Derivative, DerivativeOf, DistanceLaw, StepLimiter
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
@@ -41,6 +42,32 @@ def test_a_rig_is_read_with_its_defaults(rig_file: Write) -> None:
     assert (rig.axis["Z"].probe_1, rig.axis["Z"].probe_2) == ("probe", None)
     assert rig.plant["z"].start == {"position_start_mm": 130, "kv": 40}
     assert rig.plant["probe"].wire == {"z": "z"}
+
+
+CYCLE = "[cycle]"
+
+
+def test_a_rig_chooses_the_law_of_distance_control(rig_file: Write) -> None:
+    """Each key by itself; what is not given is the usual one."""
+    usual = read_rig(rig_file())[0].distance.law
+    assert usual == DistanceLaw()
+    for key, word, law in (
+        ("derivative_of", "error", DistanceLaw(derivative_of=DerivativeOf.ERROR)),
+        ("limiter", "clamp", DistanceLaw(limiter=StepLimiter.CLAMP)),
+        ("derivative", "per_cycle", DistanceLaw(derivative=Derivative.PER_CYCLE)),
+    ):
+        path = rig_file((CYCLE, f'[distance]\n{key} = "{word}"\n{CYCLE}'))
+        assert read_rig(path)[0].distance.law == law
+        assert law != usual
+
+
+def test_a_law_that_there_is_not_is_refused_with_those_there_are(rig_file: Write) -> None:
+    path = rig_file((CYCLE, f'[distance]\nlimiter = "ramp"\n{CYCLE}'))
+    error = _refused(path)
+    assert error.line == _line(path, "ramp")
+    assert (error.value, "'slope' or 'clamp'" in error.message) == ("ramp", True)
+    path = rig_file((CYCLE, f"[distance]\nlimit = 1\n{CYCLE}"))
+    assert "did you mean limiter?" in str(_refused(path))
 
 
 def test_a_byte_order_mark_is_no_part_of_the_rig(rig_file: Write) -> None:

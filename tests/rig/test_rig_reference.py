@@ -16,6 +16,7 @@ from axisrig.bench.rig.reading.file import (
     RealtimeTable,
     SegmentTable,
 )
+from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable
 from axisrig.kernel.cosim.fmi.role_table import role_table
@@ -24,6 +25,7 @@ TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-
 MODELS: dict[str, type[BaseModel]] = {
     "[cycle]": CycleTable,
     "[realtime]": RealtimeTable,
+    "[distance]": DistanceTable,
     "[channel]": ChannelTable,
     "[segment.S]": SegmentTable,
     "[drive.D]": DriveTable,

@@ -1,11 +1,20 @@
 """Limits of stability and answers of an identified loop against closed forms and simulation."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from axisrig.bench.tools.tune.loop import Floats, Law, Loop, both_encoders, const_dist, set_pos
+from axisrig.bench.tools.tune.loop import (
+    Floats,
+    Law,
+    Loop,
+    both_encoders,
+    const_dist,
+    set_pos,
+    without_offset,
+)
 
 T_S = 1e-3
 
@@ -110,3 +119,32 @@ def test_noise_gain_without_dead_cycle_is_that_of_an_exponential_mean() -> None:
 def test_sensitivity_peak_without_dead_cycle() -> None:
     """|S| = 2/(2 - kp) at half the cycle rate."""
     assert loop(0).sensitivity_peak(Law(0.8)) == pytest.approx(2 / 1.2, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.5, 10.0])
+def test_a_derivative_of_the_feedback_does_not_see_the_offset_of_the_surface_mode(
+    rate: float,
+) -> None:
+    """SET_POS without skew: nothing but the offset comes back: 2, and 2/(1 + 2r) of the error."""
+    feedback = set_pos(mean(4), delay(2), delay(2))
+    of_error = Loop(T_S, feedback, mean(4))
+    assert of_error.stable_kp(tv_s=rate * T_S)[1] == pytest.approx(2 / (1 + 2 * rate), rel=1e-9)
+    of_feedback = Loop(T_S, feedback, mean(4), without_offset(feedback))
+    assert of_feedback.stable_kp(tv_s=rate * T_S)[1] == pytest.approx(2.0, rel=1e-9)
+
+
+def test_a_derivative_per_cycle_is_that_of_a_cycle_of_a_second() -> None:
+    made = replace(loop(1, 20), is_per_cycle=True)
+    for tv in (0.5, 2.0):
+        assert made.stable_kp(tv_s=tv)[1] == pytest.approx(
+            loop(1, 20).stable_kp(tv_s=tv * T_S)[1], rel=1e-9
+        )
+
+
+def test_a_set_value_is_not_differentiated_with_the_feedback() -> None:
+    """The first cycle after a step of it: kp, and kp (1 + r) with a derivative of the error."""
+    law = Law(0.3, 0.0, 10 * T_S)
+    of_error, of_feedback = loop(1, 20), replace(loop(1, 20), steps_with_set_value=False)
+    assert of_error.offset_answer(law, 3)[0] == pytest.approx(0.3 * 11)
+    assert of_feedback.offset_answer(law, 3)[0] == pytest.approx(0.3)
+    assert of_feedback.stable_kp(tv_s=0.01) == of_error.stable_kp(tv_s=0.01)

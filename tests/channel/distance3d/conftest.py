@@ -16,7 +16,13 @@ import pytest
 from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.channel.distance.channel import ChannelDistance
 from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
-from axisrig.kernel.distance import DistanceCommand, DistanceSettings, Source
+from axisrig.kernel.distance import (
+    DistanceCommand,
+    DistanceLaw,
+    DistanceSettings,
+    Source,
+    StepLimiter,
+)
 from axisrig.kernel.distance.limiter import AxesAllow
 from axisrig.kernel.kinematics import HeadCA, Kinematic
 from axisrig.kernel.nc.coordinates import OffsetTables
@@ -26,6 +32,7 @@ from axisrig.kernel.time.clock import MS
 
 NAMES = ("X", "Y", "Z", "C", "A")
 HEAD_MM, TOOL_MM = 100.0, 80.0
+CLAMPED = DistanceLaw(limiter=StepLimiter.CLAMP)
 FLAT = np.array((0.0, 0.0, 1.0))
 
 Vector = Any
@@ -133,11 +140,15 @@ class ToolLoop:
 
 
 def wide(**changes: Any) -> DistanceSettings:
-    """Settings of a channel without a filter, whose limits only a test reaches."""
+    """Settings of a channel without a filter, whose limits only a test reaches.
+
+    They clamp: a slope would act on each step that is larger than the error, whatever a_max is.
+    """
     wanted: dict[str, Any] = {
         "n_cycles": 0, "v_max_mm_s": 1e6, "a_max_mm_s2": 1e9, "max_deviation_mm": 1e3,
         "max_change_mm_s": 1e6, "min_pos_mm": -500.0, "max_pos_mm": 500.0, "is_newer": True,
         "sensor_sign": -1, "a_axis_mm_s2": 0.0,
+        "law": CLAMPED,
     } | changes  # fmt: skip
     return DistanceSettings().replaced(**wanted)
 

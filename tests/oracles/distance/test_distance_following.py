@@ -170,7 +170,7 @@ def test_overshoot_behind_clamps() -> None:
     """Sample set of the manual: 10 mm/s, 100 mm/s2, kp 0.3, 1 ms: 0.47 mm."""
     assert overshoot_mm(0.3, PERIOD_NS, 10.0, 100.0) == pytest.approx(0.467, abs=1e-3)
     assert overshoot_mm(0.3, PERIOD_NS, 0.33, 100.0) == 0.0
-    law = Law(SET_POS, Control(0.3), PERIOD_NS, limited(10.0, 100.0))
+    law = Law(SET_POS, Control(0.3, limiter="clamp"), PERIOD_NS, limited(10.0, 100.0))
     course = simulate(law, Rig(), np.full(3000, 2.8), 5.0, 0.0)
     beyond = float(np.max(course.offset_mm)) - 2.8
     # One cycle of the way of a step, since the law is sampled

@@ -112,4 +112,5 @@ def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Cl
 @once
 def axis_settings(settings: Settings, name: str) -> AxisSettings:
     """Return what the channel knows of an axis."""
-    return AxisSettings.read(name, settings.axis[name], settings.channel)
+    law = settings.rig.distance.law
+    return AxisSettings.read(name, settings.axis[name], settings.channel, law)

@@ -324,6 +324,7 @@ class Machine:
                 start_after_ns=operator.start_after_ns,
                 optional_stop=operator.optional_stop,
                 cutting_licence=self.settings.rig.channel.cutting_licence,
+                law=self.settings.rig.distance.law,
             ),
         )
         channel.plc.values.update(self.settings.external)

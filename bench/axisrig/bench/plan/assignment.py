@@ -12,7 +12,7 @@ from importlib import resources
 from axisrig.kernel.errors import Guess, UserError, nearest
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-INPUT_KINDS = ("set", "plant", "drive", "bus", "plc", "fault")
+INPUT_KINDS = ("set", "plant", "drive", "bus", "distance", "plc", "fault")
 
 _PLACES = {
     "axis": r"(?P<target>[A-Za-z]\w*)",
@@ -67,8 +67,8 @@ class Assignment:
     """An input column with its value.
 
     kind: one of INPUT_KINDS. target: axis or `channel`, FMU instance, drive, bus segment; empty for
-    plc and fault. name: parameter path, variable without unit suffix, key, event or kind of fault.
-    unit: suffix of `units.csv`, only for plant; empty = SI. value: the cell.
+    distance, plc and fault. name: parameter path, variable without unit suffix, key, event or kind
+    of fault. unit: suffix of `units.csv`, only for plant; empty = SI. value: the cell.
     """
 
     column: str

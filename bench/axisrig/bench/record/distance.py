@@ -18,7 +18,9 @@ ON = ("ACTIVE", "ACTIVE_CONST_DIST")
 class Controller(Frozen):
     """Parameters of a distance control: gains, times, filter; lengths in mm, frequencies in Hz.
 
-    both_encoders: the constant distance follows by sensor and actual position.
+    both_encoders: the constant distance follows by sensor and actual position. derivative_of,
+    limiter, derivative: choices of the rig, `axisrig.kernel.distance.law`; recordings of versions 1
+    to 3 were made with those that are given here.
     """
 
     kp: float
@@ -31,6 +33,9 @@ class Controller(Frozen):
     corner_hz: float
     sigma_mm: float
     both_encoders: bool
+    derivative_of: str = "error"
+    limiter: str = "clamp"
+    derivative: str = "per_second"
 
     @property
     def control(self) -> Control:
@@ -45,6 +50,9 @@ class Controller(Frozen):
             order=self.order,
             corner_hz=self.corner_hz,
             sigma_mm=self.sigma_mm,
+            derivative_of=self.derivative_of,
+            limiter=self.limiter,
+            derivative=self.derivative,
         )
 
 

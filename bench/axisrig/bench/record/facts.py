@@ -33,8 +33,8 @@ VERSION: Final = 4
 """Counts up with every change after which an older version cannot read what is written."""
 READABLE: Final = (1, 2, 3, 4)
 """Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`, up to 3 the
-first of several stamps counts, telegrams of a node with inputs have no instants and distance
-controls no `orders`."""
+first of several stamps counts, telegrams of a node with inputs have no instants, distance controls
+no `orders`, and they had a derivative of the error per second and clamps."""
 
 _AGAIN = "run the case again with this version"
 

@@ -19,6 +19,7 @@ from axisrig.bench.rig.plc.axis_words import ProbingWrite
 from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
 from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
 from axisrig.bench.rig.reading.file import DriveTable, RigFile, SegmentTable
+from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.lists import (
     OFFSET_LISTS,
     inert_notes,
@@ -30,6 +31,7 @@ from axisrig.bench.rig.reading.lists import (
     take_over,
 )
 from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS, PlcTaskTable
+from axisrig.bench.rig.reading.tables import in_words
 from axisrig.kernel.errors import Alarm, UserError, nearest
 from axisrig.kernel.kinematics import KinematicData
 from axisrig.kernel.nc.coordinates import OffsetTables
@@ -136,6 +138,7 @@ class Settings:
                 "plant": self._plant,
                 "drive": self._drive,
                 "bus": self._bus,
+                "distance": self._distance,
                 "plc": self._plc,
                 "fault": self._fault,
             }[assignment.kind](assignment, located)
@@ -199,6 +202,22 @@ class Settings:
             raise UserError(
                 f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
             ) from error
+
+    def _distance(self, item: Assignment, _located: Located) -> None:
+        fields = DistanceTable.model_fields
+        if item.name not in fields:
+            raise UserError(
+                "[distance] has no such key",
+                value=item.name,
+                allowed=nearest(item.name, fields) or fields,
+            )
+        values = self.rig.distance.model_dump() | {item.name: item.value}
+        try:
+            table = DistanceTable.model_validate(values)
+        except ValidationError as error:
+            message = in_words(error.errors()[0]["type"], error.errors()[0]["msg"])
+            raise UserError(f"{item.name}: {message}", value=item.value) from error
+        self.rig = self.rig.model_copy(update={"distance": table})
 
     def _plc(self, item: Assignment, _located: Located) -> None:
         if item.name == "start_ms":

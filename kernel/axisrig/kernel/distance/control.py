@@ -9,7 +9,8 @@ constant distance (5.2, 7.1)    e = SET_DIST - filter(d), d = -sensor; 3D (12.1)
                                 inclined tool is nearer
 both encoders (7.1)             e = SET_DIST - filter(d - (actual - sent))
 
-and offset += limit(PID(e)). The surface law compares with the offset that already acts, as its
+and offset += limit(PID(e)); what the manuals leave open of PID and limit is in `law`. The surface
+law compares with the offset that already acts, as its
 deviation stays when it is compensated (docs/ambiguities.md).
 """
 
@@ -336,7 +337,9 @@ class DistanceControl:
         if not reading.is_held:
             self._supervise(reading)
         self._compare(reading)
-        self.delta_mm = self._controller.delta_mm(self.error_mm, self.settings)
+        is_surface = self._mode is DistanceState.ACTIVE
+        towards_mm = self.filtered_mm if is_surface else -self.filtered_mm
+        self.delta_mm = self._controller.delta_mm(self.error_mm, towards_mm, self.settings)
         if reading.is_held or self.is_dry_run:
             self._rest()
             self._controller.settle(is_limited=True)

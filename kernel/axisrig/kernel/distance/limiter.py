@@ -1,19 +1,23 @@
 """Limits of speed and acceleration of the offset.
 
-While distance control follows they are plain clamps of the step from cycle to cycle. When the
-offset is run out, speed follows a braking curve and ends at exactly 0. Sources: P-AXIS-00415,
+While distance control follows, a step towards the error is never larger than one that can still
+stop there (slope), or it is only cut to them (clamp): a choice of the rig, `law`. When the offset
+is run out, speed follows the same braking curve and ends at exactly 0. Sources: P-AXIS-00415,
 00416, 00501 to 00505, 00533, 00534 (FCT-M3 7.2, 7.4).
 """
 
 import math
 from typing import NamedTuple
 
+from axisrig.kernel.distance.law import StepLimiter
 from axisrig.kernel.distance.settings import DistanceSettings
 from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
 PERMILLE = 1000
 # The braking curve leaves the acceleration room for the rounding of floats
 OF_ACCELERATION = 1 - 1e-9
+NO_ERROR_MM = 1e-9
+"""An error below it is rounding: it has no direction in which a step would have to stop."""
 
 
 class AxesAllow(NamedTuple):
@@ -54,11 +58,24 @@ class Limiter:
     ) -> float:
         """Return the step of this cycle towards what the controller asks for.
 
-        error_mm: control error, which decides the acceleration when that is adaptive. override:
-        share of v_max that acts. axes: what the axes that the offset moves allow it.
+        error_mm: control error: the way to go of a slope, and it decides the acceleration when that
+        is adaptive. override: share of v_max that acts. axes: what the axes that the offset moves
+        allow it.
         """
         a_mm_s2 = min(acceleration_mm_s2(error_mm, settings), axes.a_mm_s2)
+        if settings.law.limiter is StepLimiter.SLOPE:
+            delta_mm = self._sloped(delta_mm, error_mm, a_mm_s2)
         return self._go(delta_mm, a_mm_s2, settings, override, axes.v_mm_s)
+
+    def _sloped(self, delta_mm: float, error_mm: float, a_mm_s2: float) -> float:
+        """Cut a step towards the error to the largest that can stop there, braking by a T^2.
+
+        A step away from the error is left as it is: it has nothing to stop at.
+        """
+        if abs(error_mm) < NO_ERROR_MM:
+            return delta_mm
+        most_mm = fastest_step_mm(abs(error_mm), self._in_cycle(a_mm_s2) * OF_ACCELERATION)
+        return min(delta_mm, most_mm) if error_mm > 0 else max(delta_mm, -most_mm)
 
     def run_out(
         self,

@@ -5,6 +5,7 @@ from typing import Any
 
 from axisrig.kernel.distance.filters import FilterSettings
 from axisrig.kernel.distance.filters.build import OF_AXIS, OF_CHANNEL
+from axisrig.kernel.distance.law import USUAL_LAW, DistanceLaw
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters import ParameterSet
 
@@ -25,7 +26,8 @@ class DistanceSettings:
     a_weight_down_permille: 00533 and 00534, 0 for none. is_adaptive, a_min_mm_s2, error_a_min_mm,
     error_a_max_mm: 00501 to 00505. max_change_mm_s: 00417. min_pos_mm, max_pos_mm, tolerance_mm:
     00420, 00419, 00421. has_absolute_sensor: whether 00418 is set. is_newer: 3100xx, not 703xx.
-    sensor_sign: -1 where the value that the limits are of grows when the tool lifts (3D).
+    sensor_sign: -1 where the value that the limits are of grows when the tool lifts (3D). law: what
+    the rig has chosen of the law.
     """
 
     kp: float = 1.0
@@ -50,12 +52,19 @@ class DistanceSettings:
     is_newer: bool = False
     sensor_sign: int = 1
     filter: FilterSettings = field(default_factory=FilterSettings)
+    law: DistanceLaw = USUAL_LAW
 
     @classmethod
-    def read(cls, parameters: ParameterSet, prefix: str = OF_AXIS) -> "DistanceSettings":
+    def read(
+        cls,
+        parameters: ParameterSet,
+        prefix: str = OF_AXIS,
+        law: DistanceLaw = USUAL_LAW,
+    ) -> "DistanceSettings":
         """Take the parameters of a list, each through its fallback.
 
         prefix: `OF_AXIS`, or `OF_CHANNEL`, which has no acceleration to fall back on and newer IDs.
+        law: choices of the rig.
         """
         is_channel = prefix == OF_CHANNEL
 
@@ -88,6 +97,7 @@ class DistanceSettings:
             is_newer=is_channel or names_newer(parameters),
             sensor_sign=-1 if is_channel else 1,
             filter=FilterSettings.read(parameters, prefix),
+            law=law,
         )
 
     @property

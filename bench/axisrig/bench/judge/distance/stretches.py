@@ -28,6 +28,8 @@ SETTLED_SHARE = 1e-3
 """What may be left of the transient when the judged share begins."""
 _EVEN_MM = 2e-7
 NEVER_ON = "distance control was never on"
+_RINGS = 0.9
+"""What is left of the steps of an earlier half in a limit cycle, at least."""
 
 
 @dataclass(frozen=True)
@@ -210,7 +212,7 @@ def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     clamped = _where(truth, slice(begin, stretch.end), _is_clamped)
     if clamped is not None and clamped.last - begin >= stretch.end - begin - 40:
         if clamped.first - begin < 30:
-            return Envelope(math.inf, 0, "the clamps act all the time: a limit cycle")
+            return _limited(truth, stretch, begin)
         end = clamped.first
     else:
         begin = clamped.last + 1 if clamped is not None else begin
@@ -225,6 +227,23 @@ def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     if end - first < 24:
         return Envelope(0.0, end - begin, f"died away within {end - begin} cycles")
     return Envelope(_slope(truth, first, end), end - first, "largest steps of both halves")
+
+
+def _limited(truth: DistanceTruth, stretch: Stretch, begin: int) -> Envelope:
+    """Say what becomes of steps that limits hold all the time: they ring, or die away in a slope.
+
+    A slope acts on each step towards the error that is larger than the error itself, also of a loop
+    that comes to rest.
+    """
+    if stretch.listed.control.is_sloped:
+        end = stretch.end
+        half = (end - begin) // 2
+        _, early = _largest_step(truth, slice(begin, begin + half))
+        _, late = _largest_step(truth, slice(begin + half, begin + 2 * half))
+        if late < _RINGS * early:
+            note = "largest steps of both halves, in which the slope acts"
+            return Envelope(_slope(truth, begin, end), end - begin, note)
+    return Envelope(math.inf, 0, "the limits act all the time: a limit cycle")
 
 
 def _is_clamped(truth: DistanceTruth) -> Flags:

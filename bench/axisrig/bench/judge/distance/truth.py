@@ -176,7 +176,12 @@ class DistanceTruth:
             return int(self.observed.value(self.axis, "distance_state", row)) in FOLLOWING
 
         orders = orders_of(self.observed, self.control)
-        return acting(*self.written, orders, self.period_ns, follows_in)
+        found = acting(*self.written, orders, self.period_ns, follows_in)
+        changes = self.control.changes
+        if not changes:
+            return found
+        rig = changes[0].controller  # what a rig has chosen of the law is in no list
+        return [replace(one, listed=one.listed.choosing(rig)) for one in found]
 
     def acting_in(self, row: int) -> Acting:
         """Return what acts in the step of a row of the run."""
@@ -363,8 +368,9 @@ class DistanceTruth:
             self.smoothing(listed),
             sent_cycles=self.dead.reaction,
             skew_cycles=self.sensor_age_cycles,
-            integral=self.period_s / control.tn_s if control.tn_s else 0.0,
-            derivative=control.tv_s / self.period_s,
+            integral=control.integral(self.period_ns),
+            derivative=control.rate(self.period_ns),
+            of_error=control.looks_at_error,
             drive=first_order_drive(lag_s, self.period_ns) if lag_s else none(),
             sign=1 if self.counts_right else -1,
             gain=self.surface_gain,

@@ -191,4 +191,7 @@ def controller(settings: DistanceSettings) -> Controller:
         corner_hz=smooth.low_pass_filter_fg_f0,
         sigma_mm=smooth.kalman_sigma / UNITS_PER_MM,
         both_encoders=settings.both_encoders,
+        derivative_of=settings.law.derivative_of,
+        limiter=settings.law.limiter,
+        derivative=settings.law.derivative,
     )

@@ -18,6 +18,25 @@ def fastest_step_s(height_mm: float, v_mm_s: float, a_mm_s2: float) -> float:
     return 2.0 * math.sqrt(height_mm / a_mm_s2)
 
 
+def stopping_step_mm(way_mm: float, change_mm: float) -> float:
+    """Return the largest step from which an offset can still stop at the end of a way.
+
+    change_mm: b = a T^2, by which a step may be less than the one before. n steps s, s - b, s - 2b
+    .. end at n s - b n (n - 1)/2; with n of them, b n (n - 1)/2 < way <= b n (n + 1)/2, the last
+    one is no more than b, and after it the offset stands. Infinite without a limit.
+    """
+    if not math.isfinite(change_mm):
+        return math.inf
+    if change_mm <= 0.0:
+        return 0.0
+    count = max(int(math.sqrt(2.0 * way_mm / change_mm)), 1)
+    while change_mm * count * (count + 1) / 2 < way_mm:
+        count += 1
+    while count > 1 and change_mm * count * (count - 1) / 2 >= way_mm:
+        count -= 1
+    return way_mm / count + change_mm * (count - 1) / 2
+
+
 def overshoot_mm(kp: float, period_ns: TimeNs, v_mm_s: float, a_mm_s2: float) -> float:
     """Return v^2/2a - v/K + a/2K^2: a P law with plain clamps, continuous, no dead time.
 

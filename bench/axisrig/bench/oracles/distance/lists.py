@@ -7,7 +7,8 @@ structure `kenngr.dist_ctrl[0].` wins over the older `kenngr.distc.`. The channe
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 from axisrig.kernel.time.clock import S, TimeNs
 
@@ -33,6 +34,19 @@ _AXIS_RAMPS = tuple(f"getriebe[0].lslope_profil.a_grenz_stufe_{k}" for k in (1, 
 _AXIS_SPEEDS = ("getriebe[0].vb_eilgang", "getriebe[0].dynamik.vb_max")
 
 
+class Choices(Protocol):
+    """What a rig has chosen of the law, [distance]; see `Control`."""
+
+    @property
+    def derivative_of(self) -> str: ...  # noqa: D102
+
+    @property
+    def limiter(self) -> str: ...  # noqa: D102
+
+    @property
+    def derivative(self) -> str: ...  # noqa: D102
+
+
 @dataclass(frozen=True)
 class Limits:
     """What holds the offset and what raises. mm, mm/s, mm/s2.
@@ -54,7 +68,11 @@ class Limits:
 
 @dataclass(frozen=True)
 class Control:
-    """The controller: kp, Tn and Tv in s (0 = off), filter with its numbers (FCT-M3 4)."""
+    """The controller: kp, Tn and Tv in s (0 = off), filter with its numbers (FCT-M3 4).
+
+    derivative_of, limiter, derivative: what the rig has chosen of the law ([distance]); no list has
+    them, `as_written` gives the usual ones.
+    """
 
     kp: float = 1.0
     tn_s: float = 0.0
@@ -65,6 +83,27 @@ class Control:
     order: int = 4
     corner_hz: float = 25.0
     sigma_mm: float = 0.1
+    derivative_of: str = "feedback"
+    limiter: str = "slope"
+    derivative: str = "per_second"
+
+    @property
+    def is_sloped(self) -> bool:
+        """Whether a step towards the error is never larger than one that can stop there."""
+        return self.limiter == "slope"
+
+    @property
+    def looks_at_error(self) -> bool:
+        """Whether the derivative part takes the change of the error, not of the feedback."""
+        return self.derivative_of == "error"
+
+    def integral(self, period_ns: TimeNs) -> float:
+        """Return g, by which the sum of errors counts in a cycle: T/Tn, 0 without Tn."""
+        return period_ns / S / self.tn_s if self.tn_s else 0.0
+
+    def rate(self, period_ns: TimeNs) -> float:
+        """Return r, by which a change from cycle to cycle counts: Tv/T, or Tv per cycle."""
+        return self.tv_s * S / period_ns if self.derivative == "per_second" else self.tv_s
 
 
 @dataclass(frozen=True)
@@ -85,6 +124,16 @@ class Listed:
     def sensor_mm(self, increments: float) -> float:
         """Return the sensor value: increments times resolution, sign, reference offset."""
         return self.sign * increments * self.mm_per_increment - self.ref_offset_mm
+
+    def choosing(self, rig: Choices) -> "Listed":
+        """Return the same under the law that a rig has chosen."""
+        control = replace(
+            self.control,
+            derivative_of=str(rig.derivative_of),
+            limiter=str(rig.limiter),
+            derivative=str(rig.derivative),
+        )
+        return replace(self, control=control)
 
 
 def as_written(written: Written, stems: tuple[str, ...] = OF_AXIS) -> Listed:

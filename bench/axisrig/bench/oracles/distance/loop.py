@@ -12,11 +12,17 @@ what an ideal loop has (n = 0: e(k) sees o(k - 1)).
 
 F: filter. s: skew, by how many cycles the sensor is older than the actual position. m: dead
 cycles of Z_com, the set position that was sent in the cycle before. The controller adds kp C e to
-the offset, C = 1 + g/(1 - q) + r (1 - q) with g = T/Tn and r = Tv/T, so that
+the offset, C = 1 + g/(1 - q) + r (1 - q) with g = T/Tn and r = Tv/T (Tv where it counts per
+cycle), so that
 
     (1 - q) + kp C B = 0
 
-Sources: FCT-M3 3, 5.1, 5.2, 7.1; docs/distance-control.md.
+That is with a derivative of the error. One of the feedback does not see the offset that SET_POS
+takes off its filtered deviation: with B_f, B without that q,
+
+    (1 - q) + kp ((1 + g/(1 - q)) B + r (1 - q) B_f) = 0
+
+In the other modes B_f is B. Sources: FCT-M3 3, 5.1, 5.2, 7.1; docs/distance-control.md.
 """
 
 from dataclasses import dataclass, field, replace
@@ -34,9 +40,10 @@ class Loop:
     """What is in a loop beside kp.
 
     mode: CONST_DIST, BOTH or SET_POS. dead_cycles: n. sent_cycles: m, only for BOTH. skew_cycles:
-    s. integral: g = T/Tn, 0 = off. derivative: r = Tv/T. drive: D, a transfer function of gain 1.
-    sign: -1 when the sensor counts against what the mode needs. gain: by how much the distance
-    grows for 1 mm of offset; 1 but for 3D control over an inclined surface (`tool.surface_gain`).
+    s. integral: g = T/Tn, 0 = off. derivative: r, Tv/T or Tv. of_error: it is that of the error,
+    not of the feedback. drive: D, a transfer function of gain 1. sign: -1 when the sensor counts
+    against what the mode needs. gain: by how much the distance grows for 1 mm of offset; 1 but for
+    3D control over an inclined surface (`tool.surface_gain`).
     """
 
     mode: str
@@ -46,6 +53,7 @@ class Loop:
     skew_cycles: int = 0
     integral: float = 0.0
     derivative: float = 0.0
+    of_error: bool = False
     drive: Smoothing = field(default_factory=none)
     sign: int = 1
     gain: float = 1.0
@@ -63,15 +71,14 @@ class Loop:
 def polynomials(loop: Loop) -> tuple[Polynomial, Polynomial]:
     """Return A and B of A(q) + kp B(q) = 0, lowest power of q first."""
     above, below = _feedback(loop)
+    looked_at = above if loop.of_error or not loop.is_surface else _add(above, -_shift(below, 1))
     integrator = np.array([1.0, -1.0])
-    control = np.polynomial.polynomial.polyadd([1.0], loop.derivative * integrator)
     start = np.convolve(integrator, below)
+    gain = _add(above, loop.derivative * np.convolve(integrator, looked_at))
     if loop.integral:
-        control = np.polynomial.polynomial.polyadd(
-            np.convolve(control, integrator), [loop.integral]
-        )
         start = np.convolve(start, integrator)
-    return start, np.convolve(control, above)
+        gain = _add(np.convolve(gain, integrator), loop.integral * above)
+    return start, gain
 
 
 def _feedback(loop: Loop) -> tuple[Polynomial, Polynomial]:

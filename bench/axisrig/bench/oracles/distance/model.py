@@ -1,6 +1,6 @@
 """The whole loop walked cycle by cycle: what closed forms cannot say.
 
-Written from the laws in `loop` alone: sensor and position of each SYNC, filter, controller, clamps,
+Written from the laws in `loop` alone: sensor and position of each SYNC, filter, controller, limits,
 output delay, a drive that follows its ramp exactly or with a lag of first order. Lengths in mm.
 """
 
@@ -11,13 +11,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.bench.oracles.distance.limits import adaptive_mm_s2, downwards, lowest_step_mm
+from axisrig.bench.oracles.distance.limits import (
+    adaptive_mm_s2,
+    downwards,
+    lowest_step_mm,
+    stopping_step_mm,
+)
 from axisrig.bench.oracles.distance.lists import Control, Limits
 from axisrig.bench.oracles.distance.loop import BOTH, SET_POS
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none
 from axisrig.kernel.time.clock import S, TimeNs
 
 Signal = npt.NDArray[np.float64]
+NO_ERROR_MM = 1e-9
+"""What is less is rounding and has no direction."""
 UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf, -math.inf, math.inf)
 
 
@@ -86,10 +93,10 @@ class Law:
         self.listen(sensor_mm, actual_mm, sent_mm, set_mm)
         error = self.error_mm
         asked, integral = self._pid(error)
-        step, is_clamped = self._clamped(asked, error)
-        if not is_clamped:
+        step, is_limited = self._limited(asked, error)
+        if not is_limited:
             self._integral_mm = integral
-        self._before_mm = error
+        self._before_mm = self._looked_at_mm()
         self.step_mm = step
         self.offset_mm += step
         return self.offset_mm
@@ -107,7 +114,8 @@ class Law:
     def hold(self, sensor_mm: float, actual_mm: float, sent_mm: float, set_mm: float) -> None:
         """Take what a cycle reads while feedhold or override of the axis hold the offset."""
         self.listen(sensor_mm, actual_mm, sent_mm, set_mm)
-        self._before_mm, self.step_mm, self.asked_mm = self.error_mm, 0.0, self.offset_mm
+        self._before_mm = self._looked_at_mm()
+        self.step_mm, self.asked_mm = 0.0, self.offset_mm
 
     def change(self, control: Control, smoothing: Smoothing) -> None:
         """Take other parameters while on; another filter begins with what the last one gave."""
@@ -126,20 +134,28 @@ class Law:
         The I part is a sum of shares T/Tn, so that another Tn makes no step, and is none without Tn
         (docs/ambiguities.md).
         """
-        period_s, control = self.period_ns / S, self.control
-        before = error if math.isnan(self._before_mm) else self._before_mm
-        integral = self._integral_mm + error * period_s / control.tn_s if control.tn_s else 0.0
-        slope = control.tv_s / period_s * (error - before)
-        return control.kp * (error + integral + slope), integral
+        control, looked_at = self.control, self._looked_at_mm()
+        before = looked_at if math.isnan(self._before_mm) else self._before_mm
+        share = error * control.integral(self.period_ns)
+        integral = self._integral_mm + share if control.tn_s else 0.0
+        rise = control.rate(self.period_ns) * (looked_at - before)
+        return control.kp * (error + integral + rise), integral
 
-    def _clamped(self, asked: float, error: float) -> tuple[float, bool]:
+    def _looked_at_mm(self) -> float:
+        """Return what the derivative part takes the change of."""
+        if self.control.looks_at_error:
+            return self.error_mm
+        return self.filtered_mm if self.mode == SET_POS else -self.filtered_mm
+
+    def _limited(self, asked: float, error: float) -> tuple[float, bool]:
         limits, period_s = self.limits, self.period_ns / S
         v, a = min(limits.v_mm_s, self.axes[0]) * self.override, limits.a_mm_s2
         if limits.adaptive is not None:
             least, low, high = limits.adaptive
             a = adaptive_mm_s2(error, least, a, low, high)
         change = min(a, self.axes[1]) * period_s**2
-        step = min(max(asked, -downwards(v, limits.v_weight) * period_s), v * period_s)
+        step = self._sloped(asked, error, change)
+        step = min(max(step, -downwards(v, limits.v_weight) * period_s), v * period_s)
         if math.isfinite(change):
             least = lowest_step_mm(self.step_mm, change, limits.a_weight)
             step = min(max(step, least), self.step_mm + change)
@@ -147,6 +163,13 @@ class Law:
         reached = min(max(self.asked_mm, -limits.deviation_mm), limits.deviation_mm)
         step = reached - self.offset_mm
         return step, abs(step - asked) > 1e-12
+
+    def _sloped(self, asked: float, error: float, change: float) -> float:
+        """Hold a step towards the error so small that it can stop there."""
+        is_towards = abs(error) >= NO_ERROR_MM and asked * error > 0.0
+        if not self.control.is_sloped or not is_towards:
+            return asked
+        return math.copysign(min(abs(asked), stopping_step_mm(abs(error), change)), asked)
 
 
 @dataclass(frozen=True)

@@ -85,15 +85,17 @@ def _walk(loop: Loop, kp: float, state: _State, *, is_fresh: bool) -> None:
         state.held = loop.sign * state.positions[loop.skew_cycles]
     state.positions = state.positions[: loop.skew_cycles]
     if loop.mode == SET_POS:
-        error = state.smoothing.step(position - state.held) - state.offsets[0]
+        seen = state.smoothing.step(position - state.held)
+        error = seen - state.offsets[0]
     elif loop.mode == BOTH:
         sent = state.offsets[loop.sent_cycles]
-        error = -state.smoothing.step(state.held - position + sent)
+        error = seen = -state.smoothing.step(state.held - position + sent)
     else:
-        error = -state.smoothing.step(state.held)
+        error = seen = -state.smoothing.step(state.held)
+    looked_at = error if loop.of_error else seen
     state.total = state.total + error
-    step = error + loop.integral * state.total + loop.derivative * (error - state.before)
-    state.before = error
+    step = error + loop.integral * state.total + loop.derivative * (looked_at - state.before)
+    state.before = looked_at
     state.offsets = [state.offsets[0] + kp * step, *state.offsets][: len(state.offsets)]
 
 

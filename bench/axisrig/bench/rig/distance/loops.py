@@ -21,7 +21,6 @@ from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.distance.sensors import Sensor
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
-from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import MS, US, S
 
 WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
@@ -55,8 +54,9 @@ def loop_of(
         of_control(control, period_ns),
         sent_cycles=dead.reaction,
         skew_cycles=sensor.age,
-        integral=period_ns / S / control.tn_s if control.tn_s else 0.0,
-        derivative=control.tv_s * S / period_ns,
+        integral=control.integral(period_ns),
+        derivative=control.rate(period_ns),
+        of_error=control.looks_at_error,
         drive=first_order_drive(lag_s, period_ns) if lag_s else none(),
     )
 
@@ -64,13 +64,10 @@ def loop_of(
 def listed_for(settings: Settings, name: str) -> Listed:
     """Return what list and plan say of the control of an axis, or of CHANNEL."""
     if name == CHANNEL:
-        return as_written(dict(settings.channel.items()), OF_CHANNEL)
-    return listed_of(settings.axis[name])
-
-
-def listed_of(axis: ParameterSet) -> Listed:
-    """Return what the lists and the plan say of distance control."""
-    return as_written(dict(axis.items()))
+        listed = as_written(dict(settings.channel.items()), OF_CHANNEL)
+    else:
+        listed = as_written(dict(settings.axis[name].items()))
+    return listed.choosing(settings.rig.distance)
 
 
 def unstable(

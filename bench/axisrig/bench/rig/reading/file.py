@@ -36,6 +36,7 @@ from axisrig.bench.drive.dictionary.profiles import (
     profile_keys,
     profile_names,
 )
+from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable, VariableName
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, take_apart
 from axisrig.bench.rig.reading.startup import StartUpKeys
@@ -255,6 +256,7 @@ class RigFile(Table):
     hardware: bool = False
     cycle: CycleTable = CycleTable()
     realtime: RealtimeTable = RealtimeTable()
+    distance: DistanceTable = DistanceTable()
     channel: ChannelTable
     segment: dict[Name, SegmentTable]
     drive: dict[Name, DriveTable]
@@ -385,7 +387,7 @@ def _known_keys(keys: tuple[str, ...]) -> list[str]:
     named = {
         "segment": SegmentTable, "drive": DriveTable, "axis": AxisTable, "plant": PlantTable,
         "cycle": CycleTable, "channel": ChannelTable, "realtime": RealtimeTable,
-        "plc": PlcSensorTable,
+        "distance": DistanceTable, "plc": PlcSensorTable,
     }  # fmt: skip
     if keys[2:3] == ("map",):
         model = MapTable

@@ -10,6 +10,8 @@ from axisrig.bench.tools.tune.loop import Law, Loop
 
 KP_MAX = 2.0
 """P-AXIS-00759 allows no more."""
+TV_MAX_S = 2.0
+"""P-AXIS-00765 allows no more."""
 OVERSHOOT = 0.02
 """Share of a step by which the tool may pass it: towards the workpiece there is no room."""
 SENSITIVITY_MAX = 2.0
@@ -140,7 +142,10 @@ def _with_derivative(loop: Loop, plain: Law) -> Iterator[Law]:
     """Give laws that are clearly faster than P control and not much noisier."""
     area, noise = quality(loop, plain).area_cycles, loop.noise_gain(plain)
     for cycles in _DERIVATIVE_CYCLES:
-        law = _calmest(loop, cycles * loop.period_s)
+        tv_s = cycles * loop.unit_s
+        if tv_s > TV_MAX_S:
+            break
+        law = _calmest(loop, tv_s)
         if law is None or loop.noise_gain(law) > _NOISE_MAX * noise:
             continue
         if quality(loop, law).area_cycles <= _DERIVATIVE_GAIN * area:

@@ -17,6 +17,7 @@ from axisrig.bench.tools.tune.loop import (
     const_dist,
     set_pos,
     trimmed,
+    without_offset,
 )
 from axisrig.bench.tools.tune.measure import (
     REST_CYCLES,
@@ -28,7 +29,7 @@ from axisrig.bench.tools.tune.measure import (
     distance_step,
     surface_steps,
 )
-from axisrig.kernel.distance import DistanceSettings
+from axisrig.kernel.distance import Derivative, DerivativeOf, DistanceLaw, DistanceSettings
 from axisrig.kernel.distance.filters import FilterSettings, filter_kinds, make_filter
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters.values import ParameterSet
@@ -47,15 +48,21 @@ _SIGMAS_SEEN = 6.0
 
 @dataclass(frozen=True)
 class Configured:
-    """What the list of the axis says: law, filter, both encoders; its impulse response."""
+    """What the list of the axis says: law, filter, both encoders; its impulse response.
+
+    choices: of the rig, [distance].
+    """
 
     law: Law
     filter: FilterSettings
     impulses: Floats
     uses_both: bool
+    choices: DistanceLaw
 
     @classmethod
-    def read(cls, parameters: ParameterSet, period_ns: TimeNs) -> "Configured":
+    def read(
+        cls, parameters: ParameterSet, period_ns: TimeNs, choices: DistanceLaw
+    ) -> "Configured":
         """Read it; the law in s."""
         listed = DistanceSettings.read(parameters)
         settings = listed.filter
@@ -63,7 +70,7 @@ class Configured:
         made.restart(0.0)
         impulses = np.array([made.step(float(k == 0)) for k in range(_PULSE_CYCLES)])
         law = Law(listed.kp, listed.tn_s, listed.tv_s)
-        return cls(law, settings, impulses, listed.both_encoders)
+        return cls(law, settings, impulses, listed.both_encoders, choices)
 
 
 @dataclass(frozen=True)
@@ -149,7 +156,7 @@ def tune(bench: Bench, step_mm: float | None = None) -> Tuning:
     settings = bench.settings()
     period_ns = settings.rig.cycle.period_us * US
     period_s = ns_to_seconds(period_ns)
-    configured = Configured.read(settings.axis[bench.axis], period_ns)
+    configured = Configured.read(settings.axis[bench.axis], period_ns, settings.rig.distance.law)
     rest = at_rest(bench, STEP_MM, period_s)
     sigma_mm = _check_sensor(bench, rest)
     chosen_mm = step_mm or min(max(STEP_MM, STEPS_OF_NOISE * sigma_mm), STEP_MAX_MM)
@@ -250,10 +257,25 @@ def _modes(
         SET_POS: set_pos(filtering, moved, driven),
     }
     for name, feedback in feedbacks.items():
-        loop = Loop(period_s, feedback, trimmed(filtering))
+        loop = _loop(name, configured, feedback, period_s)
         stable_kp = loop.stable_kp(law.tn_s, law.tv_s)
         closed = _closed_limit(name, configured, distance, actual, dead_time)
         yield Mode(name, loop, stable_kp, loop.is_stable(law), closed, advise(loop))
+
+
+def _loop(name: str, configured: Configured, feedback: Floats, period_s: float) -> Loop:
+    """Return a loop under the law that the rig has chosen."""
+    choices = configured.choices
+    of_error, is_surface = choices.derivative_of is DerivativeOf.ERROR, name == SET_POS
+    looked_at = None if of_error or not is_surface else without_offset(feedback)
+    return Loop(
+        period_s,
+        feedback,
+        trimmed(configured.impulses),
+        looked_at,
+        steps_with_set_value=of_error or is_surface,
+        is_per_cycle=choices.derivative is Derivative.PER_CYCLE,
+    )
 
 
 def _closed_limit(

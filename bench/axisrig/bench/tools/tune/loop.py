@@ -7,7 +7,9 @@ Unit of time is the NC cycle; q^-1 is a delay by one cycle. The offset o follows
 with the set value w and the loop's feedback P as an impulse response p (FIR): what the controller
 gets to see of an offset, after path and filter. So the loop is stable when all zeros of
 (1 - q^-1) + kp C P are within the unit circle, and it is at its limit where L = kp C P/(1 - q^-1)
-passes -1 (Nyquist).
+passes -1 (Nyquist). A derivative of the feedback (`[distance]` of a rig) takes another P_D in the
+place of P, without the offset that SET_POS takes off, and no w in CONST_DIST; where Tv counts per
+cycle, it is Tv in the place of Tv/T.
 """
 
 from dataclasses import dataclass, replace
@@ -41,11 +43,24 @@ class Loop:
     """period_s: NC cycle. feedback: impulse response p of the feedback P, from cycle 0 on.
 
     noise: impulse response of the filter, by which the noise of the sensor reaches the controller.
+    looked_at: as feedback, of what the D part takes the change of; None for the same.
+    steps_with_set_value: whether the D part sees a change of the set value. unit_s: the Tv that
+    counts as one cycle, T, or 1 where it counts per cycle.
     """
 
     period_s: float
     feedback: Floats
     noise: Floats
+    looked_at: Floats | None = None
+    steps_with_set_value: bool = True
+    is_per_cycle: bool = False
+
+    @property
+    def unit_s(self) -> float:
+        """Return the Tv whose D part is as large as the P part where the error changes by itself in
+        one cycle.
+        """
+        return 1.0 if self.is_per_cycle else self.period_s
 
     def open_loop(self, law: Law, angles: Floats) -> Complexes:
         """L at angular frequencies in radians per cycle."""
@@ -53,17 +68,18 @@ class Loop:
 
     def _opened(self, law: Law, angles: Floats, feedback: Complexes) -> Complexes:
         step = 1 - np.exp(-1j * angles)
-        loop: Complexes = law.kp * self._control(law, step) * feedback / step
+        rate = law.tv_s / self.unit_s * step
+        integral = self.period_s / law.tn_s / step if law.tn_s else 0.0
+        looked_at = feedback
+        if rate.any() and self.looked_at is not None:
+            looked_at = _response(self.looked_at, angles)
+        loop: Complexes = law.kp * ((1 + integral) * feedback + rate * looked_at) / step
         return loop
 
     @cached_property
     def _on_grid(self) -> Complexes:
         """P at the frequencies of the grid, the costly part of L."""
         return _response(self.feedback, _GRID)
-
-    def _control(self, law: Law, step: Complexes) -> Complexes:
-        integral = self.period_s / law.tn_s / step if law.tn_s else 0.0
-        return np.asarray(1 + integral + law.tv_s / self.period_s * step, dtype=np.complex128)
 
     def stable_kp(self, tn_s: float = 0.0, tv_s: float = 0.0) -> tuple[float, float]:
         """Return the range of kp in which the loop is stable; (0, 0) when there is none.
@@ -108,23 +124,32 @@ class Loop:
         return round(float(turns)) == 0
 
     def _polynomials(self, law: Law) -> tuple[Floats, Floats]:
-        """Characteristic polynomial and kp C in q^-1, both times (1 - q^-1) with an I part."""
-        rate = law.tv_s / self.period_s
-        control = np.array([1 + rate, -rate])
-        rest = np.array([1.0, -1.0])
-        if law.tn_s:
-            share = self.period_s / law.tn_s
-            control = np.convolve(control, [1.0, -1.0])
-            control[0] += share
-            rest = np.convolve(rest, [1.0, -1.0])
-        control = law.kp * control
-        both = np.convolve(control, self.feedback)
+        """Characteristic polynomial and kp C in q^-1, both times (1 - q^-1) with an I part.
+
+        kp C is what a set value meets.
+        """
+        steady, rate, rest = self._parts(law)
+        looked_at = self.feedback if self.looked_at is None else self.looked_at
+        both = _sum(np.convolve(steady, self.feedback), np.convolve(rate, looked_at))
         both[: len(rest)] += rest[: len(both)]
-        return both, control
+        return both, _sum(steady, rate) if self.steps_with_set_value else steady
+
+    def _parts(self, law: Law) -> tuple[Floats, Floats, Floats]:
+        """Return kp times P and I part, kp times D part, and what is left without them."""
+        rate = law.tv_s / self.unit_s * np.array([1.0, -1.0])
+        steady, rest = np.array([1.0]), np.array([1.0, -1.0])
+        if law.tn_s:
+            back = np.array([1.0, -1.0])
+            steady = back + np.array([self.period_s / law.tn_s, 0.0])
+            rate, rest = np.convolve(rate, back), np.convolve(rest, back)
+        return law.kp * steady, law.kp * rate, rest
 
     def step_answer(self, law: Law, cycles: int) -> Floats:
-        """What the controller sees of its own offset after a step of the set value by 1."""
-        polynomial, control = self._polynomials(law)
+        """What the controller sees of its own offset after a step of the feedback by 1, which is
+        the surface, as the filter gives it; every part of the controller sees it.
+        """
+        polynomial, _ = self._polynomials(law)
+        control = _sum(*self._parts(law)[:2])
         return np.asarray(lfilter(np.convolve(control, self.feedback), polynomial, np.ones(cycles)))
 
     def offset_answer(self, law: Law, cycles: int) -> Floats:
@@ -134,7 +159,8 @@ class Loop:
 
     def noise_gain(self, law: Law, cycles: int = 4000) -> float:
         """Standard deviation of the offset over that of white noise of the sensor."""
-        polynomial, control = self._polynomials(law)
+        polynomial, _ = self._polynomials(law)
+        control = _sum(*self._parts(law)[:2])
         pulse = np.zeros(cycles)
         pulse[0] = 1.0
         answer = lfilter(np.convolve(control, self.noise), polynomial, pulse)
@@ -190,6 +216,11 @@ def set_pos(filtering: Floats, distance: Floats, actual: Floats) -> Floats:
     """
     seen = np.convolve(filtering, _sum(actual, -distance))
     return trimmed(_sum(np.array([0.0, 1.0]), -seen))
+
+
+def without_offset(feedback: Floats) -> Floats:
+    """Return the feedback of SET_POS without the offset of the cycle before: what is filtered."""
+    return trimmed(_sum(feedback, -np.array([0.0, 1.0])))
 
 
 def _sum(*parts: Floats) -> Floats:

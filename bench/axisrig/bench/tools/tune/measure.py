@@ -63,8 +63,12 @@ class Bench:
     changes: tuple[str, ...]
 
     def settings(self, parameters: Mapping[str, object] | None = None) -> Settings:
-        """Read the rig, with these parameters of distance control in place of its own."""
+        """Read the rig, with these parameters of distance control in place of its own.
+
+        Its limits then clamp: a slope would act on each step that is larger than the error.
+        """
         own = [f"set:{self.axis}.{PREFIX}{name}={v}" for name, v in (parameters or {}).items()]
+        own += ["distance:limiter=clamp"] if parameters else []
         assigned = [(parse_assignment(text), as_written) for text in (*self.changes, *own)]
         return read_settings(*read_rig(self.rig), assigned)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from axisrig.kernel.channel.distance.sensor import SensorSettings
 from axisrig.kernel.distance import DistanceSettings
 from axisrig.kernel.distance.filters.build import OF_CHANNEL
+from axisrig.kernel.distance.law import USUAL_LAW, DistanceLaw
 from axisrig.kernel.parameters import ParameterSet
 
 
@@ -22,12 +23,17 @@ class AxisDistanceSettings:
     checks_limits: bool = False
 
     @classmethod
-    def read(cls, axis: ParameterSet) -> "AxisDistanceSettings | None":
-        """Take the settings from the parameters of an axis; None where it is not released."""
+    def read(
+        cls, axis: ParameterSet, law: DistanceLaw = USUAL_LAW
+    ) -> "AxisDistanceSettings | None":
+        """Take the settings from the parameters of an axis; None where it is not released.
+
+        law: choices of the rig.
+        """
         if not axis.flag("lr_param.distance_control_on"):
             return None
         return cls(
-            control=DistanceSettings.read(axis),
+            control=DistanceSettings.read(axis, law=law),
             sensor=SensorSettings.read(axis),
             is_optimized=axis.flag("kenngr.dist_ctrl[0].optimized_scheduling"),
             checks_limits=axis.flag("kenngr.dist_ctrl[0].check_sw_limit_switch"),
@@ -54,13 +60,16 @@ class ChannelDistanceSettings:
 
     @classmethod
     def read(
-        cls, channel: ParameterSet, *, is_licensed: bool = True
+        cls, channel: ParameterSet, law: DistanceLaw = USUAL_LAW, *, is_licensed: bool = True
     ) -> "ChannelDistanceSettings | None":
-        """Take the settings from the parameters of the channel; None without P-CHAN-00500."""
+        """Take the settings from the parameters of the channel; None without P-CHAN-00500.
+
+        law: choices of the rig.
+        """
         if channel.word("configuration.decoder.function") != RELEASED:
             return None
         return cls(
-            control=DistanceSettings.read(channel, OF_CHANNEL),
+            control=DistanceSettings.read(channel, OF_CHANNEL, law),
             ref_offset_mm=channel.mm(f"{OF_CHANNEL}ref_offset"),
             is_optimized=channel.flag(f"{OF_CHANNEL}optimized_scheduling"),
             checks_limits=channel.flag(f"{OF_CHANNEL}check_sw_limit_switch"),

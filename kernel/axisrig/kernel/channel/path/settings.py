@@ -9,6 +9,7 @@ from axisrig.kernel.channel.distance.settings import (
     ChannelDistanceSettings,
 )
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.distance.law import USUAL_LAW, DistanceLaw
 from axisrig.kernel.distance.limiter import AxesAllow
 from axisrig.kernel.distance.settings import names_newer
 from axisrig.kernel.errors import Alarm
@@ -73,10 +74,11 @@ class ChannelSettings:
         start_after_ns: TimeNs | None,
         optional_stop: bool,
         cutting_licence: bool = True,
+        law: DistanceLaw = USUAL_LAW,
     ) -> "ChannelSettings":
         """Take the settings from the parameter set of the channel, and what the operator does.
 
-        cutting_licence: the option that 3D distance control needs.
+        cutting_licence: the option that 3D distance control needs. law: choices of the rig for it.
         """
         return cls(
             error_no_signal=channel.flag("meas_error_no_signal"),
@@ -89,7 +91,7 @@ class ChannelSettings:
             weighted_acceleration=channel.integer("prog_start.slope.acceleration"),
             weighted_time=channel.integer("prog_start.slope.ramp_time"),
             weighs_measuring=channel.flag("meas_use_std_dynamic"),
-            distance=ChannelDistanceSettings.read(channel, is_licensed=cutting_licence),
+            distance=ChannelDistanceSettings.read(channel, law, is_licensed=cutting_licence),
         )
 
 
@@ -155,8 +157,17 @@ class AxisSettings:
         return self.emergency or self.dynamics[Motion.FEED].stop_deceleration
 
     @classmethod
-    def read(cls, name: str, axis: ParameterSet, channel: ParameterSet) -> "AxisSettings":
-        """Take the settings from the parameter sets of axis and channel."""
+    def read(
+        cls,
+        name: str,
+        axis: ParameterSet,
+        channel: ParameterSet,
+        law: DistanceLaw = USUAL_LAW,
+    ) -> "AxisSettings":
+        """Take the settings from the parameter sets of axis and channel.
+
+        law: choices of the rig for distance control.
+        """
         return cls(
             name=name,
             may_measure=axis.flag("kenngr.messachse"),
@@ -170,7 +181,7 @@ class AxisSettings:
             measuring=MeasuringAxis.read(axis),
             number=axis.integer("kopf.achs_nr"),
             emergency=_emergency(axis),
-            distance=AxisDistanceSettings.read(axis),
+            distance=AxisDistanceSettings.read(axis, law),
             tells_newer_ids=names_newer(axis),
             limits=SoftLimits.read(axis),
             override_mode=OverrideMode(axis.integer("kenngr.indp_override_mode")),
