@@ -222,3 +222,20 @@ def test_a_sensor_that_counts_with_the_motor_runs_away(
     with pytest.raises(Alarm, match=f"ID {alarm_id}"):
         control.check_position(start_mm + control.offset_mm)
     assert cycles == math.ceil(math.log(1.0 / abs(start_mm)) / math.log(1 + kp))
+
+
+@pytest.mark.parametrize("between", [(DistanceCommand.OFF,), (DistanceCommand.FREEZE,)])
+@pytest.mark.parametrize("start", [constant, surface])
+def test_a_second_on_begins_with_an_empty_integral(
+    make_loop: Make, start: Any, between: Any
+) -> None:
+    """A ramp fills the sum; the first step of the next ON is kp e (1 + T/Tn)."""
+    kp, tn_s = 0.2, 0.02
+    loop = start(make_loop(lambda k: 0.01 * min(k, 200), kp=kp, tn_s=tn_s, max_deviation_mm=1e3))
+    loop.run(200)
+    assert loop.steps_mm[-1] == pytest.approx(0.01, abs=1e-6)  # the sum carries the ramp alone
+    loop.say(*between).run(30).say(DistanceCommand.OFF).run(300)
+    assert loop.control.offset_mm == 0.0
+    start(loop).run(1)
+    assert loop.errors_mm[-1] == pytest.approx(2.0, abs=1e-9)
+    assert loop.steps_mm[-1] == pytest.approx(kp * 2.0 * (1 + T / tn_s), abs=1e-9)

@@ -155,6 +155,24 @@ def test_ways_to_switch_it_on(choice: str) -> None:
     assert command.axes == FIVE
 
 
+@pytest.mark.parametrize(
+    ("chosen", "named", "on"),
+    [("9", "9, 98", (9, 98)), ("9,98", "9", (9,)), ("9", "45", None), ("9", "12", None)],
+)
+def test_what_trafo_names_counts_and_not_what_was_chosen_before(
+    chosen: str, named: str, on: tuple[int, ...] | None
+) -> None:
+    """#TRAFO ON after it takes what #KIN ID has chosen again. 45 has other axes, 12 is none."""
+    text = f"V.G.KIN_STEP[1].ID[98].PARAM[3] = 850000\n#KIN ID[{chosen}]\n#TRAFO [{named}]\n"
+    if on is None:
+        with pytest.raises(Alarm):
+            run5(text)
+        return
+    commands = run5(text + "#TRAFO OFF\n#TRAFO ON\n")
+    switched = [c.ids for c in commands if isinstance(c, KinematicChoice) and c.kinematic]
+    assert switched == [on, tuple(int(number) for number in chosen.split(","))]
+
+
 def test_98_extends_the_tool() -> None:
     """FCT-M3 12.2, example 2, with 30 and 60 degrees: 97.980 mm at 45 degrees, HD1 100 mm."""
     at = machine()

@@ -7,6 +7,7 @@ clamping point along u = Rz(c) Rx(a) e_z; X Y Z are the pivot of the head, 100 m
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from types import SimpleNamespace
 from typing import Any
 
@@ -25,6 +26,7 @@ from axisrig.kernel.distance import (
 )
 from axisrig.kernel.distance.limiter import AxesAllow
 from axisrig.kernel.kinematics import HeadCA, Kinematic
+from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
@@ -251,15 +253,15 @@ class Head:
 
         channel.plc.take_turn = turn
 
-    def run(self, text: str) -> "Head":
-        """Run a program to its end, `V.E.SENSOR` in it."""
+    def run(self, text: str, *before: canon.Command) -> "Head":
+        """Run a program to its end, `V.E.SENSOR` in it; before: commands that precede it."""
         channel = self.channel
         program = parse_program(f"%t\n{text}\nM30\n", file="test.nc", axes=NAMES)
         tables = OffsetTables(rotary=frozenset({"C", "A"}))
         interpreter = Interpreter(
             program, NAMES, channel, external=channel.plc.values, tables=tables
         )
-        self.bench.run(interpreter.commands())
+        self.bench.run(chain(before, interpreter.commands()))
         return self
 
     def watch(self, channel: Any) -> None:
@@ -276,7 +278,10 @@ class Head:
 
 @pytest.fixture
 def make_head(channel_bench: Callable[..., Any], words: Any) -> Callable[..., Head]:
-    """Make a channel whose head is 180 mm long; height_mm: of the plane, by ms of the program."""
+    """Make a channel whose head is 180 mm long; height_mm: of the plane, by ms of the program.
+
+    more: further axes, which no program names.
+    """
 
     def make(
         height_mm: Callable[[float], float] = lambda _ms: 0.0,
@@ -286,6 +291,7 @@ def make_head(channel_bench: Callable[..., Any], words: Any) -> Callable[..., He
         checks_limits: bool = False,
         spec: Mapping[str, Mapping[str, Any]] | None = None,
         options: Mapping[str, Any] | None = None,
+        more: Sequence[Any] = (),
         **changes: Any,
     ) -> Head:
         wanted = {"kp": 0.5, "max_change_mm_s": 1e6} | changes
@@ -300,13 +306,13 @@ def make_head(channel_bench: Callable[..., Any], words: Any) -> Callable[..., He
         ]
         # Five drives do not fit on one segment of 1 Mbit/s
         of_bus = {"bitrate": 5_000_000} | dict(options or {})
-        bench = channel_bench(*axes, settings=ChannelSettings(distance=settings), **of_bus)
+        bench = channel_bench(*axes, *more, settings=ChannelSettings(distance=settings), **of_bus)
         channel, made = bench.channel, Head(bench)
         values = channel.plc.values
         values["SENSOR"] = 0.0
 
         def read() -> None:
-            actual = [link.actual_mm for link in channel.links]
+            actual = [link.actual_mm for link in channel.links[: len(NAMES)]]
             ms = (channel._clock.now_ns - channel.start_ns) / MS
             plane = Plane(height_mm=lambda _k: height_mm(ms))
             values["SENSOR"] = plane.distance_mm(actual, 0) * 1e4

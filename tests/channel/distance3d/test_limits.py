@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.distance import DistanceCommand, DistanceState
 from axisrig.kernel.distance.limiter import AxesAllow
 from axisrig.kernel.errors import Alarm
@@ -180,6 +181,48 @@ def test_out_of_reach_through_the_offset_alone_holds_what_was_sent(
     with pytest.raises(Alarm, match="900443"):
         loop.run(1)
     assert loop.control.offset_mm == offset_mm
+
+
+@pytest.mark.provokes(900443, 2)
+@pytest.mark.parametrize("is_optimized", [True, False])
+def test_where_the_kinematic_refuses_the_offset_does_not_drop_in_any_cycle(
+    make_tool_loop: Make, tool: Any, is_optimized: bool
+) -> None:
+    """The surface rises by 0.1 mm a cycle, X moves by 0.05 mm: Z rises or rests, X goes on."""
+    loop = make_tool_loop(
+        lambda k: ((0.05 * k, 0.0, 0.0), 0.0, 0.0),
+        tool.plane(height_mm=lambda k: 0.1 * k),
+        kinematic=_Bounded((100.0,), 80.0),
+        is_optimized=is_optimized,
+    )
+    loop.plan("MCS").on(set_pos=0.0)
+    for _ in range(4):  # each cycle after it says so anew
+        with pytest.raises(Alarm, match="900443"):
+            loop.run(30)
+    z = [at[2] for at in loop.sent]
+    assert max(z) > 180.7
+    assert all(b - a >= 0.0 for a, b in itertools.pairwise(z))
+    assert [at[0] for at in loop.sent] == pytest.approx([0.05 * k for k in range(len(z))])
+
+
+def test_an_axis_that_the_offset_does_not_move_now_does_not_measure_either(
+    make_tool_loop: Make, tool: Any
+) -> None:
+    """310000 is of every axis of the kinematic: upright along the tool the offset moves Z alone."""
+    loop = make_tool_loop(plane=tool.plane(height_mm=lambda _k: 1.0))
+    offsets = Offsets({}, loop.control3d, tool.names)
+    for axis in tool.names:
+        offsets.check_measuring(axis)  # off: everything may
+    loop.plan("ECS").on(set_pos=0.0)
+    loop.run(20)
+    assert loop.control3d.moved == ("Z",)
+    for axis in tool.names:
+        with pytest.raises(Alarm) as caught:
+            offsets.check_measuring(axis)
+        assert caught.value.values["axis"] == axis
+    loop.say(DistanceCommand.FREEZE)
+    for axis in tool.names:
+        offsets.check_measuring(axis)
 
 
 def test_a_pose_that_it_cannot_have_matters_to_nobody_while_it_is_off(
