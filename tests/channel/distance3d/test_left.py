@@ -103,7 +103,13 @@ def shown(made: Any) -> list[list[float]]:
 @pytest.mark.parametrize("is_optimized", [True, LONG(False)])
 @pytest.mark.parametrize(
     ("kind", "cause"),
-    [("tool", "reset"), ("tool", "error"), ("tool", "end"), ("axis", "reset"), ("axis", "error")],
+    [
+        ("tool", "reset"),
+        LONG("tool", "error"),
+        LONG("tool", "end"),
+        LONG("axis", "reset"),
+        ("axis", "error"),
+    ],
 )
 def test_what_is_left_stays_until_its_axes_are_named_and_then_they_reach_their_target(
     make_head: Make, tool: Any, kind: str, cause: str, is_optimized: bool, buffer_cycles: int
@@ -135,6 +141,7 @@ def test_what_is_left_stays_until_its_axes_are_named_and_then_they_reach_their_t
     assert note.values["axes"] == ("Z" if kind == "axis" else "Y Z")
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70332, 1, axis="Z")
 def test_the_control_of_an_axis_is_on_after_the_end_of_its_program(
     make_head: Make, tool: Any
@@ -151,7 +158,7 @@ def test_the_control_of_an_axis_is_on_after_the_end_of_its_program(
     assert made.alarm_ids[-1] == 70332
 
 
-@pytest.mark.parametrize("kind", ON)
+@pytest.mark.parametrize("kind", ["tool", LONG("axis")])
 @pytest.mark.parametrize("buffer_cycles", [0, LONG(5)])
 def test_frozen_while_the_kinematic_goes_it_stays_on_its_axes(
     make_head: Make, tool: Any, kind: str, buffer_cycles: int
@@ -177,6 +184,7 @@ def test_frozen_while_the_kinematic_goes_it_stays_on_its_axes(
     assert 900560 not in made.alarm_ids
 
 
+@pytest.mark.long
 def test_frozen_over_a_turn_without_a_kinematic_it_goes_on_along_the_tool_only_where_it_was(
     make_head: Make, tool: Any
 ) -> None:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import pytest
-from tests.channel.distance3d.programs import TILTED, Make
+from tests.channel.distance3d.programs import LONG, TILTED, Make
 
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -24,7 +24,7 @@ def coupled(make_head: Make, words: Any, text: str) -> Any:
     return made.run(TILTED + text, canon.AxisLinkOn(Block(1, 10, "N10"), 1, pairs))
 
 
-@pytest.mark.parametrize("end", ["OFF", "OFF NO_MOVE"])
+@pytest.mark.parametrize("end", [LONG("OFF"), "OFF NO_MOVE"])
 def test_slaves_follow_the_offset_of_their_masters(make_head: Make, words: Any, end: str) -> None:
     """Along the tool, A = -40: Z and W by 0.5 mm, Y and V by 0.5 tan 40 mm."""
     made = coupled(
