@@ -15,7 +15,8 @@ class ExternalLatch:
 
     def __init__(self) -> None:
         self._waits = -1  # cycles to the acknowledgement, -1 none is due
-        self._is_armed = self._was_actuated = False
+        self._is_armed = False
+        self._level: bool | None = None
 
     def cycle(self, inputs: Inputs, hli: Hli) -> None:
         """Go on with the handshake, then look at the hardware."""
@@ -33,10 +34,11 @@ class ExternalLatch:
             self._is_armed = unit.task_r == HLI_EXT_LATCH_ENABLE_PROBE
         elif self._waits > 0:
             self._waits -= 1
-        is_actuated = inputs.channel[1].input is (unit.edge_r == "POS")
+        level, wanted = inputs.channel[1].input, unit.edge_r == "POS"
+        has_edge = level is wanted and self._level is not None and self._level is not level
+        self._level = level
         control.probing_signal.enable_w = inputs.wc_state == 0
-        if self._is_armed and is_actuated and not self._was_actuated:
+        if self._is_armed and has_edge:
             control.probing_position.enable_w = bool(hli.ve.get("POSITION", 0))
             control.probing_position.command_w = hli.ax[AXIS].lr_state.position_r
             control.probing_signal.command_w = True
-        self._was_actuated = is_actuated

@@ -44,7 +44,8 @@ class PreparedProbe:
             self._serve(name, axis, inputs, hli)
             signal = axis.lr_mc_control.probing_signal
             signal.enable_w = inputs.wc_state == 0
-            signal.command_w = self._is_enabled.get(name, False) and inputs.channel[1].input
+            is_wanted = inputs.channel[1].input is (axis.lr_mc_control.ext_latch.edge_r == "POS")
+            signal.command_w = self._is_enabled.get(name, False) and is_wanted
         self.probe_on = any(self._is_on.values())
 
     def _serve(self, name: str, axis: AxisHli, inputs: Inputs, hli: Hli) -> None:

@@ -19,9 +19,10 @@ class ProbeTimestamp:
         self._past: deque[tuple[bool, int]] = deque(maxlen=CYCLES_MAX)
 
     def cycle(self, inputs: Inputs, hli: Hli) -> None:
-        """Copy input 1 and its rising stamp to `probing_signal` and `timestamp`."""
+        """Copy input 1 and the stamp of the edge to its level to the two units."""
         channel, control = inputs.channel[1], hli.ax[AXIS].lr_mc_control
-        self._past.append((channel.input, channel.latch_pos_ns))
+        stamp_ns = channel.latch_pos_ns if channel.input else channel.latch_neg_ns
+        self._past.append((channel.input, stamp_ns))
         signal, _ = self._ago(int(hli.ve.get("BOTH_LATE", 0)))
         _, stamp_ns = self._ago(int(hli.ve.get("STAMP_LATE", hli.ve.get("BOTH_LATE", 0))))
         is_there = inputs.wc_state == 0

@@ -66,6 +66,19 @@ def test_type_3_goes_on_behind_a_simulated_signal(channel_bench: Make, words: An
     assert bench.final_mm("Z") == 110.0
 
 
+@pytest.mark.provokes(900523, 1, offset_mm="-3")
+@pytest.mark.parametrize("mode", [0, 1, 5])
+def test_900523_for_an_offset_that_no_mode_takes(
+    channel_bench: Make, words: Any, mode: int
+) -> None:
+    bench = _run(channel_bench, words, mode, 1_200_000, simulated_offset_mm=-3.0)
+    assert bench.alarm_ids == [900523]
+    beside = channel_bench(words.axis("Y"), words.axis("Z", start_mm=130.0, simulated=(4, 0)))
+    run = replace(words.probe(1, 600.0, Z=110.0), simulated_offset_mm=-3.0)
+    beside.run([run, words.wait(1), words.end()])
+    assert beside.alarm_ids == []
+
+
 @pytest.mark.parametrize("mode", [4, 5])
 def test_an_axis_that_is_at_its_target_already_signals_at_once_in_mode_5_alone(
     channel_bench: Make, words: Any, mode: int

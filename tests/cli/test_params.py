@@ -130,6 +130,45 @@ def test_a_list_is_told_with_what_is_corrected_and_what_does_not_act(
     assert notes.splitlines()[1] == "note: getriebe[0].kv = 300 does not act yet"
 
 
+def test_a_spindle_and_a_list_of_external_variables_are_reported_to_do_nothing(
+    axisrig: Call, tmp_path: Path
+) -> None:
+    spindle, external = tmp_path / "s.lst", tmp_path / "v.lst"
+    spindle.write_text("kenngr.achs_typ ACHSTYP_SPINDEL\n")
+    assert "note: kenngr.achs_typ = ACHSTYP_SPINDEL does not act yet" in said(axisrig, str(spindle))
+    external.write_text("var[0].name SENSOR\nvar[0].type UNS32\n")
+    assert "(external) is read and changes nothing" in said(axisrig, str(external))
+
+
+@pytest.mark.parametrize(
+    ("line", "reported"),
+    [
+        ("messtyp 9", "value of messtyp (P-CHAN-00057) is outside its range"),
+        ("kenngr.messachse 2", "value of kenngr.messachse (P-AXIS-00118) is outside its range"),
+        ("var[0].scope HERE", "value of var[i].scope (P-EXTV-00004) is outside its range"),
+    ],
+)
+def test_a_list_with_one_wrong_value_is_one_of_its_kind(
+    axisrig: Call, tmp_path: Path, line: str, reported: str
+) -> None:
+    path = tmp_path / "one.lst"
+    path.write_text(f"{line}\n")
+    code, _, err = axisrig("params", str(path))
+    assert code == 2
+    assert reported in err
+
+
+def test_a_list_reports_what_goes_past_another_parameter(axisrig: Call, tmp_path: Path) -> None:
+    path = tmp_path / "fast.lst"
+    path.write_text(
+        "kenngr.vb_messen 300000\ngetriebe[0].lslope_profil.a_stufe_1 900\n"
+        "getriebe[0].dynamik.a_max 500\n"
+    )
+    text = said(axisrig, str(path))
+    assert "warning: ID 900522" in text
+    assert "(P-AXIS-00011) = 900 mm/s2: to be at most" in text
+
+
 def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -> None:
     other = tmp_path / "other.lst"
     text = (LISTS / "axis-z.lst").read_text(encoding="utf-8")

@@ -99,6 +99,12 @@ def test_keywords_that_exclude_each_other_and_settings_of_no_axis_are_refused(
     assert all(word in str(caught.value) for word in told)
 
 
+@pytest.mark.parametrize("text", ["#MEAS", "#MEAS[]", "#MEAS[AX=X]", "#MEAS[AXNR=1]"])
+def test_a_command_that_would_change_nothing_is_refused(run, text: str) -> None:
+    with pytest.raises(UserError, match="#MEAS says nothing"):
+        run(text)
+
+
 def test_a_preparation_names_its_axis(run) -> None:
     with pytest.raises(UserError, match="AX="):
         run("#MEAS PREPARE")

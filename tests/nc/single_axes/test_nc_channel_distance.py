@@ -201,6 +201,14 @@ def test_values_out_of_range_have_the_ids_of_an_axis(
     assert caught.value.id == alarm_id
 
 
+@pytest.mark.parametrize("words", ["WAIT CHECK_POS", "WAIT REF", "WAIT [REF]", "[WAIT REF]"])
+def test_wait_may_be_beside_every_action(run: Run, machine: Any, words: str) -> None:
+    """FCT-M3 12.2; both act when they are reached, so that there is nothing to wait for."""
+    given = commands(run, machine, f"N10 #DIST CTRL {words}")
+    (found,) = (each for each in given if isinstance(each, canon.DistanceCommand))
+    assert (found.wait, found.action) == (True, "ref" if "REF" in words else "check")
+
+
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
@@ -209,7 +217,8 @@ def test_values_out_of_range_have_the_ids_of_an_axis(
         ("ON [SURFACE CONST_DIST SET_DIST=1]", "SURFACE and CONST_DIST of #DIST CTRL exclude"),
         ("[NO_MOVE]", "NO_MOVE of #DIST CTRL needs OFF"),
         ("[SURFACE SET_POS=1]", "SURFACE of #DIST CTRL needs ON or DRYRUN"),
-        ("WAIT [REF]", "WAIT of #DIST CTRL needs"),
+        ("WAIT", "WAIT of #DIST CTRL needs"),
+        ("WAIT [KP=0.1]", "WAIT of #DIST CTRL needs"),
         ("[N_CYCLES=3 FILTER_TIME=0.1]", "N_CYCLES and FILTER_TIME of #DIST CTRL are the same"),
         ("", "#DIST CTRL says nothing"),
         ("ON [MODE=PCS]", "MODE takes"),

@@ -1,6 +1,6 @@
 """What a rig or a list has, as text: effective values and where each comes from."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from axisrig.bench.plan.assignment import parse_assignment
@@ -24,6 +24,7 @@ from axisrig.kernel.parameters import (
     written,
 )
 from axisrig.kernel.parameters.lists import NAME
+from axisrig.kernel.parameters.relations import noted
 from axisrig.kernel.parameters.table import INDEX
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 
@@ -67,8 +68,19 @@ def contents_text(path: Path) -> str:
         for parameters in parts.values()
         for key, value in parameters.inert()
     ]
-    notes = [*warnings, *inert]
+    relations = [f"note: {words}" for parameters in parts.values() for words in noted(parameters)]
+    notes = [*warnings, *relations, *_of_kind(parts.values()), *inert]
     return "\n\n".join([*blocks, *(["\n".join(notes)] if notes else [])]) or "the list is empty"
+
+
+def _of_kind(parts: Iterable[ParameterSet]) -> list[str]:
+    """Say of a list of which nothing acts that it changes nothing."""
+    kinds = dict.fromkeys(parameters.kind for parameters in parts)
+    return [
+        f"note: a list of this kind ({kind}) is read and changes nothing: no rig takes it"
+        for kind in kinds
+        if all(row.acts == "no" for row in table(kind).parameters)
+    ]
 
 
 def _offsets_text(path: Path, name: str) -> str:
@@ -131,16 +143,25 @@ def _keys(parameters: ParameterSet, row: Parameter, *, is_all: bool) -> list[str
 
 
 def _guess(path: Path) -> Kind:
-    """Find out which kind a list has: the one that refuses the fewest of its lines."""
-    errors = []
-    for kind in KINDS:
-        try:
-            read_sections(path, kind)
-        except UserError as error:
-            errors.append((len(error.further), kind))
-        else:
-            return kind
-    return min(errors, key=lambda item: (item[0], KINDS.index(item[1])))[1]
+    """Find out which kind a list has: that of most of its names, then of the fewest errors."""
+    if not path.is_file():
+        return KINDS[0]  # whose reader reports it
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    words = [line.split()[0] for line in text.splitlines() if line.strip()]
+
+    def strangeness(kind: Kind) -> tuple[int, int, int]:
+        unknown = sum(table(kind).row(word) is None for word in words)
+        return unknown, _error_count(path, kind), KINDS.index(kind)
+
+    return min(KINDS, key=strangeness)
+
+
+def _error_count(path: Path, kind: Kind) -> int:
+    try:
+        read_sections(path, kind)
+    except UserError as error:
+        return 1 + len(error.further)
+    return 0
 
 
 def read_parts(path: Path) -> dict[str, ParameterSet]:

@@ -72,7 +72,7 @@ def corrected(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
 def noted(parameters: ParameterSet) -> list[str]:
     """Return what goes past a limit and stays as it is, in words: one line for each limit."""
     found: dict[str, list[Relation]] = {}
-    for row in relations():
+    for row in relations() if parameters.kind == "axis" else ():
         if not row.is_corrected and row.is_broken(parameters):
             found.setdefault(row.limit, []).append(row)
     return [

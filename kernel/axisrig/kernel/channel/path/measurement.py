@@ -20,7 +20,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
 from axisrig.kernel.measuring.rules import least_stroke_mm, misses_signal
 from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
-from axisrig.kernel.measuring.simulated import Body, SimulatedProbe, Way
+from axisrig.kernel.measuring.simulated import ALL, Body, SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -196,9 +196,11 @@ class Measurement:
     def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
         """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
         found = {}
-        target_mm, offset_mm = command.target_mm, command.simulated_offset_mm
-        way = Way(self._here_mm(), target_mm, offset_mm, command.programmed_axes)
         lists = {name: self._path.settings(name).measuring.simulated for name in self._links}
+        target_mm, offset_mm = command.target_mm, command.simulated_offset_mm
+        if offset_mm and all(lists[name][0] != ALL for name in command.measuring_axes):
+            self._warn(Alarm(900523, place=command.block.place, offset_mm=f"{offset_mm:g}"))
+        way = Way(self._here_mm(), target_mm, offset_mm, command.programmed_axes)
         for name in command.measuring_axes:
             mode, parameter = lists[name][:2]
             if mode:

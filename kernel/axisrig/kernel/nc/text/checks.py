@@ -110,6 +110,14 @@ def _probe(
                 value=pair[1],
                 allowed="one of them",
             )
+    if command.name == "MEAS" and len(written) == len(named):
+        raise builder.source.error(
+            "#MEAS says nothing",
+            raw.offset,
+            value=named[0] if named else None,
+            allowed="TYPE, ERR_NO_SIGNAL, or a setting of an axis beside AX or AXNR",
+            hint="#MEAS DEFAULT goes back to what the lists say",
+        )
     if not named and (of_axis or command.name == "MEAS PREPARE"):
         raise builder.source.error(
             f"#{command.name} names no axis",

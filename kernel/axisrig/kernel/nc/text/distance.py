@@ -3,7 +3,8 @@
 Some keywords exclude each other, some need another one.
 
 Sources: FCT-M3 6; TF5200 distance control 15548060043 (ON, OFF, FREEZE, CHECK_POS and REF exclude
-each other in one command), programming manual 208654987 (WAIT).
+each other in one command), programming manual 208654987 (WAIT). `Z[DIST_CTRL]` alone is OFF
+(FCT-M3 6), and WAIT of #DIST CTRL may be beside every action (FCT-M3 12.2).
 """
 
 from collections.abc import Mapping, Sequence
@@ -50,12 +51,13 @@ def check(
         if len(both) > 1:
             message = f"{both[0]} and {both[1]} of {shown} exclude each other"
             raise wrong(message, both[1], "one of them")
-    for word, needed in NEEDS.items():
+    is_of_axis = "[" in shown
+    needs = dict(NEEDS) if is_of_axis else {**NEEDS, "WAIT": ACTIONS}
+    for word, needed in needs.items():
         if word in written and not set(needed) & set(actions):
             raise wrong(f"{word} of {shown} needs {' or '.join(needed)}", word, needed)
     for pair in SPELLINGS:
         if set(pair) <= set(written):
             raise wrong(f"{pair[0]} and {pair[1]} of {shown} are the same", pair[1], pair[0])
-    if not written:
-        end = "]" if "[" in shown else ""
-        raise builder.source.error(f"{shown}{end} says nothing", offset, allowed=ACTIONS)
+    if not written and not is_of_axis:
+        raise builder.source.error(f"{shown} says nothing", offset, allowed=ACTIONS)

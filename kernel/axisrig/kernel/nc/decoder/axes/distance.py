@@ -118,6 +118,8 @@ def _wanted(
 ) -> canon.DistanceCommand:
     """Give what the keywords say to the control of an axis, or to that of the channel."""
     action = next((ACTIONS[word] for word in options if word in ACTIONS), None)
+    if axis is not None and not options:
+        action = ACTIONS["OFF"]  # which may be left out
     return canon.DistanceCommand(
         block,
         axis,
