@@ -38,13 +38,15 @@ def export(results: Results, runs: Sequence[str], into: Path, form: str) -> Iter
 def export_diagnosis(results: Results, runs: Sequence[str], into: Path) -> Iterator[Path]:
     """Write the diagnosis data of 3D distance control of each run as a text, and yield its path.
 
-    Names and order are those of FCT-M3 12.10; a dump for each change of the control and one for the
-    end of the run. Raises UserError for a run without 3D distance control.
+    Names and order are those of FCT-M3 12.10: what releases the control (figure 55), then a dump
+    for each change of it and one for the end of the run. Raises UserError for a run without 3D
+    distance control.
     """
     into.mkdir(parents=True, exist_ok=True)
     for run in list(runs) or list(results.traces()):
-        lines: list[str] = []
         table = results.diagnosis(run)
+        lines = ["DECODER : CONFIGURATION CHANNEL-NO.: 1"]
+        lines += [f"  {name:<44}{value}" for name, value in table.attrs["decoder"].items()]
         for row in table.itertuples(index=False):
             for name, value in zip(table.columns, row, strict=True):
                 if name == TIME:

@@ -32,6 +32,7 @@ from axisrig.bench.record.series import Series
 from axisrig.bench.tools.bus_log.bus_log import logs_of, messages_of
 from axisrig.kernel.errors import UserError, nearest
 
+DECODER = "configuration.decoder."
 NUMBERS = ("value", "lower", "upper", "uncertainty", "sim_s", "wall_s")
 WHOLE = ("seed", "runs")
 VERDICTS = pd.CategoricalDtype([verdict.word for verdict in Verdict], ordered=True)
@@ -116,7 +117,8 @@ class Results:
     def diagnosis(self, run: str) -> pd.DataFrame:
         """The diagnosis data of 3D distance control (FCT-M3 12.10): a row for each dump.
 
-        `time_ns` of its SYNC, then a column for each name. Raises UserError for a run that the
+        `time_ns` of its SYNC, then a column for each name. attrs["decoder"]: what the list of the
+        channel has of `DECODER` (figure 55), by its name. Raises UserError for a run that the
         folder does not have, or without 3D distance control.
         """
         facts = self._run(run).recording.facts
@@ -125,6 +127,9 @@ class Results:
         rows = [{"time_ns": d.time_ns, **d.values} for d in facts.distance_3d.diagnosis]
         table = pd.DataFrame(rows)
         table.attrs["units"] = {"time_ns": "ns"}
+        table.attrs["decoder"] = {
+            name: value for name, value in facts.channel.items() if name.startswith(DECODER)
+        }
         return table
 
     def blocks(self, run: str) -> pd.DataFrame:

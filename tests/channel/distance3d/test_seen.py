@@ -5,6 +5,7 @@ import math
 import pytest
 from tests.channel.distance3d.programs import HEAD, TILTED, Make, rising
 
+from axisrig.kernel.channel.distance.diagnosis import diagnosis
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.plc.unit import Refreshed
 
@@ -31,6 +32,35 @@ def test_the_plc_sees_inclination_and_length_of_every_cycle(make_head: Make) -> 
     l2_mm = 80 * math.cos(math.radians(30)) / math.cos(math.radians(40))
     assert max(length for _, length in seen if length) == pytest.approx(l2_mm, abs=1e-3)
     assert made.bench.messages[-1][1] == f"40.000 {l2_mm:.3f}"
+
+
+# The list of FCT-M3 12.8.3, and what figure 56 shows of it in cycles of 1 ms
+LIST_12_8_3 = {
+    "kp": 0.3, "tn_s": 0.0, "tv_s": 0.01, "filter_type": "MOVING_AVERAGE", "n_cycles": 20,
+    "smoothing_factor": 0.05, "kalman_sigma": 2000.0, "max_change_mm_s": 10_000.0,
+    "low_pass_filter_fg_f0": 50.0, "low_pass_filter_order": 3, "v_max_mm_s": 10.0,
+    "a_max_mm_s2": 100.0,
+}  # fmt: skip
+FIGURE_56 = {
+    "tast_offset": "0", "referenzwert": "0", "sollw": "0", "sollw_prog": "0", "kp": "0.300000",
+    "i_tn": "0.000000", "d_tv": "0.010000", "filter_type": "MOVING_AVERAGE", "n_cycles": "20",
+    "smooth_fact": "0.050000", "sigma": "2000.000000", "max_dist_change": "10000",
+    "fg_f0": "50.000000", "order": "3", "v_max": "100000", "a_max": "100", "logged_events": "0",
+    "cmd_offset": "0", "cmd_offset_frozen": "0", "act_offset": "0", "delta_tool_length": "0",
+    "f_freeze": "0", "f_wait_for_finished": "0", "f_use_weighting": "0", "active_mode": "OFF(0)",
+    "new_mode": "OFF(0)", "active_ax_idx": "0", "new_ax_idx": "0",
+}  # fmt: skip
+
+
+def test_diagnosis_data_of_the_printed_list_are_those_of_the_figure(make_tool_loop: Make) -> None:
+    loop = make_tool_loop(**LIST_12_8_3)
+    shown = dict(diagnosis(loop.control3d, is_awaited=False))
+    assert shown.pop("zstd") == "INACTIVE(0)"
+    assert list(shown.items()) == list(FIGURE_56.items())
+    loop.plan("MCS", "Z").on(set_pos=0.0)
+    shown = dict(diagnosis(loop.control3d, is_awaited=False))
+    assert (shown["active_mode"], shown["new_mode"]) == ("MCS(3)", "MCS(3)")
+    assert (shown["active_ax_idx"], shown["new_ax_idx"]) == ("0", "2")
 
 
 # ---- the sensor

@@ -108,7 +108,7 @@ def test_objects_and_diagnosis_data_show_what_it_does(run_distance, tmp_path):
     assert list(on)[-4:] == ["active_mode", "new_mode", "active_ax_idx", "new_ax_idx"]
     expected = {
         "sollw": "15000", "kp": "0.300000", "filter_type": "MOVING_AVERAGE", "n_cycles": "6",
-        "v_max": "20000", "a_max": "2000", "active_mode": "ACS(1)", "logged_events": "0",
+        "v_max": "200000", "a_max": "2000", "active_mode": "ACS(1)", "logged_events": "0",
     }  # fmt: skip
     assert {name: on[name] for name in expected} == expected
 

@@ -120,6 +120,16 @@ class ChannelDistance(Sensing):
         return self._mode or (ACS if self._kinematic() is None else MCS)
 
     @property
+    def next_mode(self) -> str | None:
+        """The mode of the next ON; None while it is off and the program has said nothing."""
+        return None if self._mode is None and self.is_idle else self.wanted_mode
+
+    @property
+    def period_s(self) -> float:
+        """The cycle of the control."""
+        return self._period_ns / S
+
+    @property
     def wanted_axis(self) -> str | None:
         """The axis of DIRECTION."""
         return self._direction

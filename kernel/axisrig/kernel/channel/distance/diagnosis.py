@@ -1,6 +1,7 @@
 """The diagnosis data of 3D distance control with their names (FCT-M3 12.10).
 
-Lengths in 0.1 um, speeds in um/s, accelerations in mm/s2, as the lists have them.
+Lengths and v_max in 0.1 um and 0.1 um/s, a_max in mm/s2, max_dist_change in um per cycle. Figure 56
+proves this for cycles of 1 ms (docs/ambiguities.md).
 """
 
 from axisrig.kernel.channel.distance.channel import ChannelDistance
@@ -40,10 +41,10 @@ def diagnosis(found: ChannelDistance, *, is_awaited: bool) -> tuple[tuple[str, s
         ("n_cycles", f"{smooth.n_cycles}"),
         ("smooth_fact", f"{smooth.smoothing_factor:.6f}"),
         ("sigma", f"{smooth.kalman_sigma:.6f}"),
-        ("max_dist_change", f"{round(settings.max_change_mm_s * UM)}"),
+        ("max_dist_change", f"{round(settings.max_change_mm_s * found.period_s * UM)}"),
         ("fg_f0", f"{smooth.low_pass_filter_fg_f0:.6f}"),
         ("order", f"{smooth.low_pass_filter_order}"),
-        ("v_max", f"{round(settings.v_max_mm_s * UM)}"),
+        ("v_max", _length(settings.v_max_mm_s)),
         ("a_max", f"{round(settings.a_max_mm_s2)}"),
         ("logged_events", f"{found.logged_events}"),
         ("cmd_offset", _length(control.offset_mm)),
@@ -54,7 +55,7 @@ def diagnosis(found: ChannelDistance, *, is_awaited: bool) -> tuple[tuple[str, s
         ("f_wait_for_finished", f"{int(is_awaited)}"),
         ("f_use_weighting", f"{int(is_weighted)}"),
         ("active_mode", _mode(guide.mode if is_on and guide is not None else None)),
-        ("new_mode", _mode(found.wanted_mode)),
+        ("new_mode", _mode(found.next_mode)),
         ("active_ax_idx", _index(found, active_axis)),
         ("new_ax_idx", _index(found, found.wanted_axis)),
     )
