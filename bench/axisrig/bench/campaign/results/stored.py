@@ -260,7 +260,7 @@ def read_manifest(folder: Path) -> Mapping[str, Any]:
     ids = [run for runs in manifest.get("missing", {}).values() for run in runs]
     ids += [run for call in manifest.get("earlier", []) for run in call.get("runs", [])]
     for run in ids:
-        if not _RUN.fullmatch(run):
+        if not RUN_ID.fullmatch(run):
             raise damaged(path, f"{run[:40]!r} is no run id")
     return manifest
 
