@@ -12,9 +12,10 @@ from axisrig.kernel.time.clock import MS, US
 
 
 @pytest.fixture
-def axis() -> Iterator[PlantAxis]:
+def axis(request: pytest.FixtureRequest) -> Iterator[PlantAxis]:
     plant = Plant()
-    axis = plant.add_axis(load_fmu(ensure_built("AxisRig.Drives.ServoAxis"), "x"))
+    model = getattr(request, "param", "ServoAxis")
+    axis = plant.add_axis(load_fmu(ensure_built(f"AxisRig.Drives.{model}"), "x"))
     plant.initialize(0)
     axis.command(0, 0.0, 0.01, HISTORY_NS * 2, True)
     yield axis
@@ -54,3 +55,20 @@ def test_of_short_steps_so_many_are_kept(axis: PlantAxis) -> None:
     axis.motion_at(oldest_ns)
     with pytest.raises(PlantError, match="no step ended at this instant"):
         axis.motion_at(oldest_ns - 50 * US)
+
+
+@pytest.mark.parametrize("axis", ["ScrewAxis"], indirect=True)  # its motor and load differ
+@pytest.mark.parametrize("error_m", [12e-6, 0.0, -3e-6])
+def test_what_the_second_encoder_saw_has_its_own_error(axis: PlantAxis, error_m: float) -> None:
+    """It reads the load and is off by its own error, not by that of the motor encoder."""
+    axis.second_encoder = lambda: axis.position_m() + error_m
+    places = {}
+    for end_ns in range(MS, 40 * MS + 1, MS):
+        axis.step_to(end_ns)
+        places[end_ns] = axis.position_m()
+    assert places[40 * MS] - places[20 * MS] > 20e-6
+    assert abs(axis.motor_position_m() - axis.position_m()) > 0.1e-6
+    for time_ns in (20 * MS, 39 * MS, 40 * MS):
+        seen_m = axis.second_encoder_m_at(time_ns)
+        assert seen_m == pytest.approx(places[time_ns] + error_m, abs=1e-12)
+    assert axis.second_encoder_m() == pytest.approx(places[40 * MS] + error_m, abs=1e-12)

@@ -3,6 +3,8 @@
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from axisrig.kernel.drives.latch_check import LatchCheck, StandstillRoom
 from axisrig.kernel.drives.sdo import Done, SdoError
 
@@ -90,6 +92,30 @@ def test_two_latches_in_a_run_are_one_too_many_and_the_counter_wraps() -> None:
     sdo.values[COUNTER] = 0
     sdo.answer()
     assert check.agrees(5)
+
+
+@pytest.mark.parametrize("between", [0, 3])
+@pytest.mark.parametrize("with_room", [False, True])
+def test_the_counter_is_read_again_before_each_run(between: int, with_room: bool) -> None:
+    """What was latched in the run before, and between the runs, is none of this one."""
+    sdo = FakeSdo(x60D5=0xFFFE)
+    link = SimpleNamespace(is_still=True, is_disturbed=False)
+    room = StandstillRoom([link]) if with_room else None
+    check = LatchCheck(sdo, STORED, LATCH, COUNTER, room)  # type: ignore[arg-type]
+    for units in (5, 7, 9):
+        check.begin()
+        until_answered(check, sdo, lambda: check.is_ready)
+        latch(sdo, units)
+        until_answered(check, sdo, lambda units=units: check.agrees(units))  # type: ignore[misc]
+        sdo.values[COUNTER] = (sdo.values[COUNTER] + between) & 0xFFFF
+
+
+def until_answered(check: LatchCheck, sdo: FakeSdo, is_so: Any) -> None:
+    for _ in range(8):
+        if is_so():
+            return
+        sdo.answer()
+    raise AssertionError("not within eight cycles")
 
 
 def test_a_drive_without_counters_is_believed_without_them() -> None:

@@ -165,6 +165,32 @@ def test_a_position_where_the_axis_was_not() -> None:
         assert latch.increments == value
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("beyond", "is_believed"), [(0, True), (450, True), (600, True), (601, False)]
+)
+def test_a_latch_is_ahead_of_the_position_by_less_than_the_way_of_a_cycle(
+    sign: int, beyond: int, is_believed: bool
+) -> None:
+    """6064 may be older than the latch in the same telegram: 500 more, and 0.1 mm, are no fault.
+
+    Ahead of where the axis moves to, and before where it came from.
+    """
+    for last, ahead in ((2000, 2000 + beyond), (2000, 1000 - beyond)):
+        latch = watch()
+        latch.take(0, 9000, 7, sign * 1000)
+        latch.arm()
+        for place in (1000, 1200, 1700, last):  # the longest way of a cycle is 500
+            latch.take(ENABLED, 9000, 7, sign * place)
+        if is_believed:
+            latch.take(3, sign * ahead, 8, sign * last)
+            assert latch.increments == sign * ahead
+            continue
+        with pytest.raises(Alarm) as caught:
+            latch.take(3, sign * ahead, 8, sign * last)
+        assert caught.value.id == 900061
+
+
 @pytest.mark.provokes(900062, 4, axis="Z", status="0x0001")
 def test_a_latch_that_goes_again() -> None:
     assert alarm_of(armed(7), (3, 1001, 8), (1, 1001, 8)) == 900062

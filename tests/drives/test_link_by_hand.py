@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.measuring.latest_edge import StampClock
@@ -31,6 +33,11 @@ class Wire:
     def latch(self) -> None:
         self._bring(0x283, struct.pack("<i", 0))
 
+    def probe(self, probe_status: int, increments: int, latched: int) -> None:
+        data = struct.pack("<HiH", OPERATION_ENABLED, increments, probe_status)
+        self._bring(0x183, data)
+        self._bring(0x283, struct.pack("<i", latched))
+
     def _bring(self, can_id: int, data: bytes) -> None:
         self.listeners[can_id](can_id, bytearray(data), 0.0)
 
@@ -54,6 +61,30 @@ def test_missing_telegrams_leave_more_way_before_a_position_has_jumped() -> None
     wire.status(OPERATION_ENABLED, 900 * 4 + 1001)
     link.take()
     assert link.jump_mm == 1.001
+
+
+@pytest.mark.parametrize("latched", [1700, 2000, 2900, 3300])
+def test_the_doubt_of_an_unproved_latch_is_how_far_it_may_be_off(latched: int) -> None:
+    """No SDO asks. 500 a cycle from 1000 to 3000: believed is 500 + 0.1 mm more on both sides,
+    400 to 3600; the farther end counts.
+    """
+    link, wire = _link()
+    assert link.doubt_mm is None
+    places = [1000, 1500, 2000, 2500, 3000]
+    for turn in range(2):  # what the second run has seen alone counts
+        wire.probe(0, 1000, 0)
+        link.take()
+        link.arm()
+        assert link.doubt_mm is None
+        for place in places:
+            is_stored = place >= 2500
+            wire.probe(0x3 if is_stored else 0x1, place, latched + turn if is_stored else turn)
+            link.take()
+        assert link.is_confirmed()
+        farthest = max(latched + turn - 400, 3600 - latched - turn)
+        assert link.doubt_mm == pytest.approx(farthest / 1000.0, abs=1e-12)
+        assert link.unproved_latches == turn + 1
+        link.disarm()
 
 
 def test_a_fault_is_acknowledged_by_edges_until_it_is_gone() -> None:

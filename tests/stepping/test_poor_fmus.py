@@ -91,6 +91,19 @@ def test_without_a_saved_state_the_step_is_the_uncertainty(
     assert abs(edge_ns + surface / 0.02 * 1e9) <= uncertainty_ns
 
 
+@pytest.mark.parametrize("fixed_us", [None, 10, 50, 200, 700])
+def test_the_fixed_step_of_an_fmu_is_the_uncertainty_where_it_is_longer(
+    plant: Make, fixed_us: int | None
+) -> None:
+    """Fine steps of 50 us; inside, the FMU looks every fixed step only. Of a delayed level too."""
+    for probe, can_save in ((LEVEL, False), (LATE, True)):
+        made = plant(BENT, probe, probe_start={"surface": SURFACE}, can_save=can_save)
+        slave = made.probes["probe"].slave
+        slave.can = replace(slave.can, fixed_step_s=fixed_us and fixed_us * 1e-6)
+        _, uncertainty_ns = edge_of(made)
+        assert uncertainty_ns == pytest.approx(max(50, fixed_us or 0) * US, abs=1e-6)
+
+
 @pytest.mark.parametrize("can_save", [True, False])
 @pytest.mark.parametrize("surface", [SURFACE, -0.000312345, -0.00029999])
 def test_a_delayed_level_is_known_to_the_step_in_which_it_began(

@@ -156,3 +156,32 @@ def test_library_axes_give_the_same_bits_at_any_step(plant: Make, axis: str) -> 
         )
     assert len(left[0][0]) == 1
     assert left == [left[0]] * 3
+
+
+@pytest.mark.parametrize(("look_back_us", "hold_us"), [(0, 0), (3000, 0), (0, 2000), (3000, 2000)])
+def test_steps_are_fine_for_as_long_as_drives_look_back_and_ahead(
+    plant: Make, look_back_us: int, hold_us: int
+) -> None:
+    """A drive that compensates its delay stores where the axis was before the edge.
+
+    At 20 mm/s a step of 3 ms would do 3 ms before the edge, where there is room for 60 um.
+    """
+    made = plant(
+        BENT,
+        axis_start={"acceleration_then": 0.0, "position_start": 0.001},
+        probe_start={"surface": 0.0},
+        look_back_ns=look_back_us * US,
+        hold_ns=hold_us * US,
+    )
+    ((edge_ns, _),) = edges_of(made, 60 * MS, 10 * MS)
+    axis = made.axes["axis"]
+
+    def longest_ns(begin_ns: int, end_ns: int) -> int:
+        around = [axis.ends_around(time_ns) for time_ns in range(begin_ns, end_ns, 20 * US)]
+        return max(end[0] - begin[0] for begin, end in around)
+
+    before_ns = longest_ns(edge_ns - 3000 * US, edge_ns)
+    after_ns = longest_ns(edge_ns + 100 * US, edge_ns + 2000 * US)
+    assert (before_ns <= 50 * US) == (look_back_us > 0)
+    # Shortly after the edge the plane is as near as shortly before it
+    assert (after_ns <= 50 * US) == (look_back_us > 0 or hold_us > 0)
