@@ -216,6 +216,23 @@ def test_a_drive_that_nothing_gives_the_period_is_named(
     assert ["60C2 nor 1006" in text for text in eds_warnings(settings)] == [True] * is_warned
 
 
+@pytest.mark.parametrize(
+    ("section", "keys", "is_warned"),
+    [
+        ("1803sub1", {"AccessType": "ro"}, False),  # off by default
+        ("1803sub1", {"AccessType": "ro", "DefaultValue": "$NODEID+0x480"}, True),
+        ("1803sub1", {"AccessType": "rw", "DefaultValue": "$NODEID+0x480"}, False),
+    ],
+)
+def test_a_tpdo_that_cannot_be_switched_off_is_named(
+    with_eds: Callable[..., Settings], section: str, keys: dict[str, str], is_warned: bool
+) -> None:
+    """TPDO4 is not in the kernel's mapping; it would be sent and is not in the sum."""
+    settings = with_eds(changed(EDS, section, **keys))
+    check_rig(settings)
+    assert ["TPDO4" in text for text in eds_warnings(settings)] == [True] * is_warned
+
+
 # Arrays
 
 SHORT = """\

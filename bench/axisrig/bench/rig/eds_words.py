@@ -8,11 +8,12 @@ from typing import Final
 
 from canopen.objectdictionary import ObjectDictionary
 
+from axisrig.bench.rig.check import axis_telegrams
 from axisrig.bench.rig.reading.file import AxisTable, DriveTable
 from axisrig.bench.rig.reading.startup import drive_dictionary
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.dictionary import variable
-from axisrig.kernel.drives.startup_steps import PROFILE_MASK
+from axisrig.kernel.drives.startup_steps import NOT_VALID, PROFILE_MASK, TPDO_PARAMETERS
 from axisrig.kernel.errors import UserError
 
 COMMISSIONING: Final = "DeviceComissioning"  # CiA 306 spells it so
@@ -26,16 +27,17 @@ def eds_warnings(settings: Settings) -> list[str]:
     return [
         f"axis {name}, drive {axis.drive}: {text}"
         for name, axis in settings.rig.axis.items()
-        for text in _of_axis(settings, axis)
+        for text in _of_axis(settings, name, axis)
     ]
 
 
-def _of_axis(settings: Settings, axis: AxisTable) -> Iterator[str]:
+def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
     drive = settings.rig.drive[axis.drive]
     if drive.eds is None:
         return
     od = drive_dictionary(drive, axis.node, drive.make())
     yield from _device(drive, od)
+    yield from _unstoppable(settings, name, od)
     bitrate = settings.segment[axis.segment].bitrate
     rates = sorted(od.device_information.allowed_baudrates)
     if rates and bitrate in RATES and bitrate not in rates:
@@ -72,6 +74,20 @@ def _device(drive: DriveTable, od: ObjectDictionary) -> Iterator[str]:
         yield (
             "its EDS has neither 60C2 nor 1006: nothing gives it the period of the set positions;"
             " set it as the maker says"
+        )
+
+
+def _unstoppable(settings: Settings, name: str, od: ObjectDictionary) -> Iterator[str]:
+    """Name TPDOs that the drive sends although the mapping leaves them out."""
+    mapped = {telegram.communication_index for telegram in axis_telegrams(settings, name).values()}
+    for index in TPDO_PARAMETERS:
+        found = variable(od, index, 1) if index in od and index not in mapped else None
+        if found is None or found.writable or (found.default or NOT_VALID) & NOT_VALID:
+            continue
+        yield (
+            f"TPDO{index - TPDO_PARAMETERS[0] + 1} is on by its EDS and cannot be switched off"
+            f" (0x{index:X}:1 is {found.access_type}): it takes bus time that the sums below leave"
+            " out; map it"
         )
 
 

@@ -16,7 +16,9 @@ class InterpolationTime:
     def __init__(self, image: ProcessImage) -> None:
         self._image = image
         self._default = image.interpolation_value, image.interpolation_index
-        self.forget()
+        self._is_written = False
+        self._time_ns: TimeNs = 0
+        self.update()
 
     def forget(self) -> None:
         """Be as after power on: no master has written 60C2."""
@@ -34,7 +36,7 @@ class InterpolationTime:
         if (value, index) != self._default:
             self._is_written = True
         parts_of_s: int = 10**-index
-        self._time_ns: TimeNs = value * S // parts_of_s
+        self._time_ns = value * S // parts_of_s
 
     def period_ns(self) -> TimeNs:
         """Return the time from one set value to the next."""
