@@ -113,6 +113,68 @@ def test_a_stamp_gives_the_place_at_its_instant(channel_bench: Make, words: Any)
     assert PLANE_MM - 10.0e-3 - 0.001 < seen_mm < PLANE_MM + 0.001
 
 
+@pytest.mark.parametrize(("known_cycles", "is_found"), [(120, True), (10, False)])
+def test_an_edge_before_the_rest_is_waited_for_as_long_as_the_task_may_be_late(
+    channel_bench: Make, words: Any, known_cycles: int, is_found: bool
+) -> None:
+    """The axis creeps to 119 mm with 1/Kv = 25 ms: 2 um before it some 120 ms after its set
+    position, at rest to an increment in a cycle some 50 ms later; the PLC hands the edge over
+    another 50 ms later, with its stamp.
+    """
+    axis = words.axis("Z", start_mm=122.0, source="PLC_TIMESTAMP")
+    bench = channel_bench(axis, plane_mm=PLANE_MM)
+    (link,) = bench.links
+    crossed_ns: list[int] = []
+
+    def level() -> bool:
+        now_ns = bench.scheduler.now_ns
+        if not crossed_ns and link.actual_mm < TO + 0.002:
+            crossed_ns.append(now_ns)
+        return bool(crossed_ns) and now_ns >= crossed_ns[0] + 100 * MS
+
+    side = Plc(bench, level=level, stamp=lambda _: crossed_ns[0] if crossed_ns else 0)
+    side.task.late_cycles = known_cycles
+    bench.run([words.probe(1, 600.0, Z=TO), words.wait(1), words.end()])
+    measured_mm = bench.channel.measured_acs_mm("Z")
+    assert bench.alarm_ids == []
+    if is_found:
+        assert measured_mm == pytest.approx(TO + 0.002, abs=0.0002)
+    else:
+        assert measured_mm is None
+
+
+def test_a_level_that_hardware_shows_until_it_is_enabled_ends_no_run(
+    channel_bench: Make, words: Any
+) -> None:
+    """Of two axes Z is enabled first and drops its level then; Y is enabled 20 cycles later."""
+    axes = [words.axis(n, start_mm=122.0, source="PLC_EXT_LATCH_CONTROL") for n in ("Y", "Z")]
+    bench = channel_bench(*axes, plane_mm=PLANE_MM)
+    links = {link.name: link for link in bench.links}
+    units = {name: bench.channel.plc.axis[name].probing for name in ("Y", "Z")}
+    task = bench.channel.plc.task = PlcTask(MS, 5 * MS, 50 * MS)
+    enabled_ns: dict[str, int] = {}
+
+    def turn() -> None:
+        now_ns = task.written_ns = bench.scheduler.now_ns
+        for name, unit in units.items():
+            task.sync_ns[name] = now_ns // MS * MS + 48_000
+            is_enable = unit.order.task is LatchTask.ENABLE
+            if is_enable:
+                enabled_ns.setdefault(name, now_ns + (2 if name == "Z" else 20) * MS)
+            done = not is_enable or now_ns >= enabled_ns[name]
+            still_shown = name == "Z" and is_enable and now_ns <= enabled_ns[name]
+            level = still_shown or links[name].actual_mm < PLANE_MM
+            number = unit.number if done else unit.number - 1
+            unit.take(AxisWrites(level, done_order=number), now_ns)
+
+    bench.channel.plc.take_turn = turn
+    bench.run([words.probe(1, 600.0, Y=TO, Z=TO), words.wait(1), words.end()])
+    assert bench.alarm_ids == []
+    (record,) = bench.channel.records
+    for name in ("Y", "Z"):
+        assert record.latched_mm[name] == pytest.approx(PLANE_MM, abs=0.02)
+
+
 def test_the_dead_time_of_the_probe_leads_a_value_back(channel_bench: Make, words: Any) -> None:
     """P-AXIS-00487: 10 ms at 10 mm/s; the axis comes from above."""
     values = []

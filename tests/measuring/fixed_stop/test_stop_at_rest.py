@@ -24,6 +24,25 @@ def test_an_axis_at_rest_beyond_the_limit_gets_its_time(stage: Make) -> None:
     assert run.record.latched_mm == {"Z": 5.0}
 
 
+@pytest.mark.parametrize("order", ["XZ", "ZX"])
+def test_of_several_axes_the_longest_time_is_waited_for(stage: Make, order: str) -> None:
+    """X runs free and has 50 ms, Z is held and has 500: each moves 0.01 mm in a cycle."""
+    axes = {"X": Axis("X"), "Z": Axis("Z", stop_mm=5.0)}
+    detect = {
+        "X": FixedStopSettings(1.0, min_time_ns=50 * MS),
+        "Z": FixedStopSettings(1.0, min_time_ns=500 * MS),
+    }
+    made = stage(
+        *(axes[name] for name in order),
+        target=dict.fromkeys(order, 6.5),
+        detect=detect,
+        speed_mm_s=10.0 * 2**0.5,
+    )
+    run = made.finish()
+    assert run.stop.detected_by == "Z"
+    assert run.stop.detected_ns == (602 + 500) * MS
+
+
 @pytest.mark.parametrize("detect", [WINDOW, BOTH])
 def test_a_window_that_flickers_at_rest_is_waited_for_no_longer_than_its_time(
     stage: Make, detect: FixedStopSettings

@@ -1,0 +1,149 @@
+"""Latches at the PLC, cycle by cycle: whose instant a value has, and which level makes an edge."""
+
+from dataclasses import dataclass, field
+
+import pytest
+
+from axisrig.kernel.channel.probing.external import ExternalPort
+from axisrig.kernel.channel.probing.handshake import Handshake
+from axisrig.kernel.channel.probing.signal import SignalPort
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.latest_edge import Arrival
+from axisrig.kernel.plc.probing import AxisWrites, LatchOrder, LatchTask, PlcTask, ProbingUnit
+
+MS, S = 1_000_000, 1_000_000_000
+SYNC_NS, CYCLE_NS = 48_000, 600_000  # of the SYNC and of the NC cycle in their period
+A_MM_S2 = 1000.0
+
+
+@dataclass
+class FakeClock:
+    now_ns: int = 0
+
+
+@dataclass
+class FakeLink:
+    name: str = "Z"
+    has_actual: bool = True
+    actual_mm: float = 0.0
+    arrival: Arrival = field(default_factory=Arrival)
+
+
+class Bench:
+    """An axis that accelerates from rest at the instant 0; cycle k is at k ms + 600 us."""
+
+    def __init__(self) -> None:
+        self.clock, self.link, self.unit = FakeClock(), FakeLink(), ProbingUnit()
+        self.task = PlcTask(cycle_ns=MS, watchdog_ns=5 * MS, acknowledge_ns=50 * MS)
+        self.cycle = 0
+
+    def place_mm(self, time_ns: int) -> float:
+        return 0.5 * A_MM_S2 * (time_ns / S) ** 2
+
+    def next(self, port, *, signal, done=0, has_actual=True):
+        """Let the next cycle bring a signal; done: the order that the PLC has acknowledged."""
+        self.cycle += 1
+        sync_ns = self.cycle * MS + SYNC_NS
+        self.clock.now_ns = self.cycle * MS + CYCLE_NS
+        self.task.sync_ns["Z"] = sync_ns
+        self.task.written_ns = self.clock.now_ns
+        self.link.has_actual = has_actual
+        if has_actual:
+            self.link.actual_mm = self.place_mm(sync_ns)
+        self.unit.take(AxisWrites(signal, done_order=done), self.clock.now_ns)
+        port.look()
+
+
+@pytest.mark.parametrize("has_actual", [True, False])
+def test_the_value_and_its_speed_are_those_of_the_sync_of_the_signal(has_actual):
+    """Not of the instant at which the cycle reads it, 552 us later; also where its telegram stays
+    out and the positions around it give the value.
+    """
+    bench = Bench()
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    port.arm()
+    for _ in range(100):
+        bench.next(port, signal=False)
+    bench.next(port, signal=True, has_actual=has_actual)
+    sync_ns = bench.task.sync_ns["Z"]
+    for _ in range(3):
+        bench.next(port, signal=True)
+    assert port.is_confirmed()
+    assert port.latched_mm == pytest.approx(bench.place_mm(sync_ns), abs=1e-9)
+    speed_mm = A_MM_S2 * sync_ns / S * MS / S
+    assert port.latched_speed_mm == pytest.approx(speed_mm, rel=1e-6)
+
+
+def external(bench):
+    handshake = Handshake("Z", bench.unit, bench.task, bench.clock)
+    return ExternalPort(bench.link, bench.unit, bench.task, bench.clock, handshake)
+
+
+def test_the_level_of_external_hardware_counts_while_enable_is_not_acknowledged():
+    """What it shows when it is enabled is no edge, and one that falls then is none of the run."""
+    bench = Bench()
+    port = external(bench)
+    bench.next(port, signal=False)
+    port.arm()
+    for _ in range(3):
+        bench.next(port, signal=True)
+    bench.next(port, signal=True, done=1)
+    assert port.is_armed
+    assert not port.has_latched
+    bench.next(port, signal=False, done=1)
+    bench.next(port, signal=True, done=1)
+    assert port.has_latched
+
+
+@pytest.mark.parametrize("level", [True, False])
+def test_an_edge_before_the_hardware_is_enabled_is_none(level):
+    bench = Bench()
+    port = external(bench)
+    bench.next(port, signal=False)
+    port.arm()
+    bench.next(port, signal=True)
+    bench.next(port, signal=level)
+    bench.next(port, signal=level, done=1)
+    bench.next(port, signal=level, done=1)
+    assert not port.has_latched
+
+
+class TestOrders:
+    """ProbingUnit: one order is in force, the others wait (FCT-C4 7.2, 7.4)."""
+
+    def test_a_further_order_leaves_the_time_of_the_one_in_force(self):
+        unit = ProbingUnit()
+        unit.give(LatchOrder(LatchTask.PREPARE), 1 * MS)
+        unit.give(LatchOrder(LatchTask.DISABLE), 40 * MS)
+        assert (unit.order.task, unit.given_ns) == (LatchTask.PREPARE, 1 * MS)
+        unit.take(AxisWrites(done_order=1), 45 * MS)
+        assert (unit.order.task, unit.given_ns) == (LatchTask.DISABLE, 45 * MS)
+        assert not unit.is_idle
+
+    def test_50050_at_the_time_of_the_first_of_two_orders(self):
+        bench = Bench()
+        handshake = Handshake("Z", bench.unit, bench.task, bench.clock)
+        handshake.prepare()
+        bench.clock.now_ns = bench.task.written_ns = 40 * MS
+        handshake.enable()
+        bench.clock.now_ns = bench.task.written_ns = 50 * MS
+        handshake.check()
+        bench.clock.now_ns = bench.task.written_ns = 51 * MS
+        with pytest.raises(Alarm) as caught:
+            handshake.check()
+        assert caught.value.id == 50050
+
+    def test_prepare_and_disable_are_given_once(self):
+        """An enabled probe is not prepared again, one that is off not switched off."""
+        bench = Bench()
+        handshake = Handshake("Z", bench.unit, bench.task, bench.clock)
+        handshake.disable()
+        handshake.prepare()
+        handshake.prepare()
+        handshake.enable()
+        handshake.prepare()
+        handshake.disable()
+        handshake.disable()
+        tasks = [bench.unit.order, *bench.unit.waiting]
+        wanted = [LatchTask.PREPARE, LatchTask.ENABLE, LatchTask.DISABLE]
+        assert [order.task for order in tasks] == wanted
