@@ -15,10 +15,16 @@ RIG_NAMES = ("distance-5axis", "distance-5axis-servo", "distance-robot")
 
 
 def settings_of(
-    folder: Path, keys: str, *lines: str, base: str = RIG_NAMES[0], of_list: str = "channel-5axis"
+    folder: Path,
+    keys: str,
+    *lines: str,
+    base: str = RIG_NAMES[0],
+    of_list: str = "channel-5axis",
+    limiter: str = "slope",
 ) -> Settings:
     """A shipped rig with other keys of its variable, and other lines in its channel list."""
     table = f'[plc]\n"V.E.SENSOR" = {{ {keys} }}\n' if keys else ""
+    table += f'[distance]\nlimiter = "{limiter}"\n'
     if lines:
         text = (RIGS / "lists" / f"{of_list}.lst").read_text(encoding="utf-8")
         names = [line.split()[0] for line in lines]
@@ -125,13 +131,23 @@ def test_that_of_a_sensor_of_the_orthogonal_distance(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("v_max", "rings"), [("50000", True), ("2500", False)])
 def test_limits_that_may_make_it_ring(tmp_path: Path, v_max: str, rings: bool) -> None:
     """a_max T/kp = 500 mm/s2 x 1 ms/0.2 = 2.5 mm/s; (v - a/K)^2/2a = 47.5^2/1000 = 2.26 mm."""
-    (text,) = describe_channel(settings_of(tmp_path, "", f"dist_ctrl[0].v_max {v_max}"))
+    line = f"dist_ctrl[0].v_max {v_max}"
+    (text,) = describe_channel(settings_of(tmp_path, "", line, limiter="clamp"))
     assert "a_max T/kp = 2.5 mm/s" in text
     assert ("they may make it ring" in text) is rings
     assert ("the law brakes in time" in text) is not rings
     if rings:
         assert "change its speed by 0.5 mm/s in a cycle; after a large step it goes 2.26 mm" in text
         assert "a_max >= 10000 mm/s2, v_max <= 2.5 mm/s or kp <= 0.01" in text
+
+
+def test_a_slope_goes_past_by_what_the_error_is_late(tmp_path: Path) -> None:
+    """50 mm/s x 1 ms x (2 + 1.5), and 50^2/1000 mm behind a surface that rises so."""
+    (text,) = describe_channel(settings_of(tmp_path, "", "dist_ctrl[0].v_max 50000"))
+    assert "by 0.175 mm in CONST_DIST, whose error is 3.5 cycles old" in text
+    assert "behind one that rises with v_max by 2.5 mm" in text
+    assert "limiter slope" in text
+    assert "P-AXIS-00191 = 2, P-AXIS-00276 = 0: of the displayed lag" in text
 
 
 def test_what_no_limit_holds_for_is_said(tmp_path: Path) -> None:

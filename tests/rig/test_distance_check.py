@@ -220,11 +220,83 @@ def test_limits_that_may_make_a_stable_loop_ring(tmp_path: Path, v_max: int, rin
     """The sample set of the manual: 10 mm/s, 100 mm/s2, kp 0.3, 1 ms: 0.47 mm too far."""
     values = {"kp": 0.3, "a_max": 100, "v_max": v_max}
     items = [f"set:Z.kenngr.distc.{name}={value}" for name, value in values.items()]
+    items.append("distance:limiter=clamp")
     (text,) = describe_distance(settings_of(tmp_path, "", *items), {})
     assert "CONST_DIST: stable as listed" in text
     assert "a_max T/kp = 0.3333 mm/s" in text
     assert ("they may make it ring" in text) is rings
     assert ("0.467 mm too far" in text) is rings
+
+
+def test_a_slope_goes_past_by_what_the_error_is_late(tmp_path: Path) -> None:
+    """v_max T (n + delay of the filter) = 10 x 1 ms x (2 + 1.5); behind a ramp by v^2/2a."""
+    values = {"kp": 0.3, "a_max": 100, "v_max": 10000}
+    items = [f"set:Z.kenngr.distc.{name}={value}" for name, value in values.items()]
+    (text,) = describe_distance(settings_of(tmp_path, "", *items), {})
+    assert "Past a far surface by 0.035 mm in CONST_DIST, whose error is 3.5 cycles old" in text
+    assert "behind one that rises with v_max by 0.5 mm" in text
+    assert "ring" not in text
+    adaptive = ("use_adaptive_acceleration=1", "a_min=20")
+    items += [f"set:Z.kenngr.distc.{item}" for item in adaptive]
+    (text,) = describe_distance(settings_of(tmp_path, "", *items), {})
+    assert "behind one that rises with v_max by 2.5 mm" in text
+
+
+@pytest.mark.parametrize(
+    ("choices", "words"),
+    [
+        ([], "derivative of the feedback, Tv/T in a cycle; limiter slope"),
+        (
+            ["distance:derivative_of=error", "distance:derivative=per_cycle"],
+            "derivative of the error, Tv in a cycle; limiter slope",
+        ),
+        (["distance:limiter=clamp"], "Tv/T in a cycle; limiter clamp"),
+    ],
+)
+def test_the_law_that_the_rig_has_chosen_is_shown(
+    tmp_path: Path, choices: list[str], words: str
+) -> None:
+    (text,) = describe_distance(settings_of(tmp_path, "", *choices), {})
+    assert words in text
+
+
+def test_a_choice_that_there_is_not_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="'slope' or 'clamp'"):
+        settings_of(tmp_path, "", "distance:limiter=ramp")
+    with pytest.raises(UserError, match="no such key"):
+        settings_of(tmp_path, "", "distance:limit=slope")
+
+
+def test_the_limit_of_kp_knows_the_derivative(tmp_path: Path) -> None:
+    """12.8.3: SET_POS is stable up to 2, or with a derivative of the error to 2/(1 + 2 x 10)."""
+    items = [f"set:Z.kenngr.distc.{item}" for item in ("kp=0.3", "d_tv=0.01", "n_cycles=20")]
+    items.append("set:Z.kenngr.distc.filter_type=MOVING_AVERAGE")
+    found = limits(settings_of(tmp_path, "", *items))
+    assert found["SET_POS"] == pytest.approx(2.0, rel=1e-3)
+    assert found["CONST_DIST"] == pytest.approx(0.233, rel=2e-3)
+    of_error = limits(settings_of(tmp_path, "", *items, "distance:derivative_of=error"))
+    assert of_error["SET_POS"] == pytest.approx(2 / 21, rel=1e-3)
+    assert of_error["CONST_DIST"] == found["CONST_DIST"]
+    per_cycle = limits(settings_of(tmp_path, "", *items, "distance:derivative=per_cycle"))
+    assert per_cycle["CONST_DIST"] == pytest.approx(0.178, rel=5e-3)
+
+
+# Cycles of a real control
+
+
+@pytest.mark.parametrize(("delay", "optimised"), [(4, 0), (0, 0), (10, 1), (2, 1)])
+def test_two_parameters_about_cycles_are_shown_and_change_no_dead_cycle(
+    tmp_path: Path, delay: int, optimised: int
+) -> None:
+    items = [
+        f"set:Z.antr.nbr_delay_cycles={delay}",
+        f"set:Z.lr_param.field_bus_allows_optimized_schedule={optimised}",
+    ]
+    settings = settings_of(tmp_path, "", *items)
+    (text,) = describe_distance(settings, {})
+    assert f"P-AXIS-00191 = {delay}, P-AXIS-00276 = {optimised}: of the displayed lag" in text
+    assert "dead cycles  n = 2" in text
+    assert limits(settings) == limits(settings_of(tmp_path, ""))
 
 
 def test_a_lag_of_the_drive_lowers_the_limit(tmp_path: Path) -> None:

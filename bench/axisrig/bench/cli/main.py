@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 
 from axisrig.bench.cli.data_commands import DATA
+from axisrig.bench.cli.distance_commands import distance_app
 from axisrig.bench.cli.fmu_commands import build_library, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
@@ -75,6 +76,7 @@ app = typer.Typer(
 )
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
+app.add_typer(distance_app, name="distance")
 app.add_typer(plan_app, name="plan")
 app.add_typer(rig_app, name="rig")
 for command in (*LISTINGS, *TOOLS, *DATA, perf):

@@ -25,6 +25,7 @@ WITH_DISTANCE_CONTROL = (SERCOS, 3, CANOPEN)  # FCT-M3 2
 WITH_EDGE_BANDING_INPUT = (SERCOS, 3)  # P-AXIS-00539
 WITH_TWO_INPUTS = (SERCOS, 3, CANOPEN)  # FCT-C4 8.2.2, P-AXIS-00517
 
+OPTIMISED = "lr_param.field_bus_allows_optimized_schedule"
 SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
 NO_BIT, REALTIME_BITS = -1, (6, 7)
 _CONTROL, _STATUS = ("S-0-0134",), ("S-0-0135", "S-0-135")
@@ -72,6 +73,22 @@ def start_up(parameters: ParameterSet, name: str) -> list[Alarm]:
     elif parameters.kind == "channel":
         warnings += _channel(parameters, owner)
     return warnings
+
+
+def equal_schedule(axes: Mapping[str, ParameterSet]) -> list[Alarm]:
+    """Take the optimised access to the bus (P-AXIS-00276) from every axis where one lacks it.
+
+    axes: by name. Returns warning 70212 where they differ.
+    """
+    having = {name: parameters.flag(OPTIMISED) for name, parameters in axes.items()}
+    if len(set(having.values())) < 2:
+        return []
+    for name, has in having.items():
+        if has:
+            axes[name].correct(OPTIMISED, False)
+    named = {want: ", ".join(name for name, has in having.items() if has is want)
+             for want in (True, False)}  # fmt: skip
+    return [Alarm(70212, axes=named[True], others=named[False])]
 
 
 def _warning(item: Corrected, owner: str, name: str) -> Alarm:

@@ -37,6 +37,15 @@ def stopping_step_mm(way_mm: float, change_mm: float) -> float:
     return way_mm / count + change_mm * (count - 1) / 2
 
 
+def sloped_overshoot_mm(v_mm_s: float, period_ns: TimeNs, unseen_cycles: float) -> float:
+    """Return v T (n + delay of the filter): how far a slope goes past a far surface, CONST_DIST.
+
+    It brakes so that it would stop at the error; the error is that old, and the offset has gone on
+    by as much (v: v_max, or what a nearer surface lets it reach). SET_POS knows its offset: 0.
+    """
+    return v_mm_s * period_ns / S * unseen_cycles
+
+
 def overshoot_mm(kp: float, period_ns: TimeNs, v_mm_s: float, a_mm_s2: float) -> float:
     """Return v^2/2a - v/K + a/2K^2: a P law with plain clamps, continuous, no dead time.
 

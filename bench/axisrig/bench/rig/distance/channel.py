@@ -23,6 +23,8 @@ from axisrig.bench.oracles.kinematics.lists import Lists
 from axisrig.bench.rig.distance.loops import (
     WITHOUT_LAG,
     control_lines,
+    cycles_line,
+    dead_cycles,
     dead_line,
     is_beyond,
     kp_lines,
@@ -137,6 +139,7 @@ def _lines(
         f"  sign         {_SIGNS[sensor.sign]}",
         f"  value        {_value(entry)}",
         dead_line(settings, CHANNEL, sensor),
+        cycles_line(settings, CHANNEL, dead_cycles(listed, sensor)),
         silence_line(sensor, None),
     ]
     if has_loops:

@@ -16,8 +16,11 @@ from axisrig.bench.rig.distance.channel import (
 from axisrig.bench.rig.distance.loops import (
     WITHOUT_LAG,
     control_lines,
+    cycles_line,
+    dead_cycles,
     dead_line,
     kp_lines,
+    listed_for,
     silence_line,
 )
 from axisrig.bench.rig.distance.sensors import Sensor, is_scale, second_telegram, sensors_of
@@ -161,6 +164,7 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
     has_loop = settings.rig.plant[axis.plant].fmu != WITHOUT_LAG
     lines = [
         dead_line(settings, name, sensor),
+        cycles_line(settings, name, dead_cycles(listed_for(settings, name), sensor)),
         silence_line(sensor, axis.sensor_age_limit_ms),
     ]
     if has_loop:

@@ -5,7 +5,7 @@ the way; limits of kp from the closed forms of `bench/axisrig/bench/oracles/dist
 """
 
 from axisrig.bench.oracles.distance.cycles import DeadCycles, predicted
-from axisrig.bench.oracles.distance.limits import overshoot_mm
+from axisrig.bench.oracles.distance.limits import braking_mm, overshoot_mm, sloped_overshoot_mm
 from axisrig.bench.oracles.distance.lists import (
     CHANNEL,
     OF_CHANNEL,
@@ -21,10 +21,12 @@ from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.distance.sensors import Sensor
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
+from axisrig.kernel.parameters.start_up import OPTIMISED
 from axisrig.kernel.time.clock import MS, US, S
 
 WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
 MODES = (SET_POS, CONST_DIST, BOTH)
+_DELAY = "antr.nbr_delay_cycles"
 AT_LIMIT = 1e-6
 """Share of a limit of kp in which a loop counts as above it: there it rings for ever."""
 
@@ -110,8 +112,29 @@ def dead_words(dead: DeadCycles, sensor: Sensor) -> str:
     return f"n = {dead.dead} to {dead.dead + sensor.every - 1}, a value comes every {sensor.every}."
 
 
-def limits_words(listed: Listed, period_us: int) -> str:
-    """Say whether v_max and a_max may make a loop ring that is stable without them.
+def limits_words(listed: Listed, period_us: int, loop: Loop) -> str:
+    """Say what v_max and a_max make of a far surface; loop: of the constant distance."""
+    limits = listed.limits
+    if not listed.control.is_sloped:
+        return clamp_words(listed, period_us)
+    if limits.a_mm_s2 <= 0.0:
+        return "a control without a_max does not move by them"
+    unseen = loop.dead_cycles + loop.skew_cycles + loop.smoothing.delay_cycles
+    past = sloped_overshoot_mm(limits.v_mm_s, period_us * US, unseen)
+    a_mm_s2 = limits.a_mm_s2
+    if limits.adaptive is not None:
+        a_mm_s2 = min(a_mm_s2, limits.adaptive[0])
+    behind = braking_mm(limits.v_mm_s, a_mm_s2)
+    return (
+        f"v_max {limits.v_mm_s:g} mm/s and a_max {limits.a_mm_s2:g} mm/s2 as a slope: a step can"
+        f" still stop at the error. Past a far surface by {past:.3g} mm in CONST_DIST, whose error"
+        f" is {unseen:.3g} cycles old, by nothing in SET_POS; behind one that rises with v_max by"
+        f" {behind:.3g} mm"
+    )
+
+
+def clamp_words(listed: Listed, period_us: int) -> str:
+    """Say whether clamps may make a loop ring that is stable without them.
 
     They have no braking distance: within v_max <= a_max T/kp the law itself brakes in time
     (docs/distance-control.md). What 3D control may lower by its axes is not looked at.
@@ -142,13 +165,36 @@ def limits_words(listed: Listed, period_us: int) -> str:
 def control_lines(settings: Settings, name: str, sensor: Sensor) -> list[str]:
     """Show filter, controller and limits of an axis, or of CHANNEL, as listed."""
     listed = listed_for(settings, name)
-    control, smoothing = listed.control, loop_of(settings, name, sensor, CONST_DIST).smoothing
+    loop = loop_of(settings, name, sensor, CONST_DIST)
+    control, smoothing = listed.control, loop.smoothing
     return [
         f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
         f" {smoothing.noise_gain:.3g}",
         f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
-        f"  limits       {limits_words(listed, settings.rig.cycle.period_us)}",
+        f"  law          {law_words(control)}",
+        f"  limits       {limits_words(listed, settings.rig.cycle.period_us, loop)}",
     ]
+
+
+def law_words(control: Control) -> str:
+    """Say what the rig has chosen of the law, [distance]."""
+    worth = "Tv/T" if control.derivative == "per_second" else "Tv"
+    return (
+        f"derivative of the {control.derivative_of}, {worth} in a cycle; limiter {control.limiter}"
+        " ([distance] of the rig: the manuals leave them open)"
+    )
+
+
+def cycles_line(settings: Settings, name: str, dead: DeadCycles) -> str:
+    """Show two parameters that are about cycles and change nothing of the dead cycles."""
+    axes = list(settings.axis.values()) if name == CHANNEL else [settings.axis[name]]
+    delays = sorted({axis.integer(_DELAY) for axis in axes})
+    has = int(all(axis.flag(OPTIMISED) for axis in axes))
+    return (
+        f"  cycles       P-AXIS-00191 = {', '.join(map(str, delays))}, P-AXIS-00276 = {has}: of the"
+        " displayed lag and of the bus of a real control; neither changes n ="
+        f" {dead.dead}, which the frames decide"
+    )
 
 
 def kp_lines(

@@ -12,7 +12,7 @@ from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import ParameterSet, read_list, start_up, written
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
-from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type
+from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type, equal_schedule
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they name
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
@@ -70,7 +70,7 @@ def take_over(channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[Alar
     warnings = start_up(channel, "")
     for name, parameters in axes.items():
         warnings += start_up(parameters, name)
-    return warnings
+    return warnings + equal_schedule(axes)
 
 
 def check_numbers(axes: dict[str, ParameterSet]) -> None:

@@ -1,0 +1,30 @@
+"""The commands `axisrig distance ...`; heavy modules are imported inside them."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axisrig.bench.cli.options import SetOption, rejecting
+
+distance_app = typer.Typer(
+    no_args_is_help=True, help="Distance control: what the manuals leave open, on a real control."
+)
+
+
+@distance_app.callback()
+def _group() -> None:
+    """Keep `readings` a word of its own while it is the only command."""
+
+
+@distance_app.command()
+@rejecting
+def readings(
+    rig: Annotated[Path, typer.Argument(help="Rig file (TOML): its cycle and dead cycles count.")],
+    assignments: SetOption = None,
+) -> None:
+    """Say what a real control shows under each reading of the law, so that one look decides it."""
+    from axisrig.bench.rig.contents import settings_of
+    from axisrig.bench.tools.distance.readings import readings_text
+
+    print(readings_text(settings_of(rig, assignments or [])))
