@@ -9,7 +9,8 @@ of them come up; over one that is parametrized by `alarm_id`, the one of each ro
 test run lists the IDs that something raises (`raised` of `errors.csv`) and no test provokes,
 and the words of the language that do not act yet.
 
-What the stages `--stage quick` and `--stage rest` run: `stages.py`.
+What the stages `--stage quick` and `--stage rest` run: `stages.py`; `conftest.py` of the checkout
+has the option, for `pytest testplans/` too.
 """
 
 import re
@@ -20,7 +21,6 @@ from typing import Any
 
 import pytest
 from tests.both_writers import ComparedRows
-from tests.stages import Stages
 
 from axisrig.bench.campaign.results.build_info import is_compiled
 from axisrig.kernel.channel.reactions import Reactions
@@ -45,22 +45,14 @@ def not_yet_provoked() -> list[int]:
     return [i for i, entry in catalogue().items() if entry.is_raised and i not in provoked]
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--stage", choices=("quick", "rest"), help="of the suite; default: all of it")
-
-
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(ComparedRows())
-    config.addinivalue_line(
-        "markers", "long(but=0): not in the quick stage, except for its first `but` rows"
-    )
     config.addinivalue_line(
         "markers", "provokes(alarm_id, reaction_class, **values): the alarm comes up in this test"
     )
     config.addinivalue_line(
         "markers", "interpreted: replaces methods of classes, which compiled ones do not allow"
     )
-    config.pluginmanager.register(Stages(config), "axisrig stages")
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -1,5 +1,6 @@
 """`axisrig run --engine dask`: two workers on 127.0.0.1, one killed in the middle."""
 
+import asyncio
 import csv
 import os
 import re
@@ -10,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
@@ -48,12 +50,11 @@ def metric_broken(recording):
 MIXED = """\
 case,program,rig,plc:V.E.FEED,module,search:plant:probe.surface_mm,check:msg:N30,check:broken,check:search_good
 a,deep/part.nc,derived.toml,3000,,,== 1,,
+e,part.nc,../elsewhere/rig.toml,3000,,,== 1,,
 b,part.nc,rig.toml,3000,own.py,,== 1,== 1,
 c,part.nc,rig.toml,3000,,,== 0,,
 d,part.nc,rig.toml,3000,,125.1 .. 129 to 0.5,== 1,,126 .. 126.5
 """
-
-pytestmark = pytest.mark.long
 
 
 @pytest.fixture
@@ -94,6 +95,7 @@ def _content(folder: Path) -> dict[str, bytes]:
     return found
 
 
+@pytest.mark.long
 def test_a_lost_worker_costs_nothing(place: Path, cluster: Any) -> None:
     """Nothing is missing, nothing doubled, and all files are those of this machine alone."""
     rows = [f"{name},part.nc,rig.toml,{feed},== 1," for name, feed in
@@ -119,13 +121,16 @@ def test_a_lost_worker_costs_nothing(place: Path, cluster: Any) -> None:
     assert _content(place / "out") == _content(place / "local")
 
 
+@pytest.mark.long
 def test_failures_and_messages_name_the_files_of_the_plan(
     place: Path, axisrig: Call, cluster: Any
 ) -> None:
     """Files travel: the worker has them in its cache, and what it says names those of the plan.
 
-    A program in a folder, a rig with a base, a metric of an own file that breaks, a search.
+    A program in a folder, a rig with a base, one outside the folder of the plan, a metric of an own
+    file that breaks, a search.
     """
+    shutil.copytree(place, place.parent / "elsewhere")
     (place / "deep").mkdir()
     shutil.copy(place / "part.nc", place / "deep" / "part.nc")
     (place / "derived.toml").write_text('base = "rig.toml"\ntitle = "derived"\n', "utf-8")
@@ -136,7 +141,7 @@ def test_failures_and_messages_name_the_files_of_the_plan(
         assert axisrig("run", "plan.csv", "-o", out, *options)[0] == 4
     assert _content(place / "out") == _content(place / "local")
     verdicts = {row["case"]: row["verdict"] for row in _rows(place / "out") if not row["probe"]}
-    assert verdicts == {"a": "pass", "b": "error", "c": "fail", "d": "pass"}
+    assert verdicts == {"a": "pass", "e": "pass", "b": "error", "c": "fail", "d": "pass"}
     reasons = (place / "out" / "results.csv").read_text(encoding="utf-8")
     assert "own.py:5" in reasons, reasons
 
@@ -148,6 +153,7 @@ def test_options_go_together(place: Path, axisrig: Call) -> None:
     assert "--engine dask and --scheduler ADDRESS go together" in err
 
 
+@pytest.mark.long
 def test_a_scheduler_that_is_lost_leaves_what_has_ended(place: Path, axisrig: Call) -> None:
     """The campaign is interrupted, the runs that ended are there, and `--resume` does the rest."""
     pytest.importorskip("distributed", reason="the extra `dask` is not installed")
@@ -186,3 +192,45 @@ def test_without_dask_it_says_what_to_install(
     code, _, err = axisrig("run", plan, "-o", "out", *where)
     assert code == 2
     assert "pip install 'axisrig[dask]'" in err
+
+
+class _Lost:
+    """A cluster whose scheduler goes away in one of the ways in which that can be noticed."""
+
+    def __init__(self, way: str) -> None:
+        self.way, self.status, self.loop = way, "lost" if way == "status" else "finished", None
+
+    def client(self, *_: object, **__: object) -> "_Lost":
+        return self
+
+    def submit(self, *_: object, **__: object) -> "_Lost":
+        return self
+
+    def as_completed(self, *_: object, **__: object) -> Iterator["_Lost"]:
+        if self.way == "waiting":
+            raise OSError("the stream is closed")
+        yield self
+
+    def result(self) -> bytes:
+        raise asyncio.CancelledError if self.way == "cancelled" else OSError("no answer")
+
+    def cancel(self, *_: object) -> None:
+        raise OSError("what is cancelled at the end")
+
+    def close(self) -> None:
+        raise TimeoutError
+
+
+@pytest.mark.parametrize("way", ["status", "waiting", "cancelled", "result"])
+def test_why_a_campaign_on_a_cluster_ended_is_said_whatever_comes_after_it(
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    lost = _Lost(way)
+    made = SimpleNamespace(Client=lost.client, as_completed=lost.as_completed)
+    monkeypatch.setitem(sys.modules, "distributed", made)
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
+    where = ("--engine", "dask", "--scheduler", "tcp://127.0.0.1:8786")
+    code, _, err = axisrig("run", plan, "-o", "out", *where)
+    assert code == 4
+    assert "error: the output: the scheduler tcp://127.0.0.1:8786 is lost" in err
+    assert "interrupted: 0 of 1 runs are in out" in err

@@ -273,6 +273,22 @@ def test_parts_that_are_damaged(place: Path, part: str, content: str) -> None:
         read_plan(_zip(place / "p.xlsx", parts))
 
 
+@pytest.mark.parametrize("encoding", ["UTF-9", "hex", "x-user-defined", "utf-32"])
+@pytest.mark.parametrize("kind", ["ods", "xlsx"])
+def test_an_encoding_that_nobody_knows(place: Path, kind: str, encoding: str) -> None:
+    """The head of a part may name any."""
+    if kind == "ods":
+        good, part = ods(place / "g.ods", ("plan", ods_row(*HEAD))), "content.xml"
+    else:
+        good, part = xlsx(place / "g.xlsx", ("plan", row(*HEAD))), "xl/worksheets/s1.xml"
+    with ZipFile(good) as file:
+        parts = {name: file.read(name).decode() for name in file.namelist()}
+    text = parts[part].partition("?>")[2] if parts[part].startswith("<?") else parts[part]
+    parts[part] = f'<?xml version="1.0" encoding="{encoding}"?>{text}'
+    with pytest.raises(UserError, match="workbook cannot be read"):
+        read_plan(_zip(place / f"p.{kind}", parts))
+
+
 @pytest.mark.parametrize(
     ("where", "name"),
     [((1, 1), "A1"), ((2, 26), "Z2"), ((3, 27), "AA3"), ((1048576, 16384), "XFD1048576")],

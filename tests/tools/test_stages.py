@@ -1,5 +1,7 @@
 """What the quick stage leaves out, and how its time is counted."""
 
+import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
@@ -79,3 +81,17 @@ def test_a_small_fmu_is_built_once_for_each_content(tmp_path):
         paths.append(small_fmu("Small.Plant", library))
     assert paths[0] == paths[2]
     assert paths[0].read_bytes() != paths[1].read_bytes()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("stage", ["quick", "rest"])
+def test_the_plans_alone_know_the_stages(stage: str) -> None:
+    """`pytest testplans`, of which the folder with the tests is no part."""
+    words = ["testplans/latch_limits.csv", "--stage", stage, "--collect-only", "-q"]
+    for start in (["-m", "pytest"], ["-c", "import sys, pytest; sys.exit(pytest.console_main())"]):
+        ended = subprocess.run(
+            [sys.executable, *start, *words],
+            cwd=TESTPLANS.parent, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert ended.returncode == 0, ended.stderr
+        assert "deselected" in ended.stdout

@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
@@ -25,7 +26,9 @@ from axisrig.bench.campaign.results.build_info import sources_sha256
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.resuming import files_of_case
 from axisrig.bench.campaign.runner import Limits, Stopwatch, run_cases
+from axisrig.bench.campaign.worker import end_with
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
@@ -33,19 +36,20 @@ from axisrig.kernel.errors import UserError
 _TRACE = ".parquet"
 _LOST = ("lost", "cancelled")
 _GO_ON = "`axisrig run --resume` runs the rest"
-_APART = "from axisrig.bench.campaign.cluster import run_apart_from; run_apart_from({!r})"
+_APART = "from axisrig.bench.campaign.cluster import run_apart_from; run_apart_from({!r}, {})"
 
 
 @dataclass(frozen=True)
 class _Parcel:
     """A case for a worker. names: name in the cache -> (hash, path here) of each file.
 
-    suffixes: of the bus logs that are wanted. probes: names of the places for probes. limits: apart
-    is empty, or has the rig of the case.
+    rig: as the plan names it. suffixes: of the bus logs that are wanted. probes: names of the
+    places for probes. limits: apart is empty, or has the rig of the case.
     """
 
     case: Case
     names: Mapping[str, tuple[str, str]]
+    rig: str
     suffixes: tuple[str, ...]
     probes: tuple[str, ...]
     limits: Limits
@@ -85,9 +89,9 @@ def run_on_cluster(
         client = Client(scheduler, timeout=10, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UserError("no scheduler answers", value=scheduler) from error
-    with client:
+    futures: dict[Any, Case] = {}
+    try:
         blobs: dict[str, Any] = {}
-        futures = {}
         for case in cases:
             parcel, contents = _packed(case, files_of(case.run), limits, stopwatch)
             for key in contents.keys() - blobs.keys():
@@ -96,13 +100,43 @@ def run_on_cluster(
             needed = {key: blobs[key] for key in contents}
             future = client.submit(_work, pickle.dumps(parcel), needed, pure=False)
             futures[future] = case
-        try:
-            for future in as_completed(list(futures), loop=client.loop):
-                if future.status in _LOST:
-                    raise ConnectionError(f"the scheduler {scheduler} is lost; {_GO_ON}")
-                yield _unpacked(futures.pop(future), future, files_of)
-        finally:
-            client.cancel(list(futures))
+        ended = as_completed(list(futures), loop=client.loop)
+        while futures:
+            with _naming_lost(scheduler):
+                future = next(ended)
+                content = _content(future, scheduler)
+            yield _unpacked(futures.pop(future), content, files_of)
+    finally:
+        # A scheduler that is lost answers neither; why it ended is known already
+        for end in (lambda: client.cancel(list(futures)), client.close):
+            with suppress(Exception):
+                end()
+
+
+@contextmanager
+def _naming_lost(scheduler: str) -> Iterator[None]:
+    """Say of everything that a lost scheduler raises that it is lost."""
+    try:
+        yield
+    except BaseException as error:
+        # Several libraries have a class of their own for what is cancelled
+        if isinstance(error, OSError) or type(error).__name__.endswith("CancelledError"):
+            raise _lost(scheduler) from error
+        raise
+
+
+def _lost(scheduler: str) -> ConnectionError:
+    return ConnectionError(f"the scheduler {scheduler} is lost; {_GO_ON}")
+
+
+def _content(future: Any, scheduler: str) -> bytes | str:
+    """Return what a worker gave back, or why none could run it."""
+    if future.status in _LOST:
+        raise _lost(scheduler)
+    if future.status != "finished":
+        return " ".join(f"no worker could run it: {future.exception()}".split())
+    content: bytes = future.result()
+    return content
 
 
 def _packed(
@@ -128,7 +162,8 @@ def _packed(
     probes = tuple(place.trace.stem for place in files.probes if place.trace is not None)
     moved = _moved(case, base)
     limits = dataclasses.replace(limits, apart=[moved.rig] if case.rig in limits.apart else [])
-    parcel = _Parcel(moved, names, suffixes, probes, limits, stopwatch, sources_sha256())
+    rig = path_from(case.folder, case.rig)
+    parcel = _Parcel(moved, names, rig, suffixes, probes, limits, stopwatch, sources_sha256())
     return parcel, contents
 
 
@@ -165,12 +200,12 @@ def _work(packed: bytes, contents: Mapping[str, bytes]) -> bytes:
         runs = (case.run, *parcel.probes)
         places = [
             RunFiles([folder / f"{run}{suffix}" for suffix in parcel.suffixes],
-                     folder / f"{run}{_TRACE}")
+                     folder / f"{run}{_TRACE}", rig=parcel.rig)
             for run in runs
         ]  # fmt: skip
         order = _Order(
             case,
-            RunFiles(places[0].bus_logs, places[0].trace, places[1:]),
+            dataclasses.replace(places[0], probes=places[1:]),
             dataclasses.replace(parcel.limits, apart=[case.rig] if parcel.limits.apart else []),
             parcel.stopwatch,
         )
@@ -209,7 +244,7 @@ def _run_beside(order: _Order) -> CaseResult:
         path = Path(name) / "order"
         path.write_bytes(pickle.dumps(order))
         done = subprocess.run(
-            [sys.executable, "-c", _APART.format(str(path))],
+            [sys.executable, "-c", _APART.format(str(path), os.getpid())],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             check=False,
@@ -223,8 +258,12 @@ def _run_beside(order: _Order) -> CaseResult:
         return returned
 
 
-def run_apart_from(path: str) -> None:
-    """Run what a worker has written to a file, and write the result there instead."""
+def run_apart_from(path: str, worker: int) -> None:
+    """Run what a worker has written to a file, and write the result there instead.
+
+    worker: id of its process, with which this one ends.
+    """
+    end_with(worker)
     file = Path(path)
     file.write_bytes(pickle.dumps(_run(pickle.loads(file.read_bytes()))))
 
@@ -272,12 +311,11 @@ def _renamed(value: Any, here: Mapping[str, str]) -> Any:
     return value
 
 
-def _unpacked(case: Case, future: Any, files_of: Callable[[str], RunFiles]) -> CaseResult:
-    """Put what a worker gave back where the files of its run belong."""
-    if future.status != "finished":
-        reason = f"no worker could run it: {future.exception()}"
-        return no_values(case, Verdict.ERROR, " ".join(reason.split()))
-    returned: _Returned = pickle.loads(future.result())
+def _unpacked(case: Case, content: bytes | str, files_of: Callable[[str], RunFiles]) -> CaseResult:
+    """Put what a worker gave back where the files of its run belong; a text: why there is none."""
+    if isinstance(content, str):
+        return no_values(case, Verdict.ERROR, content)
+    returned: _Returned = pickle.loads(content)
     result = returned.result
     if result is None:
         return no_values(case, Verdict.ERROR, returned.error)
@@ -285,9 +323,9 @@ def _unpacked(case: Case, future: Any, files_of: Callable[[str], RunFiles]) -> C
     for one, place in zip((result, *result.probes), (files, *files.probes), strict=False):
         run = one.case.run
         for path in (*place.bus_logs, *([] if place.trace is None else [place.trace])):
-            content = returned.files.get(f"{run}{path.suffix}")
-            if content is not None:
-                path.write_bytes(content)
+            written = returned.files.get(f"{run}{path.suffix}")
+            if written is not None:
+                path.write_bytes(written)
                 if path == place.trace:
                     one.series = Series(path)
         if one is not result:  # the probes of the case as it is here

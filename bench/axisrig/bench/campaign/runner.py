@@ -175,7 +175,7 @@ def _left_by(
             program = read_program(case.program, tuple(settings.rig.axis))
         else:
             settings, program = prepared
-        about = {"run": case.run, "rig": path_from(case.folder, case.rig)}
+        about = {"run": case.run, "rig": files.rig or path_from(case.folder, case.rig)}
         onlooker = None if files.live is None else _live(case, files.live, about)
         machine = Machine(
             settings,

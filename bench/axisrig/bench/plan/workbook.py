@@ -71,9 +71,9 @@ def look_through(path: Path) -> Sheet | None:
                 limit = f"{UNPACKED_BYTES_MAX >> 20} MiB"
                 raise UserError("the workbook is too large unpacked", file=path, allowed=limit)
             sheets = list(_SHEETS[path.suffix.lower()](archive))
-    except (BadZipFile, zlib.error, KeyError, NotImplementedError, RuntimeError) as error:
+    except (BadZipFile, zlib.error, NotImplementedError, RuntimeError) as error:
         raise _unreadable(path, error) from None
-    except (expat.ExpatError, ValueError, OverflowError) as error:
+    except (expat.ExpatError, LookupError, ValueError, OverflowError) as error:
         raise _unreadable(path, error) from None
     if sum(sheet.rows * sheet.columns for sheet in sheets) > CELLS_MAX:
         largest = max(sheets, key=lambda sheet: sheet.rows * sheet.columns)

@@ -136,13 +136,15 @@ class RunFiles:
     """Files that a run itself writes: bus logs, and its series, None to keep these in memory.
 
     probes: of a row that searches, those of each probe that it can have; empty to keep none.
-    live: the pipe that takes its state while it lasts, None where nobody looks on.
+    live: the pipe that takes its state while it lasts, None where nobody looks on. rig: as the
+    series name it; empty: as the case has it from the folder of its plan.
     """
 
     bus_logs: Sequence[Path] = ()
     trace: Path | None = None
     probes: Sequence["RunFiles"] = ()
     live: Path | None = None
+    rig: str = ""
 
     def with_live(self, live: Path | None) -> "RunFiles":
         """Return the same with a pipe for states."""

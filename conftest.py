@@ -1,0 +1,15 @@
+"""The stages of the suite, for `pytest tests` and `pytest testplans/` alike: `tests/stages.py`."""
+
+import pytest
+from tests.stages import Stages
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:  # noqa: D103
+    parser.addoption("--stage", choices=("quick", "rest"), help="of the suite; default: all of it")
+
+
+def pytest_configure(config: pytest.Config) -> None:  # noqa: D103
+    config.addinivalue_line(
+        "markers", "long(but=0): not in the quick stage, except for its first `but` rows"
+    )
+    config.pluginmanager.register(Stages(config), "axisrig stages")
