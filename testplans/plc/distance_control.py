@@ -1,7 +1,7 @@
 """FCT-M3 10 by the control unit of axis Z: set position, ON, FREEZE, ON, OFF.
 
-It begins when the NC program writes V.E.REFERENCED. V.E.PART, read here, says how far it goes: 1 set
-position, 2 surface offset, 3 freeze, 4 on again, 5 off.
+It begins when the NC program writes V.E.REFERENCED. V.E.PART, read here, says how far it goes: 1
+set position, 2 surface offset, 3 freeze, 4 on again, 5 off.
 V.E.SURFACE, V.E.OFFSET, V.E.STATE, V.E.SOURCE, where the plan has them: what the unit shows.
 """
 

@@ -243,12 +243,23 @@ def test_every_signal_has_its_place_and_points_of_the_tool_have_none() -> None:
     after = with_signals(ECS, {"kinematics": [TOOL], "distance": [control]})
     names = set(after.column_names)
     assert "channel.moved_mm" in names
-    assert not {"C.superposed_mm", "A.superposed_mm"} & names
+    assert not {"C.superposed_deg", "A.superposed_deg"} & names
     assert not [name for name in names if "clamping" in name or "tcp_" in name]
     alone = with_signals(ECS, {"kinematics": [TOOL]})
     known = [name.partition(".")[2] for name in alone.column_names if name != "time_ns"]
     assert [name for name in known if name not in signals()] == []
     assert "channel.distance_state" not in alone.column_names  # never on
+
+
+@pytest.mark.parametrize("recorded", ["A.superposed_deg", "A.superposed_mm"])
+def test_what_is_superposed_on_an_axis_that_turns_is_drawn_in_degrees(recorded: str) -> None:
+    """Older recordings have it under the name of a length."""
+    other = ECS.drop_columns(["A.superposed_deg"])
+    other = other.append_column(recorded, other.column("Z.superposed_mm"))
+    names = set(with_signals(other, {"kinematics": [TOOL]}).column_names)
+    assert {name for name in names if name.startswith("A.superposed")} == {"A.superposed_deg"}
+    found = Observed(LEFT, kept(other)).column("A", "superposed_mm")
+    assert found.tolist() == other.column("Z.superposed_mm").to_pylist()
 
 
 def test_without_a_sensor_tilt_and_length_are_those_of_the_chain() -> None:
@@ -265,7 +276,7 @@ def test_without_a_sensor_tilt_and_length_are_those_of_the_chain() -> None:
 def test_a_kinematic_without_distance_control_has_its_section() -> None:
     """Nothing of a control is recorded: no guides, no columns of the channel."""
     columns = [name for name in ECS.column_names if name.split(".")[0] in ("time_ns", *"XYZCA")]
-    bare = ECS.select([name for name in columns if not name.endswith("superposed_mm")])
+    bare = ECS.select([name for name in columns if "superposed" not in name])
     (tool,) = tool_blocks(Observed(replace(LEFT, distance_3d=None), kept(bare)))
     assert (tool["guides"], tool["diagnosis"], tool["sensor"]) == ([], [], None)
     (found,) = sections({"kinematics": [tool]}, bare, "a", {})

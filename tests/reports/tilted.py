@@ -83,7 +83,7 @@ def trace(
             columns[f"{axis}.{word}_{unit}"] = of
     for axis, values in zip("XYZ", superposed.T, strict=True):
         columns[f"{axis}.superposed_mm"] = values
-    columns["C.superposed_mm"] = columns["A.superposed_mm"] = np.zeros(ROWS)
+    columns["C.superposed_deg"] = columns["A.superposed_deg"] = np.zeros(ROWS)
     columns |= {
         "channel.offset_mm": offset,
         "channel.distance_state": np.where((at >= ON) & (at < OFF), 4, 0),

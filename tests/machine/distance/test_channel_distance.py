@@ -113,6 +113,20 @@ def test_objects_and_diagnosis_data_show_what_it_does(run_distance, tmp_path):
     assert {name: on[name] for name in expected} == expected
 
 
+def test_before_anything_says_where_the_surface_is_the_trace_has_the_distance_alone(run_distance):
+    """The tool rests 2 mm above the surface; -0.0 was shown until the first ON."""
+    watched = run_distance(
+        f"G0 Z32\nG4 0.01\n#DIST CTRL [{VARIABLE}]\nG4 0.01",
+        *OF_CHANNEL,
+        base="distance-z-variable-gap.toml",
+    )
+    sensor_mm = watched.outcome.column("channel.sensor_mm")
+    known = ~np.isnan(sensor_mm)
+    assert 10 <= known.sum() < len(known)
+    assert sensor_mm[known] == pytest.approx(2.0, abs=1e-3)
+    assert np.isnan(watched.outcome.column("channel.surface_cnc_mm")).all()
+
+
 @pytest.mark.provokes(315001, 1, owner="channel 1")
 def test_without_a_max_it_creeps_and_says_so(run_distance):
     values = [text for text in OF_CHANNEL if "a_max" not in text]

@@ -287,6 +287,9 @@ def test_an_offset_whose_kinematic_has_gone_stays_and_one_that_turned_would_show
     )
     run = judged(text, *pose(0.0, -40.0), *PLAIN, *able())
     sound(run)
+    names = run.observed.series.names
+    assert {"Z.superposed_mm", "A.superposed_deg"} <= set(names)
+    assert "A.superposed_mm" not in names
     turning = Judged(Turning(run.observed.facts, run.observed.series))
     apart_mm = 0.5 * (math.tan(math.radians(40)) - math.tan(math.radians(30)))
     found = turning.value("superposed_error_increments:Y")

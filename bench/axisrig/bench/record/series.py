@@ -51,6 +51,7 @@ LENGTH_COLUMNS = {
     "drive_lag_mm": "drive_lag_deg",
     "drive_lag_peak_mm": "drive_lag_peak_deg",
     "stop_mm": "stop_deg",
+    "superposed_mm": "superposed_deg",
 }
 FORCE_COLUMNS = {
     "force_n": "torque_nm",

@@ -73,8 +73,8 @@ class Reading:
 class DistanceControl:
     """Distance control of an axis or of a channel, which `owner` names in alarms.
 
-    Shown, in mm: offset_mm; of the last reading sensor_mm, distance_mm, surface_mm; of the control
-    feedback_mm and, out of the filter, filtered_mm (deviation from SET_POS, or distance), error_mm,
+    Shown, in mm: offset_mm; of the last reading sensor_mm, distance_mm, surface_mm, as soon as
+    there was one (has_read); of the control feedback_mm and, out of the filter, filtered_mm (deviation from SET_POS, or distance), error_mm,
     delta_mm before the limits and step_mm after them. zero_mm: what REF has made 0. set_pos_mm and
     set_dist_mm: in force, None while there is none.
     """
@@ -100,7 +100,7 @@ class DistanceControl:
         self._sent_mm: float | None = None
         self._memory: tuple[DistanceSettings | None, int] = (None, 0)
         self._change_mm: float | None = None  # None while no value before counts
-        self._has_reading = False
+        self._has_reading = self.has_read = False
         self._known: set[DistanceState] = set()  # modes that have their set value
         self._requested: dict[str, float | str] = {}
 
@@ -278,6 +278,7 @@ class DistanceControl:
     def listen(self, sensor_mm: float) -> None:
         """Take a sensor value while nothing says where the surface is."""
         self._standing.append(sensor_mm)
+        self.has_read = True
         self.sensor_mm = sensor_mm - self._zero_mm
         self.distance_mm = -self.sensor_mm
 
@@ -329,7 +330,7 @@ class DistanceControl:
         self._standing.append(reading.sensor_mm)
         sensor_mm = reading.sensor_mm - self._zero_mm
         self._change_mm = sensor_mm - self.sensor_mm if self._has_reading else None
-        self._has_reading = True
+        self._has_reading = self.has_read = True
         self.sensor_mm, self.distance_mm = sensor_mm, -sensor_mm
         self.surface_mm = reading.actual_mm + sensor_mm
 

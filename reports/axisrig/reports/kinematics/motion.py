@@ -207,9 +207,13 @@ def _positions(trace: pa.Table, tool: Tool, stretch: Tool, word: str) -> Signal:
 
 def _superposed(trace: pa.Table, stretch: Tool) -> Signal:
     """Return what distance control superposes on the axes of a kinematic, shape (rows, axes)."""
-    found = [column(trace, f"{axis}.superposed_mm") for axis in stretch["axes"]]
-    nothing = np.zeros(trace.num_rows)
-    return np.stack([nothing if one is None else one for one in found], axis=1)
+    names, nothing = set(trace.column_names), np.zeros(trace.num_rows)
+    found = []
+    for axis in stretch["axes"]:
+        turned = f"{axis}.superposed_deg"
+        one = column(trace, turned if turned in names else f"{axis}.superposed_mm")
+        found.append(nothing if one is None else one)
+    return np.stack(found, axis=1)
 
 
 def _column(trace: pa.Table, name: str) -> Signal:

@@ -44,7 +44,7 @@ def with_signals(trace: pa.Table, info: Info) -> pa.Table:
         added[f"{CHANNEL}.moved_mm"] = moved_mm(trace, tool)
     turned = zip(tool["axes"], tool["rotary"], strict=True)
     for axis in (axis for axis, rotary in turned if rotary):
-        superposed = column(trace, f"{axis}.superposed_mm")
+        superposed = column(trace, f"{axis}.superposed_mm")  # of an older recording
         if superposed is not None and np.any(superposed):
             added[f"{axis}.superposed_deg"] = superposed
     for name, values in added.items():
@@ -84,9 +84,11 @@ def _by_chain(trace: pa.Table, tool: Tool) -> dict[str, Signal]:
 def _dropped(trace: pa.Table, tool: Tool, info: Info) -> list[str]:
     names, dropped = trace.column_names, []
     for axis, rotary in zip(tool["axes"], tool["rotary"], strict=True):
-        superposed = column(trace, name := f"{axis}.superposed_mm")
-        if superposed is not None and (rotary or not np.any(superposed)):
-            dropped.append(name)
+        for name in (f"{axis}.superposed_mm", f"{axis}.superposed_deg"):
+            superposed = column(trace, name)
+            is_unit = name.endswith("deg") is rotary
+            if superposed is not None and not (is_unit and np.any(superposed)):
+                dropped.append(name)
     in_use = {control["sensor"] for control in info.get("distance") or ()}
     for name in names:
         owner, _, what = name.partition(".")

@@ -191,7 +191,9 @@ class Observed:
             return f"{axis}.{name}", None
         if name in FORCE_COLUMNS and record.torque_arm_m is not None:
             return f"{axis}.{FORCE_COLUMNS[name]}", record.torque_arm_m
-        return f"{axis}.{LENGTH_COLUMNS.get(name, name)}", None
+        turned = f"{axis}.{LENGTH_COLUMNS.get(name, name)}"
+        # Older recordings have what is superposed on such an axis under the name of a length
+        return (turned if turned in self._names else f"{axis}.{name}"), None
 
     def has(self, axis: str, name: str) -> bool:
         """Whether a signal of an axis, or of a sensor, was recorded."""

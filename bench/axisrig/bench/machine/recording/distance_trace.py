@@ -1,13 +1,14 @@
 """What the trace keeps of distance control, as it is at the end of an NC cycle."""
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.machine.recording.rows import Rows
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.bench.record.series import column_of
+from axisrig.bench.record.series import LENGTH_COLUMNS, column_of
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.sensing import Sensing
 
@@ -43,10 +44,12 @@ class DistanceTrace:
     All in mm but the state (`DistanceState`), whether feedhold or override 0 of the axis hold the
     offset (0, 1), and the override of the axis; what was not known yet, and a set value that is not
     given, is not a number. 3D control has the same as `channel.`, with its sensor value as the PLC
-    gives it, TOOL_COLUMNS, and for every axis what is superposed on it.
+    gives it, TOOL_COLUMNS, and for every axis what is superposed on it. rotary: axes of which that
+    is degrees.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, rotary: Collection[str] = ()) -> None:
+        self._rotary = rotary
         self._rows: dict[str, Rows] = {}
         self._tool = Rows(len(TOOL_COLUMNS))
         self._superposed: Rows | None = None
@@ -69,7 +72,7 @@ class DistanceTrace:
         self._superposed.add([of_channel.deltas_mm.get(name, 0.0) for name in self._names])
 
     def _note(self, name: str, found: Sensing) -> None:
-        control, is_known = found.control, found.sensor_mm is not None
+        control, is_known = found.control, found.control.has_read
         sensor_mm = control.sensor_mm * control.settings.sensor_sign
         surface_mm = control.surface_mm if found.has_surface else math.nan
         heights = (sensor_mm, control.distance_mm, surface_mm)
@@ -104,5 +107,6 @@ class DistanceTrace:
             for column, values in zip(TOOL_COLUMNS, self._tool.take_columns(), strict=True):
                 columns[f"{CHANNEL}.{column}"] = column_of(values)
             for name, values in zip(self._names, self._superposed.take_columns(), strict=True):
-                columns[f"{name}.{SUPERPOSED}"] = column_of(values)
+                word = LENGTH_COLUMNS[SUPERPOSED] if name in self._rotary else SUPERPOSED
+                columns[f"{name}.{word}"] = column_of(values)
         return columns

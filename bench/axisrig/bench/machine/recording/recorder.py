@@ -136,7 +136,7 @@ class Recorder:
         self._levels = Rows(len(self._signals))
         widths = [len(DISTANCE_COLUMNS) + s.has_tool * len(TOOL) for _, s in self._sensors]
         self._distances = Rows(sum(widths))
-        self._controls = DistanceTrace()
+        self._controls = DistanceTrace({axis.name for axis in axes if axis.is_rotary})
         self._before: tuple[int, tuple[float, ...]] | None = None
         self._columns: dict[str, list[str]] = {}
         self._has_block = False

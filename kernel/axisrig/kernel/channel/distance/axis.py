@@ -66,5 +66,5 @@ class AxisDistance(Sensing):
         control = self.control
         state.state, state.source = control.state, control.source
         state.actual_offset_mm = control.offset_mm
-        if self.sensor_mm is not None:
+        if control.has_read:
             state.surface_mm, state.distance_mm = control.surface_mm, control.distance_mm
