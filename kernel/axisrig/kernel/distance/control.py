@@ -74,9 +74,10 @@ class DistanceControl:
     """Distance control of an axis or of a channel, which `owner` names in alarms.
 
     Shown, in mm: offset_mm; of the last reading sensor_mm, distance_mm, surface_mm, as soon as
-    there was one (has_read); of the control feedback_mm and, out of the filter, filtered_mm (deviation from SET_POS, or distance), error_mm,
-    delta_mm before the limits and step_mm after them. zero_mm: what REF has made 0. set_pos_mm and
-    set_dist_mm: in force, None while there is none.
+    there was one (has_read); of the control feedback_mm and, out of the filter, filtered_mm
+    (deviation from SET_POS, or distance), error_mm, delta_mm before the limits and step_mm after
+    them. zero_mm: what REF has made 0. set_pos_mm and set_dist_mm: in force, None while there is
+    none.
     """
 
     def __init__(self, owner: str, settings: DistanceSettings, period_ns: TimeNs) -> None:
