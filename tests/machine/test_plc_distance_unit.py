@@ -205,3 +205,36 @@ def test_a_program_sees_inclination_and_length_of_the_tool(
     length = 8e5 * math.cos(math.radians(50)) / math.cos(math.radians(55))
     assert seen[0] == seen[2] == [0.0, 0.0]
     assert seen[1] == pytest.approx([550_000, length], abs=1.5)
+
+
+def test_a_command_gets_to_the_axis_and_its_state_back(
+    tmp_path: Path, run_nc: Callable[..., Any]
+) -> None:
+    """The tool is 2 mm above the surface at 30 mm, SET_POS is 29.9: the offset is 0.1 mm."""
+    (tmp_path / "plc.py").write_text(
+        "class Program:\n"
+        "    given = False\n\n"
+        "    def cycle(self, inputs, hli):\n"
+        f"        unit = {UNIT}\n"
+        "        if not self.given and hli.ve['BEGIN']:\n"
+        "            unit.enable_w = unit.command_semaphor_rw = self.given = True\n"
+        "            unit.command_w.transition, unit.command_w.set_pos = 1, 299_000\n"
+        "        state = unit.state_r\n"
+        "        shown = (state.state, state.source, state.surface, state.distance,\n"
+        "                 state.actual_offset, unit.command_semaphor_rw)\n"
+        "        for number, value in enumerate(shown):\n"
+        "            hli.ve[f'S{number}'] = int(value)\n",
+        "utf-8",
+    )
+    run = run_nc(
+        "G0 Z32\nV.E.BEGIN = 1\n#TIME 0.15\n"
+        '#MSG SYN["%f %f %f %f %f %f", V.E.S0, V.E.S1, V.E.S2, V.E.S3, V.E.S4, V.E.S5]',
+        '[plc]\nperiod_us = 2000\nprogram = "plc.py"\n',
+        "plc:V.E.BEGIN=0",
+        *(f"plc:V.E.S{number}=9" for number in range(6)),
+        base="distance-z.toml",
+    )
+    (message,) = run.observed.facts.messages
+    assert message.values == pytest.approx((1, 1, 300_000, 21_000, 1_000, 0), abs=2)
+    notes = [note for note in run.observed.facts.plc if "distance_control" in str(note)]
+    assert len(notes) == 1
