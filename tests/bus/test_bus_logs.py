@@ -59,6 +59,7 @@ def test_python_can_reads_its_logs_back(
             assert msg.arbitration_id == frame.arbitration_id
             assert msg.is_extended_id == frame.is_extended_id
             assert msg.is_remote_frame == frame.is_remote_frame
+            assert msg.dlc == frame.dlc
             assert frame.is_remote_frame or bytes(msg.data) == frame.data
 
 

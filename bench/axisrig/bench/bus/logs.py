@@ -68,7 +68,7 @@ def open_log(path: Path, segments: Sequence[str]) -> BusLog:
     if suffix == LOG_SUFFIXES["blf"]:
         return BlfLog(blf_writer(path), channels, path)
     if suffix == LOG_SUFFIXES["candump"]:
-        return MessageLog(can.CanutilsLogWriter(path), {name: name for name in segments}, path)
+        return MessageLog(CandumpWriter(path), {name: name for name in segments}, path)
     if suffix == LOG_SUFFIXES["asc"]:
         return MessageLog(asc_writer(path), channels, path)
     if suffix == LOG_SUFFIXES["pcap"]:
@@ -103,6 +103,20 @@ def asc_writer(path: str | Path) -> can.ASCWriter:
     writer = can.ASCWriter(path)
     writer.log_event("Simulated time", 0.0)
     return writer
+
+
+class CandumpWriter(can.CanutilsLogWriter):
+    """The writer of python-can, which leaves the length out that a remote frame asks for."""
+
+    def on_message_received(self, msg: can.Message) -> None:
+        """Write one frame as candump -l does: `703#R1`."""
+        if msg.is_error_frame or not msg.is_remote_frame or not msg.dlc:
+            super().on_message_received(msg)
+            return
+        channel = f"can{msg.channel}" if str(msg.channel).isdigit() else msg.channel
+        can_id = f"{msg.arbitration_id:0{8 if msg.is_extended_id else 3}X}"
+        direction = "R" if msg.is_rx else "T"
+        self.file.write(f"({msg.timestamp:f}) {channel} {can_id}#R{msg.dlc} {direction}\n")
 
 
 class MessageLog(BusLog):
