@@ -14,10 +14,13 @@ from canopen.objectdictionary.eds import import_eds
 from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.dissect import dissect
+from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.dictionary.eds import eds_text
 from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
 from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.tools.bus_log.transfers import Transfers, Value
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 
@@ -84,6 +87,24 @@ def test_the_drive_hands_out_its_own_eds(drive_bench: Make) -> None:
     assert bench.remote.sdo.upload(0x1021, 0) == text
     with bench.remote.sdo[0x1021].open("rb", block_transfer=True) as stream:
         assert stream.read() == text
+
+
+def test_block_transfers_of_canopen_are_read_off_the_bus(drive_bench: Make) -> None:
+    """A client that is not ours: what `axisrig bus` puts together is what it got and gave."""
+    bench = drive_bench()
+    seen: list[Frame] = []
+    bench.segment.observe(lambda _time_ns, _name, frame, _is_error: seen.append(frame))
+    with bench.remote.sdo[0x1021].open("rb", block_transfer=True) as stream:
+        text = stream.read()
+    with bench.remote.sdo[0x1017].open("wb", size=2, block_transfer=True) as stream:
+        stream.write(b"\x10\x27")
+    bench.scheduler.run_until(bench.scheduler.now_ns + MS)
+    transfers, values = Transfers(), []
+    for frame in seen:
+        told, value = transfers.take("can1", frame.data, dissect(frame))
+        assert "abort_code" not in told.fields
+        values += [] if value is None else [value]
+    assert values == [Value(0x1021, 0, text), Value(0x1017, 0, b"\x10\x27")]
 
 
 def test_canopen_writes_by_block_transfer(drive_bench: Make) -> None:
