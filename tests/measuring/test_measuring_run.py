@@ -445,3 +445,40 @@ def test_the_path_waits_for_what_a_latch_will_be_checked_with() -> None:
     latch.is_prepared = True
     stage.cycle(standing=True)
     assert stage.run.state is RunState.MOVING
+
+
+def test_a_latch_that_takes_its_own_time_leaves_the_others_theirs() -> None:
+    """X raises its own alarm when it takes long, as at the PLC; Z has 16 cycles after it."""
+    x, z = FakeLatch("X", is_armed=False), FakeLatch("Z", is_armed=False)
+    x.arrival = Arrival(handshake_cycles=None)
+    stage = Stage(x, z)
+    stage.cycles(100)
+    assert stage.run.state is RunState.ARMING
+    x.is_armed = True
+    stage.cycles(HANDSHAKE_CYCLES_MAX)
+    z.is_armed = True
+    assert stage.cycle() is RunState.MOVING
+
+
+def test_900082_when_a_probe_is_switched_off_while_the_axes_rest() -> None:
+    latch = FakeLatch()
+    stage = Stage(latch).move()
+    latch.latch(None)
+    stage.cycle()
+    stage.cycles(3, standing=True)
+    latch.is_armed = False
+    with pytest.raises(Alarm) as alarm:
+        stage.cycle(standing=True)
+    assert alarm.value.id == 900082
+
+
+def test_one_value_that_waits_for_sdo_gives_another_without_proof_no_more_time() -> None:
+    """X is proved and not confirmed, Z has an edge and no value: 16 cycles, and Z is named."""
+    x, z = FakeLatch("X", confirms=False), FakeLatch("Z")
+    stage = Stage(x, z).move()
+    x.latch(1.0)
+    z.latch(None)
+    stage.cycle()
+    alarm, number = _alarm(stage, CHECK_CYCLES_MAX, standing=True)
+    assert (alarm.id, alarm.values["axis"]) == (900001, "Z")
+    assert number == PROOF_CYCLES_MAX + 1

@@ -34,6 +34,15 @@ def test_constant_acceleration_is_exact_inside(time_ns: int) -> None:
     assert speed_mm_ns * 1e9 == pytest.approx(1000.0 * t_s, abs=1e-6)
 
 
+@pytest.mark.parametrize("time_ns", [548_000, 8_548_000])
+def test_at_its_ends_the_history_is_a_straight_line(time_ns: int) -> None:
+    """Half way between two samples of x = a/2 t^2 a line is a h^2/8 too high."""
+    history = _history(10, lambda t: 500.0 * t * t)
+    t_s = time_ns * 1e-9
+    place_mm, _ = history.at(time_ns)
+    assert place_mm - 500.0 * t_s * t_s == pytest.approx(1000.0 * 1e-6 / 8, rel=1e-6)
+
+
 def test_what_is_outside_has_no_place() -> None:
     history = _history(600, lambda t: t, depth=100)
     assert history.oldest_ns == 500 * MS + SYNC_NS

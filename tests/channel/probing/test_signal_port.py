@@ -74,6 +74,23 @@ def test_the_value_and_its_speed_are_those_of_the_sync_of_the_signal(has_actual)
     assert port.latched_speed_mm == pytest.approx(speed_mm, rel=1e-6)
 
 
+def test_a_run_takes_nothing_of_the_latch_before():
+    """The second latch has no telegram of its own: its value comes from its positions."""
+    bench = Bench()
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    for has_actual in (True, False):
+        port.arm()
+        bench.next(port, signal=False)
+        assert (port.has_latched, port.latched_mm, port.latched_speed_mm) == (False, None, 0.0)
+        bench.next(port, signal=True, has_actual=has_actual)
+        sync_ns = bench.task.sync_ns["Z"]
+        for _ in range(3):
+            bench.next(port, signal=True)
+        assert port.is_confirmed()
+        assert port.latched_mm == pytest.approx(bench.place_mm(sync_ns), abs=1e-6)
+        port.disarm()
+
+
 def external(bench):
     handshake = Handshake("Z", bench.unit, bench.task, bench.clock)
     return ExternalPort(bench.link, bench.unit, bench.task, bench.clock, handshake)

@@ -292,10 +292,10 @@ class MeasuringRun:
 
     def _judge_missing(self) -> None:
         """Values are missing for good: report which of the four reasons it is."""
-        for port in self._without_proof():
-            if self._is_proved(port):
-                raise Alarm(900083, axis=port.name, cycles=self._waited - 1)
-            raise Alarm(900001, axis=port.name, cycles=self._waited - 1)
+        late = sorted(self._without_proof(), key=self._is_proved)  # without any proof first
+        if late:
+            alarm_id = 900083 if self._is_proved(late[0]) else 900001
+            raise Alarm(alarm_id, axis=late[0].name, cycles=self._waited - 1)
         signalled = [p for p in self._ports if self._edges[p.name].counts]
         silent = [p.name for p in self._ports if not self._edges[p.name].counts]
         if signalled:
