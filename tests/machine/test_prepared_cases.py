@@ -152,4 +152,4 @@ def test_several_processes_prepare_every_case(
     monkeypatch.setattr(runner, "FEW", 0)
     prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=2)
     assert here == ["one"]
-    assert [case.case for (case,) in told] == ["two", "three"]  # type: ignore[attr-defined]
+    assert [case.case for _, case in told] == ["two", "three"]  # type: ignore[attr-defined]

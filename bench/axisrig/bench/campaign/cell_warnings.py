@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.campaign.preparing import Prepared
@@ -63,6 +64,12 @@ def _unread(item: Assignment, program: Path, variables: Iterable[str]) -> str:
     return f"{item.column} is not used: {program.name} has {known}"
 
 
+@lru_cache(maxsize=64)
+def _variables(content: bytes) -> list[str]:
+    """Names of the V.E. variables in the text of a program."""
+    return _VARIABLE.findall(content.decode(errors="replace"))
+
+
 def _used(prepared: Prepared) -> set[str]:
     """Names of the V.E. variables, upper case, in the texts of programs and in moments of cells."""
     programs = programs_of(prepared.settings, prepared.program).values()
@@ -72,9 +79,8 @@ def _used(prepared: Prepared) -> set[str]:
         for unit in reachable(link(program))
         if unit.program.file is not None
     }
-    texts = [file.read_text(encoding="utf-8", errors="replace") for file in files]
     rules = prepared.settings.plc
     moments = [moment for rule in rules for moment in (rule.moment, rule.until) if moment]
-    found = [match[1] for text in texts for match in _VARIABLE.finditer(text)]
+    found = [name for file in files for name in _variables(file.read_bytes())]
     found += [moment.word.removeprefix(VARIABLE) for moment in moments]
     return {name.upper() for name in found}

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning
-from axisrig.bench.campaign.preparing import prepare, settings_of
+from axisrig.bench.campaign.preparing import built_first, prepare, read_case, settings_of
 from axisrig.bench.campaign.processes import do_apart
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
@@ -83,10 +83,10 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         value = None if path.is_dir() else path.suffix
         raise UserError(message, file=path, value=value, allowed=allowed)
     plan = read_plan(path).with_inputs(changes)
-    mistakes, warnings = Mistakes(), CellWarnings()
-    for case in plan.cases:
+    mistakes, warnings, first = Mistakes(), CellWarnings(), {*built_first(plan.cases)}
+    for place, case in enumerate(plan.cases):
         with mistakes.kept():
-            warnings.look(case, prepare(case))
+            warnings.look(case, (prepare if place in first else read_case)(case))
     mistakes.refuse(path)
     lines = [f"  {_titled(case)}" for case in plan.cases]
     for row in plan.statistics:
@@ -94,6 +94,9 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
     lines += [f"warning: {warning}" for warning in warnings.lines()]
     lines += [f"note: {note}" for note in plan.notes]
+    if others := len(plan.cases) - len(first):
+        built = f"{len(first)} rows was built, of the other {others} as they run"
+        lines.append(f"note: the machine of {built}")
     return "\n".join([f"{path}: {counted(len(plan.cases), len(plan.statistics))}", *lines])
 
 

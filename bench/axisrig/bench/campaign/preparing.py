@@ -7,6 +7,7 @@ that it was made from has another content.
 import hashlib
 from collections import OrderedDict
 from collections.abc import Hashable, Iterable, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.rig.programs import programs_of, started_files
-from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
+from axisrig.bench.rig.reading.file import MAP_KEYS, RigFile, read_rig
 from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import Settings, read_settings
@@ -37,8 +38,34 @@ def settings_of(case: Case) -> Settings:
             hint=error.hint,
         )
 
-    rig, files = read_rig(case.rig)
+    rig, files = _rig(case.rig)
     return read_settings(rig, files, [(item, located) for item in case.assignments()])
+
+
+_rigs: dict[Path, tuple[RigFile, list[Path], Sequence[Hashable]]] = {}
+
+
+def _rig(path: Path) -> tuple[RigFile, list[Path]]:
+    """Read a rig, once per content of its files: many rows of a plan have the same."""
+    known = _rigs.get(path)
+    if known is None or _content(known[1]) != known[2]:
+        rig, files = read_rig(path)
+        known = _rigs[path] = rig, files, _content(files)
+    return known[0], list(known[1])
+
+
+def _program(path: Path, axes: tuple[str, ...]) -> Program:
+    """Read a program, once per content and axes."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return read_program(path, axes)
+    return _parsed(path, axes, content)
+
+
+@lru_cache(maxsize=64)
+def _parsed(path: Path, axes: tuple[str, ...], _content: bytes) -> Program:
+    return read_program(path, axes)
 
 
 class Prepared(NamedTuple):
@@ -80,6 +107,8 @@ def recall(case: Case) -> Prepared | None:
 def forget() -> None:
     """Drop every case that is kept."""
     _kept.clear()
+    _rigs.clear()
+    _parsed.cache_clear()
 
 
 def _key(case: Case) -> Hashable:
@@ -133,27 +162,64 @@ def prepare(case: Case) -> Prepared:
     in its last row leaves nothing half-written.
     """
     if case.search is not None:
-        ends = (case.search.first, case.search.last)
-        made = [
-            prepare(probe_of(case, number, case.search.value(end)))
-            for number, end in enumerate(ends, start=1)
-        ]
-        return made[0]
+        prepared, _ = [prepare(probe) for probe in _ends(case)]
+        return prepared
     if (known := recall(case)) is not None:
         return known
     files = [case.program, *rig_files(case.rig)]
     content = _content(files)
-    settings = settings_of(case)
-    program = read_program(case.program, tuple(settings.rig.axis))
-    programs = programs_of(settings, program).values()
-    _check_metrics(case, tuple(settings.rig.axis), programs)
-    prepared = Prepared(settings, program)
-    if is_paced(settings):
-        check_plant(settings)  # without the bus: nothing is sent before the run
+    prepared = read_case(case)
+    if is_paced(prepared.settings):
+        check_plant(prepared.settings)  # without the bus: nothing is sent before the run
     else:
-        Machine(settings, program).close()
+        Machine(*prepared).close()
         _keep(case, prepared, files, content)
     return prepared
+
+
+def read_case(case: Case) -> Prepared:
+    """Read what a case names, apply its row, and check what its checks ask for; build nothing.
+
+    Of one that searches, with the values of both ends. Raises UserError for what is wrong with
+    rig, lists, programs or cells.
+    """
+    if case.search is not None:
+        read, _ = [read_case(probe) for probe in _ends(case)]
+        return read
+    settings = settings_of(case)
+    axes = tuple(settings.rig.axis)
+    program = _program(case.program, axes)
+    _check_metrics(case, axes, programs_of(settings, program).values())
+    return Prepared(settings, program)
+
+
+def _ends(case: Case) -> list[Case]:
+    """Return the probes of a case that searches at both ends of its range."""
+    assert case.search is not None
+    ends = enumerate((case.search.first, case.search.last), start=1)
+    return [probe_of(case, number, case.search.value(end)) for number, end in ends]
+
+
+WHOLE_MAX = 100
+"""Of so many cases at most the machine is built before the first run."""
+
+
+def built_first(cases: Sequence[Case]) -> list[int]:
+    """Return the places of the cases whose machine is built before the first run.
+
+    All of a plan of common size; of more the first ones of each kind: with the same rig, program,
+    inputs and checks rows differ in values only, and a machine takes ten times as long as to read
+    these.
+    """
+    if len(cases) <= WHOLE_MAX:
+        return list(range(len(cases)))
+    first: dict[Hashable, int] = {}
+    for place, case in enumerate(cases):
+        searched = None if case.search is None else case.search.column
+        metrics = tuple(check.metric for check in (*case.checks, *case.sampled))
+        kind = (case.rig, case.program, case.module, tuple(case.inputs), metrics, searched)
+        first.setdefault(kind, place)
+    return sorted(first.values())[:WHOLE_MAX]
 
 
 def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:

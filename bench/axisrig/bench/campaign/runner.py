@@ -13,7 +13,13 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from axisrig.bench.campaign.preparing import prepare, recall, settings_of
+from axisrig.bench.campaign.preparing import (
+    built_first,
+    prepare,
+    read_case,
+    recall,
+    settings_of,
+)
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart, run_as_they_end
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.searching import run_search
@@ -36,7 +42,6 @@ from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.nc.text.parser import read_program
 
 Stopwatch = Callable[[], float]
 """Gives seconds of wall time; handed down by the command line, which alone may read a clock."""
@@ -169,12 +174,7 @@ def _left_by(
     A result where there is nothing to judge.
     """
     try:
-        prepared = recall(case)
-        if prepared is None:
-            settings = settings_of(case)
-            program = read_program(case.program, tuple(settings.rig.axis))
-        else:
-            settings, program = prepared
+        settings, program = recall(case) or read_case(case)
         about = {"run": case.run, "rig": files.rig or path_from(case.folder, case.rig)}
         onlooker = None if files.live is None else _live(case, files.live, about)
         machine = Machine(
@@ -218,8 +218,9 @@ def _live(case: Case, pipe: Path, about: Mapping[str, str]) -> LiveStates:
 def prepare_all(
     cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float, jobs: int = 1
 ) -> None:
-    """Prepare every case, in plan order.
+    """Read every case, in plan order, and build the machine of those of `built_first`.
 
+    The others are built as they come: what is wrong with one then is the error of its own row.
     apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
     call_limit_s: wall time that one call into an FMU may take there. jobs: processes; with several
     and more than FEW cases, this one prepares the first case of each rig, so that those that are
@@ -230,16 +231,20 @@ def prepare_all(
     mistakes = Mistakes()
     outcomes: dict[int, UserError | None] = {}
     seen: set[Path] = set()
-    for number, case in enumerate(cases):
-        is_here = jobs == 1 or len(cases) <= FEW or case.rig not in seen
+    first = built_first(cases)
+    for number in first:
+        case = cases[number]
+        is_here = jobs == 1 or len(first) <= FEW or case.rig not in seen
         if case.rig not in apart and is_here:
             seen.add(case.rig)
-            outcomes[number] = _outcome(case)
-    elsewhere = [case for number, case in enumerate(cases) if number not in outcomes]
+            outcomes[number] = _outcome(prepare, case)
+    elsewhere = [cases[number] for number in first if number not in outcomes]
+    for number in sorted({*range(len(cases))} - {*first}):
+        outcomes[number] = _outcome(read_case, cases[number])
     with closing(
         run_apart(
             _outcome,
-            [[case] for case in elsewhere],
+            [[prepare, case] for case in elsewhere],
             jobs=jobs,
             is_fresh=False,
             call_limit_s=call_limit_s,
@@ -252,9 +257,9 @@ def prepare_all(
         mistakes.refuse(cases[0].file)
 
 
-def _outcome(case: Case) -> UserError | None:
+def _outcome(look: Callable[[Case], object], case: Case) -> UserError | None:
     try:
-        prepare(case)
+        look(case)
     except UserError as error:
         return error
     return None

@@ -55,6 +55,14 @@ class ParameterSet:
         # What was resolved since the last setting: every run of a case asks for the same
         self._resolved: dict[str, Resolved] = {}
 
+    def copied(self) -> "ParameterSet":
+        """Return the same parameters, to be set further without changing these."""
+        copy = ParameterSet(self.kind)
+        copy._values, copy._origins = dict(self._values), dict(self._origins)
+        copy._written, copy._corrected = dict(self._written), dict(self._corrected)
+        copy._resolved = dict(self._resolved)
+        return copy
+
     def set(self, path: str, text: str, origin: Origin | str) -> None:
         """Set one parameter from its written value; a later setting replaces an earlier one.
 

@@ -138,6 +138,7 @@ class ResultsFolder:
         self._replaced: frozenset[str] = frozenset()
         self._hashes: dict[str, Any] = {}  # of the tables as they were written last
         self._stage = folder / NEW  # for what runs of this campaign write
+        self._is_marked = False  # whether the table has the column IN_PLAN
 
     def open(self) -> None:
         """Read the rows and bring the folder into order after a process that was killed.
@@ -263,10 +264,10 @@ class ResultsFolder:
 
     @property
     def _header(self) -> list[str]:
-        marked = any(case.get(IN_PLAN) for case in self.cases.values())
-        return [*CASE_COLUMNS, *self.columns, *([IN_PLAN] if marked else [])]
+        return [*CASE_COLUMNS, *self.columns, *([IN_PLAN] if self._is_marked else [])]
 
     def _write_cases(self) -> None:
+        self._is_marked = any(case.get(IN_PLAN) for case in self.cases.values())
         header = self._header
         text = _line(header) + _csv(header, self.cases.values())
         self._write("cases.csv", text)

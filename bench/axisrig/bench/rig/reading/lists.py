@@ -1,6 +1,7 @@
 """The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.rig.reading.file import RigFile, rig_error
@@ -9,7 +10,7 @@ from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.rules import FIXED_STOP
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from axisrig.kernel.nc.coordinates.tables import Lists
-from axisrig.kernel.parameters import ParameterSet, read_list, start_up, written
+from axisrig.kernel.parameters import Kind, ParameterSet, read_list, start_up, written
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
 from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type, equal_schedule
@@ -35,8 +36,22 @@ def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str,
             raise rig_error(
                 files, keys, f"the parameter list {Path(path).name} is no file", value=path
             )
-    axes = {name: read_list(axis.list, "axis", name) for name, axis in rig.axis.items()}
-    return read_list(rig.channel.list, "channel"), axes
+    axes = {name: _read(axis.list, "axis", name) for name, axis in rig.axis.items()}
+    return _read(rig.channel.list, "channel"), axes
+
+
+def _read(path: str | Path, kind: Kind, axis: str | None = None) -> ParameterSet:
+    """Read a list, once per content: many rows of a plan have the same."""
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return read_list(path, kind, axis)
+    return _parsed(path, kind, axis, content).copied()
+
+
+@lru_cache(maxsize=64)
+def _parsed(path: str | Path, kind: Kind, axis: str | None, _content: bytes) -> ParameterSet:
+    return read_list(path, kind, axis)
 
 
 def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
