@@ -1,0 +1,76 @@
+"""Folders in which FMUs are unpacked: they go with their process, also when that was killed."""
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from axisrig.kernel.cosim.fmi import session
+
+DAY_S = 86_400
+HOLD = """\
+import sys
+from axisrig.kernel.cosim.fmi.session import session_folder
+print(session_folder(), flush=True)
+sys.stdin.read()
+"""
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="locks of POSIX")
+
+
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for temporary files, and a process that has none of its own yet."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(session, "_SESSION", [])
+    return tmp_path
+
+
+def _left(temporary: Path, name: str, *, days: float = 0.0, has_owner: bool = True) -> Path:
+    folder = temporary / f"axisrig-fmu-{name}"
+    (folder / "content").mkdir(parents=True)
+    (folder / "content" / "large.so").write_bytes(b"x")
+    if has_owner:
+        (folder / "owner").touch()
+    at_s = temporary.stat().st_mtime - days * DAY_S
+    os.utime(folder, (at_s, at_s))
+    return folder
+
+
+def test_folders_of_dead_processes_go_and_all_others_stay(temporary: Path) -> None:
+    dead = _left(temporary, "dead")
+    older = _left(temporary, "older-release", days=8, has_owner=False)
+    fresh = _left(temporary, "may-be-alive", days=1, has_owner=False)
+    elsewhere = temporary / "elsewhere"
+    _left(elsewhere, "linked")
+    link = temporary / "axisrig-fmu-link"
+    link.symlink_to(elsewhere / "axisrig-fmu-linked")
+    other = _left(temporary, "x").rename(temporary / "other-tool")
+    own = session.session_folder()
+    assert own.parent == temporary
+    assert not dead.exists()
+    assert not older.exists()
+    assert fresh.is_dir()
+    assert (link / "content" / "large.so").is_file()
+    assert other.is_dir()
+    assert session.session_folder() == own
+
+
+def test_a_folder_stays_as_long_as_a_process_of_it_lives(temporary: Path) -> None:
+    """And goes when the next one comes after a kill."""
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD], env=os.environ | {"TMPDIR": str(temporary)},
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        folder = Path(process.stdout.readline().strip())
+        session.session_folder()
+        assert folder.is_dir()
+        process.kill()
+    assert folder.is_dir()
+    session._SESSION.clear()
+    session.session_folder()
+    assert not folder.exists()
