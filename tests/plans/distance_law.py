@@ -108,6 +108,12 @@ class Setup:
         return bool(self.listed("optimized_scheduling"))
 
     @property
+    def is_clamped(self) -> bool:
+        """Whether v_max and a_max clamp; else they are a slope."""
+        table = self.rig.get("distance", {})
+        return (self.row.get("distance:limiter") or table.get("limiter")) == "clamp"
+
+    @property
     def n(self) -> int:
         """Dead cycles of a sensor value that is as old as the actual position."""
         return 1 if self.is_optimized else 2

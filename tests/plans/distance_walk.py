@@ -1,4 +1,4 @@
-"""A row of testplans/distance_control.csv walked cycle by cycle: laws, clamps, way of the offset.
+"""A row of testplans/distance_control.csv walked cycle by cycle: laws, limits, way of the offset.
 
 Nothing of the bench is imported. Lengths in mm.
 """
@@ -58,8 +58,9 @@ def walk(setup: Setup, surface: Signal) -> Walk:
         value = (float(above @ inputs) - float(below[1:] @ outputs)) / float(below[0])
         outputs = [value, *outputs][: len(below) - 1]
         error = value - offset if setup.mode == SURFACE else asked_pos - value
-        slope = 0.0 if before is None else error - before
-        before = error
+        looked_at = value if setup.mode == SURFACE else -value  # the feedback, as every row has it
+        slope = 0.0 if before is None else looked_at - before
+        before = looked_at
         delta = setup.kp * (error + setup.g * (total + error) + setup.r * slope)
         new = _clamped(setup, delta, step, error, v, a)
         asked[k] = offset + new
@@ -80,10 +81,24 @@ def _clamped(setup: Setup, delta: float, step: float, error: float, v: float, a:
         low, high = (setup.listed(f"dist_error_a_{end}") * 1e-4 for end in ("min", "max"))
         least = setup.listed("a_min") * setup.T**2
         a = least + (a - least) * min(max((abs(error) - low) / (high - low), 0.0), 1.0)
+    if not setup.is_clamped:
+        delta = _sloped(delta, error, a)
     down_v = v * (setup.listed("v_weight_down") / 1000 or 1)
     down_a = a * (setup.listed("a_weight_down") / 1000 or 1)
     lowest = step - a if step >= a else min(step, 0.0) - down_a * (1 - max(step, 0.0) / a)
     return min(max(min(max(delta, -down_v), v), lowest), step + a)
+
+
+def _sloped(delta: float, error: float, a: float) -> float:
+    """A step towards the error: at most one of those that shrink by a and end there."""
+    if delta * error <= 0.0 or abs(error) < 1e-9:
+        return delta
+    count, way = 1, a
+    while way < abs(error):
+        count += 1
+        way += count * a
+    most = abs(error) / count + a * (count - 1) / 2
+    return math.copysign(min(abs(delta), most), delta)
 
 
 class _Lag:

@@ -85,9 +85,9 @@ def test_a_transient_that_is_not_over_is_told(told: Any) -> None:
     assert "the transient needs" in text_of(of("distance_behind_expected_um"))
 
 
-def test_a_clamp_that_acts_is_told(told: Any) -> None:
+def test_a_limit_that_acts_is_named(told: Any) -> None:
     of = told(LEVEL.replace("1.9]", "2]"), *RAMP, "set:Z.kenngr.distc.v_max=4000")
-    assert "clamped" in text_of(of("distance_error_expected_um"))
+    assert "limited" in text_of(of("distance_error_expected_um"))
     assert of("offset_speed_mm_s_max").value == pytest.approx(4.0)
 
 

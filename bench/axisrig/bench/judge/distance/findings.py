@@ -26,16 +26,16 @@ from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.following import ramp_lag_mm
-from axisrig.bench.oracles.distance.lists import CHANNEL, Limits
+from axisrig.bench.oracles.distance.lists import CHANNEL, Control, Limits
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, growth
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.distance import DistanceChange
 
 _FORMULAS = {
-    SET_POS: "o += limit({}(filter(Z + s − SET_POS) − o))",
-    CONST_DIST: "o += limit({}(SET_DIST − filter(d)))",
-    BOTH: "o += limit({}(SET_DIST − filter(d − (Z − Z_com))))",
+    SET_POS: "o += {}({}(filter(Z + s − SET_POS) − o))",
+    CONST_DIST: "o += {}({}(SET_DIST − filter(d)))",
+    BOTH: "o += {}({}(SET_DIST − filter(d − (Z − Z_com))))",
 }
 # Of each limit: parameter of an axis, and of the channel
 _PARAMETERS = {
@@ -182,7 +182,8 @@ def _law(truth: DistanceTruth, stretch: Stretch) -> dict[str, Any]:
     is_plain = not control.tn_s and not control.tv_s
     return {
         "mode": mode,
-        "formula": _FORMULAS[mode].format("kp " if is_plain else "PID"),
+        "formula": _FORMULAS[mode].format(control.limiter, "kp " if is_plain else "PID")
+        + (f"; {_derivative(control)}" if control.tv_s else ""),
         "kp": control.kp,
         "tn_s": control.tn_s,
         "tv_s": control.tv_s,
@@ -196,6 +197,12 @@ def _law(truth: DistanceTruth, stretch: Stretch) -> dict[str, Any]:
         "kp_limit_unknown": unknown,
         "growth": growth(loop, control.kp),
     }
+
+
+def _derivative(control: Control) -> str:
+    """Say what the rig has chosen of the D part."""
+    worth = "Tv/T" if control.derivative == "per_second" else "Tv"
+    return f"D: {worth} times the change of the {control.derivative_of}"
 
 
 def _dead(truth: DistanceTruth) -> dict[str, Any]:
@@ -318,7 +325,7 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
             "value": value,
             "unit": unit,
             "used": used,
-            "acts": _acts(key, is_channel=is_channel),
+            "acts": _acts(key, truth.listed.control.limiter, is_channel=is_channel),
         }
         for key, unit, value, used in found
     ]
@@ -339,10 +346,10 @@ def _most_of_limit(
     return max(found, key=lambda one: -1.0 if one[1] is None or not one[0] else one[1] / one[0])
 
 
-def _acts(key: str, *, is_channel: bool) -> str:
+def _acts(key: str, limiter: str, *, is_channel: bool) -> str:
     """Say what a limit does; the channel has the newer alarms only."""
     if key not in _ALARMS:
-        return "clamps"
+        return f"{limiter}s"
     older, newer = _ALARMS[key]
     alarm = f"alarm {newer}" if is_channel else f"alarm {older} or {newer}"
     return f"clamps, {alarm}" if key == "max_deviation" else alarm

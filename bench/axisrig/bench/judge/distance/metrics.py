@@ -17,7 +17,7 @@ from axisrig.bench.judge.distance.truth import NO_PLANT, DistanceTruth, behind_m
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.topic import MetricFunction
 from axisrig.bench.oracles.distance import following, limits
-from axisrig.bench.oracles.distance.loop import Loop, growth
+from axisrig.bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.stability import KP_MAX, kp_limit
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
@@ -238,16 +238,29 @@ def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
     return Observation(max(0.0, float(np.max(-side * behind[begin:]))), _increment_um(truth) / UM)
 
 
+def _past_mm(truth: DistanceTruth, part: Stretch) -> float:
+    """How far a slope goes past a far surface by what its error does not see yet."""
+    unseen = float(truth.sensor_age_cycles)
+    if part.mode != SET_POS:
+        dead = truth.dead.reaction if part.mode == BOTH else truth.dead.dead
+        unseen = dead + truth.smoothing(part.listed).delay_cycles
+    return limits.sloped_overshoot_mm(part.listed.limits.v_mm_s, truth.period_ns, unseen)
+
+
 @_of_axis
 def distance_overshoot_expected_mm(truth: DistanceTruth) -> Observation:
-    """Closed form after plain clamps, without dead time: v^2/2a - v/K + a/2K^2."""
+    """Closed form, once v_max is reached: v T (n + delay of the filter) of a slope, 0 in SET_POS;
+    after plain clamps, without dead time, v^2/2a - v/K + a/2K^2.
+    """
     rows = _last_on(truth)
     if any(np.any(part.override[inside] != 1.0) for part, _, inside in truth.parts(rows)):
         raise NoClosedFormError("an override of the axis scaled v_max")
-    laws = {(one.kp, one.listed.limits) for one in stretches.last_on(truth)}
-    if len(laws) > 1:
+    parts = stretches.last_on(truth)
+    if len({(one.kp, one.listed.limits) for one in parts}) > 1:
         raise NoClosedFormError("kp or a limit was changed while the control was on")
-    ((kp, limit),) = laws
+    limit, kp = parts[-1].listed.limits, parts[-1].kp
+    if parts[-1].listed.control.is_sloped:
+        return Observation(_past_mm(truth, parts[-1]), note="where v_max is reached")
     value = limits.overshoot_mm(kp, truth.period_ns, limit.v_mm_s, limit.a_mm_s2)
     way = limit.v_mm_s * truth.period_s * (truth.dead.dead + 1)
     return Observation(value, note=f"dead time adds up to {way:.3g} mm")

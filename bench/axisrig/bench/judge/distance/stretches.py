@@ -190,7 +190,7 @@ def must_not_clamp(truth: DistanceTruth, part: Stretch) -> None:
     limits = part.listed.limits
     steps = truth.gathered(lambda some: np.abs(some["step_mm"] - some["delta_mm"]), part.judged)
     if len(steps) and float(np.max(steps)) > 1e-9:
-        raise NoClosedFormError(f"the offset is clamped (v_max {limits.v_mm_s:g} mm/s, a_max)")
+        raise NoClosedFormError(f"the offset is limited (v_max {limits.v_mm_s:g} mm/s, a_max)")
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ class Envelope:
 def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     """Measure the factor by which the steps of the offset change per cycle.
 
-    From the last event (surface, set value, start) on, as far as no clamp acts and the steps are
+    From the last event (surface, set value, start) on, as far as no limit acts and the steps are
     above some increments of the sensor. Raises NoClosedFormError.
     """
     begin = _last_event(truth, stretch)
@@ -217,8 +217,10 @@ def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     else:
         begin = clamped.last + 1 if clamped is not None else begin
         end = stretch.end
-    floor = 6.0 * truth.listed.mm_per_increment * max(stretch.kp, 0.1)
+    floor = _floor(truth, stretch)
     above = _where(truth, slice(begin, end), lambda some: np.abs(some["step_mm"]) > floor)
+    if above is None and clamped is not None:
+        return Envelope(0.0, end - begin, f"at rest {end - begin} cycles after the limits acted")
     if above is None:
         raise NoClosedFormError("nothing moved: what nothing excites shows no stability")
     # A filter and the dead cycles have to fill first
@@ -229,6 +231,11 @@ def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     return Envelope(_slope(truth, first, end), end - first, "largest steps of both halves")
 
 
+def _floor(truth: DistanceTruth, stretch: Stretch) -> float:
+    """Return the size of steps, mm, that some increments of the sensor make by themselves."""
+    return 6.0 * truth.listed.mm_per_increment * max(stretch.kp, 0.1)
+
+
 def _limited(truth: DistanceTruth, stretch: Stretch, begin: int) -> Envelope:
     """Say what becomes of steps that limits hold all the time: they ring, or die away in a slope.
 
@@ -236,13 +243,16 @@ def _limited(truth: DistanceTruth, stretch: Stretch, begin: int) -> Envelope:
     that comes to rest.
     """
     if stretch.listed.control.is_sloped:
-        end = stretch.end
-        half = (end - begin) // 2
+        # What follows the motion to the surface: the second half, and that in halves
+        begin += (stretch.end - begin) // 2
+        half = (stretch.end - begin) // 2
         _, early = _largest_step(truth, slice(begin, begin + half))
         _, late = _largest_step(truth, slice(begin + half, begin + 2 * half))
+        if early <= _floor(truth, stretch):
+            return Envelope(0.0, stretch.end - begin, "died away before the last half")
         if late < _RINGS * early:
-            note = "largest steps of both halves, in which the slope acts"
-            return Envelope(_slope(truth, begin, end), end - begin, note)
+            note = "largest steps of the last two quarters, in which the slope acts"
+            return Envelope(_slope(truth, begin, stretch.end), stretch.end - begin, note)
     return Envelope(math.inf, 0, "the limits act all the time: a limit cycle")
 
 
