@@ -91,6 +91,34 @@ def test_a_run_takes_nothing_of_the_latch_before():
         port.disarm()
 
 
+WATCHDOG_CYCLES = 5
+
+
+@pytest.mark.parametrize("late", [0, WATCHDOG_CYCLES])
+def test_a_unit_may_be_enabled_until_the_watchdog_and_not_be_taken_back(late):
+    bench = Bench()
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    bench.next(port, signal=None)
+    port.arm()
+    for _ in range(late):
+        bench.next(port, signal=None)
+    bench.next(port, signal=False)
+    assert port.is_armed
+    with pytest.raises(Alarm, match="900401"):
+        bench.next(port, signal=None)
+
+
+def test_a_unit_that_is_not_enabled_by_then_is_refused():
+    bench = Bench()
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    bench.next(port, signal=None)
+    port.arm()
+    for _ in range(WATCHDOG_CYCLES):
+        bench.next(port, signal=None)
+    with pytest.raises(Alarm, match="900401"):
+        bench.next(port, signal=None)
+
+
 def external(bench):
     handshake = Handshake("Z", bench.unit, bench.task, bench.clock)
     return ExternalPort(bench.link, bench.unit, bench.task, bench.clock, handshake)
@@ -149,6 +177,17 @@ class TestOrders:
         with pytest.raises(Alarm) as caught:
             handshake.check()
         assert caught.value.id == 50050
+
+    def test_900402_for_a_task_that_falls_silent_before_it_acknowledges(self):
+        """Its watchdog is 5 ms, the time of the acknowledgement 50."""
+        bench = Bench()
+        handshake = Handshake("Z", bench.unit, bench.task, bench.clock)
+        handshake.enable()
+        bench.task.written_ns, bench.clock.now_ns = 0, 5 * MS
+        handshake.check()
+        bench.clock.now_ns = 6 * MS
+        with pytest.raises(Alarm, match="900402"):
+            handshake.check()
 
     def test_prepare_and_disable_are_given_once(self):
         """An enabled probe is not prepared again, one that is off not switched off."""
