@@ -158,6 +158,11 @@ def test_a_list_with_one_wrong_value_is_one_of_its_kind(
     assert reported in err
 
 
+def test_a_parameter_names_the_one_that_limits_it(axisrig: Call) -> None:
+    wanted = "limits       at most getriebe[0].dynamik.vb_max (P-AXIS-00212), corrected"
+    assert wanted in said(axisrig, "P-AXIS-00215")
+
+
 def test_a_list_reports_what_goes_past_another_parameter(axisrig: Call, tmp_path: Path) -> None:
     path = tmp_path / "fast.lst"
     path.write_text(

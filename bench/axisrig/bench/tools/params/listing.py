@@ -17,8 +17,9 @@ from axisrig.bench.rig.parameter_words import (
     warning,
 )
 from axisrig.kernel.errors import UserError, nearest
-from axisrig.kernel.parameters import UNITS, Parameter, names
+from axisrig.kernel.parameters import UNITS, Parameter, names, table
 from axisrig.kernel.parameters.errata import errata
+from axisrig.kernel.parameters.relations import relations
 from axisrig.kernel.parameters.table import TOPICS
 
 COLUMNS = (
@@ -46,7 +47,9 @@ not act yet; in a cell `set:` of a plan it is refused
 **While unset.** Who decides while the value says that it is not set, link by link.
 
 **Warning.** A value out of its range is corrected as the control does it, and the warning of class
-1 comes up when the run begins. Where there is none, the list is refused.
+1 comes up when the run begins. Where there is none, the list is refused. Where the limit is another
+parameter, `axisrig params NUMBER` names it: speeds are corrected to it (900522), accelerations and
+ramp times are noted.
 """
 
 
@@ -86,6 +89,7 @@ def explained(row: Parameter) -> str:
     facts = {
         "type": f"{row.type} {row.unit}".rstrip() + rotary + scale,
         "range": range_of(row),
+        "limits": _limits(row),
         "default": default(row),
         "while unset": chain(row),
         "warning": warning(row),
@@ -98,6 +102,16 @@ def explained(row: Parameter) -> str:
     head = f"{row.number}  {row.path}".strip()
     return "\n".join(
         [head, fill(row.meaning, 96, initial_indent="  ", subsequent_indent="  "), *told]
+    )
+
+
+def _limits(row: Parameter) -> str:
+    """Say which other parameters limit this one, of those of an axis."""
+    find = table("axis").find
+    return "; ".join(
+        f"{each.relation} {each.limit} ({find(each.limit)[0].number}), {each.reaction}"
+        for each in relations()
+        if find(each.path)[0] is row
     )
 
 
