@@ -14,8 +14,8 @@ from tests.plans.distance_walk import GAP, alarm, settled, walk, wanted
 ROWS = {name: Setup(row) for name, row in rows().items()}
 TAGS = {
     "dead-time", "stability", "ramp", "sine", "step", "deadbeat", "settling", "clamps", "slope",
-    "weight", "adaptive", "alarm", "jump", "range", "deviation", "lost", "touch", "sign", "freeze",
-    "off", "waits", "moves", "noise", "profile", "edge", "hole", "waviness", "servo", "variable",
+    "law", "weight", "adaptive", "alarm", "jump", "range", "deviation", "lost", "touch", "sign",
+    "freeze", "off", "waits", "moves", "noise", "profile", "edge", "hole", "waviness", "servo", "variable",
     "plc", "hold", "objects", "set-dist", "default", "skew", "both", "surface", "pid", "filter",
 }  # fmt: skip
 STEP_MS = 60.5  # between two SYNCs
