@@ -15,8 +15,9 @@ ROWS = {name: Setup(row) for name, row in rows().items()}
 TAGS = {
     "dead-time", "stability", "ramp", "sine", "step", "deadbeat", "settling", "clamps", "slope",
     "law", "weight", "adaptive", "alarm", "jump", "range", "deviation", "lost", "touch", "sign",
-    "freeze", "off", "waits", "moves", "noise", "profile", "edge", "hole", "waviness", "servo", "variable",
-    "plc", "hold", "objects", "set-dist", "default", "skew", "both", "surface", "pid", "filter",
+    "freeze", "off", "waits", "moves", "noise", "profile", "edge", "hole", "waviness", "servo",
+    "variable", "plc", "hold", "objects", "set-dist", "default", "skew", "both", "surface", "pid",
+    "filter",
 }  # fmt: skip
 STEP_MS = 60.5  # between two SYNCs
 AXIS_A = 1000.0  # P-AXIS-00008 while the list does not set it
