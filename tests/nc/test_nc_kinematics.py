@@ -12,7 +12,12 @@ from tests.nc.conftest import PlaneMachine, run_text
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.kinematics import Kinematic
+from axisrig.kernel.motion.curves import Arc as CurveArc
+from axisrig.kernel.motion.dynamics import Dynamics
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.motion.tool_path import ToolCurve, tool_dynamics
 from axisrig.kernel.nc.canon import (
+    ArcMove,
     Command,
     KinematicChoice,
     LinearMove,
@@ -195,6 +200,58 @@ def test_a_block_across_the_angles_of_98_stops_at_them() -> None:
     targets = [c.target_mm for c in commands if isinstance(c, LinearMove)]
     assert [t["A"] for t in targets if "A" in t] == pytest.approx([-30, -60, -80, -60, -30, 0])
     assert [t["X"] for t in targets if "X" in t][-4:-1] == pytest.approx([3.75, 7.5, 10.0])
+
+
+def parts_of_an_arc(kinematic: str, arc: str) -> tuple[list[ArcMove], Kinematic]:
+    """An arc from X0 Y0 with the tool upright; HD2 is 30 and HD3 60 degrees."""
+    parameters = "".join(
+        f"V.G.KIN_STEP[1].ID[98].PARAM[{n}] = {value}\n"
+        for n, value in enumerate((0, 300_000, 600_000, 910_000))
+    )
+    choice = f"V.G.WZ_AKT.L = 80\n#TRAFO {kinematic}\nG0 X0 Y0 Z0 C0 A0\n"
+    commands = run5(f"{parameters}{choice}G17 F3000 {arc}")
+    (chosen,) = [c for c in commands if isinstance(c, KinematicChoice)]
+    assert chosen.kinematic is not None
+    return [c for c in commands if isinstance(c, ArcMove)], chosen.kinematic
+
+
+def test_an_arc_across_the_angles_of_98_stops_at_them() -> None:
+    """Half a circle of 10 mm with a height of 8 mm: every part lies on the same helix."""
+    parts, _ = parts_of_an_arc("[9, 98]", "G2 X20 Y0 Z8 A-80 I10 J0")
+    assert [part.target_mm["A"] for part in parts] == pytest.approx([-30, -60, -80])
+    assert sum(part.angle_rad for part in parts) == pytest.approx(np.pi)
+    for part in parts:
+        share = part.target_mm["A"] / -80.0
+        angle = np.pi * (1.0 - share)  # from the left over the top: G2 is clockwise
+        at = [part.target_mm[axis] for axis in "XYZ"]
+        assert at == pytest.approx([10 + 10 * np.cos(angle), 10 * np.sin(angle), 8 * share])
+    (whole,), _ = parts_of_an_arc("[9]", "G2 X20 Y0 Z8 A-80 I10 J0")
+    assert whole.angle_rad == pytest.approx(np.pi)
+
+
+@pytest.mark.parametrize(
+    "arc", ["G2 X20 Y0 Z8 A-80 I10 J0", "G3 X0 Y0 A-80 I10 J5", "G2 X20 Y0 A-80 C90 R-15"]
+)
+def test_in_no_part_of_an_arc_an_axis_passes_its_acceleration(arc: str) -> None:
+    """The places of every ms; in one piece there are 2595 of 800 mm/s2 in the cycle of a kink."""
+    parts, kinematic = parts_of_an_arc("[9, 98]", arc)
+    slope = Slope(800.0, 800.0, 500.0)
+    axes = [Dynamics(slope, slope, slope, 500.0)] * 5
+    tool: tuple[float, ...] = (0.0,) * 5
+    near = kinematic.inverse(tool, tool)
+    places = [near] * 2
+    for part in parts:
+        end = tuple(part.target_mm.get(axis, at) for axis, at in zip(FIVE, tool, strict=True))
+        centre = tuple(part.centre_mm.get(axis, at) for axis, at in zip(FIVE, tool, strict=True))
+        tangent = tuple(part.tangent.get(axis, 0.0) for axis in FIVE)
+        curve = ToolCurve(CurveArc(tool, end, centre, tangent, part.angle_rad), kinematic, near)
+        dynamics = tool_dynamics(axes, curve, 50.0)
+        speed_mm_s = min(50.0, dynamics.speed_max_mm_s)
+        profile = dynamics.acceleration.plan(curve.length_mm, speed_mm_s, dynamics.deceleration)
+        times = np.arange(1e-3, profile.duration_s + 1e-3, 1e-3)
+        places += [curve.at(profile.at(float(at))[0]) for at in times]
+        tool, near = end, curve.end_mm
+    assert np.abs(np.diff(np.array(places), 2, axis=0)).max() / 1e-6 <= 800.0 * (1.0 + 1e-3)
 
 
 def test_what_a_run_gives() -> None:

@@ -12,9 +12,10 @@ what they leave open: docs/ambiguities.md.
 """
 
 import math
+from collections.abc import Callable
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector, between
+from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
 
 TOLERANCE_DEG = 1e-9  # of a tilt that is exactly the largest one
 STEPS, HALVINGS = 256, 50  # of the search for the places where the length begins or ends to grow
@@ -69,7 +70,7 @@ class ExtendedTool(Kinematic):
         start = math.cos(math.radians(self._start_deg))
         return length_mm * start / math.cos(math.radians(end_deg))
 
-    def kinks(self, start: Positions, end: Positions) -> tuple[float, ...]:
+    def kinks_along(self, place: Callable[[float], Positions]) -> tuple[float, ...]:
         """Give where the tilt passes HD2 or HD3: L2 begins or ends to grow there.
 
         Found in 256 steps of the way and by halving. A tilt that touches HD2 or HD3 within a step
@@ -77,26 +78,23 @@ class ExtendedTool(Kinematic):
         """
         if self._start_deg >= 90.0:
             return ()
-        found = list(self._first.kinks(start, end))
+        found = list(self._first.kinks_along(place))
         for limit_deg in (self._start_deg, self._end_deg):
-            before = self._is_above(start, end, 0.0, limit_deg)
+            before = self.tilt_deg(place(0.0)) > limit_deg
             for step in range(1, STEPS + 1):
-                above = self._is_above(start, end, step / STEPS, limit_deg)
+                above = self.tilt_deg(place(step / STEPS)) > limit_deg
                 if above != before:
-                    found.append(self._crossing(start, end, (step - 1) / STEPS, limit_deg, before))
+                    found.append(self._crossing(place, (step - 1) / STEPS, limit_deg, before))
                 before = above
         return tuple(sorted({share for share in found if 0.0 < share < 1.0}))
 
-    def _is_above(self, start: Positions, end: Positions, share: float, limit_deg: float) -> bool:
-        return self.tilt_deg(between(start, end, share)) > limit_deg
-
     def _crossing(
-        self, start: Positions, end: Positions, low: float, limit_deg: float, before: bool
+        self, place: Callable[[float], Positions], low: float, limit_deg: float, before: bool
     ) -> float:
         high = low + 1.0 / STEPS
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            if self._is_above(start, end, middle, limit_deg) == before:
+            if (self.tilt_deg(place(middle)) > limit_deg) == before:
                 low = middle
             else:
                 high = middle

@@ -6,6 +6,7 @@ in the coordinates that a program writes.
 """
 
 import math
+from collections.abc import Callable
 
 Positions = tuple[float, ...]
 Vector = tuple[float, float, float]
@@ -53,8 +54,12 @@ class Kinematic:
     def kinks(self, start: Positions, end: Positions) -> tuple[float, ...]:
         """Give where the axes would change their speed at once on a straight way of the tool.
 
-        They are shares of the way, above 0 and below 1 and in their order; here there are none.
+        They are shares of the way, above 0 and below 1 and in their order.
         """
+        return self.kinks_along(lambda share: between(start, end, share))
+
+    def kinks_along(self, place: Callable[[float], Positions]) -> tuple[float, ...]:
+        """Give them of any way; place: gives the tool by the share. Here there are none."""
         return ()
 
     def tilt_deg(self, tool: Positions) -> float:

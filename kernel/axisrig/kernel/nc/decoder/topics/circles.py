@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Arc, CircleWords
+from axisrig.kernel.nc.coordinates.arc_parts import arc_parts
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Reader, Topic, silent
 from axisrig.kernel.nc.syntax import Words
@@ -42,18 +43,20 @@ def arc(context: Context, block: Block, words: Words) -> Iterator[canon.Command]
         return
     feed_mm_min = context.feed(block, context.modal.motion)
     coordinates, kept = context.coordinates, context.part(Circle)
+    begin_mm = coordinates.base_mm
     made = coordinates.aim_arc(
         values, _circle_words(context, centre), absolute=context.modal.absolute
     )
     kept.last = made
-    yield canon.ArcMove(
-        block,
-        made.target_mm,
-        made.centre_mm,
-        made.tangent,
-        made.angle_rad,
-        feed_mm_min,
-    )
+    for part in arc_parts(made, begin_mm, coordinates.kinematic, coordinates.kinematic_axes):
+        yield canon.ArcMove(
+            block,
+            part.target_mm,
+            part.centre_mm,
+            part.tangent,
+            part.angle_rad,
+            feed_mm_min,
+        )
 
 
 def refuse_centre(context: Context, block: Block, words: Words, function: str) -> None:
