@@ -198,3 +198,22 @@ def test_a_command_of_the_plc_at_the_start_acts_in_the_first_cycle(
     made.at({0: ask})
     made.run(say.dwell(20))
     assert set(made.seen.state) == {DistanceState.ACTIVE}
+
+
+@pytest.mark.provokes(
+    900501,
+    7,
+    owner="axis Z",
+    what="2999 mm/s, 2.999e+06 mm/s2",
+    allowed="100 mm/s and 1000 mm/s2",
+)
+def test_an_offset_that_passes_its_own_limits_is_not_sent(distance_bench: Make, say: Any) -> None:
+    """The limiter is made to believe in a last step of 3 mm: its next one is 1 um less."""
+    made = distance_bench(stepping(0.1), v_max_mm_s=100.0, a_max_mm_s2=1000.0)
+    made.at({100: lambda: setattr(made.control._limiter, "step_mm", 3.0)})
+    made.run(say.command("on", set_pos_mm=0.0), say.dwell(400))
+    assert made.alarm_ids == [900501]
+    seen = made.seen
+    assert seen.state[-1] is DistanceState.ERROR
+    assert set(seen.offset_mm) == {0.0}
+    assert max(abs(b - a) for a, b in pairwise(seen.sent_mm)) == 0.0

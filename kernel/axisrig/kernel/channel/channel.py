@@ -255,7 +255,10 @@ class Channel(ChannelView):
             self._catch_up()
         if self.single.is_active:
             self.single.advance()
-        self.path.advance(self._superpose)  # 5, 6 next set positions through the buffer
+        if (passed := self.path.advance(self._superpose)) is not None:  # 5, 6 through the buffer
+            self._come_up(passed)
+            self.reactions.stop_alone(faulty_axes(passed))
+            self.path.advance(self._superpose, is_judged=False)
         self._mechanics.advance_to(self.sync_ns)
         for observer in self.observers:  # 7, they change nothing
             observer(self)

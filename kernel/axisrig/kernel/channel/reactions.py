@@ -6,7 +6,7 @@ at once, 6 every axis does, 7 the faulty one brakes by its own ramp; the others 
 Source: ISG kernel, overview of the error reaction classes (249161867); P-AXIS-00003; P-CHAN-00218.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 
 from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
@@ -107,12 +107,21 @@ class Reactions:
             leaving = dict.fromkeys(names, True)
         elif leaving and self._each_axis_halts:
             leaving = dict.fromkeys(names, False) | leaving
-        if leaving:
-            self._ramps = {
-                axis: self._path.own_ramp(axis, at_once=at_once)
-                for axis, at_once in leaving.items()
-            }
+        self._leave(leaving)
+
+    def stop_alone(self, axes: Sequence[str]) -> None:
+        """Let axes brake by their own ramps from the last set positions, if they do not yet."""
+        leaving = {axis: False for axis in axes if axis not in self._ramps}
+        self._leave(leaving)
+
+    def _leave(self, leaving: Mapping[str, bool]) -> None:
+        """Take axes off the path, True for one that stops at once."""
+        if not leaving:
+            return
+        if not self._ramps:
             self._follow, self._path.follow = self._path.follow, self._lead
+        for axis, at_once in leaving.items():
+            self._ramps[axis] = self._path.own_ramp(axis, at_once=at_once)
 
     def _lead(self) -> None:
         """Put the axes that are off the path; coupled axes follow them."""

@@ -98,6 +98,11 @@ class AnySlope:
         """The acceleration that is there at every speed."""
         raise NotImplementedError
 
+    @property
+    def most_mm_s2(self) -> float:
+        """The largest acceleration at any speed."""
+        return self.least_mm_s2
+
     def weighted(
         self, deceleration: "AnySlope", weights: Weights, highest_mm_s2: float
     ) -> "tuple[AnySlope, AnySlope]":

@@ -51,6 +51,12 @@ class Dynamics:
     contour_mm_s3: float = math.inf
     highest_mm_s2: float = math.inf
 
+    @property
+    def most_mm_s2(self) -> float:
+        """The largest acceleration of all its slopes."""
+        slopes = self.acceleration, self.deceleration, self.stop_deceleration, self.feedhold
+        return max(slope.most_mm_s2 for slope in slopes if slope is not None)
+
     def weighted(self, weights: Weights) -> "Dynamics":
         """Return the same with both ramps weighted; what a signal or feedhold brakes with stays."""
         if weights == NO_WEIGHTS:

@@ -31,6 +31,7 @@ class Interpolator:
         self._cycle = 0
         self._braking = False
         self.is_held = False
+        self._before: tuple[Positions, float, float] | None = None
 
     @property
     def path(self) -> Curve:
@@ -93,7 +94,9 @@ class Interpolator:
     def advance(self) -> Positions:
         """Move on by one cycle and return the set positions; at rest, return them unchanged."""
         if self._is_over:
+            self._before = None
             return self.positions_mm
+        self._before = self.positions_mm, self.path_travelled_mm, self.speed_mm_s
         self._cycle += 1
         profile = self._profile
         path_mm, self.speed_mm_s = profile.at(self._cycle * self._cycle_ns / S)
@@ -103,6 +106,13 @@ class Interpolator:
         else:
             self.positions_mm = self._path.at(path_mm)
         return self.positions_mm
+
+    def take_back(self) -> None:
+        """Go back to where the path was before the last `advance`."""
+        if self._before is not None:
+            self.positions_mm, self.path_travelled_mm, self.speed_mm_s = self._before
+            self._cycle -= 1
+            self._before = None
 
     def brake(self, deceleration: AnySlope) -> None:
         """Delete the distance to go: stop on the path from the last set positions on."""

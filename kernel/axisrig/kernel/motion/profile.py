@@ -48,6 +48,11 @@ class Slope(AnySlope):
         """The smaller one of both steps."""
         return min(self.a_low_mm_s2, self.a_high_mm_s2)
 
+    @property
+    def most_mm_s2(self) -> float:
+        """The larger one of both steps."""
+        return max(self.a_low_mm_s2, self.a_high_mm_s2)
+
     def along(self, share: float) -> "Slope":
         """Return what a path may do of which the axis moves by `share`."""
         return Slope(

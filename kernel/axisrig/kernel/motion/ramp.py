@@ -1,5 +1,7 @@
 """The ramp of one axis that stops by itself, off the path."""
 
+from collections.abc import Sequence
+
 from axisrig.kernel.motion.course import AnySlope, Course, State
 from axisrig.kernel.motion.profile import Profile
 from axisrig.kernel.time.clock import S, TimeNs
@@ -26,6 +28,19 @@ class Ramp:
         speed_mm_s = abs(velocity_mm_s)
         if deceleration is not None and speed_mm_s > STANDING_MM_S:
             self._profile = deceleration.stopped(State(0.0, speed_mm_s, 0.0))
+
+    @classmethod
+    def after(
+        cls, last_mm: Sequence[float], deceleration: AnySlope | None, cycle_ns: TimeNs
+    ) -> "Ramp":
+        """Return the ramp that brakes an axis after its last three set positions.
+
+        Its velocity is that of the parabola through them, v = (3 x0 - 4 x1 + x2) / 2T: exact while
+        the acceleration is constant, whatever has moved the axis.
+        """
+        x2, x1, x0 = last_mm
+        velocity_mm_s = (3.0 * x0 - 4.0 * x1 + x2) / (2.0 * cycle_ns / S)
+        return cls(x0, velocity_mm_s, deceleration, cycle_ns)
 
     @property
     def is_standing(self) -> bool:

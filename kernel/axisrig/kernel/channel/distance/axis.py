@@ -34,6 +34,7 @@ class AxisDistance(Sensing):
             period_ns,
             link.settings.sensor_age_limit_ms,
             is_optimized=settings.is_optimized,
+            increment_mm=1.0 / link.settings.increments_per_mm,
         )
 
     def sensor_for(self, source: str, variable: str | None) -> Sensor:
@@ -52,7 +53,7 @@ class AxisDistance(Sensing):
         reading = Reading(
             self.sensor_mm, link.actual_mm, link.set_mm, held, self.silence(), override
         )
-        self.control.step(reading)
+        self.control_within_limits(reading)
 
     def hand_over(self) -> Mapping[str, float]:
         """Return the offset that is sent in this cycle: none is left."""

@@ -99,6 +99,7 @@ class ChannelDistance(Sensing):
             period_ns,
             None,
             is_optimized=settings.is_optimized,
+            increment_mm=max(1.0 / link.settings.increments_per_mm for link in links),
         )
         self.guide: Guide | None = None
         self.moved: tuple[str, ...] = ()
@@ -382,7 +383,7 @@ class ChannelDistance(Sensing):
             shorter_mm,
             self.allowed,
         )
-        self.control.step(reading)
+        self.control_within_limits(reading)
 
     def _check(self, guide: Guide, actual: Positions) -> None:
         """Hold the offset where the kinematic cannot follow, or where the tool leans too much."""

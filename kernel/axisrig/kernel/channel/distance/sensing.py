@@ -9,13 +9,16 @@ from axisrig.kernel.channel.distance.sensor import (
     Sensor,
     VariableSensor,
 )
-from axisrig.kernel.distance import DistanceControl, DistanceState, Silence
+from axisrig.kernel.distance import DistanceControl, DistanceState, Reading, Silence
 from axisrig.kernel.distance.states import FOLLOWING
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.time.clock import MS, TimeNs
+from axisrig.kernel.time.clock import MS, S, TimeNs
 
 NO_VARIABLE, SOURCE_CHANGED, NO_SECOND_ENCODER = 310027, 310028, 310029
 WITHOUT_AGE = 900315
+PASSED = 900501
+PERMILLE = 1000
+_ROUNDING_MM = 1e-9
 
 
 class Sensing:
@@ -24,7 +27,8 @@ class Sensing:
     sensor_mm: of this cycle, as the control counts it; None until there is one. is_held: the offset
     is held, by feedhold or override 0 of an axis. override: of the axis, 1 = 100 %. output_mm: the
     offset that was sent in the last cycle. age_limit_ms: None = after `PERIODS_MAX` periods.
-    is_optimized: the offset is sent in the cycle that has computed it.
+    is_optimized: the offset is sent in the cycle that has computed it. increment_mm: the largest of
+    the drives that it is sent to.
     """
 
     def __init__(
@@ -35,7 +39,9 @@ class Sensing:
         age_limit_ms: float | None,
         *,
         is_optimized: bool,
+        increment_mm: float,
     ) -> None:
+        self._increment_mm, self._last_step_mm = increment_mm, 0.0
         self.control, self.sensor = control, sensor
         self._period_ns, self._age_limit_ms = period_ns, age_limit_ms
         self._is_optimized = is_optimized
@@ -163,6 +169,35 @@ class Sensing:
     def take(self) -> None:
         """Take the sensor value of this cycle."""
         self.sensor_mm = self.read_mm()
+
+    def control_within_limits(self, reading: Reading) -> None:
+        """Let the control do its step; raises its alarms.
+
+        Raises Alarm 900501 where the offset passes its own limits, P-AXIS-00415 and 00416 of an
+        axis: it stays where it was then. An offset may stop at once, held or at the end of its
+        range (docs/ambiguities.md).
+        """
+        control, last_mm = self.control, self._last_step_mm
+        before_mm, self._last_step_mm = control.offset_mm, 0.0
+        control.step(reading)
+        step_mm = control.offset_mm - before_mm
+        settings, period_s = control.settings, self._period_ns / S
+        v_mm_s = settings.v_max_mm_s * max(settings.v_weight_down_permille / PERMILLE, 1.0)
+        a_mm_s2 = settings.a_mm_s2 * max(settings.a_weight_down_permille / PERMILLE, 1.0)
+        most_mm = v_mm_s * period_s + self._increment_mm + _ROUNDING_MM
+        change_mm = a_mm_s2 * period_s**2 + 2.0 * self._increment_mm + _ROUNDING_MM
+        is_too_fast = abs(step_mm) > max(most_mm, abs(last_mm))
+        stops = abs(control.offset_mm) >= settings.max_deviation_mm and step_mm * last_mm > 0.0
+        is_too_hard = abs(step_mm - last_mm) > change_mm and not (
+            step_mm == 0.0 or (stops and abs(step_mm) < abs(last_mm))
+        )
+        if is_too_fast or is_too_hard:
+            speed, a = step_mm / period_s, (step_mm - last_mm) / period_s**2
+            what = f"{speed:.6g} mm/s, {a:.6g} mm/s2"
+            allowed = f"{v_mm_s:.6g} mm/s and {a_mm_s2:.6g} mm/s2"
+            control.offset_mm = before_mm
+            control.fail(Alarm(PASSED, owner=control.owner, what=what, allowed=allowed))
+        self._last_step_mm = step_mm
 
     @property
     def pending_mm(self) -> float:

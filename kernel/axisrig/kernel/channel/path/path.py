@@ -16,10 +16,11 @@ from axisrig.kernel.motion.curves import Arc, Curve, Line, moved_axes
 from axisrig.kernel.motion.curves import put as with_axis
 from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
 from axisrig.kernel.motion.feed import FULL, Feed
+from axisrig.kernel.motion.guard import SetpointGuard
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.motion.tool_path import NO_WAY_MM, ToolCurve, tool_dynamics
-from axisrig.kernel.time.clock import Clock, S, TimeNs
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 
 class Path:
@@ -44,9 +45,11 @@ class Path:
     ) -> None:
         self._clock, self._timing, self._offsets = clock, timing, offsets
         self._axes, self._links = tuple(axes), tuple(links)
+        pairs = [(a, k.settings.increments_per_mm) for a, k in zip(axes, links, strict=True)]
         self._index = {axis.name: index for index, axis in enumerate(axes)}
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
+        self._guard = SetpointGuard([a.of_set_points(k) for a, k in pairs], timing.period_ns)
         self.programmed = ProgrammedDynamics(settings)
         self._feed: Feed | None = None  # of the present move
         self.override_max_permille = settings.override_max_permille
@@ -92,22 +95,32 @@ class Path:
         self.interpolator.hold(positions_mm)
         self._buffer = SetpointBuffer(self._timing.buffer_cycles, positions_mm)
         self._recent.extend([positions_mm] * 3)
+        self._guard.put_all(positions_mm)
 
-    def advance(self, superpose: Callable[[Positions], Positions] | None = None) -> None:
+    def advance(
+        self, superpose: Callable[[Positions], Positions] | None = None, *, is_judged: bool = True
+    ) -> Alarm | None:
         """Send the set positions of this cycle through the buffer to the drives.
 
-        superpose: adds what acts after the buffer, the offsets of distance control.
+        superpose: adds what acts after the buffer, the offsets of distance control. Returns Alarm
+        900500 where they pass a limit of an axis: nothing is sent and the path is where it was.
         """
         positions_mm = self.interpolator.advance()
         if self.follow is not None:
             self.follow()
             positions_mm = self.interpolator.positions_mm
+        if not is_judged:
+            self._guard.take(positions_mm)
+        elif (alarm := self._guard.judge(positions_mm)) is not None:
+            self.interpolator.take_back()
+            return alarm
         self._recent.append(positions_mm)
         positions_mm = self._buffer.shift(positions_mm)
         if superpose is not None:
             positions_mm = superpose(positions_mm)
         for link, position_mm in zip(self._links, positions_mm, strict=True):
             link.send(position_mm)
+        return None
 
     # Axes that something else leads
 
@@ -144,12 +157,14 @@ class Path:
         position_mm -= self.superposed_mm(axis)
         self._set(index, position_mm)
         self._buffer.put(index, position_mm)
+        self._guard.put(index, position_mm)
 
     def take_offset(self, axis: str, offset_mm: float) -> None:
         """Let the set position of an axis at rest contain what was superposed on it until now."""
         index = self._index[axis]
         self._set(index, self.interpolator.positions_mm[index] + offset_mm)
         self._buffer.move(index, offset_mm)
+        self._guard.move(index, offset_mm)
         for at, positions_mm in enumerate(self._recent):
             self._recent[at] = with_axis(positions_mm, index, positions_mm[index] + offset_mm)
 
@@ -312,6 +327,8 @@ class Path:
         acceleration, deceleration = dynamics.acceleration, dynamics.deceleration
         profile = acceleration.plan(curve.length_mm, feed.speed_mm_s, deceleration)
         self._settling.restart()
+        for index, axis in enumerate(self._axes):
+            self._guard.allow(index, self.programmed.most_mm_s2(axis))
         if self._held_axes:
             self.interpolator.is_held = self._wants_hold or self._moves_held_axis(curve)
             self._note_hold()
@@ -344,8 +361,7 @@ class Path:
         """Stop on the path, or go on along it; a move that begins in between waits at its start.
 
         axes: those that are held by themselves; they hold the paths that move them. Brakes with
-        what P-CHAN-00097 says, never past the end of the path. Axes that something else leads go
-        on.
+        what P-CHAN-00097 says, never past the end of the path. Axes that others lead go on.
         """
         if axes or self._held_axes:
             self._wants_hold = is_on
@@ -376,16 +392,13 @@ class Path:
         return self.interpolator.is_held and self.is_moving
 
     def own_ramp(self, axis: str, *, at_once: bool) -> Ramp:
-        """Return the ramp that stops one axis by itself; `at_once` has none.
-
-        Its velocity is that of the parabola through the last three set positions, v = (3 x0 - 4 x1
-        + x2) / 2T: exact while the acceleration is constant, whatever has moved the axis.
-        """
-        index, period_ns = self._index[axis], self._timing.period_ns
-        x2, x1, x0 = (positions_mm[index] for positions_mm in self._recent)
-        velocity_mm_s = (3.0 * x0 - 4.0 * x1 + x2) / (2.0 * period_ns / S)
+        """Return the ramp that stops one axis by itself; `at_once` has none."""
+        index = self._index[axis]
+        last_mm = [positions_mm[index] for positions_mm in self._recent]
+        if at_once:
+            self._guard.put(index, last_mm[-1])
         slope = None if at_once else self._axes[index].own_stop
-        return Ramp(x0, velocity_mm_s, slope, period_ns)
+        return Ramp.after(last_mm, slope, self._timing.period_ns)
 
     def put_off_path(self, axis: str, position_mm: float) -> None:
         """Give an axis its set position of this cycle, whatever the path says."""

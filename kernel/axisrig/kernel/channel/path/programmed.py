@@ -63,6 +63,18 @@ class ProgrammedDynamics:
         )
         return Weights(up, down, rise, fall, brake_rise, brake_fall, contour)
 
+    def most_mm_s2(self, axis: AxisSettings) -> float:
+        """Return the largest acceleration that the weights make of those of feed blocks and runs.
+
+        0 without weights.
+        """
+        weights = self._weights.get(axis.name)
+        if weights is None:
+            return 0.0
+        every = [axis.dynamics, *axis.jerk_limited.values()]
+        found = (kinds[motion] for kinds in every for motion in (Motion.FEED, Motion.MEASURING))
+        return max(dynamics.weighted(weights).most_mm_s2 for dynamics in found)
+
     def dynamics(self, axis: AxisSettings, motion: Motion) -> Dynamics:
         """Return what an axis may do on the path in a kind of motion.
 

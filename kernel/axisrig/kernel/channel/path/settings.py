@@ -17,6 +17,7 @@ from axisrig.kernel.measuring.rules import MeasuringAxis
 from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.motion.dynamics import Dynamics, Motion, axis_slopes
 from axisrig.kernel.motion.feed import FULL
+from axisrig.kernel.motion.guard import AxisLimits
 from axisrig.kernel.motion.jerk_ramps import Shape
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.parameters import ParameterSet
@@ -141,6 +142,14 @@ class AxisSettings:
             word = f"acceleration profile {slope} of P-CHAN-00071"
             raise Alarm(900100, word=word, what="0, 1 and 2 act")
         return self.jerk_limited[Shape(slope)][motion]
+
+    def of_set_points(self, increments_per_mm: float) -> AxisLimits:
+        """Return what set positions may do whatever moves the axis, its own stop too."""
+        every = [self.dynamics, *self.jerk_limited.values()]
+        found = [dynamics.most_mm_s2 for kinds in every for dynamics in kinds.values()]
+        a_mm_s2 = max(*found, self.own_stop.most_mm_s2)
+        speed_mm_s = self.dynamics[Motion.FEED].speed_max_mm_s
+        return AxisLimits(self.name, speed_mm_s, a_mm_s2, 1.0 / increments_per_mm)
 
     @property
     def allowed(self) -> AxesAllow:
