@@ -12,6 +12,7 @@ from random import Random
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.override_courses import between, course
 
 from axisrig.kernel.motion.course import AnySlope, State
 from axisrig.kernel.motion.curves import Line
@@ -28,36 +29,6 @@ LOOKS = 4  # in a cycle
 STEP, TRAPEZ, SIN2 = "STEP", "TRAPEZ", "SIN2"
 # Peak of the jerk over its mean in a ramp: (pi/2) sin(pi x) with SIN2
 PEAK = {TRAPEZ: 1.0, SIN2: math.pi / 2.0}
-STYLES = ("steps", "ramps", "every cycle", "to and fro", "holds")
-
-
-def between(rng: Random, low: float, high: float) -> float:
-    return math.exp(rng.uniform(math.log(low), math.log(high)))
-
-
-def course(rng: Random, cycles: int) -> list[float]:
-    """Give the override of every cycle, 1 = 100 %; 0 is a hold."""
-    style, share, shares = rng.choice([*STYLES, "mixed"]), rng.uniform(0.05, 2.0), [1.0]
-    while len(shares) < cycles:
-        now = rng.choice(STYLES) if style == "mixed" else style
-        other, count = (
-            rng.choice([0.01, 0.5, 0.95, 1.0, rng.uniform(0.05, 2.0)]),
-            rng.randint(1, 80),
-        )
-        if now == "steps":
-            shares += [other] * count
-            share = other
-        elif now == "ramps":
-            shares += [share + (other - share) * k / count for k in range(1, count + 1)]
-            share = other
-        elif now == "every cycle":
-            shares += [min(max(share * rng.uniform(0.8, 1.2), 0.01), 2.0) for _ in range(count)]
-        elif now == "to and fro":
-            each = rng.choice([1, 1, 2, 7])
-            shares += [other if k // each % 2 else share for k in range(count)]
-        else:
-            shares += [0.0] * rng.choice([1, 2, 3, 10, 40]) + [share] * rng.choice([1, 2, 3, 20])
-    return shares
 
 
 @dataclass
