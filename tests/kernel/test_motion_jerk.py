@@ -118,6 +118,21 @@ def test_while_the_acceleration_falls_the_speed_still_grows() -> None:
     assert harder.end_mm == EXACT(0.184 / 3 + 31.0 * math.sqrt(31.0 * 0.01 / 5000.0), rel=1e-9)
 
 
+@BOTH
+def test_in_a_stop_the_speed_does_not_pass_the_fastest_one(shape: Shape) -> None:
+    """30 mm/s and 1000 mm/s², ramps of 50 ms: 55 mm/s alone, and 40 where that is the limit.
+
+    The acceleration falls in 2 (40 - 30)/1000 s then, and from 40 mm/s it is 40²/2a + 40 t/2.
+    """
+    slope = equal(1000.0, 0.05, shape)
+    for fastest, reached in ((math.inf, 55.0), (60.0, 55.0), (40.0, 40.0)):
+        braked = slope.stopped(State(0.0, 30.0, 1000.0), fastest)
+        assert max(phase.end_mm_s for phase in braked.phases) == EXACT(reached, rel=1e-12)
+    assert braked.state(0.02).speed_mm_s == EXACT(40.0, rel=1e-12)
+    from_there_mm = slope.distance_mm(40.0)
+    assert braked.end_mm - braked.state(0.02).path_mm == EXACT(from_there_mm, rel=1e-12)
+
+
 def test_a_larger_deceleration_stays() -> None:
     """60 mm/s braked with 5000 mm/s²; a stop with 1000 goes on with 5000: 60²/10000 and a ramp."""
     braked = stop(equal(1000.0, 0.001), 60.0, -5000.0)

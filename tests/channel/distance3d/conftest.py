@@ -194,8 +194,9 @@ def make_tool_loop() -> Callable[..., ToolLoop]:
         assert not isinstance(head, str)
         values: dict[str, float] = {"SENSOR": 0.0}
         start = axes_of(*program(0))
+        of_drive = SimpleNamespace(increments_per_mm=1e6)
         links: list[Any] = [
-            SimpleNamespace(name=n, actual_mm=p, set_mm=p)
+            SimpleNamespace(name=n, actual_mm=p, set_mm=p, settings=of_drive)
             for n, p in zip(NAMES, start, strict=True)
         ]
         settings = ChannelDistanceSettings(

@@ -156,7 +156,7 @@ class _Link:
     def __init__(self, position_mm: float) -> None:
         self.name, self.actual_mm, self.set_mm = "Z", position_mm, position_mm
         self.second_increments, self.has_second, self.second_telegram = None, False, None
-        self.settings = SimpleNamespace(sensor_age_limit_ms=None)
+        self.settings = SimpleNamespace(sensor_age_limit_ms=None, increments_per_mm=1e6)
 
 
 LAWS = [

@@ -6,6 +6,7 @@ What a kind has to provide raises NotImplementedError here: a compiled dataclass
 base.
 """
 
+import math
 from typing import NamedTuple
 
 
@@ -71,12 +72,13 @@ class Course:
         """Return what a new plan from `t_s` on begins with."""
         raise NotImplementedError
 
-    def brake(self, t_s: float, deceleration: "AnySlope") -> "Course":
+    def brake(self, t_s: float, deceleration: "AnySlope", fastest_mm_s: float) -> "Course":
         """Return the course that stops from the state at `t_s`; its time counts from 0 there.
 
-        The path runs on from its value at `t_s`; the distance to go is deleted.
+        The path runs on from its value at `t_s`; the distance to go is deleted. fastest_mm_s: see
+        `AnySlope.stopped`.
         """
-        return deceleration.stopped(self.state(t_s))
+        return deceleration.stopped(self.state(t_s), fastest_mm_s)
 
     def held(self, t_s: float, feedhold: "AnySlope", deceleration: "AnySlope") -> "Course":
         """Return the course that stops from the state at `t_s` no further than the end.
@@ -156,8 +158,11 @@ class AnySlope:
         """Plan the rest of a path that ends at rest at `end_mm`; this slope accelerates."""
         raise NotImplementedError
 
-    def stopped(self, state: State) -> Course:
-        """Return the course that stops with this slope as soon as it can."""
+    def stopped(self, state: State, fastest_mm_s: float = math.inf) -> Course:
+        """Return the course that stops with this slope as soon as it can.
+
+        fastest_mm_s: speed that an acceleration which falls first may lead to.
+        """
         raise NotImplementedError
 
     def held(self, state: State, end_mm: float, deceleration: "AnySlope") -> Course:

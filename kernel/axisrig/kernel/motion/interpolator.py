@@ -1,5 +1,6 @@
 """Interpolator: one set position per cycle along a path, and the buffer after it."""
 
+import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -114,11 +115,15 @@ class Interpolator:
             self._cycle -= 1
             self._before = None
 
-    def brake(self, deceleration: AnySlope) -> None:
-        """Delete the distance to go: stop on the path from the last set positions on."""
+    def brake(self, deceleration: AnySlope, fastest_mm_s: float = math.inf) -> None:
+        """Delete the distance to go: stop on the path from the last set positions on.
+
+        fastest_mm_s: speed that the path does not pass while its acceleration still falls.
+        """
         if self.is_standing:
             return
-        self._profile = self._profile.brake(self._cycle * self._cycle_ns / S, deceleration)
+        time_s = self._cycle * self._cycle_ns / S
+        self._profile = self._profile.brake(time_s, deceleration, fastest_mm_s)
         self._end_mm = self._profile.end_mm
         self._cycle, self._braking = 0, True
 

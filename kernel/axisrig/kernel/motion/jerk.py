@@ -146,10 +146,18 @@ class JerkSlope(JerkLimits):
         lead, tail = planned
         return joined(state, end_mm, left + lead, tail, self.shape)
 
-    def stopped(self, state: State) -> JerkProfile:
-        """Return the profile that stops from a state with this slope, whatever ramp there is."""
+    def stopped(self, state: State, fastest_mm_s: float = math.inf) -> JerkProfile:
+        """Return the profile that stops from a state with this slope, whatever ramp there is.
+
+        The acceleration falls sooner where the speed would pass the fastest one meanwhile.
+        """
         path_mm, speed_mm_s, a_mm_s2, _ = state
-        ramps = braking(speed_mm_s, a_mm_s2, self)
+        slope = self
+        squared = a_mm_s2 * a_mm_s2 if a_mm_s2 > 0.0 else 0.0
+        if speed_mm_s + 0.5 * squared * self.releasing_s3_mm > fastest_mm_s > speed_mm_s:
+            release_s3_mm = 2.0 * (fastest_mm_s - speed_mm_s) / squared
+            slope = replace(self, release_s=release_s3_mm * self.a_mm_s2)
+        ramps = braking(speed_mm_s, a_mm_s2, slope)
         end_mm = path_mm + way(speed_mm_s, ramps, self.shape)[0]
         return joined(state, end_mm, ramps, [], self.shape)
 

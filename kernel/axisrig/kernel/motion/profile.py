@@ -129,7 +129,7 @@ class Slope(AnySlope):
         path_mm, speed_mm_s, _, _ = state
         return plan_rest(path_mm, end_mm, feed_mm_s, self, deceleration, speed_mm_s)
 
-    def stopped(self, state: State) -> "Profile":
+    def stopped(self, state: State, fastest_mm_s: float = math.inf) -> "Profile":
         """Return the profile that stops from a state with this slope."""
         path_mm, speed_mm_s, _, _ = state
         end_mm = path_mm + self.distance_mm(speed_mm_s)

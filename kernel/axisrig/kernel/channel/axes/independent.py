@@ -215,7 +215,7 @@ class IndependentAxes:
         if order is Order.START:
             self._start_run(mover)
         elif order is Order.BRAKE:
-            mover.interpolator.brake(mover.dynamics.stop_deceleration)
+            _brake(mover)
         if run.is_done:
             self._measurement.keep(run.record)
             self._end(axis)
@@ -255,7 +255,7 @@ class IndependentAxes:
                 self._end(axis)
             else:
                 mover.is_stopped = True
-                mover.interpolator.brake(mover.dynamics.stop_deceleration)
+                _brake(mover)
 
     def _end(self, axis: str) -> None:
         mover = self._movers.pop(axis)
@@ -283,6 +283,11 @@ def _lead(mover: Mover) -> None:
     if mover.feed is not None:
         is_held = not mover.override_permille
         mover.feed.lead(mover.interpolator, _share(mover), is_held=is_held)
+
+
+def _brake(mover: Mover) -> None:
+    dynamics = mover.dynamics
+    mover.interpolator.brake(dynamics.stop_deceleration, dynamics.speed_max_mm_s)
 
 
 def _judged(mover: Mover, alarm: Alarm) -> Alarm:

@@ -287,8 +287,7 @@ class Path:
     ) -> None:
         """Begin a straight path; overtravel_mm: how far its axes may go past their targets.
 
-        Raises Alarm 900012 for a target that cannot be sent to a drive, 120002 or 120003 for one
-        past a software limit switch.
+        Raises Alarm 900012 for a target that no drive can have, 120002, 120003 past a switch.
         """
         line = self._line(target_mm, overtravel_mm)
         if self.transformation.kinematic is None:
@@ -337,7 +336,8 @@ class Path:
     def brake(self) -> None:
         """Delete the distance to go: stop on the path with what the kind of motion allows."""
         if not self.interpolator.is_standing and self._feed is not None:
-            self.interpolator.brake(self._feed.dynamics.stop_deceleration)
+            dynamics = self._feed.dynamics
+            self.interpolator.brake(dynamics.stop_deceleration, dynamics.speed_max_mm_s)
 
     def override(self, permille: int, axes: Mapping[str, int]) -> None:
         """Scale the feed of the path, present and next, in 0.1 %; 0 is a feedhold and none here.
