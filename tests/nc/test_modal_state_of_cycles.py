@@ -48,6 +48,8 @@ STATES = {
     "G360": ("G360 G0", "X5"),
     **{f"type {kind}": (f"#MEAS MODE[{kind}]\nG0 F100", "X=V.G.MEAS_TYPE") for kind in range(1, 8)},
 }
+# One of each kind in the quick stage
+QUICK = ("G0", "R", "G18", "G55", "G70", "G91", "G161", "G164", "G260", "G360", "type 3")
 # Settings that are no state: they act in their block, or nothing of them acts here
 OF_THE_BLOCK = {"G8", "G9", "G40", "G60", "G61", "G106", "G900", "G901"}
 WITH_VALUES = {"G131", "G133", "G134", "G159"}
@@ -116,7 +118,10 @@ def test_every_g_function_that_stays_is_a_state_of_this_test():
     assert stays <= STATES.keys()
 
 
-@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize(
+    "state",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in STATES],
+)
 def test_the_caller_of_the_measuring_cycles_goes_on_in_its_modal_state(play, machine, state):
     """TF5200 channel parameters 476043659 (P-CHAN-00210); the measuring type by the cycle."""
     before, after = STATES[state]
