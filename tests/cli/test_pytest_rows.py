@@ -224,3 +224,35 @@ def _content(folder: Path) -> dict[str, bytes]:
     with (folder / "cases.csv").open(encoding="utf-8", newline="") as file:
         rows = [{**row, "wall_s": ""} for row in csv.DictReader(file)]
     return {**found, "cases.csv": repr(rows).encode()}
+
+
+GOES = """\
+import shutil
+
+import pytest
+
+from axisrig.bench.campaign.pytest_plugin import pytest_addoption  # noqa: F401
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_logreport(report):
+    if report.when == "call":
+        shutil.rmtree("out")
+"""
+
+
+def test_a_results_folder_that_goes_ends_pytest_with_4(tmp_path: Path) -> None:
+    for name in ("programs", "rigs"):
+        shutil.copytree(PLANS / name, tmp_path / name)
+    (tmp_path / "conftest.py").write_text(GOES, encoding="utf-8")
+    rows = _shipped()
+    _write(tmp_path / "good.csv", rows["f3000"], rows["actuated"])
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir",
+         tmp_path, tmp_path, "--axisrig-out", "out"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 4, ended.stdout + ended.stderr
+    assert "axisrig: " in ended.stdout + ended.stderr
+    assert "No such file or directory" in ended.stdout + ended.stderr
+    assert "INTERNALERROR" not in ended.stdout

@@ -8,6 +8,7 @@ import shutil
 import sys
 import time
 from collections.abc import Generator, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,10 +21,12 @@ from axisrig.bench.campaign.pytest_plugin import STORED, Outcome, RowItem
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
+from axisrig.bench.files import in_words
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.probes import probe_id
 from axisrig.bench.plan.searching import PROBES_MAX
 from axisrig.bench.plan.table import SUFFIXES
+from axisrig.bench.plan.verdict import Verdict, exit_code
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 
@@ -124,13 +127,22 @@ class ResultsOfPytest:
         if packed is None or self._writer is None:
             return
         delattr(report, _ATTRIBUTE)
-        outcome = Outcome.unpacked(packed)
+        try:
+            self._put(self._writer, Outcome.unpacked(packed))
+        except OSError as error:  # as `axisrig run`: a full disk, or the folder has gone
+            writer, self._writer = self._writer, None
+            with suppress(OSError):
+                writer.close()
+            pytest.exit(f"axisrig: {in_words(error)}", returncode=exit_code(Verdict.ABORTED))
+
+    @staticmethod
+    def _put(writer: ResultsWriter, outcome: Outcome) -> None:
         result = outcome.result
-        files = self._writer.files_of(result.case.run)
+        files = writer.files_of(result.case.run)
         places = [files, *files.probes]
         for one, place in zip((result, *result.probes), places, strict=False):
             _write(one, place, outcome.files)
-        self._writer.add(result)
+        writer.add(result)
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self) -> None:
