@@ -217,7 +217,8 @@ def built_first(cases: Sequence[Case]) -> list[int]:
     for place, case in enumerate(cases):
         searched = None if case.search is None else case.search.column
         metrics = tuple(check.metric for check in (*case.checks, *case.sampled))
-        kind = (case.rig, case.program, case.module, tuple(case.inputs), metrics, searched)
+        module = None if case.module is None else (case.module.name, case.module.path)
+        kind = (case.rig, case.program, module, tuple(case.inputs), metrics, searched)
         first.setdefault(kind, place)
     return sorted(first.values())[:WHOLE_MAX]
 
