@@ -30,6 +30,20 @@ def test_mode_1_signals_where_the_axis_crosses_a_position(channel_bench: Make, w
     assert bench.final_mm("Z") == pytest.approx(_value(bench) - 0.05, abs=1e-6)  # v²/2a
 
 
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize(("at_mm", "expected_mm"), [(120.0, 120.0), (109.0, 110.0), (131.0, None)])
+def test_mode_1_in_the_positive_direction(
+    channel_bench: Make, words: Any, at_mm: float, expected_mm: float | None
+) -> None:
+    """From 110 to 130: crossed, behind the axis (at once), and beyond the target (never)."""
+    axis = words.axis("Z", start_mm=110.0, simulated=(1, round(at_mm * 1e4)))
+    bench = channel_bench(axis)
+    bench.run([words.probe(1, 600.0, Z=130.0), words.wait(1), words.end()])
+    assert bench.alarm_ids == []
+    found_mm = bench.channel.measured_acs_mm("Z")
+    assert found_mm == (None if expected_mm is None else pytest.approx(expected_mm, abs=0.01))
+
+
 def test_mode_1_behind_the_axis_signals_at_once_and_beyond_the_target_never(
     channel_bench: Make, words: Any
 ) -> None:
@@ -67,7 +81,8 @@ def test_type_3_goes_on_behind_a_simulated_signal(channel_bench: Make, words: An
 
 
 @pytest.mark.provokes(900523, 1, offset_mm="-3")
-@pytest.mark.parametrize("mode", [0, 1, 5])
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("mode", [1, 0, 5])
 def test_900523_for_an_offset_that_no_mode_takes(
     channel_bench: Make, words: Any, mode: int
 ) -> None:

@@ -72,6 +72,13 @@ def test_a_dead_time_is_led_back_here_too(channel_bench: Make, words: Any) -> No
     assert value_mm == pytest.approx(120.1, abs=21 * INCREMENT_MM)
 
 
+def test_and_not_before_its_block(channel_bench: Make, words: Any) -> None:
+    """3 s at 10 mm/s are 30 mm and the axis has moved 10; type 2 wants a signal."""
+    bench = _run(channel_bench, words, 2, 120.0, delay_ns=3_000_000_000)
+    assert bench.alarm_ids == [900520, 900004]
+    assert bench.channel.measured_acs_mm("Z") is None
+
+
 @pytest.mark.parametrize("stop_mm_s2", [500.0, 4000.0])
 def test_a_run_beside_the_path_brakes_with_the_deceleration_of_a_stop(
     channel_bench: Make, words: Any, stop_mm_s2: float
