@@ -9,7 +9,7 @@ PLAN = Path(__file__).parents[2] / "testplans" / "distance_3d.csv"
 
 
 def test_of_a_large_plan_with_metrics_of_its_own_the_first_row_of_each_kind() -> None:
-    cases = read_plan(PLAN)
+    cases = read_plan(PLAN).cases
     assert len(cases) > WHOLE_MAX
     assert any(case.module is not None for case in cases)
     first = built_first(cases)
