@@ -41,6 +41,7 @@ class Bench:
         settings: Any = SimpleNamespace(
             rig=SimpleNamespace(plant=tables, axis=_axes(is_wired), plc_task=None)
         )
+        self.settings = settings
         self.log = DeflectionLog(settings, self.plant, MS)
         self.alarms: list[Alarm] = []
         self.begun: Any = LinearMove(Block(7, 30, "Z-1"), {"Z": -1.0}, False, 600.0)
@@ -87,6 +88,17 @@ def test_the_way_counts_in_the_direction_of_the_contact() -> None:
     assert bench.ways_mm == pytest.approx([0.25])
     bench.cycle(0.6 - 0.4 + 0.03, 0.8 + 0.3 + 0.04)
     assert bench.ways_mm == pytest.approx([0.3])
+
+
+def test_an_axis_at_two_coordinates_of_its_probe_moves_it_once() -> None:
+    """As in a rig that wires x and z of its probe to one axis: 0.2 mm are 0.2 mm."""
+    bench = Bench()
+    bench.probe.sources = [bench.axes[1], bench.axes[1]]
+    log = DeflectionLog(bench.settings, bench.plant, MS)
+    bench.log = log
+    bench.approach()
+    bench.cycle(0.0, -0.2, contact_mm=(0.0, 0.0))
+    assert bench.ways_mm == pytest.approx([0.2])
 
 
 def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:

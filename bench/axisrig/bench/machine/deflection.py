@@ -13,6 +13,7 @@ from math import hypot
 from axisrig.bench.rig.reading.file import PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import Channel
+from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.errors import Alarm
@@ -43,10 +44,15 @@ class Deflection:
     axis: str = ""
 
 
+def moving(probe: PlantProbe) -> list[PlantAxis]:
+    """Return the axes that move a probe; one that is wired to two coordinates moves it once."""
+    return list({id(axis): axis for axis in probe.sources}.values())
+
+
 class _Follower:
     """Follows the axes of one probe from each contact until they are back.
 
-    axes: the name of the axis of each source; None for a sensor that is no measuring probe.
+    axes: the name of each axis that moves it; None for a sensor that is no measuring probe.
     """
 
     def __init__(
@@ -55,13 +61,14 @@ class _Follower:
         self.name, self.probe, self.table, self.axes = name, probe, table, axes
         self.deflections: list[Deflection] = []
         self._seen = 0
-        self._rates = [0.0] * len(probe.sources)
+        self._moving = moving(probe)
+        self._rates = [0.0] * len(self._moving)
         self._direction: Sequence[float] | None = None
         self._is_pressed = False
 
     def look(self, channel: Channel, now_ns: TimeNs, cycle_ns: TimeNs) -> Alarm | None:
         """Follow the motion up to now; return the alarm of a probe that has just broken."""
-        motions = [axis.motion for axis in self.probe.sources]
+        motions = [axis.motion for axis in self._moving]
         rates = [motion[1] for motion in motions]
         contacts = self.probe.contacts
         if len(contacts) > self._seen:
@@ -90,7 +97,7 @@ class _Follower:
         begin = self.deflections[-1].contact.position_mm
         ways = [
             place_m * 1e3 - begin[axis.slave.name]
-            for place_m, axis in zip(places_m, self.probe.sources, strict=True)
+            for place_m, axis in zip(places_m, self._moving, strict=True)
         ]
         if self._direction is None:
             return hypot(*ways)
@@ -144,7 +151,7 @@ class DeflectionLog:
                 name,
                 probe,
                 settings.rig.plant[name],
-                [names.get(axis.slave.name, axis.slave.name) for axis in probe.sources]
+                [names.get(axis.slave.name, axis.slave.name) for axis in moving(probe)]
                 if name in measuring
                 else None,
             )
