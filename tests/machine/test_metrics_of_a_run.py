@@ -8,6 +8,7 @@ import pytest
 
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
+from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.axes import AxisRecord, Contact, PlantRecord, ProbeRecord
 from axisrig.bench.record.facts import Facts, Timing
@@ -83,6 +84,16 @@ def test_the_lag_of_no_delay_is_the_one_that_the_cnc_judges() -> None:
     observed = Observed(facts, Series(table))
     for metric, value in (("lag_mm_max:Z", 0.4), ("lag_mm_max", 0.45)):
         assert observe(observed, parse_check(metric, "> 0", "")).value == pytest.approx(value)
+
+
+def test_a_motor_that_goes_straight_has_no_lag_between_two_rows() -> None:
+    """It is where its demand is, and its speed jumps at each row."""
+    speeds = np.array([0.0, 0.01, 0.03, 0.03, -0.02])
+    times, motor = np.arange(5) * 8 * MS, np.cumsum(speeds) * 8e-3
+    lag = largest_lag(times, (motor, motor, speeds), 250 * US)
+    assert lag == pytest.approx(0.0, abs=1e-15)
+    bent = largest_lag(times, (motor, motor, speeds + 1e-4), 250 * US)
+    assert np.max(bent) > 1e-6
 
 
 def told(metric: str, period_ns: int, end_ns: int | None) -> Any:

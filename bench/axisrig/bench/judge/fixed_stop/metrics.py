@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from axisrig.bench.judge.fixed_stop.run import StopRun, stop_run, stop_runs
-from axisrig.bench.judge.fixed_stop.truth import AxisTruth
+from axisrig.bench.judge.fixed_stop.truth import PLANT_MM, AxisTruth
+from axisrig.bench.judge.observed.motion import INSIDE, Largest, farthest
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed, takes_part
 from axisrig.bench.judge.observed.topic import MetricFunction
@@ -24,6 +25,7 @@ NOT_FOLLOWED = (
     "along the motion of the plant the criteria never hold; what counts as rest after the end of"
     " the block is unknown to this oracle"
 )
+INTEGRATED = "steps of the integration of the plant"
 NO_FORCE = "the FMU of the axis gives no force at the stop (stop_force in docs/rigs.md)"
 
 
@@ -103,9 +105,16 @@ def _force(
     run: StopRun, axis: str | None, force_n: Callable[[AxisTruth], float | None]
 ) -> Observation:
     """Return the largest force of one axis, or of all without a name."""
-    forces = [force_n(truth) for name, truth in run.truths.items() if axis in (None, name)]
-    known = [force for force in forces if force is not None]
-    return Observation(max(known)) if known else Observation(None, note=NO_FORCE)
+    found = [(force_n(truth), truth) for name, truth in run.truths.items() if axis in (None, name)]
+    known = [(force, truth) for force, truth in found if force is not None]
+    if not known:
+        return Observation(None, note=NO_FORCE)
+    largest_n, truth = max(known, key=lambda each: each[0])
+    return _known_force(truth, largest_n)
+
+
+def _known_force(truth: AxisTruth, force_n: float) -> Observation:
+    return Observation(force_n, truth.force_doubt_n(force_n), INTEGRATED if force_n > 0.0 else "")
 
 
 # When
@@ -222,7 +231,7 @@ def stop_force_n(run: StopRun, truth: AxisTruth) -> Observation:
         return Observation(None, note=NO_FORCE)
     if run.stop.detected_ns is None:
         return Observation(None, note="no stop was found")
-    return Observation(float(truth.stop_force_n[run.row_at(run.stop.detected_ns)]))
+    return _known_force(truth, float(truth.stop_force_n[run.row_at(run.stop.detected_ns)]))
 
 
 @_of_every_run
@@ -236,7 +245,7 @@ def stop_force_end_n(run: StopRun, truth: AxisTruth) -> Observation:
     """Force at the stop when the run is over."""
     if truth.stop_force_n is None:
         return Observation(None, note=NO_FORCE)
-    return Observation(float(truth.stop_force_n[run.row_at(run.end_ns)]))
+    return _known_force(truth, float(truth.stop_force_n[run.row_at(run.end_ns)]))
 
 
 @_of_axis
@@ -245,7 +254,8 @@ def command_overtravel_mm(run: StopRun, truth: AxisTruth) -> Observation:
     excess_mm = run.command_excess_mm(truth)
     if excess_mm is None:
         return Observation(None, note=f"no measured value of axis {truth.name}")
-    return Observation(excess_mm)
+    uncertainty_mm = 0.5 / truth.record.increments_per_mm + PLANT_MM
+    return Observation(excess_mm, uncertainty_mm, "rounding of the encoder")
 
 
 @_of_axis
@@ -254,7 +264,8 @@ def relax_lag_mm(run: StopRun, truth: AxisTruth) -> Observation:
     if run.stop.relax_end_ns is None:
         return Observation(None, note="the run made no relaxing motion")
     row = run.row_at(run.stop.relax_end_ns)
-    return Observation(float(truth.course.demand_mm[row] - truth.course.encoder_mm[row]))
+    lag_mm = float(truth.course.demand_mm[row] - truth.course.encoder_mm[row])
+    return Observation(lag_mm, PLANT_MM, INTEGRATED)
 
 
 # Behind the run
@@ -264,10 +275,11 @@ def relax_lag_mm(run: StopRun, truth: AxisTruth) -> Observation:
 def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
     """Largest true motion while the set value is at rest after the run."""
     rows = _standing_rows(run, truth)
-    position_mm = truth.position_mm[rows]
-    away_mm = np.abs(position_mm - position_mm[0])
-    lasting_ms = float(truth.times_ns[rows][-1] - truth.times_ns[rows][0]) / MS
-    return Observation(float(np.max(away_mm)) * 1e3, note=f"over {lasting_ms:g} ms")
+    begin_ns, end_ns = (int(truth.times_ns[rows][place]) for place in (0, -1))
+    from_mm = float(truth.position_mm[rows][0])
+    far = farthest(run.observed, truth.name, from_mm, begin_ns, end_ns) or Largest(0.0, 0.0)
+    words = f"over {(end_ns - begin_ns) / MS:g} ms; {INSIDE}"
+    return Observation(far.value * 1e3, (far.doubt + PLANT_MM) * 1e3, words)
 
 
 @_of_every_run

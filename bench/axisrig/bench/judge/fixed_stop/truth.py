@@ -18,6 +18,10 @@ from axisrig.kernel.time.clock import TimeNs
 
 FAR_AWAY_MM = 100_000.0
 """A stop as far away as this counts as none."""
+PLANT_MM = 1e-7
+"""How well positions of a plant are known at the end of a step, which another length of the steps
+of its integration may change (inferred; `tests/study` holds it).
+"""
 
 
 @dataclass(frozen=True)
@@ -143,6 +147,10 @@ class AxisTruth:
         """Return the largest force at the stop in some rows, between them too where it is given."""
         told = self.stop_force_n if self.peak_n is None else self.peak_n
         return None if told is None or not len(told[rows]) else float(np.max(told[rows]))
+
+    def force_doubt_n(self, force_n: float) -> float:
+        """Return how well a force at the stop is known; 0 where its stiffness is not known."""
+        return 0.0 if self.stop is None else self.stop.doubt_n(force_n, PLANT_MM)
 
     def pressing(self, time_ns: TimeNs) -> Pressing | None:
         """Return axis against stop with the force limit that acts at an instant."""

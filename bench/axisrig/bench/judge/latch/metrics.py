@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from axisrig.bench.judge.latch.sources import signal_late_cycles, source_error_um
 from axisrig.bench.judge.latch.truth import Touch, latch_in_run_ns, touch
-from axisrig.bench.judge.observed.motion import INSIDE, farthest, state_at
+from axisrig.bench.judge.observed.motion import INSIDE, farthest, state_ahead, state_at
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import MetricFunction
@@ -157,10 +157,11 @@ def contact_mm(observed: Observed, seen: Touch, contact: Contact, axis: str) -> 
 
 @_of_contact
 def contact_velocity_mm_s(
-    observed: Observed, _seen: Touch, contact: Contact, axis: str
+    observed: Observed, seen: Touch, contact: Contact, axis: str
 ) -> Observation:
     """True velocity at contact; negative towards smaller positions."""
-    there = state_at(observed, axis, contact.time_ns)
+    # A stop brakes the axis that meets it within the step; a probe does not
+    there = (state_ahead if axis == seen.met else state_at)(observed, axis, contact.time_ns)
     if there is None:
         return Observation(None, note="no SYNC came after the contact")
     words = ["signed: the axis moves towards smaller positions"] if there.speed_mm_s < 0 else []

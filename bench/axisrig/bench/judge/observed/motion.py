@@ -1,12 +1,16 @@
 """The true motion of an axis between the SYNCs: a cubic through position and speed at both ends.
 
-What happens inside a step is in no row, so a cubic is off where the acceleration jumps there. How
-far is read from the rows themselves: the cubic through the two neighbours of a SYNC misses its
-position (4 x) and its speed (x half their distance); the larger one is what they leave unexplained.
-At the worst place an acceleration that jumps inside a step puts the cubic off by 0.127 of that and
-its speed by 0.75 of it in a step, a vibration of up to half a period in a step by 0.14 and 0.43. A
-third of both is the doubt: what is seldom beyond it is never beyond three times of it
-(`tests/judge/test_motion.py`; on machines `tests/study`).
+What happens inside a step is in no row. Two things in the rows say how far a cubic is off there:
+
+- the cubic through the two neighbours of a SYNC misses its position (4 x) and its speed (x half
+  their distance), the larger one is what they leave unexplained. An acceleration that jumps inside
+  a step puts the cubic off by 0.127 of that at the worst place and its speed by 0.75 of it in a
+  step, a vibration of up to half a period in a step by 0.14 and 0.43. A third of both is the doubt:
+  what is seldom beyond it is never beyond three times of it (`tests/judge/test_motion.py`);
+- the acceleration jumps by J from one cubic to the next where a drive gets a new demand at every
+  SYNC. Its answer within a step, which is alike in each, shows at no SYNC: exp(-t/tau) puts the
+  cubic off by J h^2/384 h/tau, a velocity loop that swings within a step by three times as much.
+  The doubt is J h^2/60, and J h/40 of the speed (inferred; `tests/study` holds both).
 
 An axis that follows its demand exactly goes straight from SYNC to SYNC, and its speed jumps there.
 Such a step shows: its way is the speed at one of its ends times its length.
@@ -27,6 +31,8 @@ from axisrig.kernel.time.clock import TimeNs
 
 SHARE, SPEED_SHARE = 0.15 / 3, 0.75 / 3
 """Of what is unexplained, in the position and, over a step, in the speed between two SYNCs."""
+OF_JUMP, SPEED_OF_JUMP = 1 / 60, 1 / 40
+"""Of a jump of the acceleration at a SYNC, over the square of a step and over a step."""
 INSIDE = "what a cubic between two SYNCs does not see"
 _EXACT = 1e-9
 """Of a speed, and mm/s: so far the speed of a straight step is off by rounding at most."""
@@ -56,13 +62,14 @@ class Largest(NamedTuple):
 class Motion:
     """Motion of an axis at SYNCs. times_ns, position_mm, speed_mm_s: shape (n,).
 
-    unexplained_mm: what the neighbours of each step leave unexplained, shape (n - 1,).
+    doubts_mm, doubts_mm_s: how well both are known inside each step, shape (n - 1,).
     """
 
     times_ns: Times
     position_mm: Signal
     speed_mm_s: Signal
-    unexplained_mm: Signal
+    doubts_mm: Signal
+    doubts_mm_s: Signal
 
     @cached_property
     def _steps_s(self) -> Signal:
@@ -72,12 +79,7 @@ class Motion:
     @cached_property
     def _pieces(self) -> npt.NDArray[np.float64]:
         """Coefficients of each cubic, shape (4, n - 1)."""
-        x, v, steps_s = self.position_mm, self.speed_mm_s, self._steps_s
-        pieces = np.array(coefficients(steps_s, (x[:-1], v[:-1], x[1:], v[1:])))
-        straight = is_straight(steps_s, x, v)
-        pieces[1, straight] = (np.diff(x) / steps_s)[straight]
-        pieces[2:, straight] = 0.0
-        return pieces
+        return _pieces(self._steps_s, self.position_mm, self.speed_mm_s)
 
     def at(self, time_ns: TimeNs) -> State | None:
         """Return the state at an instant, None outside of the rows."""
@@ -87,13 +89,13 @@ class Motion:
         row = int(np.searchsorted(times, time_ns, side="right")) - 1
         if time_ns == times[row]:
             return State(float(self.position_mm[row]), float(self.speed_mm_s[row]), 0.0, 0.0)
-        since_s, off_mm = float(time_ns - times[row]) * 1e-9, float(self.unexplained_mm[row])
+        since_s = float(time_ns - times[row]) * 1e-9
         begin, rate, square, cube = (float(part) for part in self._pieces[:, row])
         return State(
             begin + since_s * (rate + since_s * (square + since_s * cube)),
             rate + since_s * (2.0 * square + since_s * 3.0 * cube),
-            SHARE * off_mm,
-            SPEED_SHARE * off_mm / float(self._steps_s[row]),
+            float(self.doubts_mm[row]),
+            float(self.doubts_mm_s[row]),
         )
 
     def farthest(self, from_mm: float, begin_ns: TimeNs, end_ns: TimeNs) -> Largest | None:
@@ -106,7 +108,7 @@ class Motion:
             away_mm = np.maximum(
                 away_mm, abs(first + t * (rate + t * (square + t * cube)) - from_mm)
             )
-        return largest(away_mm, SHARE * self.unexplained_mm[inside])
+        return largest(away_mm, self.doubts_mm[inside])
 
     def fastest(self, begin_ns: TimeNs, end_ns: TimeNs) -> Largest | None:
         """Return the largest speed between two instants; None: no step is there."""
@@ -116,8 +118,7 @@ class Motion:
         for at_s in (begin_s, end_s, -square / np.where(cube == 0.0, np.inf, 3.0 * cube)):
             t = np.clip(at_s, begin_s, end_s)
             speed_mm_s = np.maximum(speed_mm_s, abs(rate + t * (2.0 * square + t * 3.0 * cube)))
-        doubt_mm_s = SPEED_SHARE * self.unexplained_mm[inside] / self._steps_s[inside]
-        return largest(speed_mm_s, doubt_mm_s)
+        return largest(speed_mm_s, self.doubts_mm_s[inside])
 
     def _inside(self, begin_ns: TimeNs, end_ns: TimeNs) -> tuple[slice, Signal, Signal]:
         """Return the steps that are between two instants, and from where to where each is, s."""
@@ -159,23 +160,52 @@ def is_straight(steps_s: Signal, position_mm: Signal, speed_mm_s: Signal) -> npt
     return straight
 
 
-def unexplained_mm(times_ns: Times, position_mm: Signal, speed_mm_s: Signal) -> Signal:
-    """Return what the neighbours of each step leave unexplained, mm, shape (n - 1,).
+def _pieces(steps_s: Signal, x: Signal, v: Signal) -> npt.NDArray[np.float64]:
+    """Return the coefficients of the cubic of each step, shape (4, n - 1); straight ones alike."""
+    pieces = np.array(coefficients(steps_s, (x[:-1], v[:-1], x[1:], v[1:])))
+    straight = is_straight(steps_s, x, v)
+    pieces[1, straight] = (np.diff(x) / steps_s)[straight]
+    pieces[2:, straight] = 0.0
+    return pieces
+
+
+def motion(times_ns: Times, position_mm: Signal, speed_mm_s: Signal) -> Motion:
+    """Return the motion through rows, shape (n,), with its doubts; none in straight steps.
 
     The ends have one neighbour only: what the inner row beside them says counts there. Of less than
     three rows nothing can be said: the whole change of the speed over the time counts.
     """
     x, v, steps_s = position_mm, speed_mm_s, np.diff(times_ns) * 1e-9
+    off_mm, jump_mm_s2 = np.zeros(len(x)), np.zeros(len(x))
     if len(x) < 3:
-        return np.abs(np.diff(v)) * steps_s
-    off_mm = np.zeros(len(x))
+        off_mm[:] = np.ptp(v) * np.sum(steps_s) / SHARE if len(x) else 0.0
+    else:
+        off_mm[1:-1] = _unexplained_mm(steps_s, x, v)
+        _, _, square, cube = _pieces(steps_s, x, v)
+        ends_mm_s2 = 2.0 * square + 6.0 * cube * steps_s
+        jump_mm_s2[1:-1] = np.abs(2.0 * square[1:] - ends_mm_s2[:-1])
+    moves = ~is_straight(steps_s, x, v)
+    off_mm, jump_mm_s2 = (
+        np.where(moves, np.maximum(each[:-1], each[1:]), 0.0) for each in (off_mm, jump_mm_s2)
+    )
+    return Motion(
+        times_ns,
+        x,
+        v,
+        np.maximum(SHARE * off_mm, OF_JUMP * jump_mm_s2 * steps_s**2),
+        np.maximum(SPEED_SHARE * off_mm / steps_s, SPEED_OF_JUMP * jump_mm_s2 * steps_s),
+    )
+
+
+def _unexplained_mm(steps_s: Signal, x: Signal, v: Signal) -> Signal:
+    """Return what the neighbours of each inner row leave unexplained, mm, shape (n - 2,)."""
     before_s, both_s = steps_s[:-1], steps_s[:-1] + steps_s[1:]
     begin, rate, square, cube = coefficients(both_s, (x[:-2], v[:-2], x[2:], v[2:]))
     place = begin + before_s * (rate + before_s * (square + before_s * cube))
     speed = rate + before_s * (2.0 * square + before_s * 3.0 * cube)
     of_speed_mm = both_s / 2.0 * abs(speed - v[1:-1])
-    off_mm[1:-1] = np.maximum(4.0 * abs(place - x[1:-1]), of_speed_mm)
-    return np.where(is_straight(steps_s, x, v), 0.0, np.maximum(off_mm[:-1], off_mm[1:]))
+    found: Signal = np.maximum(4.0 * abs(place - x[1:-1]), of_speed_mm)
+    return found
 
 
 # Of a run
@@ -185,6 +215,31 @@ def state_at(observed: Observed, axis: str, time_ns: TimeNs) -> State | None:
     """Return the true state of an axis at an instant, None outside of the recorded time."""
     row = observed.index_at(time_ns)
     return _motion(observed, axis, row, row + 1).at(time_ns)
+
+
+def state_ahead(observed: Observed, axis: str, time_ns: TimeNs) -> State | None:
+    """Return the state at an instant if the axis goes on as it did up to the SYNC before.
+
+    Of an instant at which something bends the motion, as a stop does. None without a step before.
+    """
+    row = observed.index_at(time_ns)
+    if row < 1 or not len(observed):
+        return None
+    rows = slice(max(row - 1 - _PADDING, 0), row + 1)
+    times_ns = observed.instants(rows)
+    x, v = (observed.column(axis, name, rows) for name in ("truth_mm", "velocity_mm_s"))
+    whole = motion(times_ns, x, v)
+    step_s, on_s = (times_ns[-1] - times_ns[-2]) * 1e-9, (time_ns - int(times_ns[-1])) * 1e-9
+    _, _, square, cube = coefficients(step_s, (x[-2], v[-2], x[-1], v[-1]))
+    gain_mm_s2 = float(2.0 * square + 6.0 * cube * step_s)
+    # Nothing is known of what comes: the speed may change as it did from step to step before
+    bend_mm_s = float(np.max(np.abs(np.diff(v, 2)), initial=0.0))
+    return State(
+        float(x[-1] + on_s * (v[-1] + 0.5 * on_s * gain_mm_s2)),
+        float(v[-1] + on_s * gain_mm_s2),
+        float(whole.doubts_mm[-1]) + bend_mm_s * on_s,
+        float(whole.doubts_mm_s[-1]) + bend_mm_s,
+    )
 
 
 def farthest(
@@ -202,11 +257,10 @@ def fastest(observed: Observed, axis: str, begin_ns: TimeNs, end_ns: TimeNs) -> 
 
 
 def doubts_before(observed: Observed, axis: str, first: int, last: int) -> Signal:
-    """Return how well the position is known in the steps that end in some rows, shape (n,)."""
+    """Return how well the position is known in the steps that end in some rows, mm, shape (n,)."""
     doubts_mm = np.zeros(last - first)
-    begin = max(first - 1, 0)
-    unknown_mm = _motion(observed, axis, begin, last - 1).unexplained_mm
-    doubts_mm[len(doubts_mm) - len(unknown_mm) :] = SHARE * unknown_mm
+    known_mm = _motion(observed, axis, max(first - 1, 0), last - 1).doubts_mm
+    doubts_mm[len(doubts_mm) - len(known_mm) :] = known_mm
     return doubts_mm
 
 
@@ -228,6 +282,6 @@ def _motion(observed: Observed, axis: str, first: int, last: int) -> Motion:
     around = slice(max(first - _PADDING, 0), min(last + 1 + _PADDING, len(observed)))
     times_ns = observed.instants(around)
     x, v = (observed.column(axis, name, around) for name in ("truth_mm", "velocity_mm_s"))
-    own = slice(first - around.start, last + 1 - around.start)
+    whole, own = motion(times_ns, x, v), slice(first - around.start, last + 1 - around.start)
     steps = slice(own.start, own.stop - 1)
-    return Motion(times_ns[own], x[own], v[own], unexplained_mm(times_ns, x, v)[steps])
+    return Motion(times_ns[own], x[own], v[own], whole.doubts_mm[steps], whole.doubts_mm_s[steps])

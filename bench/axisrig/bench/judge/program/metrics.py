@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from axisrig.bench.judge.observed.motion import (
     INSIDE,
@@ -142,13 +143,23 @@ def _cnc_lag(observed: Observed, axis: str) -> Largest | None:
 
 
 def _drive_lag(observed: Observed, axis: str) -> Largest | None:
-    """Return the largest lag in the drive. Between two SYNCs the motor is a cubic as the load is:
-    it is known as well as that one (inferred: its own motion is in no column).
+    """Return the largest lag in the drive; between two SYNCs the motor is a cubic (`lag.py`).
+
+    Its doubt is read from the positions of the encoder around each step: 1/48 of their fourth
+    difference. A jump of the acceleration puts it off by 1.2 of that at most, a vibration of up to
+    half a period in a step by 2.6. What its demand does at every SYNC is in the load as well.
     """
     found = []
     for part in observed.parts(_rows(observed)):
         values = part.observed.column(axis, "drive_lag_peak_mm", part.inside)
-        doubts_mm = doubts_before(observed, axis, part.begin, part.begin + len(values))
+        first, last = part.begin, part.begin + len(values)
+        around = slice(max(first - 3, 0), min(last + 3, len(observed)))
+        fourth = np.abs(np.diff(observed.column(axis, "actual_mm", around), 4))
+        # Each is of five rows; the four that have both ends of a step count for it
+        of_steps = sliding_window_view(np.pad(fourth, 4), 4).max(axis=1)[first - around.start :]
+        doubts_mm = np.maximum(
+            of_steps[: len(values)] / 48.0, doubts_before(observed, axis, first, last)
+        )
         found.append(largest(values, doubts_mm))
     return together(found)
 

@@ -34,6 +34,11 @@ class Stop:
         share = math.pow(linear_m / self.reference_m, 1.0 / self.exponent)
         return self.reference_m * share * 1e3
 
+    def doubt_n(self, force_n: float, off_mm: float) -> float:
+        """Return what a penetration that is known to off_mm says of a force: dF = n F dp/p."""
+        deep_mm = self.penetration_mm(force_n)
+        return self.exponent * force_n * off_mm / deep_mm if deep_mm > 0.0 else 0.0
+
 
 def drive_limit_n(rated_torque_mnm: int, lead_um: float, per_mille: Sequence[int]) -> float:
     """Return the force of a motor at its torque limits, of which the least acts.
