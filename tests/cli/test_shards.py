@@ -2,6 +2,7 @@
 
 import csv
 import re
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -111,6 +112,25 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
     assert code == 0
     assert "in several folders, with equal results: plan-a" in err
     assert _content(place / "twice") == _content(place / "whole")
+
+
+def test_shares_with_other_values_of_one_run_are_not_joined(place: Path, called: Call) -> None:
+    """The same frames and verdict, another value; another uncertainty; another limit."""
+    plan = _plan(place, ROWS[0])
+    called("run", plan, "-o", "s1", "--shard", "1/1")
+    shutil.copytree(place / "s1", place / "s2")
+    results = place / "s2" / "results.csv"
+    text = results.read_text(encoding="utf-8")
+    head, *rows = text.splitlines()
+    columns = head.split(",")
+    assert called("merge", "s1", "s2", "-o", "equal")[0] == 0
+    for name in ("value", "uncertainty", "upper", "note"):
+        cells = rows[0].split(",")
+        cells[columns.index(name)] = "7.5"
+        results.write_text("\n".join([head, ",".join(cells), *rows[1:], ""]), encoding="utf-8")
+        code, _, err = called("merge", "s1", "s2", "-o", name)
+        assert code == 2, name
+        assert "another result" in err
 
 
 @pytest.mark.long

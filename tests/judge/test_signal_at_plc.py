@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,16 +10,21 @@ import pyarrow as pa
 import pytest
 from tests.recordings import facts
 
+from axisrig.bench.campaign.preparing import settings_of
+from axisrig.bench.judge.latch.truth import touch
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.record.axes import AxisRecord, Edge, ProbeRecord
 from axisrig.bench.record.facts import Facts, Timing
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.bench.record.series import Series
+from axisrig.bench.tools.budget.instants import instants_at_plc
 from axisrig.kernel.time.clock import MS, US
 
+PLANS = Path(__file__).parents[2] / "testplans"
 SPEED_MM_S = -10.0
 SYNC_NS, CYCLE_NS = 48 * US, 600 * US
 TIMING = Timing(MS, CYCLE_NS, 0)
@@ -163,3 +169,35 @@ def test_external_hardware_keeps_what_it_has_seen_for_a_slow_cnc() -> None:
             edges, 12 * MS + CYCLE_NS, 12 * MS + SYNC_NS, task=task, source=source, timing=timing
         )
         assert found(observed)[0].value == value
+
+
+@pytest.mark.parametrize(("busy_us", "sync_ms"), [(0, 10), (200, 10), (400, 11), (2500, 15)])
+def test_the_time_that_the_plc_needs_counts(busy_us: int, sync_ms: int) -> None:
+    """Read at 10.3 ms, written so much later, seen at 10.6, 11.6 ...; above 2 ms read at 12.3."""
+    task = replace(TASK, busy_ns=busy_us * US)
+    edges = [(10 * MS, True)]
+    observed = left(edges, sync_ms * MS + CYCLE_NS, sync_ms * MS + SYNC_NS, task=task)
+    late, error = found(observed)
+    assert late.value == 0.0
+    assert error.value == pytest.approx(0.0, abs=1e-9)
+    seen = touch(observed, "Z")
+    assert seen is not None
+    case = next(c for c in read_plan(PLANS / "plc_sources.csv").cases if c.case == "plc-f600")
+    instants = instants_at_plc(observed, seen, "Z", settings_of(case))
+    assert instants is not None
+    assert instants.value_ns == sync_ms * MS + SYNC_NS
+
+
+@pytest.mark.parametrize(("busy_us", "sync_ms"), [(0, 12), (400, 13)])
+def test_it_counts_with_a_probe_at_the_drive_too(busy_us: int, sync_ms: int) -> None:
+    """60FD of the SYNC at 10.048 is shown at 10.6, read at 12.3, seen at 12.6 or a cycle later."""
+    task = replace(TASK, busy_ns=busy_us * US, probes=())
+    observed = left([(10 * MS, True)], 0, 0, task=task)
+    axis = replace(observed.axes["Z"], signals={"probe_1": "probe"})
+    observed = Observed(replace(observed.facts, axes={"Z": axis}), observed.series)
+    seen = touch(observed, "Z")
+    assert seen is not None
+    case = next(c for c in read_plan(PLANS / "plc_sources.csv").cases if c.case == "plc-f600")
+    instants = instants_at_plc(observed, seen, "Z", settings_of(case))
+    assert instants is not None
+    assert (instants.sampled_ns, instants.value_ns) == (10 * MS + SYNC_NS, sync_ms * MS + SYNC_NS)

@@ -60,6 +60,17 @@ def test_equal_and_missing_runs_are_named_and_not_counted() -> None:
     assert (entry["n"], entry["equal"], entry["missing"]) == (6, ["p-a-6"], ["p-a-7"])
 
 
+@pytest.mark.parametrize("verdict", ["aborted", "error"])
+def test_a_run_that_did_not_end_gives_no_value(verdict: str) -> None:
+    """What it has measured until then is in its row, 99 um."""
+    checks, cases = rows((*VALUES, 99.0))
+    checks[6]["verdict"] = verdict
+    entry = only(statistics_data(checks, cases))
+    assert (entry["n"], entry["missing"]) == (6, ["p-a-6"])
+    checks[6]["verdict"] = "inconclusive"
+    assert only(statistics_data(checks, cases))["n"] == 7
+
+
 def test_columns_that_the_runs_vary_have_slope_and_share() -> None:
     feeds = ["300", "300", "600", "600", "900", "900"]
     values = [1.0, 1.2, 2.0, 2.2, 3.0, 3.2]

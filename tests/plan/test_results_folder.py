@@ -259,6 +259,23 @@ def test_a_second_campaign_is_told_who_holds_the_folder(plan: Plan, tmp_path: Pa
 
 
 @posix
+def test_two_names_of_one_folder_are_one_lock(plan: Plan, tmp_path: Path) -> None:
+    """A link to it, a way with .., and a name from the folder above."""
+    out, link = tmp_path / "out", tmp_path / "link"
+    out.mkdir()
+    link.symlink_to(out)
+    for name in (link, tmp_path / "out" / ".." / "out", link / "."):
+        with FolderLock(out), pytest.raises(UserError, match="in use"), FolderLock(name):
+            pass
+        with FolderLock(name), pytest.raises(UserError, match="in use"), FolderLock(out):
+            pass
+    with FolderLock(link):  # and its end is that of both
+        pass
+    with FolderLock(out), FolderLock(tmp_path / "other"):
+        pass
+
+
+@posix
 def test_the_lock_of_another_process_ends_with_it(plan: Plan, tmp_path: Path) -> None:
     out = tmp_path / "out"
     ready, tell = os.pipe()

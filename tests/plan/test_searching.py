@@ -9,16 +9,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.plan.searching import PROBES_MAX, Bracket, Search, bisect
+from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
 HEAD = "case,program,rig,search:plc:V.E.FEED,check:latch_error_um"
 ROW = "a,probe.nc,machine.toml,{},<= 1"
+SEARCHES = (
+    "case,program,rig,search:plc:V.E.FEED,check:latch_error_um,check:search_good,check:search_bad\n"
+    "a,probe.nc,machine.toml,200 .. 3000 to 200,<= 1,>= 1,>= 1\n"
+)
 
 
 def searched(search: Search, holds: Callable[[Decimal], bool]) -> tuple[Bracket, list[str]]:
@@ -69,6 +77,42 @@ def test_a_limit_outside_the_range_is_said(holds: bool, words: str) -> None:
     assert (found.good, found.bad, tried) == (None, None, ["300", "3000"])
     assert words in found.reason
     assert "plc:V.E.FEED = 300 .. 3000 to 10" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("verdict", "good"),
+    [
+        (Verdict.PASS, "1400"),
+        (Verdict.MARGINAL, "1400"),
+        (Verdict.INCONCLUSIVE, "600"),
+        (Verdict.FAIL, "600"),
+    ],
+)
+def test_a_probe_holds_that_passes_or_is_marginal(
+    write_plan: PlanWriter, verdict: Verdict, good: str
+) -> None:
+    """Passes to 600, then the verdict to 1400, then fails: inconclusive does not hold."""
+    (case,) = read_plan(write_plan(SEARCHES)).cases
+
+    def probe(one: Case) -> CaseResult:
+        value = float(one.inputs["plc:V.E.FEED"])
+        of_value = Verdict.PASS if value <= 600 else verdict if value <= 1400 else Verdict.FAIL
+        return CaseResult(one, of_value, [])
+
+    found = {check.check.name: check.value for check in run_search(case, probe).checks}
+    good_value, bad_value = (found[name] for name in ("search_good", "search_bad"))
+    assert isinstance(good_value, float)
+    assert isinstance(bad_value, float)
+    assert good_value <= float(good) < bad_value <= good_value + 200
+
+
+@pytest.mark.parametrize("verdict", [Verdict.ABORTED, Verdict.ERROR])
+def test_a_probe_without_a_verdict_ends_the_search(
+    write_plan: PlanWriter, verdict: Verdict
+) -> None:
+    (case,) = read_plan(write_plan(SEARCHES)).cases
+    result = run_search(case, lambda one: CaseResult(one, verdict, []))
+    assert (result.verdict, len(result.probes)) == (verdict, 1)
 
 
 def test_values_have_the_decimals_of_the_cell(write_plan: PlanWriter) -> None:

@@ -50,7 +50,13 @@ def compared(before: Path, after: Path) -> Comparison:
         ("pass", "pass", False),
         ("pass", "marginal", True),
         ("marginal", "pass", False),
+        ("pass", "inconclusive", True),
+        ("marginal", "inconclusive", True),
+        ("inconclusive", "marginal", False),
         ("inconclusive", "fail", True),
+        ("inconclusive", "aborted", True),
+        ("fail", "inconclusive", False),
+        ("aborted", "error", True),
         ("fail", "error", True),
         ("error", "fail", False),
     ],
@@ -227,6 +233,32 @@ def test_a_trend_has_mean_and_spread_of_each_campaign(tmp_path: Path) -> None:
         trend(folders, "mm")
     with pytest.raises(UserError, match="no folder has such values"):
         trend(folders, "m", "other")
+
+
+@pytest.mark.parametrize("first", ["9", "-"])
+def test_a_trend_has_the_limits_of_the_last_folder(tmp_path: Path, first: str) -> None:
+    """It was another one, or none, before; a folder without the metric changes nothing."""
+    folders = [
+        read_results(folder(tmp_path / name, "c r0 pass h 1", checks=checks))
+        for name, checks in (
+            ("a", (f"r0,m,1.0,,{first},0,pass",)),
+            ("b", ("r0,m,1.1,0.5,4,0,pass",)),
+            ("c", ("r0,other,1.1,,7,0,pass",)),
+        )
+    ]
+    (case,) = trend(folders, "m").cases
+    assert case.limits == (0.5, 4.0)
+    (case,) = trend(folders[1::-1], "m").cases
+    assert case.limits == ((9.0,) if first == "9" else ())
+
+
+@pytest.mark.parametrize("verdict", ["inconclusive", "aborted"])
+def test_a_new_run_that_is_no_pass_is_worse(tmp_path: Path, verdict: str) -> None:
+    a = folder(tmp_path / "a", "c r0 pass h 1")
+    b = folder(tmp_path / "b", "c r0 pass h 1", f"d r1 {verdict} k 2")
+    assert compared(a, b).worse()
+    c = folder(tmp_path / "c", "c r0 pass h 1", "d r1 marginal k 2")
+    assert not compared(a, c).worse()
 
 
 def test_the_overlay_holds_the_ends_of_the_signals() -> None:
