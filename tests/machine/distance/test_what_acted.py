@@ -132,6 +132,20 @@ def test_3d_control_by_words_of_the_program(run: Run) -> None:
     )
 
 
+def test_3d_control_along_an_axis_over_a_tilted_workpiece(run: Run) -> None:
+    """1 mm of Z is cos 30 deg of the distance: the limit of kp is divided by it."""
+    program = (
+        "V.G.WZ_AKT.L=80; #TRAFO ON; #DIST CTRL [SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR];"
+        " #DIST CTRL ON [CONST_DIST SET_DIST=69.28 MODE=ACS DIRECTION=Z KP=0.2]; G04 0.02"
+    )
+    limits = ("max_act_value_change=9000000", "optimized_scheduling=1", "max_pos=9000000")
+    listed = [f"set:channel.dist_ctrl[0].{word}" for word in limits]
+    tilted = "plant:gap.workpiece_tilt_x_deg=30"
+    seen = run(program, *listed, tilted, base="distance-5axis-orthogonal.toml")
+    limit = mean_limit(4, 1) / math.cos(math.radians(30.0))
+    assert seen.value("distance_kp_limit") == pytest.approx(limit, abs=1e-6)
+
+
 # Errors
 
 

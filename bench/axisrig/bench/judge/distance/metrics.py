@@ -28,7 +28,7 @@ SETTLED_MM, SETTLED_SHARE = 0.005, 0.01
 
 
 def _increment_um(truth: DistanceTruth) -> float:
-    return truth.listed.mm_per_increment * UM
+    return truth.increment_mm * UM
 
 
 def _loop(truth: DistanceTruth, stretch: Stretch) -> Loop:
@@ -92,7 +92,7 @@ def distance_kp_limit(truth: DistanceTruth) -> Observation:
 def distance_growth(truth: DistanceTruth) -> Observation:
     """Factor per cycle by which the steps of the offset change when nothing excites them."""
     found = stretches.envelope(truth, stretches.last_active(truth))
-    return Observation(found.growth, note=f"{found.note}, {found.cycles} cycles")
+    return Observation(found.growth, found.uncertainty, found.note)
 
 
 @_of_axis
@@ -106,8 +106,10 @@ def distance_growth_expected(truth: DistanceTruth) -> Observation:
 def distance_stability(truth: DistanceTruth) -> Observation:
     """Say whether the steps of the offset died away."""
     found = stretches.envelope(truth, stretches.last_active(truth))
-    word = "stable" if found.growth < 1.0 else "unstable"
-    return Observation(word, note=f"factor {found.growth:.5g} per cycle: {found.note}")
+    doubt = f"factor {found.growth:.5g} per cycle: {found.note}"
+    if not found.stability:
+        raise NoClosedFormError(f"neither stable nor unstable for sure, {doubt}")
+    return Observation(found.stability, note=doubt)
 
 
 # Errors

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axisrig.bench.judge.distance.decay import growth_of
 from axisrig.bench.judge.distance.times import Unbroken
 from axisrig.bench.judge.distance.truth import (
     FOLLOWING,
@@ -27,7 +28,14 @@ JUDGED_SHARE = 0.2
 SETTLED_SHARE = 1e-3
 """What may be left of the transient when the judged share begins."""
 _EVEN_MM = 2e-7
+# Of a surface below an inclined tool, for what its axes leave: least, and share of its way
+_INCLINED_MM, _INCLINED = 1e-5, 0.01
+_LEAST_REST, _DIGITS = 30, 7
+# A loop that is excited all the time shows how it grows or dies away only so far from 1
+_SURE, _SURE_AT_LEAST = 2.0, 1e-3
+EXCITED = "something excites the offset all the time, and it neither grows nor dies away"
 NEVER_ON = "distance control was never on"
+_RESTS = 6.0  # steps of so many increments of the sensor, with kp 0.1 at least, are rest
 _RINGS = 0.9
 """What is left of the steps of an earlier half in a limit cycle, at least."""
 
@@ -195,45 +203,75 @@ def must_not_clamp(truth: DistanceTruth, part: Stretch) -> None:
 
 @dataclass(frozen=True)
 class Envelope:
-    """How the steps of the offset grow or die away: factor per cycle, over so many cycles."""
+    """How the steps of the offset grow or die away: factor per cycle, its uncertainty, a note.
+
+    count: cycles in which it is seen.
+    """
 
     growth: float
-    cycles: int
+    uncertainty: float
     note: str
+    count: int = 0
+
+    @property
+    def stability(self) -> str:
+        """Say stable or unstable; empty where the uncertainty leaves it open.
+
+        Steps that are what they were at the begin have not died away.
+        """
+        if self.growth + self.uncertainty < 1.0:
+            return "stable"
+        least = max(self.growth - self.uncertainty, 0.0)
+        return "unstable" if least >= 1.0 or least**self.count >= _RINGS else ""
 
 
 def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     """Measure the factor by which the steps of the offset change per cycle.
 
-    From the last event (surface, set value, start) on, as far as no limit acts and the steps are
-    above some increments of the sensor. Raises NoClosedFormError.
+    From the last event (surface, set value, start, end of a hold) on, as far as no limit acts and
+    the steps are above the increments of the sensor. Raises NoClosedFormError where nothing moved,
+    and where something excites a loop all the time that neither grows nor dies away.
     """
-    begin = _last_event(truth, stretch)
+    last = _last_event(truth, stretch)
+    is_excited = last >= stretch.end - _LEAST_REST
+    begin = stretch.begin if is_excited else last
     clamped = _where(truth, slice(begin, stretch.end), _is_clamped)
+    end = stretch.end
     if clamped is not None and clamped.last - begin >= stretch.end - begin - 40:
-        if clamped.first - begin < 30:
+        if clamped.first - begin < _LEAST_REST:
             return _limited(truth, stretch, begin)
         end = clamped.first
-    else:
-        begin = clamped.last + 1 if clamped is not None else begin
-        end = stretch.end
-    floor = _floor(truth, stretch)
-    above = _where(truth, slice(begin, end), lambda some: np.abs(some["step_mm"]) > floor)
-    if above is None and clamped is not None:
-        return Envelope(0.0, end - begin, f"at rest {end - begin} cycles after the limits acted")
-    if above is None:
+    elif clamped is not None:
+        begin = clamped.last + 1
+    noise_mm = _rounding_mm(truth, stretch)
+    moved = _where(truth, slice(begin, end), lambda some: np.abs(some["step_mm"]) > noise_mm)
+    if moved is None and clamped is not None:
+        return Envelope(0.0, 0.0, f"at rest {end - begin} cycles after the limits acted")
+    if moved is None:
         raise NoClosedFormError("nothing moved: what nothing excites shows no stability")
     # A filter and the dead cycles have to fill first
     first = begin + int(stretch.listed.control.count) + truth.dead.dead + 3
-    end = above.last + 1
-    if end - first < 24:
-        return Envelope(0.0, end - begin, f"died away within {end - begin} cycles")
-    return Envelope(_slope(truth, first, end), end - first, "largest steps of both halves")
+    steps = truth.gathered(lambda some: some["step_mm"], slice(min(first, end), end))
+    found = growth_of(steps, noise_mm)
+    if found is None:
+        return Envelope(0.0, 0.0, f"died away within {end - begin} cycles")
+    if is_excited and abs(found.factor - 1.0) <= max(_SURE * found.uncertainty, _SURE_AT_LEAST):
+        raise NoClosedFormError(EXCITED)
+    note = f"largest pole of {found.values} steps"
+    return Envelope(round(found.factor, _DIGITS), found.uncertainty, note, found.values)
 
 
-def _floor(truth: DistanceTruth, stretch: Stretch) -> float:
-    """Return the size of steps, mm, that some increments of the sensor make by themselves."""
-    return 6.0 * truth.listed.mm_per_increment * max(stretch.kp, 0.1)
+def _rounding_mm(truth: DistanceTruth, stretch: Stretch) -> float:
+    """Return what an increment of the sensor makes of a step: P part, and D part by the filter.
+
+    A filter lowers noise; the rounding of a slow signal is none, so that the P part has it whole.
+    """
+    loop = truth.loop(stretch.mode, stretch.listed)
+    smooth, gain = loop.smoothing, 1.0
+    if loop.derivative:
+        changes = replace(smooth, numerator=np.convolve(smooth.numerator, [1.0, -1.0]))
+        gain += loop.derivative * changes.noise_gain
+    return truth.increment_mm * stretch.kp * gain
 
 
 def _limited(truth: DistanceTruth, stretch: Stretch, begin: int) -> Envelope:
@@ -246,37 +284,27 @@ def _limited(truth: DistanceTruth, stretch: Stretch, begin: int) -> Envelope:
         # What follows the motion to the surface: the second half, and that in halves
         begin += (stretch.end - begin) // 2
         half = (stretch.end - begin) // 2
-        _, early = _largest_step(truth, slice(begin, begin + half))
-        _, late = _largest_step(truth, slice(begin + half, begin + 2 * half))
-        if early <= _floor(truth, stretch):
-            return Envelope(0.0, stretch.end - begin, "died away before the last half")
+        at_early, early = _largest_step(truth, slice(begin, begin + half))
+        at_late, late = _largest_step(truth, slice(begin + half, begin + 2 * half))
+        if early <= _RESTS * truth.increment_mm * max(stretch.kp, 0.1):
+            return Envelope(0.0, 0.0, "died away before the last half")
         if late < _RINGS * early:
+            factor = (late / early) ** (1.0 / max(at_late - at_early, 1))
             note = "largest steps of the last two quarters, in which the slope acts"
-            return Envelope(_slope(truth, begin, stretch.end), stretch.end - begin, note)
-    return Envelope(math.inf, 0, "the limits act all the time: a limit cycle")
+            return Envelope(factor, (1.0 - factor) / 3.0, note)
+    return Envelope(math.inf, 0.0, "the limits act all the time: a limit cycle")
+
+
+def _largest_step(truth: DistanceTruth, rows: slice) -> tuple[int, float]:
+    """Return row and size of the first of the largest steps."""
+    steps = np.abs(truth.gathered(lambda some: some["step_mm"], rows))
+    at = int(np.argmax(steps))
+    return rows.start + at, float(steps[at])
 
 
 def _is_clamped(truth: DistanceTruth) -> Flags:
     clamped: Flags = np.abs(np.abs(truth["step_mm"]) - np.abs(truth["delta_mm"])) > 1e-9
     return clamped
-
-
-def _slope(truth: DistanceTruth, begin: int, end: int) -> float:
-    half = (end - begin) // 2
-    at_early, early = _largest_step(truth, slice(begin, begin + half))
-    at_late, late = _largest_step(truth, slice(begin + half, begin + 2 * half))
-    ratio = float(late / early)
-    return float(ratio ** (1.0 / max(at_late - at_early, 1)))
-
-
-def _largest_step(truth: DistanceTruth, rows: slice) -> tuple[int, np.float64]:
-    """Return row and size of the first of the largest steps."""
-    found: list[tuple[int, np.float64]] = []
-    for part, begin, inside in truth.parts(rows):
-        steps = np.abs(part["step_mm"][inside])
-        at = int(np.argmax(steps))
-        found.append((begin + at, steps[at]))
-    return found[int(np.argmax([step for _, step in found]))]
 
 
 class _Found(NamedTuple):
@@ -310,16 +338,29 @@ def _last_event(truth: DistanceTruth, stretch: Stretch) -> int:
     # A change in a row is that from the row before; what was before the stretch does not count
     rows, events = slice(stretch.begin + 1, stretch.end), [stretch.begin]
     if truth.has_surface:
-        moved = _where(truth, rows, lambda part: np.abs(_changes_mm(surface_mm(part))) > _EVEN_MM)
+        moved = _where(truth, rows, _has_moved)
         events += [moved.last] if moved is not None else []
-    for name in ("set_pos_mm", "set_dist_mm"):
-        if _where(truth, stretch.rows, lambda part, name=name: np.isnan(part[name])):  # type: ignore[misc]
-            continue  # not set
-        changed = _where(truth, rows, lambda part, name=name: _changes_mm(part[name]) != 0.0)  # type: ignore[misc]
-        events += [changed.last] if changed is not None else []
-    last = max(events)
-    # A surface that moves all the time has no last event
-    return last if last < stretch.end - 30 else stretch.begin
+    column = "set_pos_mm" if stretch.mode == SET_POS else "set_dist_mm"
+    changed = _where(truth, rows, lambda part: _changes_mm(part.wanted_mm(column)) != 0.0)
+    events += [changed.last] if changed is not None else []
+    events += [min(held.end, stretch.end) for held in truth.held if held.begin < stretch.end]
+    return max(events)
+
+
+def _has_moved(truth: DistanceTruth) -> Flags:
+    """Rows in which the surface is elsewhere than in the row before.
+
+    What an inclined tool sees of it changes with the place of the tool (`gap_gain`); what its axes
+    leave of that by their increments is no motion.
+    """
+    assert truth.gap_true_mm is not None
+    tool_mm = _changes_mm(truth["truth_mm"])
+    itself_mm = np.abs(truth.gap_gain * tool_mm - _changes_mm(truth.gap_true_mm))
+    allowed_mm: Signal | float = _EVEN_MM
+    if truth.gap_gain != 1.0:
+        allowed_mm = _INCLINED_MM + _INCLINED * np.abs(tool_mm)
+    moved: Flags = itself_mm > allowed_mm
+    return moved
 
 
 def sine_parts(values: Signal, period_s: float) -> tuple[float, float, complex]:

@@ -5,7 +5,7 @@ positions of all axes; the sensor value counts the other way round, as the law o
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -47,6 +47,7 @@ ALONG_NORMAL = ("actual_mm", "set_mm", "truth_mm")
 _STILL = 1e-7
 # Changes up to these count as none: of the sensor in 0.1 um, of what is superposed in mm
 _QUIET, _QUIET_MM = 20, 1e-3
+_MOVES_MM = 1e-4
 
 
 @dataclass(frozen=True)
@@ -256,7 +257,8 @@ class ToolTruth(DistanceTruth):
             raise NotMeasurableError("distance control was never on")
         begin = next(t.begin for t in self.states if t.value in (ACTIVE, ACTIVE_CONST_DIST))
         rows = slice(begin, None)
-        sensor = np.round(self.gathered(lambda part: part.watched_mm, rows) * 1e4).astype(int)
+        told_mm = np.nan_to_num(self.gathered(lambda part: part.watched_mm, rows))
+        sensor = np.round(told_mm * 1e4).astype(int)
         shifts = self.columns("superposed_mm")[rows]
         first = _first_step(sensor, shifts)
         moved = np.max(np.abs(shifts - shifts[first - 1]), axis=1) > _QUIET_MM
@@ -284,6 +286,9 @@ class ToolTruth(DistanceTruth):
             return 1.0
         row = int(on[-1])
         way = self.way_at(self.observed.time_ns(row))
+        if way is not None and way.mode == ACS:
+            on_now = [c for c in choices(self.observed) if c.begin <= row < c.end]
+            way = replace(way, chain=on_now[-1].chain, count=on_now[-1].count) if on_now else None
         if way is None or way.chain is None:
             return 1.0
         axes = self.columns("truth_mm")[row : row + 1]
@@ -293,6 +298,21 @@ class ToolTruth(DistanceTruth):
             along_tool=sensor.is_along,
             is_normalised=sensor.is_along and sensor.is_normalised,
         )
+
+    @cached_property
+    def gap_gain(self) -> float:
+        """By how much the true distance grows for 1 mm along the normal, as the plant shows it."""
+        if isinstance(self.whole, ToolTruth):
+            return self.whole.gap_gain
+        found = [np.empty(0)]
+        for part, _, _ in self.parts(before=1):
+            if part.gap_true_mm is None:
+                return self.surface_gain
+            rises, gaps = np.diff(part["truth_mm"]), np.diff(part.gap_true_mm)
+            moves = (np.abs(rises) > _MOVES_MM) & part.is_active[1:]
+            found.append(gaps[moves] / rises[moves])
+        ratios = np.concatenate(found)
+        return float(np.median(ratios)) if len(ratios) else self.surface_gain
 
     def axes_allow(self, begin: int, end: int) -> Signal | None:
         """Return speed and acceleration that the axes leave the offset: theirs over their rates.

@@ -19,7 +19,7 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.distance.acting import Acting, acting
 from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, measured, predicted
-from axisrig.bench.oracles.distance.lists import OF_AXIS, Limits, Listed
+from axisrig.bench.oracles.distance.lists import OF_AXIS, PER_MM, Limits, Listed
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
@@ -305,6 +305,11 @@ class DistanceTruth:
         """The entry of `[plc]` that the program has chosen as its sensor; None: 60E4."""
         return self.observed.facts.plc_sensors.get(self.control.variable)
 
+    @property
+    def increment_mm(self) -> float:
+        """Resolution of the sensor value: of 60E4 by the list, of a variable 0.1 um."""
+        return self.listed.mm_per_increment if self.variable is None else 1.0 / PER_MM
+
     @cached_property
     def sensor_age_cycles(self) -> int:
         """Cycles by which the sensor value is older than 6064, by the rig."""
@@ -353,6 +358,11 @@ class DistanceTruth:
     @cached_property
     def surface_gain(self) -> float:
         """By how much the distance grows for 1 mm of offset."""
+        return 1.0
+
+    @property
+    def gap_gain(self) -> float:
+        """By how much the true distance grows for 1 mm of the axis."""
         return 1.0
 
     def loop(self, mode: str, listed: Listed) -> Loop:
