@@ -8,7 +8,8 @@ by cycle, under random overrides and feedholds; the guard of the path judges eve
 import math
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from random import Random
 from types import SimpleNamespace
 from typing import Any
@@ -27,7 +28,7 @@ from axisrig.kernel.nc.text.parser import parse_program
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import MS
 
-LED_CYCLES, CYCLES_MAX = 500, 4000
+LED_CYCLES, CYCLES_MAX = 400, 1200
 INCREMENTS_PER_MM = 2**20 / 10
 STRAIGHT, HEAD = ("X", "Y", "Z", "U"), ("X", "Y", "Z", "C", "A", "U")
 STEPS = (
@@ -196,12 +197,6 @@ class Machine:
         self.passed: Alarm | None = None
         self.refused: int | None = None
 
-    def position_acs_mm(self, axis: str) -> float:
-        return self.path.position_acs_mm(axis)
-
-    def channel_distance(self) -> None:
-        """There is no 3D distance control."""
-
     def _share(self) -> float:
         return self._shares[self.cycles] if self.cycles < len(self._shares) else 1.0
 
@@ -227,12 +222,8 @@ class Machine:
         return self.passed is None and self.cycles < CYCLES_MAX
 
     def run(self) -> "Machine":
-        tables = OffsetTables(rotary=frozenset("CA"))
-        program = parse_program(self.text, axes=self.names)
-        decoder: Any = self
-        interpreter = Interpreter(program, self.names, decoder, external={}, tables=tables)
         try:
-            for command in interpreter.commands():
+            for command in commands_of(self.text, self.names, self.path):
                 self._carry_out(command)
                 while self.path.is_moving and self.cycle():
                     pass
@@ -245,23 +236,49 @@ class Machine:
         return self
 
     def _carry_out(self, command: canon.Command) -> None:
-        path = self.path
-        if isinstance(command, canon.LinearMove):
-            path.move(command.target_mm, None if command.rapid else command.feed_mm_min)
-        elif isinstance(command, canon.ArcMove):
-            where = command.target_mm, command.centre_mm, command.tangent, command.angle_rad
-            path.move_on_arc(*where, command.feed_mm_min)
-        elif isinstance(command, canon.KinematicChoice):
-            path.transformation.choose(command)
-        elif isinstance(command, canon.SlopeChoice):
-            path.programmed.choose(command)
-        elif isinstance(command, canon.DynamicWeights):
-            path.programmed.weigh(command)
-        elif isinstance(command, canon.IndependentMove):
-            while self.independent.are_moving((command.axis,)) and self.cycle():
-                pass
-            if self.cycles < CYCLES_MAX:
-                self.independent.begin(command)
+        if not isinstance(command, canon.IndependentMove):
+            begin(self.path, command)
+            return
+        while self.independent.are_moving((command.axis,)) and self.cycle():
+            pass
+        if self.cycles < CYCLES_MAX:
+            self.independent.begin(command)
+
+
+@dataclass
+class Standing:
+    """What an interpreter asks of a machine."""
+
+    path: Path
+
+    def position_acs_mm(self, axis: str) -> float:
+        return self.path.position_acs_mm(axis)
+
+    def channel_distance(self) -> None:
+        """There is no 3D distance control."""
+
+
+def commands_of(text: str, names: Sequence[str], path: Path) -> Iterator[canon.Command]:
+    """Decode a program whose axes are where a path is."""
+    tables = OffsetTables(rotary=frozenset("CA"))
+    machine: Any = Standing(path)
+    program = parse_program(text, axes=names)
+    yield from Interpreter(program, names, machine, external={}, tables=tables).commands()
+
+
+def begin(path: Path, command: canon.Command) -> None:
+    """Begin what moves a path, or what it chooses; everything else is nothing here."""
+    if isinstance(command, canon.LinearMove):
+        path.move(command.target_mm, None if command.rapid else command.feed_mm_min)
+    elif isinstance(command, canon.ArcMove):
+        where = command.target_mm, command.centre_mm, command.tangent, command.angle_rad
+        path.move_on_arc(*where, command.feed_mm_min)
+    elif isinstance(command, canon.KinematicChoice):
+        path.transformation.choose(command)
+    elif isinstance(command, canon.SlopeChoice):
+        path.programmed.choose(command)
+    elif isinstance(command, canon.DynamicWeights):
+        path.programmed.weigh(command)
 
 
 def run(seed: int) -> Machine:

@@ -3,7 +3,7 @@
 Speeds of paths along two axes are in 3-4-5; every ramp has 1000 mm/s².
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -100,6 +100,85 @@ def test_which_override_acts_on_an_axis_beside_the_path(
     run(bench, beside, wait, path=500, Z=300)
     assert max(speeds_mm_s(bench, "Z")) == pytest.approx(expected_mm_s, abs=2e-6)
     assert bench.final_mm("Z") == 20.0
+
+
+@pytest.mark.parametrize("mode", [OverrideMode.CHANNEL, OverrideMode.LEAST, OverrideMode.AXIS])
+@pytest.mark.parametrize(("released", "expected_mm_s"), [(1000, 50.0), (1200, 60.0)])
+def test_p_chan_00056_bounds_the_override_of_an_axis_beside_the_path_too(
+    channel_bench: Make, words: Any, mode: OverrideMode, released: int, expected_mm_s: float
+) -> None:
+    """150 % of the channel; the axis has 100 %, which is the smaller one and that of the axis."""
+    settings = ChannelSettings(override_max_permille=released)
+    bench = channel_bench(words.axis("Z", override_mode=mode), settings=settings)
+    beside = canon.IndependentMove(Block(1, 10, "N10"), "Z", 20.0, feed_mm_min=3000.0)
+    run(bench, beside, canon.WaitIndependent(Block(2, 20, "N20"), ("Z",)), path=1500)
+    if mode is not OverrideMode.CHANNEL:
+        expected_mm_s = 50.0
+    assert max(speeds_mm_s(bench, "Z")) == pytest.approx(expected_mm_s, abs=2e-6)
+
+
+def in_turns(bench: ChannelBench, course: Callable[[int], Mapping[str, int]]) -> None:
+    """Let the overrides of the path ("") and of axes be those of a course, by the cycle."""
+    plc, turns = bench.channel.plc, iter(range(10**6))
+
+    def turn() -> None:
+        now = {"": 1000, **course(next(turns))}
+        plc.override_permille = now.pop("")
+        for axis, permille in now.items():
+            plc.axis[axis].override_permille = permille
+
+    plc.take_turn = turn
+
+
+@pytest.mark.parametrize("name", ["", "Z"])
+def test_an_override_back_at_100_percent_is_taken_each_time(
+    channel_bench: Make, words: Any, name: str
+) -> None:
+    """30 % and 100 % in turns of 100 cycles, of the path and of an axis: 15 and 50 mm/s."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    in_turns(bench, lambda cycle: {name: 300 if cycle // 100 % 2 else 1000})
+    bench.run([words.move(1, 3000.0, Z=15.0), words.end()])
+    speeds = speeds_mm_s(bench, "Z")
+    first = next(k for k, speed in enumerate(speeds) if speed)
+    seen = [speeds[first + 100 * k + 75] for k in range(4)]
+    assert seen == pytest.approx([50.0, 15.0] * 2, abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("profile", "after"),
+    [
+        ("STEP", lambda _k: {"": 300}),
+        ("TRAPEZ", lambda _k: {"Z": 1}),
+        ("SIN2", lambda k: {"": 1000 - 20 * min(k, 45)}),
+        ("SIN2", lambda k: {"": 1000 if k % 2 else 100}),
+        ("TRAPEZ", lambda _k: {"": 0}),
+    ],
+    ids=["step", "axis", "ramp", "to and fro", "hold"],
+)
+def test_an_override_that_changes_while_the_path_brakes_at_a_signal_leaves_the_brake_alone(
+    channel_bench: Make, words: Any, profile: str, after: Callable[[int], Mapping[str, int]]
+) -> None:
+    """Not a bit of the stop changes; the override is back when the run has ended."""
+
+    def course_of(acts: bool) -> list[float]:
+        bench = channel_bench(words.axis("Z", start_mm=12.5), plane_mm=10.0)
+        signalled: list[int] = []
+
+        def course(cycle: int) -> Mapping[str, int]:
+            run = bench.channel.measurement
+            if run.is_active and bench.channel.interpolator._braking:
+                signalled.append(cycle)
+            brakes = bool(signalled) and cycle <= signalled[0] + 100
+            return after(cycle - signalled[0]) if acts and brakes else {"Z": 1000}
+
+        in_turns(bench, course)
+        choice = canon.SlopeChoice(Block(1, 10, ""), profile)
+        bench.run([choice, words.probe(2, 1800.0, Z=0.0), words.end()])
+        assert signalled
+        assert bench.alarm_ids == []
+        return bench.set_mm("Z")[:350]
+
+    assert course_of(True) == course_of(False)
 
 
 def test_an_override_of_0_holds_the_path_until_it_is_above(channel_bench: Make, words: Any) -> None:

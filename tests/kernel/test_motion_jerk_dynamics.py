@@ -11,7 +11,7 @@ import axisrig.kernel.motion
 from axisrig.kernel.channel.path.programmed import ProgrammedDynamics
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.motion.course import Weights
+from axisrig.kernel.motion.course import State, Weights
 from axisrig.kernel.motion.curves import Arc
 from axisrig.kernel.motion.dynamics import (
     CHANNEL_SETTINGS,
@@ -336,3 +336,37 @@ def test_an_axis_that_leaves_the_channel_loses_the_weight_of_its_ramp_times() ->
     weigh(chosen, "acceleration", 0.5)
     chosen.forget_times("X")
     assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 196, 195)
+
+
+@pytest.mark.parametrize("shape", [TRAPEZ, SIN2])
+@pytest.mark.parametrize(
+    ("weights", "a_mm_s2", "fall_s"),
+    [
+        (Weights(), 1000.0, 0.04),
+        (Weights(acceleration=0.5), 500.0, 0.04),
+        (Weights(fall=3.0), 1000.0, 0.12),
+        (Weights(acceleration=0.5, deceleration=2.0, rise=5.0, fall=0.5), 500.0, 0.02),
+        (Weights(brake_rise=4.0, brake_fall=4.0), 1000.0, 0.04),
+    ],
+)
+def test_before_a_weighted_motion_brakes_its_acceleration_falls_with_the_weighted_jerk(
+    shape: Shape, weights: Weights, a_mm_s2: float, fall_s: float
+) -> None:
+    """From 30 mm/s and the whole acceleration: it falls in its own weighted time, to 30 + a t/2.
+
+    The ramps of the deceleration, 10 and 20 ms here, and their weights have no part in it.
+    """
+    up = JerkSlope(1000.0, 0.05, 0.04, shape)
+    down = JerkSlope(800.0, 0.01, 0.02, shape).after(up)
+    plain = Dynamics(up, down, down, 500.0, None, math.inf, 6000.0)
+    weighted = plain.weighted(weights)
+    state = State(0.0, 30.0, a_mm_s2)
+    for course in (
+        weighted.deceleration.stopped(state),
+        weighted.acceleration.rest(state, 1000.0, 1.0, weighted.deceleration),
+        weighted.deceleration.held(state, 1000.0, weighted.deceleration),
+    ):
+        after = course.state(fall_s)
+        assert after.speed_mm_s == pytest.approx(30.0 + a_mm_s2 * fall_s / 2.0, rel=1e-9)
+        assert course.state(0.999 * fall_s).a_mm_s2 > 0.0
+        assert course.state(1.01 * fall_s).a_mm_s2 < 0.0

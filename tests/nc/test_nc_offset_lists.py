@@ -74,6 +74,23 @@ def test_tools_of_a_list(lists):
     assert tools.find(0) is not None, "D0 is always there"
 
 
+@pytest.mark.parametrize("unit_first", [True, False])
+def test_a_tool_in_inches_has_all_of_its_lengths_in_inches(lists, unit_first):
+    """0.0001 inch: length, radius and offsets, wherever the unit is; the other tool stays in mm."""
+    unit = "wz[3].mass_einheit 1\n"
+    values = "wz[3].laenge 20000\nwz[3].radius 1250\nwz[3].ax_versatz[1] -500\nwz[3].gueltig 1\n"
+    other = "wz[4].mass_einheit 0\nwz[4].radius 1250\nwz[4].gueltig 1\n"
+    text = (unit + values if unit_first else values + unit) + other
+    tools = lists(TOOLS, text).tables(rotary=(), ball_radius_counts=True).tools
+    three, four = tools.find(3), tools.find(4)
+    assert three is not None
+    assert four is not None
+    assert three.length_mm == pytest.approx(50.8)
+    assert three.radius_mm == pytest.approx(3.175)
+    assert three.offsets_mm == pytest.approx({1: -1.27})
+    assert four.radius_mm == 0.125
+
+
 def test_single_values_come_after_the_file(lists):
     both = lists(TOOLS, TOOL_LIST)
     both.set(TOOLS, "wz[5].radius", "30000", Origin("set:tools.wz[5].radius"))

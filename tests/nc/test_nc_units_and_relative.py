@@ -74,6 +74,17 @@ def test_the_actual_position_is_without_the_tool(run):
     assert told(commands) == pytest.approx([10])
 
 
+@pytest.mark.parametrize("name", ["V.G.WZ_AKT", "V.G.WZ[1]"])
+def test_length_and_radius_of_a_tool_are_in_the_unit_of_the_block(run, name):
+    """2 inch and 0.125 inch, read in inches, in mm, and after a program has written inches."""
+    commands = run(
+        f'D1\nG70\n#MSG ["%f %f", {name}.L, {name}.R]\nG71\n#MSG ["%f %f", {name}.L, {name}.R]\n'
+        f'G70\n{name}.L = 1\n{name}.R = 0.5\nG71\n#MSG ["%f %f", {name}.L, {name}.R]',
+        tables=with_tool(length_mm=50.8, radius_mm=3.175),
+    )
+    assert told(commands) == pytest.approx([2.0, 0.125, 50.8, 3.175, 25.4, 12.7])
+
+
 def test_what_a_program_writes_into_the_tool_in_use_ends_with_it(run):
     """V.G.WZ_AKT is what is in use; D takes the data of the list in again."""
     commands = run(
