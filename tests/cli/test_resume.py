@@ -10,10 +10,17 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
 from cli_plan import write_plan
+
+from axisrig.bench.campaign import resuming
+from axisrig.bench.campaign.results.stored import DEPENDS, StoredRun
+from axisrig.bench.campaign.resuming import GoingOn, choose, depends_sha256
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.verdict import Verdict
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
@@ -109,6 +116,51 @@ def test_a_run_whose_files_were_changed_is_run_again(place: Path, axisrig: Call,
         assert (code, _counts(place / "out")) == (0, (0, 1, 1))
         assert f"{words}; it was run again" in err
         assert _content(place / "out") == before
+
+
+def test_the_seed_and_a_telegram_map_of_the_row_decide_whether_a_run_is_kept(place: Path) -> None:
+    """One part of the hash after the other; what stays the same keeps it."""
+    maps = [place / name for name in ("one.csv", "two.csv")]
+    for path in maps:
+        path.write_text("telegram\n", encoding="utf-8")
+    head = "case,program,rig,seed,drive:servo.pdo_map,check:alarms"
+
+    def depends(row: str) -> str:
+        (place / "plan.csv").write_text(f"{head}\n{row}\n", encoding="utf-8")
+        (case,) = read_plan(place / "plan.csv").cases
+        return depends_sha256(case)
+
+    before = depends("a,part.nc,rig.toml,1,one.csv,none")
+    assert before
+    assert depends("a,part.nc,rig.toml,2,one.csv,none") != before
+    assert depends("a,part.nc,rig.toml,1,two.csv,none") != before
+    assert depends("a,part.nc,rig.toml,1,one.csv,== 900006") != before
+    maps[1].write_text("other\n", encoding="utf-8")
+    assert depends("a,part.nc,rig.toml,1,one.csv,none") == before
+    maps[0].write_text("other\n", encoding="utf-8")
+    assert depends("a,part.nc,rig.toml,1,one.csv,none") != before
+
+
+@pytest.mark.parametrize("verdict", list(Verdict))
+def test_an_aborted_run_runs_again_and_a_failed_one_with_failed(
+    place: Path, verdict: Verdict
+) -> None:
+    """Its hash fits; `--resume` keeps every verdict but aborted, `--failed` those that are good."""
+    run = StoredRun({"run": "plan-a", "verdict": verdict.word, DEPENDS: "h"}, [], place, None)
+    stored = SimpleNamespace(runs=[run])
+    (place / "plan.csv").write_text("case,program,rig\na,part.nc,rig.toml\n", encoding="utf-8")
+    cases = read_plan(place / "plan.csv").cases
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(resuming, "is_results_folder", lambda _: True)
+        patch.setattr(resuming, "read_results", lambda _: stored)
+        kept = {
+            going_on: not choose(cases, {"plan-a": "h"}, place, going_on).cases
+            for going_on in (GoingOn.MISSING, GoingOn.FAILED)
+        }
+        other = choose(cases, {"plan-a": "other"}, place, GoingOn.MISSING)
+    assert kept[GoingOn.MISSING] == (verdict is not Verdict.ABORTED)
+    assert kept[GoingOn.FAILED] == (verdict in (Verdict.PASS, Verdict.MARGINAL))
+    assert (len(other.cases), other.changed) == (1, 1)
 
 
 def test_failed_runs_alone(place: Path, axisrig: Call) -> None:

@@ -1,5 +1,6 @@
 """The page: nothing from outside, nothing unescaped, everything that a reader looks for."""
 
+import csv
 import json
 import re
 import shutil
@@ -210,6 +211,27 @@ def test_a_run_without_its_series_keeps_what_needs_none(campaign: Path, tmp_path
     after = Page(whole(build_report(part)))
     assert len(after.find("figure")) == len(before.find("figure")) - 1
     assert len(after.find("pre")) == len(before.find("pre"))
+
+
+def test_cards_are_of_planned_rows_that_are_not_good(campaign: Path, tmp_path: Path) -> None:
+    """A row that the plan no longer has keeps its line, and has no card; the same for a probe."""
+    for column in ("in_plan", "probe"):
+        part = tmp_path / column
+        shutil.copytree(campaign, part)
+        with (part / "cases.csv").open(encoding="utf-8", newline="") as file:
+            table = list(csv.DictReader(file))
+        bad = [row["run"] for row in table if row["verdict"] not in ("pass", "marginal")]
+        before = Page(whole(build_report(part))).find("article", **{"data-run": bad[0]})
+        assert len(before) == 1
+        for row in table:
+            row[column] = "" if row["run"] != bad[0] else {"in_plan": "no"}.get(column, bad[1])
+        with (part / "cases.csv").open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(table)
+        after = Page(whole(build_report(part)))
+        assert after.find("article", **{"data-run": bad[0]}) == []
+        assert len(after.find("article", **{"data-run": bad[1]})) == 1
 
 
 def test_other_folders_are_refused(tmp_path: Path) -> None:
