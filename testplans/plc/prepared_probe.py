@@ -37,15 +37,21 @@ class PreparedProbe:
         self._done_ns: dict[str, int] = {}
         self._is_on: dict[str, bool] = {}
         self._is_enabled: dict[str, bool] = {}
+        self._level: bool | None = None
 
     def cycle(self, inputs: Inputs, hli: Hli) -> None:
-        """Go on with the handshake of each axis, then hand the level of the probe over."""
+        """Go on with the handshake of each axis, then report the edge of its task."""
+        level = inputs.channel[1].input
+        has_changed = self._level is not None and self._level is not level
         for name, axis in hli.ax.items():
             self._serve(name, axis, inputs, hli)
-            signal = axis.lr_mc_control.probing_signal
+            signal, unit = axis.lr_mc_control.probing_signal, axis.lr_mc_control.ext_latch
             signal.enable_w = inputs.wc_state == 0
-            is_wanted = inputs.channel[1].input is (axis.lr_mc_control.ext_latch.edge_r == "POS")
-            signal.command_w = self._is_enabled.get(name, False) and is_wanted
+            if not self._is_enabled.get(name, False):
+                signal.command_w = False
+            elif has_changed and level is (unit.edge_r == "POS"):
+                signal.command_w = True
+        self._level = level
         self.probe_on = any(self._is_on.values())
 
     def _serve(self, name: str, axis: AxisHli, inputs: Inputs, hli: Hli) -> None:
