@@ -6,6 +6,7 @@ One dead cycle (optimized scheduling); 12.8.3: kp 0.3, Tv 0.01 s, mean of 20, 10
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from axisrig.bench.judge.distance.findings import distance_blocks
@@ -92,3 +93,19 @@ def test_a_wrong_law_would_not_follow_the_own_model(run: Run) -> None:
         assert of(seen, "offset_model_error_um").value == pytest.approx(0.0, abs=1e-3)
         hashes.add(seen.facts.frame_log_sha256)
     assert len(hashes) == 3
+
+
+def test_parameters_about_cycles_change_no_dead_cycle(run: Run) -> None:
+    """P-AXIS-00191 and P-AXIS-00276: by frames, by the arithmetic of the rig, and every offset."""
+    other = (
+        "set:Z.antr.nbr_delay_cycles=7",
+        "set:Z.lr_param.field_bus_allows_optimized_schedule=1",
+    )
+    seen = [run(0.2, *items) for items in ((), other)]
+    assert [of(one, "distance_dead_cycles").value for one in seen] == [1, 1]
+    assert [of(one, "distance_dead_cycles_expected").value for one in seen] == [1, 1]
+    first, second = (one.column("Z", "offset_mm") for one in seen)
+    rows = min(len(first), len(second))
+    assert rows > 200
+    assert np.array_equal(first[:rows], second[:rows])
+    assert float(np.max(np.abs(first))) > 0.2
