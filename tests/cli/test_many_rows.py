@@ -71,6 +71,7 @@ def test_of_a_common_plan_every_machine_is_built(place: Path, built: list[object
     assert len(built) == preparing.WHOLE_MAX
 
 
+@pytest.mark.long
 def test_a_cell_of_the_last_row_is_refused_before_anything_runs(place: Path, axisrig: Call) -> None:
     path = _plan(place, {COUNT - 1: "fast"}, feed="much")
     with pytest.raises(UserError, match=f"many.csv:{COUNT + 1}"):
@@ -82,6 +83,7 @@ def test_a_cell_of_the_last_row_is_refused_before_anything_runs(place: Path, axi
     assert not (place / "out").exists()
 
 
+@pytest.mark.long
 def test_what_only_a_machine_shows_is_the_error_of_its_row(place: Path) -> None:
     """A bus too slow for its telegrams: its neighbours have good ones."""
     cases = read_plan(_plan(place, {3: "1000000", 90: "125000"})).cases

@@ -96,10 +96,8 @@ def test_the_folder_that_a_call_names_is_the_one_that_is_written(
     assert sorted(manifest["command"][1:]) == sorted(words)
 
 
-@pytest.mark.parametrize(
-    "name", ["traces/plan-a.parquet", *(pytest.param(name, marks=pytest.mark.long) for name in
-             ("runs/plan-a.json", "bus/plan-a.blf"))],
-)  # fmt: skip
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["traces/plan-a.parquet", "runs/plan-a.json", "bus/plan-a.blf"])
 def test_a_run_whose_files_were_changed_is_run_again(place: Path, axisrig: Call, name: str) -> None:
     """As after a campaign of an older plan whose processes wrote on."""
     plan = write_plan(place, PASSES)

@@ -17,7 +17,7 @@ from axisrig.bench.campaign.results.layout import refuse_links
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import ResultsWriter
-from axisrig.bench.campaign.resuming import stored_arguments
+from axisrig.bench.campaign.resuming import GoingOn, choose, stored_arguments
 from axisrig.bench.cli.main import app
 from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.plan import Plan, read_plan
@@ -74,6 +74,7 @@ NAMES = [
 ]  # fmt: skip
 
 
+@pytest.mark.long(but=3)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_name_that_leads_elsewhere_is_refused(out: Path, tmp_path: Path, name: str) -> None:
     """Also an absolute one: every file of a run has the id of the run, in one of three folders."""
@@ -90,6 +91,7 @@ def test_a_name_that_leads_elsewhere_is_refused(out: Path, tmp_path: Path, name:
         assert contents(tmp_path) == before
 
 
+@pytest.mark.long(but=2)
 @pytest.mark.parametrize(
     "changes",
     [
@@ -312,6 +314,7 @@ def test_a_row_has_the_sha256_of_its_files(logged: Path) -> None:
     assert [run.altered for run in read_results(logged).runs] == [[], [], []]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("name", [*FILES, "bus/probing-b@can 1.pcap"])
 def test_a_file_of_another_run_is_said(logged: Path, name: str) -> None:
     path = logged / name
@@ -326,6 +329,17 @@ def test_a_file_of_another_run_is_said(logged: Path, name: str) -> None:
     assert words in _call("diff", logged, logged)[1]
     path.unlink()  # what is missing is another matter
     assert [run.altered for run in read_results(logged).runs] == [[], [], []]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_run_whose_files_were_changed_does_not_stay(plan: Plan, logged: Path, name: str) -> None:
+    """Neither for `--failed`, although it passed, nor for `--resume`."""
+    hashes = dict.fromkeys((case.run for case in plan.cases), "")
+    assert choose(plan.cases, hashes, logged, GoingOn.FAILED).cases == []
+    (logged / name).write_bytes((logged / name).read_bytes() + b" ")
+    kept = choose(plan.cases, hashes, logged, GoingOn.FAILED)
+    assert [case.run for case in kept.cases] == ["probing-b"]
+    assert kept.altered == [f"probing-b: not as the run has written it: {name}"]
 
 
 def test_a_process_that_outlives_its_campaign_changes_no_results(

@@ -182,16 +182,17 @@ def test_sql_asks_all_tables(
 
 
 OUTSIDE = [
-    "select * from 'secret.csv'", "select * from read_csv('{place}/secret.csv')",
-    "select * from read_text('secret.csv')", "select * from glob('*')", "load httpfs",
-    "install httpfs", "attach '{place}/new.db'", "copy (select 1) to '{place}/new.csv'",
-    "copy (select 1) to '{trace}' (use_tmp_file false)", "export database '{place}/new'",
+    "select * from read_csv('{place}/secret.csv')", "load httpfs", "select 1;select 1", "",
+    "copy (select 1) to '{trace}' (use_tmp_file false)", "select * from results",
     "set enable_external_access = true", "explain analyze copy (select 1) to '{place}/new.csv'",
-    "select 1; select 2", "select 1;select 1", "create table t as select 1", "", " ; ",
-    "-- nothing", "select * from results", "select * from sql",
+    "select * from 'secret.csv'", "select * from read_text('secret.csv')",
+    "select * from glob('*')", "install httpfs", "attach '{place}/new.db'", "copy (select 1) to '{place}/new.csv'",
+    "export database '{place}/new'", "select 1; select 2", "create table t as select 1", " ; ",
+    "-- nothing", "select * from sql",
 ]  # fmt: skip
 
 
+@pytest.mark.long(but=8)
 @pytest.mark.parametrize("sql", OUTSIDE)
 def test_a_query_reads_the_folder_and_nothing_else(
     folder_of_results: Path, monkeypatch: pytest.MonkeyPatch, sql: str
