@@ -186,9 +186,9 @@ OUTSIDE = [
     "copy (select 1) to '{trace}' (use_tmp_file false)", "select * from results",
     "set enable_external_access = true", "explain analyze copy (select 1) to '{place}/new.csv'",
     "select * from 'secret.csv'", "select * from read_text('secret.csv')",
-    "select * from glob('*')", "install httpfs", "attach '{place}/new.db'", "copy (select 1) to '{place}/new.csv'",
-    "export database '{place}/new'", "select 1; select 2", "create table t as select 1", " ; ",
-    "-- nothing", "select * from sql",
+    "select * from glob('*')", "install httpfs", "attach '{place}/new.db'",
+    "copy (select 1) to '{place}/new.csv'", "export database '{place}/new'",
+    "select 1; select 2", "create table t as select 1", " ; ", "-- nothing", "select * from sql",
 ]  # fmt: skip
 
 
