@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #ifdef __x86_64__
 #include <xmmintrin.h>
@@ -20,7 +22,7 @@ enum { NOWHERE, LOAD, INSTANTIATE, INITIALIZE, SET, GET, STEP, TERMINATE, FREE }
 enum { SEGFAULT, ABORT, EXIT, QUIT, HANG, KILL };
 enum { CALL, THREAD, AWAITED };
 enum { NONE, GLOBAL, ADDRESS, COUNTS, FORGETS, FORGETS_BYTES, NAN_OUTPUT, CHDIR, FLUSH, REFUSES,
-       STICKS, PRINTS, LIES, HOLDS, COUNTS_STEPS };
+       STICKS, PRINTS, LIES, HOLDS, COUNTS_STEPS, WRITES, LOWERS };
 
 #ifndef CRASH_IN
 #define CRASH_IN NOWHERE
@@ -187,6 +189,20 @@ EXPORT fmi3Status fmi3GetBoolean(fmi3Instance c, const fmi3ValueReference r[], s
   return fmi3OK;
 }
 
+/* WRITES: into the sockets of its process, which are not its own */
+static void write_everywhere(void) {
+  struct stat state;
+  for (int file = 3; file < 64; file++) {
+    if (!fstat(file, &state) && S_ISSOCK(state.st_mode) && write(file, "axis", 4) != 4) return;
+  }
+}
+
+/* LOWERS: the size that files of its process may have */
+static void lower_limits(void) {
+  struct rlimit limit = {1000, 1000};
+  setrlimit(RLIMIT_FSIZE, &limit);
+}
+
 EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Boolean final,
                              fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
                              fmi3Float64 *last) {
@@ -195,6 +211,8 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step,
   UNUSED(final);
   if (FLAW == PRINTS && write(1, "a step\n", 7) != 7) return fmi3Fatal;
   if (FLAW == CHDIR && chdir("/")) return fmi3Fatal;
+  if (FLAW == WRITES) write_everywhere();
+  if (FLAW == LOWERS) lower_limits();
   if (FLAW == REFUSES && step < 5e-4) return fmi3Error;
   a->time = *last = time + step;
   *event = *terminate = *early = fmi3False;

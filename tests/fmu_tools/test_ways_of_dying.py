@@ -302,3 +302,38 @@ def test_what_an_fmu_prints_without_end_fills_no_disk(
     log = (place / "results" / "runs" / "plan-bad0.json").read_text(encoding="utf-8")
     assert log.count("wrote to standard output: a step") == 20
     assert re.search(r"plant z wrote \d+ more lines to standard output", log)
+
+
+MEDDLING = {
+    "WRITES": "something in the process wrote into the channel of its answer",
+    "LOWERS": "it had lowered limits of its process: RLIMIT_FSIZE to 1000",
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("options", ["-j 1", "-j 2"])
+def test_an_fmu_that_meddles_with_its_process_costs_its_own_row(
+    place: Path, axisrig: Call, ideal_axis: Build, options: str
+) -> None:
+    """Neither waits anybody for its answer nor does the campaign end."""
+    bad = [ideal_axis(f"{flaw.lower()}.fmu", FLAW=flaw) for flaw in MEDDLING]
+    rigs = [write_rig(place, f"{fmu.stem}.toml", fmu) for fmu in bad]
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = write_plan(place, *rigs, good)
+    code, out, err = axisrig("run", plan, "-o", "results", *options.split())
+    assert (code, "interrupted" in err) == (4, False)
+    cases = pd.read_csv(place / "results" / "cases.csv")
+    assert list(cases["verdict"]) == ["error", "error", "pass"], out
+    for run, words in zip(cases["run"], MEDDLING.values(), strict=False):
+        assert words in (place / "results" / "runs" / f"{run}.json").read_text(encoding="utf-8")
+
+
+@pytest.mark.long
+def test_an_fmu_that_writes_where_it_should_not_ends_nc_and_its_check_with_a_message(
+    place: Path, axisrig: Call, ideal_axis: Build
+) -> None:
+    fmu = ideal_axis("writes.fmu", FLAW="WRITES")
+    code, _, err = _nc(place, axisrig, fmu)
+    assert (code, MEDDLING["WRITES"] in err) == (2, True)
+    code, out, _ = axisrig("fmu", "check", fmu)
+    assert (code, "wrote into the channel" in " ".join(out.split())) == (1, True)
