@@ -198,7 +198,7 @@ class IndependentAxes:
                     axes,
                     block,
                     error_no_signal=command.error_no_signal,
-                    behind_mm=lambda *at: RunUp(mover.dynamics, {axes[0]: 1.0}).behind_mm(*at),
+                    behind_mm=lambda name, mm_s: _alone(mover).behind_mm(name, mm_s),
                 )
             mover.waits = False
 
@@ -272,6 +272,11 @@ class IndependentAxes:
             mover.settling.restart()
             return False
         return mover.settling.judge(((mover.settings, mover.link),))
+
+
+def _alone(mover: Mover) -> RunUp:
+    """Return how the axis comes to its speed: it is the whole of its path."""
+    return RunUp(mover.dynamics, {mover.command.axis: 1.0})
 
 
 def _share(mover: Mover) -> float:
