@@ -258,7 +258,7 @@ def _kinematic(
             allowed=f"#{command.name} [9], #{command.name} [9, 98]",
         )
     if len(values) == 1 and isinstance(values[0], Number):
-        whole, _, fraction = repr(values[0].value).partition(".")
+        whole, _point, fraction = repr(values[0].value).partition(".")
         if fraction.isdecimal() and int(fraction):  # `1.8e+19` has none
             remark = f"#{command.name}[{whole}.{fraction}] read as [{whole},{fraction}]"
             builder.remark(remark, raw.offset)
