@@ -79,6 +79,7 @@ def run_stop(tmp_path: Path) -> RunStop:
         torque: float = 40,
         lag_window: int = 2**32 - 1,
         end: str = "",
+        before: str = "",
         watch: Callable[..., None] | None = None,
         **detect: object,
     ) -> StopOutcome:
@@ -86,7 +87,7 @@ def run_stop(tmp_path: Path) -> RunStop:
         text = TO_STOP.format(
             start=start, target=target, feed=feed, torque=torque, lag_window=lag_window
         )
-        program.write_text(f"%stop\n{text}{end}\nN999 M30\n", encoding="utf-8")
+        program.write_text(f"%stop\n{before}{text}{end}\nN999 M30\n", encoding="utf-8")
         place = [f"plant:z.position_start_mm={start}"]
         place += [] if stop_mm is None else [f"plant:z.stop_position_mm={stop_mm}"]
         settings = [f"{DETECT}{name}={value}" for name, value in detect.items()]

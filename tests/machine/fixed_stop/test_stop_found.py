@@ -3,6 +3,8 @@
 import pytest
 from tests.machine.fixed_stop.conftest import RunStop
 
+from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+
 LAG_LIMIT, MIN_TIME = 15_000, 100_000  # 1.5 mm, 100 ms
 
 
@@ -39,3 +41,22 @@ def test_51026_at_the_start_of_a_run_behind_110757_at_start_up(run_stop: RunStop
     refused = run_stop(120, pos_lag_limit=LAG_LIMIT, start_distance_per_mille=1001)
     assert refused.alarms == [110757, 51026]
     assert refused.outcome.machine.channel.records == []
+
+
+@pytest.mark.parametrize(
+    ("before", "has_form"),
+    [
+        ("N5 #SLOPE [TYPE=SIN2]\n", False),
+        pytest.param("", True, marks=pytest.mark.long),
+        pytest.param("N5 G130 Z50\n", False, marks=pytest.mark.long),
+    ],
+)
+def test_closed_forms_of_the_listed_slope_are_not_of_one_that_the_program_chose(
+    run_stop: RunStop, before: str, *, has_form: bool
+) -> None:
+    found = run_stop(120, before=before, pos_lag_limit=LAG_LIMIT, min_time=MIN_TIME)
+    (told,) = stop_blocks(found.outcome.observed)
+    (excess,) = (value for value in told["values"] if value["key"] == "command_excess")
+    assert has_form or excess["expected"] is None
+    assert ("#SLOPE" in told["prediction"]) != has_form
+    assert told["prediction"].startswith("contact of Z") == has_form

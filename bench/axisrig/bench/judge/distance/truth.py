@@ -18,7 +18,13 @@ from axisrig.bench.judge.distance.times import Unbroken, changes, unbroken
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.distance.acting import Acting, acting
-from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, measured, predicted
+from axisrig.bench.oracles.distance.cycles import (
+    WAY_CYCLES,
+    DeadCycles,
+    Measured,
+    measured,
+    predicted,
+)
 from axisrig.bench.oracles.distance.lists import OF_AXIS, PER_MM, Limits, Listed
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
@@ -36,7 +42,7 @@ FOLLOWING = (ACTIVE, ACTIVE_CONST_DIST)
 """States in which the control follows its sensor."""
 STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
 # At SYNC k the drive is at what was sent in cycle k - 2: docs/architecture.md
-DEMAND_CYCLES = 2
+DEMAND_CYCLES = WAY_CYCLES
 
 
 NO_PLANT = "no plant gives the distance"

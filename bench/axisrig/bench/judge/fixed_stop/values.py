@@ -25,6 +25,7 @@ LATCHED_MM = 1e-3
 
 _AT_MOST = "at most force limit less weight and friction, and v sqrt(k m) of what still rings"
 _RAMPS = "no closed form with the ramps of P-CHAN-00071"
+_PROGRAMMED = "no closed form with dynamics that the program has chosen (#SLOPE, G130 to G134)"
 
 
 @dataclass(frozen=True)
@@ -158,10 +159,10 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
     if axis != truth.name or len(run.record.axes) > 1 or restless:
         return Value("command_excess", label, "mm", truth.name, measured, note=restless)
     approach = run.approach(axis)
-    channel = run.observed.facts.channel
-    if has_ramps(channel):
-        return Value("command_excess", label, "mm", axis, measured, note=_RAMPS)
-    slope = slopes_as_written(truth.written, channel).on_signal
+    other = _other_dynamics(run)
+    if other:
+        return Value("command_excess", label, "mm", axis, measured, note=other)
+    slope = slopes_as_written(truth.written, run.observed.facts.channel).on_signal
     cycles = run.cycles_of(axis).judged
     late_ns = (cycles.delay_cycles - 1 + cycles.buffer_cycles) * cycles.period_ns
     ends_mm = [
@@ -176,12 +177,26 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
     return Value("command_excess", label, "mm", axis, measured, (low + high) / 2.0, low, high, note)
 
 
+def _other_dynamics(run: StopRun) -> str:
+    """Say why the linear slope of the lists is not what acts in a run; empty where it does."""
+    facts = run.observed.facts
+    if has_ramps(facts.channel):
+        return _RAMPS
+    if facts.blocks is None or "dynamics" not in facts.blocks.kinds:
+        return ""
+    rows = facts.blocks.rows()
+    is_chosen = rows.kind == facts.blocks.kinds.index("dynamics")
+    chosen = rows.begin_ns[is_chosen & (rows.begin_ns <= run.record.begin_ns)]
+    return _PROGRAMMED if len(chosen) else ""
+
+
 def prediction(run: StopRun) -> str:
     """Say in one sentence what the settings of a run foretell."""
     if run.limits and not any(limits.detects for limits in run.limits.values()):
         return "nothing can detect: no criterion is on"
-    if has_ramps(run.observed.facts.channel):
-        return _RAMPS
+    other = _other_dynamics(run)
+    if other:
+        return other
     reasons = [
         f"{axis}: {reason}"
         for axis, limits in run.limits.items()

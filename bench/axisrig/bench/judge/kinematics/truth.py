@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.oracles.distance.cycles import WAY_CYCLES
 from axisrig.bench.oracles.kinematics.chain import Chain
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.kernel.time.clock import TimeNs
@@ -68,10 +69,12 @@ def kinematic_at(observed: Observed, time_ns: TimeNs) -> KinematicRecord | None:
     return None
 
 
-def shift_of(observed: Observed, on: KinematicRecord) -> int:
-    """Return after how many rows ideal axes are where a set position is (P-AXIS-00191)."""
-    written = (observed.axes[axis].written.get("antr.nbr_delay_cycles", 2) for axis in on.axes)
-    return max(int(cycles) for cycles in written) + observed.facts.timing.buffer_cycles
+def shift_of(observed: Observed) -> int:
+    """Return after how many rows ideal axes are where a set position of the interpolation is.
+
+    By the order of a cycle, not by P-AXIS-00191, which says what the CNC assumes of it.
+    """
+    return WAY_CYCLES + observed.facts.timing.buffer_cycles
 
 
 def stretches(observed: Observed) -> Iterator[Stretch]:
@@ -85,7 +88,7 @@ def stretches(observed: Observed) -> Iterator[Stretch]:
         on = kinematic_at(observed, int(begin_ns))
         if on is None or trace.kinds[int(kind)] not in STRAIGHT:
             continue
-        shift = shift_of(observed, on)
+        shift = shift_of(observed)
         begin = observed.index_at(int(begin_ns)) - 1
         end = min(observed.index_at(int(end_ns)) - 1, last - shift)
         if 0 <= begin < end:
