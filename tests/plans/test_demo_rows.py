@@ -54,7 +54,7 @@ def test_the_command_runs_the_tagged_rows_of_every_plan_or_all(
     with pytest.raises(SystemExit) as end:
         main.main(["demo", "--plans", str(TESTPLANS), "-j", "2", *words])
     assert end.value.code == 0
-    built, (plans, _, select, jobs, _) = calls
+    built, (_, plans, _, select, jobs, _) = calls
     assert built == ()
     assert [Path(plan).stem for plan in plans] == list(PLANS)
     assert (select, jobs) == (selected, 2)

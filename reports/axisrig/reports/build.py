@@ -334,6 +334,7 @@ def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
         "on a real bus": _time_of(made.seconds["real"]),
         "computed in": f"{wall_s:.1f} s" if wall_s else "",
         "of earlier calls": "; ".join(_earlier(manifest)),
+        "warnings": "\n".join(manifest.get("warnings", [])),
     }
     return [(name, str(value)) for name, value in facts.items() if value]
 

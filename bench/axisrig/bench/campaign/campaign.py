@@ -45,6 +45,10 @@ from axisrig.kernel.errors import UserError
 _NOBODY = Watch()
 
 
+def _unheard(_warnings: Sequence[str]) -> None:
+    """Take warnings that nobody hears: they are in the manifest."""
+
+
 @dataclass(frozen=True)
 class Choice:
     """Which runs of plans a call is about, and who runs them.
@@ -122,15 +126,17 @@ def run_campaign(  # noqa: PLR0913
     going_on: GoingOn = GoingOn.NO,
     build_report: Callable[[Path], Path] | None = None,
     watch: Watch = _NOBODY,
+    warn: Callable[[Sequence[str]], None] = _unheard,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
     jobs: processes; None = the cores that it may use, one with a real bus or under a debugger.
     is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
-    they drive real hardware. call_limit_s: wall time of one call into an FMU there.
-    outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
-    the results that the folder has go first. going_on: which runs of the folder stay.
-    build_report: writes the report while the folder is still held. watch: what goes on beside.
+    they drive real hardware. call_limit_s: wall time of one call into an FMU there. outside:
+    interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh: the results
+    that the folder has go first. going_on: which runs of the folder stay. build_report: writes the
+    report while the folder is still held. watch: what goes on beside. warn: takes what `axisrig
+    check` warns of, before the first run.
     Raises UserError before the folder is touched: everything is checked first.
     """
     plans = _read(paths, assignments, select.select, outside)
@@ -143,7 +149,8 @@ def run_campaign(  # noqa: PLR0913
         hashes = _hashes(plans, cases)
         kept = choose(cases, hashes, folder, going_on)
         cases = list(kept.cases)
-        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s, jobs=jobs)
+        apart, warnings = _prepared(plans, cases, is_isolated, call_limit_s, jobs)
+        warn(warnings)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
@@ -154,7 +161,7 @@ def run_campaign(  # noqa: PLR0913
             suppress(KeyboardInterrupt),
             outside.open_hardware() if real and outside else nullcontext() as hardware,
         ):
-            manifest |= kept.counts
+            manifest |= {**kept.counts, "warnings": warnings}
             order = longest_first(cases, folder) if jobs > 1 or select.scheduler else cases
             writer = ResultsWriter(
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
@@ -168,9 +175,8 @@ def run_campaign(  # noqa: PLR0913
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
-    over_several = len(runs) - len(cases)
-    said = kept.altered
-    return Campaign(folder, results, len(runs), failure, report, stay, over_several, said)
+    ended = (len(runs), failure, report, stay, len(runs) - len(cases), kept.altered)
+    return Campaign(folder, results, *ended)
 
 
 def _running(
@@ -271,13 +277,18 @@ def _dated(running: Iterator[CaseResult], hashes: Mapping[str, str]) -> Iterator
 
 
 def _prepared(
-    cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float, jobs: int
-) -> Collection[Path]:
-    """Prepare every case; return the rigs whose cases run in a process of their own."""
+    plans: Sequence[Plan],
+    cases: Sequence[Case],
+    is_isolated: bool,
+    call_limit_s: float,
+    jobs: int,
+) -> tuple[Collection[Path], list[str]]:
+    """Prepare every case; return the rigs whose cases run apart, and warnings."""
     rigs = {case.rig for case in cases}
     apart = rigs if is_isolated else foreign_rigs(rigs)
-    prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs)
-    return apart
+    warnings = prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs)
+    warnings += [f"{plan.path}: {note}" for plan in plans for note in plan.notes]
+    return apart, warnings
 
 
 def _write(

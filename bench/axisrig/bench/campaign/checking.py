@@ -1,9 +1,10 @@
 """`axisrig check`: plans, rigs and parameter lists, checked and described without a run."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
-from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning
+from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning, refuse_warnings
 from axisrig.bench.campaign.preparing import built_first, prepare, read_case, settings_of
 from axisrig.bench.campaign.processes import do_apart
 from axisrig.bench.machine.kept_fmus import close_plant
@@ -48,30 +49,32 @@ def check_files(
     assignments: Sequence[str],
     limits: tuple[bool, float | None],
     show: Callable[[str], None],
+    *,
+    is_strict: bool = False,
 ) -> None:
     """Do `check_file` for each file, also after one that is rejected.
 
-    limits: as `do_apart` takes them. show: takes what is described. Raises UserError with all that
-    is wrong with any file.
+    limits: as `do_apart` takes them. show: takes what is described. is_strict: a warning rejects a
+    file too. Raises UserError with all that is wrong with any file.
     """
     mistakes = Mistakes()
     for file in files:
         with mistakes.kept():
-            what = (check_file, file, assignments)
+            what = (partial(check_file, is_strict=is_strict), file, assignments)
             show(do_apart(*what, rigs=rigs_of(file), file=file, limits=limits))
     mistakes.refuse(files[0])
 
 
-def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
+def check_file(path: Path, assignments: Sequence[str] = (), *, is_strict: bool = False) -> str:
     """Check a plan, a rig or a parameter list and describe it.
 
     Raises UserError when it is rejected.
 
-    assignments: texts of `--set`.
+    assignments: texts of `--set`. is_strict: a warning rejects it too.
     """
     changes = [parse_assignment(text) for text in assignments]
     if path.suffix.lower() == ".toml":
-        return _check_rig_file(path, changes)
+        return _check_rig_file(path, changes, is_strict=is_strict)
     if path.suffix.lower() in LIST_SUFFIXES:
         return f"{path}\n{contents_text(path)}"
     if path.suffix.lower() in PROGRAM_SUFFIXES:
@@ -92,6 +95,8 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     for row in plan.statistics:
         asked = ", ".join(check.metric for check in row.checks)
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
+    if is_strict:
+        refuse_warnings(warnings.lines())
     lines += [f"warning: {warning}" for warning in warnings.lines()]
     lines += [f"note: {note}" for note in plan.notes]
     if others := len(plan.cases) - len(first):
@@ -126,7 +131,7 @@ def _titled(case: Case) -> str:
     return f"{text}  searches {search.column}, at most {search.probes_max} probes"
 
 
-def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
+def _check_rig_file(path: Path, changes: Sequence[Assignment], *, is_strict: bool) -> str:
     rig, files = read_rig(path)
     settings = read_settings(rig, files, [(change, as_written) for change in changes])
     check_rig(settings)
@@ -140,15 +145,13 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         close_plant(plant)
     tables = describe_schedules(settings)
     plants = ["\n".join(of_plants)] if of_plants else []
+    lacking = [*eds_warnings(settings), *distance_warnings(settings), *age_warnings(settings)]
+    bare = [bare_warning(settings.bare, c) for c in changes if c.column in settings.bare]
+    if is_strict:
+        refuse_warnings([*map(str, settings.warnings), *bare, *lacking])
     remarks = [f"warning: {warning}" for warning in settings.warnings]
     remarks += [f"note: {note}" for note in settings.notes]
-    remarks += [
-        f"warning: {bare_warning(settings, change)}"
-        for change in changes
-        if change.column in settings.bare
-    ]
-    lacking = [*eds_warnings(settings), *distance_warnings(settings), *age_warnings(settings)]
-    remarks += [f"warning: {warning}" for warning in lacking]
+    remarks += [f"warning: {warning}" for warning in (*bare, *lacking)]
     described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
     axes = "\n".join([*described, *remarks])
     return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])

@@ -11,6 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
+from axisrig.bench.campaign.used_variables import is_variable, used_variables
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import Assignment
@@ -190,6 +191,7 @@ def read_case(case: Case) -> Prepared:
     axes = tuple(settings.rig.axis)
     program = _program(case.program, axes)
     _check_metrics(case, axes, programs_of(settings, program).values())
+    _check_variables(case, settings, program)
     return Prepared(settings, program)
 
 
@@ -221,6 +223,19 @@ def built_first(cases: Sequence[Case]) -> list[int]:
         kind = (case.rig, case.program, module, tuple(case.inputs), metrics, searched)
         first.setdefault(kind, place)
     return sorted(first.values())[:WHOLE_MAX]
+
+
+def _check_variables(case: Case, settings: Settings, program: Program) -> None:
+    """Refuse a V.E. variable in a cell of the row itself that nothing uses; it acts on nothing."""
+    used = None
+    for item in case.assignments():
+        place = case.places.get(item.column)
+        is_own = place is not None and (place.file, place.line) == (case.file, case.line)
+        if is_own and item.column not in case.overridden and is_variable(item):
+            used = used or used_variables(settings, case.program, program)
+            if not used.has(item.column):
+                error = used.error(item, case.program)
+                raise case.error(error.message, item.column, value=item.value, hint=error.hint)
 
 
 def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:

@@ -15,7 +15,9 @@ from typing import Any, NamedTuple, Protocol
 import pytest
 from _pytest._code.code import ReprEntryNative, ReprExceptionInfo, ReprFileLocation, ReprTraceback
 
+from axisrig.bench.campaign.cell_warnings import CellWarnings
 from axisrig.bench.campaign.leftovers import leftovers
+from axisrig.bench.campaign.preparing import prepare, read_case
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Limits, Stopwatch, no_stopwatch, run_cases
@@ -219,8 +221,20 @@ class CaseItem(RowItem):
     """One run of a plan."""
 
     def runtest(self) -> None:
-        """Run the case and judge it."""
+        """Run the case and judge it; what `axisrig check` warns of is a warning of pytest."""
+        for text in self._warnings():
+            self.warn(pytest.PytestWarning(text))
         self.finish(self.run_case(self.case))
+
+    def _warnings(self) -> list[str]:
+        """Look at the cells of the row; an FMU that is not ours is not loaded for it."""
+        warnings = CellWarnings()
+        try:
+            is_foreign = bool(foreign_rigs([self.case.rig]))
+            warnings.look(self.case, (read_case if is_foreign else prepare)(self.case))
+        except UserError:
+            return []  # the run says it
+        return warnings.lines()
 
 
 class StatisticItem(RowItem):

@@ -13,7 +13,9 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
+from axisrig.bench.campaign.cell_warnings import CellWarnings, Looked, look_at
 from axisrig.bench.campaign.preparing import (
+    Prepared,
     built_first,
     prepare,
     read_case,
@@ -217,8 +219,10 @@ def _live(case: Case, pipe: Path, about: Mapping[str, str]) -> LiveStates:
 
 def prepare_all(
     cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float, jobs: int = 1
-) -> None:
+) -> list[str]:
     """Read every case, in plan order, and build the machine of those of `built_first`.
+
+    Return the warnings of cells, those of one cell once.
 
     The others are built as they come: what is wrong with one then is the error of its own row.
     apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
@@ -229,7 +233,7 @@ def prepare_all(
     once, ordered by file and place.
     """
     mistakes = Mistakes()
-    outcomes: dict[int, UserError | None] = {}
+    outcomes: dict[int, UserError | list[Looked]] = {}
     seen: set[Path] = set()
     first = built_first(cases)
     for number in first:
@@ -250,19 +254,22 @@ def prepare_all(
             call_limit_s=call_limit_s,
         )
     ) as results:
-        for error in (*outcomes.values(), *results):
-            if isinstance(error, UserError):
-                mistakes.add(error)
+        warnings = CellWarnings()
+        for found in (*outcomes.values(), *results):
+            if isinstance(found, UserError):
+                mistakes.add(found)
+            elif isinstance(found, list):
+                warnings.add(found)
     if cases:
         mistakes.refuse(cases[0].file)
+    return warnings.lines()
 
 
-def _outcome(look: Callable[[Case], object], case: Case) -> UserError | None:
+def _outcome(look: Callable[[Case], Prepared], case: Case) -> UserError | list[Looked]:
     try:
-        look(case)
+        return look_at(case, look(case))
     except UserError as error:
         return error
-    return None
 
 
 def run_cases(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axisrig.bench.campaign.hardware_runs import Outside, allow, refuse_processes
+from axisrig.bench.campaign.used_variables import is_variable, used_variables
 from axisrig.bench.judge.program.findings import program_notes
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
@@ -71,6 +72,11 @@ def run_program(
     table, files = read_rig(rig)
     settings = read_settings(table, files, changes)
     parsed = read_program(program, tuple(table.axis))
+    used = used_variables(settings, program, parsed)
+    for item, _ in changes:
+        if is_variable(item) and not used.has(item.column):
+            error = used.error(item, program)
+            raise UserError(f"--set {error.message}", value=error.value, hint=error.hint)
     machine = Machine(settings, parsed, bus_logs=bus_logs, put_out=put_out, hardware=hardware)
     try:
         facts = facts_of(machine, machine.run())

@@ -47,6 +47,7 @@ from axisrig.bench.cli.options import (
     SegmentOption,
     SetOption,
     ShardOption,
+    StrictOption,
     TimeoutOption,
     VersionOption,
     YesOption,
@@ -94,6 +95,15 @@ def _hardware() -> AbstractContextManager["Hardware"]:
     from axisrig.bench.campaign.hardware_runs import stoppable
 
     return stoppable(RealTime(time.monotonic_ns, time.sleep), _to_stderr)
+
+
+def _warn(warnings: Sequence[str], *, is_strict: bool) -> None:
+    if is_strict:
+        from axisrig.bench.campaign.cell_warnings import refuse_warnings
+
+        refuse_warnings(warnings)
+    for text in warnings:
+        _to_stderr(f"warning: {text}")
 
 
 def _to_stderr(text: str) -> None:
@@ -178,6 +188,7 @@ def run(
     scheduler: SchedulerOption = None,
     is_live: LiveOption = False,
     in_terminal: LiveTerminalOption = False,
+    is_strict: StrictOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
@@ -213,6 +224,7 @@ def run(
         going_on=going_on,
         build_report=partial(build_report, is_full=is_full),
         watch=_watch(is_live, in_terminal),
+        warn=partial(_warn, is_strict=is_strict),
     )
     show_campaign(campaign)
     raise typer.Exit(campaign.exit_code)
@@ -380,12 +392,13 @@ def check(
     call_limit_s: CallTimeoutOption = None,
     is_forced: ForceOption = False,
     as_canopen: AsCanopenOption = False,
+    is_strict: StrictOption = False,
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
     from axisrig.bench.campaign.checking import check_files
 
     inputs = _inputs(None, is_forced, as_canopen)
-    check_files(files, inputs, (is_isolated, call_limit_s), print)
+    check_files(files, inputs, (is_isolated, call_limit_s), print, is_strict=is_strict)
 
 
 @app.command()

@@ -100,6 +100,9 @@ JobsOption = Annotated[
 FreshOption = Annotated[
     bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
 ]
+StrictOption = Annotated[
+    bool, typer.Option("--strict", help="A warning of `axisrig check` is an error.")
+]
 FullOption = Annotated[
     bool, typer.Option("--full", help="Report: keep every sample, also of runs that passed.")
 ]
