@@ -145,9 +145,10 @@ def _cnc_lag(observed: Observed, axis: str) -> Largest | None:
 def _drive_lag(observed: Observed, axis: str) -> Largest | None:
     """Return the largest lag in the drive; between two SYNCs the motor is a cubic (`lag.py`).
 
-    Its doubt is read from the positions of the encoder around each step: 1/48 of their fourth
-    difference. A jump of the acceleration puts it off by 1.2 of that at most, a vibration of up to
-    half a period in a step by 2.6. What its demand does at every SYNC is in the load as well.
+    Its doubt is read from the positions of the encoder around each step: 1/16 of their fourth
+    difference. A jump of the acceleration puts it off by 0.4 of that at most, a vibration of up to
+    half a period in a step by 0.9; a screw that swings faster by more (`tests/study`). What its
+    demand does at every SYNC is in the load as well.
     """
     found = []
     for part in observed.parts(_rows(observed)):
@@ -158,7 +159,7 @@ def _drive_lag(observed: Observed, axis: str) -> Largest | None:
         # Each is of five rows; the four that have both ends of a step count for it
         of_steps = sliding_window_view(np.pad(fourth, 4), 4).max(axis=1)[first - around.start :]
         doubts_mm = np.maximum(
-            of_steps[: len(values)] / 48.0, doubts_before(observed, axis, first, last)
+            of_steps[: len(values)] / 16.0, doubts_before(observed, axis, first, last)
         )
         found.append(largest(values, doubts_mm))
     return together(found)
