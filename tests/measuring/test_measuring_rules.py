@@ -4,6 +4,7 @@ from math import inf, sqrt
 
 import pytest
 
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import (
     MeasuringAxis,
     least_stroke_mm,
@@ -85,6 +86,32 @@ def test_which_types_want_a_signal(
 ) -> None:
     """FCT-C4 8.2.1: P-CHAN-00176 is about type 1; type 2 always, type 5 never."""
     assert misses_signal(TYPES[number], parameter, programmed) is is_alarm
+
+
+@pytest.mark.parametrize(
+    ("number", "source", "mode", "is_beside", "refused"),
+    [
+        (1, "DRIVE", 0, False, None),
+        (1, "DRIVE", 4, False, None),
+        (1, "FIXED_STOP", 0, False, 900242),
+        (1, "FIXED_STOP", 4, False, None),  # the simulated probe is the signal
+        (1, "DRIVE", 4, True, 900100),
+        (7, "FIXED_STOP", 0, False, None),
+        (7, "FIXED_STOP", 0, True, None),
+        (7, "PLC", 0, False, 900241),
+        (7, "FIXED_STOP", 4, False, 900100),
+    ],
+)
+def test_which_signal_may_end_a_run_of_a_type(
+    number: int, source: str, mode: int, is_beside: bool, refused: int | None
+) -> None:
+    axis = MeasuringAxis(simulated=(mode, 0, 0, 0, 0))
+    if refused is None:
+        axis.check("Z", TYPES[number], source, is_beside=is_beside)
+        return
+    with pytest.raises(Alarm) as caught:
+        axis.check("Z", TYPES[number], source, is_beside=is_beside)
+    assert caught.value.id == refused
 
 
 def test_parameters_of_an_axis_in_the_units_of_the_kernel() -> None:
