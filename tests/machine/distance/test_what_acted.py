@@ -311,3 +311,16 @@ def test_the_report_has_law_and_limits_that_acted(run: Run) -> None:
     v_max = next(row for row in block["limits"] if row["key"] == "v_max")
     assert v_max["value"] == 1.0
     assert v_max["used"] == pytest.approx(1.0)
+
+
+def test_each_time_on_has_the_zero_of_its_own_reference(run: Run) -> None:
+    """REF at two gaps: each time the tool is to be 0.5 mm farther away than there."""
+    ref = "Z[DIST_CTRL REF]; Z[DIST_CTRL ON CONST_DIST SET_DIST=0.5]; G04 0.1"
+    seen = run(
+        f"G04 0.02; {ref}; {OFF}; G1 Z33 F6000; G04 0.05; {ref}; {OFF}", *STEEP,
+        "plant:z.position_start_mm=32", "set:Z.kenngr.distc.max_pos=60000",
+        "set:Z.kenngr.distc.min_pos=-95000",
+    )  # fmt: skip
+    assert not [alarm for alarm in seen.observed.facts.alarms if alarm.reaction_class > 1]
+    assert abs(seen.value("distance_behind_end_um")) < 1.0
+    assert seen.value("distance_behind_um_max") == pytest.approx(500.0, abs=1.0)

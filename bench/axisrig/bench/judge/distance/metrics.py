@@ -11,9 +11,10 @@ from functools import partial
 import numpy as np
 
 from axisrig.bench.judge.distance import passes, stretches
+from axisrig.bench.judge.distance.plant import NO_PLANT, behind_mm, surface_mm
 from axisrig.bench.judge.distance.registry import UM, of_axis
 from axisrig.bench.judge.distance.stretches import Stretch
-from axisrig.bench.judge.distance.truth import NO_PLANT, DistanceTruth, behind_mm, surface_mm
+from axisrig.bench.judge.distance.truth import DistanceTruth
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.topic import MetricFunction
 from axisrig.bench.oracles.distance import following, limits

@@ -8,14 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from axisrig.bench.judge.distance.decay import growth_of
+from axisrig.bench.judge.distance.plant import NO_PLANT, surface_mm
 from axisrig.bench.judge.distance.times import Unbroken
-from axisrig.bench.judge.distance.truth import (
-    FOLLOWING,
-    NO_PLANT,
-    DistanceTruth,
-    Flags,
-    surface_mm,
-)
+from axisrig.bench.judge.distance.truth import FOLLOWING, DistanceTruth, Flags
 from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.oracles.distance.following import settling_cycles
 from axisrig.bench.oracles.distance.lists import Listed

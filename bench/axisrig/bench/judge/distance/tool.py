@@ -190,23 +190,20 @@ class ToolTruth(DistanceTruth):
     def wanted_gap_mm(self) -> Signal:
         """Distance that the clamping point should have at each SYNC."""
         late = np.concatenate([np.full(DEMAND_CYCLES, self.program_mm[0]), self.program_mm])
-        by_surface = late[: len(self.program_mm)] - self["set_pos_mm"] + self.zero_mm
+        by_surface = late[: len(self.program_mm)] - self["set_pos_mm"] + self.zero_by_row_mm
         share = self._along(lambda way, axes: way.share(axes), self.columns("truth_mm"), 1.0)
-        constant = self["set_dist_mm"] * share + self.zero_mm
+        constant = self["set_dist_mm"] * share + self.zero_by_row_mm
         return np.where(self.state == ACTIVE_CONST_DIST, constant, by_surface)
 
-    @cached_property
-    def zero_mm(self) -> float:
-        """Distance at which the sensor value is 0."""
-        if isinstance(self.whole, ToolTruth):
-            return self.whole.zero_mm
-        if self.control.is_referenced and self.was_on and self.has_surface:
-            zeros = [
-                (part.gap_true_mm[inside] - part.watched_mm[inside])[part.is_active[inside]]
-                for part, _, inside in self.parts()
-                if part.gap_true_mm is not None
-            ]
-            return float(np.median(np.concatenate(zeros)))
+    @staticmethod
+    def beside_mm(some: DistanceTruth) -> Signal:
+        """Return what the plant has beside the value that the PLC gives."""
+        assert some.gap_true_mm is not None
+        return some.gap_true_mm - some.watched_mm
+
+    @property
+    def unreferenced_mm(self) -> float:
+        """Distance at which the sensor value is 0 without REF."""
         return self.listed.ref_offset_mm
 
     # The control

@@ -29,7 +29,6 @@ from axisrig.bench.oracles.distance.lists import OF_AXIS, PER_MM, Limits, Listed
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
-from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.series import SECOND, TARGET, Signal, Times
@@ -44,8 +43,6 @@ STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST
 # At SYNC k the drive is at what was sent in cycle k - 2: docs/architecture.md
 DEMAND_CYCLES = WAY_CYCLES
 
-
-NO_PLANT = "no plant gives the distance"
 BEFORE = DEMAND_CYCLES + 1
 """Rows before its own that a part needs for the distance wanted in them."""
 
@@ -136,7 +133,7 @@ class DistanceTruth:
     @property
     def sensor_name(self) -> str:
         """Plant that gives the distance."""
-        return self.record.sensor
+        return self.record.sensor if self.variable is None else self.variable.sensor
 
     def _of_sensor(self, name: str) -> Signal | None:
         sensor = self.sensor_name
@@ -269,21 +266,44 @@ class DistanceTruth:
         return None if self.gap_true_mm is None else self["truth_mm"] - self.gap_true_mm
 
     @cached_property
-    def zero_mm(self) -> float:
-        """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or after REF
-        what the sensor gave beside the sensor value.
+    def zeros(self) -> list[tuple[int, float]]:
+        """From which row on which gap has the sensor value 0, each time that the control was on.
+
+        By ref_offset (s = -g - ref_offset), or after REF what the plant has beside the sensor
+        value.
         """
         if self.whole is not None:
-            return self.whole.zero_mm
-        is_referenced = self.control.is_referenced and self.was_on
-        if is_referenced and self.observed.has(self.sensor_name, "distance_mm"):
-            zeros = [
-                (part.gap_told_mm[inside] + part["sensor_mm"][inside])[part.is_active[inside]]
-                for part, _, inside in self.parts()
-                if part.gap_told_mm is not None
-            ]
-            return float(np.median(np.concatenate(zeros)))
+            return self.whole.zeros
+        if not (self.control.is_referenced and self.has_surface):
+            return []
+        on = [time for time in self.states if time.value in FOLLOWING]
+        found = [(time.begin, self.gathered(self.beside_mm, slice(*time[:2]))) for time in on]
+        return [(begin, float(np.median(values))) for begin, values in found]
+
+    @staticmethod
+    def beside_mm(some: "DistanceTruth") -> Signal:
+        """Return what the sensor gives beside the sensor value of the control."""
+        assert some.gap_told_mm is not None
+        return some.gap_told_mm + some["sensor_mm"]
+
+    @property
+    def unreferenced_mm(self) -> float:
+        """Gap at which the sensor value is 0 without REF."""
         return -self.listed.ref_offset_mm
+
+    @property
+    def zero_mm(self) -> float:
+        """Gap at which the sensor value was 0 when the control was on last."""
+        return self.zeros[-1][1] if self.zeros else self.unreferenced_mm
+
+    @cached_property
+    def zero_by_row_mm(self) -> Signal:
+        """The same in each row; before the control was on as when it was on first."""
+        first, count = self.observed.rows.start, len(self.observed)
+        rows = np.full(count, self.zeros[0][1] if self.zeros else self.unreferenced_mm)
+        for begin, zero_mm in self.zeros[1:]:
+            rows[max(begin - first, 0) :] = zero_mm
+        return rows
 
     @cached_property
     def wanted_gap_mm(self) -> Signal:
@@ -291,7 +311,7 @@ class DistanceTruth:
         late = np.concatenate([np.full(DEMAND_CYCLES, self.program_mm[0]), self.program_mm])
         by_surface = late[: len(self.program_mm)] - self["set_pos_mm"]
         wanted: Signal = np.where(self.state == ACTIVE_CONST_DIST, self["set_dist_mm"], by_surface)
-        return wanted + self.zero_mm
+        return wanted + self.zero_by_row_mm
 
     @cached_property
     def behind_mm(self) -> Signal | None:
@@ -308,8 +328,10 @@ class DistanceTruth:
 
     @cached_property
     def variable(self) -> PlcSensor | None:
-        """The entry of `[plc]` that the program has chosen as its sensor; None: 60E4."""
-        return self.observed.facts.plc_sensors.get(self.control.variable)
+        """The entry of `[plc]` that was the sensor when the control was on last; None: 60E4."""
+        used = [change.sensor for change in self.control.changes if change.is_on]
+        name = used[-1].removeprefix("VARIABLE ") if used else self.control.variable
+        return self.observed.facts.plc_sensors.get(name)
 
     @property
     def increment_mm(self) -> float:
@@ -425,24 +447,3 @@ class DistanceTruth:
         if state != ACTIVE_CONST_DIST:
             return SET_POS
         return BOTH if listed.uses_both else CONST_DIST
-
-
-def gap_true_mm(truth: DistanceTruth) -> Signal:
-    """Return the true distance; raises NoClosedFormError without a plant for it."""
-    if truth.gap_true_mm is None:
-        raise NoClosedFormError(NO_PLANT)
-    return truth.gap_true_mm
-
-
-def surface_mm(truth: DistanceTruth) -> Signal:
-    """Return the height of the workpiece; raises NoClosedFormError without a plant for it."""
-    if truth.surface_mm is None:
-        raise NoClosedFormError(NO_PLANT)
-    return truth.surface_mm
-
-
-def behind_mm(truth: DistanceTruth) -> Signal:
-    """Return by how much the tool is too near; raises NoClosedFormError without a plant for it."""
-    if truth.behind_mm is None:
-        raise NoClosedFormError(NO_PLANT)
-    return truth.behind_mm
