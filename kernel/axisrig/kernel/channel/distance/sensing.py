@@ -177,7 +177,9 @@ class Sensing:
         axis: it stays where it was then. An offset may stop at once, held or at the end of its
         range (docs/ambiguities.md).
         """
-        control, last_mm = self.control, self._last_step_mm
+        control = self.control
+        # FREEZE and ON in one cycle: it has stopped at once and begins again
+        last_mm = self._last_step_mm if control.step_mm else 0.0
         before_mm, self._last_step_mm = control.offset_mm, 0.0
         control.step(reading)
         step_mm = control.offset_mm - before_mm
