@@ -20,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from fine_runs import Both, run_both
 
+from axisrig.bench.judge.fixed_stop.run import stop_run
 from axisrig.bench.judge.latch.truth import touch
 from axisrig.bench.judge.observed.motion import state_at
 from axisrig.bench.judge.observed.observation import Observation
@@ -95,18 +96,26 @@ def row(seed: int) -> tuple[Case, int | None]:
 
 def compared(both: Both) -> Iterator[Compared]:
     """Yield each metric that has a value, and a fine one."""
+    axis = _axis_of_stop(both.shipped)
     for metric in metrics_of_the_plant():
         how = fine_values()[metric.linear or metric.name]["fine"]
-        seen = observe(both.shipped, parse_check(metric.name, "> 0", ""))
+        name = f"{metric.name}:{axis}" if axis and metric.scope == "axis" else metric.name
+        seen = observe(both.shipped, parse_check(name, "> 0", ""))
         if not how or not isinstance(seen.value, int | float):
             continue
-        fine = _fine(both, metric, how, seen)
+        fine = _fine(both, name, how, seen)
         if fine is not None:
             value = float(seen.value)
             yield Compared(metric.name, value, seen.uncertainty, fine - value)
 
 
-def _fine(both: Both, metric: Metric, how: str, seen: Observation) -> float | None:
+def _axis_of_stop(observed: Observed) -> str | None:
+    """Return the axis of a run to a fixed stop: finer rows may find another one touch first."""
+    run = observed.last_run(None)
+    return None if run is None or run.fixed_stop is None else stop_run(observed, run).main_axis()
+
+
+def _fine(both: Both, name: str, how: str, seen: Observation) -> float | None:
     if how in ("contact", "latch"):
         return _at_contact(both, seen, how)
     if how == "deflection":
@@ -114,7 +123,7 @@ def _fine(both: Both, metric: Metric, how: str, seen: Observation) -> float | No
     found = touch(both.fine, None)
     if how == "stamp" and (found is None or "PLC_TIMESTAMP" not in found.run.sources.values()):
         return None
-    value = observe(both.fine, parse_check(metric.name, "> 0", "")).value
+    value = observe(both.fine, parse_check(name, "> 0", "")).value
     return float(value) if isinstance(value, int | float) else None
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from axisrig.bench.judge.fixed_stop.run import StopRun, stop_run, stop_runs
 from axisrig.bench.judge.fixed_stop.truth import PLANT_MM, AxisTruth
-from axisrig.bench.judge.observed.motion import INSIDE, Largest, farthest
+from axisrig.bench.judge.observed.motion import INSIDE, Largest, farthest, state_at
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed, takes_part
 from axisrig.bench.judge.observed.topic import MetricFunction
@@ -275,8 +275,10 @@ def relax_lag_mm(run: StopRun, truth: AxisTruth) -> Observation:
 def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
     """Largest true motion while the set value is at rest after the run."""
     rows = _standing_rows(run, truth)
-    begin_ns, end_ns = (int(truth.times_ns[rows][place]) for place in (0, -1))
-    from_mm = float(truth.position_mm[rows][0])
+    end_ns = int(truth.times_ns[rows][-1])
+    begin_ns = min(max(int(truth.times_ns[rows][0]), run.end_ns), end_ns)
+    at_end = state_at(run.observed, truth.name, begin_ns)
+    from_mm = float(truth.position_mm[rows][0]) if at_end is None else at_end.position_mm
     far = farthest(run.observed, truth.name, from_mm, begin_ns, end_ns) or Largest(0.0, 0.0)
     words = f"over {(end_ns - begin_ns) / MS:g} ms; {INSIDE}"
     return Observation(far.value * 1e3, (far.doubt + PLANT_MM) * 1e3, words)
@@ -289,8 +291,11 @@ def after_run_force_n_max(run: StopRun, axis: str | None) -> Observation:
 
 
 def _standing_rows(run: StopRun, truth: AxisTruth) -> slice:
-    """Return the rows from the end of the run on in which the set value does not change."""
+    """Return the rows from the end of the run on in which the set value does not change.
+
+    The first one with another set value is among them: that one was made after its SYNC.
+    """
     set_mm: Signal = run.set_mm(truth.name)
     begin = run.row_at(run.end_ns)
     moved = np.flatnonzero(set_mm[begin:] != set_mm[begin])
-    return slice(begin, begin + int(moved[0]) if len(moved) else len(set_mm))
+    return slice(begin, begin + int(moved[0]) + 1 if len(moved) else len(set_mm))
