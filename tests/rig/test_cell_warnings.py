@@ -37,9 +37,9 @@ def test_units_that_are_named_or_without_doubt_give_no_warning(
     assert warnings_of(tmp_path, header, f"600,{value}") == []
 
 
-def test_a_variable_that_no_program_and_no_moment_uses_is_named(tmp_path: Path) -> None:
-    found = warnings_of(tmp_path, "plc:V.E.FED,plc:V.E.feed", "600,5,")
-    assert found == ["warning: 2:5: plc:V.E.FED is not used: probe-z.nc has V.E.FEED"]
+def test_a_variable_that_no_program_and_no_moment_uses_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"touch\.csv:2:5: plc:V\.E\.FED is not used: .*V\.E\.FEED"):
+        warnings_of(tmp_path, "plc:V.E.FED,plc:V.E.feed", "600,5,")
 
 
 def test_a_variable_that_a_moment_waits_for_is_used(tmp_path: Path) -> None:
