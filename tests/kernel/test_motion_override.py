@@ -136,6 +136,20 @@ def test_both_steps_of_a_slope_act_on_the_way_down() -> None:
     assert rest.at(rest.duration_s) == (LENGTH, 0.0)
 
 
+def test_a_hold_that_is_let_go_too_near_the_end_brakes_no_harder_than_it_did() -> None:
+    """A hold with 2000 mm/s2 that ends while 40 mm/s need 1.6 mm with 500, and 0.5 mm are left.
+
+    40²/(2 x 0.5) = 1600 mm/s2; the path stood for 36 ms and went on as if nothing had been.
+    """
+    weak, hold = Slope(500.0, 500.0, 1000.0), Slope(2000.0, 2000.0, 1000.0)
+    assert hold.distance_mm(40.0) < 0.5 < weak.distance_mm(40.0)
+    rest = plan_rest(10.0, 10.5, FEED, UP, weak, 40.0)
+    assert rest.duration_s == pytest.approx(2.0 * 0.5 / 40.0)
+    assert rest.at(0.0) == (10.0, 40.0)
+    assert rest.at(0.0125) == pytest.approx((10.375, 20.0))
+    assert rest.at(rest.duration_s) == (10.5, 0.0)
+
+
 @given(
     st.lists(
         st.tuples(st.integers(1, 60), st.sampled_from([0.0, 0.01, 0.3, 0.5, 0.99, 1.0, 1.4, 2.0])),

@@ -72,7 +72,9 @@ class Course:
         """Return what a new plan from `t_s` on begins with."""
         raise NotImplementedError
 
-    def brake(self, t_s: float, deceleration: "AnySlope", fastest_mm_s: float) -> "Course":
+    def brake(
+        self, t_s: float, deceleration: "AnySlope", fastest_mm_s: float = math.inf
+    ) -> "Course":
         """Return the course that stops from the state at `t_s`; its time counts from 0 there.
 
         The path runs on from its value at `t_s`; the distance to go is deleted. fastest_mm_s: see

@@ -230,10 +230,14 @@ def plan_rest(
     """Plan the rest of a path, from `path_mm` at `speed_mm_s` on, that ends at rest at `end_mm`.
 
     A speed above the feed comes down to it with the deceleration. One that just stops at the end,
-    or by rounding a little late, brakes at once and ends there.
+    or by rounding a little late, brakes at once and ends there. Where a harder hold is let go too
+    near the end, v²/2s stops there: no more than that of the hold, which stops no later.
     """
-    braking_mm = deceleration.distance_mm(speed_mm_s)
-    if braking_mm >= end_mm - path_mm:
+    braking_mm, left_mm = deceleration.distance_mm(speed_mm_s), end_mm - path_mm
+    if braking_mm > left_mm + _SAME_MM and left_mm > 0.0:
+        a_mm_s2 = 0.5 * speed_mm_s * speed_mm_s / left_mm
+        return _joined(path_mm, end_mm, [], 0.0, [(0.0, speed_mm_s, a_mm_s2)])
+    if braking_mm >= left_mm:
         return _joined(path_mm, end_mm, [], 0.0, deceleration.steps(speed_mm_s))
     if speed_mm_s > feed_mm_s:
         steps = reversed(deceleration.steps(speed_mm_s, feed_mm_s))
