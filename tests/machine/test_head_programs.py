@@ -107,22 +107,40 @@ def test_what_an_axis_does_on_the_way_counts_for_its_limits(
     assert ends(outcome)[3:] != pytest.approx([90.0, 0.0])
 
 
-def refused(outcome: Any, what: str) -> None:
-    assert outcome.alarms == [900483]
-    (alarm,) = outcome.facts.alarms
-    assert what in alarm.text
-    assert "N40" in alarm.place
+def test_the_way_back_from_a_stop_is_straight_for_the_axes(run5: Run) -> None:
+    """A turns about the tool and is held at -11 degrees; the others have gone on with the lag.
 
-
-@pytest.mark.provokes(900483, 2, what="Type 7 (run to a fixed stop)", name="9")
-def test_a_run_to_a_fixed_stop_is_refused_in_tool_coordinates(run5: Run) -> None:
-    refused(run5("N10 D1\nN20 #TRAFO [9]\nN30 #MEAS MODE[7]\nN40 G100 Z-5 F600"), "Type 7")
-
-
-def test_a_simulated_probe_is_refused_in_tool_coordinates(run5: Run) -> None:
-    """It latches nothing; an axis that the block does not name counts too."""
-    simulated = "set:A.meas_simu.meas_simu_mode=1"
-    refused(run5("N10 D1\nN20 #TRAFO [9]\nN40 G100 Z-5 F600", simulated), "axis A")
+    They come back together on one line of axis positions, which is none of the tool, and rest
+    where all were when the stop was found.
+    """
+    detect = "kenngr.measure.fixed_stop_detect"
+    outcome = run5(
+        "N10 D1\nN20 #TRAFO [9]\nN30 G00 G90 Z60 A-10\n"
+        "N40 #DRIVE WR SYN [AX=A KEY=TORQUE_LIMIT VAL=362 WAIT]\n"
+        "N50 #DRIVE WR SYN [AX=A KEY=MON_WINDOW VAL=4294967295 WAIT]\n"
+        "N60 G100 A-30 F600\n"
+        '#MSG SYN["y=%f", V.A.ABS.Y - V.A.MESS.Y]\nN70 #TRAFO OFF\nN80 G01 A-10 F600',
+        "plant:a.stop_position_deg=-11",
+        "plant:a.stop_direction=-1",
+        f"set:A.{detect}.pos_lag_limit=15000",
+        f"set:A.{detect}.min_time=100000",
+        rig=RIG.with_name("fixed-stop-5axis.toml"),
+    )
+    assert outcome.alarms == []
+    assert outcome.printed("y") == [pytest.approx(0.0, abs=3e-5)]
+    (run,) = outcome.facts.runs
+    stop, seen = run.fixed_stop, outcome.observed
+    assert stop.detected_by == "A"
+    assert run.axes == tuple(AXES)
+    times_ns = np.asarray(seen.times_ns)
+    begin, end = (np.searchsorted(times_ns, at) for at in (stop.relax_begin_ns, stop.relax_end_ns))
+    rows = slice(begin, end - 1)  # the cycle of the end sends what comes next
+    back = np.stack([seen.column(axis, "set_mm", rows) for axis in AXES], axis=-1)
+    way = back[-1] - back[0]
+    assert np.abs(way[[1, 2, 4]]).min() > 0.1  # Y, Z and A
+    assert [run.latched_mm[axis] for axis in AXES] == pytest.approx(list(back[-1]), abs=STEP_MM)
+    share = (back - back[0]) @ way / (way @ way)
+    assert back == pytest.approx(back[0] + np.outer(share, way), abs=1e-9)
 
 
 def test_the_limits_of_the_axes_hold_on_the_overtravel(run5: Run) -> None:

@@ -209,8 +209,8 @@ def test_what_is_refused_has_its_alarm() -> None:
         "line-limit": "== 120002",
         "touch-not-released": "== 50059",
         "touch-no-signal-a": "== 900003",
-        "fixed-stop-refused": "== 900483",
-        "simulated-refused": "== 900483",
+        "fixed-stop-source": "== 900241",
+        "simulated-silent": "== 900003",
         "too-few-axes": "== 292040",
     }
     # With A -40 the Y axis is 180 sin 40 = 115.7 mm from the tool, which ends at Y30: above 100 mm

@@ -76,6 +76,7 @@ class Stage:
             measuring,
             watched,
             moved,
+            lambda: tuple(axis.set_mm for axis in moved),
             self.length_mm,
             self.is_error,
             self._rest,

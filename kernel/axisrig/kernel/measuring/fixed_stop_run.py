@@ -73,7 +73,8 @@ class StopPlan:
     """What a run is about.
 
     measuring: the axes that deliver a position. watched: where the stop is looked for. moved: the
-    axes of the motion, which is led back at its end. block_mm: length of the programmed path.
+    axes of the motion, which is led back at its end. sent: gives what was sent last, as a place on
+    the path whose steps show whether it slows. block_mm: length of the programmed path.
     is_error: finding no stop is an alarm (P-CHAN-00266). rest: makes what reports, asked once per
     cycle, whether the watched axes have come to rest. slaves: they follow axes of the motion.
     """
@@ -81,6 +82,7 @@ class StopPlan:
     measuring: Sequence[StopPort]
     watched: Sequence[Watched]
     moved: Sequence[StopPort]
+    sent: Callable[[], tuple[float, ...]]
     block_mm: float
     is_error: bool
     rest: Callable[[], Callable[[], bool]]
@@ -114,7 +116,7 @@ class FixedStopRun:
         self._plan, self._motion = plan, motion
         self._state, self._now_ns = _State.STARTING, now_ns
         self._axes = [(w, StopDetector(w.settings.criteria(period_ns))) for w in plan.watched]
-        self._set = _SetPath(plan.moved)
+        self._set = _SetPath(plan.sent)
         self._rests: Callable[[], bool] | None = None
         self._rest_ns: TimeNs | None = None
         self._window_from_mm = 0.0
@@ -293,18 +295,15 @@ class FixedStopRun:
 class _SetPath:
     """What the set positions that were sent do; slows: they move less than in the cycle before."""
 
-    def __init__(self, ports: Sequence[StopPort]) -> None:
-        self._ports = ports
-        self._places = self._here()
+    def __init__(self, sent: Callable[[], tuple[float, ...]]) -> None:
+        self._sent = sent
+        self._places = sent()
         self._step_mm = 0.0
         self.rests, self.slows, self.has_moved = True, False, False
 
-    def _here(self) -> tuple[float, ...]:
-        return tuple(port.set_mm for port in self._ports)
-
     def look(self) -> None:
         """Take what was sent since the last look."""
-        places = self._here()
+        places = self._sent()
         step_mm = dist(places, self._places)
         self.rests = places == self._places
         self.has_moved |= not self.rests

@@ -9,11 +9,14 @@ it latches, to one cycle. Source: TF5200 axis parameters 118162699 and 118165771
     4  all axes are at the target; SIMU_OFFSET of #MEAS shifts that along the path
     5  the first axis is at its target, at once when it is there already
     6  the axes are in a body, which their P-AXIS-00145 to 00148 describe (`Body`)
+
+Under a kinematic 1 and 6 are about positions of axes, 3 to 5 about the programmed path, which is in
+tool coordinates; what is latched is the position of the axis.
 """
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import dist
+from math import copysign, dist
 
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.parameters.units import UNITS_PER_MM
@@ -25,20 +28,23 @@ SAME_MM = 1e-9
 
 @dataclass(frozen=True)
 class Way:
-    """The programmed way of a run, axis positions in mm; offset_mm: SIMU_OFFSET.
+    """The programmed way of a run in the coordinates of targets, mm; offset_mm: SIMU_OFFSET.
 
     target_mm: of the axes that move. programmed: the axes of the block; one without a target is
-    at it already.
+    at it already. share: length of the path by distance in the coordinates, which under a
+    kinematic are not of one kind.
     """
 
     start_mm: Mapping[str, float]
     target_mm: Mapping[str, float]
     offset_mm: float = 0.0
     programmed: Collection[str] = ()
+    share: float = 1.0
 
     def travelled_mm(self, here_mm: Mapping[str, float]) -> float:
-        """Return how far a position is from the start."""
-        return dist(tuple(self.start_mm.values()), tuple(here_mm[name] for name in self.start_mm))
+        """Return how much of the path lies between the start and a place on it."""
+        here = tuple(here_mm[name] for name in self.start_mm)
+        return self.share * dist(tuple(self.start_mm.values()), here)
 
     def has_axis_at_target(self, here_mm: Mapping[str, float]) -> bool:
         """Return whether one of the axes is at its target."""
@@ -90,12 +96,16 @@ class Body:
 
 @dataclass
 class SimulatedProbe:
-    """The latch of one axis; mode and parameter: P-AXIS-00112 and 00145. body: of mode 6."""
+    """The latch of one axis; mode and parameter: P-AXIS-00112 and 00145. body: of mode 6.
+
+    places_mm: positions of the axis along the path, the first where it begins.
+    """
 
     name: str
     mode: int
     parameter: int
     way: Way
+    places_mm: Sequence[float]
     body: Body = field(default_factory=Body)
     is_armed: bool = False
     has_latched: bool = False
@@ -128,25 +138,41 @@ class SimulatedProbe:
         """Whether the latch is proved, which a simulated one is."""
         return self.has_latched
 
-    def look(self, here_mm: Mapping[str, float]) -> None:
-        """Take the set positions of one cycle of the motion."""
-        self._cycles += 1
-        if self.is_armed and not self.has_latched and self._signals(here_mm):
-            self.has_latched, self.latched_mm = True, here_mm[self.name]
+    def look(self, axes_mm: Mapping[str, float], here_mm: Mapping[str, float]) -> None:
+        """Signal or not, once in a cycle of the motion.
 
-    def _signals(self, here_mm: Mapping[str, float]) -> bool:
+        axes_mm: positions of the axes. here_mm: the same place in the coordinates of targets.
+        """
+        self._cycles += 1
+        if self.is_armed and not self.has_latched and self._signals(axes_mm, here_mm):
+            self.has_latched, self.latched_mm = True, axes_mm[self.name]
+
+    def _signals(self, axes_mm: Mapping[str, float], here_mm: Mapping[str, float]) -> bool:
         way, axis = self.way, self.name
-        start, target, here = way.start_mm[axis], way.target_mm.get(axis), here_mm[axis]
         if self.mode == POSITION:
-            sign = 1.0 if target is None or target >= start else -1.0
-            return sign * (here - self.parameter / UNITS_PER_MM) >= -SAME_MM
+            position_mm = self.parameter / UNITS_PER_MM
+            sign = towards(self.places_mm, position_mm)
+            return sign * (axes_mm[axis] - position_mm) >= -SAME_MM
         if self.mode == CYCLES:
             return self._cycles >= self.parameter
         if self.mode == REST:
-            left = 0.0 if target is None else abs(target - here) / abs(target - start)
+            start, target = way.start_mm[axis], way.target_mm.get(axis)
+            left = 0.0 if target is None else abs(target - here_mm[axis]) / abs(target - start)
             return left * 100.0 < self.parameter
         if self.mode == BODY:
-            return self.body.contains(here_mm)
+            return self.body.contains(axes_mm)
         if self.mode == ALL:
             return way.travelled_mm(here_mm) >= way.length_mm + way.offset_mm - SAME_MM
         return way.has_axis_at_target(here_mm)
+
+
+def towards(places_mm: Sequence[float], position_mm: float) -> float:
+    """Return in which direction an axis reaches a position, 1 or -1.
+
+    places_mm: of the axis along its path. It is that of the first time, and for a position that is
+    nowhere on the path that of the path as a whole.
+    """
+    start_mm, end_mm = places_mm[0], places_mm[-1]
+    if start_mm != position_mm and min(places_mm) <= position_mm <= max(places_mm):
+        return copysign(1.0, position_mm - start_mm)
+    return 1.0 if end_mm >= start_mm - SAME_MM else -1.0

@@ -103,6 +103,11 @@ class ToolCurve:
         index = min(max(int(share * self._count), 0), self._count)
         return self._axes(self.path.at(travelled_mm * self._scale), self.places[index])
 
+    @property
+    def share(self) -> float:
+        """How much of the way of the tool a step of the path has, seen in all its coordinates."""
+        return self.length_mm / self.path.length_mm if self.path.length_mm > 0.0 else 1.0
+
     def with_axis(self, index: int, position_mm: float) -> "ToolCurve":
         """Give the same path with an axis that the kinematic does not contain at another place."""
         if index < self._kinematic.count:

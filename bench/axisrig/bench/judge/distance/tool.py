@@ -18,9 +18,9 @@ from axisrig.bench.judge.distance.truth import (
     INACTIVE,
     DistanceTruth,
 )
-from axisrig.bench.judge.kinematics.truth import chain_of
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
+from axisrig.bench.judge.observed.tool import chain_of
 from axisrig.bench.oracles.distance.cycles import (
     QUIET_CYCLES,
     Measured,

@@ -10,6 +10,7 @@ import numpy as np
 
 from axisrig.bench.judge.fixed_stop.truth import AxisTruth
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.tool import kinematic_at, way_of_tool
 from axisrig.bench.oracles.fixed_stop.contact import (
     ROWS_BEFORE,
     StopContact,
@@ -111,6 +112,8 @@ class StopRows:
     @cached_property
     def path_mm(self) -> Signal:
         """How far the demand has gone on its path since the run began, of all measuring axes."""
+        if self._tool is not None:
+            return self._tool[0]
         total = np.zeros(len(self.times_ns))
         for axis in self.record.axes:
             if axis in self.truths:
@@ -118,6 +121,17 @@ class StopRows:
                 total += (demand - demand[min(self.rows.start, len(demand) - 1)]) ** 2
         way: Signal = np.sqrt(total)
         return way
+
+    @cached_property
+    def _tool(self) -> tuple[Signal, float] | None:
+        """Way of the tool and length of the block; None without a kinematic or all of its axes."""
+        on, target_mm = kinematic_at(self.observed, self.record.begin_ns), self.record.target_mm
+        if on is None or target_mm is None or any(axis not in self.truths for axis in on.axes):
+            return None
+        truths = [self.truths[axis] for axis in on.axes]
+        axes = np.stack([truth.course.demand_mm - truth.zero_mm for truth in truths], axis=-1)
+        begin = min(self.rows.start, len(self.times_ns) - 1)
+        return way_of_tool(self.observed, on, axes, begin, target_mm)
 
     @property
     def arming_mm(self) -> float | None:
@@ -127,6 +141,8 @@ class StopRows:
     @cached_property
     def block_mm(self) -> float | None:
         """Length of the block: from where the demand stood to the target in the program."""
+        if self._tool is not None:
+            return self._tool[1]
         target_mm = self.record.target_mm
         if target_mm is None or any(axis not in self.truths for axis in target_mm):
             return None

@@ -8,16 +8,15 @@ import numpy as np
 
 from axisrig.bench.judge.kinematics.truth import (
     away_mm,
-    kinematic_at,
     latched_centre_mm,
     places,
     stretches,
-    tool_centre_mm,
 )
 from axisrig.bench.judge.latch.metrics import INSTANT_NS
 from axisrig.bench.judge.latch.truth import touch
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.tool import kinematic_at, tool_centre_mm
 from axisrig.bench.judge.observed.topic import MetricFunction
 
 KINEMATIC_METRICS: dict[str, MetricFunction] = {}

@@ -7,15 +7,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.tool import Points, kinematic_at, tool_centre_mm
 from axisrig.bench.oracles.distance.cycles import WAY_CYCLES
-from axisrig.bench.oracles.kinematics.chain import Chain
 from axisrig.bench.record.kinematics import KinematicRecord
-from axisrig.kernel.time.clock import TimeNs
 
-Points = npt.NDArray[np.float64]
 STRAIGHT = ("rapid", "feed", "measurement run")
 """Kinds of blocks whose path is a line."""
 QUARTERS = (0.25, 0.5, 0.75)
@@ -36,20 +33,9 @@ class Stretch:
     shift: int
 
 
-def chain_of(observed: Observed, on: KinematicRecord) -> Chain:
-    """Return the chain of a kinematic that was on."""
-    return Chain(on.ids, observed.facts.channel, dict(on.program), on.tool_mm)
-
-
 def places(observed: Observed, on: KinematicRecord, column: str, rows: slice) -> Points:
     """Return a column of all axes of a kinematic, shape (n, axes), in mm and degrees."""
     return np.stack([observed.column(axis, column, rows) for axis in on.axes], axis=-1)
-
-
-def tool_centre_mm(observed: Observed, on: KinematicRecord, axes: Points) -> Points:
-    """Return the tool centre points (n, 3) of positions of the axes (n, axes)."""
-    points: Points = chain_of(observed, on).frame(axes)[..., :3, 3]
-    return points
 
 
 def latched_centre_mm(
@@ -59,14 +45,6 @@ def latched_centre_mm(
     axes = np.array([[position_mm[axis] for axis in on.axes]])
     point: Points = tool_centre_mm(observed, on, axes)[0]
     return point
-
-
-def kinematic_at(observed: Observed, time_ns: TimeNs) -> KinematicRecord | None:
-    """Return what was on at an instant, None: nothing."""
-    for on in observed.facts.kinematics:
-        if on.begin_ns <= time_ns and (on.end_ns is None or time_ns < on.end_ns):
-            return on
-    return None
 
 
 def shift_of(observed: Observed) -> int:

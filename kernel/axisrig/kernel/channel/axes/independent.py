@@ -12,6 +12,7 @@ from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling, Standstill
+from axisrig.kernel.channel.path.stop_way import StopWay
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun
@@ -189,9 +190,10 @@ class IndependentAxes:
             assert command.measuring_type is not None
             axes, kind, block = (command.axis,), command.measuring_type, command.block
             if measuring_types()[kind].runs_to_stop:
-                target_mm = {command.axis: command.target_mm}
+                here_mm = self._path.position_acs_mm(command.axis)
+                way = StopWay(axes, abs(command.target_mm - here_mm))
                 motion = _StopMotion(self, mover)
-                mover.run = self._measurement.arm_stop(axes, target_mm, block, motion)
+                mover.run = self._measurement.arm_stop(axes, way, block, motion)
             else:
                 mover.run = self._measurement.arm(
                     kind,

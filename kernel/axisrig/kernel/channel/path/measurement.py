@@ -5,14 +5,16 @@ A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (rest at a stop 
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import dist, isinf
+from math import isinf
 
 from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.dead_times import BehindMm, RunUp, dead_times, shares_of
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Rest, Standstill
+from axisrig.kernel.channel.path.simulated_probes import SimulatedProbes
 from axisrig.kernel.channel.path.slaves import PathWithSlaves
+from axisrig.kernel.channel.path.stop_way import StopWay, sent_to, straight_way
 from axisrig.kernel.channel.probing.choice import ProbeChoice
 from axisrig.kernel.channel.probing.ports import PlcPorts
 from axisrig.kernel.drives.link import AxisLink
@@ -20,7 +22,6 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
 from axisrig.kernel.measuring.rules import least_stroke_mm, misses_signal
 from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
-from axisrig.kernel.measuring.simulated import ALL, Body, SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -70,7 +71,7 @@ class Measurement:
         self._slaves_of, self._offsets = slaves_of, offsets
         self._run: MeasuringRun | FixedStopRun | None = None
         self._order: _Order | None = None
-        self._simulated: tuple[SimulatedProbe, ...] = ()
+        self._simulated = SimulatedProbes(path, links, warn)
         self._standstill: Standstill | None = None
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
@@ -155,19 +156,17 @@ class Measurement:
     def begin(self, command: canon.MeasuringRun) -> None:
         """Begin a run on the path.
 
-        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400, 900483 and those of the
-        run.
+        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400 and those of the run.
         """
         type_, measuring = command.measuring_type, command.measuring_axes
-        self._require_latches(command)
         for name in dict.fromkeys((*command.programmed_axes, *measuring)):
             self.check(name, type_)
         self._order = self._planned(command)
         if measuring_types()[type_].runs_to_stop:
-            target_mm = command.target_mm
-            slaves = self._with_settings(self._slaves_of(target_mm))
+            way = straight_way(self._path, self._links.values(), command.target_mm)
+            slaves = self._with_settings(self._slaves_of(way.moved))
             motion = PathWithSlaves(self._path, slaves, self._clock, self._period_ns)
-            self._run = self.arm_stop(measuring, target_mm, command.block, motion)
+            self._run = self.arm_stop(measuring, way, command.block, motion)
             return
         self._run = self.arm(
             type_,
@@ -175,41 +174,9 @@ class Measurement:
             command.block,
             error_no_signal=command.error_no_signal,
             goes_on=command.goes_on,
-            simulated=self._simulated_probes(command),
+            simulated=self._simulated.make(command),
             behind_mm=self._order.run_up.behind_mm,
         )
-
-    def _require_latches(self, command: canon.MeasuringRun) -> None:
-        """Raise Alarm 900483 where a position is not latched in each axis of the kinematic."""
-        kinematic = self._path.transformation.kinematic
-        if kinematic is None:
-            return
-        what = None
-        if measuring_types()[command.measuring_type].runs_to_stop:
-            what = f"Type {command.measuring_type} (run to a fixed stop)"
-        for name in command.measuring_axes:
-            if self._path.settings(name).measuring.simulated[0]:
-                what = f"The simulated probe of axis {name} (P-AXIS-00112)"
-        if what is not None:
-            raise Alarm(900483, what=what, name=kinematic.name)
-
-    def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
-        """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
-        found = {}
-        lists = {name: self._path.settings(name).measuring.simulated for name in self._links}
-        target_mm, offset_mm = command.target_mm, command.simulated_offset_mm
-        if offset_mm and all(lists[name][0] != ALL for name in command.measuring_axes):
-            self._warn(Alarm(900523, place=command.block.place, offset_mm=f"{offset_mm:g}"))
-        way = Way(self._here_mm(), target_mm, offset_mm, command.programmed_axes)
-        for name in command.measuring_axes:
-            mode, parameter = lists[name][:2]
-            if mode:
-                found[name] = SimulatedProbe(name, mode, parameter, way, Body.of(lists))
-        self._simulated = tuple(found.values())
-        return found
-
-    def _here_mm(self) -> dict[str, float]:
-        return {name: self._path.position_acs_mm(name) for name in self._links}
 
     def arm(
         self,
@@ -255,21 +222,16 @@ class Measurement:
         self._measured.update(dict.fromkeys(record.axes))
 
     def arm_stop(
-        self,
-        measuring: Sequence[str],
-        target_mm: Mapping[str, float],
-        block: Block,
-        motion: StopMotion,
+        self, measuring: Sequence[str], way: StopWay, block: Block, motion: StopMotion
     ) -> FixedStopRun:
         """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
 
-        measuring: the axes that deliver a position. target_mm: of the axes that the block
-        moves, at which the stop is looked for; at slaves where their master wants it
-        (P-AXIS-00835). Raises Alarm 51026.
+        measuring: the axes that deliver a position. way: of the block, whose axes are those at
+        which the stop is looked for; at slaves where their master wants it (P-AXIS-00835). Raises
+        Alarm 51026.
         """
         links, settings = self._links, self._path.settings
-        moved = [name for name in links if name in target_mm]
-        here_mm = [self._path.position_acs_mm(name) for name in moved]
+        moved = [name for name in links if name in way.moved]
         slaves = self._slaves_of(moved)
         searched = [
             slave
@@ -281,7 +243,8 @@ class Measurement:
             measuring=[links[name] for name in measuring],
             watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
             moved=[links[name] for name in moved],
-            block_mm=dist(here_mm, [target_mm[name] for name in moved]),
+            sent=way.sent or sent_to(links[name] for name in moved),
+            block_mm=way.length_mm,
             is_error=not self._settings.stop_may_be_missing,
             rest=lambda: Rest(self._clock, self._period_ns, axes).judge,
             slaves=[links[name] for name in slaves],
@@ -418,10 +381,8 @@ class Measurement:
         now_ns = self._clock.now_ns
         if isinstance(run, FixedStopRun):
             return run.evaluate(now_ns)
-        if self._simulated and run.state is RunState.MOVING:
-            here_mm = self._here_mm()
-            for probe in self._simulated:
-                probe.look(here_mm)
+        if run.state is RunState.MOVING:
+            self._simulated.look()
         standstill = self._standstill
         rest_ns = None if standstill is None else standstill.look(self._path.has_stopped)
         return run.evaluate(now_ns, self._path.is_in_position(), rest_ns)
@@ -430,9 +391,7 @@ class Measurement:
         """Lead the axes straight to where they are to rest, no faster than the run."""
         path = self._path
         targets_mm = {axis: mm - path.superposed_mm(axis) for axis, mm in targets_mm.items()}
-        dynamics = path.dynamics(targets_mm, Motion.MEASURING)
-        if dynamics is not None:
-            path.begin(targets_mm, speed_mm_s, dynamics)
+        path.lead_back(targets_mm, speed_mm_s)
 
     def reset(self) -> None:
         """End every run without a result, and forget what the program has set."""

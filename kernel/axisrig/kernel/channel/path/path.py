@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
 
 from axisrig.kernel.channel.distance.offsets import Offsets
+from axisrig.kernel.channel.path.arcs import arc_from
 from axisrig.kernel.channel.path.programmed import ProgrammedDynamics
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling
@@ -212,26 +213,17 @@ class Path:
         feed_mm_min: float,
     ) -> None:
         """Begin an arc from where the axes are; the arguments are those of `canon.ArcMove`."""
-        here = self._here()
-        names = [axis.name for axis in self._axes]
-        arc = Arc(
-            start_mm=here,
-            end_mm=tuple(target_mm.get(n, at) for n, at in zip(names, here, strict=True)),
-            centre_mm=tuple(centre_mm.get(n, at) for n, at in zip(names, here, strict=True)),
-            tangent=tuple(tangent.get(name, 0.0) for name in names),
-            angle_rad=angle_rad,
-        )
+        arc = arc_from(self.position_mm(), target_mm, centre_mm, tangent, angle_rad)
         feed_mm_s = feed_mm_min / 60.0
         axes = [self.programmed.dynamics(axis, Motion.FEED) for axis in self._axes]
         highest_mm_s = self._highest_mm_s(feed_mm_s)
         if self.transformation.kinematic is None:
-            for corner_mm in arc.box_mm():
-                self._require_reach(corner_mm)
+            self._require_reach_of(arc)
             self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
-            return
-        curve = self._of_axes(arc)
-        self._require_reach_of(curve)
-        self._follow(curve, feed_mm_s, tool_dynamics(axes, curve, highest_mm_s))
+        else:
+            curve = self._of_axes(arc)
+            self._require_reach_of(curve)
+            self._follow(curve, feed_mm_s, tool_dynamics(axes, curve, highest_mm_s))
 
     def _highest_mm_s(self, feed_mm_s: float) -> float:
         """Return the feed at the largest override."""
@@ -264,18 +256,9 @@ class Path:
             return path_dynamics(axes, deltas)
         if max(map(abs, deltas)) <= NO_WAY_MM:  # rounding of the way through the kinematic
             return None
-        line = self._line(target_mm, overtravel_mm)
-        return tool_dynamics(axes, self._of_axes(line), highest_mm_s)
-
-    def _line(
-        self, target_mm: Mapping[str, float], overtravel_mm: Mapping[str, float] | None
-    ) -> Line:
-        """Give the straight path, in the coordinates of targets."""
-        here = self.position_mm()
-        target = {**here, **target_mm}
-        if overtravel_mm is not None:
-            target = lengthened(here, target, overtravel_mm)
-        return Line(tuple(here.values()), tuple(target.values()))
+        curve = self.straight(target_mm, overtravel_mm)
+        assert isinstance(curve, ToolCurve)
+        return tool_dynamics(axes, curve, highest_mm_s)
 
     def begin(
         self,
@@ -289,14 +272,30 @@ class Path:
 
         Raises Alarm 900012 for a target that no drive can have, 120002, 120003 past a switch.
         """
-        line = self._line(target_mm, overtravel_mm)
-        if self.transformation.kinematic is None:
-            self._require_reach(line.end_mm)
-            self._follow(line, feed_mm_s, dynamics)
-        else:
-            curve = self._of_axes(line)
-            self._require_reach_of(curve)
-            self._follow(curve, feed_mm_s, dynamics)
+        curve = self.straight(target_mm, overtravel_mm)
+        self._require_reach_of(curve)
+        self._follow(curve, feed_mm_s, dynamics)
+
+    def straight(
+        self, target_mm: Mapping[str, float], overtravel_mm: Mapping[str, float] | None = None
+    ) -> Line | ToolCurve:
+        """Give the straight path to a target as the axes go it; the arguments are of `begin`."""
+        here = self.position_mm()
+        target = {**here, **target_mm}
+        if overtravel_mm is not None:
+            target = lengthened(here, target, overtravel_mm)
+        line = Line(tuple(here.values()), tuple(target.values()))
+        return line if self.transformation.kinematic is None else self._of_axes(line)
+
+    def lead_back(self, target_mm: Mapping[str, float], feed_mm_s: float) -> None:
+        """Begin a measuring path straight to positions of axes, if any; raises as `begin`."""
+        here = self.interpolator.positions_mm
+        line = Line(here, tuple(map(target_mm.get, self._index, here)))
+        deltas = [end - at for end, at in zip(line.end_mm, here, strict=True)]
+        if any(deltas):
+            axes = [self.programmed.dynamics(axis, Motion.MEASURING) for axis in self._axes]
+            self._require_reach_of(line)
+            self._follow(line, feed_mm_s, path_dynamics(axes, deltas))
 
     def require_reach(self, axis: str, target_mm: float) -> None:
         """Raise Alarm 900012, 120002 or 120003 for a target that an axis must not be moved to."""
@@ -316,8 +315,8 @@ class Path:
             if target_mm != here:
                 self.require_reach(axis, target_mm)
 
-    def _require_reach_of(self, curve: ToolCurve) -> None:
-        for corner_mm in curve.box_mm():
+    def _require_reach_of(self, curve: Line | Arc | ToolCurve) -> None:
+        for corner_mm in (curve.end_mm,) if isinstance(curve, Line) else curve.box_mm():
             self._require_reach(corner_mm)
 
     def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:

@@ -1,0 +1,193 @@
+"""Limits of testplans/kinematics_measuring.csv from closed forms; nothing of the bench is imported.
+
+A head with a lever of 180 mm. The path is a line of the tool with the share s of its way: from
+(10, 20, 20) to (30, 5, -5) mm while C and A turn, 10 mm/s and 1 ms.
+"""
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from tests.plans.shipped_files import limits, rig_of, rows_of
+
+ROWS = rows_of("kinematics_measuring")
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+LEVER_MM, PERIOD_S, SPEED_MM_S = 180.0, 1e-3, 10.0
+START, END = (10.0, 20.0, 20.0), (30.0, 5.0, -5.0)
+LENGTH_MM = math.dist(START, END)
+STEP = SPEED_MM_S * PERIOD_S / LENGTH_MM  # of the share, in a cycle
+PRINTED = 1.6e-6  # six digits, and one in the last of them more
+SIGNALS = {"msg:N50": 0, "msg:N60": 1, "msg:N70": 2, "msg:N80": "A", "msg:N90": "Z"}
+
+
+def sin(degrees: float) -> float:
+    return math.sin(math.radians(degrees))
+
+
+def cos(degrees: float) -> float:
+    return math.cos(math.radians(degrees))
+
+
+def places(s: float) -> dict[str | int, float]:
+    """Tool coordinates 0 to 2 and axes: the A axis is Rz(c) Rx(a) (0, 0, 180) from the tool."""
+    tool = [a + (b - a) * s for a, b in zip(START, END, strict=True)]
+    c, a = 20.0 + 40.0 * s, -35.0 + 25.0 * s
+    return {
+        **dict(enumerate(tool)),
+        "X": tool[0] + LEVER_MM * sin(c) * sin(a),
+        "Y": tool[1] - LEVER_MM * cos(c) * sin(a),
+        "Z": tool[2] + LEVER_MM * cos(a),
+        "C": c,
+        "A": a,
+    }
+
+
+def body_share() -> float:
+    """Where Z as an axis comes to 172 mm the first time; it rises until s = 0.66."""
+    low, high = 0.0, 0.6
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if places(middle)["Z"] < 172.0 else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize(
+    ("case", "share", "cycles"),
+    [
+        ("path-offset", 1.0 - 14.14 / LENGTH_MM, 1),
+        ("share", 0.6, 1),
+        ("positions", 0.5, 2),  # P-AXIS-00145 is rounded to 0.1 um
+        ("body", body_share(), 1),
+    ],
+)
+def test_a_simulated_signal_is_of_the_cycle_in_which_its_condition_holds(
+    case: str, share: float, cycles: int
+) -> None:
+    before, after = places(share), places(share + cycles * STEP)
+    for metric, what in SIGNALS.items():
+        expected = sorted((before[what], after[what]))
+        expected = [expected[0] - 1e-6, expected[1] + 1e-6]
+        assert limits(ROWS[case][f"check:{metric}"]) == pytest.approx(expected, abs=PRINTED)
+
+
+def test_the_axes_are_half_way_where_their_parameters_have_them() -> None:
+    """X goes the other way first: it comes to this place once, from below."""
+    half = places(0.5)
+    for axis in "XYZCA":
+        written = float(ROWS["positions"][f"set:{axis}.meas_simu.parameter1"])
+        assert written == pytest.approx(half[axis] * 1e4, abs=0.5)
+    x = [places(at / 1000.0)["X"] for at in range(1001)]
+    assert x[1] < x[0] < half["X"]
+    assert [a < half["X"] <= b for a, b in pairwise(x)].count(True) == 1
+    assert min(places(at / 100.0)["Y"] for at in range(101)) > -10.0  # row one-never
+
+
+@pytest.mark.parametrize("case", ["target", "first"])
+def test_at_the_target_means_there(case: str) -> None:
+    end = places(1.0)
+    for metric, what in SIGNALS.items():
+        low, high = limits(ROWS[case][f"check:{metric}"])
+        assert (low + high) / 2.0 == pytest.approx(end[what], abs=PRINTED)
+        assert high - low <= 4.1e-6
+
+
+def test_what_is_at_its_target_already_signals_in_the_first_cycle() -> None:
+    for metric, begin, way in (("msg:N70", 20.0, -25.0), ("msg:N80", -35.0, 25.0)):
+        ends = sorted((begin, begin + way * STEP))
+        low, high = limits(ROWS["first-at-once"][f"check:{metric}"])
+        assert (low, high) == pytest.approx(ends, abs=PRINTED)
+
+
+def test_one_simulated_axis_beside_real_latches_is_off_by_its_cycle() -> None:
+    """From (10, 20) to (30, -5) A turns 25 degrees in 32.016 mm; Z0 is met at 4/5 of it, at -15."""
+    step_deg = 25.0 / math.hypot(20.0, 25.0) * SPEED_MM_S * PERIOD_S
+    low, high = limits(ROWS["one"]["check:msg:N60"])
+    assert (low, high) == pytest.approx((-15.0, -15.0 + step_deg), abs=PRINTED)
+    low, high = limits(ROWS["one"]["check:msg:N50"])
+    late_mm = LEVER_MM * (cos(15.0 - step_deg) - cos(15.0))
+    assert high == -low == pytest.approx(late_mm + 3e-4, abs=PRINTED)  # 1e-4 degrees, 180 mm
+
+
+# Fixed stops
+
+KV, LIMIT_MM, TAU_S, AGE_MS = 40.0, 1.5, 0.1, 0.552
+FORCE_MM = 500.388 / 20e3  # 362 per mille of the motor, 20 N/um: as in fixed_stop_timing.csv
+TORQUE_DEG = 0.013689  # 47.784 N.m on 2e5 N.m/rad: as in fixed_stop_rotary.csv
+
+
+def assert_found(case: str, axis: str, after_s: float) -> None:
+    band = limits(ROWS[case][f"check:contact_to_detection_ms:{axis}"])
+    expected = (after_s * 1e3 + AGE_MS, after_s * 1e3 + AGE_MS + 1.0)
+    assert band == pytest.approx(expected, abs=1e-4)
+
+
+def test_an_axis_of_the_kinematic_is_found_by_its_lag_as_any_other() -> None:
+    for case, axis, deep in (("stop-z", "Z", FORCE_MM), ("stop-a", "A", TORQUE_DEG)):
+        assert_found(case, axis, (LIMIT_MM - SPEED_MM_S / KV + deep) / SPEED_MM_S + TAU_S)
+    row = ROWS["stop-z"]
+    assert limits(row["check:latch_mm:Z"]) == pytest.approx((149.97398, 149.97598), abs=1e-5)
+    tool_mm = 150.0 - FORCE_MM - LEVER_MM * cos(35.0)
+    assert limits(row["check:msg:N180"]) == pytest.approx(
+        (tool_mm - 1e-3, tool_mm + 1e-3), abs=1e-6
+    )
+
+
+def test_the_tool_is_where_the_axes_are_that_went_on() -> None:
+    """A is held at -20.0137 degrees. Y goes with the demand of A, 0.25 degrees ahead at the
+    contact, to one cycle of the exchange; Z is v/Kv of the demand behind."""
+    row, held = ROWS["stop-a"], 20.0 + TORQUE_DEG
+    found_s = (LIMIT_MM - SPEED_MM_S / KV + TORQUE_DEG) / SPEED_MM_S + TAU_S
+    at_deg = [20.25 + SPEED_MM_S * (found_s + late * 1e-3) for late in (0.0, 1.0)]
+    y = [20.0 + LEVER_MM * cos(20.0) * (sin(deg) - sin(held)) for deg in at_deg]
+    z = [20.0 + LEVER_MM * (cos(deg - 0.25) - cos(held)) for deg in at_deg]
+    for metric, ends, more in (("msg:N170", y, 1e-3), ("msg:N180", z, 6e-3)):
+        low, high = limits(row[f"check:{metric}"])
+        assert min(ends) - more < low < min(ends)
+        assert max(ends) < high < max(ends) + more
+    # of Z: its acceleration 180 cos(22) (10 deg/s)^2 over Kv^2
+    assert LEVER_MM * math.radians(10.0) ** 2 / KV**2 < 5e-3
+
+
+def test_a_window_holds_at_a_stop_though_the_steps_of_the_axes_shrink_all_the_way() -> None:
+    """A has 25 degrees of the 35.36 mm."""
+    speed_deg_s = 25.0 / LENGTH_MM * SPEED_MM_S
+    assert_found("stop-a-window", "A", TAU_S - (0.02 - TORQUE_DEG) / speed_deg_s)
+    assert ROWS["stop-a-window"]["check:detection_followed_error_ms"] == "== 0"
+
+
+def test_an_axis_that_turns_round_is_at_rest_for_its_window() -> None:
+    """z' = 0 where sin(a) = 1/(180 rad/deg), z'' = -180 cos(a) (a' rad/s)^2: the way of the last
+    100 ms is below 2 um from 7.7 ms before the middle on, with the turn 42.3 ms behind."""
+    turn_deg = math.degrees(math.asin(25.0 / (LEVER_MM * math.radians(25.0))))
+    share = (35.0 - turn_deg) / 25.0
+    bend = LEVER_MM * cos(turn_deg) * (math.radians(25.0) * SPEED_MM_S / LENGTH_MM) ** 2
+    since_s = TAU_S / 2.0 - 0.002 / (bend * TAU_S)
+    low, high = limits(ROWS["stop-z-turns"]["check:latch_mm:Z"])
+    expected = places(share)["Z"] - bend * since_s**2 / 2.0
+    assert (low + high) / 2.0 == pytest.approx(expected, abs=1e-5)
+    assert high - low == pytest.approx(2e-3)
+    assert ROWS["stop-z-turns"]["check:found_without_contact"] == "== 1"
+
+
+def test_the_axes_come_back_to_half_an_increment() -> None:
+    drives = rig_of(RIGS / "fixed-stop-5axis.toml")["drive"]
+    half = {name: of["lead_mm"] / of["encoder_increments"] / 2.0 for name, of in drives.items()}
+    away_mm = half["servo"] + 2.0 * LEVER_MM * math.radians(half["worm"])
+    for case in ("stop-z", "stop-a", "stop-a-window", "stop-z-turns"):
+        for metric in ("msg:N200", "msg:N210"):
+            low, high = limits(ROWS[case][f"check:{metric}"])
+            assert high == -low == pytest.approx(away_mm, abs=1e-7)
+
+
+def test_what_is_refused_or_missing_has_its_alarm() -> None:
+    alarms = {name: row["check:alarms"] for name, row in ROWS.items() if "bad" in row["tags"]}
+    assert alarms == {
+        "one-never": "== 900003",
+        "none": "== 900004",
+        "other-value": "== 110508 900640 50059",
+        "stop-missing": "== 900240",
+        "stop-source": "== 900241",
+        "stop-not-released": "== 50059",
+        "stop-too-long": "== 110757 51026",
+    }
