@@ -10,7 +10,7 @@ from axisrig.kernel.errors import catalogue
 TEXT = (Path(__file__).parents[2] / "docs" / "ambiguities.md").read_text(encoding="utf-8")
 IDS = (
     *(20138, 20772, 20956, 50050, 50052, 50059, 50061, 50573, 50637, 50664, 50718, 51026, 60207),
-    *(44011, 70689, 110586, 110608, 110611, 110612, 110614, 110622, 110657, 110658, 110757),
+    *(44011, 70689, 110508, 110586, 110608, 110611, 110612, 110614, 110622, 110657, 110658, 110757),
     *(21964, 21968, 13413, 13414, 13425),
 )
 """FCT-C4, programming manual, TF5200 diagnosis and axis parameter pages."""

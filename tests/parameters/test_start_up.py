@@ -162,6 +162,21 @@ def test_a_sercos_probe_configured_wrong_takes_the_axis_out_of_measuring(
     assert started(listed(f"kenngr.messachse 1\n{line}\n")) == []  # no SERCOS drive
 
 
+@pytest.mark.provokes(110508, 3, axis="Z", id=2, wrong=1, corrected=0)
+@pytest.mark.provokes(900640, 1, axis="Z", id=2)
+def test_an_actual_value_transformation_takes_the_axis_out_of_measuring(listed: Listed) -> None:
+    """Both that it is on and which one it is are wanted; an axis that does not measure keeps it."""
+    measures, on = "kenngr.messachse 1\n", "trafo.actual_pos.enable 1\n"
+    axis = listed(f"{measures}{on}trafo.actual_pos.id 2\n")
+    assert [warning.id for warning in started(axis)] == [110508, 900640]
+    assert not axis.flag("kenngr.messachse")
+    assert [a.id for a in started(listed(f"{on}trafo.actual_pos.id 3\n"))] == [900640]
+    for without in (f"{measures}{on}", f"{measures}trafo.actual_pos.id 1\n"):
+        axis = listed(without)
+        assert started(axis) == []
+        assert axis.flag("kenngr.messachse")
+
+
 @pytest.mark.provokes(110622, 1, axis="Z", probe=1, wrong=3, corrected=2)
 def test_a_probe_input_that_the_drive_does_not_have_leaves_the_decision(listed: Listed) -> None:
     axis = listed("kenngr.measure.probe[1].input 3\nkenngr.measure.input 2\n")

@@ -100,6 +100,10 @@ def nearest(word: str, known: Iterable[str], count: int = 3) -> Guess:
     return Guess(names[hit] for hit in difflib.get_close_matches(word.lower(), names, n=count))
 
 
+OF_PARAMETER_LISTS = 2
+"""Error type of what comes up while lists are taken over."""
+
+
 @dataclass(frozen=True)
 class CatalogueEntry:
     """One row of `errors.csv`.
@@ -205,8 +209,12 @@ class Alarm(Exception):  # noqa: N818
 
     @property
     def ends_program(self) -> bool:
-        """Whether the program ends: every class above the warning does."""
-        return self.entry.reaction_class > 1
+        """Whether the program ends: every class above the warning does.
+
+        What is wrong with a parameter list comes up before there is a program: its job was to take
+        the list over.
+        """
+        return self.entry.reaction_class > 1 and self.entry.error_type != OF_PARAMETER_LISTS
 
     def __str__(self) -> str:
         text = self.entry.text.format(**self.values)

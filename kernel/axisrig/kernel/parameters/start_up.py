@@ -27,6 +27,7 @@ WITH_TWO_INPUTS = (SERCOS, 3, CANOPEN)  # FCT-C4 8.2.2, P-AXIS-00517
 
 OPTIMISED = "lr_param.field_bus_allows_optimized_schedule"
 SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
+MEASURES, ACTUAL_TRANSFORMATION = "kenngr.messachse", "trafo.actual_pos"
 NO_BIT, REALTIME_BITS = -1, (6, 7)
 _CONTROL, _STATUS = ("S-0-0134",), ("S-0-0135", "S-0-135")
 # SERCOS words of a bit, the warning of an unknown process datum and that of an invalid bit
@@ -154,6 +155,18 @@ def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
         yield Alarm(110614, axis=axis, drive_type=drive, wrong=wrong)
     if number == SERCOS:
         yield from _sercos(parameters, axis)
+    yield from _actual_value_transformation(parameters, axis)
+
+
+def _actual_value_transformation(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
+    """Take an axis out of measuring whose actual positions are transformed."""
+    id_ = parameters.integer(f"{ACTUAL_TRANSFORMATION}.id")
+    if not (id_ and parameters.flag(f"{ACTUAL_TRANSFORMATION}.enable")):
+        return
+    if parameters.flag(MEASURES):
+        parameters.correct(MEASURES, False)
+        yield Alarm(110508, axis=axis, id=id_, wrong=1, corrected=0)
+    yield Alarm(900640, axis=axis, id=id_)
 
 
 def _own(parameters: ParameterSet, path: str) -> int:
@@ -181,7 +194,7 @@ def _sercos(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
 
 def _release(parameters: ParameterSet) -> None:
     """Take the axis out of measuring and edge banding."""
-    for path in ("kenngr.messachse", "kenngr.kasto_achse"):
+    for path in (MEASURES, "kenngr.kasto_achse"):
         if parameters.flag(path):
             parameters.correct(path, False)
 
