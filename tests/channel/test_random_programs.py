@@ -12,7 +12,7 @@ from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.time.clock import MS
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 1, 1779, 4134, 9835])  # the last three did once
 def test_no_set_position_of_a_random_program_passes_a_limit(seed: int) -> None:
     machine = random_programs.run(seed)
     assert machine.passed is None, machine.text

@@ -359,6 +359,10 @@ class _Rest:
             change_mm_s = self._at_once_mm_s - self._feed_mm_s
             return self._first + downwards(pulse(change_mm_s, self._down, 0.0, left))
         change_mm_s = self._speed_mm_s - self._feed_mm_s
+        fall_mm_s = 0.5 * (self._now * self._now - left * left) * self._down.falling_s3_mm
+        if self._rising is not None and change_mm_s < fall_mm_s:  # it turns first
+            change_mm_s = self._at_once_mm_s - self._feed_mm_s
+            return self._first + downwards(pulse(change_mm_s, self._down, 0.0, left))
         return downwards(pulse(change_mm_s, self._down, self._now, left, self._rising))
 
     def _hardest(self) -> float:
