@@ -149,7 +149,7 @@ def test_the_tool_is_where_the_axes_are_that_went_on() -> None:
     assert LEVER_MM * math.radians(10.0) ** 2 / KV**2 < 5e-3
 
 
-def test_a_window_holds_at_a_stop_though_the_steps_of_the_axes_shrink_all_the_way() -> None:
+def test_a_window_holds_at_a_stop_on_a_line_of_the_tool() -> None:
     """A has 25 degrees of the 35.36 mm."""
     speed_deg_s = 25.0 / LENGTH_MM * SPEED_MM_S
     assert_found("stop-a-window", "A", TAU_S - (0.02 - TORQUE_DEG) / speed_deg_s)
@@ -162,6 +162,11 @@ def test_an_axis_that_turns_round_is_at_rest_for_its_window() -> None:
     turn_deg = math.degrees(math.asin(25.0 / (LEVER_MM * math.radians(25.0))))
     share = (35.0 - turn_deg) / 25.0
     bend = LEVER_MM * cos(turn_deg) * (math.radians(25.0) * SPEED_MM_S / LENGTH_MM) ** 2
+    steps = [
+        math.dist(*([places(s + d)[a] for a in "XYZCA"] for d in (0.0, STEP)))
+        for s in (share, share + 0.05)
+    ]
+    assert steps[1] < steps[0]  # and yet the tool does not slow down
     since_s = TAU_S / 2.0 - 0.002 / (bend * TAU_S)
     low, high = limits(ROWS["stop-z-turns"]["check:latch_mm:Z"])
     expected = places(share)["Z"] - bend * since_s**2 / 2.0

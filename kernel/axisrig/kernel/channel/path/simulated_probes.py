@@ -21,7 +21,8 @@ class SimulatedProbes:
 
         Warns with 900523 where SIMU_OFFSET shifts none of them.
         """
-        path, found = self._path, dict[str, SimulatedProbe]()
+        path = self._path
+        found: dict[str, SimulatedProbe] = {}
         lists = {name: path.settings(name).measuring.simulated for name in self._names}
         modes = {name: lists[name][0] for name in command.measuring_axes}
         offset_mm = command.simulated_offset_mm
