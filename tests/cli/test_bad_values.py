@@ -94,8 +94,13 @@ def test_assignment_is_rejected(
 
 
 def test_external_variable_that_nobody_gives(place: Path, rejected: Reject) -> None:
+    message = rejected("nc", "part.nc", "--rig", "rig.toml")
+    _holds(message, "part.nc:2:17:", "'V.E.FEED'")
+
+
+def test_external_variable_that_nothing_reads(place: Path, rejected: Reject) -> None:
     message = rejected("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FED=1")
-    _holds(message, "part.nc:2:17:", "'V.E.FEED'", "did you mean V.E.FED")
+    _holds(message, "--set plc:V.E.FED is not used", "did you mean V.E.FEED")
 
 
 def test_message_does_not_repeat_a_value_of_any_length(place: Path, rejected: Reject) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.campaign import preparing, runner
-from axisrig.bench.campaign.preparing import prepare, recall
+from axisrig.bench.campaign.preparing import Prepared, prepare, recall
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import prepare_all, run_case
 from axisrig.bench.plan.case import Case
@@ -141,12 +141,18 @@ def test_several_processes_prepare_every_case(
 ) -> None:
     (folder / "plan.csv").write_text(PLAN + PLAN.splitlines()[2].replace("two", "three"), "utf-8")
     here: list[str] = []
-    monkeypatch.setattr(runner, "prepare", lambda case: here.append(case.case))
+    prepare = runner.prepare
+
+    def prepared(case: Case) -> Prepared:
+        here.append(case.case)
+        return prepare(case)
+
+    monkeypatch.setattr(runner, "prepare", prepared)
     told: list[list[object]] = []
 
     def noted(_function: object, tasks: list[list[Case]], **_: object):  # type: ignore[no-untyped-def]
         told.extend(tasks)
-        yield from tasks
+        yield from ([] for _ in tasks)
 
     monkeypatch.setattr(runner, "run_apart", noted)
     monkeypatch.setattr(runner, "FEW", 0)

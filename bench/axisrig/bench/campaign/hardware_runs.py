@@ -96,8 +96,8 @@ def real_cases(cases: Sequence[Case]) -> list[Settings]:
     found = []
     for rig, buses, everything in sorted({(case.rig, *_inputs(case)) for case in cases}):
         with suppress(UserError):
-            if is_paced(_settings(rig, buses)):
-                found.append(_settings(rig, everything))
+            if is_paced(_settings(rig.absolute(), buses)):
+                found.append(_settings(rig.absolute(), everything))
     return found
 
 

@@ -48,10 +48,11 @@ _rigs: dict[Path, tuple[RigFile, list[Path], Sequence[Hashable]]] = {}
 
 def _rig(path: Path) -> tuple[RigFile, list[Path]]:
     """Read a rig, once per content of its files: many rows of a plan have the same."""
-    known = _rigs.get(path)
+    place = path.absolute()  # a path may be relative, and the working folder another one now
+    known = _rigs.get(place)
     if known is None or _content(known[1]) != known[2]:
         rig, files = read_rig(path)
-        known = _rigs[path] = rig, files, _content(files)
+        known = _rigs[place] = rig, files, _content(files)
     return known[0], list(known[1])
 
 
@@ -61,11 +62,11 @@ def _program(path: Path, axes: tuple[str, ...]) -> Program:
         content = path.read_bytes()
     except OSError:
         return read_program(path, axes)
-    return _parsed(path, axes, content)
+    return _parsed(path, path.absolute(), axes, content)
 
 
 @lru_cache(maxsize=64)
-def _parsed(path: Path, axes: tuple[str, ...], _content: bytes) -> Program:
+def _parsed(path: Path, _place: Path, axes: tuple[str, ...], _content: bytes) -> Program:
     return read_program(path, axes)
 
 
