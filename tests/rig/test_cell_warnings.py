@@ -27,6 +27,20 @@ def test_a_length_without_unit_counts_in_metres_and_the_check_says_so(tmp_path: 
     assert "plant:probe.surface_mm" in text
 
 
+def test_a_start_value_of_the_rig_without_unit_is_named_too(tmp_path: Path) -> None:
+    """surface = 100 is 100 m, in the rig as in a plan."""
+    rig = tmp_path / "metres.toml"
+    base = f'base = "{TESTPLANS}/rigs/probe-z.toml"\n'
+    rig.write_text(base + "[plant.probe.start]\nsurface = 0.1\n", "utf-8")
+    words = "start value probe.surface names no unit and counts in m; with a unit: surface_"
+    assert words in check_file(rig)
+    path = tmp_path / "touch.csv"
+    path.write_text(
+        f"case,program,rig,plc:V.E.FEED\na,{TESTPLANS}/programs/probe-z.nc,{rig},600\n", "utf-8"
+    )
+    assert words in check_file(path)
+
+
 @pytest.mark.parametrize(
     ("header", "value"),
     [("plant:probe.surface_mm", "20"), ("plant:z.kv", "40"), ("plant:z.coulomb_friction", "0")],

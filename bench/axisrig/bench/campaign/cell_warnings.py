@@ -1,6 +1,6 @@
 """Cells of a plan that can be run and are hardly meant: a default that no row uses, no unit."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from axisrig.bench.campaign.preparing import Prepared
@@ -8,10 +8,8 @@ from axisrig.bench.campaign.used_variables import is_variable, used_variables
 from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.table import Place
+from axisrig.bench.rig.settings import Bare, Settings
 from axisrig.kernel.errors import UserError, together
-
-Bare = Mapping[str, tuple[str, Sequence[str]]]
-"""Columns without a unit -> the unit in which they count, and columns that name one."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +28,16 @@ class Looked:
 
 def look_at(case: Case, prepared: Prepared) -> list[Looked]:
     """Look at the inputs of a case that was read or prepared."""
-    found: list[Looked] = []
+    settings = prepared.settings
+    found = [Looked(None, text, text, is_unused=False) for text in rig_warnings(settings)]
     used = None
     for item in case.assignments():
         place = None if item.column in case.overridden else case.places.get(item.column)
-        if item.column in prepared.settings.bare:
-            text = bare_warning(prepared.settings.bare, item)
+        if item.column in settings.bare:
+            text = bare_warning(settings.bare, item)
             found.append(Looked(place, item.column, text, is_unused=False))
         if is_variable(item):
-            used = used or used_variables(prepared.settings, case.program, prepared.program)
+            used = used or used_variables(settings, case.program, prepared.program)
             is_used = used.has(item.column)
             text = "" if is_used else str(used.error(item, case.program))
             found.append(Looked(place, item.column, text, is_unused=not is_used))
@@ -85,6 +84,15 @@ def refuse_warnings(warnings: Sequence[str]) -> None:
     """Raise UserError with all warnings (`--strict`)."""
     if warnings:
         raise together([UserError(text) for text in warnings])
+
+
+def rig_warnings(settings: Settings) -> list[str]:
+    """Say of which start values of a rig the unit is not named although there are several."""
+    return [
+        f"{settings.files[0]}: start value {column.partition(':')[2]} names no unit and counts in"
+        f" {unit}; with a unit: {' or '.join(name.rpartition('.')[2] for name in columns)}"
+        for column, (unit, columns) in settings.bare_in_rig.items()
+    ]
 
 
 def bare_warning(bare: Bare, item: Assignment) -> str:

@@ -4,7 +4,12 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning, refuse_warnings
+from axisrig.bench.campaign.cell_warnings import (
+    CellWarnings,
+    bare_warning,
+    refuse_warnings,
+    rig_warnings,
+)
 from axisrig.bench.campaign.preparing import built_first, prepare, read_case, settings_of
 from axisrig.bench.campaign.processes import do_apart
 from axisrig.bench.machine.kept_fmus import close_plant
@@ -147,6 +152,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment], *, is_strict: boo
     plants = ["\n".join(of_plants)] if of_plants else []
     lacking = [*eds_warnings(settings), *distance_warnings(settings), *age_warnings(settings)]
     bare = [bare_warning(settings.bare, c) for c in changes if c.column in settings.bare]
+    bare += rig_warnings(settings)
     if is_strict:
         refuse_warnings([*map(str, settings.warnings), *bare, *lacking])
     remarks = [f"warning: {warning}" for warning in settings.warnings]

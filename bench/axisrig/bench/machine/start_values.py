@@ -14,7 +14,7 @@ from axisrig.bench.plan.assignment import (
 )
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.reading.file import PlantTable, rig_error
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Bare, Settings
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.units import Unit, find_unit, known_units, unit_name
@@ -41,7 +41,10 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
     for name, value in table.start.items():
         try:
             text = value if isinstance(value, str) else str(value).lower()
-            found.append(_set(roles, parse_assignment(f"plant:{instance}.{name}={text}")))
+            item = parse_assignment(f"plant:{instance}.{name}={text}")
+            found.append(_set(roles, item))
+            if found[-1][1] != 0.0:
+                _note_bare(settings.bare_in_rig, roles, item)
         except UserError as error:
             mistakes.add(
                 rig_error(
@@ -57,7 +60,7 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
         try:
             found.append(_set(roles, item))
             if found[-1][1] != 0.0:
-                _note_bare(settings, roles, item)
+                _note_bare(settings.bare, roles, item)
         except UserError as error:
             mistakes.add(located(error, item))
     mistakes.refuse(settings.files[0])
@@ -95,7 +98,7 @@ def _set(roles: Roles, item: Assignment) -> Start:
     return plain.name, value
 
 
-def _note_bare(settings: Settings, roles: Roles, item: Assignment) -> None:
+def _note_bare(bare: Bare, roles: Roles, item: Assignment) -> None:
     """Note a value whose column names no unit where it could have had one of several sizes."""
     head, _, whole = item.column.partition(".")
     if item.unit and not roles.slave.has(whole):
@@ -106,7 +109,7 @@ def _note_bare(settings: Settings, roles: Roles, item: Assignment) -> None:
         return
     same = [n for n, known in known_units().items() if known.exponents == unit.exponents]
     if suffixes := scaled_suffixes(same):
-        settings.bare[item.column] = unit.name, [f"{head}.{whole}_{end}" for end in suffixes]
+        bare[item.column] = unit.name, [f"{head}.{whole}_{end}" for end in suffixes]
 
 
 def _flag(roles: Roles, item: Assignment) -> bool:

@@ -81,6 +81,10 @@ class Operator:
     limit_ns: TimeNs = SIMULATED_LIMIT_NS
 
 
+Bare = dict[str, tuple[str, Sequence[str]]]
+"""Columns without a unit -> the unit in which they count, and columns that name one."""
+
+
 @dataclass
 class Settings:
     """A rig with the assignments of one run applied.
@@ -94,7 +98,8 @@ class Settings:
     offsets: values of the lists of zero offsets and tools.
     warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
     bare: columns of start values that name no unit although there are several -> the unit that
-    their values got, and the names of columns that would name one.
+    their values got, and the names of columns that would name one. bare_in_rig: the same of start
+    values of the rig.
     is_checked: a machine was built of them, and nothing is changed any more. known: what `once` has
     found out of them since.
     """
@@ -115,7 +120,8 @@ class Settings:
     warnings: list[Alarm] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     offsets: Lists = field(default_factory=Lists)
-    bare: dict[str, tuple[str, Sequence[str]]] = field(default_factory=dict)
+    bare: Bare = field(default_factory=dict)
+    bare_in_rig: Bare = field(default_factory=dict)
     is_checked: bool = False
     known: dict[Hashable, Any] = field(default_factory=dict, repr=False, compare=False)
 
