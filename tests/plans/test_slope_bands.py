@@ -26,6 +26,7 @@ ROWS = _rows()
 TAGGED = {
     tag: [name for name, row in ROWS.items() if tag in row["tags"].split()]
     for tag in (
+        "moving",
         "table",
         "target",
         "ramp-time",
@@ -126,6 +127,19 @@ def test_what_comes_in_a_ramp_changes_neither_its_acceleration_nor_the_stop(case
     row = ROWS[case]
     assert _exact(row["check:set_acceleration_mm_s2_max"], _run_up(row)[0], 0.001)
     assert _exact(row["check:stop_way_mm"], way(60.0, *_stop(row)), 0.00001)
+
+
+@pytest.mark.parametrize("case", TAGGED["moving"])
+def test_an_override_that_moves_passes_no_limit(case: str) -> None:
+    """Speed of the feed and acceleration of the run-up are bounds; it stops from 48 mm/s."""
+    row = ROWS[case]
+    acceleration = _run_up(row)[0]
+    assert row["check:set_acceleration_mm_s2_max"] == f"<= {acceleration + 0.001:.3f}"
+    assert row["check:velocity_mm_s_max"] == "<= 60.001"
+    if case in TAGGED["stroke"]:
+        assert row["check:stop_way_mm"] == "<= 5"  # the stroke of the probe
+        return
+    assert _exact(row["check:stop_way_mm"], way(48.0, *_stop(row)), 0.00001)
 
 
 @pytest.mark.parametrize("case", OF_TABLE)
