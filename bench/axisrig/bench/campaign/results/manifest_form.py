@@ -70,6 +70,7 @@ _ENTRIES: Mapping[str, tuple[Fits, str]] = {
     "axisrig": (_is_text_or_nothing, "text"),
     "python": (_is_text, "text"),
     "platform": (_is_text, "text"),
+    "warnings": (_is_texts, "list of texts"),
     "merged": (_is_texts, "list of folders"),
     "recorded_in": (_is_text, "text"),
     "recordings": (lambda value: value == UPWARDS, f"{UPWARDS}, as {JUDGED}/<n>-<plan> has it"),
