@@ -150,7 +150,7 @@ def test_a_share_has_its_probes(place: Path, called: Call) -> None:
 def test_folders_of_other_campaigns_are_refused(place: Path, called: Call) -> None:
     plan = _plan(place, ROWS[0], ROWS[2])
     called("run", plan, "-o", "s1", "--shard", "1/2")
-    called("run", plan, "-o", "s2", "--shard", "2/2", "--set", "plc:V.E.OTHER=1")
+    called("run", plan, "-o", "s2", "--shard", "2/2", "--set", "plant:z.kv=39")
     code, _, err = called("merge", "s1", "s2", "-o", "all")
     assert code == 2
     assert "other options than s1" in err
