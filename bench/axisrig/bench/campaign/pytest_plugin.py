@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import pytest
 from _pytest._code.code import ReprEntryNative, ReprExceptionInfo, ReprFileLocation, ReprTraceback
 
-from axisrig.bench.campaign.cell_warnings import CellWarnings
+from axisrig.bench.campaign.cell_warnings import look_at
 from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.preparing import prepare, read_case
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
@@ -227,14 +227,16 @@ class CaseItem(RowItem):
         self.finish(self.run_case(self.case))
 
     def _warnings(self) -> list[str]:
-        """Look at the cells of the row; an FMU that is not ours is not loaded for it."""
-        warnings = CellWarnings()
+        """Look at the cells of the row; an FMU that is not ours is not loaded for it.
+
+        A default that this row does not use may be used by another one.
+        """
         try:
             is_foreign = bool(foreign_rigs([self.case.rig]))
-            warnings.look(self.case, (read_case if is_foreign else prepare)(self.case))
+            looked = look_at(self.case, (read_case if is_foreign else prepare)(self.case))
         except UserError:
             return []  # the run says it
-        return warnings.lines()
+        return [one.text for one in looked if one.text and not one.is_unused]
 
 
 class StatisticItem(RowItem):
