@@ -221,8 +221,8 @@ def test_stability_over_an_inclined_surface(
 ) -> None:
     """A sensor of the orthogonal distance; the limit of kp is divided by cos p + sin p tan b.
 
-    Where that is above 2 (75/-10 deg: 2.97) the loop has two dead cycles: 1.835. kp is above 1 then,
-    and clamps leave the loop linear: no step of a slope is longer than the error.
+    Where that is above 2 (75/-10 deg: 2.97) the loop has two dead cycles: 1.835. kp is above 1
+    then, and clamps leave the loop linear: no step of a slope is longer than the error.
     """
     gain = inclined_gain(ECS, tilt, slope)
     level = 1.0 if gain > 0.5 else 2 * math.sin(math.pi / 10)
