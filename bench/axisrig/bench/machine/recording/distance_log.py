@@ -19,8 +19,8 @@ from axisrig.kernel.distance import (
     DistanceSettings,
     DistanceState,
     Source,
-    objects,
 )
+from axisrig.kernel.distance.objects import objects
 from axisrig.kernel.distance.settings import field_name
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
