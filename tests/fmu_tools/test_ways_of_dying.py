@@ -32,8 +32,10 @@ Build = Callable[..., Path]
 
 ROOT = Path(__file__).parents[2]
 # How, and what is said of it
+# exit() runs the handlers of all that the process holds while its other threads go on: these then
+# reach for what is gone, or a handler that needs the interpreter gives up (DuckDB's, if loaded)
 WAYS = {
-    "EXIT": "exit code 0",
+    "EXIT": "exit code 0|SIGABRT|SIGSEGV",
     "QUIT": "exit code 0",
     "ABORT": "SIGABRT",
     "SEGFAULT": "SIGSEGV",
@@ -92,7 +94,7 @@ def _hold_to(place: Path, rows: list[tuple[str, str]], code: int, out: str) -> N
     assert code == 4
     for (way, _), run in zip(rows, cases["run"], strict=True):
         log = (place / "results" / "runs" / f"{run}.json").read_text(encoding="utf-8")
-        assert way in ("GOOD", "HANG") or WAYS[way] in log
+        assert way in ("GOOD", "HANG") or re.search(WAYS[way], log)
 
 
 @pytest.mark.parametrize("place_of_death", ["CALL", "THREAD"])
@@ -128,7 +130,7 @@ def test_a_program_whose_process_ends_with_0_is_rejected(
 ) -> None:
     code, out, err = _nc(place, axisrig, deadly("EXIT", "THREAD"))
     assert (code, "ended" in out) == (2, False)
-    assert re.match(r"error: say\.nc: .*exit code 0", err)
+    assert re.match(rf"error: say\.nc: .*({WAYS['EXIT']})", err)
 
 
 @pytest.mark.long
@@ -137,7 +139,7 @@ def test_nc(place: Path, axisrig: Call, deadly: Build, way: str, place_of_death:
     for options in [CALL_TIMEOUT, ("--isolate", *CALL_TIMEOUT)]:
         code, out, err = _nc(place, axisrig, deadly(way, place_of_death), *options)
         assert (code, "ended" in out) == (2, False)
-        assert WAYS[way] in err
+        assert re.search(WAYS[way], err)
 
 
 def test_an_endless_thread_ends_nothing(place: Path, axisrig: Call, deadly: Build) -> None:
@@ -166,7 +168,7 @@ def test_check(place: Path, axisrig: Call, deadly: Build, way: str, place_of_dea
     rig = _row(place, deadly(way, place_of_death, "INITIALIZE"))
     code, out, err = axisrig("check", rig, *(CALL_TIMEOUT if way == "HANG" else ()))
     assert (code, out) == (2, "")
-    assert WAYS[way] in err
+    assert re.search(WAYS[way], err)
     plan = write_plan(place, rig)
     # What dies before a run dies again in it, and there it is a row; nothing else is wrong here
     assert axisrig("check", plan, *(CALL_TIMEOUT if way == "HANG" else ()))[0] == 2
@@ -185,7 +187,7 @@ def test_fmu_check(axisrig: Call, deadly: Build, way: str, place_of_death: str) 
     fmu = deadly(way, place_of_death, "TERMINATE")
     code, out, _ = axisrig("fmu", "check", fmu, *(CALL_TIMEOUT if way == "HANG" else ()))
     assert code == 1
-    assert WAYS[way] in " ".join(out.split())
+    assert re.search(WAYS[way], " ".join(out.split()))
 
 
 @pytest.mark.parametrize(
@@ -210,7 +212,7 @@ def test_pytest(place: Path, ideal_axis: Build, deadly: Build, ways: list[tuple[
     assert ended.returncode == 1, ended.stdout + ended.stderr
     assert f"{len(failed)} failed, {len(ways) + 1 - len(failed)} passed" in ended.stdout
     for way, _ in failed:
-        assert WAYS[way] in ended.stdout
+        assert re.search(WAYS[way], ended.stdout)
 
 
 def test_which_rigs_are_foreign(place: Path, ideal_axis: Build) -> None:

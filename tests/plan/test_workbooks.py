@@ -8,7 +8,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
-from axisrig.bench.campaign import checking
+from axisrig.bench.campaign import cell_warnings, checking
 from axisrig.bench.plan import workbook
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.workbook import cell_name
@@ -184,6 +184,7 @@ def test_further_sheets_with_cases_are_an_error_others_a_note(place: Path) -> No
 
 def test_check_notes_sheets_that_are_not_read(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checking, "prepare", lambda case: None)
+    monkeypatch.setattr(cell_warnings, "look_at", lambda case, prepared: [])
     path = xlsx(place / "p.xlsx", ("plan", row(*HEAD) + row(*CASE)), ("legend", row("words")))
     assert checking.check_file(path).endswith("p-a\nnote: the sheet 'legend' is not read")
 
