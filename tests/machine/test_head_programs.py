@@ -53,6 +53,9 @@ def test_the_end_of_a_program_ends_its_kinematic(run5: Run) -> None:
     )
     assert outcome.alarms == []
     assert outcome.printed("z") == [pytest.approx(240.0, abs=STEP_MM)]
+    blocks = outcome.facts.blocks
+    rapid = blocks.rows().kind == blocks.kinds.index("rapid")
+    assert list(blocks.rows().path_mm[rapid]) == pytest.approx([10.0, 20.0])  # of the tool, of Z
     assert ends(outcome) == pytest.approx([0.0, 0.0, 260.0, 0.0, 0.0], abs=STEP_MM)
 
 

@@ -126,9 +126,12 @@ class StopRows:
     def _tool(self) -> tuple[Signal, float] | None:
         """Way of the tool and length of the block; None without a kinematic or all of its axes."""
         on, target_mm = kinematic_at(self.observed, self.record.begin_ns), self.record.target_mm
-        if on is None or target_mm is None or any(axis not in self.truths for axis in on.axes):
+        if on is None or target_mm is None:
             return None
-        truths = [self.truths[axis] for axis in on.axes]
+        names = [*on.axes, *(axis for axis in target_mm if axis not in on.axes)]
+        if any(axis not in self.truths for axis in names):
+            return None
+        truths = [self.truths[axis] for axis in names]
         axes = np.stack([truth.course.demand_mm - truth.zero_mm for truth in truths], axis=-1)
         begin = min(self.rows.start, len(self.times_ns) - 1)
         return way_of_tool(self.observed, on, axes, begin, target_mm)

@@ -15,7 +15,9 @@ from axisrig.kernel.time.clock import TimeNs
 
 Points = npt.NDArray[np.float64]
 STAYS_MM = 1e-3
-"""A tool centre point that moves by less stays: increments of its axes."""
+"""A tool centre point that moves by less stays, beside increments of its axes."""
+ANGLES = slice(3, 6)
+"""Orientation coordinates: angles, of which two may differ by whole turns."""
 
 
 def chain_of(observed: Observed, on: KinematicRecord) -> Chain:
@@ -38,18 +40,30 @@ def way_of_tool(
 ) -> tuple[Points, float]:
     """Return how far a straight block has come in each row (n,), and how long it is.
 
-    axes: positions of the axes (n, axes). begin: row in which it begins. target_mm: the coordinates
-    that it moves, by the names of the axes. It is the way of the tool centre point; where that
-    stays, of the rotary axes in degrees, which are their own coordinates with kinematics 9 and 91
-    (docs/kinematics.md, "The path").
+    axes: positions of the axes (n, axes), those of the kinematic first, then those beside it that
+    the block moves. begin: row in which it begins. target_mm: the coordinates that it moves, by the
+    names of the axes. It is the way of the tool centre point; where that stays, of the other
+    coordinates together, in degrees: `G01 A90 F10` takes 540 s (FCT-M3 12.4.2.1). The orientation
+    coordinates of a robot are the angles of its tool and not its joints (docs/kinematics.md).
     """
-    points = np.concatenate([tool_centre_mm(observed, on, axes), axes[:, 3:]], axis=-1)
-    start = points[begin]
-    end = np.array([target_mm.get(axis, at) for axis, at in zip(on.axes, start, strict=True)])
-    moves = bool(np.linalg.norm(end[:3] - start[:3]) > STAYS_MM)
+    chain, count = chain_of(observed, on), len(on.axes)
+    points = np.concatenate([chain.tool(axes[:, :count]), axes[:, count:]], axis=-1)
+    start = points[begin].copy()
+    points[:, ANGLES] = np.unwrap(points[:, ANGLES], period=360.0, axis=0)
+    names = [*on.axes, *(axis for axis in target_mm if axis not in on.axes)]
+    end = np.array([target_mm.get(axis, at) for axis, at in zip(names, start, strict=True)])
+    ends_mm = _increments_mm(observed, on, axes[begin, :count]) + STAYS_MM
+    moves = bool(np.linalg.norm(end[:3] - start[:3]) > ends_mm)
     which = slice(None, 3) if moves else slice(3, None)
-    gone: Points = np.linalg.norm(points[:, which] - start[which], axis=-1)
-    return gone, float(np.linalg.norm(end[which] - start[which]))
+    gone: Points = np.linalg.norm((points - points[begin])[:, which], axis=-1)
+    return gone, float(np.linalg.norm((end - start)[which]))
+
+
+def _increments_mm(observed: Observed, on: KinematicRecord, axes: Points) -> float:
+    """Return how far an increment of every axis moves the tool centre point at most."""
+    steps = np.diag([1.0 / observed.axes[axis].increments_per_mm for axis in on.axes])
+    ways = tool_centre_mm(observed, on, axes + steps) - tool_centre_mm(observed, on, axes[None])
+    return float(np.sum(np.linalg.norm(ways, axis=-1)))
 
 
 def kinematic_at(observed: Observed, time_ns: TimeNs) -> KinematicRecord | None:

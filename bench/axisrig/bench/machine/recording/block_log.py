@@ -11,7 +11,10 @@ from axisrig.bench.machine.recording.rows import Rows
 from axisrig.bench.record.blocks import REAL, STATES, WHOLE, BlockTrace, ProgramLine, pack_rows
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.path.execution import BlockEnd, BlockWatch
+from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.measuring.run import RunRecord
+from axisrig.kernel.motion.curves import Line
+from axisrig.kernel.motion.tool_path import way_mm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.measuring_types import measuring_types
@@ -145,12 +148,7 @@ class BlockLog(BlockWatch):
     def _look_at(self, row: _Row, command: canon.Command) -> None:
         """Note feed and way of a motion, from where the interpolation is."""
         if isinstance(command, canon.LinearMove | canon.MeasuringRun):
-            path = self._channel.path
-            steps = [
-                target_mm - path.position_acs_mm(axis)
-                for axis, target_mm in command.target_mm.items()
-            ]
-            row.path_mm = math.hypot(*steps)
+            row.path_mm = _length_mm(self._channel.path, command.target_mm)
         elif isinstance(command, canon.IndependentMove):
             here_mm = self._channel.path.position_acs_mm(command.axis)
             row.path_mm = abs(command.target_mm - here_mm)
@@ -255,6 +253,13 @@ def _state_of(record: RunRecord) -> int:
     word = "signal" if stop is None else "stop found"
     missing = "no signal" if stop is None else "no stop"
     return _STATE[missing if record.signal_ns is None else word]
+
+
+def _length_mm(path: Path, target_mm: Mapping[str, float]) -> float:
+    """Return how long the straight path to a target is; with a kinematic, as the tool goes."""
+    here = path.position_mm()
+    line = Line(tuple(here.values()), tuple({**here, **target_mm}.values()))
+    return line.length_mm if path.transformation.kinematic is None else way_mm(line)
 
 
 def _is_poll(command: canon.Command) -> bool:
