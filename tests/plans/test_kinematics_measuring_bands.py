@@ -5,6 +5,7 @@ A head with a lever of 180 mm. The path is a line of the tool with the share s o
 """
 
 import math
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
 
@@ -81,6 +82,110 @@ def test_the_axes_are_half_way_where_their_parameters_have_them() -> None:
     assert x[1] < x[0] < half["X"]
     assert [a < half["X"] <= b for a, b in pairwise(x)].count(True) == 1
     assert min(places(at / 100.0)["Y"] for at in range(101)) > -10.0  # row one-never
+
+
+# So many cycles after the motion has begun (mode 2): v t - v²/2a with the acceleration of the path
+
+AXIS_MM_S2 = 1000.0  # of each axis, in degrees where it turns
+PLACES = 2000
+
+
+def ramp_loss(course: Callable[[float], dict[str | int, float]], length: float, v: float) -> float:
+    """v²/2a with the largest q' and q'' of the whole block.
+
+    q'' u² takes half of what an axis may do at the highest speed u, and a run keeps that free: a is
+    the least of (1000 - q'' u²)/q'.
+    """
+    step = length / PLACES
+    rows = [course(at / PLACES) for at in range(PLACES + 1)]
+    slopes, bends = [], []
+    for axis in "XYZCA":
+        q = [row[axis] for row in rows]
+        slopes.append(max(abs(b - a) for a, b in pairwise(q)) / step)
+        changes = (abs(a - 2.0 * b + c) for a, b, c in zip(q, q[1:], q[2:], strict=False))
+        bends.append(max(changes) / step**2)
+    highest2 = AXIS_MM_S2 / 2.0 / max(bends)
+    ramps = [
+        (AXIS_MM_S2 - bend * highest2) / slope
+        for slope, bend in zip(slopes, bends, strict=True)
+        if slope > 0.0
+    ]
+    return v * v / (2.0 * min(ramps))
+
+
+def tool(axes: Mapping[str | int, float]) -> dict[str, float]:
+    """Tool coordinates of positions of the axes, by the metrics of the rows."""
+    lean, turned = axes["A"], axes["C"]
+    return {
+        "msg:N50": axes["X"] - LEVER_MM * sin(turned) * sin(lean),
+        "msg:N60": axes["Y"] + LEVER_MM * cos(turned) * sin(lean),
+        "msg:N70": axes["Z"] - LEVER_MM * cos(lean),
+        "msg:N80": lean,
+        "msg:N90": axes["Z"],
+    }
+
+
+def counted(case: str, axis: str, v: float, loss: float) -> list[float]:
+    """How far the path has come when the cycles of an axis are over, one before, one after."""
+    cycles = float(ROWS[case][f"set:{axis}.meas_simu.parameter1"])
+    return [(cycles + more) * v * PERIOD_S - loss for more in (-1, 0, 1)]
+
+
+def test_a_count_of_cycles_is_of_the_motion() -> None:
+    loss = ramp_loss(places, LENGTH_MM, SPEED_MM_S)
+    found = [tool(places(at / LENGTH_MM)) for at in counted("cycles", "A", SPEED_MM_S, loss)]
+    for metric in SIGNALS:
+        ends = sorted((found[0][metric], found[-1][metric]))
+        assert limits(ROWS["cycles"][f"check:{metric}"]) == pytest.approx(ends, abs=PRINTED)
+
+
+def about_the_tool(share: float) -> dict[str | int, float]:
+    """A from -35 to -10 with the tool at (10, 20, 20), C 20."""
+    a = -35.0 + 25.0 * share
+    return {
+        "X": 10.0 + LEVER_MM * sin(20.0) * sin(a),
+        "Y": 20.0 - LEVER_MM * cos(20.0) * sin(a),
+        "Z": 20.0 + LEVER_MM * cos(a),
+        "C": 20.0,
+        "A": a,
+    }
+
+
+def test_type_2_has_the_speed_of_the_axis_that_is_named() -> None:
+    """A alone: 5 degrees/s of its list, not the 10 of the block nor the 8 of Z."""
+    row = ROWS["type-2-turn"]
+    v = float(row["set:A.kenngr.vb_messen"]) * 1e-3
+    assert v != float(row["set:Z.kenngr.vb_messen"]) * 1e-3 != float(row["plc:V.E.FEED"]) / 60.0
+    loss = ramp_loss(about_the_tool, 25.0, v)
+    found = [tool(about_the_tool(at / 25.0)) for at in counted("type-2-turn", "A", v, loss)]
+    for metric in ("msg:N80", "msg:N90"):
+        ends = sorted((found[0][metric], found[-1][metric]))
+        assert limits(row[f"check:{metric}"]) == pytest.approx(ends, abs=PRINTED)
+    for metric, at in (("msg:N50", 10.0), ("msg:N60", 20.0), ("msg:N70", 20.0)):
+        assert limits(row[f"check:{metric}"]) == pytest.approx((at, at), abs=2.0 * PRINTED)
+
+
+def test_type_2_touches_past_its_target_with_the_speed_of_z() -> None:
+    """The surface is at 0, the target 1 mm above it, P-AXIS-00467 of Z 5 mm; then F acts."""
+    row = ROWS["type-2"]
+    half_mm = 0.5e-5 + LEVER_MM * math.radians(0.5e-4)
+    for metric, at in (("msg:N50", 10.0), ("msg:N60", 20.0)):
+        assert limits(row[f"check:{metric}"]) == pytest.approx(
+            (at - 2 * half_mm, at + 2 * half_mm), abs=1e-5
+        )
+    assert float(row["plc:V.E.Z"]) - float(row["set:Z.kenngr.probing_offset"]) * 1e-4 < 0.0
+    assert limits(row["check:msg:N70"]) == pytest.approx((0.0, 0.0), abs=5.1e-6)
+    at_z = LEVER_MM * cos(35.0)
+    assert limits(row["check:msg:N90"]) == pytest.approx((at_z - 5e-6, at_z + 5e-6), abs=1e-6)
+    step_mm_s = 1e-5 / PERIOD_S  # an increment in a cycle
+    v = float(row["set:Z.kenngr.vb_messen"]) * 1e-3
+    assert limits(row["check:contact_velocity_mm_s:Z"]) == pytest.approx(
+        (-v - step_mm_s, -v + step_mm_s)
+    )
+    f = float(row["plc:V.E.FEED"]) / 60.0
+    assert limits(row["check:tcp_velocity_mm_s_max"]) == pytest.approx(
+        (f - step_mm_s, f + step_mm_s)
+    )
 
 
 @pytest.mark.parametrize("case", ["target", "first"])
@@ -188,9 +293,12 @@ def test_the_axes_come_back_to_half_an_increment() -> None:
 def test_what_is_refused_or_missing_has_its_alarm() -> None:
     alarms = {name: row["check:alarms"] for name, row in ROWS.items() if "bad" in row["tags"]}
     assert alarms == {
+        "cycles-apart": "== 900003",
         "one-never": "== 900003",
         "none": "== 900004",
         "other-value": "== 110508 900640 50059",
+        "type-2-none": "== 900004",
+        "type-2-axes": "== 50061",
         "stop-missing": "== 900240",
         "stop-source": "== 900241",
         "stop-not-released": "== 50059",
