@@ -14,8 +14,8 @@ from typing import Any
 import can
 import pytest
 
+from axisrig.bench.bus.can.logs import BlfLog, MessageLog
 from axisrig.bench.bus.journal import Entry, Journal
-from axisrig.bench.bus.logs import BlfLog, MessageLog
 from axisrig.bench.campaign.pytest_plugin import CaseItem
 from axisrig.bench.machine import machine as machines
 from axisrig.bench.machine.parts import build_segments

@@ -10,7 +10,7 @@ from tests.architecture.sources import MODULES, PACKAGES, ROOT, imported_names, 
 # Left imports nothing of what is further right; several in one place may import each other.
 ORDER: tuple[tuple[str, ...], ...] = (
     ("axisrig.kernel.time", "axisrig.kernel.errors", "axisrig.kernel.parameters"),
-    ("axisrig.kernel.kinematics",),
+    ("axisrig.kernel.profiles", "axisrig.kernel.kinematics"),
     ("axisrig.kernel.nc",),
     ("axisrig.kernel.motion",),
     ("axisrig.kernel.measuring", "axisrig.kernel.distance"),
@@ -213,7 +213,7 @@ def test_the_page_shows_the_rooms_in_this_order() -> None:
         ("axisrig.kernel.errors", "axisrig.kernel.nc.text.parser", False),
         ("axisrig.kernel.channel.channel", "axisrig.bench.machine.machine", False),
         ("axisrig.bench.machine.machine", "axisrig.bench.cli.main", False),
-        ("axisrig.bench.bus.load", "axisrig.bench.plan.plan", False),
+        ("axisrig.bench.bus.can.load", "axisrig.bench.plan.plan", False),
         ("axisrig.bench.judge.metrics", "axisrig.bench.campaign.runner", False),
         ("axisrig.bench.cli.main", "axisrig.reports.build", True),
         ("axisrig.reports.build", "axisrig.bench.campaign.results.writer", True),

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 import can
 import pytest
 
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 GENERATOR = 0b1100010110011001

@@ -4,8 +4,8 @@ import random
 
 import pytest
 
-from axisrig.bench.bus.arithmetic import SYNC, PlannedFrame, cycle_arithmetic
-from axisrig.bench.bus.frame import worst_case_bits
+from axisrig.bench.bus.can.arithmetic import SYNC, PlannedFrame, cycle_arithmetic
+from axisrig.bench.bus.can.frame import worst_case_bits
 from axisrig.kernel.time.clock import MS, US
 
 RATE = 1_000_000

@@ -11,11 +11,11 @@ from pathlib import Path
 import can
 import canopen
 from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
-from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.faults import FrameFault, ErrorAtBit
-from axisrig.bench.bus.logs import open_log
-from axisrig.bench.bus.frame_hash import FrameHash
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.can.faults import FrameFault, ErrorAtBit
+from axisrig.bench.bus.can.logs import open_log
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

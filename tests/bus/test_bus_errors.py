@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
-from axisrig.bench.bus.faults import ErrorAtBit, FaultAction
-from axisrig.bench.bus.frame import data_frame, wire_bits
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.confinement import ErrorCounters, ErrorState
+from axisrig.bench.bus.can.faults import ErrorAtBit, FaultAction
+from axisrig.bench.bus.can.frame import data_frame, wire_bits
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import Scheduler
 

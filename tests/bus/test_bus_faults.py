@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from axisrig.bench.bus.faults import (
+from axisrig.bench.bus.can.faults import (
     Alter,
     Delay,
     Drop,
@@ -15,9 +15,9 @@ from axisrig.bench.bus.faults import (
     FrameFault,
     Swap,
 )
-from axisrig.bench.bus.frame import Frame, frame_bits
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can.frame import Frame, frame_bits
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import Scheduler
 

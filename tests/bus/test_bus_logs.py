@@ -6,10 +6,10 @@ from pathlib import Path
 import can
 import pytest
 
-from axisrig.bench.bus.faults import ErrorAtBit
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.logs import LOG_SUFFIXES, log_kinds, open_log
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.faults import ErrorAtBit
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, log_kinds, open_log
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 

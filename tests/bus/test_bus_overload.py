@@ -11,10 +11,10 @@ from itertools import pairwise
 
 import pytest
 
-from axisrig.bench.bus.arithmetic import PlannedFrame, cycle_arithmetic
-from axisrig.bench.bus.controller import QueueKind
-from axisrig.bench.bus.load import LoadFigures
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.arithmetic import PlannedFrame, cycle_arithmetic
+from axisrig.bench.bus.can.controller import QueueKind
+from axisrig.bench.bus.can.load import LoadFigures
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS, US, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 

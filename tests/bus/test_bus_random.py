@@ -11,12 +11,12 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.bus.confinement import ErrorState
-from axisrig.bench.bus.controller import Controller
-from axisrig.bench.bus.faults import ErrorAtBit
-from axisrig.bench.bus.frame import Frame, data_frame
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can.confinement import ErrorState
+from axisrig.bench.bus.can.controller import Controller
+from axisrig.bench.bus.can.faults import ErrorAtBit
+from axisrig.bench.bus.can.frame import Frame, data_frame
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import can
 import pytest
 
-from axisrig.bench.bus.faults import ErrorAtBit
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.frame_hash import FrameHash
-from axisrig.bench.bus.logs import blf_writer
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.faults import ErrorAtBit
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.logs import blf_writer
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 

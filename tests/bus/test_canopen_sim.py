@@ -23,11 +23,11 @@ from canopen.objectdictionary import (
 from canopen.profiles.p402 import BaseNode402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.faults import FrameFault
-from axisrig.bench.bus.frame import Frame, data_frame
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.can.faults import FrameFault
+from axisrig.bench.bus.can.frame import Frame, data_frame
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase, S
 
 Bits = Callable[[Frame], int]

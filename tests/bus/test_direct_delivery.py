@@ -7,11 +7,11 @@ import can
 import canopen
 import pytest
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.controller import Controller
-from axisrig.bench.bus.faults import Alter, Delay, Drop, Duplicate, ErrorAtBit, FaultAction
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.controller import Controller
+from axisrig.bench.bus.can.faults import Alter, Delay, Drop, Duplicate, ErrorAtBit, FaultAction
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 

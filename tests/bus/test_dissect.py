@@ -2,8 +2,8 @@
 
 import pytest
 
-from axisrig.bench.bus.dissect import dissect, sdo_words, services
-from axisrig.bench.bus.frame import Frame, data_frame
+from axisrig.bench.bus.can.dissect import dissect, sdo_words, services
+from axisrig.bench.bus.can.frame import Frame, data_frame
 
 
 @pytest.mark.parametrize(

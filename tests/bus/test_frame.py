@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.bus.frame import Frame, arbitration_key, data_frame, frame_bits, worst_case_bits
+from axisrig.bench.bus.can.frame import (
+    Frame,
+    arbitration_key,
+    data_frame,
+    frame_bits,
+    worst_case_bits,
+)
 
 Bits = Callable[[Frame], int]
 

@@ -8,19 +8,19 @@ from pathlib import Path
 import can
 import pytest
 
-from axisrig.bench.bus.faults import ErrorAtBit, FaultAction
-from axisrig.bench.bus.frame import (
+from axisrig.bench.bus.can.faults import ErrorAtBit, FaultAction
+from axisrig.bench.bus.can.frame import (
     KNOWN_FRAMES,
     Frame,
     FrameLengths,
     data_frame,
     frame_bits,
 )
-from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.load import LoadFigures
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, BusLog, open_log
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import BLOCK_FRAMES, Entry, Journal
-from axisrig.bench.bus.load import LoadFigures
-from axisrig.bench.bus.logs import LOG_SUFFIXES, BusLog, open_log
-from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from axisrig.bench.bus.load import KEPT_WINDOWS, LoadMeter
+from axisrig.bench.bus.can.load import KEPT_WINDOWS, LoadMeter
 from axisrig.kernel.time.clock import MS
 
 BITRATE = 1_000_000

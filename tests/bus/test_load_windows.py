@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.bench.bus.load import LoadMeter
+from axisrig.bench.bus.can.load import LoadMeter
 from axisrig.kernel.time.clock import MS
 
 

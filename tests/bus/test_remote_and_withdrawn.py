@@ -5,9 +5,9 @@ from itertools import count
 import can
 import pytest
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS
 
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.bus import registry
-from axisrig.bench.bus.frame import Frame, data_frame
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can import registry
+from axisrig.bench.bus.can.frame import Frame, data_frame
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import can
 import pytest
 
-from axisrig.bench.bus.frame import data_frame, frame_bits
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can.frame import data_frame, frame_bits
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 OPEN_BY_NAME = """
 import can
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 with Segment("can1", 250_000, new_scheduler()) as segment:
     with can.Bus(interface="axisrig", channel="can1", bitrate=250_000) as bus:

@@ -12,11 +12,11 @@ import pytest
 from tests.channel.programs import end, message, move, prepare, probe, probe_settings, wait
 from tests.channel.world import FirstOrderAxis, PlaneProbe, World
 
-from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.channel import (
     AxisSettings,
     Channel,
@@ -25,22 +25,22 @@ from axisrig.kernel.channel import (
     Surroundings,
 )
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
-from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.channel.path.monitor import Monitor
 from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
-from axisrig.kernel.drives.functions import DriveFunction
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
-from axisrig.kernel.drives.sdo import SdoClient
-from axisrig.kernel.drives.startup import DriveAddress, StartUp
-from axisrig.kernel.drives.startup_steps import (
+from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.drives.canopen.functions import DriveFunction
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.sdo import SdoClient
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Scaling,
     StartUpSettings,
     start_up_steps,
 )
-from axisrig.kernel.drives.watch import WatchSettings
+from axisrig.kernel.drives.canopen.watch import WatchSettings
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.measuring.rules import MeasuringAxis

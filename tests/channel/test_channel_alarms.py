@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.faults import Drop, FrameFault
+from axisrig.bench.bus.can.faults import Drop, FrameFault
 from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.faults import Alter, Drop, ErrorAtBit, FaultAction
-from axisrig.bench.bus.frame import Frame
-from axisrig.kernel.drives.startup_steps import StartUpSettings
-from axisrig.kernel.drives.watch import WatchSettings
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.faults import Alter, Drop, ErrorAtBit, FaultAction
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
+from axisrig.kernel.drives.canopen.watch import WatchSettings
 from axisrig.kernel.time.clock import MS, S
 
 Make = Callable[..., Any]

@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from tests.channel.conftest import ChannelBench
 
-from axisrig.bench.bus.faults import Drop
+from axisrig.bench.bus.can.faults import Drop
 from axisrig.kernel.channel import ChannelSettings, ChannelState
-from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., ChannelBench]

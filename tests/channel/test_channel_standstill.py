@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.measuring.latest_edge import StampClock
 
 Make = Callable[..., Any]

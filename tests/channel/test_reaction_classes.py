@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel import ChannelSettings
-from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 Make = Callable[..., Any]
 S, T_S = 1_000_000_000, 1e-3

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from axisrig.bench.drive.application.functions.ports import ControlKind
+from axisrig.bench.drive.axis.ports import ControlKind
 from axisrig.kernel.time.clock import S
 
 

@@ -9,7 +9,7 @@ import can
 import pytest
 from tests.reports.pages import whole
 
-from axisrig.bench.bus.frame import Frame, frame_bits
+from axisrig.bench.bus.can.frame import Frame, frame_bits
 from axisrig.bench.record.facts import Facts, read_run
 
 Call = Callable[..., tuple[int, str, str]]

@@ -18,7 +18,7 @@ import pytest
 from cli_plan import HEADER
 
 from axisrig.bench.cli.main import main
-from axisrig.bench.tools.bus_log.bus_words import Names
+from axisrig.bench.tools.bus_log.canopen.bus_words import Names
 
 Call = Callable[..., tuple[int, str, str]]
 

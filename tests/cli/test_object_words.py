@@ -2,8 +2,8 @@
 
 import pytest
 
-from axisrig.bench.tools.bus_log.object_words import bits_words
-from axisrig.kernel.drives.ds402 import ProbeFunction, ProbeStatus
+from axisrig.bench.tools.bus_log.canopen.object_words import bits_words
+from axisrig.kernel.profiles.cia402.ds402 import ProbeFunction, ProbeStatus
 
 
 @pytest.mark.parametrize(

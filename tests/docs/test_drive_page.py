@@ -4,8 +4,8 @@ import re
 from itertools import groupby, takewhile
 from pathlib import Path
 
-from axisrig.bench.drive.dictionary.objects import ObjectRow, object_rows
-from axisrig.bench.drive.dictionary.profiles import make_profile
+from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, object_rows
+from axisrig.bench.drive.cia402.dictionary.profiles import make_profile
 
 PAGE = Path(__file__).parents[2] / "docs" / "drive.md"
 HEAD = "| object | name | type | access | PDO | default | range | unit | meaning | acts |"

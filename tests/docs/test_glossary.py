@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.drive.dictionary.objects import object_rows
+from axisrig.bench.drive.cia402.dictionary.objects import object_rows
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from axisrig.bench.drive.application.functions.homing_methods import METHODS
+from axisrig.bench.drive.cia402.functions.homing_methods import METHODS
 
 PAGE = Path("docs/homing.md").read_text(encoding="utf-8")
 WAYS = {1: "up", -1: "down", 0: "-"}

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.application.functions.ports import ControlKind
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.axis.ports import ControlKind
+from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

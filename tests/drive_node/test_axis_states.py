@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.application.functions.axis_states import NEXT, AxisEvent, AxisState
+from axisrig.bench.drive.cia402.functions.axis_states import NEXT, AxisEvent, AxisState
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
@@ -41,7 +41,7 @@ def test_every_event_in_every_state(state: AxisState, event: AxisEvent) -> None:
 
 
 def test_each_pair_has_one_row() -> None:
-    folder = ROOT / "bench" / "axisrig" / "bench" / "drive" / "application" / "functions"
+    folder = ROOT / "bench" / "axisrig" / "bench" / "drive" / "cia402" / "functions"
     rows = (folder / "axis_states.csv").read_text("utf-8").splitlines()[1:]
     assert sorted(row.split(",")[:2] for row in rows) == sorted(
         [state.name, event.name] for state, event in PAIRS

@@ -9,8 +9,8 @@ import pytest
 from canopen.profiles.p402 import BaseNode402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from axisrig.bench.bus.canopen_sim import SimRemoteNode
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.bus.can.canopen_sim import SimRemoteNode
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]

@@ -4,9 +4,9 @@ import csv
 import re
 from pathlib import Path
 
-from axisrig.bench.drive.application.functions.states import OPTIONS
-from axisrig.bench.drive.application.modes import MODES
-from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.bench.drive.cia402.dictionary.objects import variables
+from axisrig.bench.drive.cia402.functions.states import OPTIONS
+from axisrig.bench.drive.cia402.modes import MODES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "drive.md").read_text("utf-8")
@@ -26,7 +26,7 @@ def rows(first_cell: str) -> list[list[str]]:
 
 def test_transitions_are_those_of_the_table() -> None:
     told = {(int(number), source, target) for number, source, target, _, _ in rows("number | from")}
-    folder = ROOT / "kernel" / "axisrig" / "kernel" / "drives"
+    folder = ROOT / "kernel" / "axisrig" / "kernel" / "profiles" / "cia402"
     with (folder / "ds402_transitions.csv").open(encoding="utf-8") as file:
         ours = {
             (

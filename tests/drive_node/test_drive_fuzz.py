@@ -14,11 +14,11 @@ from canopen.sdo.exceptions import SdoAbortedError
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.drive.application.servo import Servo
-from axisrig.bench.drive.dictionary.objects import variables
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.objects import variables
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.servo import Servo
 from axisrig.kernel.cosim.plant.demand import ControlKind
-from axisrig.kernel.drives.ds402 import State, state_of
+from axisrig.kernel.profiles.cia402.ds402 import State, state_of
 from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import new_scheduler
 

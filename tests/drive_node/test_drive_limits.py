@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]

@@ -11,7 +11,7 @@ import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.kernel.cosim.plant.demand import ControlKind
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US, S
 
 Make = Callable[..., Any]

@@ -6,10 +6,10 @@ from fractions import Fraction
 import pytest
 from canopen.objectdictionary import ODVariable
 
-from axisrig.bench.drive.dictionary.eds import eds_text, object_dictionary
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.objects import Allowed, object_rows, variables
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text, object_dictionary
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.objects import Allowed, object_rows, variables
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
 ROWS = object_rows()
 PROFILE = DriveProfile(encoder_increments=1 << 18, position_factor=Fraction(1, 2))

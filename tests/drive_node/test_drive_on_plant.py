@@ -15,7 +15,7 @@ from axisrig.fmus.build import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import load_fmu
 from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.plant import Plant
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US
 
 Make = Callable[..., Any]

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.cosim.plant.demand import ControlKind
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]

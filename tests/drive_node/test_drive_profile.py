@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.drive.application.functions.units import Units
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.units import Units
 from axisrig.kernel.errors import UserError
 
 

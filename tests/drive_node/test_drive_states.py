@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.application.functions.states import OPTIONS, StateMachine
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.states import OPTIONS, StateMachine
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import US
 
 Make = Callable[..., Any]

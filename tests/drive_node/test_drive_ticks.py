@@ -1,6 +1,6 @@
 """Ticks of the drive: counted from the last SYNC on, and none where nothing needs them."""
 
-from axisrig.bench.drive.application.functions.ticks import Ticker
+from axisrig.bench.drive.axis.ticks import Ticker
 from axisrig.kernel.time.clock import US
 from axisrig.kernel.time.scheduler import new_scheduler
 

@@ -3,8 +3,8 @@
 import pytest
 from canopen.profiles.p402 import State402
 
-from axisrig.kernel.drives import ds402
-from axisrig.kernel.drives.ds402 import COMMANDS, STATES, TRANSITIONS, Command, State
+from axisrig.kernel.profiles.cia402 import ds402
+from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, STATES, TRANSITIONS, Command, State
 
 # Transition number by state (row) and command (column); "." = the state stays
 COLUMNS = ("SHUTDOWN", "SWITCH_ON", "ENABLE_OPERATION", "DISABLE_VOLTAGE", "QUICK_STOP",

@@ -7,9 +7,9 @@ from importlib import resources
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.application.functions.homing_methods import METHODS
-from axisrig.bench.drive.dictionary.objects import variables
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.objects import variables
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.homing_methods import METHODS
 
 ATTAINED, REACHED = 1 << 12, 1 << 10
 NODE = 3
@@ -70,7 +70,7 @@ def test_the_drive_says_which_methods_it_supports(drive_bench) -> None:
     record = bench.remote.sdo[0x60E3]
     listed = [record[n].raw for n in range(1, record[0].raw + 1)]
     text = (
-        resources.files("axisrig.bench.drive.application.functions")
+        resources.files("axisrig.bench.drive.cia402.functions")
         .joinpath("homing_methods.csv")
         .read_text()
     )

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.axis.index_pulse import IndexPulse
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
 S = 1_000_000_000
 LEAD_M = 0.01

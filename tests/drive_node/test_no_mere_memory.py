@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.bench.drive.cia402.dictionary.objects import variables
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]

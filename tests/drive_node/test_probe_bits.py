@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import pytest
 
-from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
-from axisrig.bench.drive.application.functions.latch_position import LatchPosition
-from axisrig.bench.drive.application.functions.touch_probe import Encoders, TouchProbe
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.axis.index_pulse import IndexPulse
+from axisrig.bench.drive.axis.latch_position import LatchPosition
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.touch_probe import Encoders, TouchProbe
 
 PROFILE = DriveProfile(input_delay_ns=0)
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.application.functions.latch_position import LatchPosition
-from axisrig.bench.drive.application.functions.touch_probe import Encoders, TouchProbe
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.bench.drive.dictionary.profiles import named_profile
+from axisrig.bench.drive.axis.latch_position import LatchPosition
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.profiles import named_profile
+from axisrig.bench.drive.cia402.functions.touch_probe import Encoders, TouchProbe
 
 POS, NEG, BOTH, CONTINUOUS = 0x0011, 0x0021, 0x0031, 0x0002
 US = 1000

@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.time.clock import Phase
 
 Make = Callable[..., Any]

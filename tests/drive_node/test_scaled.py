@@ -5,7 +5,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.drive.application.functions.units import scaled
+from axisrig.bench.drive.cia402.functions.units import scaled
 
 WIDE = 2**40
 

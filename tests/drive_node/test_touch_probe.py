@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.drive.application.functions.input_circuit import InputCircuit
-from axisrig.bench.drive.application.functions.latch_position import LatchPosition, PositionAt
-from axisrig.bench.drive.application.functions.touch_probe import Encoders, TouchProbe
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.axis.input_circuit import InputCircuit
+from axisrig.bench.drive.axis.latch_position import LatchPosition, PositionAt
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.touch_probe import Encoders, TouchProbe
 
 POS_1, NEG_1, POS_2, NEG_2 = 0x0011, 0x0021, 0x1100, 0x2100
 IDEAL = DriveProfile(input_delay_ns=0)

@@ -6,25 +6,25 @@ from fractions import Fraction
 
 import pytest
 
-from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.application.functions.ports import ControlKind
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.bench.drive.node import DriveNode
-from axisrig.kernel.drives.ds402 import State
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
-from axisrig.kernel.drives.mapping import Telegram
-from axisrig.kernel.drives.sdo import SdoClient
-from axisrig.kernel.drives.startup import DriveAddress, StartUp
-from axisrig.kernel.drives.startup_steps import (
+from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.axis.ports import ControlKind
+from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.mapping import Telegram
+from axisrig.kernel.drives.canopen.sdo import SdoClient
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Scaling,
     StartUpSettings,
     start_up_steps,
 )
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

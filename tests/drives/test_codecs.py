@@ -14,7 +14,7 @@ from canopen.pdo.base import PdoMap, PdoVariable
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.drives.mapping import BitCodec, MappedObject, Telegram, telegrams
+from axisrig.kernel.drives.canopen.mapping import BitCodec, MappedObject, Telegram, telegrams
 from axisrig.kernel.errors import UserError
 
 WHOLE = {

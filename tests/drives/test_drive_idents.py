@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from axisrig.kernel.drives.idents import drive_idents
+from axisrig.kernel.drives.canopen.idents import drive_idents
 from axisrig.kernel.errors import Alarm
 
 PER_MM = 104857.6  # 20 bits on a lead of 10 mm

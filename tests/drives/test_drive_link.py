@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.faults import Drop, ErrorAtBit, FaultAction, FrameFault
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.simbus import SimBus
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.bus.can.faults import Drop, ErrorAtBit, FaultAction, FrameFault
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 Make = Callable[..., Any]
 MS, US = 1_000_000, 1_000

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.mapping import Telegram, telegrams
-from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
+from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 

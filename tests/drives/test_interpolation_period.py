@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.mapping import telegrams
-from axisrig.kernel.drives.startup_steps import (
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.drives.canopen.mapping import telegrams
+from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Scaling,
     StartUpSettings,

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.measuring.latest_edge import StampClock
 
 OPERATION_ENABLED, FAULT = 0x1237, 0x0218

@@ -8,9 +8,9 @@ import canopen
 import pytest
 from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.drives.sdo import SdoClient, SdoError
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

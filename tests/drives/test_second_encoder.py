@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
-from axisrig.kernel.drives.mapping import telegrams
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.mapping import telegrams
 from axisrig.kernel.errors import Alarm, UserError
 
 ENTRY = 0x60E40120

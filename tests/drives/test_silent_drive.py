@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.ds402 import State
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
-from axisrig.kernel.drives.watch import DriveWatch, WatchSettings
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.watch import DriveWatch, WatchSettings
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, S
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

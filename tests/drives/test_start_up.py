@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.reading.file import DriveTable
-from axisrig.kernel.drives.mapping import MappedObject, telegrams
-from axisrig.kernel.drives.startup_steps import (
+from axisrig.kernel.drives.canopen.mapping import MappedObject, telegrams
+from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Scaling,
     StartUpSettings,

@@ -1,6 +1,6 @@
 """Every row of the table of reactions, provoked: what the kernel says and what it publishes.
 
-The table is `bench/axisrig/bench/bus/fault_reactions.csv`; docs/faults.md shows it to readers.
+The table is `bench/axisrig/bench/bus/can/fault_reactions.csv`; docs/faults.md shows it to readers.
 """
 
 import csv
@@ -17,7 +17,7 @@ from axisrig.bench.tools.scenarios.scenario import Scenario
 from axisrig.kernel.errors import catalogue
 
 ROOT = Path(__file__).parents[2]
-TABLE = ROOT / "bench" / "axisrig" / "bench" / "bus" / "fault_reactions.csv"
+TABLE = ROOT / "bench" / "axisrig" / "bench" / "bus" / "can" / "fault_reactions.csv"
 ROWS = list(csv.DictReader(TABLE.read_text("utf-8").splitlines()))
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 MS = 1_000_000

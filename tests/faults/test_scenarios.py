@@ -21,7 +21,7 @@ def test_without_a_fault_both_values_are_right() -> None:
 
 def test_the_oracle_does_not_believe_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
     """A published value that is two increments off is called wrong."""
-    from axisrig.kernel.drives.link import AxisLink  # noqa: PLC0415
+    from axisrig.kernel.drives.canopen.link import AxisLink  # noqa: PLC0415
 
     true_mm = AxisLink.latched_mm.fget  # type: ignore[attr-defined]
 

@@ -17,7 +17,7 @@ import pandas as pd
 import pytest
 from fmu_rigs import write_plan, write_rig
 
-from axisrig.bench.bus.logs import log_kinds
+from axisrig.bench.bus.can.logs import log_kinds
 from axisrig.bench.campaign.campaign import Choice, run_campaign
 from axisrig.bench.campaign.hardware_runs import Outside, allow
 from axisrig.bench.cli.main import main

@@ -13,16 +13,16 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming, Surroundings
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
-from axisrig.kernel.drives.sdo import SdoClient
-from axisrig.kernel.drives.startup import DriveAddress, StartUp
-from axisrig.kernel.drives.startup_steps import (
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.sdo import SdoClient
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Scaling,
     StartUpSettings,

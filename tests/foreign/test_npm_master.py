@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings

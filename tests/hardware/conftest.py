@@ -6,9 +6,9 @@ from collections.abc import Callable
 import can
 import pytest
 
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
-from axisrig.bench.bus.real_segment import OutsideSegment
 
 US, MS = 1_000, 1_000_000
 

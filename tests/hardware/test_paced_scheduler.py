@@ -3,8 +3,8 @@
 from functools import partial
 from typing import Any
 
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import BINS_US, Deadlines
-from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.kernel.time.clock import Phase
 
 US, MS = 1_000, 1_000_000

@@ -7,9 +7,9 @@ from typing import Any
 import can
 import pytest
 
-from axisrig.bench.bus.faults import FrameFault
-from axisrig.bench.bus.frame_hash import FrameHash
-from axisrig.bench.bus.hardware import interface_names, open_bus, parse_options
+from axisrig.bench.bus.can.faults import FrameFault
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.hardware import interface_names, open_bus, parse_options
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import Phase
 

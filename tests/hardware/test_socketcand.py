@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import can
 import pytest
 
-from axisrig.bench.bus.socketcand import SocketcandServer
+from axisrig.bench.bus.can.socketcand import SocketcandServer
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.frame import data_frame
-from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.bus.can.frame import data_frame
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.tools.virtual_drive.watch import Watcher
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 
 @pytest.mark.parametrize(

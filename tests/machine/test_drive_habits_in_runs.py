@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.profiles import habits, profile_names
+from axisrig.bench.drive.cia402.dictionary.profiles import habits, profile_names
 
 Run = Callable[..., Any]
 INCREMENT_MM = 10 / 2**20

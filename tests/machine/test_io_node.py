@@ -12,10 +12,10 @@ import pytest
 from canopen.objectdictionary.eds import import_eds
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.canopen.io_node import IoNode, io_dictionary
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.machine.plc.io_node import IoNode, io_dictionary
 from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.arrival import describe_arrival

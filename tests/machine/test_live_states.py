@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from tests.live_states import ABOUT, AXIS, DISTANCE, SEGMENT, state
 
+from axisrig.bench.bus.can.load import LoadMeter
 from axisrig.bench.bus.deadlines import Deadlines
-from axisrig.bench.bus.load import LoadMeter
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.machine.live import states

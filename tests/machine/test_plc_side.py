@@ -9,7 +9,7 @@ import pytest
 
 from axisrig.bench.judge.program.findings import program_notes
 from axisrig.bench.judge.topics import events
-from axisrig.kernel.drives import mapping
+from axisrig.kernel.drives.canopen import mapping
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 V_MM_S = 50.0 / math.sqrt(2.0)
 FAULT = "fault:drop=X.TPDO1 at=motion+400ms"

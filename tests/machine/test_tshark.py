@@ -15,9 +15,9 @@ from pathlib import Path
 import can
 import pytest
 
-from axisrig.bench.bus.dissect import Dissected, dissect
-from axisrig.bench.bus.faults import ErrorAtBit
-from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.can.dissect import Dissected, dissect
+from axisrig.bench.bus.can.faults import ErrorAtBit
+from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig

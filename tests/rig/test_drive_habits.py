@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.drive.dictionary.eds import eds_text, object_dictionary
-from axisrig.bench.drive.dictionary.objects import variables
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.bench.drive.dictionary.profiles import (
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text, object_dictionary
+from axisrig.bench.drive.cia402.dictionary.objects import variables
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.profiles import (
     habits,
     named_profile,
     profile_keys,

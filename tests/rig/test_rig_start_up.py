@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.drive.dictionary.eds import eds_text
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.check import axis_steps, axis_telegrams, check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.drives.startup_steps import Write as WriteStep
+from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]

@@ -9,11 +9,11 @@ from types import ModuleType, SimpleNamespace
 
 import pytest
 
-import axisrig.bench.bus
-import axisrig.bench.bus.frame_hash
-import axisrig.bench.bus.load
-import axisrig.bench.bus.logs  # with what it imports, these bind `native` before it is there
-import axisrig.bench.bus.segment
+import axisrig.bench.bus.can
+import axisrig.bench.bus.can.frame_hash
+import axisrig.bench.bus.can.load
+import axisrig.bench.bus.can.logs  # with what it imports, these bind `native` before it is there
+import axisrig.bench.bus.can.segment
 import axisrig.kernel.time
 
 ROOT = Path(__file__).parents[3]
@@ -39,8 +39,8 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     found: dict[str, ModuleType] = {}
     for name, package, path in (
         ("scheduler", axisrig.kernel.time, "kernel/axisrig/kernel/time/_scheduler.c"),
-        ("line", axisrig.bench.bus, "bench/axisrig/bench/bus/_line.c"),
-        ("records", axisrig.bench.bus, "bench/axisrig/bench/bus/_records.c"),
+        ("line", axisrig.bench.bus.can, "bench/axisrig/bench/bus/can/_line.c"),
+        ("records", axisrig.bench.bus.can, "bench/axisrig/bench/bus/can/_records.c"),
     ):
         folder = tmp_path_factory.mktemp(name)
         module = f"{package.__name__}.{Path(path).stem}"

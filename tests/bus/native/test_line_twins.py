@@ -14,13 +14,13 @@ from typing import Any
 import can
 import pytest
 
-from axisrig.bench.bus import frame_hash, line, load, logs
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.faults import Alter, Delay, Drop, Duplicate, ErrorAtBit, Swap
-from axisrig.bench.bus.frame import Frame, frame_bits
-from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.can import frame_hash, line, load, logs
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.faults import Alter, Delay, Drop, Duplicate, ErrorAtBit, Swap
+from axisrig.bench.bus.can.frame import Frame, frame_bits
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import Journal
-from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time import scheduler as scheduler_module
 from axisrig.kernel.time.clock import MS, US, Phase
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler

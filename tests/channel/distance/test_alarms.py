@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.faults import Drop
+from axisrig.bench.bus.can.faults import Drop
 from axisrig.kernel.distance import DistanceCommand, DistanceState
 from axisrig.kernel.time.clock import MS
 

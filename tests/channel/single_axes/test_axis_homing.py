@@ -14,7 +14,7 @@ from axisrig.kernel.channel.axes.homing import (
     AxisHoming,
     Phase,
 )
-from axisrig.kernel.drives.sdo import SdoError
+from axisrig.kernel.drives.canopen.sdo import SdoError
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 

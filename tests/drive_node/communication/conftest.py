@@ -7,9 +7,9 @@ from typing import Any
 import can
 import pytest
 
-from axisrig.bench.bus.simbus import SimBus
-from axisrig.bench.drive.node import DriveNode
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 NODE = 3

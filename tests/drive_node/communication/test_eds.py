@@ -13,14 +13,14 @@ from canopen.objectdictionary import ODVariable, datatypes
 from canopen.objectdictionary.eds import import_eds
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.dissect import dissect
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.dictionary.eds import eds_text
-from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
-from axisrig.bench.drive.node import DriveNode
-from axisrig.bench.tools.bus_log.transfers import Transfers, Value
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.dissect import dissect
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.profiles import named_profile, profile_names
+from axisrig.bench.tools.bus_log.canopen.transfers import Transfers, Value
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 

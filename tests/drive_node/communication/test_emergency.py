@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.bus.faults import ErrorAtBit
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.bus.can.faults import ErrorAtBit
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.drive.canopen.nmt import NmtState
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 Make = Callable[..., Any]
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.bench.drive.dictionary.eds import eds_text
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.canopen.nmt import NmtState
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
 Make = Callable[..., Any]
 

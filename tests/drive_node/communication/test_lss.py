@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from canopen.lss import LssError, LssMaster
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.canopen.nmt import NmtState
+from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

@@ -6,9 +6,9 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 

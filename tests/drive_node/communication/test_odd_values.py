@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.objects import ObjectRow, variables
-from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
+from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, variables
+from axisrig.bench.drive.cia402.dictionary.profiles import named_profile, profile_names
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]

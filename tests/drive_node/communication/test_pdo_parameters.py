@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
 Make = Callable[..., Any]
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 Make = Callable[..., Any]
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.drive.canopen.nmt import NmtState
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 Make = Callable[..., Any]
 

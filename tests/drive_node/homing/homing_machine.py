@@ -2,10 +2,10 @@
 
 from bisect import bisect_left
 
-from axisrig.bench.drive.application.functions.ports import ControlKind
-from axisrig.bench.drive.application.servo import Servo
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.ds402 import State
+from axisrig.bench.drive.axis.ports import ControlKind
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.servo import Servo
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import new_scheduler
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import can
 
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.kernel.time.clock import MS, US, Phase
 from axisrig.kernel.time.scheduler import Scheduler
 

@@ -6,7 +6,7 @@ import pytest
 from tests.machine.conftest import RIGS, run_files
 from tests.machine.fixed_stop.conftest import DETECT, RunStop, StopOutcome
 
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 BY_PLC = """\

@@ -5,15 +5,15 @@ costs them a third of what the same frames cost one by one.
 """
 
 from collections.abc import Callable
+from typing import Any
 
-from axisrig.bench.bus.frame import Frame
 from axisrig.kernel.time.clock import TimeNs
 
-Entry = tuple[TimeNs, str, Frame, bool]
-"""End of the frame in ns (of the delimiter for an error frame), segment, frame, is_error."""
+Entry = tuple[TimeNs, str, Any, bool]
+"""End of the frame in ns (of the delimiter for an error frame), segment, frame, is_error.
 
-FrameObserver = Callable[[TimeNs, str, Frame, bool], None]
-"""Called as observer(time_ns, segment, frame, is_error) at every end of frame."""
+What a frame is says the carrier of its segment.
+"""
 
 BlockReader = Callable[[list[Entry]], None]
 

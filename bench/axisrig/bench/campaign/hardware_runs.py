@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from axisrig.bench.bus.hardware import SIMULATED, parse_options
+from axisrig.bench.bus.can.hardware import SIMULATED, parse_options
 from axisrig.bench.bus.paced import RealTime
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import Assignment, parse_assignment

@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.bus.logs import SEGMENT_MARK
+from axisrig.bench.bus.can.logs import SEGMENT_MARK
 from axisrig.bench.campaign.results.layout import FOLDERS, MANIFEST
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import DEPENDS, StoredResults, StoredRun, read_results

@@ -36,7 +36,7 @@ def drives(
     ] = None,
 ) -> None:
     """List the drive profiles that a rig may name, or the keys of one."""
-    from axisrig.bench.drive.dictionary.profiles import profile_listing
+    from axisrig.bench.drive.cia402.dictionary.profiles import profile_listing
 
     print(profile_listing(profile))
 

@@ -122,7 +122,7 @@ def _inputs(assignments: list[str] | None, is_forced: bool, as_canopen: bool) ->
 
 def _logs(path: Path | None) -> list[Path]:
     """Refuse a bus log that would overwrite a file of another kind."""
-    from axisrig.bench.bus.logs import LOG_SUFFIXES
+    from axisrig.bench.bus.can.logs import LOG_SUFFIXES
 
     suffixes = list(LOG_SUFFIXES.values())
     if path is not None and path.suffix.lower() not in suffixes:
@@ -195,7 +195,7 @@ def run(
     Results that the folder has of other runs of the plan stay.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
-    from axisrig.bench.bus.logs import log_kinds
+    from axisrig.bench.bus.can.logs import log_kinds
     from axisrig.bench.campaign.campaign import Choice, run_campaign, show_campaign
     from axisrig.bench.campaign.hardware_runs import Outside
     from axisrig.bench.campaign.resuming import GoingOn

@@ -1,7 +1,7 @@
-"""The simulated DS402 drive: a CANopen slave that moves one axis of the plant.
+"""The simulated drive: it moves one axis of the plant as a control on its bus demands.
 
-`objects_communication.csv` and `objects_profile.csv` are its object dictionary, `eds.py` makes the
-EDS from them, `node.py` is the slave. `communication` is what it does on the bus, `application`
-what it does with its values; `profile.py` holds what differs from drive to drive. The axis and the
-wired probe signals come in through the two protocols of `ports.py`.
+`axis` is what any drive does with its axis, whatever its words are. `cia402` is what the words of a
+drive of CiA 402 mean: objects, states, modes, touch probe. `canopen` carries them: PDOs, SDO, SYNC,
+emergencies; `canopen/node.py` is a whole drive on a bus. The axis and the wired probe signals come
+in through the protocols of `axis/ports.py`.
 """

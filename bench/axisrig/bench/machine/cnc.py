@@ -10,15 +10,15 @@ from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.reading.startup import start_up_settings, watch_settings
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel import AxisSettings
-from axisrig.kernel.channel.drive_functions import DriveAccess
 from axisrig.kernel.channel.path.monitor import Monitor
-from axisrig.kernel.drives.functions import read_functions
-from axisrig.kernel.drives.latch_check import StandstillRoom
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.link_settings import LinkSettings
-from axisrig.kernel.drives.sdo import SdoClient
-from axisrig.kernel.drives.startup import DriveAddress, StartUp
-from axisrig.kernel.drives.watch import HeartbeatProducer
+from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
+from axisrig.kernel.drives.canopen.functions import read_functions
+from axisrig.kernel.drives.canopen.latch_check import StandstillRoom
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.link_settings import LinkSettings
+from axisrig.kernel.drives.canopen.sdo import SdoClient
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.canopen.watch import HeartbeatProducer
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 

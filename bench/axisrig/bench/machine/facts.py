@@ -43,10 +43,10 @@ from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import Sensor, VariableSensor
-from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.nc import canon
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import US, TimeNs
 
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)

@@ -9,13 +9,13 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
-from axisrig.bench.bus.arithmetic import CycleArithmetic
-from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.arithmetic import CycleArithmetic
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import BINS_US
-from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.bus.paced import PacedScheduler
-from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.cnc import (
     axis_settings,
     build_accesses,
@@ -24,10 +24,10 @@ from axisrig.bench.machine.cnc import (
     build_start_up,
 )
 from axisrig.bench.machine.deflection import DeflectionLog
-from axisrig.bench.machine.injection import inject
+from axisrig.bench.machine.faults.injection import inject
+from axisrig.bench.machine.faults.moments import World
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.mechanics import PlantMechanics
-from axisrig.bench.machine.moments import World
 from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
 from axisrig.bench.machine.parts import build_nodes, build_segments, build_terminal
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
@@ -56,12 +56,12 @@ from axisrig.kernel.channel import (
     CycleTiming,
     Surroundings,
 )
-from axisrig.kernel.channel.drive_functions import DriveFunctions
-from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.drives.canopen.drive_functions import DriveFunctions
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import Program
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import US, S, TimeNs
 from axisrig.kernel.time.scheduler import new_scheduler
 

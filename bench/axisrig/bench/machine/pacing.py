@@ -4,17 +4,17 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.hardware import open_bus, wait_ns
+from axisrig.bench.bus.can.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
-from axisrig.bench.bus.hardware import open_bus, wait_ns
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
-from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.drives.ds402 import State
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.logs import open_log
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import Journal
-from axisrig.bench.bus.logs import open_log
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.application.functions.switches import HOME, NEGATIVE, POSITIVE
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
+from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.pacing import open_segment
 from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.machine.plc.terminal import Terminal

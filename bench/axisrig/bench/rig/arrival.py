@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 
-from axisrig.bench.bus.arithmetic import SYNC
-from axisrig.bench.bus.frame import IFS_BITS, data_frame, frame_bits
-from axisrig.bench.drive.dictionary.profile import CLOCK_NS
+from axisrig.bench.bus.can.arithmetic import SYNC
+from axisrig.bench.bus.can.frame import IFS_BITS, data_frame, frame_bits
+from axisrig.bench.drive.cia402.dictionary.profile import CLOCK_NS
 from axisrig.bench.rig.check import axis_telegrams, latch_object_of, segment_schedules
 from axisrig.bench.rig.io_node import node_table
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.drives.mapping import FROM_LATCH_TO_STAMP
+from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
 

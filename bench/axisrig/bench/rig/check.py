@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from axisrig.bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
-from axisrig.bench.drive.dictionary.profiles import DEFAULT_PROFILE
+from axisrig.bench.bus.can.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
+from axisrig.bench.drive.cia402.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.cause import blamed
 from axisrig.bench.rig.io_node import check_terminal, terminal_frames
 from axisrig.bench.rig.reading.file import LOAD, DriveTable, rig_error
@@ -14,12 +14,12 @@ from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers, dr
 from axisrig.bench.rig.reading.startup import drive_dictionary, drive_steps
 from axisrig.bench.rig.real_axes import check_outside, is_real
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.drives.dictionary import check_functions, variable
-from axisrig.kernel.drives.ds402 import latch_object
-from axisrig.kernel.drives.functions import read_functions
-from axisrig.kernel.drives.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
-from axisrig.kernel.drives.startup_steps import BusSettings, Step
+from axisrig.kernel.drives.canopen.dictionary import check_functions, variable
+from axisrig.kernel.drives.canopen.functions import read_functions
+from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
+from axisrig.kernel.drives.canopen.startup_steps import BusSettings, Step
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.cia402.ds402 import latch_object
 from axisrig.kernel.time.clock import US
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added

@@ -12,8 +12,8 @@ from axisrig.bench.rig.check import axis_telegrams
 from axisrig.bench.rig.reading.file import AxisTable, DriveTable
 from axisrig.bench.rig.reading.startup import drive_dictionary
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.drives.dictionary import variable
-from axisrig.kernel.drives.startup_steps import NOT_VALID, PROFILE_MASK, TPDO_PARAMETERS
+from axisrig.kernel.drives.canopen.dictionary import variable
+from axisrig.kernel.drives.canopen.startup_steps import NOT_VALID, PROFILE_MASK, TPDO_PARAMETERS
 from axisrig.kernel.errors import UserError
 
 COMMISSIONING: Final = "DeviceComissioning"  # CiA 306 spells it so

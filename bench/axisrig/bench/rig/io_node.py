@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from axisrig.bench.bus.arithmetic import PlannedFrame
+from axisrig.bench.bus.can.arithmetic import PlannedFrame
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.real_axes import is_real

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from enum import Enum
 
-from axisrig.bench.bus.arithmetic import PlannedFrame
+from axisrig.bench.bus.can.arithmetic import PlannedFrame
 from axisrig.bench.rig.check import SDO_FRAMES, axis_telegrams, schedule_of
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.time.clock import S
 
 MEASURES = "kenngr.messachse"

@@ -4,7 +4,7 @@ A drive is real when its segment has an interface other than the simulated one, 
 axis says `outside = false`. Neither its plant nor a sensor that reads this plant is simulated then.
 """
 
-from axisrig.bench.bus.hardware import SIMULATED
+from axisrig.bench.bus.can.hardware import SIMULATED
 from axisrig.bench.rig.reading.file import DriveTable, PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError

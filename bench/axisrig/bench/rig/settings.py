@@ -12,7 +12,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from pydantic import ValidationError
 
-from axisrig.bench.drive.dictionary.profiles import value_of
+from axisrig.bench.drive.cia402.dictionary.profiles import value_of
 from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.plc.axis_words import ProbingWrite

@@ -23,8 +23,8 @@ from axisrig.kernel.channel.reset import Reset
 from axisrig.kernel.channel.state import AT_REST, CONTROLLED, FAILED, ChannelState
 from axisrig.kernel.channel.surroundings import Surroundings
 from axisrig.kernel.channel.view import ChannelView
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.startup import StartUp
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.startup import StartUp
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.motion.interpolator import Interpolator

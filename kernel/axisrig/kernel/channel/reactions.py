@@ -13,7 +13,7 @@ from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.time.clock import TimeNs

@@ -10,8 +10,8 @@ from axisrig.kernel.channel.path.monitor import PowerUp
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.channel.reactions import Reactions
-from axisrig.kernel.drives.ds402 import State
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 
 class Reset:

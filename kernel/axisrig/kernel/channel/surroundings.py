@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.mechanics import Mechanics, NoMechanics
 from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.drives.canopen.drive_functions import DriveFunctions
 from axisrig.kernel.nc import canon
 
 

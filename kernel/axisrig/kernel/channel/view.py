@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 
 from axisrig.kernel.channel.distance_controls import DistanceControls
-from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.distance import DistanceState
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.drive_functions import DriveFunctions
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.nc.decoder.base.context import ChannelControl
 
 

@@ -114,7 +114,7 @@ class Coverage:
 
 def drive_transitions() -> list[Transition]:
     """Return the transitions of DS402 with a state before them, from the table of the drives."""
-    rows = _table("axisrig.kernel.drives", "ds402_transitions.csv")
+    rows = _table("axisrig.kernel.profiles.cia402", "ds402_transitions.csv")
     return list(dict.fromkeys((row["from"], row["to"]) for row in rows if row["from"]))
 
 

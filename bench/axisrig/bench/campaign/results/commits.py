@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.campaign.results.layout import BUS, COMMIT, RECORDINGS_OF, TRACES
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,

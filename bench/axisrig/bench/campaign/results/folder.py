@@ -21,7 +21,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
-from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.campaign.results.commits import Commit, read_commit
 from axisrig.bench.campaign.results.layout import (
     BESIDE,

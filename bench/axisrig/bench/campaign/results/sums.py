@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.campaign.results.layout import BUS, RECORDINGS_OF, TRACES
 from axisrig.bench.files import sha256_of
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from axisrig.bench.bus.logs import LOG_SUFFIXES
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES
 from axisrig.bench.campaign.results.check_row import check_row
 from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans

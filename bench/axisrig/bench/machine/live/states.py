@@ -9,8 +9,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.paced import PacedScheduler
-from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.unfinished import at_work, waited_for
@@ -19,7 +19,7 @@ from axisrig.bench.rig.rotary import is_rotary
 from axisrig.kernel.channel import Channel, ChannelState
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceState
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.time.clock import MS, US
 
 LOAD_SPAN_NS = 100 * MS

@@ -11,12 +11,12 @@ missing for twice its time.
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.drive.application.functions.ports import SignalPort
-from axisrig.bench.machine.plc.io_node import ERROR_CONTROL_ID, IoNode
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.drive.axis.ports import SignalPort
+from axisrig.bench.drive.canopen.io_node import ERROR_CONTROL_ID, IoNode
 from axisrig.bench.machine.plc.terminal import ChannelInput, InputChannel
 from axisrig.bench.rig.reading.plc_task import TerminalTable, silent_ns
-from axisrig.kernel.drives.sdo import SdoClient, SdoError
+from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 PROFILE: Final = 401

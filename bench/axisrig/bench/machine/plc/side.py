@@ -25,9 +25,9 @@ from axisrig.bench.rig.plc.courses import Courses
 from axisrig.bench.rig.plc.override import PERMILLE_PER_PCT, OverrideCourse
 from axisrig.bench.rig.plc.words import VARIABLE, ObjectWrite, Rule, VariableWrite
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.channel.drive_functions import DriveAccess
-from axisrig.kernel.drives.functions import type_range
-from axisrig.kernel.drives.sdo import SdoError, object_name
+from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
+from axisrig.kernel.drives.canopen.functions import type_range
+from axisrig.kernel.drives.canopen.sdo import SdoError, object_name
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS, Clock, TimeNs

@@ -10,7 +10,7 @@ import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from axisrig.bench.drive.application.functions.ports import SignalPort
+from axisrig.bench.drive.axis.ports import SignalPort
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, silent_ns
 from axisrig.kernel.plc.probing import PPM
 from axisrig.kernel.time.clock import US, TimeNs

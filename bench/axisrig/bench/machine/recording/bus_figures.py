@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from axisrig.bench.bus.confinement import ErrorState
-from axisrig.bench.bus.load import EXTENDED_FLAG
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.can.confinement import ErrorState
+from axisrig.bench.bus.can.load import EXTENDED_FLAG
+from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.record.bus import BusChange, BusFigures, Waiting
 from axisrig.bench.rig.check import EMCY, HEARTBEAT, SDO_ANSWER, SDO_REQUEST, overloads
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.time.clock import MS, US, S
 
 NMT, SYNC_ID = 0x000, 0x080

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.record.axes import TorqueLimit
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.time.clock import TimeNs

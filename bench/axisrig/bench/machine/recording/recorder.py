@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from axisrig.bench.drive.application.servo import Servo
+from axisrig.bench.drive.cia402.servo import Servo
 from axisrig.bench.machine.recording.distance_trace import DistanceTrace
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.recording.rows import Rows

@@ -20,7 +20,7 @@ from axisrig.bench.record.series import (
     Times,
     column_of,
 )
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 
 FIELDS = (TARGET, ACTUAL, SECOND)
 

@@ -10,7 +10,7 @@ from axisrig.bench.rig.check import axis_telegrams
 from axisrig.bench.rig.reading.file import LOAD, MapTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel.distance.sensor import SECOND_ENCODER, VARIABLE
-from axisrig.kernel.drives.mapping import Telegram
+from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 INVERTS = "lr_hw[1].vz_istw"

@@ -83,7 +83,7 @@ class Fault:
 
 
 def _rows(name: str) -> list[dict[str, str]]:
-    text = resources.files("axisrig.bench.bus").joinpath(name).read_text(encoding="utf-8")
+    text = resources.files("axisrig.bench.bus.can").joinpath(name).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
 

@@ -25,9 +25,9 @@ from pydantic import (
     model_validator,
 )
 
-from axisrig.bench.bus.hardware import SIMULATED, Option, interface_names, parse_options
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.bench.drive.dictionary.profiles import (
+from axisrig.bench.bus.can.hardware import SIMULATED, Option, interface_names, parse_options
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.profiles import (
     DEFAULT_PROFILE,
     Habit,
     habits,

@@ -10,12 +10,12 @@ from typing import Annotated, Any, Literal
 from canopen.objectdictionary import ObjectDictionary
 from pydantic import AfterValidator, Field
 
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.reading.tables import Table
-from axisrig.kernel.drives.dictionary import read_eds
-from axisrig.kernel.drives.mapping import Telegram
-from axisrig.kernel.drives.startup_steps import (
+from axisrig.kernel.drives.canopen.dictionary import read_eds
+from axisrig.kernel.drives.canopen.mapping import Telegram
+from axisrig.kernel.drives.canopen.startup_steps import (
     CSP,
     IDENTITY,
     OPTIONS,
@@ -25,7 +25,7 @@ from axisrig.kernel.drives.startup_steps import (
     Step,
     start_up_steps,
 )
-from axisrig.kernel.drives.watch import WatchSettings
+from axisrig.kernel.drives.canopen.watch import WatchSettings
 from axisrig.kernel.time.clock import MS
 
 _OBJECT = re.compile(r"0x(?P<index>[0-9A-Fa-f]{4}):(?P<sub>0x[0-9A-Fa-f]{1,2}|[0-9]{1,3})")

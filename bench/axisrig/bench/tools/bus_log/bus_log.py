@@ -11,16 +11,16 @@ from pathlib import Path
 
 import can
 
-from axisrig.bench.bus.dissect import Dissected, dissect, services
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
-from axisrig.bench.bus.pcap import read_pcap
+from axisrig.bench.bus.can.dissect import Dissected, dissect, services
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.can.pcap import read_pcap
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.replay import recorded_case
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.bus_log.bus_words import Names, is_boot_up
 from axisrig.bench.tools.bus_log.candump import read_candump
+from axisrig.bench.tools.bus_log.canopen.bus_words import Names, is_boot_up
 from axisrig.kernel.errors import UserError, printable
 
 READABLE = list(LOG_SUFFIXES.values())

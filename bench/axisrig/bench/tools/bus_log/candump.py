@@ -6,7 +6,7 @@ from pathlib import Path
 
 import can
 
-from axisrig.bench.bus.logs import ERROR_FLAG
+from axisrig.bench.bus.can.logs import ERROR_FLAG
 
 
 class _Lines(io.TextIOWrapper):

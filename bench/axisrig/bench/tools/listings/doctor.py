@@ -9,7 +9,7 @@ from pathlib import Path
 
 import platformdirs
 
-from axisrig.bench.bus.hardware import SIMULATED, interface_names, known_interfaces, usable
+from axisrig.bench.bus.can.hardware import SIMULATED, interface_names, known_interfaces, usable
 from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
 from axisrig.fmus import MODELS, BuildError, ensure_built

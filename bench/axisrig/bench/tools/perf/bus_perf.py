@@ -13,13 +13,13 @@ from typing import Any
 
 import canopen
 
-from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.communication.pdo import Layout
-from axisrig.bench.drive.dictionary.eds import object_dictionary
-from axisrig.bench.drive.dictionary.image import ProcessImage
-from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.drives.mapping import Telegram, telegrams
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.drive.canopen.pdo import Layout
+from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 

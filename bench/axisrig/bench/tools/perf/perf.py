@@ -13,8 +13,8 @@ from statistics import median
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from axisrig.bench.bus.line import BusLine
-from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.can.line import BusLine
+from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.campaign.results.manifest import build_manifest
@@ -24,14 +24,14 @@ from axisrig.bench.campaign.results.writer import (
     RunFiles,
 )
 from axisrig.bench.campaign.runner import run_case
-from axisrig.bench.drive.communication.slave import CanopenSlave
+from axisrig.bench.drive.canopen.slave import CanopenSlave
 from axisrig.bench.machine.recording.recorder import Recorder
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.record.series import TIME
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import UserError
 
 # Part -> the calls that make it up, each by its class or module and its name. Inner calls are taken

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.kernel.errors import UserError
 
 

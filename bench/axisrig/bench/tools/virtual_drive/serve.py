@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
-from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
-from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.campaign.hardware_runs import Outside
-from axisrig.bench.drive.dictionary.eds import eds_text
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.parts import build_nodes, build_segments

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.real_segment import SYNC_COB_ID
-from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.real_segment import SYNC_COB_ID
+from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import Contact
-from axisrig.kernel.drives.emergency import Emergency
-from axisrig.kernel.drives.sdo import abort_text
+from axisrig.kernel.profiles.canopen.aborts import abort_text
+from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.time.clock import S, TimeNs
 
 NMT_COMMANDS = {

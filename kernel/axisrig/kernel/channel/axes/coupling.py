@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 

@@ -10,10 +10,10 @@ from enum import Enum, auto
 from typing import Final
 
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.ds402 import Status
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.sdo import SdoError, object_name
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.sdo import SdoError, object_name
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import Status
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
 HOMING_MODE: Final = 6

@@ -13,7 +13,7 @@ from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling, Standstill
 from axisrig.kernel.channel.path.stop_way import StopWay
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun
 from axisrig.kernel.measuring.run import MeasuringRun, Order

@@ -10,7 +10,7 @@ from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.channel.path.settling import Rest
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import Clock, TimeNs
 

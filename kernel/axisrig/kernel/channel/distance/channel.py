@@ -32,7 +32,7 @@ from axisrig.kernel.channel.distance.sensor import (
 from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
 from axisrig.kernel.distance import DistanceCommand, DistanceControl, DistanceState, Reading
 from axisrig.kernel.distance.limiter import UNLIMITED, AxesAllow
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic, Vector
 from axisrig.kernel.plc.unit import Refreshed

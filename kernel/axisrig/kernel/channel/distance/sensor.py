@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.unit import Refreshed

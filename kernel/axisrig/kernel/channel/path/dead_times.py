@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.measuring.dead_time import DeadTime, run_up
 from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.time.clock import S, TimeNs

@@ -17,7 +17,7 @@ from axisrig.kernel.channel.path.slaves import PathWithSlaves
 from axisrig.kernel.channel.path.stop_way import StopWay, sent_to, straight_way
 from axisrig.kernel.channel.probing.choice import ProbeChoice
 from axisrig.kernel.channel.probing.ports import PlcPorts
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
 from axisrig.kernel.measuring.rules import least_stroke_mm, misses_signal

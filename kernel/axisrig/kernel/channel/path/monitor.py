@@ -4,11 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from axisrig.kernel.channel.path.settings import CycleTiming
-from axisrig.kernel.drives.active_fault import ActiveFault
-from axisrig.kernel.drives.ds402 import State
-from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.watch import BusWatch, DriveWatch, HeartbeatProducer, WatchSettings
+from axisrig.kernel.drives.canopen.active_fault import ActiveFault
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.watch import (
+    BusWatch,
+    DriveWatch,
+    HeartbeatProducer,
+    WatchSettings,
+)
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import Clock
 
 POWER_UP_CYCLES_MAX = 500

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 

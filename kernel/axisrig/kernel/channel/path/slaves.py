@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.channel.path.settling import Rest
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 

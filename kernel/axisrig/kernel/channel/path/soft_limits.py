@@ -8,7 +8,7 @@ TF5200 software limit switches 15311258251 and 91635723; P-AXIS-00705.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters import ParameterSet
 

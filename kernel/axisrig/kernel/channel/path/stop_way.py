@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.motion.curves import Positions
 from axisrig.kernel.motion.tool_path import NO_WAY_MM, ToolCurve
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.curves import Curve, Positions
 from axisrig.kernel.motion.tool_path import ToolCurve

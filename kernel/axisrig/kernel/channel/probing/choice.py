@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import (
     EXTERNAL,

@@ -6,7 +6,7 @@ path moves, of DISABLE before the next run. Sources: FCT-C4 7.2 and 7.4.
 
 from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.channel.probing.signal import SignalPort
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.plc.probing import PlcTask, ProbingUnit
 from axisrig.kernel.time.clock import Clock

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from axisrig.kernel.channel.probing.external import DrivePort, ExternalPort
 from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.channel.probing.signal import SignalPort, StampPort
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import (
     EXTERNAL,

@@ -9,7 +9,7 @@ A `probing_position` is in 0.1 um, as the kernel API hands latched positions ove
 from typing import Final
 
 from axisrig.kernel.channel.probing.handshake import Handshake
-from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival, StampClock
 from axisrig.kernel.measuring.position_history import PositionHistory

@@ -1,0 +1,1 @@
+"""CAN: segments, controllers, the line, records, real interfaces."""

@@ -1,0 +1,1 @@
+"""What any drive does with its axis: motion, ramps, inputs, latches, switches."""

@@ -1,0 +1,185 @@
+"""A DS402 drive on a CAN bus: a CANopen slave and a servo.
+
+What the node does on its bus is `communication/slave.py`, what it does with its object values
+`application/servo.py`; here they are put together.
+"""
+
+from collections.abc import Mapping
+
+from canopen.sdo.exceptions import SdoAbortedError
+
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
+from axisrig.bench.drive.canopen.nmt import NmtState
+from axisrig.bench.drive.canopen.slave import CanopenSlave, Needs
+from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.objects import variables
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.store import Owner
+from axisrig.bench.drive.cia402.servo import Servo
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import Clock, Phase
+
+CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
+MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
+PROFILE_OBJECTS = range(0x6000, 0xA000)
+INTERPOLATION_TIME = 0x60C2
+STORE_EDS = 0x1021
+
+
+class DriveNode:
+    """One drive: a CANopen slave that moves an axis and up to two probe signals.
+
+    node_id: 1 to 127, or 255 for a node that gets its number by LSS. network: a connected network
+    of its own (one port of the segment). probes: the signals wired to probe input 1 and 2, None
+    for an open input. switches: limit and home switches, "negative", "positive", "home". seed: of
+    what is random in the drive. The node boots at the present instant, that is with the first event
+    the clock runs.
+    """
+
+    def __init__(  # noqa: PLR0913
+        self,
+        name: str,
+        node_id: int,
+        network: SimNetwork,
+        clock: Clock,
+        axis: AxisPort,
+        probes: tuple[SignalPort | None, SignalPort | None] = (None, None),
+        profile: DriveProfile | None = None,
+        seed: int = 0,
+        *,
+        switches: Mapping[str, SignalPort] | None = None,
+    ) -> None:
+        self.name = name
+        self.profile = profile or DriveProfile()
+        self.is_on = True
+        self._network, self._clock = network, clock
+        servo = self.servo = Servo(
+            axis,
+            probes,
+            self.profile,
+            self._send_emergency,
+            clock,
+            self._send_changes,
+            seed,
+            switches,
+        )
+        self.slave = CanopenSlave(
+            node_id,
+            network,
+            clock,
+            self.profile,
+            servo,
+            Needs(
+                lambda: servo.state in MOVING,
+                lambda: (
+                    servo.state is State.OPERATION_ENABLED
+                    and servo.image.mode_display in CYCLIC_MODES
+                ),
+            ),
+        )
+        self.slave.objects.own(_ProfileObjects(self), PROFILE_OBJECTS)
+        self.slave.objects.own(_Document(self.profile), (STORE_EDS,))
+        clock.call_at(clock.now_ns, Phase.APPLICATION, self._boot)
+
+    @property
+    def node_id(self) -> int:
+        """The present node number; 255 while it has none."""
+        return self.slave.node_id
+
+    @property
+    def image(self) -> ProcessImage:
+        """The object values that change while the drive runs."""
+        return self.servo.image
+
+    @property
+    def state(self) -> State:
+        """State of the power drive system."""
+        return self.servo.state
+
+    @property
+    def nmt_state(self) -> NmtState:
+        """NMT state; initialising while the drive has no power."""
+        return self.slave.state
+
+    def _send_emergency(self, code: int, register: int, info: int) -> None:
+        self.slave.emergencies.send(code, register, info)
+
+    def _send_changes(self) -> None:
+        self.slave.exchange.send_events()
+
+    def _boot(self) -> None:
+        if self.is_on:
+            self.slave.boot()
+
+    # Faults
+
+    def power_off(self) -> None:
+        """Take the power away: the axis is free, the node leaves the bus, a frame breaks off.
+
+        Stored parameters and LSS settings stay. To be called from an event.
+        """
+        if self.is_on:
+            self.is_on = False
+            self.slave.stop()
+            self.servo.reset(self._clock.now_ns)
+            if isinstance(self._network.bus, SimBus):
+                self._network.bus.power_off()
+
+    def power_on(self) -> None:
+        """Give the power back: the drive boots with its stored parameters."""
+        if not self.is_on:
+            self.is_on = True
+            self._boot()
+
+    def restart(self) -> None:
+        """Reset the drive as its watchdog would: power off and on at once."""
+        self.power_off()
+        self.power_on()
+
+
+class _ProfileObjects(Owner):
+    """The objects of the device profile: read as they are now, acting when they are written."""
+
+    def __init__(self, node: DriveNode) -> None:
+        self._servo, self._clock, self._slave = node.servo, node._clock, node.slave
+        self._profile = node.profile
+        self._rows = variables()
+
+    def read(self, index: int, sub: int) -> None:
+        """Sample, so that the value is that of this instant."""
+        if self._rows[index, sub].value:
+            self._servo.refresh(self._clock.now_ns)
+
+    def check(self, index: int, sub: int, value: int) -> None:
+        """Refuse what the drive cannot do; the time until now belongs to the old value."""
+        if (index == 0x60B8 and not self._servo.touch_probe.supports(value)) or (
+            index == 0x60D0 and value not in self._profile.source_values
+        ):
+            abort(AbortCode.INVALID_VALUE)
+        refusal = self._servo.refuses(index, value)
+        if refusal is not None:
+            raise SdoAbortedError(refusal)
+        self._servo.begin(self._clock.now_ns)
+
+    def written(self, index: int, sub: int, value: int) -> None:
+        """Act now, and send what has changed by the event-driven PDOs."""
+        if index == INTERPOLATION_TIME:
+            self._servo.interpolation.written()
+        self._servo.update()
+        self._servo.react(self._clock.now_ns)
+        self._slave.exchange.send_events()
+
+
+class _Document(Owner):
+    """1021: the text of the EDS, made when somebody asks for it."""
+
+    def __init__(self, profile: DriveProfile) -> None:
+        self._profile = profile
+
+    def read(self, index: int, sub: int) -> bytes:
+        """Return the text."""
+        return eds_text(self._profile).encode("ascii")

@@ -1,0 +1,157 @@
+"""The object values of one drive as SDO sees them: access rights, sizes, limits, owners.
+
+What changes while the drive runs is in the process image, the rest here. Source: CiA 301,
+object dictionary and abort codes.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import lru_cache
+
+from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.cia402.dictionary.defaults import default_values
+from axisrig.bench.drive.cia402.dictionary.eds import data_type
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, variables
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+
+COMMUNICATION_LAST = 0x1FFF
+Key = tuple[int, int]
+"""Index and sub-index of an object."""
+
+
+class Owner:
+    """The part of a node that some objects belong to. The methods do nothing by themselves."""
+
+    def check(self, index: int, sub: int, value: int) -> None:
+        """Refuse a write that type and table allow; raises SdoAbortedError."""
+
+    def written(self, index: int, sub: int, value: int) -> None:
+        """Act on a value that SDO has written."""
+
+    def read(self, index: int, sub: int) -> int | bytes | None:
+        """Return the value of now; None = the one that is stored. Raises SdoAbortedError."""
+        return None
+
+
+# A drive asks at every start, and the next run has the same drives
+@lru_cache(maxsize=64)
+def _of_profile(profile: DriveProfile) -> tuple[Mapping[Key, bool], frozenset[int]]:
+    """Return which objects are signed numbers, and the indices that such a drive has."""
+    rows = variables()
+    signed = {key: data_type(row, profile).format.islower() for key, row in rows.items()}
+    return signed, frozenset(row.index for key, row in rows.items() if profile.has_object(*key))
+
+
+class ObjectStore:
+    """Values of a drive with `profile`. The node number may change (LSS): see `restore`.
+
+    note_change: called with the row of every object that SDO has written.
+    """
+
+    def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
+        self._profile, self._image = profile, image
+        self._rows = variables()
+        self._signed_values, self._indices = _of_profile(profile)
+        self._values: dict[Key, int | bytes] = {}
+        self._owners: dict[int, Owner] = {}
+        self._default_owner = Owner()
+        self.note_change: Callable[[ObjectRow], None] | None = None
+
+    @property
+    def rows(self) -> Iterable[ObjectRow]:
+        """Every object of the drive that has a value."""
+        return [row for key, row in self._rows.items() if self._profile.has_object(*key)]
+
+    def own(self, owner: Owner, indices: Collection[int]) -> None:
+        """Let `owner` answer for those of these objects that the drive has."""
+        few, many = sorted((self._indices, indices), key=len)
+        for index in few:
+            if index in many:
+                self._owners[index] = owner
+
+    def restore(self, node_id: int, first: int, last: int) -> None:
+        """Give the objects `first` to `last` their defaults for node number `node_id`.
+
+        What the application keeps in the process image it resets itself, and it alone decides what
+        is read only there.
+        """
+        values = default_values(self._profile, node_id)
+        for key, row in self._rows.items():
+            is_in_image = row.value and (row.index > COMMUNICATION_LAST or row.access == "ro")
+            if first <= row.index <= last and not is_in_image:
+                self._set(key, row, values[key])
+
+    # For the node itself: no checks
+
+    def value(self, index: int, sub: int = 0) -> int:
+        """Return a number."""
+        row = self._rows[index, sub]
+        value = getattr(self._image, row.value) if row.value else self._values[index, sub]
+        assert isinstance(value, int)
+        return value
+
+    def set_value(self, index: int, sub: int, value: int) -> None:
+        """Change a value without a call of its owner."""
+        self._set((index, sub), self._rows[index, sub], value)
+
+    def _set(self, key: Key, row: ObjectRow, value: int | bytes) -> None:
+        if row.value:
+            setattr(self._image, row.value, value)
+        else:
+            self._values[key] = value
+
+    # For the SDO server
+
+    def upload(self, index: int, sub: int) -> bytes:
+        """Return the bytes of an object; raises SdoAbortedError."""
+        row = self.row(index, sub)
+        if row.access == "wo":
+            abort(AbortCode.WRITE_ONLY)
+        value = self._owners.get(index, self._default_owner).read(index, sub)
+        if value is None:
+            value = getattr(self._image, row.value) if row.value else self._values[index, sub]
+        if isinstance(value, bytes):
+            return value
+        return int(value).to_bytes(
+            row.data_type.bits // 8, "little", signed=self._signed_values[index, sub]
+        )
+
+    def writable_size(self, index: int, sub: int) -> int:
+        """Return how many bytes a write of this object has; raises SdoAbortedError."""
+        row = self.row(index, sub)
+        if row.access not in ("rw", "wo"):
+            abort(AbortCode.READ_ONLY)
+        return row.data_type.bits // 8
+
+    def download(self, index: int, sub: int, data: bytes) -> None:
+        """Check bytes that a client writes, store them, let their owner act.
+
+        Raises SdoAbortedError, with nothing changed.
+        """
+        size = self.writable_size(index, sub)
+        if len(data) != size:
+            abort(AbortCode.TOO_LONG if len(data) > size else AbortCode.TOO_SHORT)
+        row = self._rows[index, sub]
+        value = int.from_bytes(data, "little", signed=self._signed_values[index, sub])
+        self._check(row, value)
+        owner = self._owners.get(index, self._default_owner)
+        owner.check(index, sub, value)
+        self._set((index, sub), row, value)
+        owner.written(index, sub, value)
+        if self.note_change is not None:
+            self.note_change(row)
+
+    def row(self, index: int, sub: int) -> ObjectRow:
+        """Return the row of an object; raises SdoAbortedError where there is none."""
+        row = self._rows.get((index, sub))
+        if row is None or not self._profile.has_object(index, sub):
+            abort(AbortCode.NO_SUB_INDEX if index in self._indices else AbortCode.NO_OBJECT)
+        return row
+
+    def _check(self, row: ObjectRow, value: int) -> None:
+        if row.low is not None and value < row.low:
+            abort(AbortCode.TOO_LOW)
+        if row.high is not None and value > row.high:
+            abort(AbortCode.TOO_HIGH)
+        if value not in row.allowed:
+            abort(AbortCode.INVALID_VALUE)

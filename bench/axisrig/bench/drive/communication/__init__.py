@@ -1,1 +1,0 @@
-"""What a CANopen slave does on its bus (CiA 301): PDOs, SYNC, emergencies."""

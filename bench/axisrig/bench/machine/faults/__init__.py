@@ -1,0 +1,1 @@
+"""Faults of a run: where they act, and when."""

@@ -1,0 +1,228 @@
+"""Frames of a bus in words, in the terms of CANopen and of the drive profile.
+
+With the rig the frames have the names of its axes. What PDOs carry is taken from the SDO traffic of
+the log itself, else from the rig, else frames are what the pre-defined connection set says.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from axisrig.bench.bus.can.dissect import (
+    BLOCK_END,
+    BLOCK_START,
+    BLOCK_TAKEN,
+    BOOT_UP,
+    NMT_COMMANDS,
+    STATES,
+    Dissected,
+    sdo_words,
+)
+from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.rig.check import axis_telegrams
+from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos, Pdo
+from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
+from axisrig.bench.tools.bus_log.canopen.transfers import Transfers
+from axisrig.kernel.drives.canopen.mapping import Telegram
+from axisrig.kernel.drives.canopen.sdo import object_name
+from axisrig.kernel.profiles.canopen.aborts import abort_text
+from axisrig.kernel.profiles.canopen.emergency import Emergency
+
+NOBODYS = "of no node of this rig"
+
+
+@dataclass(frozen=True)
+class Told:
+    """A frame in words.
+
+    name: whose, and which service. tags: what it can be asked for by, in lower case.
+    """
+
+    name: str
+    text: str
+    tags: frozenset[str]
+
+
+class Names:
+    """What a rig calls its segments, nodes and telegrams."""
+
+    def __init__(self, settings: Settings | None) -> None:
+        self._is_rig = settings is not None
+        self._per_mm: dict[str, Fraction] = {}
+        self._segments = list(settings.rig.segment) if settings else []
+        self._nodes: dict[tuple[str, int], str] = {}
+        self._transfers = Transfers()
+        telegrams = {}
+        for name, axis in settings.rig.axis.items() if settings else ():
+            self._nodes[axis.segment, axis.node] = name
+            assert settings is not None
+            self._per_mm[name] = settings.rig.drive[axis.drive].make().units_per_mm
+            telegrams[axis.segment, axis.node] = axis_telegrams(settings, name)
+        self._pdos = LoggedPdos(telegrams)
+
+    def segment(self, channel: object) -> str:
+        """Return the name of a segment; logs with numbers count from 0 in the order of the rig.
+
+        A number outside of it stays one: it is of another rig, or of a tool that counts otherwise.
+        """
+        if isinstance(channel, int) and 0 <= channel < len(self._segments):
+            return self._segments[channel]
+        if channel is None and len(self._segments) == 1:
+            return self._segments[0]
+        return "" if channel is None else str(channel)
+
+    @property
+    def axes(self) -> list[str]:
+        """Names of the axes, in the order of the rig."""
+        return list(self._nodes.values())
+
+    def follow(self, segment: str, frame: Frame, told: Dissected) -> Dissected:
+        """Take a frame for what it is after all that came before; every frame in its order."""
+        node = told.node
+        if told.service.startswith("SDO ") and node is not None and not frame.is_remote_frame:
+            told, value = self._transfers.take(segment, frame.data, told)
+            if value is not None:
+                number = int.from_bytes(value.data, "little")
+                self._pdos.note(segment, node, value.index, value.sub, number)
+        elif is_boot_up(told) and node is not None:
+            self._transfers.forget(segment, node)
+            self._pdos.forget(segment, node)
+        pdo = self._pdo(segment, frame, told)
+        return told if pdo is None else replace(told, service=pdo.name, node=pdo.node)
+
+    def _pdo(self, segment: str, frame: Frame, told: Dissected) -> Pdo | None:
+        is_error = told.service == "error frame"
+        found = self._pdos.find(segment, frame.arbitration_id, frame.is_extended_id)
+        return None if is_error else found
+
+    def tell(self, segment: str, frame: Frame, told: Dissected) -> Told:
+        """Return the name of a frame, what it says and what it can be asked for by.
+
+        told: from `follow`.
+        """
+        if told.service == "error frame":
+            return Told("error frame", "", frozenset(("error frame", "error")))
+        known = self._pdo(segment, frame, told)
+        telegram = known.telegram if known is not None else None
+        if telegram is not None and told.node is not None and not frame.is_remote_frame:
+            axis = self._nodes.get((segment, told.node))
+            text = _pdo_words(telegram, frame.data, self._per_mm.get(axis or ""))
+            objects = [(item.index, item.sub) for item in telegram.objects]
+            tags = _tags(telegram.name, [*([axis] if axis else []), str(told.node)], told, objects)
+            whose = "" if axis or not self._is_rig else f", {NOBODYS}"
+            return Told(f"{axis or told.node}.{telegram.name}", f"{text}{whose}", tags)
+        fields = told.fields
+        objects = [(_int(fields, "index"), _int(fields, "sub"))] if "index" in fields else []
+        node = told.node or (_int(fields, "target") if told.service == "NMT" else 0) or None
+        owner = self._nodes.get((segment, node)) if node is not None else None
+        text = _words(told, self._per_mm.get(owner) if owner else None)
+        name = told.service
+        if told.node is not None:
+            name = f"{owner or told.node}.{told.service}"
+        is_owned = owner is not None or (node is None and told.service != "unknown")
+        if self._is_rig and not is_owned:
+            text = f"{text}, {NOBODYS}" if text else NOBODYS
+        who = [word for word in (owner, str(node) if node else None) if word]
+        return Told(name, text, _tags(told.service, who, told, objects))
+
+
+def _tags(
+    service: str, who: Iterable[str], told: Dissected, objects: Iterable[tuple[int, int]]
+) -> frozenset[str]:
+    kinds = {service.lower(), service.lower().split()[0]}
+    if "PDO" in service:
+        kinds |= {"pdo", service[:4].lower()}
+    if is_boot_up(told):
+        kinds.add("boot-up")
+    if "abort_code" in told.fields:
+        kinds.add("abort")
+    names = {name.lower() for name in who}
+    tags = kinds | names | {f"{name}.{kind}" for name in names for kind in kinds}
+    for index, sub in objects:
+        tags |= {f"{index:04x}", f"{index:04x}:{sub:x}"}
+    return frozenset(tags)
+
+
+def is_boot_up(told: Dissected) -> bool:
+    """Whether a node says that it has started anew."""
+    return told.service == "heartbeat" and told.fields.get("state") == BOOT_UP
+
+
+def _pdo_words(telegram: Telegram, data: bytes, per_mm: Fraction | None) -> str:
+    """Say the values of a PDO; one of another length is shown as it is."""
+    if len(data) != telegram.length:
+        return f"{data.hex(' ')} ({len(data)} bytes, {telegram.length} are mapped)"
+    values = telegram.codec.unpack(data)
+    return ", ".join(
+        f"{name_of(item.index, item.sub)} "
+        + value_words(item.index, item.sub, item.bits, value, per_mm, hexadecimal=False)
+        for item, value in zip(telegram.objects, values, strict=True)
+    )
+
+
+def _words(told: Dissected, per_mm: Fraction | None) -> str:
+    """Say what a frame carries that is no known PDO."""
+    fields, service = told.fields, told.service
+    if fields.get("remote"):
+        return "remote frame"
+    if service.startswith("SDO "):
+        return _sdo_words(service.removeprefix("SDO "), fields, per_mm)
+    text = _bytes(fields, "data").hex(" ")
+    if service == "NMT" and "command" in fields:
+        command, target = _int(fields, "command"), _int(fields, "target")
+        whom = f"node {target}" if target else "all nodes"
+        text = f"{NMT_COMMANDS.get(command, f'command {command}')}, {whom}"
+    elif service == "heartbeat" and "state" in fields:
+        state = _int(fields, "state")
+        text = STATES.get(state, f"state {state}") + (", toggle bit" if fields["toggle"] else "")
+    elif service == "EMCY" and "code" in fields:
+        emergency = Emergency(_int(fields, "code"), _int(fields, "register"), b"")
+        text = f"{emergency}, {_bytes(fields, 'vendor').hex(' ')}"
+    elif service == "SYNC" and fields:
+        text = f"counter {_int(fields, 'counter')}"
+    return text
+
+
+def _bytes(fields: Mapping[str, int | bytes], name: str) -> bytes:
+    value = fields.get(name, b"")
+    return value if isinstance(value, bytes) else bytes([value & 0xFF])
+
+
+def _int(fields: Mapping[str, int | bytes], name: str) -> int:
+    value = fields.get(name, 0)
+    return value if isinstance(value, int) else int.from_bytes(value, "little")
+
+
+def _sdo_words(side: str, fields: Mapping[str, int | bytes], per_mm: Fraction | None) -> str:
+    text = sdo_words(side, _int(fields, "specifier"))
+    if "index" in fields:
+        key = (_int(fields, "index"), _int(fields, "sub"))
+        text += f" {object_name(*key)}"
+        text += f" {name_of(*key)}" if name_of(*key) != object_name(*key) else ""
+    if "abort_code" in fields:
+        return f"{text}: {abort_text(_int(fields, 'abort_code')).removeprefix('abort ')}"
+    value = fields.get("value")
+    if isinstance(value, bytes):
+        number, bits = number_of(*key, value), 8 * len(value)
+        return f"{text} = {value_words(*key, bits, number, per_mm, hexadecimal=True)}"
+    if "size" in fields:
+        return f"{text}, {_int(fields, 'size')} bytes follow"
+    if "step" in fields:
+        return f"{text} {_block_words(fields)}"
+    text += f", segment {_int(fields, 'segment')}:" if "segment" in fields else ""
+    data = fields.get("data")
+    if isinstance(data, bytes):
+        return f"{text} {data.hex(' ')}{', the last one' if fields['is_last'] else ''}"
+    return text
+
+
+def _block_words(fields: Mapping[str, int | bytes]) -> str:
+    """Say a frame of a block transfer that is neither its begin nor a segment."""
+    step = _int(fields, "step")
+    if step == BLOCK_TAKEN:
+        return f"{_int(fields, 'taken')} segments taken, next {_int(fields, 'block_size')} at most"
+    if step == BLOCK_END and "crc" in fields:
+        unused = _int(fields, "unused")
+        return f"end, {unused} bytes of the last segment unused, CRC 0x{_int(fields, 'crc'):04X}"
+    return "start" if step == BLOCK_START else "end"

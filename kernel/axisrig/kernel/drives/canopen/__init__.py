@@ -1,0 +1,1 @@
+"""The kernel's end of a drive that speaks CANopen."""

@@ -1,0 +1,195 @@
+"""#DRIVE and #IDENT in a running program: values for drives, over SDO or in an RPDO.
+
+Without WAIT a write runs in parallel to the program; an error of it comes up in the cycle in which
+the drive's answer is there. Sources: TF5200 programming manual 207630987 (drive functions),
+207347083 (idents, which go by SDO as acyclic functions do).
+"""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from axisrig.kernel.drives.canopen.functions import DriveFunction, Functions
+from axisrig.kernel.drives.canopen.idents import DriveIdent, drive_idents
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError, object_name
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+
+
+@dataclass(frozen=True)
+class DriveAccess:
+    """What #DRIVE needs of one axis: the ways to its drive and the functions of its list."""
+
+    link: AxisLink
+    sdo: SdoClient
+    functions: Functions
+
+
+class DriveFunctions:
+    """Carries out the #DRIVE commands of a channel; accesses: by axis."""
+
+    def __init__(self, accesses: Mapping[str, DriveAccess]) -> None:
+        self._accesses = accesses
+        self._open: Counter[str] = Counter()
+        self._awaited: str | None = None
+        self._values: dict[tuple[str, str], float] = {}
+        self._failed: Alarm | None = None
+        self._cyclic: list[str] = []  # axes whose RPDO is sent in this cycle
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the program may not go on before a drive has answered."""
+        if self._awaited is not None and not self._open[self._awaited]:
+            self._awaited = None
+        return self._awaited is not None
+
+    def reset(self) -> None:
+        """Let nothing wait for an answer any more; what is on its way goes on."""
+        self._awaited = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether any answer is still to come."""
+        return any(self._open.values())
+
+    def value(self, axis: str, key: str) -> float:
+        """Return what the last read of a function returned."""
+        return self._values[axis, key.upper()]
+
+    def check(self) -> None:
+        """Begin a cycle: raise what has gone wrong with a command that ran beside the program.
+
+        What was sent with the RPDO of the cycle before has acted at the SYNC of this one.
+        """
+        if self._cyclic:
+            self._open.subtract(self._cyclic)
+            self._cyclic.clear()
+        failed, self._failed = self._failed, None
+        if failed is not None:
+            raise failed
+
+    def start(self) -> None:
+        """Give the cyclic objects the values they have from the start on (P-AXIS-00400)."""
+        for access in self._accesses.values():
+            for function in access.functions.values():
+                if function.communication == "CYCLIC" and function.startup is not None:
+                    access.link.set_object(function.index, function.sub, function.startup)
+
+    def begin(self, command: canon.DriveCommand) -> None:
+        """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
+        axis = command.axis
+        if isinstance(command, canon.DriveWait):
+            self._awaited = axis
+            return
+        if command.length_bytes is None:
+            function = self._find(axis, command.key)
+        else:
+            function = self._ident(axis, command.key, command.length_bytes)
+        if isinstance(command, canon.DriveRead):
+            self._read(command, function)
+            self._awaited = axis
+            return
+        self._write(command, function)
+        if command.waits:
+            self._awaited = axis
+
+    def _find(self, axis: str, key: str) -> DriveFunction:
+        functions = self._accesses[axis].functions if axis in self._accesses else {}
+        function = functions.get(key.upper())
+        if function is None:
+            known = ", ".join(f.key for f in functions.values()) or "none"
+            raise Alarm(900110, axis=axis, key=key, known=known)
+        return function
+
+    def _ident(self, axis: str, name: str, length_bytes: int) -> DriveIdent:
+        idents = drive_idents(self._accesses[axis].link.settings.increments_per_mm)
+        found = idents.get(name)
+        if found is None:
+            raise Alarm(900255, axis=axis, ident=name, known=", ".join(idents))
+        if length_bytes != found.length_bytes:
+            allowed = f"{found.length_bytes} for {name}"
+            raise Alarm(900256, keyword="TYP", value=f"{length_bytes}", allowed=allowed)
+        return found
+
+    def _write(self, command: canon.DriveWrite, function: DriveFunction) -> None:
+        access = self._accesses[command.axis]
+        raw = function.raw(command.value, command.axis)
+        if function.communication == "CYCLIC":
+            present = access.link.get_object(function.index, function.sub)
+            whole = function.merged(raw, function.encode(present))
+            access.link.set_object(function.index, function.sub, whole)
+            self._open[command.axis] += 1
+            self._cyclic.append(command.axis)
+        elif function.communication == "ACYCLIC":
+            self._open[command.axis] += 1
+            if function.mask is None:
+                self._download(command, function, raw)
+            else:
+                access.sdo.read(
+                    function.index,
+                    function.sub,
+                    lambda present: self._merge(command, function, raw, present),
+                )
+
+    def _merge(
+        self,
+        command: canon.DriveWrite,
+        function: DriveFunction,
+        raw: int,
+        present: bytes | SdoError,
+    ) -> None:
+        if isinstance(present, SdoError):
+            self._close(command, function, present)
+        else:
+            self._download(command, function, function.merged(raw, present))
+
+    def _download(self, command: canon.DriveWrite, function: DriveFunction, raw: int) -> None:
+        self._accesses[command.axis].sdo.write(
+            function.index,
+            function.sub,
+            function.encode(raw),
+            lambda answer: self._close(command, function, answer),
+        )
+
+    def _read(self, command: canon.DriveRead, function: DriveFunction) -> None:
+        self._open[command.axis] += 1
+
+        def done(answer: bytes | SdoError) -> None:
+            if not isinstance(answer, SdoError):
+                if isinstance(function, DriveIdent) and not function.can_tell(answer):
+                    self._failed = self._failed or _untold(command, function)
+                self._values[command.axis, command.key.upper()] = function.value(answer)
+            self._close(command, function, answer)
+
+        self._accesses[command.axis].sdo.read(function.read_index, function.read_sub, done)
+
+    def _close(
+        self,
+        command: canon.DriveWrite | canon.DriveRead,
+        function: DriveFunction,
+        answer: bytes | SdoError,
+    ) -> None:
+        """Note that a command is over; a failure comes up in the next cycle."""
+        self._open[command.axis] -= 1
+        if isinstance(answer, SdoError) and self._failed is None:
+            self._failed = Alarm(
+                900032,
+                place=command.block.place,
+                axis=command.axis,
+                key=function.key,
+                object=object_name(answer.index, answer.sub),
+                answer=str(answer),
+            )
+
+
+def _untold(command: canon.DriveRead, ident: DriveIdent) -> Alarm:
+    return Alarm(
+        900257,
+        place=command.block.place,
+        axis=command.axis,
+        value=ident.off,
+        object=object_name(ident.read_index, ident.read_sub),
+        ident=ident.key,
+        off=ident.off,
+    )

@@ -1,0 +1,1 @@
+"""CANopen: identifiers, abort codes, emergency codes."""
