@@ -199,6 +199,37 @@ def test_an_override_of_0_holds_the_path_until_it_is_above(channel_bench: Make, 
     assert z[-1] == 10.0
 
 
+HOLDS = ("", "Y", " Y", " ", " Z", "Z", "YZ", " YZ", " Y", "Y", "Z", "")
+"""Who is held in turn: a blank is the path, Y does not move, Z does."""
+
+
+@pytest.mark.parametrize("word", ["feedhold", "override_permille"])
+def test_a_path_is_held_by_itself_and_by_axes_that_it_moves_whatever_else_is_held(
+    channel_bench: Make, words: Any, word: str
+) -> None:
+    """At 10 mm/s and 1000 mm/s² a change of the hold is over after 10 of 20 cycles."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    plc, turns = bench.channel.plc, iter(range(10**6))
+    units = {" ": plc, "Y": plc.axis["Y"], "Z": plc.axis["Z"]}
+
+    def turn() -> None:
+        held = HOLDS[min(next(turns) // 20, len(HOLDS) - 1)]
+        for name, unit in units.items():
+            is_on = name in held
+            setattr(unit, word, is_on if word == "feedhold" else 1000 * (not is_on))
+
+    plc.take_turn = turn
+    bench.run([words.move(1, 600.0, Z=1.5), words.end()])
+    speeds = speeds_mm_s(bench, "Z")
+    first = next(k for k, speed in enumerate(speeds) if speed)
+    seen = [speeds[first + 20 * k + 15] for k in range(len(HOLDS))]
+    stands = [" " in held or "Z" in held for held in HOLDS]
+    assert seen == [0.0 if held else 10.0 for held in stands]
+    changes = [is_on for before, is_on in pairwise(stands) if is_on is not before]
+    assert [is_on for _, is_on in bench.channel.path.holds] == changes
+    assert bench.final_mm("Z") == 1.5
+
+
 def test_the_window_does_not_count_while_an_override_falls(channel_bench: Make, words: Any) -> None:
     """From 10 to 1 mm/s within a second, back behind 0.2 mm: slower than W / tau for 300 ms.
 

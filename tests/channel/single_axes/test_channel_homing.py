@@ -94,6 +94,10 @@ def test_groups_home_one_after_the_other_and_a_group_together(
     left = [t for t, i, d in bench.frames if i == 0x602 and d[1:5] == b"\x60\x60\0\x08"]
     assert entered[2][0] < left[1] < entered[1][0]  # left[0]: the start-up
     assert abs(entered[1][1] - entered[2][1]) < 1_000_000
+    known = bench.channel.single.homed  # each axis once for each time that it was homed
+    assert [axis for _, axis in known] == ["Z", "X", "X", "Z"]
+    times = [at_ns for at_ns, _ in known]
+    assert left[1] < times[0] < entered[1][0] < times[1] < entered[1][1] < times[2] == times[3]
 
 
 @pytest.mark.provokes(900190, 4, axis="Z", method=17, error="0x0000")
