@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axisrig.kernel.distance import DistanceCommand, DistanceSettings, DistanceState
-from axisrig.kernel.distance.limiter import Limiter
+from axisrig.kernel.distance.limiter import UNLIMITED, AxesAllow, Limiter
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS
 
@@ -164,24 +164,34 @@ def test_the_cycle_that_passes_speed_0_brakes_with_all_and_builds_up_with_the_we
 # Running out
 
 
-def run_out(offset_mm: float, speed_mm_s: float, settings: DistanceSettings) -> list[float]:
+def run_out(
+    offset_mm: float,
+    speed_mm_s: float,
+    settings: DistanceSettings,
+    axes: AxesAllow = UNLIMITED,
+) -> list[float]:
     """Offsets of a limiter that was on its way with a speed."""
     limiter = Limiter(MS)
     limiter.step_mm = speed_mm_s * T
     offsets = [offset_mm]
     while offsets[-1] != 0.0:
-        offsets.append(offsets[-1] + limiter.run_out(offsets[-1], settings))
+        offsets.append(offsets[-1] + limiter.run_out(offsets[-1], settings, axes=axes))
         assert len(offsets) < 10_000
     return offsets
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_from_any_speed_it_ends_at_exactly_0_within_both_limits(seed: int) -> None:
+    """Those of the list, or what the axes of a kinematic allow the offset where that is less."""
     rng = np.random.default_rng(seed)
     v, a = float(rng.uniform(0.5, 100)), float(rng.choice([30.0, 500.0, 2e4, 1e7]))
     start_mm, speed_mm_s = float(rng.uniform(-5, 5)), float(rng.uniform(-v, v))
-    settings = DistanceSettings().replaced(v_max_mm_s=v, a_max_mm_s2=a)
-    offsets = run_out(start_mm, speed_mm_s, settings)
+    listed = (v, 3 * a) if seed % 4 < 2 else (3 * v, a)
+    settings = DistanceSettings().replaced(v_max_mm_s=listed[0], a_max_mm_s2=listed[1])
+    axes = AxesAllow(v, a) if seed % 2 else AxesAllow(3 * v, 3 * a)
+    if seed % 2 == 0:
+        v, a = listed
+    offsets = run_out(start_mm, speed_mm_s, settings, axes)
     steps = np.array([speed_mm_s * T, *np.diff(offsets), 0.0])
     rounding_mm = 1e-15 * max(abs(offset) for offset in offsets)
     assert np.abs(steps).max() <= v * T + 2 * rounding_mm

@@ -245,6 +245,8 @@ def test_the_profile_of_the_list_until_another_is_chosen_and_again_after_the_pro
     weigh(chosen, "acceleration", 0.5)
     chosen.begin()
     assert chosen.dynamics(x, Motion.FEED) == x.jerk_limited[SIN2][Motion.FEED]
+    weigh(chosen, "ramp_time", 2.0)  # of the next program, which has no other weights
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(400, 392, 390)
 
 
 def test_the_hsc_profile_of_a_list_is_refused_when_a_path_begins() -> None:

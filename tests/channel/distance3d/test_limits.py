@@ -103,15 +103,21 @@ def test_running_out_keeps_to_the_limits_of_the_axes_and_ends_at_0(
 ) -> None:
     loop = make_tool_loop(
         inclined(0, 75),
-        tool.plane(height_mm=lambda k: 0.5 if k < 100 else 0.0),
+        tool.plane(height_mm=lambda _k: 0.5),
         limits=axis_limits(tool, Y=(20.0, 2000.0)),
     )
     loop.plan("ECS").on(set_pos=0.0)
-    loop.run(400)
-    loop.say(DistanceCommand.FREEZE).say(DistanceCommand.OFF).run(400)
+    loop.run(200)
+    assert loop.control.offset_mm == pytest.approx(0.5, abs=1e-3)
+    loop.say(DistanceCommand.FREEZE)
+    begin = len(loop.offsets_mm)
+    loop.say(DistanceCommand.OFF).run(400)
     assert loop.control.state is DistanceState.INACTIVE
     assert loop.control3d.is_idle
     assert loop.sent[-1] == loop.base(0)
+    changes = [b - a for a, b in itertools.pairwise([0.0, *steps(loop)[begin:]])]
+    most_mm = 2000.0 / math.tan(math.radians(75)) * SECONDS**2
+    assert max(map(abs, changes)) <= most_mm * 1.000001
     assert max(map(abs, steps(loop))) <= 20.0 / math.tan(math.radians(75)) * SECONDS * 1.000001
 
 
