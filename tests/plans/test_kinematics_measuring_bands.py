@@ -19,6 +19,7 @@ START, END = (10.0, 20.0, 20.0), (30.0, 5.0, -5.0)
 LENGTH_MM = math.dist(START, END)
 STEP = SPEED_MM_S * PERIOD_S / LENGTH_MM  # of the share, in a cycle
 PRINTED = 1.6e-6  # six digits, and one in the last of them more
+RESTS, MOVES = ("tool-z", "tool-a-strong"), ("tool-turns", "tool-a")  # A, with a stop at the tool
 SIGNALS = {"msg:N50": 0, "msg:N60": 1, "msg:N70": 2, "msg:N80": "A", "msg:N90": "Z"}
 
 
@@ -280,14 +281,145 @@ def test_an_axis_that_turns_round_is_at_rest_for_its_window() -> None:
     assert ROWS["stop-z-turns"]["check:found_without_contact"] == "== 1"
 
 
+# A stop at the tool: level, at the height 0; Z and A share its force F as F and F L sin a
+
+STIFF_N_MM, FORCE_N, TORQUE_N_MM = 20e3, 500.388, 47.784e3  # 362 per mille of each motor
+TRAVEL_MM, ABOVE_MM = 25.0, 20.0  # from 20 mm above the stop to 5 mm below
+A_GAIN_NM_S = 2.0 * math.pi * 60.0 * (0.5 + 1.8e-4 * 60.0**2)  # of the velocity loop of A
+A_INTEGRAL_S = 8e-3
+DOUBT_MS = 0.1  # what second differences of the lags leave: below 1 um at 10 mm/s
+
+
+FOUND_S = (LIMIT_MM - SPEED_MM_S / KV + FORCE_MM) / SPEED_MM_S + TAU_S
+
+
+def tool_row(case: str) -> tuple[dict[str, str], float, float]:
+    """A row, with A in degrees where its path begins, and per mm of it."""
+    row = ROWS[case]
+    begin, end = float(row["plc:V.E.A"]), float(row["plc:V.E.A_END"])
+    assert (row["plant:z.stop_position_mm"], row["plc:V.E.FEED"]) == ("0", "600")
+    return row, begin, (end - begin) / TRAVEL_MM
+
+
+def torque_limit(row: dict[str, str]) -> float:
+    return TORQUE_N_MM * float(row["plc:V.E.LIMIT_A"]) / 362.0
+
+
+def assert_tool_found(case: str, after_s: float, doubt_ms: float = 0.0) -> None:
+    low, high = limits(ROWS[case]["check:contact_to_detection_ms:Z"])
+    assert low == pytest.approx(after_s * 1e3 + AGE_MS - doubt_ms, abs=1e-4)
+    assert high == pytest.approx(after_s * 1e3 + AGE_MS + 1.0 + doubt_ms, abs=1e-4)
+    assert ROWS[case]["check:detection_followed_error_ms"] == "== 0"
+    assert ROWS[case]["check:msg:N160"] == "== 1"
+
+
+def push_away(case: str, after_s: float) -> float:
+    """Degrees that A is off its demand: a torque that comes at once takes it M Tn/K away, and the
+    position loop brings it back with 1/Kv. M at most that of F + sqrt(F² + k m v²)."""
+    row, begin, rate = tool_row(case)
+    assert rate == 0.0
+    mass = 120.0 + 1.8e-4 * (2.0 * math.pi / 0.01) ** 2
+    impact = math.sqrt(STIFF_N_MM * 1e3 * mass) * SPEED_MM_S * 1e-3
+    peak = (FORCE_N + math.hypot(FORCE_N, impact)) * LEVER_MM * abs(sin(begin))
+    assert peak < torque_limit(row)
+    return math.degrees(peak * 1e-3 * A_INTEGRAL_S / A_GAIN_NM_S) * math.exp(-KV * after_s)
+
+
+@pytest.mark.parametrize("case", RESTS)
+def test_a_stop_at_the_tool_takes_the_force_of_z_where_a_holds(case: str) -> None:
+    """A gets F L sin a, always less than its limit, and stays."""
+    row, begin, _ = tool_row(case)
+    torque = FORCE_N * LEVER_MM * abs(sin(begin))
+    assert_tool_found(case, FOUND_S)
+    assert limits(row["check:msg:N180"]) == pytest.approx((-FORCE_MM - 1e-3, -FORCE_MM + 1e-3))
+    force, moment = (limits(row[f"check:stop_{what}"]) for what in ("force_n:Z", "torque_nm:A"))
+    assert sum(force) / 2.0 == pytest.approx(FORCE_N, abs=1e-3)
+    assert sum(moment) / 2.0 == pytest.approx(torque * 1e-3, abs=1e-3)
+    low, high = limits(row["check:msg:N190"])
+    assert (low + high) / 2.0 == pytest.approx(begin, abs=1e-9)
+    assert (high - low) / 2.0 == pytest.approx(push_away(case, FOUND_S) + 2.9e-6, abs=1e-7)
+
+
+def test_a_tool_that_turns_presses_with_z_all_the_same() -> None:
+    """Set less actual height of the tool: what Z is behind, and what the lag of A lifts it."""
+    row, begin, rate = tool_row("tool-turns")
+    most = FORCE_N * LEVER_MM * abs(sin(begin))
+    assert most < torque_limit(row)
+    turn = math.radians(rate) * SPEED_MM_S / KV  # A is behind
+
+    def missing(after_mm: float) -> float:
+        lean = begin + rate * (ABOVE_MM + SPEED_MM_S / KV + after_mm)
+        lifted = LEVER_MM * abs(sin(lean)) * turn
+        return after_mm - (LIMIT_MM - SPEED_MM_S / KV + FORCE_MM + lifted)
+
+    assert_tool_found("tool-turns", root(missing, 0.0, 5.0) / SPEED_MM_S + TAU_S, DOUBT_MS)
+    assert limits(row["check:msg:N180"]) == pytest.approx((-FORCE_MM - 1e-3, -FORCE_MM + 1e-3))
+
+
+def root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function that rises is 0."""
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if function(middle) < 0.0 else (low, middle)
+    return low
+
+
+def test_where_the_torque_of_a_is_the_weaker_one_a_gives_way() -> None:
+    """Z goes on with its demand, so that the lever says where A is: L (cos a - cos a_d) = h_d + p
+    - z_d'/Kv. The force is M/(L sin a), so the place is not where Z would stop."""
+    row, begin, rate = tool_row("tool-a")
+    torque = torque_limit(row)
+    assert torque < FORCE_N * LEVER_MM * abs(sin(begin))
+
+    def deep(lean: float) -> float:
+        return torque / (LEVER_MM * abs(sin(lean))) / STIFF_N_MM
+
+    def pushed(after_mm: float) -> tuple[float, float]:
+        """Demand of A and A after so much of the way of the tool since the contact."""
+        way = ABOVE_MM + SPEED_MM_S / KV + after_mm
+        asked = begin + rate * way
+        slope = -SPEED_MM_S + LEVER_MM * abs(sin(asked)) * math.radians(rate) * SPEED_MM_S
+
+        def missing(lean: float) -> float:
+            height = ABOVE_MM - way + deep(lean) - slope / KV
+            return LEVER_MM * (cos(lean) - cos(asked)) - height
+
+        return asked, root(missing, -60.0, asked)
+
+    def beyond(after_mm: float) -> float:
+        asked, lean = pushed(after_mm)
+        return asked - lean - LIMIT_MM
+
+    after_s = root(beyond, 0.5, 20.0) / SPEED_MM_S + TAU_S
+    assert_tool_found("tool-a", after_s, DOUBT_MS)
+    found = [pushed((after_s + late * 1e-3) * SPEED_MM_S)[1] for late in (2.0, 0.0)]
+    doubt = SPEED_MM_S * DOUBT_MS * 1e-3 / (LEVER_MM * abs(sin(found[0])))
+    ends = found[0] - math.degrees(doubt), found[1] + math.degrees(doubt)
+    assert limits(row["check:latch_deg:A"]) == pytest.approx(ends, abs=1e-5)
+    low, high = limits(row["check:msg:N180"])
+    assert (low + high) / 2.0 == pytest.approx(-sum(map(deep, found)) / 2.0, abs=1e-6)
+    assert high - low == pytest.approx(2e-3)
+    assert low > -FORCE_MM  # not as deep as Z would press
+
+
+def test_an_axis_that_rests_on_the_path_is_no_stop() -> None:
+    row, begin, rate = tool_row("tool-a-rests")
+    assert rate == 0.0
+    assert torque_limit(row) < FORCE_N * LEVER_MM * abs(sin(begin))
+
+
 def test_the_axes_come_back_to_half_an_increment() -> None:
     drives = rig_of(RIGS / "fixed-stop-5axis.toml")["drive"]
+    assert rig_of(RIGS / "fixed-stop-tool.toml")["drive"] == drives
     half = {name: of["lead_mm"] / of["encoder_increments"] / 2.0 for name, of in drives.items()}
     away_mm = half["servo"] + 2.0 * LEVER_MM * math.radians(half["worm"])
-    for case in ("stop-z", "stop-a", "stop-a-window", "stop-z-turns"):
+    for case in ("stop-z", "stop-a", "stop-a-window", "stop-z-turns", *RESTS, *MOVES):
+        # An axis that rests on the path is not led: it stays at its demand
+        off_deg = push_away(case, FOUND_S) if case in RESTS else 0.0
         for metric in ("msg:N200", "msg:N210"):
             low, high = limits(ROWS[case][f"check:{metric}"])
-            assert high == -low == pytest.approx(away_mm, abs=1e-7)
+            most_mm = away_mm + LEVER_MM * math.radians(off_deg)
+            assert high == -low == pytest.approx(most_mm, abs=1e-7)
 
 
 def test_what_is_refused_or_missing_has_its_alarm() -> None:
@@ -297,6 +429,7 @@ def test_what_is_refused_or_missing_has_its_alarm() -> None:
         "one-never": "== 900003",
         "none": "== 900004",
         "other-value": "== 110508 900640 50059",
+        "tool-a-rests": "== 900240",
         "type-2-none": "== 900004",
         "type-2-axes": "== 50061",
         "stop-missing": "== 900240",

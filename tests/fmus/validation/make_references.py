@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 HERE = Path(__file__).parent
 # Each holds the references of one part of the library.
 MODULES = (
-    *("mechanics", "drives", "axes", "gantry", "sampled", "controls"),
+    *("mechanics", "drives", "axes", "gantry", "tool_stop", "sampled", "controls"),
     *("edges", "probe", "distance", "tilted", "terminal", "workpieces"),
 )
 
