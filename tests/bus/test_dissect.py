@@ -2,8 +2,9 @@
 
 import pytest
 
-from axisrig.bench.bus.can.dissect import dissect, sdo_words, services
+from axisrig.bench.bus.can.dissect import dissect, sdo_words
 from axisrig.bench.bus.can.frame import Frame, data_frame
+from axisrig.kernel.profiles.canopen.identifiers import services
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from functools import partial
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.hardware import open_bus, wait_ns
-from axisrig.bench.bus.can.real_segment import SYNC_COB_ID, OutsideSegment
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
@@ -14,6 +14,7 @@ from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.canopen.identifiers import NMT_ID, SYNC_ID
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
@@ -88,7 +89,7 @@ def power_down(
             link.begin_cycle()
         data = next_sync_data()
         for network in networks:
-            network.send_message(SYNC_COB_ID, data)
+            network.send_message(SYNC_ID, data)
         scheduler.run_until(start_ns + offset_ns)
         for link in links:
             try:
@@ -100,5 +101,5 @@ def power_down(
         if all(link.state in _OFF or link.name in silent for link in links):
             break
     for link in links:
-        link.network.send_message(0, bytes([NMT_PRE_OPERATIONAL, link.settings.node_id]))
+        link.network.send_message(NMT_ID, bytes([NMT_PRE_OPERATIONAL, link.settings.node_id]))
     scheduler.run_until(scheduler.now_ns + period_ns)

@@ -19,14 +19,19 @@ from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import BusSettings, Step
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import (
+    EMERGENCY_BASE,
+    ERROR_CONTROL_BASE,
+    SDO_ANSWER_BASE,
+    SDO_REQUEST_BASE,
+)
 from axisrig.kernel.profiles.cia402.ds402 import latch_object
 from axisrig.kernel.time.clock import US
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added
-EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
 Rare = tuple[str, int]
-_EMCY: Rare = ("EMCY", EMCY)
-SDO_FRAMES: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER), ("SDO request", SDO_REQUEST))
+_EMCY: Rare = ("EMCY", EMERGENCY_BASE)
+SDO_FRAMES: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER_BASE), ("SDO request", SDO_REQUEST_BASE))
 
 DIGITAL_INPUTS = 0x60FD
 TRIGGER_SOURCE = "antr.canopen.probing_trigger_source"
@@ -126,7 +131,7 @@ def schedule_of(
     cycle = settings.rig.cycle
     frames: dict[str, list[PlannedFrame]] = {"TPDO": [], "RPDO": [], "event": []}
     if cycle.heartbeat_ms:
-        frames["event"].append(PlannedFrame("heartbeat", HEARTBEAT + cycle.master_node, 1))
+        frames["event"].append(PlannedFrame("heartbeat", ERROR_CONTROL_BASE + cycle.master_node, 1))
     for name, axis in settings.rig.axis.items():
         if axis.segment != segment:
             continue
@@ -157,10 +162,10 @@ def _event_frames(settings: Settings, name: str, rare: Sequence[Rare]) -> list[P
     drive, node = settings.rig.drive[axis.drive], axis.node
     frames = []
     if drive.heartbeat_ms:
-        frames.append(PlannedFrame(f"{name}.heartbeat", HEARTBEAT + node, 1))
+        frames.append(PlannedFrame(f"{name}.heartbeat", ERROR_CONTROL_BASE + node, 1))
     if drive.guard_time_ms:
-        frames.append(PlannedFrame(f"{name}.guarding", HEARTBEAT + node, 0))
-        frames.append(PlannedFrame(f"{name}.guarded", HEARTBEAT + node, 1))
+        frames.append(PlannedFrame(f"{name}.guarding", ERROR_CONTROL_BASE + node, 0))
+        frames.append(PlannedFrame(f"{name}.guarded", ERROR_CONTROL_BASE + node, 1))
     frames += [PlannedFrame(f"{name}.{what}", base + node, 8) for what, base in rare]
     return frames
 

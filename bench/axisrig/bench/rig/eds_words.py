@@ -13,8 +13,9 @@ from axisrig.bench.rig.reading.file import AxisTable, DriveTable
 from axisrig.bench.rig.reading.startup import drive_dictionary
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.dictionary import variable
-from axisrig.kernel.drives.canopen.startup_steps import NOT_VALID, PROFILE_MASK, TPDO_PARAMETERS
+from axisrig.kernel.drives.canopen.startup_steps import PROFILE_MASK, TPDO_PARAMETERS
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import NOT_VALID
 
 COMMISSIONING: Final = "DeviceComissioning"  # CiA 306 spells it so
 DEVICE_TYPE, SUPPORTED_MODES, INTERPOLATION, SYNC_PERIOD = 0x1000, 0x6502, 0x60C2, 0x1006

@@ -7,8 +7,7 @@ from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
-
-TPDO_1, HEARTBEAT = 0x180, 0x700
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, PDO_BASE
 
 
 def node_table(settings: Settings) -> TerminalTable | None:
@@ -23,7 +22,7 @@ def terminal_telegram(settings: Settings) -> tuple[str, int] | None:
     table = node_table(settings)
     if table is None or table.segment is None or table.node is None:
         return None
-    return table.segment, TPDO_1 + table.node
+    return table.segment, PDO_BASE["TPDO1"] + table.node
 
 
 def synced_segments(settings: Settings) -> set[str]:
@@ -43,9 +42,9 @@ def terminal_frames(
     if table is None or table.node is None or table.segment != segment:
         return []
     node = table.node
-    frames = [("TPDO", PlannedFrame("terminal.TPDO1", TPDO_1 + node, 1))]
+    frames = [("TPDO", PlannedFrame("terminal.TPDO1", PDO_BASE["TPDO1"] + node, 1))]
     if table.heartbeat_ms:
-        frames.append(("event", PlannedFrame("terminal.heartbeat", HEARTBEAT + node, 1)))
+        frames.append(("event", PlannedFrame("terminal.heartbeat", ERROR_CONTROL_BASE + node, 1)))
     events = [PlannedFrame(f"terminal.{what}", base + node, 8) for what, base in rare]
     return frames + [("event", frame) for frame in events]
 

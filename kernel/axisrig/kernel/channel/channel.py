@@ -30,9 +30,8 @@ from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.interface import PlcInterface
+from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import Clock, Phase, TimeNs
-
-SYNC_COB_ID = 0x80
 
 
 class Channel(ChannelView):
@@ -224,7 +223,7 @@ class Channel(ChannelView):
             link.begin_cycle()
         data = self.next_sync_data()
         for network in self._networks:
-            network.send_message(SYNC_COB_ID, data)
+            network.send_message(SYNC_ID, data)
         self._clock.call_at(
             self._next_sync_ns + self.timing.offset_ns, Phase.APPLICATION, self.cycle
         )

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from axisrig.bench.bus.can.frame import IFS_BITS, STANDARD_ID_MAX, arbitration_key, worst_case_bits
+from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import US, S, TimeNs
 
 
@@ -33,7 +34,7 @@ class PlannedFrame:
         return worst_case_bits(self.data_bytes, self.can_id > STANDARD_ID_MAX)
 
 
-SYNC = PlannedFrame("SYNC", 0x080, 0)
+SYNC = PlannedFrame("SYNC", SYNC_ID, 0)
 
 
 @dataclass(frozen=True)

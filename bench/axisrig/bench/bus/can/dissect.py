@@ -1,16 +1,14 @@
 """CANopen frames taken apart: which service, of which node, with what in it.
 
 `dissect` looks at one frame alone, as a sniffer does. Source: CiA 301 (services and their frames),
-CiA 305 (LSS); `services.csv` is the pre-defined connection set.
+CiA 305 (LSS); `identifiers.csv` is the pre-defined connection set.
 """
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import resources
 
 from axisrig.bench.bus.can.frame import Frame
+from axisrig.kernel.profiles.canopen.identifiers import service_of
 
 UPLOAD_REQUEST, DOWNLOAD_REQUEST, DOWNLOAD_SEGMENT, UPLOAD_SEGMENT, ABORT = 2, 1, 0, 3, 4
 BLOCK_UPLOAD, BLOCK_DOWNLOAD = 5, 6  # of a client; of a server the other way round
@@ -43,20 +41,10 @@ STATES = {BOOT_UP: "boot-up", 4: "stopped", 5: "operational", 127: "pre-operatio
 
 
 @dataclass(frozen=True)
-class Service:
-    """One row of `services.csv`: identifiers `first` to `last`; node_base: COB-ID of node 0."""
-
-    name: str
-    first: int
-    last: int
-    node_base: int | None
-
-
-@dataclass(frozen=True)
 class Dissected:
     """A frame in the terms of CANopen.
 
-    service: of `services.csv`, "error frame", or "unknown". node: id, None where it has none.
+    service: of `identifiers.csv`, "error frame", or "unknown". node: id, None where it has none.
     fields: what it carries, e.g. command, index, sub, abort_code, code, state; numbers as sent.
     """
 
@@ -65,31 +53,11 @@ class Dissected:
     fields: Mapping[str, int | bytes] = field(default_factory=dict)
 
 
-@cache
-def services() -> tuple[Service, ...]:
-    """Read `services.csv`."""
-    text = resources.files(__package__).joinpath("services.csv").read_text(encoding="utf-8")
-    return tuple(
-        Service(
-            row["service"],
-            int(row["first"], 16),
-            int(row["last"], 16),
-            int(row["node_base"], 16) if row["node_base"] else None,
-        )
-        for row in csv.DictReader(text.splitlines())
-    )
-
-
-@cache
-def _service_of(can_id: int) -> Service | None:
-    return next((s for s in services() if s.first <= can_id <= s.last), None)
-
-
 def dissect(frame: Frame, *, is_error: bool = False) -> Dissected:
     """Take a frame apart; one too short for its service gives the fields that are there."""
     if is_error:
         return Dissected("error frame")
-    service = None if frame.is_extended_id else _service_of(frame.arbitration_id)
+    service = None if frame.is_extended_id else service_of(frame.arbitration_id)
     if service is None:
         return Dissected("unknown", None, {"data": frame.data})
     node = None if service.node_base is None else frame.arbitration_id - service.node_base

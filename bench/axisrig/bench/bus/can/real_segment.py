@@ -23,9 +23,9 @@ from axisrig.bench.bus.can.simbus import message
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import Arrival, PacedScheduler
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import Phase
 
-SYNC_COB_ID = 0x80
 SEND_ERRORS_MAX = 20
 """So many frames in a row that the interface did not take, and the bus counts as lost."""
 
@@ -134,7 +134,7 @@ class OutsideSegment(Segment):
                 self._lose(error)
             return
         self._send_errors = 0
-        if frame.arbitration_id == SYNC_COB_ID and not frame.is_extended_id:
+        if frame.arbitration_id == SYNC_ID and not frame.is_extended_id:
             self._paced.sync_sent()
             self._outstanding = set(self._expected)
 
@@ -190,7 +190,7 @@ class OutsideSegment(Segment):
             received.dlc,
         )
         self._outstanding.discard(frame.arbitration_id)
-        is_sync = frame.arbitration_id == SYNC_COB_ID and not frame.is_extended_id
+        is_sync = frame.arbitration_id == SYNC_ID and not frame.is_extended_id
         return is_sync, partial(self._arrive, frame, received.is_error_frame)
 
     def _arrive(self, frame: Frame, is_error: bool) -> None:

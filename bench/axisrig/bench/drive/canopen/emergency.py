@@ -5,11 +5,12 @@ from collections import deque
 from collections.abc import Callable
 from typing import ClassVar, Final
 
-from axisrig.bench.drive.canopen.identifiers import NOT_VALID, check_cob_id
+from axisrig.bench.drive.canopen.identifiers import check_cob_id
 from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import NO_ERROR
+from axisrig.kernel.profiles.canopen.identifiers import NOT_VALID
 from axisrig.kernel.time.clock import US, Clock
 
 ERROR_HISTORY, EMERGENCY_ID, EMERGENCY_INHIBIT = 0x1003, 0x1014, 0x1015

@@ -7,17 +7,17 @@ switches node guarding off.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Final
+from typing import ClassVar
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 GUARD_TIME, LIFE_TIME_FACTOR = 0x100C, 0x100D
 CONSUMER_TIME, PRODUCER_TIME = 0x1016, 0x1017
-ERROR_CONTROL_ID: Final = 0x700
 BOOT_UP = b"\x00"
 NODE_ID_MAX = 127
 TOGGLE = 0x80
@@ -106,14 +106,14 @@ class HeartbeatConsumer(Owner):
             if time_ns:
                 timer = Timer(self._clock, partial(self._lost, node))
                 handler = partial(self._on_heartbeat, node, time_ns, timer)
-                self._network.subscribe(ERROR_CONTROL_ID + node, handler)
+                self._network.subscribe(ERROR_CONTROL_BASE + node, handler)
                 self._watched.append((node, handler, timer))
 
     def stop(self) -> None:
         """Watch nobody."""
         for node, handler, timer in self._watched:
             timer.stop()
-            self._network.unsubscribe(ERROR_CONTROL_ID + node, handler)
+            self._network.unsubscribe(ERROR_CONTROL_BASE + node, handler)
         self._watched.clear()
 
     def check(self, index: int, sub: int, value: int) -> None:
@@ -185,7 +185,7 @@ class NodeGuarding(Owner):
 
     def start(self, node_id: int) -> None:
         """Listen; the first answer has toggle bit 0."""
-        self._can_id = ERROR_CONTROL_ID + node_id
+        self._can_id = ERROR_CONTROL_BASE + node_id
         self._toggle = 0
         self._network.subscribe_remote(self._can_id, self._on_request)
 

@@ -1,4 +1,4 @@
-"""Identifiers in COB-ID entries: what the bits mean and which identifiers are taken.
+"""Which identifiers a COB-ID entry takes.
 
 Source: CiA 301, structures of the COB-ID entries and table of restricted CAN-IDs.
 """
@@ -6,21 +6,8 @@ Source: CiA 301, structures of the COB-ID entries and table of restricted CAN-ID
 from typing import Final
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
+from axisrig.kernel.profiles.canopen.identifiers import ID_MASK, NOT_VALID, RESTRICTED
 
-NOT_VALID: Final = 1 << 31
-BIT_30: Final = 1 << 30
-"""In a TPDO: no remote request. In 1005: the node produces the SYNC."""
-ID_MASK: Final = 0x7FF
-RESTRICTED: Final = (
-    range(0x001),  # NMT
-    range(0x001, 0x080),
-    range(0x101, 0x181),
-    range(0x581, 0x600),  # default SDO
-    range(0x601, 0x680),  # default SDO
-    range(0x6E0, 0x700),
-    range(0x701, 0x780),  # NMT error control
-    range(0x780, 0x800),
-)
 _NOT_OF_11_BITS: Final = 0x3FFF_F800  # bit 29 and the identifier bits after the first 11
 
 

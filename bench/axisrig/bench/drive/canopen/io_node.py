@@ -24,10 +24,9 @@ from axisrig.bench.drive.canopen.nmt import (
     NmtState,
 )
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, SYNC_ID
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
-SYNC_ID: Final = 0x80
-ERROR_CONTROL_ID: Final = 0x700
 NOT_VALID: Final = 1 << 31
 INPUTS: Final = (0x6000, 1)
 SYNC_LAST: Final = 240
@@ -156,7 +155,7 @@ class IoNode:
 
     def send_state(self) -> None:
         """Send the message of the error control protocol: boot-up or heartbeat."""
-        self._network.send_message(ERROR_CONTROL_ID + self.node_id, bytes((self.state,)))
+        self._network.send_message(ERROR_CONTROL_BASE + self.node_id, bytes((self.state,)))
 
     def _check_write(self, *, index: int, subindex: int, data: bytes, **_: Any) -> None:
         """Refuse what the node cannot do; begin or end the heartbeat."""

@@ -11,7 +11,6 @@ from typing import Final
 
 from axisrig.kernel.time.clock import MS, Clock, Phase
 
-REQUEST_ID, ANSWER_ID = 0x7E5, 0x7E4
 UNCONFIGURED: Final = 255
 NODE_ID_MAX = 127
 BIT_RATES: Final = {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000,

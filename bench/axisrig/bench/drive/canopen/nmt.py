@@ -15,7 +15,6 @@ class NmtState(IntEnum):
     PRE_OPERATIONAL = 127
 
 
-NMT_ID: Final = 0
 EVERY_NODE: Final = 0
 COMMANDS: Final[Mapping[int, NmtState]] = MappingProxyType(
     {1: NmtState.OPERATIONAL, 2: NmtState.STOPPED, 128: NmtState.PRE_OPERATIONAL}

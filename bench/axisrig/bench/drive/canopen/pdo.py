@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Final
 
-from axisrig.bench.drive.canopen.identifiers import BIT_30, ID_MASK, NOT_VALID, check_cob_id
+from axisrig.bench.drive.canopen.identifiers import check_cob_id
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.objects import DUMMIES
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
+from axisrig.kernel.profiles.canopen.identifiers import BIT_30, ID_MASK, MAPPING_OF_PDO, NOT_VALID
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 COUNT: Final = 4  # RPDOs and TPDOs of a node
@@ -174,9 +175,9 @@ def check_write(index: int, sub: int, value: int, store: ObjectStore) -> None:
     A mapping changes only while the PDO is not valid, its entries only while their number is 0;
     a valid PDO keeps its identifier, inhibit time and SYNC start value. Raises SdoAbortedError.
     """
-    communication = index & ~0x200
+    communication = index & ~MAPPING_OF_PDO
     is_valid = not store.value(communication, COB_ID) & NOT_VALID
-    if index & 0x200:
+    if index & MAPPING_OF_PDO:
         _check_mapping(index, sub, value, is_valid, store)
     elif sub == COB_ID:
         check_cob_id(value, store.value(index, COB_ID))

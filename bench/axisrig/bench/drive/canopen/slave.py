@@ -14,7 +14,6 @@ from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.bench.drive.canopen import lss
 from axisrig.bench.drive.canopen.emergency import EmergencyProducer
 from axisrig.bench.drive.canopen.error_control import (
-    ERROR_CONTROL_ID,
     GuardingEvents,
     HeartbeatConsumer,
     HeartbeatProducer,
@@ -25,7 +24,6 @@ from axisrig.bench.drive.canopen.nmt import (
     COMMANDS,
     ERROR_BEHAVIOUR,
     EVERY_NODE,
-    NMT_ID,
     RESET_COMMUNICATION,
     RESET_NODE,
     NmtState,
@@ -39,11 +37,18 @@ from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister
+from axisrig.kernel.profiles.canopen.identifiers import (
+    ERROR_CONTROL_BASE,
+    LSS_ANSWER_ID,
+    LSS_REQUEST_ID,
+    NMT_ID,
+    SDO_ANSWER_BASE,
+    SDO_REQUEST_BASE,
+)
 from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 EVERYTHING: Final = (0x1000, 0xFFFF)
 COMMUNICATION: Final = (0x1000, 0x1FFF)
-SDO_REQUEST_ID, SDO_ANSWER_ID = 0x600, 0x580
 SEGMENT_NS: Final[TimeNs] = 250 * US  # between two segments of a block upload
 SERIAL_NUMBER: Final = (0x1018, 4)
 
@@ -158,7 +163,7 @@ class CanopenSlave:
         )
         bus = network.bus
         is_free = (lambda: not bus.pending) if isinstance(bus, SimBus) else (lambda: True)
-        outlet = SegmentOutlet(clock, SEGMENT_NS, self._sender(SDO_ANSWER_ID), is_free)
+        outlet = SegmentOutlet(clock, SEGMENT_NS, self._sender(SDO_ANSWER_BASE), is_free)
         self.sdo = SdoServer(store, clock, outlet, profile.sdo_answer_ns)
         self._build_error_control()
         self._lss = self._build_lss()
@@ -170,7 +175,7 @@ class CanopenSlave:
     def _build_error_control(self) -> None:
         store, clock, network = self.objects, self._clock, self._network
         emergency = self._application.emergency
-        send = self._sender(ERROR_CONTROL_ID)
+        send = self._sender(ERROR_CONTROL_BASE)
         self.heartbeat = HeartbeatProducer(store, clock, send, lambda: self.state)
         self._consumer = HeartbeatConsumer(
             store, clock, network, self._node_lost, partial(emergency.clear, LOST_CONNECTION)
@@ -191,7 +196,7 @@ class CanopenSlave:
             self._clock,
             lambda: tuple(self.objects.value(0x1018, sub) for sub in (1, 2, 3, 4)),
             lambda: self.node_id,
-            partial(self._network.send_message, lss.ANSWER_ID),
+            partial(self._network.send_message, LSS_ANSWER_ID),
             lambda: self.reset(RESET_COMMUNICATION),
             self._set_bit_rate if isinstance(bus, SimBus) else None,
         )
@@ -242,11 +247,11 @@ class CanopenSlave:
         self._listen()
 
     def _listen(self) -> None:
-        self._subscribe(lss.REQUEST_ID, self._lss.on_request)
+        self._subscribe(LSS_REQUEST_ID, self._lss.on_request)
         if self.node_id == lss.UNCONFIGURED:
             return  # such a node does LSS and nothing else
         self._subscribe(NMT_ID, self._on_nmt)
-        self._subscribe(SDO_REQUEST_ID + self.node_id, self._on_sdo)
+        self._subscribe(SDO_REQUEST_BASE + self.node_id, self._on_sdo)
         self._guarding.start(self.node_id)
         self.heartbeat.boot_up()
         self._consumer.start()

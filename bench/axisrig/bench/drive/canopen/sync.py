@@ -8,16 +8,12 @@ from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
-from axisrig.bench.drive.canopen.identifiers import (
-    BIT_30,
-    ID_MASK,
-    NOT_VALID,
-    check_identifier,
-)
+from axisrig.bench.drive.canopen.identifiers import check_identifier
 from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister
+from axisrig.kernel.profiles.canopen.identifiers import BIT_30, ID_MASK, NOT_VALID
 from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 SYNC_ID, PERIOD, WINDOW, COUNTER_OVERFLOW = 0x1005, 0x1006, 0x1007, 0x1019

@@ -26,12 +26,21 @@ from axisrig.bench.bus.can.frame import IFS_BITS, Frame, frame_bits
 from axisrig.bench.bus.can.intruders import Babbler, SecondSender
 from axisrig.bench.machine.faults.moments import Moments, World
 from axisrig.bench.rig.reading.faults import Fault
-from axisrig.kernel.drives.canopen.mapping import COB_ID_BASE
+from axisrig.kernel.profiles.canopen.identifiers import (
+    EMERGENCY_BASE,
+    ERROR_CONTROL_BASE,
+    NMT_ID,
+    PDO_BASE,
+    SDO_ANSWER_BASE,
+    SYNC_ID,
+)
 from axisrig.kernel.time.clock import MS, Phase, TimeNs
 
 _COMMANDS = {"reset": 129, "reset_communication": 130, "stop": 2, "pre_operational": 128}
-_AXIS_IDS = {"SDO": 0x580, "EMCY": 0x080, "HEARTBEAT": 0x700, **COB_ID_BASE}
-_BUS_IDS = {"SYNC": 0x080, "NMT": 0x000}
+_AXIS_IDS = {
+    "SDO": SDO_ANSWER_BASE, "EMCY": EMERGENCY_BASE, "HEARTBEAT": ERROR_CONTROL_BASE, **PDO_BASE
+}  # fmt: skip
+_BUS_IDS = {"SYNC": SYNC_ID, "NMT": NMT_ID}
 _TELEGRAM_OF_KIND = {
     "sync_loss": "SYNC", "sync_jitter": "SYNC", "slow_sdo": "SDO", "heartbeat_loss": "HEARTBEAT",
 }  # fmt: skip
@@ -262,4 +271,4 @@ class _Injection:
         port.attach_data(lambda _id, _data, _time: None)
         node = self._world.settings.rig.axis[self._fault.axis].node
         data = bytes([_COMMANDS[self._values["command"]], node])
-        self._at(partial(port.send_raw, 0x000, data), lambda: None, None)
+        self._at(partial(port.send_raw, NMT_ID, data), lambda: None, None)

@@ -13,16 +13,16 @@ from typing import Final
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.drive.axis.ports import SignalPort
-from axisrig.bench.drive.canopen.io_node import ERROR_CONTROL_ID, IoNode
+from axisrig.bench.drive.canopen.io_node import IoNode
 from axisrig.bench.machine.plc.terminal import ChannelInput, InputChannel
 from axisrig.bench.rig.reading.plc_task import TerminalTable, silent_ns
 from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, NMT_ID, PDO_BASE
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 PROFILE: Final = 401
-TPDO_1: Final = 0x180
 _BOOT_UP, _OPERATIONAL = 0, 5
-_NMT_ID, _NMT_START = 0, 1
+_NMT_START: Final = 1
 
 
 class IoTerminal:
@@ -56,8 +56,8 @@ class IoTerminal:
         self._alive_ns: TimeNs | None = None  # None: not operational
         self._sdo = SdoClient(master, clock, table.node)
         self.node = IoNode(table.node, node_port, clock, self._levels)
-        master.subscribe(ERROR_CONTROL_ID + table.node, self._on_state)
-        master.subscribe(TPDO_1 + table.node, self._on_telegram)
+        master.subscribe(ERROR_CONTROL_BASE + table.node, self._on_state)
+        master.subscribe(PDO_BASE["TPDO1"] + table.node, self._on_telegram)
         off_ns = silent_ns(table.silent_from_ms)
         if off_ns is not None:
             clock.call_at(off_ns, Phase.APPLICATION, self.node.power_off)
@@ -108,7 +108,7 @@ class IoTerminal:
 
     def _on_heartbeat_set(self, answer: bytes | SdoError) -> None:
         if not isinstance(answer, SdoError):
-            self._master.send_message(_NMT_ID, bytes((_NMT_START, self.node.node_id)))
+            self._master.send_message(NMT_ID, bytes((_NMT_START, self.node.node_id)))
             self._alive_ns = self._clock.now_ns
 
     def _on_telegram(self, _can_id: int, data: bytearray, _timestamp: float) -> None:

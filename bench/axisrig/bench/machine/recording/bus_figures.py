@@ -6,12 +6,18 @@ from axisrig.bench.bus.can.confinement import ErrorState
 from axisrig.bench.bus.can.load import EXTENDED_FLAG
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.record.bus import BusChange, BusFigures, Waiting
-from axisrig.bench.rig.check import EMCY, HEARTBEAT, SDO_ANSWER, SDO_REQUEST, overloads
+from axisrig.bench.rig.check import overloads
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.profiles.canopen.identifiers import (
+    EMERGENCY_BASE,
+    ERROR_CONTROL_BASE,
+    NMT_ID,
+    SDO_ANSWER_BASE,
+    SDO_REQUEST_BASE,
+    SYNC_ID,
+)
 from axisrig.kernel.time.clock import MS, US, S
-
-NMT, SYNC_ID = 0x000, 0x080
 
 
 def bus_figures(
@@ -65,16 +71,16 @@ def frame_names(
     """Return identifier -> (name, axis) for what the rig puts on one segment."""
     cycle = settings.rig.cycle
     names = {
-        NMT: ("NMT", ""),
+        NMT_ID: ("NMT", ""),
         SYNC_ID: ("SYNC", ""),
-        HEARTBEAT + cycle.master_node: ("heartbeat of the kernel", ""),
+        ERROR_CONTROL_BASE + cycle.master_node: ("heartbeat of the kernel", ""),
     }
     for name, axis in settings.rig.axis.items():
         if axis.segment != segment:
             continue
         services = {
-            "EMCY": EMCY, "SDO answer": SDO_ANSWER, "SDO request": SDO_REQUEST,
-            "heartbeat": HEARTBEAT,
+            "EMCY": EMERGENCY_BASE, "SDO answer": SDO_ANSWER_BASE, "SDO request": SDO_REQUEST_BASE,
+            "heartbeat": ERROR_CONTROL_BASE,
         }  # fmt: skip
         for service, base in services.items():
             names[base + axis.node] = (f"{name}.{service}", name)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import can
 
-from axisrig.bench.bus.can.dissect import Dissected, dissect, services
+from axisrig.bench.bus.can.dissect import Dissected, dissect
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.bus.can.pcap import read_pcap
@@ -22,6 +22,7 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.candump import read_candump
 from axisrig.bench.tools.bus_log.canopen.bus_words import Names, is_boot_up
 from axisrig.kernel.errors import UserError, printable
+from axisrig.kernel.profiles.canopen.identifiers import services
 
 READABLE = list(LOG_SUFFIXES.values())
 PCAP, CANDUMP = LOG_SUFFIXES["pcap"], LOG_SUFFIXES["candump"]
@@ -32,7 +33,7 @@ EPOCH_S = 1e8
 """A later first time is a date: times are then counted from the first frame on."""
 
 GROUPS = ("SDO", "LSS", "PDO", "TPDO", "RPDO", "boot-up", "abort", "error")
-"""Words for services beside those of `services.csv`."""
+"""Words for services beside those of `identifiers.csv`."""
 
 _PDO = re.compile(r"[rt]pdo\d{1,3}")
 _OBJECT = re.compile(r"(?:0x)?([0-9a-f]{4})(?::([0-9a-f]{1,2}))?")

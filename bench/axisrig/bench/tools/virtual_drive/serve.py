@@ -15,7 +15,7 @@ import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.bus.can.frame import Frame
-from axisrig.bench.bus.can.real_segment import SYNC_COB_ID, OutsideSegment
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
@@ -42,6 +42,7 @@ from axisrig.kernel.cosim.plant.axis import (
     PlantAxis,
 )
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import MS, US, Phase, S, TimeNs
 
 SLICE_NS = 2 * MS
@@ -230,7 +231,7 @@ class DriveServer:
         return max((_sync_period_ns(node) for node in self.nodes.values()), default=0)
 
     def _on_frame(self, _time_ns: TimeNs, _segment: str, frame: Frame, _is_error: bool) -> None:
-        if frame.arbitration_id == SYNC_COB_ID and not frame.is_extended_id:
+        if frame.arbitration_id == SYNC_ID and not frame.is_extended_id:
             # After the nodes, which act on the SYNC later in this instant
             now_ns = self.scheduler.now_ns
             self.scheduler.call_at(now_ns, Phase.ARBITRATION, partial(self._trace.add, now_ns))

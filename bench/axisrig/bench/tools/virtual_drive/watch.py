@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from axisrig.bench.bus.can.frame import Frame
-from axisrig.bench.bus.can.real_segment import SYNC_COB_ID
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
+from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE, SDO_ANSWER_BASE, SYNC_ID
 from axisrig.kernel.time.clock import S, TimeNs
 
 NMT_COMMANDS = {
@@ -89,7 +89,7 @@ class Watcher:
             self.tell(time_ns, "", "bus", f"error frame on {segment}")
         elif frame.is_extended_id or frame.is_remote_frame:
             return
-        elif can_id == SYNC_COB_ID:
+        elif can_id == SYNC_ID:
             if segment not in self._syncs:
                 self.tell(time_ns, "", "SYNC", f"begins on {segment}")
             self._syncs[segment] = time_ns
@@ -104,13 +104,13 @@ class Watcher:
         name = self._names.get((segment, can_id & 0x7F))
         if name is None:
             return
-        if can_id & 0x780 == 0x080 and len(data) == 8:
+        if can_id & 0x780 == EMERGENCY_BASE and len(data) == 8:
             emergency = Emergency.read(data)
             register = f"error register 0x{emergency.register:02X}"
             self.tell(
                 time_ns, name, "EMCY", str(emergency) if emergency.code else f"reset, {register}"
             )
-        elif can_id & 0x780 == 0x580 and len(data) == 8 and data[0] == SDO_ABORT:
+        elif can_id & 0x780 == SDO_ANSWER_BASE and len(data) == 8 and data[0] == SDO_ABORT:
             what = f"0x{data[2]:02X}{data[1]:02X}:{data[3]:02X}"
             code = int.from_bytes(data[4:], "little")
             text = abort_text(code).removeprefix("abort ")

@@ -16,6 +16,7 @@ from axisrig.kernel.drives.canopen.functions import Functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.canopen.sdo import object_name
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 
 _SECTION = re.compile(r"^\[([0-9A-Fa-f]{4})\]\s*$(.*?)(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 _COMPACT = re.compile(r"^CompactSubObj\s*=\s*(0x[0-9A-Fa-f]+|[0-9]+)", re.MULTILINE)
@@ -129,7 +130,7 @@ def check_mapping(od: ObjectDictionary, telegrams: Iterable[Telegram]) -> None:
     """Check every telegram against the dictionary; raises UserError for the first that differs."""
     for telegram in telegrams:
         index = telegram.communication_index
-        for place in ((index, 1), (index, 2), (index + 0x200, 0)):
+        for place in ((index, 1), (index, 2), (index + MAPPING_OF_PDO, 0)):
             if variable(od, *place) is None:
                 raise UserError(f"the drive has no {telegram.name}", value=object_name(*place))
         for mapped in telegram.objects:

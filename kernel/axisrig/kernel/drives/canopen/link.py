@@ -17,6 +17,7 @@ from axisrig.kernel.drives.canopen.sparse import SparseData
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.profiles.canopen.emergency import Emergency
+from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE
 from axisrig.kernel.profiles.cia402.ds402 import (
     COMMANDS,
     STATES,
@@ -102,7 +103,7 @@ class AxisLink:
         self._sparse = SparseData(
             self.telegrams.values(), settings.node_id, network, self._note_length
         )
-        network.subscribe(0x80 + settings.node_id, self._on_emergency)
+        network.subscribe(EMERGENCY_BASE + settings.node_id, self._on_emergency)
 
     def _note_length(self, found: tuple[str, int, int]) -> None:
         self._pdos.wrong_length = found

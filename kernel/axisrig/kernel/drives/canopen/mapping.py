@@ -14,13 +14,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import PDO_BASE
 from axisrig.kernel.time.clock import MS, TimeNs
 
-# Pre-defined connection set: CiA 301, COB-ID = base + node id
-COB_ID_BASE = {
-    "TPDO1": 0x180, "RPDO1": 0x200, "TPDO2": 0x280, "RPDO2": 0x300,
-    "TPDO3": 0x380, "RPDO3": 0x400, "TPDO4": 0x480, "RPDO4": 0x500,
-}  # fmt: skip
 _FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
            (32, False): "I", (32, True): "i", (64, False): "Q", (64, True): "q"}  # fmt: skip
 BITS_MAX: Final = 64  # of a PDO
@@ -151,7 +147,7 @@ class Telegram:
 
     def cob_id(self, node_id: int) -> int:
         """Return the COB-ID of the pre-defined connection set."""
-        return COB_ID_BASE[self.name] + node_id
+        return PDO_BASE[self.name] + node_id
 
 
 @cache
@@ -248,8 +244,8 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
             file=table, line=line, value=row[column], allowed=allowed,
         )  # fmt: skip
 
-    if row["pdo"] not in COB_ID_BASE:
-        raise wrong("pdo", " ".join(COB_ID_BASE))
+    if row["pdo"] not in PDO_BASE:
+        raise wrong("pdo", " ".join(PDO_BASE))
     for column, low, high in (
         ("transmission", 0, 255), ("inhibit_100us", 0, 65535), ("sub", 0, 255), ("bits", 1, 64),
         (EVENT_TIMER, 0, 65535),

@@ -8,13 +8,12 @@ paced time. Source: CiA 301 section 7.2.4 (SDO protocols, expedited and segmente
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 from axisrig.kernel.profiles.canopen.aborts import abort_text
+from axisrig.kernel.profiles.canopen.identifiers import SDO_ANSWER_BASE, SDO_REQUEST_BASE
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
-REQUEST_BASE: Final = 0x600
-RESPONSE_BASE: Final = 0x580
 EXPEDITED_MAX, SEGMENT_MAX = 4, 7  # bytes of one frame
 
 TOGGLE_ERROR, TIMED_OUT, UNKNOWN_COMMAND, WRONG_LENGTH = (
@@ -94,14 +93,14 @@ class SdoClient:
         attempts: int = 2,
     ) -> None:
         self._network, self._clock = network, clock
-        self._request_id = REQUEST_BASE + node_id
+        self._request_id = SDO_REQUEST_BASE + node_id
         self._timeout_ns, self._attempts = timeout_ns, attempts
         self._queue: deque[_Request] = deque()
         self._deadline_ns: TimeNs = 0
         self._timer_runs = False
         self._begin_ns: TimeNs = 0
         self.latency_ns: TimeNs = 0
-        network.subscribe(RESPONSE_BASE + node_id, self._on_response)
+        network.subscribe(SDO_ANSWER_BASE + node_id, self._on_response)
 
     @property
     def is_busy(self) -> bool:

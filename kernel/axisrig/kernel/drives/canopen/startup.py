@@ -22,10 +22,9 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     Write,
 )
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, NMT_ID
 from axisrig.kernel.time.clock import MS, Clock, Phase
 
-HEARTBEAT_BASE = 0x700
-NMT_ID = 0x000
 BOOT_UP_STATE = 0
 
 Ended = Callable[[Alarm | None], None]
@@ -68,7 +67,7 @@ class StartUp:
         self._keep = keep
         self._read: dict[tuple[int, int], int] = {}
         self._ended: Ended | None = None
-        network.subscribe(HEARTBEAT_BASE + drive.node_id, self._on_heartbeat)
+        network.subscribe(ERROR_CONTROL_BASE + drive.node_id, self._on_heartbeat)
 
     def begin(self, ended: Ended) -> None:
         """Start with the first step; `ended` is called when it is over."""

@@ -17,16 +17,15 @@ from axisrig.kernel.drives.canopen.dictionary import (
     encode,
     variable,
 )
-from axisrig.kernel.drives.canopen.mapping import COB_ID_BASE, Telegram
+from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.canopen.sdo import object_name
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO, NOT_VALID, PDO_BASE, SYNC_ID
 from axisrig.kernel.time.clock import MS, TimeNs
 
-NOT_VALID: Final = 1 << 31
 PROFILE_MASK = 0xFFFF  # low word of 1000: number of the device profile
 DRIVE_PROFILE = 402
 CSP = 8
-SYNC_ID = 0x80
 TPDO_PARAMETERS: Final = range(0x1800, 0x1A00)  # communication parameters, CiA 301
 INTERPOLATION: Final = 0x60C2
 INDICES: Final = range(0, -10, -1)  # powers of ten of a second, down to a nanosecond
@@ -284,7 +283,7 @@ def _left_out(
         found = variable(od, index, 1) if index in od and index not in mapped else None
         if found is not None and found.writable:
             name = f"TPDO{index - TPDO_PARAMETERS[0] + 1}"
-            predefined = COB_ID_BASE[name] + node_id if name in COB_ID_BASE else 0
+            predefined = PDO_BASE[name] + node_id if name in PDO_BASE else 0
             cob_id = found.default or predefined
             yield _write(od, index, 1, cob_id | NOT_VALID, f"{name} off")
 
@@ -294,7 +293,7 @@ def _telegram(
 ) -> Iterator[Step]:
     name = f"mapping of {telegram.name}"
     communication = telegram.communication_index
-    mapping, cob_id = communication + 0x200, telegram.cob_id(node_id)
+    mapping, cob_id = communication + MAPPING_OF_PDO, telegram.cob_id(node_id)
 
     def write(index: int, sub: int, value: int) -> Write:
         return _write(od, index, sub, value, name)

@@ -12,15 +12,14 @@ from typing import Any
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.emergency import Emergency
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, SYNC_ID
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
-ERROR_CONTROL_BASE = 0x700
 BOOT_UP, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0, 4, 5, 127
 NMT_STATES = {STOPPED: "stopped", OPERATIONAL: "operational", PRE_OPERATIONAL: "pre-operational"}
 ONE_BYTE = b"\0"  # length of the answer of node guarding: state and toggle bit
 TOGGLE = 0x80
-SYNC_ID = 0x80
 # An emergency comes before the status word that explains it: so many cycles are waited for that
 EMERGENCY_CYCLES = 2
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from axisrig.bench.drive.cia402.dictionary.objects import variables
-from axisrig.kernel.drives.canopen.mapping import COB_ID_BASE, MappedObject, Telegram
+from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram
+from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO, PDO_BASE
 
 NOT_VALID: Final = 1 << 31
 EXTENDED: Final = 1 << 29
@@ -87,13 +88,13 @@ class LoggedPdos:
         telegram = self._rig.get(owner, {}).get(name)
         if telegram is not None:
             return telegram.cob_id(owner[1])
-        is_mapped = any(place[0] == index + 0x200 for place in written)
-        return COB_ID_BASE[name] + owner[1] if is_mapped and name in COB_ID_BASE else None
+        is_mapped = any(place[0] == index + MAPPING_OF_PDO for place in written)
+        return PDO_BASE[name] + owner[1] if is_mapped and name in PDO_BASE else None
 
     def _telegram(self, owner: Node, name: str) -> Telegram | None:
         """Return what a PDO carries, None where the log does not show all of its mapping."""
         written = self._written.get(owner, {})
-        mapping = _communication(name) + 0x200
+        mapping = _communication(name) + MAPPING_OF_PDO
         rig = self._rig.get(owner, {}).get(name)
         if not any(place[0] == mapping for place in written):
             return rig
