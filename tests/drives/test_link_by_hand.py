@@ -133,3 +133,38 @@ def test_the_time_stamp_is_that_of_the_latch_in_use(tmp_path: Path) -> None:
         wire._bring(0x283, struct.pack("<iI", 0, 4712))
         link.take()  # without 60B9
         assert link.arrival.is_new is False
+
+
+TWO_EDGES = (
+    STAMPED.partition("TPDO2")[0] + "TPDO2,1,0,latch,0,32,yes,latch\n"
+    "TPDO2,1,0,counter,0,16,no,latch_count\n"
+    "TPDO3,1,0,0x60BB,0,32,yes,\nTPDO3,1,0,0x60D6,0,16,no,\n"
+)
+
+
+@pytest.mark.parametrize("in_use", ["POS", "NEG"])
+def test_after_a_restart_of_the_drive_every_latch_counts_anew(tmp_path: Path, in_use: str) -> None:
+    """The counter of 60BA goes on at 0, whichever latch was in use when the drive restarted."""
+    table = tmp_path / "map.csv"
+    table.write_text(TWO_EDGES, encoding="utf-8")
+    link, wire = _link(pdo_map=str(table))
+
+    def cycle(probe_status: int, place: int, count: int) -> None:
+        wire._bring(0x183, struct.pack("<HiH", OPERATION_ENABLED, place, probe_status))
+        wire._bring(0x283, struct.pack("<iH", place, count))
+        wire._bring(0x383, struct.pack("<iH", 0, 0))
+        link.take()
+
+    for count, place in ((5, 1000), (0, 3000)):
+        cycle(0x0, place, count)
+        assert link.is_clear
+        link.arm()
+        cycle(0x1, place, count)
+        assert link.latched_mm is None
+        cycle(0x3, place, count + 1)
+        assert link.latched_mm == place / 1000.0
+        link.disarm()
+        link.choose_latch(1, in_use)
+        link.forget()
+        link.choose_latch(1, "POS")
+        assert link.is_clear

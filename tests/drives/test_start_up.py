@@ -11,9 +11,10 @@ import pytest
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.reading.file import DriveTable
-from axisrig.kernel.drives.canopen.mapping import MappedObject, telegrams
+from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
+    Check,
     Scaling,
     StartUpSettings,
     Step,
@@ -75,6 +76,45 @@ def test_free_writes_come_in_their_order_before_the_start() -> None:
 
 def test_heartbeat_is_the_last_thing_written() -> None:
     assert _writes(_steps(StartUpSettings(heartbeat_ms=100)))[-1] == (0x1017, 0, 100)
+
+
+def test_each_word_of_the_declaration_goes_to_its_own_object() -> None:
+    settings = StartUpSettings(
+        identity={1: 0x11, 2: 0x22, 3: 0x33, 4: 0x44},
+        sync_window_us=250,
+        guard_time_ms=30,
+        life_factor=4,
+        consumer_ms=70,
+        options={0x605A: 2, 0x605B: 1},
+    )
+    bus = BusSettings(sync_period_us=2000, sync_counter=10, heartbeat_ms=20, master_node=126)
+    steps = _steps(settings, bus)
+    identity = {s.sub: s.expected for s in steps if isinstance(s, Check) and s.index == 0x1018}
+    assert identity == settings.identity
+    written = [w for w in _writes(steps) if w[0] < 0x1400 or w[0] in settings.options]
+    # 1019 can be changed while 1006 is 0 only
+    assert written == [
+        *((0x1005, 0, 0x80), (0x1006, 0, 0), (0x1019, 0, 10), (0x1007, 0, 250)),
+        *((0x1006, 0, 2000), (0x605A, 0, 2), (0x605B, 0, 1)),
+        *((0x100C, 0, 30), (0x100D, 0, 4), (0x1016, 1, 126 << 16 | 70)),
+    ]
+
+
+def test_the_drive_watches_the_rpdos_that_come_with_every_sync_and_no_others() -> None:
+    """14xx:5. One that is sent on change, or acyclic (type 0), may stay out for as long as it may.
+
+    A TPDO keeps its own times: inhibit 10, event timer 500 ms.
+    """
+    torque = (MappedObject(0x6072, 0, 16, False, ""),)
+    types = {"RPDO1": 1, "RPDO2": 255, "RPDO3": 240, "RPDO4": 0}
+    maps = {name: Telegram(name, number, 0, torque) for name, number in types.items()}
+    inputs = (MappedObject(0x60FD, 0, 32, False, "inputs"),)
+    maps["TPDO3"] = Telegram("TPDO3", 254, 10, inputs, event_ms=500)
+    od = object_dictionary(NODE, DriveProfile())
+    settings = StartUpSettings(rpdo_timeout_ms=50)
+    steps = start_up_steps(settings, BusSettings(), maps, NODE, SCALING, od)
+    times = [w for w in _writes(steps) if 0x1400 <= w[0] < 0x1A00 and w[1] in (3, 5)]
+    assert times == [(0x1400, 5, 50), (0x1402, 5, 50), (0x1802, 3, 10), (0x1802, 5, 500)]
 
 
 @pytest.mark.parametrize(
