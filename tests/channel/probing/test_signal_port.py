@@ -153,6 +153,28 @@ def test_an_edge_before_the_hardware_is_enabled_is_none(level):
     assert not port.has_latched
 
 
+def test_the_watchdog_of_a_unit_begins_when_its_hardware_is_enabled_in_each_run():
+    """ENABLE may take longer than that: 30 ms of the 50 for its acknowledgement."""
+    bench = Bench()
+    port = external(bench)
+    bench.next(port, signal=None)
+    for enable in (1, 3):
+        port.arm()
+        for _ in range(30):
+            bench.next(port, signal=None, done=enable - 1)
+        for _ in range(WATCHDOG_CYCLES):
+            bench.next(port, signal=None, done=enable)
+        if enable == 1:
+            bench.next(port, signal=False, done=enable)
+            bench.next(port, signal=True, done=enable)
+            assert port.has_latched
+            port.disarm()
+            bench.next(port, signal=None, done=enable)
+            bench.next(port, signal=None, done=enable + 1)
+    with pytest.raises(Alarm, match="900401"):
+        bench.next(port, signal=None, done=3)
+
+
 class TestOrders:
     """ProbingUnit: one order is in force, the others wait (FCT-C4 7.2, 7.4)."""
 
