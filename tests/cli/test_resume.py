@@ -139,6 +139,62 @@ def test_the_seed_and_a_telegram_map_of_the_row_decide_whether_a_run_is_kept(pla
     assert depends("a,part.nc,rig.toml,1,one.csv,none") != before
 
 
+# Each cell of a row in turn, its value and another one
+CELLS = {
+    "title": ("one", "two"),
+    "tags": ("fast", "fast demo"),
+    "requirement": ("R-1", "R-2"),
+    "note:batch": ("17", "18"),
+    "plc:V.E.FEED": ("3000", "2999"),
+    "expect": ("fail:alarms", "fail:msg:N30"),
+    "check:alarms": ("== 900006", "none"),
+    "check:msg:N30": ("== 0", "== 1"),
+    "check:mean(latch_error_um; each)": ("<= 1", "<= 2"),
+}
+
+
+def _hash_of(place: Path, cells: dict[str, str]) -> str:
+    """The hash of the last row of results that a plan with one row asks for."""
+    row = {"case": "a", "program": "part.nc", "rig": "rig.toml", **cells}
+    lines = (row.keys(), row.values())
+    text = "".join(",".join(f'"{cell}"' for cell in line) + "\n" for line in lines)
+    (place / "plan.csv").write_text(text, encoding="utf-8")
+    return depends_sha256(read_plan(place / "plan.csv").rows[-1])
+
+
+def test_every_cell_of_a_row_decides_whether_its_run_is_kept(place: Path) -> None:
+    """What is written to the results of a run comes from its row: all of it is a part."""
+
+    usual = {column: value for column, (value, _) in CELLS.items()}
+    before = _hash_of(place, usual)
+    assert before
+    hashes = {
+        column: _hash_of(place, {**usual, column: other}) for column, (_, other) in CELLS.items()
+    }
+    assert [column for column, found in hashes.items() if found == before] == []
+    assert len(set(hashes.values())) == len(hashes)
+    assert _hash_of(place, usual) == before
+
+
+@pytest.mark.parametrize(
+    ("header", "one", "other"),
+    [
+        ("search:plc:V.E.FEED", "1000 .. 3000 to 10", "1000 .. 3000 to 20"),
+        ("repeats", "2", "3"),  # of the row of statistics, whose runs these are
+        ("check:mean(latch_error_um)", "<= 1", "<= 2"),
+    ],
+)
+def test_rows_over_several_runs_are_kept_by_what_they_ask_for(
+    place: Path, header: str, one: str, other: str
+) -> None:
+    usual = {"check:msg:N30": "== 1"}
+    if not header.startswith("search"):
+        usual |= {"repeats": "2", "check:mean(latch_error_um)": "<= 1"}
+    found = [_hash_of(place, {**usual, header: cell}) for cell in (one, other)]
+    assert all(found)
+    assert found[0] != found[1]
+
+
 @pytest.mark.parametrize("verdict", list(Verdict))
 def test_an_aborted_run_runs_again_and_a_failed_one_with_failed(
     place: Path, verdict: Verdict

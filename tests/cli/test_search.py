@@ -107,6 +107,18 @@ def test_a_wider_search_takes_the_probes_away_that_it_does_not_need(
     assert names == {f"plan-a-s0{n}" for n in (1, 2, 3)}
 
 
+def test_probes_are_found_again_by_their_recordings(
+    searched: Path, place: Path, axisrig: Call
+) -> None:
+    """The row gives no seed: that of its probes follows from its name, not from theirs."""
+    shutil.copytree(searched, place, dirs_exist_ok=True)
+    assert axisrig("judge", "out", "--plan", "plan.csv")[0] == 0
+    before, after = _cases(place / "out"), _cases(place / "out" / "judged" / "1-plan")
+    assert list(after["verdict"]) == list(before["verdict"])
+    assert list(after["recording"])[1:] == list(before.index)[1:]
+    assert len(set(before["seed"])) == 1
+
+
 @pytest.mark.long
 def test_probes_are_judged_and_run_again(searched: Path, place: Path, axisrig: Call) -> None:
     shutil.copytree(searched, place, dirs_exist_ok=True)

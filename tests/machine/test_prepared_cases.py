@@ -9,6 +9,7 @@ from axisrig.bench.campaign import preparing, runner
 from axisrig.bench.campaign.preparing import Prepared, prepare, recall
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import prepare_all, run_case
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.errors import UserError
@@ -100,6 +101,42 @@ def test_another_cell_or_line_is_another_case(folder: Path) -> None:
     assert recall(cases(folder)[0]) is not None
     edit(folder / "plan.csv", "\none,", "\n\none,")
     assert recall(cases(folder)[0]) is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("one,probe.nc,", "one,[probe.nc | other.nc],"),
+        ("one,probe.nc,rigs/probe-z.toml", "one,probe.nc,[rigs/probe-z.toml | rigs/other.toml]"),
+        ("600,<= 1,", "[600 | 700],<= 1,"),
+    ],
+)
+def test_runs_of_one_row_are_cases_of_their_own(folder: Path, old: str, new: str) -> None:
+    """They have the same place in the plan; program, rig or input is another one."""
+    shutil.copy(folder / "probe.nc", folder / "other.nc")
+    edit(folder / "other.nc", "M30", "G4 0.1\nM30")
+    shutil.copy(folder / "rigs" / "probe-z.toml", folder / "rigs" / "other.toml")
+    edit(folder / "plan.csv", old, new)
+    first, second, _ = cases(folder)
+    prepared = prepare(first)
+    assert recall(first) is prepared
+    assert recall(second) is None
+    assert prepare(second) is not prepared
+
+
+def test_a_check_of_the_row_and_an_input_of_the_command_line_make_another_case(
+    folder: Path,
+) -> None:
+    """Both are looked at when a case is prepared."""
+    (one, _) = cases(folder)
+    prepare(one)
+    plan = read_plan(folder / "plan.csv")
+    given = plan.with_inputs([parse_assignment("plc:V.E.FEED=600")]).cases[0]
+    assert given.inputs == one.inputs
+    assert recall(given) is None
+    edit(folder / "plan.csv", "check:latch_error_um", "check:latch_error_um:Q")
+    with pytest.raises(UserError, match="the rig has no such axis"):
+        prepare(cases(folder)[0])
 
 
 def test_a_program_that_calls_others_is_read_every_time(folder: Path) -> None:

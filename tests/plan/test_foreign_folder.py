@@ -10,6 +10,7 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 from results_setup import TEXT, PlanWriter, add, contents, manifest, posix, rows, write
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from axisrig.bench.campaign.results.folder import recover
@@ -18,6 +19,7 @@ from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.resuming import GoingOn, choose, stored_arguments
+from axisrig.bench.cli.given import given_options
 from axisrig.bench.cli.main import app
 from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.plan import Plan, read_plan
@@ -282,6 +284,26 @@ def test_the_options_of_a_call_win_over_the_stored_ones(out: Path) -> None:
     assert stored_arguments(out, (), valued) == kept
     given = {"-j", "--jobs", "--timeout", "--isolate"}
     assert stored_arguments(out, given, valued) == ["plan.csv", "--set", "-o", "-k", "a or b"]
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (["-j", "2"], {"-j", "--jobs"}),
+        (["--jobs=2"], {"-j", "--jobs"}),
+        (["-y", "-k", "a"], {"-y", "--yes", "-k"}),
+        (["--yes", "--out", "x"], {"-y", "--yes", "-o", "--out"}),
+        (["--set", "plc:V.E.A=1"], set()),  # may come several times: it adds to stored ones
+    ],
+)
+def test_an_option_wins_under_each_of_its_names(words: list[str], names: set[str]) -> None:
+    command = get_command(app).commands["run"]  # type: ignore[attr-defined]
+    given = given_options(command.make_context("run", list(words)))
+    assert given.options == names
+    assert {"-j", "--jobs", "-o", "--out", "-k", "--set"} <= given.valued
+    assert not given.valued & {"-y", "--yes", "--fresh"}
+    assert len(given.words) == sum(1 if word in ("-y", "--yes") else 2 for word in words
+                                   if word.startswith("-"))  # fmt: skip
 
 
 # ---- files that are not those of the row

@@ -169,6 +169,27 @@ def test_runs_of_a_sweep_are_one_case(read: Read) -> None:
     assert row.inputs == {}
 
 
+@pytest.mark.parametrize(
+    ("expected", "of_runs", "of_row"),
+    [
+        ("fail:latch_error_um", ("latch_error_um",), ()),
+        ("fail:mean(latch_error_um)", (), ("mean(latch_error_um)",)),
+        (
+            "fail:latch_error_um fail:mean(latch_error_um)",
+            ("latch_error_um",),
+            ("mean(latch_error_um)",),
+        ),
+    ],
+)
+def test_what_has_to_fail_is_expected_where_it_is_judged(
+    read: Read, expected: str, of_runs: tuple[str, ...], of_row: tuple[str, ...]
+) -> None:
+    """A check of each run in the runs, a statistic over them in its row."""
+    plan = read("check:mean(latch_error_um),expect", f"a,a.nc,r.toml,2,600,-1 .. 1,<= 1,{expected}")
+    assert [case.expected for case in plan.cases] == [of_runs, of_runs]
+    assert [row.expected for row in plan.statistics] == [of_row]
+
+
 def test_a_row_of_statistics_has_an_id_of_its_own(read: Read) -> None:
     rows = ("a,a.nc,r.toml,,[300 | 600],,<= 1", "A,a.nc,r.toml,,600,,")
     with pytest.raises(UserError, match="has the id of a run"):

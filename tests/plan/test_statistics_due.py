@@ -1,0 +1,104 @@
+"""Which rows of statistics a call writes: what the folder has counts only where it still fits."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from axisrig.bench.campaign import statistics
+from axisrig.bench.campaign.results.stored import DEPENDS, StoredRun
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.statistics import CaseStatistics
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.plan.verdict import Verdict
+
+TEXT = """\
+case,program,rig,repeats,plc:V.E.FEED,set:Z.edge,check:latch_error_um,check:mean(latch_error_um)
+a,a.nc,r.toml,2,600,,-1 .. 1,<= 1
+b,a.nc,r.toml,2,900,NEG,-1 .. 1,<= 1
+"""
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    for name in ("a.nc", "r.toml"):
+        (tmp_path / name).touch()
+    (tmp_path / "p.csv").write_text(TEXT, encoding="utf-8")
+    return read_plan(tmp_path / "p.csv")
+
+
+def stored(case: Case, **other: str) -> StoredRun:
+    """A run of the folder with the seed and the inputs of a case, some of them changed."""
+    cells = {"run": case.run, "verdict": "pass", "seed": str(case.seed), DEPENDS: "old"}
+    return StoredRun({**cells, **case.inputs, **other}, [], None, None)
+
+
+def rows_of(
+    plan: Plan,
+    called: list[Case],
+    there: list[StoredRun],
+    hashes: Mapping[str, str],
+    *,
+    is_fresh: bool = False,
+) -> CaseStatistics:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(statistics, "is_results_folder", lambda _: True)
+        patch.setattr(statistics, "read_results", lambda _: SimpleNamespace(runs=there))
+        return CaseStatistics([plan], called, Path(), hashes, is_fresh=is_fresh)
+
+
+@pytest.mark.parametrize(
+    ("other", "is_due"),
+    [
+        ({}, True),
+        ({"seed": "1"}, False),
+        ({"plc:V.E.FEED": "601"}, False),
+        ({"plc:V.E.FEED": ""}, False),
+        ({DEPENDS: "new"}, True),  # nobody has asked whether it fits: its inputs say so
+    ],
+)
+def test_a_run_that_this_call_leaves_out_counts_with_its_seed_and_its_inputs(
+    plan: Plan, other: dict[str, str], is_due: bool
+) -> None:
+    first, second, *_ = plan.cases
+    hashes = {first.run: "now", **{row.run: "h" for row in plan.statistics}}
+    found = rows_of(plan, [first], [stored(second, **other)], hashes)
+    assert [row.run for row in found.due] == ["p-a"] * is_due
+    assert rows_of(plan, [first], [stored(second, **other)], hashes, is_fresh=True).due == []
+
+
+@pytest.mark.parametrize(("depends", "is_due"), [("old", True), ("new", False)])
+def test_a_run_that_this_call_has_looked_at_counts_with_its_hash(
+    plan: Plan, depends: str, is_due: bool
+) -> None:
+    """With the same inputs: a file that it depends on may be another one."""
+    first, second, *_ = plan.cases
+    hashes = {first.run: "now", second.run: depends, **{row.run: "h" for row in plan.statistics}}
+    found = rows_of(plan, [first], [stored(second)], hashes)
+    assert [row.run for row in found.due] == ["p-a"] * is_due
+
+
+@pytest.mark.parametrize(("depends", "is_due"), [("h", False), ("other", True), (None, True)])
+def test_a_row_is_written_again_where_it_is_missing_or_asks_for_something_else(
+    plan: Plan, depends: str | None, is_due: bool
+) -> None:
+    """No run is new; the one that stays counts for the code of the call."""
+    of_a, of_b = plan.statistics
+    there = [stored(case) for case in plan.cases]
+    for row, own in ((of_a, depends), (of_b, "h")):
+        if own is not None:
+            there.append(stored(row, verdict="fail", **{DEPENDS: own}))
+    found = rows_of(plan, [], there, {of_a.run: "h", of_b.run: "h"})
+    assert [row.run for row in found.due] == ["p-a"] * is_due
+    assert found.staying == [Verdict.FAIL] * (2 - is_due)
+    assert len(list(found.kept())) == is_due
+
+
+def test_each_row_comes_with_the_last_of_its_own_runs(plan: Plan) -> None:
+    found = rows_of(plan, list(plan.cases), [], {row.run: "h" for row in plan.statistics})
+    assert list(found.kept()) == []
+    a1, a2, b1, b2 = (CaseResult(case, Verdict.PASS, []) for case in plan.cases)
+    came = [[row.case.run for row in found.after(result)] for result in (a1, b2, b1, a2)]
+    assert came == [[], [], ["p-b"], ["p-a"]]
