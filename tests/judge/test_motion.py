@@ -132,6 +132,9 @@ def test_the_farthest_place_and_the_speed_are_those_between_two_syncs() -> None:
     fast = fastest(observed, "Z", 0, 44 * MS + 800_000)
     assert fast is not None
     assert fast.value == pytest.approx(64.0, abs=1e-6)
+    down = fastest(observed, "Z", 0, 16 * MS)
+    assert down is not None
+    assert down.value == pytest.approx(60.0, abs=1e-6)
 
 
 def test_an_axis_that_goes_straight_is_known_exactly_and_no_faster_than_it_went() -> None:

@@ -93,6 +93,16 @@ def test_texts_single_runs_and_rows_of_statistics_are_left_out() -> None:
     assert statistics_data(checks, cases) == []
 
 
+def test_a_run_that_the_plan_has_no_more_does_not_count() -> None:
+    """It was made under another row: its value and its limits say nothing about this one."""
+    checks, cases = rows((*VALUES, 40.0))
+    checks[6]["upper"] = "99.0"
+    cases[6]["in_plan"] = "no"
+    entry = only(statistics_data(checks, cases))
+    assert (entry["n"], entry["missing"], entry["upper"]) == (6, [], 1.0)
+    assert [run for run, _ in entry["values"]] == [f"p-a-{n}" for n in range(6)]
+
+
 def test_rows_of_another_tool_need_few_columns() -> None:
     cases = [{"run": "x1", "case": "x"}, {"run": "x2", "case": "x"}]
     checks = [
