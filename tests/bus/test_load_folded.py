@@ -60,3 +60,18 @@ def test_the_figures_of_a_long_run_are_those_of_all_its_windows(seed: int, error
     assert max(sizes) < 2 * KEPT_WINDOWS
     with pytest.raises(ValueError, match="are summed up"):
         meter.busy_bits(MS)
+
+
+def test_the_load_of_now_is_that_of_the_last_windows_however_long_the_run_is() -> None:
+    """A bus that is busy for 0.1 ms of each ms, and from some ms on for 0.3 ms of each."""
+    meter, seen = LoadMeter(BITRATE), []
+    for window in range(3 * KEPT_WINDOWS):
+        bits = 300 if window % 1000 >= 900 else 100
+        begin_ns = window * MS
+        meter.passed.append((begin_ns, begin_ns + bits * BIT_NS, bits, 0x181, False, 0))
+        if window % 1000 in (99, 899, 949, 999):
+            now = meter.now((window + 1) * MS, 100 * MS)
+            assert now.frames == window + 1
+            seen.append(now.busy_share)
+    assert seen == pytest.approx(([0.1, 0.1, 0.2, 0.3] * 7)[: len(seen)])
+    assert len(seen) > 3 * KEPT_WINDOWS // 250 - 2

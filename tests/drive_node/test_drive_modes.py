@@ -261,6 +261,39 @@ def test_software_limits_stop_a_set_point(drive: Callable[..., Drive]) -> None:
     assert not one.status & LIMITED
 
 
+@pytest.mark.parametrize(
+    ("leave", "wait_ms"), [({"o6040": 0x07}, 100), ({"o6060": 3}, 100), ({"o6060": 3}, 2)]
+)
+def test_set_points_that_ran_or_waited_are_forgotten_when_the_mode_begins_anew(
+    drive: Callable[..., Drive], leave: dict[str, float], wait_ms: float
+) -> None:
+    """Power off and on, another mode and back, at rest or on the way to it.
+
+    The axis comes to rest and stands until it is given a new one.
+    """
+    one = drive(1, **PROFILE, o607A=0.05 * PER_M)
+    one.word(0x0F | NEW)
+    one.word(0x0F)
+    one.set(o607A=0.08 * PER_M)
+    one.word(0x0F | NEW)
+    one.word(0x0F)
+    one.run_ms(100)
+    one.set(**leave)
+    one.run_ms(wait_ms)
+    one.set(o6060=1, o6040=0x0F)
+    one.run_ms(100)
+    stand_m = one.axis.motor_position_m()
+    assert 0.0 < stand_m < 0.03
+    one.run_ms(800)
+    assert one.axis.motor_position_m() == pytest.approx(stand_m, abs=1e-8)
+    assert one.status & (REACHED | BIT_12) == REACHED
+    one.set(o607A=0.01 * PER_M)
+    one.word(0x0F | NEW)
+    one.run_ms(500)
+    assert one.axis.motor_position_m() == pytest.approx(0.01, abs=1e-8)
+    assert one.status & REACHED
+
+
 # Profile velocity
 
 
@@ -313,6 +346,50 @@ def test_pv_stops_exactly_at_a_software_limit(drive: Callable[..., Drive]) -> No
     one.set(o60FF=-0.1 * PER_M)
     one.run_ms(600)
     assert one.axis.motor_position_m() == pytest.approx(-0.01, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("changed", "speed_m_s"),
+    [
+        ({"o607F": 0.05 * PER_M}, 0.05),
+        ({"o6080": 120}, 0.02),  # rev/min of a screw with 10 mm
+        ({"o607D_1": -0.01 * PER_M, "o607D_2": 0.03 * PER_M}, 0.0),
+    ],
+)
+def test_a_limit_that_is_set_while_an_axis_moves_with_pv_acts_from_then_on(
+    drive: Callable[..., Drive], changed: dict[str, float], speed_m_s: float
+) -> None:
+    """With 0.1 m/s it is at 17.5 mm after 200 ms; bit 11 says that it is limited."""
+    one = drive(3, **PROFILE, o60FF=0.1 * PER_M)
+    one.run_ms(190)
+    assert not one.status & LIMITED
+    one.set(**changed)
+    one.run_ms(300)
+    assert one.sdo[0x606C].raw == pytest.approx(speed_m_s * PER_M, abs=1)
+    assert one.status & LIMITED
+    if not speed_m_s:
+        assert one.axis.motor_position_m() == pytest.approx(0.03, abs=1e-8)
+    one.set(o607F=PER_M, o6080=0xFFFFFFFF, o607D_1=0, o607D_2=0)
+    one.run_ms(200)
+    assert one.sdo[0x606C].raw == pytest.approx(0.1 * PER_M, abs=1)
+    assert not one.status & LIMITED
+
+
+def test_ramps_that_change_while_an_axis_follows_them_with_pv_act_from_then_on(
+    drive: Callable[..., Drive],
+) -> None:
+    """To 0.4 m/s with 2 m/s2 for 50 ms, then with 4: there 75 ms later; down with 8 m/s2 in 50."""
+    one = drive(3, **PROFILE, o60FF=0.4 * PER_M)
+    one.run_ms(50)
+    one.set(o6083=4 * PER_M)
+    one.run_ms(70)
+    assert 0.36 * PER_M < one.sdo[0x606C].raw < 0.4 * PER_M
+    one.run_ms(10)
+    assert one.sdo[0x606C].raw == pytest.approx(0.4 * PER_M, abs=1)
+    one.set(o60FF=0.0)
+    one.set(o6084=8 * PER_M)
+    one.run_ms(55)
+    assert one.sdo[0x606C].raw == 0
 
 
 # Changes of mode

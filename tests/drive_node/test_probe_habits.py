@@ -287,6 +287,28 @@ def test_age_of_status_and_value(
 # Homing
 
 
+@pytest.mark.parametrize("habit", ["independent", "off", "clears"])
+def test_homing_forgets_all_of_a_latch_of_each_edge_or_nothing(habit: str) -> None:
+    """Position, time stamp (in us here) and counter of both edges."""
+    unit = Unit([1_100_000, 1_200_000, 1_300_000, 1_400_000], homing=habit)
+    unit.at(1_000_000, BOTH | CONTINUOUS)
+    unit.at(1_500_000)
+    names = [f"{what}_1_{edge}" for what in ("latch", "stamp", "count")
+             for edge in ("positive", "negative")]  # fmt: skip
+
+    def shown() -> list[int]:
+        return [getattr(unit.image, name) for name in names]
+
+    before = shown()
+    assert all(before)
+    assert before[:2] == [1_300_000, 1_400_000]
+    assert before[4:] == [2, 2]
+    unit.probe.homing(True, 1_500_000)
+    assert shown() == ([0] * 6 if habit == "clears" else before)
+    unit.probe.homing(False, 1_600_000)
+    assert shown() == ([0] * 6 if habit == "clears" else before)
+
+
 @pytest.mark.parametrize(
     ("habit", "status", "position"),
     [("independent", 0x0003, 1100), ("probe_1_off", 0, 1100), ("off", 0, 1100), ("clears", 0, 0)],

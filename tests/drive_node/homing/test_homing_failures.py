@@ -64,3 +64,24 @@ def test_a_new_start_clears_the_error() -> None:
 @pytest.mark.parametrize("method", [0, 15, 16, 31, 32, 36, 40, -5])
 def test_unknown_method_by_pdo_is_an_error(method: int) -> None:
     assert failed(Bench(7.0), method) == 7.0
+
+
+def test_each_homing_may_turn_round_once_at_a_limit_switch() -> None:
+    """The cam of the home switch is from 8 to 9 mm; up to the limit at 12, then down to that at 5.
+
+    What the first homing had to turn round for is none of the second one's.
+    """
+    switches = {
+        "negative": Switch(-1e9, 5.0),
+        "positive": Switch(12.0, 1e9),
+        "home": Switch(8.0, 9.0),
+    }
+    bench = Bench(11.0, switches)
+    bench.home(23)
+    assert bench.bits == ATTAINED | REACHED
+    assert max(bench.axis.past) > 12e-3
+    assert min(bench.axis.past) > 5e-3
+    bench.write(controlword=0x0F)
+    bench.home(27)
+    assert bench.bits == ATTAINED | REACHED
+    assert min(bench.axis.past) < 5e-3
