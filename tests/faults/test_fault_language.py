@@ -1,6 +1,7 @@
 """What may stand in a column `fault:<kind>`, and what is said of what may not."""
 
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from axisrig.bench.rig.reading.faults import (
     fault_kinds,
     fault_moments,
     faults_table,
+    needs_heartbeats,
     read_faults,
 )
 from axisrig.bench.rig.reading.file import RigFile, read_rig
@@ -159,3 +161,12 @@ def test_heartbeats_that_nobody_sends_cannot_be_lost() -> None:
     with pytest.raises(UserError, match=r"--set fault:heartbeat_loss=Z: drive servo sends no"):
         read("fault:heartbeat_loss=Z")
     read("fault:heartbeat_loss=Z", "drive:servo.heartbeat_ms=20")
+    # The answers of a guarded node are lost as heartbeats are
+    read("fault:heartbeat_loss=Z", "drive:servo.guard_time_ms=20")
+    rig, _ = read_rig(RIGS / "probe-z.toml")
+    faults = read_faults("heartbeat_loss", "Z", rig)
+    for writes, is_sent in (([["0x1017:0", 20]], True), ([["0x1018:0", 20]], False)):
+        drive = rig.drive["servo"].model_copy(update={"sdo": writes})
+        written = rig.model_copy(update={"drive": {**rig.drive, "servo": drive}})
+        with nullcontext() if is_sent else pytest.raises(UserError, match="sends no heartbeats"):
+            needs_heartbeats(faults, written)

@@ -3,21 +3,29 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from math import sqrt
+from math import prod, sqrt
 from pathlib import Path
 
+import numpy as np
+import pyarrow as pa
 import pytest
+from tests.recordings import facts
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case, run_cases
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.facts import Fault
+from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.series import Series
 from axisrig.bench.tools.budget.budget import Budget, Share, make_budget
 from axisrig.bench.tools.budget.causes import active_causes
-from axisrig.bench.tools.budget.encoder import normal_number
+from axisrig.bench.tools.budget.encoder import lost_um, normal_number
 from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um, way_per_length
 from axisrig.kernel.time.clock import MS
 
@@ -257,6 +265,40 @@ def test_the_last_edge_of_an_exchange_keeps_its_stamp() -> None:
     assert set(acting) == {"bounce", "stamp edge", "terminal cycle"}
     for share in acting.values():
         assert share.combined_um == pytest.approx(-20 / 3, abs=0.01)
+
+
+@pytest.mark.parametrize("hits", [1, 2])
+@pytest.mark.parametrize("source", ["PLC", "DRIVE"])
+def test_what_a_cubic_lacks_at_a_lost_position_is_the_remainder_of_lagrange(
+    source: str, hits: int
+) -> None:
+    """x = c t^4: the cubic through four points is c (t - t1) .. (t - t4) off, exactly.
+
+    Rows 19 and 20, or row 20, were lost; two on either side of them are left.
+    """
+    c, times_ms = 1e-6, np.arange(40, dtype=np.int64)
+    words = f"drop=Z.TPDO1: {hits} {'frame hit' if hits == 1 else 'frames hit, the last'}"
+    found = facts(
+        axes={"Z": AxisRecord("can1", 1, 1000.0)},
+        faults=(Fault("Z", "", ((20 * MS, words), (30 * MS, "drop=Z.TPDO1: ends"))),),
+        runs=(MeasurementRun(("Z",), sources={"Z": source}),),
+    )
+    table = pa.table({"time_ns": times_ms * MS, "Z.truth_mm": c * times_ms.astype(float) ** 4})
+    observed = Observed(found, Series(table))
+    first = 21 - hits
+    points = (first - 2, first - 1, 21, 22)
+    for row in range(first, 21):
+        off_mm = -c * prod(row - point for point in points)
+        of_row = lost_um(observed, "Z", row * MS, is_latched=False)
+        assert of_row == pytest.approx(off_mm * 1e3, abs=1e-9)
+        assert abs(of_row) > 1e-3
+        # A drive that has stored the value has lost nothing
+        assert lost_um(observed, "Z", row * MS, is_latched=True) == 0.0
+    for row in (first - 1, 21, 30):
+        assert lost_um(observed, "Z", row * MS, is_latched=False) == 0.0
+    # Nor has a value of a time stamp, which is taken from the history of positions
+    stamped = replace(found, runs=(MeasurementRun(("Z",), sources={"Z": "PLC_TIMESTAMP"}),))
+    assert lost_um(Observed(stamped, Series(table)), "Z", 20 * MS, is_latched=False) == 0.0
 
 
 @pytest.mark.long

@@ -48,3 +48,13 @@ def test_centre_and_gain_of_a_slow_path() -> None:
     path = _identified(SLOW, 0.0)
     assert path.mean_cycle == pytest.approx(float(np.arange(300) @ SLOW / SLOW.sum()), rel=1e-4)
     assert path.gain == pytest.approx(SLOW.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("before_mm", [0.4, -3.0])
+def test_an_offset_that_was_there_before_is_no_part_of_the_answer(before_mm: float) -> None:
+    """The axis rests with an offset from an earlier control; what counts is how it moves on."""
+    steps = np.repeat([0.0, STEP_MM, 0.0, 2 * STEP_MM], 30)
+    late = np.concatenate([np.zeros(3), steps[:-3]])
+    for offset_mm in (0.0, before_mm):
+        path = identify(steps + offset_mm, 7.0 + late, 30, 20)
+        assert path.impulses == pytest.approx(np.eye(1, 20, 3)[0], abs=1e-6)
