@@ -281,6 +281,56 @@ def test_another_filter_goes_on_from_what_was_given_last(
     assert loop.run(1).control.filtered_mm == pytest.approx(before, abs=1e-12)
 
 
+SAME = [
+    ({}, {"n_cycles": 9}),
+    ({}, {"filter_type": "MOVING_AVERAGE"}),  # what DEFAULT is
+    ({}, {"kalman_sigma": 5.0, "smoothing_factor": 0.2, "low_pass_filter_order": 2}),
+    ({"filter_type": "EXPO_MEAN"}, {"kalman_sigma": 5.0, "low_pass_filter_fg_f0": 50.0}),
+    ({"filter_type": "LOWPASS"}, {"n_cycles": 3, "smoothing_factor": 0.2}),
+    ({"filter_type": "KALMAN_MA"}, {"smoothing_factor": 0.2}),
+]
+OTHER = [
+    ({}, {"n_cycles": 8}),
+    ({"filter_type": "EXPO_MEAN"}, {"smoothing_factor": 0.2}),
+    ({"filter_type": "LOWPASS"}, {"low_pass_filter_order": 2}),
+    ({"filter_type": "LOWPASS"}, {"low_pass_filter_fg_f0": 50.0}),
+    ({"filter_type": "KALMAN_MA"}, {"kalman_sigma": 5.0}),
+]
+
+
+def filtered(
+    make_loop: Make, begin: dict[str, Any], words: dict[str, Any], how: str
+) -> list[float]:
+    """What the filter gives of a surface that rises, from where it gets other parameters on."""
+    found = []
+    loop = started(make_loop(lambda k: 1e-3 * k, kp=0.05, **{"n_cycles": 9, **begin})).run(40)
+    if how == "program":
+        loop.control.program(**words)
+    else:  # taken when it is switched on again
+        for name, value in words.items():
+            loop.control.request(name, value)
+        loop.say(Command.FREEZE, Command.ON)
+    for _ in range(12):
+        found.append(loop.run(1).control.filtered_mm)
+    return found
+
+
+@pytest.mark.parametrize("how", ["program", "objects"])
+@pytest.mark.parametrize(("begin", "words"), SAME)
+def test_a_parameter_that_does_not_act_leaves_the_filter_alone(
+    make_loop: Make, begin: dict[str, Any], words: dict[str, Any], how: str
+) -> None:
+    assert filtered(make_loop, begin, words, how) == filtered(make_loop, begin, {}, how)
+
+
+@pytest.mark.parametrize("how", ["program", "objects"])
+@pytest.mark.parametrize(("begin", "words"), OTHER)
+def test_a_parameter_that_acts_makes_another_filter(
+    make_loop: Make, begin: dict[str, Any], words: dict[str, Any], how: str
+) -> None:
+    assert filtered(make_loop, begin, words, how) != filtered(make_loop, begin, {}, how)
+
+
 def test_the_filter_begins_with_the_first_value(make_loop: Make) -> None:
     loop = started(make_loop(lambda _k: 0.4, n_cycles=50, kp=0.1)).run(1)
     assert loop.control.filtered_mm == 0.4

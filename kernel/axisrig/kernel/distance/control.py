@@ -166,8 +166,13 @@ class DistanceControl:
         self._controller.restart()
 
     def _set_filter(self, settings: DistanceSettings, *, is_new: bool) -> None:
-        """Put a filter in place: a new one begins with its first value, else with what it gave."""
-        found = self._make_filter(settings)
+        """Put a filter in place: a new one begins with its first value, else with what it gave.
+
+        One that would give the same values as the old one is none: it goes on.
+        """
+        found, old = self._make_filter(settings), self._filter
+        if not is_new and old is not None and found.character == old.character:
+            return
         found.restart(self.filtered_mm)
         self._filter, self._is_filter_new = found, is_new
 

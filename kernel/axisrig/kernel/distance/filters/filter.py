@@ -8,7 +8,12 @@ MEMORY_MAX: Final = 1000
 
 
 class Filter(Protocol):
-    """A filter that takes one value per NC cycle; all are linear with the gain 1 for a constant."""
+    """A filter that takes one value per NC cycle; all are linear with the gain 1 for a constant.
+
+    character: numbers that two filters have in common where they give the same values.
+    """
+
+    character: tuple[float, ...]
 
     def restart(self, value_mm: float) -> None:
         """Behave as if the input had been `value_mm` for ever: the output is that value."""

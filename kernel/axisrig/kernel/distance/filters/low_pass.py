@@ -16,6 +16,8 @@ class LowPass:
     def __init__(self, order: int, f0_hz: float, period_ns: TimeNs) -> None:
         slope = math.tan(math.pi * f0_hz * ns_to_seconds(period_ns))
         self._share = 2 * slope / (1 + slope)
+        # No weights of a mean, whose sum is 1
+        self.character: tuple[float, ...] = (float(order), self._share)
         self._inputs_mm = [0.0] * order
         self._outputs_mm = [0.0] * order
 

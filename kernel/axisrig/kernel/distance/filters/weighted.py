@@ -16,6 +16,10 @@ class WeightedFilter:
 
     def __init__(self, weights: Sequence[float]) -> None:
         self._older_weights = tuple(weights[1:])
+        acting = len(weights)
+        while acting > 1 and not weights[acting - 1]:
+            acting -= 1
+        self.character: tuple[float, ...] = tuple(weights[:acting])
         self._older: deque[float] = deque(maxlen=len(self._older_weights))
         self.restart(0.0)
 
