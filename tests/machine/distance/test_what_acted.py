@@ -184,6 +184,30 @@ def test_where_nothing_moved_there_is_no_stability(run: Run) -> None:
         assert "nothing moved" in found.note
 
 
+@pytest.mark.parametrize(
+    ("words", "n"), [("", 2), pytest.param(" BOTH_ENCODER=1", 1, marks=pytest.mark.long)]
+)
+def test_growth_begins_where_the_program_has_moved_last(run: Run, words: str, n: int) -> None:
+    """The distance sees each motion of the program, which says nothing of the loop."""
+    moves = "G91 G01 Z0.3 F600; Z-0.2 F1200; Z0.1 F3000"
+    seen = run(f"{ON.format(words)}; G04 0.02; {moves}; G04 0.1; {OFF}", *STEEP)
+    assert seen.value("distance_growth") == pytest.approx(growth_of_mean(0.2, 4, n), abs=2e-3)
+    assert seen.of("distance_stability").value == "stable"
+
+
+def test_what_the_program_moves_all_the_time_shows_no_growth(run: Run) -> None:
+    seen = run(f"{ON.format('')}; G91 G01 Z1 F600; {OFF}", *STEEP)
+    assert "excites" in seen.of("distance_growth").note
+
+
+def test_the_deviation_from_set_pos_does_not_see_the_program(run: Run) -> None:
+    """The step of the surface at 40.2 ms is the last event."""
+    moves = "G91 G01 Z0.3 F600; Z-0.3"
+    seen = run(f"Z[DIST_CTRL ON SET_POS=30 KP=0.1]; G04 0.02; {moves}; {OFF}", *STEEP, *STEP)
+    found = seen.of("distance_growth")
+    assert found.value is not None, found.note
+
+
 def test_no_overshoot_is_foretold_where_a_limit_was_changed_meanwhile(run: Run) -> None:
     one = run(f"{ON.format(' KP=0.1')}; G04 0.03; {OFF}", *CALM, *STEP)
     assert one.of("distance_overshoot_expected_mm").value is not None

@@ -223,9 +223,10 @@ class Envelope:
 def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     """Measure the factor by which the steps of the offset change per cycle.
 
-    From the last event (surface, set value, start, end of a hold) on, as far as no limit acts and
-    the steps are above the increments of the sensor. Raises NoClosedFormError where nothing moved,
-    and where something excites a loop all the time that neither grows nor dies away.
+    From the last event (surface, set value, start, end of a hold, motion of the program) on, as far
+    as no limit acts and the steps are above the increments of the sensor. Raises NoClosedFormError
+    where nothing moved, and where something excites a loop all the time that neither grows nor dies
+    away.
     """
     last = _last_event(truth, stretch)
     is_excited = last >= stretch.end - _LEAST_REST
@@ -314,10 +315,10 @@ def _where(
 ) -> _Found | None:
     """Return where something holds in some rows; None where it never does.
 
-    holds: of a part, which has a row before those that are asked for.
+    holds: of a part, which has two rows before those that are asked for.
     """
     first = last = None
-    for part, begin, inside in truth.parts(rows, before=1):
+    for part, begin, inside in truth.parts(rows, before=2):
         found = np.flatnonzero(holds(part)[inside])
         if len(found):
             first = begin + int(found[0]) if first is None else first
@@ -338,6 +339,10 @@ def _last_event(truth: DistanceTruth, stretch: Stretch) -> int:
     column = "set_pos_mm" if stretch.mode == SET_POS else "set_dist_mm"
     changed = _where(truth, rows, lambda part: _changes_mm(part.wanted_mm(column)) != 0.0)
     events += [changed.last] if changed is not None else []
+    # The deviation from SET_POS does not see where the program wants the axis, a distance does
+    if stretch.mode != SET_POS or truth.sensor_age_cycles:
+        led = _where(truth, rows, lambda part: np.abs(_changes_mm(part.program_mm)) > _EVEN_MM)
+        events += [led.last] if led is not None else []
     events += [min(held.end, stretch.end) for held in truth.held if held.begin < stretch.end]
     return max(events)
 
