@@ -353,8 +353,12 @@ def test_a_preparation_that_is_reset_switches_the_probe_off(
 
 
 def test_the_first_event_counts_for_every_axis(channel_bench: Make, words: Any) -> None:
-    """PLC_FIRST_EVENT: the unit of Y never signals; Y has its place of the same cycle."""
-    axes = [words.axis(name, start_mm=122.0, source="PLC_FIRST_EVENT") for name in ("Y", "Z")]
+    """PLC_FIRST_EVENT: the unit of Y never signals; Y has its place of the same cycle, 1 mm below.
+
+    Both go on by the way of the stop, and what they have is of the event.
+    """
+    places = {"Y": 121.0, "Z": 122.0}
+    axes = [words.axis(n, start_mm=at, source="PLC_FIRST_EVENT") for n, at in places.items()]
     bench = channel_bench(*axes, plane_mm=PLANE_MM)
     side = Plc(bench)
 
@@ -364,10 +368,14 @@ def test_the_first_event_counts_for_every_axis(channel_bench: Make, words: Any) 
         other.take(AxisWrites(signal=False), bench.scheduler.now_ns)
 
     bench.channel.plc.take_turn = turn
-    bench.run([words.probe(1, 600.0, Y=TO, Z=TO), words.wait(1), words.end()])
+    bench.run([words.probe(1, 600.0, Y=TO - 1.0, Z=TO), words.wait(1), words.end()])
     (record,) = bench.channel.records
     assert bench.alarm_ids == []
-    assert record.latched_mm["Y"] == pytest.approx(record.latched_mm["Z"], abs=2 * INCREMENT_MM)
+    past_mm = PLANE_MM - record.latched_mm["Z"]
+    assert 0.0 < past_mm <= 10.0e-3 + INCREMENT_MM
+    assert record.latched_mm["Y"] == pytest.approx(
+        record.latched_mm["Z"] - 1.0, abs=2 * INCREMENT_MM
+    )
 
 
 def test_an_edge_of_the_falling_signal(channel_bench: Make, words: Any) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from axisrig.kernel.distance import DistanceCommand, Reading
+from axisrig.kernel.distance.control import STANDING_MAX
 from axisrig.kernel.distance.filters import FilterSettings, make_filter, memory_cycles
 from axisrig.kernel.errors import Alarm
 
@@ -59,6 +60,18 @@ def test_ref_waits_for_as_many_values_as_the_filter_remembers(make_loop: Make, c
         control.step(Reading(-GAP_MM, 0.0, 0.0))
         waited += 1
     assert waited == count
+
+
+def test_ref_with_a_filter_that_forgets_late_waits_for_1000_values(make_loop: Make) -> None:
+    """0.1 Hz has its time constant at 1.6 s: REF of it ends all the same."""
+    slow = {"low_pass_filter_order": 1, "low_pass_filter_fg_f0": 0.1}
+    control = make_loop(filter_type="LOWPASS", **slow).control
+    waited = 0
+    while not control.may_reference():
+        control.step(Reading(-GAP_MM, 0.0, 0.0))
+        waited += 1
+        assert waited <= STANDING_MAX
+    assert waited == STANDING_MAX
 
 
 def test_values_from_a_motion_do_not_count(make_loop: Make) -> None:

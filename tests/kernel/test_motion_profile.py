@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
+from axisrig.kernel.motion.course import Weights
 from axisrig.kernel.motion.profile import Profile, Slope, plan
 
 ONE_STEP = Slope(1000.0, 1000.0, 50.0)
@@ -262,3 +263,24 @@ def test_impossible_paths_are_defects(distance: float, feed: float, start: float
 def test_slope_needs_positive_values() -> None:
     with pytest.raises(ValueError, match="positive"):
         Slope(0.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("share", "weighted"),
+    [
+        (0.5, (750.0, 400.0)),
+        (1.0, (1500.0, 800.0)),
+        (1.0625, (1500.0, 850.0)),
+        (2.0, (1500.0, 1000.0)),
+    ],
+)
+def test_no_weight_raises_an_acceleration_above_the_largest_one_and_none_lowers_it_to_that(
+    share: float, weighted: tuple[float, float]
+) -> None:
+    """P-AXIS-00008 = 1000: what a list has above it acts as it is, and by its own share below 1."""
+    slope, other = Slope(1500.0, 800.0, 20.0), Slope(300.0, 200.0, 30.0)
+    up, down = slope.weighted(other, Weights(acceleration=share, deceleration=3.0), 1000.0)
+    assert up == Slope(*weighted, 20.0)
+    assert down == Slope(900.0, 600.0, 30.0)
+    down, up = other.weighted(slope, Weights(acceleration=3.0, deceleration=share), 1000.0)
+    assert (down, up) == (Slope(900.0, 600.0, 30.0), Slope(*weighted, 20.0))

@@ -78,6 +78,14 @@ def test_a_counting_loop_goes_on_until_its_last_value_is_passed(run, bounds, exp
     assert path(run, f"$FOR P1={bounds}\nX=P1\n$ENDFOR") == expected
 
 
+@pytest.mark.parametrize("last", ["9", "1", "-9"])
+def test_a_counting_loop_with_a_step_of_0_never_gets_there(run, last):
+    """Its value stays, whichever side of the last one it is on: a jump alone ends it."""
+    text = f"P2=0 P3=0\n$FOR P1=1,{last},P3\nP2=P2+1\nX=P1+P2\n"
+    text += "$IF P2==3 $GOTO [OUT]\n$ENDFOR\n[OUT] X0"
+    assert path(run, text) == [2, 3, 4, 0]
+
+
 def test_the_bounds_of_a_counting_loop_count_as_they_were_at_its_beginning(run):
     text = "P2=2 P3=1\n$FOR P1=1,P2,P3\nX=P1\nP2=9 P3=5\n$ENDFOR\nX=P1*10"
     assert path(run, text) == [1, 2, 30]
