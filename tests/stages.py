@@ -2,9 +2,10 @@
 
 `--stage quick` is `make test`, `--stage rest` what it leaves out; `make test-all` runs both. The
 quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
-a parametrized test stay. Of a shipped plan it keeps rows that check all its metrics, and of the
-rows that check the same the one that simulates least (`plans/simulated.csv`); statistics over
-several runs are left out, and rows with the tag `study`, which are long and say something together.
+a parametrized test stay. Of the shipped plans it keeps rows that check every metric, and one row of
+each plan; of rows that check the same, in whatever plan, those that simulate least
+(`plans/simulated.csv`). Statistics over several runs are left out, and rows with the tag `study`,
+which are long and say something together.
 """
 
 import csv
@@ -38,18 +39,23 @@ def simulated_s() -> Mapping[str, float]:
 
 
 def rows_of_every_metric(cases: Iterable[Case], sim_s: Mapping[str, float]) -> set[str]:
-    """Runs that check, for each plan, every metric that one of its rows checks.
+    """Runs that check every metric that one of the rows checks, and one run of each plan at least.
 
-    From the longest run to the shortest, a row is left out if the others check all its metrics.
+    From the longest run to the shortest, a row is left out if the others check all its metrics and
+    one of its plan stays. What a plan shows of a metric that another one has is numbers: the bands
+    of its rows are held without running them (`tests/plans`), and the rest stage runs all.
     sim_s: simulated time of runs; one that is missing counts as the longest. Of equally long ones
     the last in the plan is asked first.
     """
-    metrics = {case.run: {(case.plan, check.name) for check in case.checks} for case in cases}
-    rows = Counter(metric for checked in metrics.values() for metric in checked)
-    kept = dict(metrics)
-    from_its_end = list(reversed(metrics))
+    held = {
+        case.run: {("plan", case.plan), *(("metric", check.name) for check in case.checks)}
+        for case in cases
+    }
+    rows = Counter(one for own in held.values() for one in own)
+    kept = dict(held)
+    from_its_end = list(reversed(held))
     for run in sorted(from_its_end, key=lambda run: -sim_s.get(run, float("inf"))):
-        if all(rows[metric] > 1 for metric in metrics[run]):
+        if all(rows[one] > 1 for one in held[run]):
             rows.subtract(kept.pop(run))
     return set(kept)
 

@@ -81,10 +81,11 @@ def test_a_log_that_is_not_as_the_run_has_written_it_is_refused(plan: Plan, tmp_
     ("first", "second", "is_one"),
     [
         # What a share may have of its own
-        (["--shard", "1/2"], ["--shard=2/2"], True),
-        (["-j", "4"], ["-j1", "--fresh", "--live"], True),
-        (["--timeout", "5"], ["--isolate", "--call-timeout=7"], True),
-        (["-k", "first or second"], ["-k", "first or second", "-j", "2"], True),
+        (
+            ["--shard", "1/2", "-j", "4", "--timeout", "5", "-k", "first or second"],
+            ["--shard=2/2", "-j1", "--isolate", "--live", "-k", "first or second"],
+            True,
+        ),
         # What makes another campaign
         (["-k", "first or second"], ["-k", "first or third"], False),
         (["-k", "first or second"], [], False),
@@ -98,8 +99,10 @@ def test_a_log_that_is_not_as_the_run_has_written_it_is_refused(plan: Plan, tmp_
 def test_shares_of_one_campaign_have_the_options_that_decide_on_results(
     plan: Plan, tmp_path: Path, first: list[str], second: list[str], is_one: bool
 ) -> None:
-    one = share(tmp_path / "one", plan, "a", first)
-    other = share(tmp_path / "other", plan, "b", second)
+    one, other = (
+        share(tmp_path / name, plan, "", options)
+        for name, options in (("one", first), ("other", second))
+    )
     with nullcontext() if is_one else pytest.raises(UserError, match="other options than"):
         merge([one, other], tmp_path / "all", started="later")
     assert (tmp_path / "all").exists() == is_one

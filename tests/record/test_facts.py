@@ -83,7 +83,7 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other) and repr(one) == repr(other)
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(left=any_of(Facts))
 def test_facts_come_back_equal(left: Facts, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Each class of the recording, with whatever numbers and texts."""
