@@ -17,7 +17,8 @@ LIBRARY = """package Small "Library"
   model Plant "All that is shown & <how>"
     parameter Mode mode = Mode.on "Which";
     parameter Real k[3](each unit="N/mm", each min=0) = {1, 2, 3} "Gains";
-    parameter Real m[2,2](each unit="1") = {{1, 2}, {3, 4}} "Matrix";
+    parameter Real m[2,2](each unit="1", min={{0, -7}, {1, -2}}, max={{9, 8}, {50, 10}},
+      nominal={{1, 2}, {1, 1}}) = {{1, 2}, {3, 4}} "Matrix";
     parameter Boolean flags[2] = {true, false} "Switches";
     parameter Integer size(min=1, max=9) = 3 "Number";
     input Real u[2](each unit="m", each start=0.5) "Ways";
@@ -120,6 +121,16 @@ def test_limits_units_and_nominal_values(fmus, fmi):
     assert (units["degC"].K, units["degC"].offset, units["degC"].factor) == (1, 273.15, 1.0)
     assert (units["N/mm"].kg, units["N/mm"].s, units["N/mm"].factor) == (1, -2, 1000.0)
     assert (units["deg"].rad, units["deg"].factor) == (1, pytest.approx(np.pi / 180, rel=1e-15))
+
+
+@pytest.mark.parametrize("fmi", FMI_VERSIONS)
+def test_limits_of_an_array_let_each_element_have_its_own(fmus, fmi):
+    """The description has one of each for all: the smallest and the largest; of several nominal
+    values none.
+    """
+    found = [v for name, v in described(fmus[fmi]).items() if name.partition("[")[0] == "m"]
+    assert len(found) == (1 if fmi == "3.0" else 4)
+    assert {(float(v.min), float(v.max), v.nominal) for v in found} == {(-7.0, 50.0, None)}
 
 
 def test_array_is_one_variable_with_dimensions_in_version_3(fmus):
