@@ -9,6 +9,7 @@ from tests.channel.conftest import ChannelBench
 
 from axisrig.bench.bus.can.faults import Drop
 from axisrig.kernel.channel import ChannelSettings, ChannelState
+from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -121,6 +122,40 @@ def test_an_axis_beside_the_path_stops_by_itself(channel_bench: Make, words: Any
     bench.run([beside, wait, words.end()])
     assert bench.set_mm("Z")[begun(bench) + 290] == pytest.approx(10.0, abs=1e-9)
     assert bench.final_mm("Z") == 0.0
+
+
+@pytest.mark.parametrize(("turn", "method"), [(1, 34), (20, 34), (100, 34), (100, 17)])
+def test_a_homing_ends_and_the_drive_follows_the_next_program(
+    channel_bench: Make, words: Any, turn: int, method: int
+) -> None:
+    """Asked for its mode, on its way to mode 6, on its way to the index pulse with 20 mm/s, and
+    after 900190, as no switch is there.
+
+    The machine is where the next program sends it, and its lag counts again.
+    """
+    per_mm = 2**20 / 10
+    speed, a = round(20 * per_mm), round(400 * per_mm)
+    writes = [(0x6098, 0, method), (0x6099, 1, speed), (0x6099, 2, speed), (0x609A, 0, a)]
+    axis = words.axis("Z", start_mm=41.0)
+    homing = StartUpSettings(writes=writes)
+    bench = channel_bench(axis, start_up=homing, lag_limit_mm=2.0)
+    after = start(bench, words.move(1, 600.0, Z=42.0), words.wait(1), words.end())
+    place = bench.axes["Z"].position_at
+    acts = {turn: reset(bench), 600: after, 1200: lambda: None}
+    Side(bench, words, acts)
+    bench.run([canon.Homing(Block(1, 10, "N10"), (("Z",),)), words.end()])
+    first = begun(bench)
+    times = [sample.time_ns for sample in bench.samples[first:]]
+    assert bench.alarm_ids == [900190] * (method == 17)
+    assert len(bench.channel.resets_ns) == 1
+    assert (place(times[turn]) > 0.0415) is (turn == 100 and method == 34)
+    assert bench.set_mm("Z")[first + 599] == pytest.approx(place(times[599]) * 1e3, abs=0.001)
+    assert place(times[1199]) * 1e3 == pytest.approx(42.0, abs=0.001)
+    assert not bench.links[0].leads_itself
+    back_ns = [t for t, i, d in bench.frames if i == 0x601 and d[1:5] == b"\x60\x60\0\x08"][1:]
+    assert len(back_ns) == (turn > 1)  # the first one is of the start-up
+    for time_ns in back_ns:  # the axis stands by then
+        assert place(time_ns) == pytest.approx(place(time_ns - 10 * MS), abs=1e-8)
 
 
 def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, words: Any) -> None:

@@ -134,9 +134,68 @@ def test_a_drive_that_does_not_change_its_mode() -> None:
         cycles(axis, (MODE_POLLS_MAX + 5) * SDO_CYCLES)
 
 
-def test_breaking_off_takes_the_start_back() -> None:
+class LateDrive(Drive):
+    """Answers so many cycles late, in the order of the requests."""
+
+    def __init__(self, late: int, **options: Any) -> None:
+        super().__init__(**options)
+        self.late, self._now = late, 0
+        self._waiting: list[tuple[int, Callable[[], None]]] = []
+
+    def read(self, index: int, sub: int, done: Callable[[Any], None]) -> None:
+        self._put(lambda: super(LateDrive, self).read(index, sub, done))
+
+    def write(self, index: int, sub: int, data: bytes, done: Callable[[Any], None]) -> None:
+        self._put(lambda: super(LateDrive, self).write(index, sub, data, done))
+
+    def _put(self, answer: Callable[[], None]) -> None:
+        self._waiting.append((self._now + self.late, answer))
+
+    def cycle(self) -> None:
+        self._now += 1
+        while self._waiting and self._waiting[0][0] <= self._now:
+            self._waiting.pop(0)[1]()
+
+
+@pytest.mark.parametrize("late", [0, 7])
+@pytest.mark.parametrize("mode_in_pdo", [False, True])
+def test_a_homing_that_is_broken_off_anywhere_leads_the_drive_back(
+    mode_in_pdo: bool, late: int
+) -> None:
+    """Also before 6061 is known, and while the drive still has to answer what was asked before."""
+    was_homing = 0
+    for broken_off in range(12 * SDO_CYCLES):
+        drive = LateDrive(late, mode_in_pdo=mode_in_pdo)
+        axis, _ = homing(drive)
+        for cycle in range(30 * SDO_CYCLES):
+            if cycle == broken_off:
+                was_homing += drive.objects[MODE] == HOMING
+                axis.abort()
+                assert drive.mode_bits == 0
+            drive.cycle()
+            axis.step()
+        shown = drive.objects[MODE], drive.objects[DISPLAY]
+        assert (shown, drive.mode_bits, axis.phase) == ((CSP, CSP), 0, Phase.DONE)
+        assert not drive.leads_itself
+    assert was_homing > 10
+
+
+def test_breaking_off_what_is_over_asks_for_nothing() -> None:
+    drive = Drive()
+    axis, _ = homing(drive)
+    axis.abort()
+    assert axis.phase is Phase.DONE
+    axis.abort()
+    drive.refuses = (MODE, DISPLAY)
+    cycles(axis, 10 * SDO_CYCLES)
+
+
+@pytest.mark.provokes(900011, 4, axis="Z", node=3)
+def test_a_drive_that_stays_in_homing_is_an_alarm_of_the_way_back() -> None:
     drive = Drive()
     axis, _ = homing(drive)
     cycles(axis, 4 * SDO_CYCLES)
+    drive.follows = False
     axis.abort()
-    assert drive.mode_bits == 0
+    with pytest.raises(Alarm, match="6061 shows mode 6"):
+        cycles(axis, (MODE_POLLS_MAX + 5) * SDO_CYCLES)

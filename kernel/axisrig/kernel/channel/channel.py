@@ -84,8 +84,8 @@ class Channel(ChannelView):
             self.functions.reset,
             self.plc.acknowledge,
         ]
-        leave = self.distance.leave
-        self._reset = Reset(self.links, timing, self.path, self.reactions, ends, leave)
+        leave, back = self.distance.leave, self.single.lead_back
+        self._reset = Reset(self.links, timing, self.path, self.reactions, ends, leave, back)
         self._next_sync_ns, self._sync_count = 0, 0
         self._assign()
 

@@ -18,7 +18,8 @@ class Reset:
     """Carries out the resets of a channel.
 
     ends: what ends what is under way, in their order. leave: lets the positions of axes at rest
-    contain what distance control has superposed on them.
+    contain what distance control has superposed on them. lead_back: leads drives out of a homing
+    that has not come to its end, and says whether all are.
     """
 
     def __init__(
@@ -29,9 +30,11 @@ class Reset:
         reactions: Reactions,
         ends: Sequence[Callable[[], None]],
         leave: Callable[[], None],
+        lead_back: Callable[[], bool],
     ) -> None:
         self._links, self._timing, self._path = links, timing, path
         self._reactions, self._ends, self._leave = reactions, tuple(ends), leave
+        self._lead_back = lead_back
         self._power_up = PowerUp(links, timing)
 
     def begin(self) -> None:
@@ -44,11 +47,13 @@ class Reset:
         """Do one cycle while the set positions rest; return whether every drive is in operation.
 
         Faults are acknowledged. An axis whose drive has left operation stays where it is.
-        Raises Alarm 900005 and 900008 as the start does.
+        Raises Alarm 900005 and 900008 as the start does, 900011 and 900200 for a homing
+        that is broken off.
         """
         self._reactions.reset()
         self._leave()
         for link in self._links:
             if link.state is not State.OPERATION_ENABLED:
                 self._path.put(link.name, link.actual_mm)
-        return self._power_up.step()
+        is_back = self._lead_back()
+        return self._power_up.step() and is_back

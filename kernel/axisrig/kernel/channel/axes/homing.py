@@ -44,7 +44,8 @@ class AxisHoming:
         assert link.sdo is not None, "the drive cannot be asked"
         self._link, self._clock, self._sdo = link, clock, link.sdo
         self.phase = Phase.ENTERING
-        self._mode_before = 0
+        self._mode_before: int | None = None  # until the drive has reported it
+        self._attempt = 0  # answers to questions of an earlier one do not count
         self._polls = self._cycles = self._pause = 0
         self._request: Callable[[], None] | None = None
         self._begin_ns = clock.now_ns
@@ -65,9 +66,16 @@ class AxisHoming:
             self._look()
 
     def abort(self) -> None:
-        """Break off: the drive stops the axis."""
+        """Break off: the drive stops the axis, and further steps lead it back to its mode."""
+        if self.phase is Phase.DONE:
+            return
         self._link.mode_bits = 0
-        self.phase = Phase.DONE
+        self.phase, self._failed, self._request = Phase.LEAVING, None, None
+        self._attempt += 1
+        if self._mode_before is None:
+            self._leave()
+        else:
+            self._change_mode(self._mode_before, self._leave)
 
     def _look(self) -> None:
         self._cycles += 1
@@ -77,6 +85,7 @@ class AxisHoming:
         if word & Status.HOMING_ERROR:
             self._explain("the drive reports an error of homing")
         elif word & Status.HOMING_ATTAINED and word & Status.TARGET_REACHED:
+            assert self._mode_before is not None, "it has been asked for first"
             self._link.mode_bits = 0
             self.phase = Phase.LEAVING
             self._change_mode(self._mode_before, self._leave)
@@ -98,7 +107,7 @@ class AxisHoming:
         self.phase = Phase.DONE
 
     def _change_mode(self, mode: int, then: Callable[[], None]) -> None:
-        self._polls = 0
+        self._polls, attempt = 0, self._attempt
 
         def poll(shown: int) -> None:
             self._polls += 1
@@ -110,6 +119,8 @@ class AxisHoming:
                 self._read(MODE_DISPLAY, poll)
 
         def written(answer: bytes | SdoError) -> None:
+            if attempt != self._attempt:
+                return
             if isinstance(answer, SdoError):
                 self._refused(f"mode {mode} ({object_name(MODE, 0)})", str(answer))
             else:
@@ -124,7 +135,11 @@ class AxisHoming:
             self._read(MODE_DISPLAY, poll)
 
     def _read(self, index: int, then: Callable[[int], None]) -> None:
+        attempt = self._attempt
+
         def done(answer: bytes | SdoError) -> None:
+            if attempt != self._attempt:
+                return
             if isinstance(answer, SdoError):
                 self._refused(f"the question for {object_name(index, 0)}", str(answer))
             else:
@@ -192,7 +207,8 @@ class Homing:
             self._next()
         return not self._axes
 
-    def abort(self) -> None:
-        """Break off."""
+    def abort(self) -> dict[str, AxisHoming]:
+        """Break off; return what leads the drives back to their modes, by axis."""
         for homing in self._axes.values():
             homing.abort()
+        return self._axes

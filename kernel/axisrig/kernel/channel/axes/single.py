@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from axisrig.kernel.channel.axes.coupling import Couplings
-from axisrig.kernel.channel.axes.homing import Homing
+from axisrig.kernel.channel.axes.homing import AxisHoming, Homing, Phase
 from axisrig.kernel.channel.axes.independent import IndependentAxes
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
@@ -40,6 +40,8 @@ class SingleAxes:
         )
         self.couplings = couplings
         self._homing: Homing | None = None
+        self._leaving: dict[str, AxisHoming] = {}  # broken off: the drive is still in its mode
+        self._leaving_rest: Rest | None = None
         self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()
         self._adopted: tuple[str, ...] = ()
@@ -156,6 +158,26 @@ class SingleAxes:
         self._awaited = ()
         self._rest = None
         if self._homing is not None:
-            self._homing.abort()
-            self._homing = None
+            self._leaving |= self._homing.abort()
+            self._homing = self._leaving_rest = None
         self._renew()
+
+    def lead_back(self) -> bool:
+        """Lead drives out of a homing that was broken off; return whether all follow set positions.
+
+        Called once per cycle while the set positions rest; the mode changes when the axes rest too.
+        Raises Alarm 900011 and 900200.
+        """
+        if not self._leaving:
+            return True
+        for axis in self._leaving:
+            self._path.put(axis, self._links[axis].actual_mm)
+        if self._leaving_rest is None:
+            axes = [(self._path.settings(axis), self._links[axis]) for axis in self._leaving]
+            self._leaving_rest = Rest(self._clock, self._timing.period_ns, axes)
+        if not self._leaving_rest.judge():
+            return False
+        for homing in self._leaving.values():
+            homing.step()
+        self._leaving = {a: h for a, h in self._leaving.items() if h.phase is not Phase.DONE}
+        return not self._leaving
