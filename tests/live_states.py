@@ -13,10 +13,10 @@ AXIS = {
     "latch": {"position": 100.0001, "block": "line 4, block N20", "time_ns": 1_250_000_000},
 }  # fmt: skip
 DISTANCE = {
-    "axis": "Z", "state": "active const dist", "source": "NC", "sensor": "SECOND_ENCODER",
-    "is_held": False, "is_dry_run": True, "sensor_mm": -1.5, "distance_mm": 1.5,
-    "set_name": "SET_DIST", "set_mm": 1.25, "filtered_mm": 1.5, "error_mm": -0.25,
-    "offset_mm": 0.125,
+    "axis": "Z", "unit": "mm", "state": "active const dist", "source": "NC",
+    "sensor": "SECOND_ENCODER", "is_held": False, "is_dry_run": True, "reading": -1.5,
+    "distance": 1.5, "set_name": "SET_DIST", "set": 1.25, "filtered": 1.5, "error": -0.25,
+    "offset": 0.125,
 }  # fmt: skip
 SEGMENT = {
     "segment": "can1", "bitrate": 1_000_000, "is_outside": False, "lost": None, "frames": 12_345,

@@ -262,11 +262,14 @@ def test_the_words_of_a_metric_are_taken(condition: str) -> None:
 
 
 TURNED = ("angle", "angular_velocity", "angular_lag")
-ANGULAR = {"mm": "deg", "um": "mdeg", "mm/s": "deg/s", "N": "N.m"}
+ANGULAR = {
+    **{"mm": "deg", "um": "mdeg", "N": "N.m"},
+    **{f"mm/s{power}": f"deg/s{power}" for power in ("", "2", "3")},
+}
 
 
 def test_a_metric_of_rotary_axes_tells_what_its_linear_twin_tells() -> None:
-    """Every length and force of a measurement run or of the lag has one, in degrees or N.m."""
+    """Every length and force of an axis has one, in degrees or N.m."""
     known = known_metrics()
     twins = {metric.linear: metric for metric in known.values() if metric.linear}
     for name, twin in twins.items():
@@ -276,8 +279,7 @@ def test_a_metric_of_rotary_axes_tells_what_its_linear_twin_tells() -> None:
         assert bool(twin.plot) == bool(own.plot)
     of_axes = {name: metric for name, metric in known.items() if metric.scope != "run"}
     told = {n for n, metric in of_axes.items() if metric.unit in ANGULAR and not metric.linear}
-    others = {name for name in told if name.startswith(("distance_", "offset_", "freeze_"))}
-    others |= {name for name in told if name.startswith("tcp_")}  # of the tool, not of an axis
+    others = {name for name in told if name.startswith("tcp_")}  # of the tool, not of an axis
     assert told - others - twins.keys() == {"probe_deflection_mm_max"}, "probes meet lengths only"
 
 

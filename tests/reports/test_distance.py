@@ -139,12 +139,15 @@ def test_errors_stand_beside_their_closed_form() -> None:
 
 def test_measured_spread_and_closed_form_have_the_unit_of_their_column() -> None:
     """0.4 um with a spread of 0.1 um, under headings in um."""
-    (row,) = shown("profile")["errors"]
+    section = shown("profile")
+    assert (section["unit"], section["small"]) == ("mm", "µm")
+    (row,) = section["errors"]
     assert (row["measured"], row["spread"]) == ("0.40", "0.10")
     folder = resources.files("axisrig.reports.distance")
     page = folder.joinpath("section.html").read_text("utf-8")
     head = page.split("Too near at the end of")[1].split("</tr>")[0]
-    assert [word in head for word in ("true µm", "± µm", "closed form µm")] == [True] * 3
+    assert [word in head for word in ("true", "±", "closed form")] == [True] * 3
+    assert head.count("{{ control.small }}") == 4
 
 
 # Signals

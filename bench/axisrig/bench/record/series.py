@@ -52,6 +52,16 @@ LENGTH_COLUMNS = {
     "drive_lag_peak_mm": "drive_lag_peak_deg",
     "stop_mm": "stop_deg",
     "superposed_mm": "superposed_deg",
+    "offset_mm": "offset_deg",
+    "sensor_mm": "sensor_deg",
+    "distance_cnc_mm": "distance_cnc_deg",
+    "surface_cnc_mm": "surface_cnc_deg",
+    "filtered_mm": "filtered_deg",
+    "error_mm": "error_deg",
+    "delta_mm": "delta_deg",
+    "step_mm": "step_deg",
+    "set_pos_mm": "set_pos_deg",
+    "set_dist_mm": "set_dist_deg",
 }
 FORCE_COLUMNS = {
     "force_n": "torque_nm",

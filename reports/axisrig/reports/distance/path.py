@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 import pyarrow as pa
 
-from axisrig.reports.distance.signals import FOLLOWING, STATES, Control, Signal, column
+from axisrig.reports.distance.signals import FOLLOWING, STATES, Control, Signal, column, signal
 
 WIDTH, HEIGHT = 900, 220
 _LEFT, _RIGHT, _TOP, _BOTTOM = 54, 10, 14, 26
@@ -30,8 +30,7 @@ def drawing(trace: pa.Table | None, control: Control) -> str:
     if trace is None:
         return ""
     axis = control["axis"]
-    state = column(trace, f"{axis}.distance_state")
-    tool = column(trace, f"{axis}.truth_mm")
+    state, tool = (signal(trace, control, name) for name in ("distance_state", "truth_mm"))
     gap = column(trace, f"{control['sensor']}.distance_true_mm")
     if state is None or tool is None or gap is None:
         return ""
@@ -41,12 +40,12 @@ def drawing(trace: pa.Table | None, control: Control) -> str:
         return ""
     name, way = along
     lines = {"surface": tool - gap, "tool tip": tool}
-    wanted, offset = column(trace, f"{axis}.set_mm"), column(trace, f"{axis}.offset_mm")
+    wanted, offset = (signal(trace, control, name) for name in ("set_mm", "offset_mm"))
     if wanted is not None and offset is not None:
         late = control["late_cycles"]
         lines["programmed"] = wanted - np.concatenate([offset[:late], offset[: len(offset) - late]])
     shown = {label: values[rows] for label, values in lines.items()}
-    return _svg(way[rows], shown, f"{name} in mm", f"{axis} in mm")
+    return _svg(way[rows], shown, f"{name} in mm", f"{axis} in {control.get('unit', 'mm')}")
 
 
 def _widest(trace: pa.Table, axis: str, rows: np.ndarray) -> tuple[str, Signal] | None:

@@ -10,7 +10,7 @@ import pyarrow as pa
 from markupsafe import Markup
 
 from axisrig.reports.distance.path import drawing
-from axisrig.reports.distance.signals import Control, controls_of
+from axisrig.reports.distance.signals import DEGREE, Control, controls_of
 from axisrig.reports.distance.words import happened, is_unstable, law_words, state
 from axisrig.reports.parts.bar import bar
 
@@ -55,6 +55,8 @@ def _section(
     control = {**control, "alarms": ended}
     return {
         "axis": control["axis"],
+        "unit": control.get("unit", "mm"),
+        "small": "m°" if control.get("unit") == DEGREE else "µm",
         "sensor": control["sensor"],
         "period": f"{control['period_ms']:g}",
         "state": key,
@@ -118,7 +120,7 @@ def _margin(row: Mapping[str, Any]) -> str:
 
 
 def _error(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The true error at the end of a stretch beside its closed form, in um."""
+    """The true error at the end of a stretch beside its closed form, in um or 0.001 degrees."""
     expected = row["expected_mm"]
     return {
         "mode": row["mode"],

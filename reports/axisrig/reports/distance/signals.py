@@ -15,6 +15,8 @@ Control = Mapping[str, Any]
 """One axis with distance control, as the block `distance` of the findings has it."""
 Signal = npt.NDArray[np.float64]
 
+DEGREE = "°"
+"""Unit of a control whose axis turns."""
 STATES = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
 SURFACE, DISTANCE = "ACTIVE", "ACTIVE_CONST_DIST"
 FOLLOWING = frozenset({SURFACE, DISTANCE})
@@ -60,6 +62,25 @@ def column(trace: pa.Table, name: str) -> Signal | None:
     return values
 
 
+def name_of(columns: Sequence[str], control: Control, name: str) -> str:
+    """Return the column of a signal of a control; that of an axis that turns ends in deg.
+
+    name: as that of a linear axis. columns: of the trace; older ones have all names of lengths.
+    """
+    turned = f"{control['axis']}.{_unit_name(control, name)}"
+    return turned if turned in columns else f"{control['axis']}.{name}"
+
+
+def _unit_name(control: Control, name: str) -> str:
+    is_turned = control.get("unit") == DEGREE and name.endswith("_mm")
+    return f"{name.removesuffix('_mm')}_deg" if is_turned else name
+
+
+def signal(trace: pa.Table, control: Control, name: str) -> Signal | None:
+    """Return a signal of a control, named as that of a linear axis; None where it lacks."""
+    return column(trace, name_of(trace.column_names, control, name))
+
+
 def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
     """Put what belongs together into one unit: filtered surface and distance, the true surface.
 
@@ -70,16 +91,16 @@ def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
     for control in controls:
         added = _added(trace, control)
         for name, values in added.items():
-            trace = trace.append_column(f"{control['axis']}.{name}", column_of(values))
+            turned = f"{control['axis']}.{_unit_name(control, name)}"
+            trace = trace.append_column(turned, column_of(values))
         trace = trace.drop_columns(_dropped(trace, control))
     return trace
 
 
 def _added(trace: pa.Table, control: Control) -> dict[str, Signal]:
-    axis = control["axis"]
-    state, filtered = column(trace, f"{axis}.distance_state"), column(trace, f"{axis}.filtered_mm")
+    state, filtered = (signal(trace, control, n) for n in ("distance_state", "filtered_mm"))
     gap = column(trace, f"{control['sensor']}.distance_true_mm")
-    truth, wanted = column(trace, f"{axis}.truth_mm"), column(trace, f"{axis}.set_pos_mm")
+    truth, wanted = (signal(trace, control, n) for n in ("truth_mm", "set_pos_mm"))
     added = {}
     if state is not None and filtered is not None:
         in_surface, in_distance = (state == STATES.index(mode) for mode in (SURFACE, DISTANCE))
@@ -95,13 +116,13 @@ def _added(trace: pa.Table, control: Control) -> dict[str, Signal]:
 
 
 def _dropped(trace: pa.Table, control: Control) -> list[str]:
-    shown, axis = modes(control), control["axis"]
-    names = [f"{axis}.{name}" for name in _REPLACED]
-    names += [f"{axis}.{name}" for name in (() if SURFACE in shown else _OF_SURFACE)]
+    shown, of_axis = modes(control), list(_REPLACED)
+    of_axis += () if SURFACE in shown else _OF_SURFACE
     # The sensor value of 3D control is the distance: it is shown in every mode
-    keeps_distance = DISTANCE in shown or axis == CHANNEL
-    names += [f"{axis}.{name}" for name in (() if keeps_distance else _OF_DISTANCE)]
-    names += [f"{axis}.{name}" for name in (_OF_SENSOR if shown == {DISTANCE} else ())]
+    keeps_distance = DISTANCE in shown or control["axis"] == CHANNEL
+    of_axis += () if keeps_distance else _OF_DISTANCE
+    of_axis += _OF_SENSOR if shown == {DISTANCE} else ()
+    names = [name_of(trace.column_names, control, name) for name in of_axis]
     names += [n for n in trace.column_names if n.startswith(f"{control['sensor']}.")]
     return [name for name in names if name in trace.column_names]
 
@@ -130,7 +151,7 @@ def limits(controls: Sequence[Control]) -> list[dict[str, Any]]:
             for plot, value in _places(row, control, only_distance):
                 found.append(
                     {
-                        "plot": plot,
+                        "plot": f"{plot}_angle" if control.get("unit") == DEGREE else plot,
                         "axis": control["axis"],
                         "value": round(value, 9),
                         "label": row["key"],

@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.record.series import values_of
-from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Control, Signal, column
+from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Control, Signal, signal
 
 LEGEND = "The lane above the plots of an axis with distance control is the state of the control."
 """How to read its plots."""
@@ -112,19 +112,20 @@ def _part(
     control: Control, stretch: Control, before: Control | None, trace: pa.Table | None
 ) -> str:
     name = stretch["state"]
-    offset = _inside(trace, f"{control['axis']}.offset_mm", stretch)
+    offset = _inside(trace, control, "offset_mm", stretch)
     if name in FOLLOWING:
         return _on(control, stretch, before, trace, offset)
     if name == "ERROR":
-        return "ERROR: the offset is held" + (f" at {_mm(offset[-1])}" if len(offset) else "")
+        at = f" at {_shown(offset[-1], control)}" if len(offset) else ""
+        return f"ERROR: the offset is held{at}"
     by = _BY[stretch["by"]]
     if name == "INACTIVE":
         return _inactive(before, by)
     if name == "FREEZE":
         return f"FREEZE by {by}: {_frozen(control, stretch, trace, offset)}"
     took = (stretch["end_ns"] - stretch["begin_ns"]) / _NS_PER_MS
-    from_mm = _before(trace, f"{control['axis']}.offset_mm", stretch)
-    rest = "the offset runs" if from_mm is None else f"{_mm(from_mm)} run"
+    from_mm = _before(trace, control, "offset_mm", stretch)
+    rest = "the offset runs" if from_mm is None else f"{_shown(from_mm, control)} run"
     return f"OFF by {by}: {rest} out, {took:.0f} ms"
 
 
@@ -142,9 +143,9 @@ def _on(
     name = stretch["state"]
     head = f"{_COMMANDS[name]} by {_BY[stretch['by']]}"
     if stretch["set_mm"] is not None:
-        head += f", {_SET_VALUES[name]} {stretch['set_mm']:.6g} mm"
+        head += f", {_SET_VALUES[name]} {stretch['set_mm']:.6g} {_unit(control)}"
         if stretch["set_end_mm"] not in (None, stretch["set_mm"]):
-            head += f" to {stretch['set_end_mm']:.6g} mm"
+            head += f" to {stretch['set_end_mm']:.6g} {_unit(control)}"
     if stretch["is_dry_run"]:
         return f"{head}: DRYRUN, the offset stays"
     return f"{head}: {_followed(control, stretch, trace, offset, law)}"
@@ -171,12 +172,14 @@ def _frozen(control: Control, stretch: Control, trace: pa.Table | None, offset: 
     if not len(offset):
         return "the offset is held"
     moved = float(np.ptp(offset))
-    words = f"the offset is held at {_mm(offset[0])}" + (
-        ", bit for bit" if moved == 0.0 else f" and moves by {_mm(moved)}"
+    words = f"the offset is held at {_shown(offset[0], control)}" + (
+        ", bit for bit" if moved == 0.0 else f" and moves by {_shown(moved, control)}"
     )
-    sensor = _inside(trace, f"{control['axis']}.sensor_mm", stretch)
+    sensor = _inside(trace, control, "sensor_mm", stretch)
     if len(sensor) and np.ptp(sensor) >= _LEAST_MM:
-        words += f"; the sensor goes from {_mm(sensor[0])} to {_mm(sensor[-1])}"
+        words += (
+            f"; the sensor goes from {_shown(sensor[0], control)} to {_shown(sensor[-1], control)}"
+        )
     return words
 
 
@@ -189,24 +192,24 @@ def _followed(
 ) -> str:
     if len(offset) < 2:
         return "followed"
-    words = f"offset {_mm(offset[0])} to {_mm(offset[-1])}"
+    words = f"offset {_shown(offset[0], control)} to {_shown(offset[-1], control)}"
     low, high = float(offset.min()), float(offset.max())
     if high - low > 1.1 * abs(float(offset[-1] - offset[0])) + _LEAST_MM:
-        words += f", between {_mm(low)} and {_mm(high)}"
-    error = _inside(trace, f"{control['axis']}.error_mm", stretch)
+        words += f", between {_shown(low, control)} and {_shown(high, control)}"
+    error = _inside(trace, control, "error_mm", stretch)
     if is_unstable(law):
         tail = error[-_TAIL_ROWS:]
         swing = float(np.ptp(tail)) / 2.0 if len(tail) else 0.0
         if swing >= _LEAST_MM:
-            return f"{words}; the error swings by ±{_mm(swing)} at the end"
+            return f"{words}; the error swings by ±{_shown(swing, control)} at the end"
         return f"{words}; nothing has excited the loop so far"
-    surface = _inside(trace, f"{control['axis']}.surface_cnc_mm", stretch)
+    surface = _inside(trace, control, "surface_cnc_mm", stretch)
     stands = not len(surface) or np.ptp(surface) <= _STILL * np.ptp(offset)
     took = _settled_ms(offset, control["period_ms"]) if stands else None
     if took is not None:
         words += f", within 5 % of it after {took:.0f} ms"
     if len(error):
-        words += f"; error at the end {_mm(float(np.mean(error[-_TAIL_ROWS:])))}"
+        words += f"; error at the end {_shown(float(np.mean(error[-_TAIL_ROWS:])), control)}"
     return words
 
 
@@ -219,9 +222,9 @@ def _settled_ms(offset: Signal, period_ms: float) -> float | None:
     return float(outside[-1] + 1 if len(outside) else 0) * period_ms
 
 
-def _inside(trace: pa.Table | None, name: str, stretch: Control) -> Signal:
+def _inside(trace: pa.Table | None, control: Control, name: str, stretch: Control) -> Signal:
     """A signal within a stretch, empty where there is none."""
-    values = None if trace is None else column(trace, name)
+    values = None if trace is None else signal(trace, control, name)
     if trace is None or values is None:
         return np.empty(0)
     times = values_of(trace.column("time_ns"))
@@ -230,16 +233,21 @@ def _inside(trace: pa.Table | None, name: str, stretch: Control) -> Signal:
     return known
 
 
-def _before(trace: pa.Table | None, name: str, stretch: Control) -> float | None:
+def _before(trace: pa.Table | None, control: Control, name: str, stretch: Control) -> float | None:
     """A signal in the cycle before a stretch: what the PLC commands acts in its first cycle."""
-    values = None if trace is None else column(trace, name)
+    values = None if trace is None else signal(trace, control, name)
     if trace is None or values is None:
         return None
     earlier = values[values_of(trace.column("time_ns")) < stretch["begin_ns"]]
     return float(earlier[-1]) if len(earlier) else None
 
 
-def _mm(value: float) -> str:
-    """A length with the digits that a reader compares."""
+def _shown(value: float, control: Control) -> str:
+    """A length or angle with the digits that a reader compares."""
     text = f"{value:.4f}".rstrip("0").rstrip(".")
-    return ("0" if text in ("-0", "") else text) + " mm"
+    return f"{'0' if text in ('-0', '') else text} {_unit(control)}"
+
+
+def _unit(control: Control) -> str:
+    """Unit of its lengths; older findings have no angles."""
+    return str(control.get("unit", "mm"))

@@ -169,15 +169,15 @@
     const more = [one.is_held ? "held" : "", one.is_dry_run ? "dry run" : ""].filter(Boolean);
     lamp(get("lamp"), [one.state, ...more].join(", "), kind);
     fields.get(key).classList.toggle("off", kind === "bad");
-    big(get("big"), number(one.offset_mm), "mm offset");
+    big(get("big"), number(one.offset), `${one.unit} offset`);
     put(get("sensor"), one.sensor);
-    put(get("reads"), `${number(one.sensor_mm)} mm`);
-    put(get("distance"), `${number(one.distance_mm)} mm`);
-    put(get("set value"), `${one.set_name} ${number(one.set_mm)} mm`);
-    put(get("error"), thousandth(one.error_mm, "mm"));
+    put(get("reads"), `${number(one.reading)} ${one.unit}`);
+    put(get("distance"), `${number(one.distance)} ${one.unit}`);
+    put(get("set value"), `${one.set_name} ${number(one.set)} ${one.unit}`);
+    put(get("error"), thousandth(one.error, one.unit));
     put(get("commanded by"), one.source);
-    plot(`${one.axis}.offset`, time, [one.offset_mm], "mm");
-    plot(`${one.axis}.sensor`, time, [one.sensor_mm], "mm");
+    plot(`${one.axis}.offset`, time, [one.offset], one.unit);
+    plot(`${one.axis}.sensor`, time, [one.reading], one.unit);
   };
 
   // Tables

@@ -87,12 +87,11 @@ def _axes(axes: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def _distance(controls: Sequence[Mapping[str, Any]]) -> Table:
-    names = ("offset_mm", "sensor_mm", "distance_mm", "error_mm")
-    columns = [f"{name.removesuffix('_mm')}, mm>r" for name in names]
-    table = _table(["distance control", "state", *columns])
+    names = ("offset", "reading", "distance", "error")
+    table = _table(["distance control", "state", *(f"{name}>r" for name in names), ""])
     for one in controls:
         numbers = (_number(one[name]) for name in names)
-        table.add_row(one["axis"], _word(one["state"]), *numbers)
+        table.add_row(one["axis"], _word(one["state"]), *numbers, one["unit"])
     return table
 
 

@@ -2,7 +2,7 @@
 
 A block has per axis its stretches (state, by whom, set value), the
 laws it followed with limit and dead cycles, the error at the end of each stretch, and how much of
-each limit was used. Lengths in mm, times in ns, speeds in mm/s.
+each limit was used. Lengths in mm, times in ns, speeds in mm/s; of an axis that turns degrees.
 """
 
 import math
@@ -76,6 +76,7 @@ def block_of(truth: DistanceTruth) -> dict[str, Any]:
     parts = _parts(truth, changes, laws)
     return {
         "axis": truth.axis,
+        "unit": _unit(truth),
         "sensor": truth.sensor_name or None,
         "zero_mm": truth.zero_mm,
         "period_ms": truth.period_ns / 1e6,
@@ -87,6 +88,12 @@ def block_of(truth: DistanceTruth) -> dict[str, Any]:
         "limits": _limits(truth),
         "notes": _notes(truth),
     }
+
+
+def _unit(truth: DistanceTruth) -> str:
+    """Return the unit of its lengths, which are angles of an axis that turns."""
+    is_axis = truth.axis != CHANNEL
+    return "°" if is_axis and truth.observed.is_rotary(truth.axis) else "mm"
 
 
 def distance_events(observed: Observed) -> list[Event]:
@@ -219,7 +226,8 @@ def _notes(truth: DistanceTruth) -> list[str]:
     notes = []
     if truth.zero_mm:
         by = "REF" if truth.control.is_referenced else "ref_offset"
-        notes.append(f"The sensor value is 0 at a gap of {truth.zero_mm:.6g} mm ({by}).")
+        zero = f"{truth.zero_mm:.6g} {_unit(truth)}"
+        notes.append(f"The sensor value is 0 at a gap of {zero} ({by}).")
     if not truth.counts_right:
         notes.append(
             "The sensor counts the wrong way round for its P-AXIS-00230: the offset feeds back with"
@@ -323,7 +331,7 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
             "key": key,
             "parameter": _PARAMETERS[key][is_channel],
             "value": value,
-            "unit": unit,
+            "unit": unit.replace("mm", _unit(truth)),
             "used": used,
             "acts": _acts(key, truth.listed.control.limiter, is_channel=is_channel),
         }

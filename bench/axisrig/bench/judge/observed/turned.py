@@ -12,7 +12,7 @@ from axisrig.bench.plan.checks import Check, known_metrics, rotary_twin
 
 FORCE, TORQUE = "N", "N.m"
 LENGTHS = ("mm", "um", "mm/s", "mm/s2", "mm/s3")
-ANGLES = ("deg", "mdeg", "deg/s")
+ANGLES = ("deg", "mdeg", "deg/s", "deg/s2", "deg/s3")
 
 
 def turned(observed: Observed, check: Check) -> str:

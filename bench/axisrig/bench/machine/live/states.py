@@ -67,8 +67,8 @@ def _plain(value: Any) -> Any:
 def state_of(machine: Machine) -> State:
     """Return what a machine does now.
 
-    Positions of axes have the unit of their axis (`unit`: mm or °) and are None before the drives
-    have started; times are simulated, ns.
+    Positions of axes and of their distance control have a `unit`, mm or °, and are None before the
+    drives have started; times are simulated, ns.
     """
     channel = machine.channel
     command = at_work(channel)
@@ -82,12 +82,17 @@ def state_of(machine: Machine) -> State:
         "waits_for": waited_for(channel),
         "axes": [_axis(machine, link) for link in channel.links],
         "probes": [_probe(machine, name) for name in machine.plant.probes],
-        "distance": [_distance(name, found) for name, found in _controls(channel)],
+        "distance": [_distance(machine, name, found) for name, found in _controls(channel)],
         "bus": [_segment(machine, name) for name in machine.segments],
         "real_time": _real_time(machine),
         "alarms": [str(alarm) for alarm in alarms[-LATEST:]],
         "messages": [message.shown for message in machine.messages[-LATEST:]],
     }
+
+
+def _unit(machine: Machine, name: str) -> str:
+    """The unit of lengths of an axis, or of the channel."""
+    return "°" if name != CHANNEL and is_rotary(machine.settings, name) else "mm"
 
 
 def _word(name: str) -> str:
@@ -101,7 +106,7 @@ def _axis(machine: Machine, link: AxisLink) -> State:
     is_known = channel.state is not ChannelState.STARTING
     return {
         "axis": name,
-        "unit": "°" if is_rotary(machine.settings, name) else "mm",
+        "unit": _unit(machine, name),
         "is_outside": name in machine.outside,
         "set": link.set_mm if is_known else None,
         "actual": link.actual_mm if is_known else None,
@@ -153,25 +158,26 @@ def _controls(channel: Channel) -> list[tuple[str, Sensing]]:
     return found if whole is None else [*found, (CHANNEL, whole)]
 
 
-def _distance(name: str, found: Sensing) -> State:
+def _distance(machine: Machine, name: str, found: Sensing) -> State:
     """A distance control; what no sensor has reported yet is null."""
     control, sensor_mm = found.control, found.sensor_mm
     is_known = sensor_mm is not None
     is_constant = control.state is DistanceState.ACTIVE_CONST_DIST
     return {
         "axis": name,
+        "unit": _unit(machine, name),
         "state": _word(control.state.name),
         "source": control.source.name,
         "sensor": source_word(found.sensor),
         "is_held": found.is_held,
         "is_dry_run": control.is_dry_run,
-        "sensor_mm": None if sensor_mm is None else sensor_mm * control.settings.sensor_sign,
-        "distance_mm": control.distance_mm if is_known else None,
+        "reading": None if sensor_mm is None else sensor_mm * control.settings.sensor_sign,
+        "distance": control.distance_mm if is_known else None,
         "set_name": "SET_DIST" if is_constant else "SET_POS",
-        "set_mm": control.set_dist_mm if is_constant else control.set_pos_mm,
-        "filtered_mm": control.filtered_mm,
-        "error_mm": control.error_mm,
-        "offset_mm": control.offset_mm,
+        "set": control.set_dist_mm if is_constant else control.set_pos_mm,
+        "filtered": control.filtered_mm,
+        "error": control.error_mm,
+        "offset": control.offset_mm,
     }
 
 

@@ -14,7 +14,7 @@ from axisrig.kernel.distance import DistanceCommand
 
 @dataclass(slots=True)
 class DistanceCommandElements(Kept):
-    """HLI_DISTANCE_CONTROL_COMMAND; set_pos, set_dist in 0.1 um.
+    """HLI_DISTANCE_CONTROL_COMMAND; set_pos, set_dist in 0.1 um or 0.0001 deg.
 
     transition: one of HLI_DIST_CTRL_OFF, _ON, _FREEZE, _ON_CONST_DIST. None of an element leaves
     what is.
@@ -38,7 +38,7 @@ class DistanceCommandElements(Kept):
 
 @dataclass(slots=True)
 class DistanceStateElements(Kept):
-    """HLI_DISTANCE_CONTROL_STATE; lengths in 0.1 um, 0 while no sensor value is known.
+    """HLI_DISTANCE_CONTROL_STATE; in 0.1 um or 0.0001 deg, 0 while nothing was sensed.
 
     state: one of HLI_DIST_CTRL_STATE_*. surface: actual position of the workpiece surface.
     distance: current distance. source: who commanded last, 0 the NC program, 1 the PLC.

@@ -44,8 +44,8 @@ class DistanceTrace:
     All in mm but the state (`DistanceState`), whether feedhold or override 0 of the axis hold the
     offset (0, 1), and the override of the axis; what was not known yet, and a set value that is not
     given, is not a number. 3D control has the same as `channel.`, with its sensor value as the PLC
-    gives it, TOOL_COLUMNS, and for every axis what is superposed on it. rotary: axes of which that
-    is degrees.
+    gives it, TOOL_COLUMNS, and for every axis what is superposed on it. rotary: axes of which all
+    of it is degrees, with names of their own (LENGTH_COLUMNS).
     """
 
     def __init__(self, rotary: Collection[str] = ()) -> None:
@@ -102,11 +102,15 @@ class DistanceTrace:
             found = zip(DISTANCE_CONTROL_COLUMNS, rows.take_columns(), strict=True)
             for column, values in found:
                 kind = np.int8 if column in (STATE_COLUMN, HELD_COLUMN) else np.float64
-                columns[f"{name}.{column}"] = column_of(values.astype(kind))
+                columns[self._of(name, column)] = column_of(values.astype(kind))
         if self._superposed is not None:
             for column, values in zip(TOOL_COLUMNS, self._tool.take_columns(), strict=True):
                 columns[f"{CHANNEL}.{column}"] = column_of(values)
             for name, values in zip(self._names, self._superposed.take_columns(), strict=True):
-                word = LENGTH_COLUMNS[SUPERPOSED] if name in self._rotary else SUPERPOSED
-                columns[f"{name}.{word}"] = column_of(values)
+                columns[self._of(name, SUPERPOSED)] = column_of(values)
         return columns
+
+    def _of(self, name: str, column: str) -> str:
+        """Return the name of a column of an axis, or of the channel."""
+        turned = LENGTH_COLUMNS.get(column, column) if name in self._rotary else column
+        return f"{name}.{turned}"
