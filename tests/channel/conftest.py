@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import count
+from itertools import count, zip_longest
 from typing import Any
 
 import pytest
@@ -28,6 +28,7 @@ from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
 from axisrig.kernel.channel.path.monitor import Monitor
 from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.functions import DriveFunction
 from axisrig.kernel.drives.canopen.link import AxisLink
@@ -40,7 +41,8 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     StartUpSettings,
     start_up_steps,
 )
-from axisrig.kernel.drives.canopen.watch import WatchSettings
+from axisrig.kernel.drives.canopen.watch import LinkWatch, WatchSettings
+from axisrig.kernel.drives.power import PowerRequest
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.measuring.rules import MeasuringAxis
@@ -192,8 +194,8 @@ class ChannelBench:
             AxisLink(
                 LinkSettings(
                     s.name,
-                    n,
                     INCREMENTS_PER_MM,
+                    node_id=n,
                     lag_delay_cycles=2,
                     missing_cycles=missing_cycles,
                     fault_reset=fault_reset,
@@ -215,16 +217,24 @@ class ChannelBench:
             self.remotes[spec.name] = remote
         self.messages: list[tuple[int, str]] = []
         self.samples: list[Sample] = []
-        timing = CycleTiming(MS, OFFSET_NS, buffer_cycles, sync_counter)
+        timing = CycleTiming(MS, OFFSET_NS, buffer_cycles)
         self.channel = Channel(
             self.scheduler,
             timing,
             [s.settings() for s in specs],
             self.links,
-            [self.network],
             Surroundings(
                 put_out=lambda m: self.messages.append((self.scheduler.now_ns, m.text)),
-                monitor=Monitor(self.links, [self.network], self.scheduler, watches),
+                monitor=Monitor(
+                    self.links,
+                    [CanCarrier(self.network, sync_counter)],
+                    [
+                        LinkWatch(link, self.scheduler, watch)
+                        for link, watch in zip_longest(
+                            self.links, watches, fillvalue=WatchSettings()
+                        )
+                    ],
+                ),
                 functions=DriveFunctions(self._accesses(functions)),
             ),
             settings,
@@ -257,7 +267,7 @@ class ChannelBench:
                 self.scheduler.now_ns,
                 channel.interpolator.positions_mm,
                 tuple(link.set_mm for link in self.links),
-                any(link.power for link in self.links),
+                any(link.request is not PowerRequest.OFF for link in self.links),
             )
         )
 
@@ -267,7 +277,7 @@ class ChannelBench:
         self.channel.start_up([self._start_up(link) for link in self.links])
 
     def _start_up(self, link: AxisLink) -> StartUp:
-        node_id, settings = link.settings.node_id, self.start_up
+        node_id, settings = link.node_id, self.start_up
         scaling = Scaling(
             self.profile.encoder_increments, Fraction(self.profile.units_per_revolution)
         )

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel import ChannelSettings
+from axisrig.kernel.drives.power import Power
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.profiles.cia402.ds402 import State
 
 Make = Callable[..., Any]
 S, T_S = 1_000_000_000, 1e-3
@@ -50,7 +50,7 @@ class Stop:
 
     def has_ended_with_closed_loops(self) -> bool:
         return self.bench.channel.has_ended and all(
-            link.state is State.OPERATION_ENABLED and link.power for link in self.bench.links
+            link.power is Power.OPERATING and link.keeps_operating for link in self.bench.links
         )
 
 

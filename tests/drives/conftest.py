@@ -23,6 +23,7 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     StartUpSettings,
     start_up_steps,
 )
+from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US
@@ -185,7 +186,7 @@ class LinkBench:
 
     def enable(self) -> None:
         """Power on and hold: three steps of the state machine, one SYNC each, and some to see."""
-        self.link.power = True
+        self.link.order(PowerOrder.SWITCH_ON)
         here_mm = self.axis.motor_position_m() * 1e3
         for _ in range(8):
             self.cycle(here_mm)
@@ -242,11 +243,11 @@ def link_bench() -> Iterator[Callable[..., LinkBench]]:
             network.add_node(remote)
             settings = LinkSettings(
                 "Z",
-                NODE,
                 INCREMENTS_PER_MM,
                 probe_input,
                 edge,
                 lag_delay_cycles,
+                node_id=NODE,
                 has_counter=counter,
             )
             link = AxisLink(settings, network)

@@ -9,6 +9,7 @@ from axisrig.bench.bus.can.faults import Drop, ErrorAtBit, FaultAction, FrameFau
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import State
 
@@ -240,7 +241,7 @@ def test_three_missing_telegrams_are_forgiven_again_and_again(link_bench: Make) 
 def test_power_leads_to_operation_enabled_one_step_a_sync(link_bench: Make) -> None:
     bench = link_bench()
     bench.commission()
-    bench.link.power = True
+    bench.link.order(PowerOrder.SWITCH_ON)
     states = []
     for _ in range(6):
         bench.cycle()
@@ -269,7 +270,7 @@ def test_a_fault_is_told_with_its_emergency_code(link_bench: Make) -> None:
     bench.commission()
     bench.remote.sdo[0x6065].raw = round(0.1 / INCREMENT_MM)
     bench.remote.sdo[0x6066].raw = 0
-    bench.link.power = True
+    bench.link.order(PowerOrder.SWITCH_ON)
     for _ in range(12):
         bench.cycle(0.0)
         if bench.link.emergency:

@@ -9,6 +9,7 @@ import pytest
 
 from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
+from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 
@@ -95,7 +96,7 @@ def test_what_is_mapped_is_what_comes_over_the_bus(link_bench: Make) -> None:
 def test_set_position_and_words_go_out_as_mapped(link_bench: Make) -> None:
     bench = link_bench(start_mm=-2.0)
     bench.commission()
-    bench.link.power = True
+    bench.link.order(PowerOrder.SWITCH_ON)
     bench.link.arm()
     bench.cycle(-2.0)
     (sent,) = bench.frames(0x203)

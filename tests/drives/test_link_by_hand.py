@@ -44,7 +44,7 @@ class Wire:
 
 def _link(**settings: Any) -> tuple[AxisLink, Wire]:
     wire = Wire()
-    link = AxisLink(LinkSettings("Z", 3, 1000.0, **settings), wire)
+    link = AxisLink(LinkSettings("Z", 1000.0, node_id=3, **settings), wire)
     link.begin()
     return link, wire
 
@@ -90,7 +90,7 @@ def test_the_doubt_of_an_unproved_latch_is_how_far_it_may_be_off(latched: int) -
 def test_a_fault_is_acknowledged_by_edges_until_it_is_gone() -> None:
     """The first edge may be lost on the bus, and a bit that is held resets nothing."""
     link, wire = _link(fault_reset=True)
-    link.resets_fault = True
+    link.acknowledges_faults = True
     words = []
     for _ in range(4):
         wire.status(FAULT, 0)

@@ -39,7 +39,7 @@ class Wire:
 
 def linked(table: str | None = None, **settings: Any) -> tuple[AxisLink, Wire]:
     wire = Wire()
-    link = AxisLink(LinkSettings("Z", 3, 1000.0, pdo_map=table, **settings), wire)
+    link = AxisLink(LinkSettings("Z", 1000.0, node_id=3, pdo_map=table, **settings), wire)
     link.begin()
     return link, wire
 

@@ -7,9 +7,9 @@ import pytest
 
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
-from axisrig.kernel.drives.canopen.watch import DriveWatch, WatchSettings
+from axisrig.kernel.drives.canopen.watch import LinkWatch, WatchSettings
+from axisrig.kernel.drives.power import Power
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, S
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
@@ -23,15 +23,15 @@ TPDO4,2,0,0x60E4,1,32,yes,second
 """
 
 
-def watched(clock: Scheduler, settings: WatchSettings) -> tuple[DriveWatch, Any]:
+def watched(clock: Scheduler, settings: WatchSettings) -> tuple[LinkWatch, Any]:
     """A watch whose drive is in operation, and what it hears."""
     heard: dict[int, Any] = {}
     network = SimpleNamespace(subscribe=heard.__setitem__, send_message=lambda *_a, **_k: None)
     link: Any = SimpleNamespace(
-        name="Z", network=network, settings=SimpleNamespace(node_id=3), begin=lambda: None,
-        jump_mm=None, state=State.OPERATION_ENABLED, emergency=None, forget=lambda: None,
+        name="Z", network=network, node_id=3, begin=lambda: None,
+        jump_mm=None, power=Power.OPERATING, emergency=None, forget=lambda: None,
     )  # fmt: skip
-    return DriveWatch(link, clock, settings), heard[0x703]
+    return LinkWatch(link, clock, settings), heard[0x703]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_telegrams_that_stayed_out_before_begin_do_not_count(tmp_path: Any) -> N
     path.write_text(TABLE)
     heard: dict[int, Any] = {}
     network = SimpleNamespace(subscribe=heard.__setitem__, send_message=lambda *_a: None)
-    link = AxisLink(LinkSettings("Z", 3, 1000.0, pdo_map=str(path)), network)
+    link = AxisLink(LinkSettings("Z", 1000.0, node_id=3, pdo_map=str(path)), network)
 
     def cycle() -> None:
         link.begin_cycle()

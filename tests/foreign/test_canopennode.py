@@ -18,6 +18,8 @@ from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming, Surroundings
+from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
@@ -28,6 +30,7 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     StartUpSettings,
     start_up_steps,
 )
+from axisrig.kernel.drives.canopen.watch import LinkWatch, WatchSettings
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
@@ -69,7 +72,9 @@ class MasterBench:
         start = round(START_MM * PER_MM)
         self.drive = ForeignDrive(library, port, self.scheduler, NODE_ID, start, surface)
         self.network = SimNetwork(self.segment.port("cnc")).connect()
-        self.link = AxisLink(LinkSettings("Z", NODE_ID, PER_MM, lag_delay_cycles=2), self.network)
+        self.link = AxisLink(
+            LinkSettings("Z", PER_MM, node_id=NODE_ID, lag_delay_cycles=2), self.network
+        )
         dynamics = Dynamics(SLOPE, SLOPE, SLOPE, 500.0)
         axis = AxisSettings("Z", True, 0.01, 2 * S, dict.fromkeys(Motion, dynamics))
         self.channel = Channel(
@@ -77,8 +82,14 @@ class MasterBench:
             CycleTiming(MS, 620 * US, 0),
             [axis],
             [self.link],
-            [self.network],
-            Surroundings(put_out=lambda _message: None),
+            Surroundings(
+                put_out=lambda _message: None,
+                monitor=Monitor(
+                    [self.link],
+                    [CanCarrier(self.network)],
+                    [LinkWatch(self.link, self.scheduler, WatchSettings())],
+                ),
+            ),
         )
         self._start = self._start_up(settings)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.drives.power import Power
 
 V_MM_S = 50.0 / math.sqrt(2.0)
 FAULT = "fault:drop=X.TPDO1 at=motion+400ms"
@@ -49,7 +49,7 @@ def test_the_faulty_axis_brakes_by_its_own_ramp(
     end_mm = outcome.column("X.set_mm")[-1]
     assert outcome.column("X.truth_mm")[-1] == pytest.approx(end_mm, abs=0.01)
     links = outcome.machine.channel.links
-    assert all(link.state is State.OPERATION_ENABLED and link.power for link in links)
+    assert all(link.power is Power.OPERATING and link.keeps_operating for link in links)
 
 
 def test_p_chan_00218_takes_every_axis_off_the_path(run_nc: Any) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.axes.homing import (
+from axisrig.kernel.drives.canopen.homing import (
     BLIND_CYCLES,
     LIMIT_NS,
     MODE_POLLS_MAX,
@@ -30,7 +30,7 @@ class Drive:
         self.objects = {MODE: CSP, DISPLAY: CSP, METHOD: 17, ERROR: 0x7305}
         self.mode_in_pdo, self.refuses = mode_in_pdo, refuses
         self.follows = True
-        self.settings = SimpleNamespace(node_id=3)
+        self.node_id = 3
         self.name, self.sdo = "Z", self
         self.mode_bits, self.statusword, self.leads_itself = 0, 0, False
 
@@ -60,7 +60,7 @@ class Drive:
 
 def homing(drive: Drive) -> tuple[AxisHoming, SimpleNamespace]:
     clock = SimpleNamespace(now_ns=0)
-    return AxisHoming(drive, clock), clock  # type: ignore[arg-type]
+    return AxisHoming(drive, clock, drive.sdo), clock  # type: ignore[arg-type]
 
 
 def cycles(axis: AxisHoming, count: int) -> None:

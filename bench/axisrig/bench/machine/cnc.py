@@ -1,6 +1,6 @@
 """The kernel of a rig: its links, watches and start-ups, made of the settings."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from axisrig.bench.rig.arrival import stamp_clock
@@ -11,6 +11,7 @@ from axisrig.bench.rig.reading.startup import start_up_settings, watch_settings
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel import AxisSettings
 from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.drives.canopen.carrier import CanCarrier, HeartbeatProducer
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.latch_check import StandstillRoom
@@ -18,7 +19,7 @@ from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
-from axisrig.kernel.drives.canopen.watch import HeartbeatProducer
+from axisrig.kernel.drives.canopen.watch import LinkWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 
@@ -57,15 +58,27 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
     )
 
 
+def build_carriers(settings: Settings, networks: Mapping[str, Any]) -> dict[str, CanCarrier]:
+    """Make what begins the cycles, by segment."""
+    overflow = settings.rig.cycle.sync_counter
+    return {name: CanCarrier(network, overflow) for name, network in networks.items()}
+
+
 def build_monitor(
-    settings: Settings, links: Mapping[str, AxisLink], networks: Mapping[str, Any], clock: Clock
+    settings: Settings,
+    links: Mapping[str, AxisLink],
+    networks: Sequence[Any],
+    carriers: Sequence[CanCarrier],
+    clock: Clock,
 ) -> Monitor:
-    """Make the watch over all drives and buses."""
+    """Make the watch over all drives and buses; networks: of the carriers."""
     rig = settings.rig
-    everything = list(networks.values())
-    heartbeat = HeartbeatProducer(everything, clock, rig.cycle.master_node, rig.cycle.heartbeat_ms)
-    watches = [watch_settings(rig.drive[axis.drive]) for axis in rig.axis.values()]
-    return Monitor(list(links.values()), everything, clock, watches, heartbeat)
+    heartbeat = HeartbeatProducer(networks, clock, rig.cycle.master_node, rig.cycle.heartbeat_ms)
+    watches = [
+        LinkWatch(links[name], clock, watch_settings(rig.drive[axis.drive]))
+        for name, axis in rig.axis.items()
+    ]
+    return Monitor(list(links.values()), carriers, watches, heartbeat)
 
 
 def build_accesses(

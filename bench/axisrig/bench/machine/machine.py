@@ -19,6 +19,7 @@ from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.cnc import (
     axis_settings,
     build_accesses,
+    build_carriers,
     build_link,
     build_monitor,
     build_start_up,
@@ -117,7 +118,6 @@ class Machine:
             period_ns=settings.rig.cycle.period_us * US,
             offset_ns=settings.rig.cycle.cycle_offset_us * US,
             buffer_cycles=settings.rig.cycle.buffer_cycles,
-            sync_counter=settings.rig.cycle.sync_counter,
         )
         self._open = ExitStack()
         with ExitStack() as guard:  # frees what was opened when building fails half way
@@ -234,7 +234,7 @@ class Machine:
         for name, segment in self.segments.items():
             if isinstance(segment, OutsideSegment):
                 segment.expect(
-                    telegram.cob_id(link.settings.node_id)
+                    telegram.cob_id(link.node_id)
                     for axis, link in self.links.items()
                     if axis in self.outside and self.settings.rig.axis[axis].segment == name
                     for telegram in link.telegrams.values()
@@ -306,16 +306,22 @@ class Machine:
         # On a segment without a drive nobody would acknowledge a SYNC
         used = synced_segments(self.settings)
         networks = {name: n for name, n in self.networks.items() if name in used}
+        self._carriers = build_carriers(self.settings, networks)
         operator = self.settings.operator
         channel = Channel(
             self.scheduler,
             self.timing,
             [axis_settings(self.settings, name) for name in self.settings.rig.axis],
             list(self.links.values()),
-            list(networks.values()),
             Surroundings(
                 put_out=self._message,
-                monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
+                monitor=build_monitor(
+                    self.settings,
+                    self.links,
+                    list(networks.values()),
+                    list(self._carriers.values()),
+                    self.scheduler,
+                ),
                 functions=DriveFunctions(self._accesses),
                 mechanics=PlantMechanics(self.scheduler, self.plant, waits=self._hardware is None),
             ),
@@ -423,16 +429,9 @@ class Machine:
         """Power the drives outside down, whatever has happened before."""
         self.channel.state = ChannelState.ENDED  # after a defect it would go on
         links = [link for name, link in self.links.items() if name in self.outside]
-        networks = list({id(link.network): link.network for link in links}.values())
-        timing = self.timing
-        power_down(
-            self.scheduler,
-            links,
-            networks,
-            timing.period_ns,
-            timing.offset_ns,
-            self.channel.next_sync_data,
-        )
+        segments = {self.settings.rig.axis[link.name].segment: None for link in links}
+        carriers = [self._carriers[name] for name in segments]
+        power_down(self.scheduler, links, carriers, self.timing.period_ns, self.timing.offset_ns)
 
     def real_time(self) -> RealTime | None:
         """Return how well real time was kept; None for simulated time."""

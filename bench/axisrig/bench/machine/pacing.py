@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.hardware import open_bus, wait_ns
 from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
@@ -13,8 +12,10 @@ from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.carrier import Carrier
+from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.canopen.identifiers import NMT_ID, SYNC_ID
+from axisrig.kernel.profiles.canopen.identifiers import NMT_ID
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
@@ -69,27 +70,25 @@ def open_segment(
 def power_down(
     scheduler: Scheduler,
     links: Iterable[AxisLink],
-    networks: Iterable[SimNetwork],
+    carriers: Iterable[Carrier],
     period_ns: TimeNs,
     offset_ns: TimeNs,
-    next_sync_data: Callable[[], bytes] = bytes,
 ) -> None:
     """Lead the drives out of operation where they are, then to NMT pre-operational.
 
     The exchange goes on until each has left operation, or says nothing any more.
     """
-    links, networks = list(links), list(networks)
+    links, carriers = list(links), list(carriers)
     for link in links:
-        link.power = False
+        link.order(PowerOrder.SWITCH_OFF)
         link.disarm()
     silent: set[str] = set()
     for _ in range(POWER_DOWN_CYCLES_MAX):
         start_ns = scheduler.now_ns
         for link in links:
             link.begin_cycle()
-        data = next_sync_data()
-        for network in networks:
-            network.send_message(SYNC_ID, data)
+        for carrier in carriers:
+            carrier.begin_cycle()
         scheduler.run_until(start_ns + offset_ns)
         for link in links:
             try:
@@ -101,5 +100,5 @@ def power_down(
         if all(link.state in _OFF or link.name in silent for link in links):
             break
     for link in links:
-        link.network.send_message(NMT_ID, bytes([NMT_PRE_OPERATIONAL, link.settings.node_id]))
+        link.network.send_message(NMT_ID, bytes([NMT_PRE_OPERATIONAL, link.node_id]))
     scheduler.run_until(scheduler.now_ns + period_ns)

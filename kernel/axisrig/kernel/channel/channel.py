@@ -5,7 +5,6 @@
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
 from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
 from axisrig.kernel.channel.axes import Couplings, SingleAxes
@@ -13,7 +12,7 @@ from axisrig.kernel.channel.control_units import ControlUnits
 from axisrig.kernel.channel.distance_controls import DistanceControls, make_controls
 from axisrig.kernel.channel.path.execution import BlockEnd, Execution
 from axisrig.kernel.channel.path.measurement import Measurement
-from axisrig.kernel.channel.path.monitor import Monitor, PowerUp
+from axisrig.kernel.channel.path.monitor import PowerUp
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.soft_limits import SoftLimitWatch
@@ -23,21 +22,19 @@ from axisrig.kernel.channel.reset import Reset
 from axisrig.kernel.channel.state import AT_REST, CONTROLLED, FAILED, ChannelState
 from axisrig.kernel.channel.surroundings import Surroundings
 from axisrig.kernel.channel.view import ChannelView
-from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.drives.canopen.startup import StartUp
+from axisrig.kernel.drives.interface import Drive, DriveStart
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.interface import PlcInterface
-from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
 
 class Channel(ChannelView):
     """A channel with its axes and drive links, in the same order.
 
-    networks: one canopen network per segment, for the SYNC. around: what it works with besides.
+    around: what it works with besides.
     observers: called with the channel at the end of every cycle; they change nothing.
     end_ns: instant at which the last program has ended, or what the PLC side did after it.
     program_ends_ns, resets_ns: when a program or a reset was over.
@@ -53,18 +50,17 @@ class Channel(ChannelView):
         clock: Clock,
         timing: CycleTiming,
         axes: Sequence[AxisSettings],
-        links: Sequence[AxisLink],
-        networks: Sequence[Any],
+        links: Sequence[Drive],
         around: Surroundings,
         settings: ChannelSettings | None = None,
     ) -> None:
         self._clock, self.timing, self._mechanics = clock, timing, around.mechanics
-        self.axes, self.links, self._networks = tuple(axes), tuple(links), tuple(networks)
+        self.axes, self.links = tuple(axes), tuple(links)
         self._settings = settings or ChannelSettings()
         self.state = ChannelState.STARTING
         self._starting = 0
         self._make_parts(around)
-        self._monitor = around.monitor or Monitor(self.links, self._networks, clock)
+        self._monitor = around.monitor
         self.functions = around.functions
         self._power_up = PowerUp(self.links, timing)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
@@ -86,7 +82,7 @@ class Channel(ChannelView):
         ]
         leave, back = self.distance.leave, self.single.lead_back
         self._reset = Reset(self.links, timing, self.path, self.reactions, ends, leave, back)
-        self._next_sync_ns, self._sync_count = 0, 0
+        self._next_sync_ns = 0
         self._assign()
 
     def _make_parts(self, around: Surroundings) -> None:
@@ -173,7 +169,7 @@ class Channel(ChannelView):
         """Take the command stream of an interpreter."""
         self.execution.load(commands)
 
-    def start_up(self, drives: Sequence[StartUp]) -> None:
+    def start_up(self, drives: Sequence[DriveStart]) -> None:
         """Start all drives at the same time, then the cyclic exchange.
 
         Returns at once. When one of them does not start the program ends, with an alarm for each.
@@ -218,25 +214,12 @@ class Channel(ChannelView):
         if self.has_ended:
             self._monitor.end()
             return
-        self._monitor.before_sync()
-        for link in self.links:
-            link.begin_cycle()
-        data = self.next_sync_data()
-        for network in self._networks:
-            network.send_message(SYNC_ID, data)
+        self._monitor.begin_cycle()
         self._clock.call_at(
             self._next_sync_ns + self.timing.offset_ns, Phase.APPLICATION, self.cycle
         )
         self._next_sync_ns += self.timing.period_ns
         self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
-
-    def next_sync_data(self) -> bytes:
-        """Return what the next SYNC carries: nothing, or its counter."""
-        overflow = self.timing.sync_counter
-        if not overflow:
-            return b""
-        self._sync_count = self._sync_count % overflow + 1
-        return bytes((self._sync_count,))
 
     def cycle(self) -> None:
         """Run one NC cycle. The order is the design's; each step uses this cycle's values."""

@@ -21,7 +21,7 @@ from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings
 from axisrig.kernel.distance import DistanceCommand, DistanceControl, DistanceState, Source
 from axisrig.kernel.distance.objects import objects
 from axisrig.kernel.distance.objects import write as write_object
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.feed import FULL
@@ -50,7 +50,7 @@ SWITCHES_ON = (DistanceCommand.ON, DistanceCommand.ON_CONST_DIST)
 def make_controls(
     axes: Sequence[AxisSettings],
     settings: ChannelSettings,
-    links: Mapping[str, AxisLink],
+    links: Mapping[str, Drive],
     plc: PlcInterface,
     kinematic: Callable[[], Kinematic | None],
     period_ns: TimeNs,

@@ -13,7 +13,8 @@ from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.time.clock import TimeNs
@@ -46,7 +47,7 @@ class Reactions:
         path: Path,
         measurement: Measurement,
         execution: Execution,
-        links: Sequence[AxisLink],
+        links: Sequence[Drive],
         stop_beside: Callable[[], None],
         *,
         each_axis_halts: bool,
@@ -82,9 +83,9 @@ class Reactions:
         if self._execution.failed is not None:
             self._log.register_further(self._execution.failed)
         for link in self._links:
-            link.hold_back()
+            link.order(PowerOrder.HOLD_BACK)
             if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
-                link.quick_stop()
+                link.order(PowerOrder.STOP)
         self._stop(ReactionClass(alarm.entry.reaction_class), faulty_axes(alarm))
         return True
 
@@ -139,4 +140,4 @@ class Reactions:
         """Give the axes back to the path, and lead the drives again."""
         self.give_back()
         for link in self._links:
-            link.let_go()
+            link.order(PowerOrder.LET_GO)

@@ -10,8 +10,8 @@ from axisrig.kernel.channel.path.monitor import PowerUp
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.channel.reactions import Reactions
-from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.power import Power
 
 
 class Reset:
@@ -24,7 +24,7 @@ class Reset:
 
     def __init__(
         self,
-        links: Sequence[AxisLink],
+        links: Sequence[Drive],
         timing: CycleTiming,
         path: Path,
         reactions: Reactions,
@@ -53,7 +53,7 @@ class Reset:
         self._reactions.reset()
         self._leave()
         for link in self._links:
-            if link.state is not State.OPERATION_ENABLED:
+            if link.power is not Power.OPERATING:
                 self._path.put(link.name, link.actual_mm)
         is_back = self._lead_back()
         return self._power_up.step() and is_back

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from axisrig.kernel.channel.mechanics import Mechanics, NoMechanics
 from axisrig.kernel.channel.path.monitor import Monitor
-from axisrig.kernel.drives.canopen.drive_functions import DriveFunctions
+from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.nc import canon
 
 
@@ -13,12 +13,12 @@ from axisrig.kernel.nc import canon
 class Surroundings:
     """The collaborators of a channel.
 
-    put_out: takes every message as soon as it is due. monitor: the watch over drives and buses;
-    None = drives are watched by their telegrams. functions: what #DRIVE and #IDENT act on.
+    put_out: takes every message as soon as it is due. monitor: the watch over drives and buses.
+    functions: what #DRIVE and #IDENT act on.
     mechanics: what the drives move; after an alarm SYNC and cycles go on until it is at rest.
     """
 
     put_out: Callable[[canon.Message], None]
-    monitor: Monitor | None = None
-    functions: DriveFunctions = field(default_factory=lambda: DriveFunctions({}))
+    monitor: Monitor
+    functions: DriveAccesses = field(default_factory=DriveAccesses)
     mechanics: Mechanics = field(default_factory=NoMechanics)

@@ -7,8 +7,7 @@ from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.distance import DistanceState
-from axisrig.kernel.drives.canopen.drive_functions import DriveFunctions
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive, DriveAccesses
 from axisrig.kernel.nc.decoder.base.context import ChannelControl
 
 
@@ -18,9 +17,9 @@ class ChannelView:
     path: Path
     measurement: Measurement
     distance: DistanceControls
-    functions: DriveFunctions
+    functions: DriveAccesses
     axes: Sequence[AxisSettings]
-    links: Sequence[AxisLink]
+    links: Sequence[Drive]
 
     def position_acs_mm(self, axis: str) -> float:
         """Return the set position of the interpolation, axis coordinates."""

@@ -19,7 +19,7 @@ from axisrig.bench.rig.rotary import is_rotary
 from axisrig.kernel.channel import Channel, ChannelState
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceState
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.time.clock import MS, US
 
 LOAD_SPAN_NS = 100 * MS
@@ -100,7 +100,7 @@ def _word(name: str) -> str:
     return name.lower().replace("_", " ")
 
 
-def _axis(machine: Machine, link: AxisLink) -> State:
+def _axis(machine: Machine, link: Drive) -> State:
     name, channel = link.name, machine.channel
     measuring = channel.single.measuring_state(name)
     is_known = channel.state is not ChannelState.STARTING
@@ -111,7 +111,7 @@ def _axis(machine: Machine, link: AxisLink) -> State:
         "set": link.set_mm if is_known else None,
         "actual": link.actual_mm if is_known else None,
         "lag": link.lag_mm if is_known else None,
-        "drive": _word(link.state.name),
+        "drive": _word(link.state_name),
         "measuring": None if measuring is None else _word(measuring),
         "input": link.is_actuated,
         "touch_probe": _touch_probe(link),
@@ -119,7 +119,7 @@ def _axis(machine: Machine, link: AxisLink) -> State:
     }
 
 
-def _touch_probe(link: AxisLink) -> str:
+def _touch_probe(link: Drive) -> str:
     """What the touch probe function of a drive reports in 60B9."""
     if link.has_latched:
         return "edge stored"

@@ -56,7 +56,7 @@ class TelegramLog:
                     if mapped.field in FIELDS
                 ]
                 if places:
-                    key = segment, telegram.cob_id(link.settings.node_id)
+                    key = segment, telegram.cob_id(link.node_id)
                     self._wanted[key] = telegram.codec, places
         self._journal, self._terminal = journal, terminal
         self._ends_ns: list[int] = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 
@@ -27,7 +27,7 @@ class _Coupled:
 class Couplings:
     """The couplings that are on; links: by axis. watched: whether any gantry is among them."""
 
-    def __init__(self, path: Path, links: Mapping[str, AxisLink]) -> None:
+    def __init__(self, path: Path, links: Mapping[str, Drive]) -> None:
         self._path, self._links = path, links
         self._groups: dict[int, list[_Coupled]] = {}
         self._slaves: list[_Coupled] = []

@@ -1,179 +1,14 @@
-"""Homing by the drive (G74): mode 6 of CiA 402, then back to the cyclic mode.
+"""Homing by the drives (G74): group by group, each axis by its own drive (docs/homing.md).
 
-The method and its speeds are those of the drive (6098, 6099, 609A, 607C; docs/homing.md). While
-an axis homes, the CNC lets its set position be the actual one, so that neither lag nor the jump to
-the new reference means anything. Sources: TF5200 programming manual 206138635, CiA 402-2.
+While an axis homes, the CNC lets its set position be the actual one, so that neither lag nor the
+jump to the new reference means anything. Source: TF5200 programming manual 206138635.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from enum import Enum, auto
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
 
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.drives.canopen.sdo import SdoError, object_name
-from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.cia402.ds402 import Status
-from axisrig.kernel.time.clock import Clock, S, TimeNs
-
-HOMING_MODE: Final = 6
-MODE, MODE_DISPLAY, METHOD, ERROR_CODE = 0x6060, 0x6061, 0x6098, 0x603F
-START: Final = 1 << 4  # of the controlword
-# The bits of an earlier homing stay until the drive has seen the start; none takes longer
-BLIND_CYCLES: Final = 16
-MODE_POLLS_MAX: Final = 100  # readings of 6061 until the mode has changed
-# A bus with little room gets an SDO frame only now and then, so that no telegram is late twice
-SDO_CYCLES: Final = 4
-LIMIT_NS: Final[TimeNs] = 300 * S
-
-
-class Phase(Enum):
-    """The progress of the homing of an axis."""
-
-    ENTERING = auto()  # the drive changes to mode 6
-    SEARCHING = auto()
-    EXPLAINING = auto()  # it has failed, and the drive is asked why
-    LEAVING = auto()  # back to the mode of before
-    DONE = auto()
-
-
-class AxisHoming:
-    """The homing of one axis; `step` is called once per cycle until `phase` is DONE."""
-
-    def __init__(self, link: AxisLink, clock: Clock) -> None:
-        assert link.sdo is not None, "the drive cannot be asked"
-        self._link, self._clock, self._sdo = link, clock, link.sdo
-        self.phase = Phase.ENTERING
-        self._mode_before: int | None = None  # until the drive has reported it
-        self._attempt = 0  # answers to questions of an earlier one do not count
-        self._polls = self._cycles = self._pause = 0
-        self._request: Callable[[], None] | None = None
-        self._begin_ns = clock.now_ns
-        self._answers: dict[int, int] = {}
-        self._failed: Alarm | None = None
-        link.leads_itself = True
-        self._read(MODE_DISPLAY, self._enter)
-
-    def step(self) -> None:
-        """Look how far the drive is; raises Alarm 900190 and 900011."""
-        if self._failed is not None:
-            raise self._failed
-        self._pause += 1
-        if self._request is not None and self._pause >= SDO_CYCLES:
-            request, self._request, self._pause = self._request, None, 0
-            request()
-        if self.phase is Phase.SEARCHING:
-            self._look()
-
-    def abort(self) -> None:
-        """Break off: the drive stops the axis, and further steps lead it back to its mode."""
-        if self.phase is Phase.DONE:
-            return
-        self._link.mode_bits = 0
-        self.phase, self._failed, self._request = Phase.LEAVING, None, None
-        self._attempt += 1
-        if self._mode_before is None:
-            self._leave()
-        else:
-            self._change_mode(self._mode_before, self._leave)
-
-    def _look(self) -> None:
-        self._cycles += 1
-        if self._cycles <= BLIND_CYCLES:
-            return
-        word = self._link.statusword
-        if word & Status.HOMING_ERROR:
-            self._explain("the drive reports an error of homing")
-        elif word & Status.HOMING_ATTAINED and word & Status.TARGET_REACHED:
-            assert self._mode_before is not None, "it has been asked for first"
-            self._link.mode_bits = 0
-            self.phase = Phase.LEAVING
-            self._change_mode(self._mode_before, self._leave)
-        elif self._clock.now_ns - self._begin_ns > LIMIT_NS:
-            self._explain(f"not at its end after {LIMIT_NS // S} s")
-
-    # Changing the mode over SDO
-
-    def _enter(self, mode: int) -> None:
-        self._mode_before = mode
-        self._change_mode(HOMING_MODE, self._begin)
-
-    def _begin(self) -> None:
-        self._link.mode_bits = START
-        self.phase, self._cycles = Phase.SEARCHING, 0
-
-    def _leave(self) -> None:
-        self._link.leads_itself = False
-        self.phase = Phase.DONE
-
-    def _change_mode(self, mode: int, then: Callable[[], None]) -> None:
-        self._polls, attempt = 0, self._attempt
-
-        def poll(shown: int) -> None:
-            self._polls += 1
-            if shown == mode:
-                then()
-            elif self._polls > MODE_POLLS_MAX:
-                self._refused(f"mode {mode}", f"6061 shows mode {shown}")
-            else:
-                self._read(MODE_DISPLAY, poll)
-
-        def written(answer: bytes | SdoError) -> None:
-            if attempt != self._attempt:
-                return
-            if isinstance(answer, SdoError):
-                self._refused(f"mode {mode} ({object_name(MODE, 0)})", str(answer))
-            else:
-                self._read(MODE_DISPLAY, poll)
-
-        try:
-            self._link.set_object(MODE, 0, mode)
-        except KeyError:  # no RPDO carries it
-            data = mode.to_bytes(1, "little")
-            self._request = lambda: self._sdo.write(MODE, 0, data, written)
-        else:
-            self._read(MODE_DISPLAY, poll)
-
-    def _read(self, index: int, then: Callable[[int], None]) -> None:
-        attempt = self._attempt
-
-        def done(answer: bytes | SdoError) -> None:
-            if attempt != self._attempt:
-                return
-            if isinstance(answer, SdoError):
-                self._refused(f"the question for {object_name(index, 0)}", str(answer))
-            else:
-                then(int.from_bytes(answer, "little", signed=index != ERROR_CODE))
-
-        self._request = lambda: self._sdo.read(index, 0, done)
-
-    # Failures
-
-    def _refused(self, step: str, answer: str) -> None:
-        link = self._link
-        node = link.settings.node_id
-        self._failed = Alarm(900011, axis=link.name, node=node, step=step, answer=answer)
-
-    def _explain(self, reason: str) -> None:
-        """Ask the drive for method and error code, then fail."""
-        self.phase = Phase.EXPLAINING
-        word = self._link.statusword
-
-        def report(error: int) -> None:
-            self._failed = Alarm(
-                900190,
-                axis=self._link.name,
-                method=self._answers[METHOD],
-                reason=reason,
-                statusword=f"0x{word:04X}",
-                error=f"0x{error:04X}",
-            )
-
-        def keep(method: int) -> None:
-            self._answers[METHOD] = method
-            self._read(ERROR_CODE, report)
-
-        self._read(METHOD, keep)
+from axisrig.kernel.drives.interface import Drive, DriveHoming
+from axisrig.kernel.time.clock import Clock
 
 
 class Homing:
@@ -183,18 +18,18 @@ class Homing:
         self,
         groups: Iterable[Sequence[str]],
         path: Path,
-        links: Mapping[str, AxisLink],
+        links: Mapping[str, Drive],
         clock: Clock,
     ) -> None:
         self._groups = list(groups)
         self._path, self._links, self._clock = path, links, clock
-        self._axes: dict[str, AxisHoming] = {}
+        self._axes: dict[str, DriveHoming] = {}
         self.homed: list[str] = []
         self._next()
 
     def _next(self) -> None:
         group = self._groups.pop(0) if self._groups else ()
-        self._axes = {axis: AxisHoming(self._links[axis], self._clock) for axis in group}
+        self._axes = {axis: self._links[axis].home(self._clock) for axis in group}
 
     def step(self) -> bool:
         """Do one cycle; return whether everything is done. Raises the alarms of an axis."""
@@ -202,12 +37,12 @@ class Homing:
             self._path.put(axis, self._links[axis].actual_mm)
             homing.step()
         self.homed = []
-        if all(homing.phase is Phase.DONE for homing in self._axes.values()):
+        if all(homing.is_done for homing in self._axes.values()):
             self.homed = list(self._axes)
             self._next()
         return not self._axes
 
-    def abort(self) -> dict[str, AxisHoming]:
+    def abort(self) -> dict[str, DriveHoming]:
         """Break off; return what leads the drives back to their modes, by axis."""
         for homing in self._axes.values():
             homing.abort()

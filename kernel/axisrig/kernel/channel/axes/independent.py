@@ -13,7 +13,7 @@ from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling, Standstill
 from axisrig.kernel.channel.path.stop_way import StopWay
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun
 from axisrig.kernel.measuring.run import MeasuringRun, Order
@@ -43,7 +43,7 @@ class Mover:
 
     command: canon.IndependentMove
     settings: AxisSettings
-    link: AxisLink
+    link: Drive
     dynamics: Dynamics
     interpolator: Interpolator
     settling: Settling
@@ -93,7 +93,7 @@ class IndependentAxes:
         timing: CycleTiming,
         path: Path,
         measurement: Measurement,
-        links: Mapping[str, AxisLink],
+        links: Mapping[str, Drive],
         override_permille: Callable[[str], int],
     ) -> None:
         self._clock, self._timing, self._path = clock, timing, path

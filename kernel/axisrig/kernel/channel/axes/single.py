@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping
 
 from axisrig.kernel.channel.axes.coupling import Couplings
-from axisrig.kernel.channel.axes.homing import AxisHoming, Homing, Phase
+from axisrig.kernel.channel.axes.homing import Homing
 from axisrig.kernel.channel.axes.independent import IndependentAxes
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.channel.path.settling import Rest
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive, DriveHoming
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import Clock, TimeNs
 
@@ -29,7 +29,7 @@ class SingleAxes:
         timing: CycleTiming,
         path: Path,
         measurement: Measurement,
-        links: Mapping[str, AxisLink],
+        links: Mapping[str, Drive],
         couplings: Couplings,
         override_permille: Callable[[str], int],
     ) -> None:
@@ -40,7 +40,7 @@ class SingleAxes:
         )
         self.couplings = couplings
         self._homing: Homing | None = None
-        self._leaving: dict[str, AxisHoming] = {}  # broken off: the drive is still in its mode
+        self._leaving: dict[str, DriveHoming] = {}  # broken off: the drive is still in its mode
         self._leaving_rest: Rest | None = None
         self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()
@@ -179,5 +179,5 @@ class SingleAxes:
             return False
         for homing in self._leaving.values():
             homing.step()
-        self._leaving = {a: h for a, h in self._leaving.items() if h.phase is not Phase.DONE}
+        self._leaving = {a: h for a, h in self._leaving.items() if not h.is_done}
         return not self._leaving

@@ -6,7 +6,7 @@ from axisrig.kernel.channel.distance.sensing import Sensing
 from axisrig.kernel.channel.distance.sensor import VARIABLE, EncoderSensor, Sensor, VariableSensor
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
 from axisrig.kernel.distance import DistanceControl, Reading
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.plc.unit import Refreshed, UnitState
 from axisrig.kernel.time.clock import TimeNs
 
@@ -19,7 +19,7 @@ class AxisDistance(Sensing):
 
     def __init__(
         self,
-        link: AxisLink,
+        link: Drive,
         settings: AxisDistanceSettings,
         values: Mapping[str, float],
         refreshed: Mapping[str, Refreshed],

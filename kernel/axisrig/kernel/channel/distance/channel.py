@@ -32,7 +32,7 @@ from axisrig.kernel.channel.distance.sensor import (
 from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
 from axisrig.kernel.distance import DistanceCommand, DistanceControl, DistanceState, Reading
 from axisrig.kernel.distance.limiter import UNLIMITED, AxesAllow
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic, Vector
 from axisrig.kernel.plc.unit import Refreshed
@@ -82,7 +82,7 @@ class ChannelDistance(Sensing):
         self,
         settings: ChannelDistanceSettings,
         limits: Sequence[AxesAllow],
-        links: Sequence[AxisLink],
+        links: Sequence[Drive],
         kinematic: Callable[[], Kinematic | None],
         values: Mapping[str, float],
         refreshed: Mapping[str, Refreshed],

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.unit import Refreshed
@@ -58,14 +58,13 @@ class EncoderSensor:
 
     source: ClassVar[str] = SECOND_ENCODER
 
-    def __init__(self, link: AxisLink, settings: SensorSettings) -> None:
+    def __init__(self, link: Drive, settings: SensorSettings) -> None:
         self._link, self._settings = link, settings
         self._count: int | None = None
 
     def period_ns(self, cycle_ns: TimeNs) -> TimeNs | None:
         """Return how often the drive promises a value, None where it promises nothing."""
-        telegram = self._link.second_telegram
-        return None if telegram is None else telegram.promised_ns(cycle_ns)
+        return self._link.second_period_ns(cycle_ns)
 
     @property
     def age_cycles(self) -> int:

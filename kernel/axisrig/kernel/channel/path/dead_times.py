@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.measuring.dead_time import DeadTime, run_up
 from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.time.clock import S, TimeNs
@@ -50,7 +50,7 @@ def shares_of(path: Path, target_mm: Mapping[str, float]) -> Mapping[str, float]
 
 def dead_times(
     path: Path,
-    links: Mapping[str, AxisLink],
+    links: Mapping[str, Drive],
     axes: Iterable[str],
     period_ns: TimeNs,
     behind_mm: BehindMm,
@@ -65,7 +65,7 @@ def dead_times(
 
 
 def _dead_time(
-    path: Path, link: AxisLink, delay_ns: TimeNs, period_ns: TimeNs, behind_mm: BehindMm
+    path: Path, link: Drive, delay_ns: TimeNs, period_ns: TimeNs, behind_mm: BehindMm
 ) -> DeadTime:
     axis, per_s = link.name, S / period_ns
     return DeadTime(

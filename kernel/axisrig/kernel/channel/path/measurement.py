@@ -17,7 +17,7 @@ from axisrig.kernel.channel.path.slaves import PathWithSlaves
 from axisrig.kernel.channel.path.stop_way import StopWay, sent_to, straight_way
 from axisrig.kernel.channel.probing.choice import ProbeChoice
 from axisrig.kernel.channel.probing.ports import PlcPorts
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
 from axisrig.kernel.measuring.rules import least_stroke_mm, misses_signal
@@ -57,7 +57,7 @@ class Measurement:
         self,
         clock: Clock,
         path: Path,
-        links: Mapping[str, AxisLink],
+        links: Mapping[str, Drive],
         *,
         timing: CycleTiming,
         settings: ChannelSettings,
@@ -253,7 +253,7 @@ class Measurement:
         self._note(run.record)
         return run
 
-    def _with_settings(self, names: Iterable[str]) -> list[tuple[AxisSettings, AxisLink]]:
+    def _with_settings(self, names: Iterable[str]) -> list[tuple[AxisSettings, Drive]]:
         return [(self._path.settings(name), self._links[name]) for name in names]
 
     def keep(self, record: RunRecord) -> None:

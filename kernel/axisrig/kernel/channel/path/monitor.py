@@ -1,20 +1,12 @@
 """What the channel watches in every cycle: buses, connections, drives; and switching them on."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from axisrig.kernel.channel.path.settings import CycleTiming
-from axisrig.kernel.drives.canopen.active_fault import ActiveFault
-from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.drives.canopen.watch import (
-    BusWatch,
-    DriveWatch,
-    HeartbeatProducer,
-    WatchSettings,
-)
+from axisrig.kernel.drives.carrier import Carrier, Presence
+from axisrig.kernel.drives.interface import Drive, DriveWatch
+from axisrig.kernel.drives.power import Power, PowerOrder
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.time.clock import Clock
 
 POWER_UP_CYCLES_MAX = 500
 FAULT_CYCLES_MAX = 50  # long enough for a reset and for a drive that looks once more
@@ -23,29 +15,25 @@ FAULT_CYCLES_MAX = 50  # long enough for a reset and for a drive that looks once
 class Monitor:
     """Takes what the buses delivered and returns the most specific alarm of a cycle.
 
-    watches: per drive, in the order of the links; without them each gets one of the defaults.
-    heartbeat: the kernel's own.
+    watches: over the drives, in the order of the links. presence: what the kernel shows of itself.
     """
 
     def __init__(
         self,
-        links: Sequence[AxisLink],
-        networks: Sequence[Any],
-        clock: Clock,
-        watches: Sequence[WatchSettings] = (),
-        heartbeat: HeartbeatProducer | None = None,
+        links: Sequence[Drive],
+        carriers: Sequence[Carrier],
+        watches: Sequence[DriveWatch],
+        presence: Presence | None = None,
     ) -> None:
-        self._links, self._heartbeat = links, heartbeat
-        settings = watches or [WatchSettings()] * len(links)
-        self._drives = [DriveWatch(link, clock, s) for link, s in zip(links, settings, strict=True)]
-        self._buses = [BusWatch(network) for network in networks]
-        self._late_sync: Alarm | None = None
+        self._links, self._presence = links, presence
+        self._drives, self._carriers = list(watches), list(carriers)
+        self._late: Alarm | None = None
         self.further: list[Alarm] = []
 
     def prepare(self) -> None:
         """Let the drives hear the kernel, before they are set to watch it."""
-        if self._heartbeat is not None:
-            self._heartbeat.begin()
+        if self._presence is not None:
+            self._presence.begin()
 
     def begin(self) -> None:
         """Watch from now on: the drives are started."""
@@ -56,14 +44,18 @@ class Monitor:
         """Watch no more."""
         for drive in self._drives:
             drive.end()
-        if self._heartbeat is not None:
-            self._heartbeat.end()
+        if self._presence is not None:
+            self._presence.end()
 
-    def before_sync(self) -> None:
-        """Look whether the SYNC of the cycle that ends has got onto the bus."""
-        for bus in self._buses:
-            if bus.holds_back_sync:
-                self._late_sync = self._late_sync or Alarm(900031, segment=bus.name)
+    def begin_cycle(self) -> None:
+        """Look whether the cycle that ends has begun on every segment, then begin the next one."""
+        for carrier in self._carriers:
+            if carrier.holds_back:
+                self._late = self._late or carrier.late()
+        for link in self._links:
+            link.begin_cycle()
+        for carrier in self._carriers:
+            carrier.begin_cycle()
 
     def take(self) -> None:
         """Take the telegrams of every link.
@@ -78,11 +70,11 @@ class Monitor:
             except Alarm as alarm:
                 silent.append(alarm)
         found: list[Alarm] = []
-        for bus in self._buses:
-            if (wrong := bus.check()) is not None:
+        for carrier in self._carriers:
+            if (wrong := carrier.check()) is not None:
                 found.append(wrong)
-        if self._late_sync is not None:
-            found.append(self._late_sync)
+        if self._late is not None:
+            found.append(self._late)
         for drive in self._drives:
             if (wrong := drive.communication()) is not None:
                 found.append(wrong)
@@ -110,11 +102,11 @@ class PowerUp:
     """Leads all drives to operation enabled; resets_faults: acknowledges those that are active."""
 
     def __init__(
-        self, links: Sequence[AxisLink], timing: CycleTiming, *, resets_faults: bool = False
+        self, links: Sequence[Drive], timing: CycleTiming, *, resets_faults: bool = False
     ) -> None:
         self._links, self._timing, self._resets_faults = links, timing, resets_faults
         self._cycles = 0
-        self._faults: dict[str, ActiveFault] = {}
+        self._asked: set[str] = set()
 
     def step(self) -> bool:
         """Do one cycle; return whether every drive is there.
@@ -122,34 +114,28 @@ class PowerUp:
         Raises Alarm 900005 for one that stays in fault, 900008 when one takes too long.
         """
         self._cycles += 1
-        waiting = [link for link in self._links if link.state is not State.OPERATION_ENABLED]
+        waiting = [link for link in self._links if link.power is not Power.OPERATING]
         for link in self._links:
-            link.power = True
-            link.resets_fault = self._resets_faults or link.settings.fault_reset
-            if link.state is State.FAULT:
+            link.order(PowerOrder.SWITCH_ON)
+            link.acknowledges_faults = self._resets_faults or link.settings.fault_reset
+            if link.is_in_fault:
                 self._judge_fault(link)
         if waiting and self._cycles > POWER_UP_CYCLES_MAX:
             raise Alarm(
                 900008,
                 axis=waiting[0].name,
-                state=waiting[0].state.name,
+                state=waiting[0].state_name,
                 ms=self._cycles * self._timing.period_ns // 1_000_000,
             )
         if not waiting:
             for link in self._links:
-                link.emergency = None  # what led here is over
-                link.resets_fault = False
+                link.forget_fault()
         return not waiting
 
-    def _judge_fault(self, link: AxisLink) -> None:
+    def _judge_fault(self, link: Drive) -> None:
         """Ask for a fault that nobody has heard of, and raise Alarm 900005 when it stays."""
-        fault = self._faults.get(link.name)
-        if fault is None:
-            fault = self._faults[link.name] = ActiveFault(link.sdo)
-        if link.emergency is None:
-            fault.ask()
-        waits_max = POWER_UP_CYCLES_MAX if fault.is_open else FAULT_CYCLES_MAX
-        if self._cycles > waits_max:
-            emergency = fault if link.emergency is None else link.emergency
-            word = f"0x{link.statusword:04X}"
-            raise Alarm(900005, axis=link.name, statusword=word, emcy=str(emergency))
+        if link.name not in self._asked and not link.has_reported:
+            self._asked.add(link.name)
+            link.ask_for_fault()
+        if self._cycles > (POWER_UP_CYCLES_MAX if link.is_asked else FAULT_CYCLES_MAX):
+            raise link.fault()

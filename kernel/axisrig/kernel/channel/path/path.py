@@ -10,7 +10,7 @@ from axisrig.kernel.channel.path.programmed import ProgrammedDynamics
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling
 from axisrig.kernel.channel.path.transformation import Transformation
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import lengthened
 from axisrig.kernel.motion.curves import Arc, Curve, Line, moved_axes
@@ -40,7 +40,7 @@ class Path:
         clock: Clock,
         timing: CycleTiming,
         axes: Sequence[AxisSettings],
-        links: Sequence[AxisLink],
+        links: Sequence[Drive],
         offsets: Offsets,
         settings: ChannelSettings,
     ) -> None:

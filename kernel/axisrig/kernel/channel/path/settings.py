@@ -31,14 +31,12 @@ SLOPES = ("STEP", "TRAPEZ", "SIN2", "HSC")
 class CycleTiming:
     """Time base: SYNC at k * period_ns, NC cycle `offset_ns` after it (design: one order).
 
-    buffer_cycles: FIFO between interpolator and position control. sync_counter: the SYNC carries
-    a counter from 1 to this (CiA 301, 1019), 0 = no data.
+    buffer_cycles: FIFO between interpolator and position control.
     """
 
     period_ns: TimeNs = MS
     offset_ns: TimeNs = 600 * US
     buffer_cycles: int = 0
-    sync_counter: int = 0
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
@@ -32,7 +32,7 @@ class Settling:
         """Begin anew: a set position changes."""
         self._settling_since_ns = self._inside_since_ns = None
 
-    def judge(self, axes: Iterable[tuple[AxisSettings, AxisLink]]) -> bool:
+    def judge(self, axes: Iterable[tuple[AxisSettings, Drive]]) -> bool:
         """Return whether the axes are at rest; called once per cycle while the set positions are.
 
         Raises Alarm 70082 when an axis does not get there within its settling time.
@@ -72,7 +72,7 @@ class Standstill:
     """
 
     def __init__(
-        self, clock: Clock, timing: CycleTiming, axes: Iterable[tuple[AxisSettings, AxisLink]]
+        self, clock: Clock, timing: CycleTiming, axes: Iterable[tuple[AxisSettings, Drive]]
     ) -> None:
         self._clock, self._timing, self._axes = clock, timing, tuple(axes)
         self._places = [link.actual_increments for _, link in self._axes]
@@ -105,7 +105,7 @@ class Standstill:
             self.rest_ns = self._clock.now_ns - self._timing.offset_ns
         return self.rest_ns
 
-    def _is_at_rest(self, axis: AxisSettings, link: AxisLink, change: int) -> bool:
+    def _is_at_rest(self, axis: AxisSettings, link: Drive, change: int) -> bool:
         assert self._ended_ns is not None
         sways_for_ns = self._clock.now_ns - self._ended_ns
         is_still = change <= STANDSTILL_INCREMENTS or sways_for_ns > REST_LIMIT_NS
@@ -121,7 +121,7 @@ class Rest:
     """
 
     def __init__(
-        self, clock: Clock, period_ns: TimeNs, axes: Iterable[tuple[AxisSettings, AxisLink]]
+        self, clock: Clock, period_ns: TimeNs, axes: Iterable[tuple[AxisSettings, Drive]]
     ) -> None:
         self._clock, self._period_ns, self._axes = clock, period_ns, tuple(axes)
         self._begin_ns = clock.now_ns

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.channel.path.settling import Rest
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 
@@ -19,7 +19,7 @@ class PathWithSlaves:
     def __init__(
         self,
         path: Path,
-        slaves: Iterable[tuple[AxisSettings, AxisLink]],
+        slaves: Iterable[tuple[AxisSettings, Drive]],
         clock: Clock,
         period_ns: TimeNs,
     ) -> None:

@@ -8,7 +8,7 @@ TF5200 software limit switches 15311258251 and 91635723; P-AXIS-00705.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters import ParameterSet
 
@@ -53,7 +53,7 @@ def _alarm(alarm_id: int, axis: str, position_mm: float, limit_mm: float) -> Ala
 class _Watched:
     """One axis: where its actual position may be, in increments; counts: its offset counts."""
 
-    link: AxisLink
+    link: Drive
     lowest: float
     highest: float
     lowest_mm: float
@@ -71,7 +71,7 @@ class SoftLimitWatch:
     def __init__(
         self,
         limits: Mapping[str, SoftLimits | None],
-        links: Mapping[str, AxisLink],
+        links: Mapping[str, Drive],
         uncounted_mm: Mapping[str, Callable[[], float]],
     ) -> None:
         self._uncounted_mm = uncounted_mm
@@ -99,7 +99,7 @@ class SoftLimitWatch:
             raise _alarm(ACTUAL_BELOW, name, position_mm, axis.lowest_mm)
 
 
-def _watched(link: AxisLink, limits: SoftLimits, *, counts: bool) -> _Watched:
+def _watched(link: Drive, limits: SoftLimits, *, counts: bool) -> _Watched:
     lowest_mm = limits.negative_mm - limits.tolerance_mm
     highest_mm = limits.positive_mm + limits.tolerance_mm
     per_mm = link.settings.increments_per_mm

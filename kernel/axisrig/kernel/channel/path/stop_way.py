@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.motion.curves import Positions
 from axisrig.kernel.motion.tool_path import NO_WAY_MM, ToolCurve
 
@@ -21,9 +21,7 @@ class StopWay:
     sent: Callable[[], Positions] | None = None
 
 
-def straight_way(
-    path: Path, links: Collection[AxisLink], target_mm: Mapping[str, float]
-) -> StopWay:
+def straight_way(path: Path, links: Collection[Drive], target_mm: Mapping[str, float]) -> StopWay:
     """Give the way of a block, whose target may be in tool coordinates; links: of the whole path.
 
     Under a kinematic an axis moves where its target or that of others wants it to, and the steps of
@@ -42,7 +40,7 @@ def straight_way(
     return StopWay(moved, curve.length_mm, sent)
 
 
-def sent_to(links: Iterable[AxisLink]) -> Callable[[], Positions]:
+def sent_to(links: Iterable[Drive]) -> Callable[[], Positions]:
     """Give what was sent last to these axes."""
     links = tuple(links)
     return lambda: tuple(link.set_mm for link in links)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.curves import Curve, Positions
 from axisrig.kernel.motion.tool_path import ToolCurve
@@ -16,7 +16,7 @@ class Transformation:
     kinematic: None while none is on. choices: cycles in which one was switched on, and off (None).
     """
 
-    def __init__(self, clock: Clock, links: Sequence[AxisLink]) -> None:
+    def __init__(self, clock: Clock, links: Sequence[Drive]) -> None:
         self._clock, self._links = clock, tuple(links)
         self.kinematic: Kinematic | None = None
         self.choices: list[tuple[TimeNs, canon.KinematicChoice | None]] = []

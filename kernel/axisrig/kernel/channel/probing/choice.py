@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import (
     EXTERNAL,
@@ -18,7 +18,7 @@ class ProbeChoice:
     """What #MEAS has chosen; measuring: gives what the list of an axis says."""
 
     def __init__(
-        self, links: Mapping[str, AxisLink], measuring: Callable[[str], MeasuringAxis]
+        self, links: Mapping[str, Drive], measuring: Callable[[str], MeasuringAxis]
     ) -> None:
         self._links, self._measuring = links, measuring
         self._sources: dict[str, str] = {}

@@ -6,7 +6,7 @@ path moves, of DISABLE before the next run. Sources: FCT-C4 7.2 and 7.4.
 
 from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.channel.probing.signal import SignalPort
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.plc.probing import PlcTask, ProbingUnit
 from axisrig.kernel.time.clock import Clock
@@ -21,7 +21,7 @@ class ExternalPort(SignalPort):
     """
 
     def __init__(
-        self, link: AxisLink, unit: ProbingUnit, task: PlcTask, clock: Clock, handshake: Handshake
+        self, link: Drive, unit: ProbingUnit, task: PlcTask, clock: Clock, handshake: Handshake
     ) -> None:
         super().__init__(link, unit, task, clock, "POS")
         self.handshake, self._tasks = handshake, handshake
@@ -63,7 +63,7 @@ class DrivePort:
     `Handshake`.
     """
 
-    def __init__(self, link: AxisLink, handshake: Handshake) -> None:
+    def __init__(self, link: Drive, handshake: Handshake) -> None:
         self._link, self.handshake, self.name = link, handshake, link.name
         self._of_drive = link.arrival
         self._waits = self.is_ordered = self._has_armed = False

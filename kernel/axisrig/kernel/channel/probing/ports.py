@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from axisrig.kernel.channel.probing.external import DrivePort, ExternalPort
 from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.channel.probing.signal import SignalPort, StampPort
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import (
     EXTERNAL,
@@ -26,7 +26,7 @@ class PlcPorts:
     Every one follows signal and position in every cycle, so that a run finds the level before it.
     """
 
-    def __init__(self, links: Mapping[str, AxisLink], plc: PlcInterface, clock: Clock) -> None:
+    def __init__(self, links: Mapping[str, Drive], plc: PlcInterface, clock: Clock) -> None:
         self._links, self._plc, self._clock = links, plc, clock
         self._ports: dict[tuple[str, str], PlcPort] = {}
         self._handshakes: dict[str, Handshake] = {}

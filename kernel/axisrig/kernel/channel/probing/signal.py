@@ -9,7 +9,7 @@ A `probing_position` is in 0.1 um, as the kernel API hands latched positions ove
 from typing import Final
 
 from axisrig.kernel.channel.probing.handshake import Handshake
-from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival, StampClock
 from axisrig.kernel.measuring.position_history import PositionHistory
@@ -30,7 +30,7 @@ class SignalPort:
     """
 
     def __init__(
-        self, link: AxisLink, unit: ProbingUnit, task: PlcTask, clock: Clock, edge: str
+        self, link: Drive, unit: ProbingUnit, task: PlcTask, clock: Clock, edge: str
     ) -> None:
         self._link, self._unit, self._task, self._clock = link, unit, task, clock
         self.name, self.edge = link.name, edge
@@ -161,7 +161,7 @@ class StampPort(SignalPort):
     """
 
     def __init__(
-        self, link: AxisLink, unit: ProbingUnit, task: PlcTask, clock: Clock, edge: str
+        self, link: Drive, unit: ProbingUnit, task: PlcTask, clock: Clock, edge: str
     ) -> None:
         super().__init__(link, unit, task, clock, edge)
         self.arrival.clock = StampClock()

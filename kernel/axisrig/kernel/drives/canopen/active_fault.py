@@ -18,15 +18,13 @@ class ActiveFault:
 
     def __init__(self, sdo: SdoClient | None) -> None:
         self._sdo = sdo
-        self._is_asked = False
         self._open = 0
         self._codes: dict[tuple[int, int], int] = {}
 
     def ask(self) -> None:
-        """Ask, once; never waits."""
-        if self._sdo is None or self._is_asked:
+        """Ask; never waits."""
+        if self._sdo is None:
             return
-        self._is_asked = True
         for place in (ERROR_CODE, HISTORY):
             self._open += 1
             self._sdo.read(*place, partial(self._take, place))

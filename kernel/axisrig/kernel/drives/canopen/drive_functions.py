@@ -13,6 +13,7 @@ from axisrig.kernel.drives.canopen.functions import DriveFunction, Functions
 from axisrig.kernel.drives.canopen.idents import DriveIdent, drive_idents
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError, object_name
+from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 
@@ -26,7 +27,7 @@ class DriveAccess:
     functions: Functions
 
 
-class DriveFunctions:
+class DriveFunctions(DriveAccesses):
     """Carries out the #DRIVE commands of a channel; accesses: by axis."""
 
     def __init__(self, accesses: Mapping[str, DriveAccess]) -> None:

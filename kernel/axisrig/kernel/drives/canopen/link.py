@@ -4,9 +4,11 @@ All data of the machine that the kernel gets come through here. Positions are mi
 kernel's side and increments on the bus.
 """
 
-from collections import deque
+from collections.abc import Mapping
 from typing import Any, Final
 
+from axisrig.kernel.drives.canopen.active_fault import ActiveFault
+from axisrig.kernel.drives.canopen.homing import AxisHoming
 from axisrig.kernel.drives.canopen.latch_check import LatchCheck, StandstillRoom
 from axisrig.kernel.drives.canopen.latch_watch import LatchWatch
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
@@ -14,6 +16,8 @@ from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.process_data import ProcessData
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.sparse import SparseData
+from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.profiles.canopen.emergency import Emergency
@@ -32,27 +36,51 @@ from axisrig.kernel.profiles.cia402.ds402 import (
     state_of,
     stored_bit,
 )
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 RESET = COMMANDS[Command.FAULT_RESET].value
+POWER: Final[Mapping[State, Power]] = {state: Power[of.power] for state, of in STATES.items()}
 OPERATING: Final = State.OPERATION_ENABLED
 HOLD_OPERATION: Final = STATES[OPERATING].hold
-POSITION_MAX = 1 << 31  # INTEGER32 of 607A and 6064, increments
 
 
-class AxisLink:
+def _word(request: PowerRequest, state: State) -> int:
+    """Return the controlword for a request in a state; faults are left by a reset only."""
+    if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
+        return STATES[State.FAULT].hold
+    if request is PowerRequest.STOP and state is State.OPERATION_ENABLED:
+        return COMMANDS[Command.QUICK_STOP].value
+    moves = state in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
+    if request in (PowerRequest.KEEP, PowerRequest.STOP):
+        return STATES[state].hold if moves else 0
+    if request is PowerRequest.RELEASE and not moves:
+        return 0
+    is_on = request is PowerRequest.ON
+    return controlword_towards(
+        state, State.OPERATION_ENABLED if is_on else State.READY_TO_SWITCH_ON
+    )
+
+
+WORDS: Final = {
+    (request, state): _word(request, state) for request in PowerRequest for state in State
+}
+
+
+class AxisLink(Drive):
     """One drive on a canopen network (simulated or real), read and written once per cycle.
 
-    mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
-    itself (homing), so that there is no lag and its position may jump to a new reference.
-    watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
-    second_age_cycles: since a telegram has delivered the second encoder. unproved_latches: how many
-    latches were believed by telegrams alone. doubt_mm: how far the last of them may be wrong, None
-    where SDO has proved it. second_telegram: the one that carries the second encoder, if any does.
+    mode_bits: bits of the controlword that belong to the mode. second_telegram: the one that
+    carries the second encoder, if any does. unproved_latches: those that were believed by telegrams
+    alone; SDO proves the others.
     """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
-        self.settings, self.network, self.sdo = settings, network, sdo
-        self.name = settings.axis
+        arrival = Arrival(
+            settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
+        )
+        super().__init__(settings, arrival)
+        self._link, self.network, self.sdo = settings, network, sdo
+        self.node_id = settings.node_id
         self.latch_object = latch_object(settings.probe_input, settings.edge)
         self.telegrams: dict[str, Telegram] = telegrams(
             self.latch_object,
@@ -65,41 +93,22 @@ class AxisLink:
             t for t in self.telegrams.values() if any(o.field == "second" for o in t.objects)
         ]
         self.second_telegram: Telegram | None = seconds[0] if seconds else None
-        self.arrival = Arrival(
-            settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
-        )
         self._checked_by: SdoClient | None = None
         self._room: StandstillRoom | None = None
-        self.unproved_latches = 0
-        self.doubt_mm: float | None = None
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
-        self._per_mm = settings.increments_per_mm
         pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
         self._control_out, self._target_out = _needed(pdos, "controlword"), _needed(pdos, "target")
         self._function_out = pdos.sent_place("probe_function") or ([0], 0)
-        self._jump_increments = settings.jump_mm * self._per_mm
         self.statusword = 0
         self.state = State.NOT_READY_TO_SWITCH_ON
-        self.actual_increments = 0
-        self.jump_mm: float | None = None
-        self._actual_age: int | None = None  # cycles since the last actual position
         self._inputs: int | None = None
         self._second: int | None = None
-        self.second_age_cycles = 0
         self.emergency: Emergency | None = None
+        self._active_fault: ActiveFault | None = None
         self.controlword = 0
-        self.power = False
-        self.resets_fault = False
         self.mode_bits = 0
-        self.leads_itself = False
-        self.watches_lag = True
-        self._is_held_back = self.stops_quickly = False
         self._function_word = 0
-        self.set_mm = 0.0
-        self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
-        self._has_sent = False  # in this cycle
-        self.is_still = False  # its last two set positions were the same
         self._sparse = SparseData(
             self.telegrams.values(), settings.node_id, network, self._note_length
         )
@@ -112,10 +121,6 @@ class AxisLink:
         emergency = Emergency.read(data)
         if emergency.reaction != "none":
             self.emergency = emergency
-
-    def can_reach(self, position_mm: float) -> bool:
-        """Whether a set position fits into the 32 bits of 607A."""
-        return abs(position_mm * self._per_mm) < POSITION_MAX
 
     def begin(self) -> None:
         """Begin the exchange: what came during the start-up does not count."""
@@ -142,6 +147,7 @@ class AxisLink:
         word, actual, probe, latch, count, inputs, second, stamp = pdos.take()
         if word is not None and word != self.statusword:
             self.statusword, self.state = word, state_of(word)
+            self.power = POWER[self.state]
         if actual is not None:
             self._take_actual(actual)
         elif self._actual_age is not None:
@@ -162,7 +168,7 @@ class AxisLink:
         if pdos.is_disturbed:
             self._judge_missing()
         if self._sparse.is_watched:
-            self._sparse.step(self.name, self.settings.missing_cycles)
+            self._sparse.step(self.name, self._link.missing_cycles)
 
     def _note_second(self, second: int | None) -> None:
         has_come = second is not None or "second" in self._sparse.news
@@ -171,27 +177,52 @@ class AxisLink:
             self._second = second
         self.second_age_cycles = 0 if has_come else self.second_age_cycles + 1
 
+    # Faults
+
+    @property
+    def state_name(self) -> str:
+        """The state of CiA 402."""
+        return self.state.name
+
+    @property
+    def is_in_fault(self) -> bool:
+        """Whether the drive is in FAULT; its fault reaction is over."""
+        return self.state is State.FAULT
+
+    @property
+    def has_reported(self) -> bool:
+        """Whether an emergency has come."""
+        return self.emergency is not None
+
+    def ask_for_fault(self) -> None:
+        """Ask the drive for a fault that no emergency has reported."""
+        self._active_fault = ActiveFault(self.sdo)
+        self._active_fault.ask()
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether an answer about a fault is still to come."""
+        return self._active_fault is not None and self._active_fault.is_open
+
+    def fault(self) -> Alarm:
+        """Return Alarm 900005 with what the drive reports of its fault."""
+        found = self._active_fault if self.emergency is None else self.emergency
+        words = "none" if found is None else str(found)
+        return Alarm(900005, axis=self.name, statusword=f"0x{self.statusword:04X}", emcy=words)
+
+    def forget_fault(self) -> None:
+        """Begin anew: what led here is over."""
+        self.emergency, self.acknowledges_faults = None, False
+
     @property
     def is_disturbed(self) -> bool:
         """Whether a telegram of the last SYNC is missing."""
         return self._pdos.is_disturbed
 
-    def _take_actual(self, increments: int) -> None:
-        moved, age = abs(increments - self.actual_increments), self._actual_age
-        limit = self._jump_increments
-        if (
-            moved > limit
-            and not self.leads_itself
-            and age is not None
-            and moved > limit * (age + 1)
-        ):
-            self.jump_mm = moved / self._per_mm
-        self.actual_increments, self._actual_age = increments, 0
-
     def _judge_missing(self) -> None:
         pdos = self._pdos
         for name, missing, cause in zip(pdos.names, pdos.missing, pdos.causes, strict=True):
-            if missing > self.settings.missing_cycles:
+            if missing > self._link.missing_cycles:
                 raise Alarm(cause, axis=self.name, pdo=name, cycles=missing)
 
     def get_object(self, index: int, sub: int) -> int:
@@ -216,31 +247,7 @@ class AxisLink:
         for watch in self._watches.values():
             watch.restart()
         self.statusword, self.state = 0, State.NOT_READY_TO_SWITCH_ON
-
-    def hold_back(self) -> None:
-        """Never lead the drive into operation again: it may go on with what it does, or stop.
-
-        Without `power` it is led out of operation.
-        """
-        self._is_held_back = True
-
-    def quick_stop(self) -> None:
-        """Let the drive stop by itself: it does not follow its targets."""
-        self._is_held_back = self.stops_quickly = True
-
-    def let_go(self) -> None:
-        """Lead the drive again as `power` says, after a reset."""
-        self._is_held_back = self.stops_quickly = False
-
-    @property
-    def has_actual(self) -> bool:
-        """Whether this cycle's SYNC has delivered 0x6064."""
-        return self._actual_age == 0
-
-    @property
-    def actual_mm(self) -> float:
-        """Actual position 0x6064."""
-        return self.actual_increments / self._per_mm
+        self.power = POWER[self.state]
 
     @property
     def second_increments(self) -> int | None:
@@ -252,19 +259,15 @@ class AxisLink:
         """Whether a telegram carries the second encoder."""
         return self.second_telegram is not None
 
-    @property
-    def lag_mm(self) -> float:
-        """The CNC's position lag e(k) = s(k - d) - x(k), d = P-AXIS-00191.
+    def second_period_ns(self, cycle_ns: TimeNs) -> TimeNs | None:
+        """Return how often 0x60E4:1 is promised, None where nothing promises it."""
+        telegram = self.second_telegram
+        return None if telegram is None else telegram.promised_ns(cycle_ns)
 
-        Before s(k) is sent, d = 0 has to do with s(k - 1).
-        Source: docs/ambiguities.md, "Two position lags".
-        """
-        if self.leads_itself:
-            return 0.0
-        history = self._set_history
-        older = self.settings.lag_delay_cycles - (not self._has_sent)
-        place = len(history) - 1 - max(older, 0)
-        return (history[max(place, 0)] if history else self.set_mm) - self.actual_mm
+    def home(self, clock: Clock) -> AxisHoming:
+        """Begin the homing of the axis by its drive."""
+        assert self.sdo is not None, "the drive cannot be asked"
+        return AxisHoming(self, clock, self.sdo)
 
     # The latch, as the measuring run sees it
 
@@ -283,7 +286,7 @@ class AxisLink:
     def _take_up(self, probe_input: int, edge: str) -> None:
         self.probe_input, self.edge = probe_input, edge
         self.arrival.stamp = None
-        source = "object" if self.settings.trigger_source == "DRIVE_DEFINED" else "input"
+        source = "object" if self._link.trigger_source == "DRIVE_DEFINED" else "input"
         self._function = probe_function(probe_input, edge, source=source)
         self._input_bit = input_bit(probe_input)
         if (probe_input, edge) not in self._watches:
@@ -291,7 +294,7 @@ class AxisLink:
                 self.name,
                 enabled_bit(probe_input),
                 stored_bit(probe_input, edge),
-                self.settings.increments_per_mm,
+                self._link.increments_per_mm,
             )
         self._latch = self._watches[probe_input, edge]
         self._check = self._checker()
@@ -394,29 +397,17 @@ class AxisLink:
         return level == (self.edge == "POS")
 
     def _controlword(self) -> int:
-        """Lead the drive on; out of a fault only the operator leads, never a running program."""
+        """Lead the drive as requested; out of a fault only where faults are acknowledged."""
         state = self.state
-        if state is State.FAULT and self.resets_fault:
+        if state is State.FAULT and self.acknowledges_faults:
             return ~self.controlword & RESET  # only a rising edge counts
-        if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
-            return STATES[State.FAULT].hold
-        if self.stops_quickly and state is State.OPERATION_ENABLED:
-            return COMMANDS[Command.QUICK_STOP].value
-        if self._is_held_back:
-            if state not in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE):
-                return 0
-            if self.power:
-                return STATES[state].hold
-        wanted = State.OPERATION_ENABLED if self.power else State.READY_TO_SWITCH_ON
-        return controlword_towards(state, wanted)
+        return WORDS[self.request, state]
 
     def send(self, set_mm: float) -> None:
         """Send set position, controlword and latch control word of this cycle."""
-        is_usual = self.state is OPERATING and self.power and not self.stops_quickly
+        is_usual = self.state is OPERATING and self.keeps_operating
         self.controlword = (HOLD_OPERATION if is_usual else self._controlword()) | self.mode_bits
-        self.set_mm = set_mm
-        self._set_history.append(set_mm)
-        self._has_sent = True
+        self._note_sent(set_mm)
         values, position = self._control_out
         values[position] = self.controlword
         values, position = self._target_out

@@ -1,19 +1,18 @@
-"""Watches over a drive and over the buses while a program runs; each finding is an alarm.
+"""Watches over a drive while a program runs; each finding is an alarm.
 
-`DriveWatch` listens to what a drive says beside its cyclic telegrams: boot-up, heartbeat or node
+`LinkWatch` listens to what a drive says beside its cyclic telegrams: boot-up, heartbeat or node
 guarding, emergencies. Sources: CiA 301 sections 7.2.7 (EMCY), 7.2.8 (error control, boot-up).
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any
 
 from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.emergency import Emergency
-from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, SYNC_ID
-from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 BOOT_UP, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0, 4, 5, 127
@@ -36,12 +35,12 @@ class WatchSettings:
     life_factor: int = 3
 
 
-class DriveWatch:
+class LinkWatch(DriveWatch):
     """The watch over one drive; begins with `begin`, asked once per cycle."""
 
     def __init__(self, link: AxisLink, clock: Clock, settings: WatchSettings) -> None:
         self._link, self._clock, self._settings = link, clock, settings
-        self._id = ERROR_CONTROL_BASE + link.settings.node_id
+        self._id = ERROR_CONTROL_BASE + link.node_id
         self._is_watching = False
         self._heard_ns: TimeNs = 0
         self._has_news = False
@@ -99,17 +98,17 @@ class DriveWatch:
         if not (self._has_news or self._limit_ns or link.jump_mm is not None):
             return None
         if self._has_booted:
-            return Alarm(900024, axis=link.name, node=link.settings.node_id)
+            return Alarm(900024, axis=link.name, node=link.node_id)
         if self._nmt_state != OPERATIONAL:
             state = NMT_STATES[self._nmt_state]
-            return Alarm(900034, axis=link.name, node=link.settings.node_id, state=state)
+            return Alarm(900034, axis=link.name, node=link.node_id, state=state)
         if self._limit_ns:
             silent_ns = self._clock.now_ns - self._heard_ns
             if silent_ns > self._limit_ns or self._toggle_stuck:
                 return Alarm(
                     900023,
                     axis=link.name,
-                    node=link.settings.node_id,
+                    node=link.node_id,
                     what="node guarding" if settings.guard_ns else "heartbeat",
                     ms=silent_ns // MS,
                 )
@@ -118,7 +117,7 @@ class DriveWatch:
     def _jump(self) -> Alarm | None:
         """Report a jump in operation; before it a drive may still be looking for its encoder."""
         jump_mm, self._link.jump_mm = self._link.jump_mm, None
-        if jump_mm is None or self._link.state is not State.OPERATION_ENABLED:
+        if jump_mm is None or self._link.power is not Power.OPERATING:
             return None
         return Alarm(900029, axis=self._link.name, jump_mm=f"{jump_mm:.3f}")
 
@@ -129,17 +128,17 @@ class DriveWatch:
         operation enabled).
         """
         link = self._link
-        if link.stops_quickly:
+        if link.request is PowerRequest.STOP:
             return None  # as it was commanded
-        if link.state is State.OPERATION_ENABLED and link.emergency is None:
+        if link.power is Power.OPERATING and link.emergency is None:
             return self._lag()
         word = f"0x{link.statusword:04X}"
-        if link.state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
+        if link.power is Power.FAULT:
             emergency = "none" if link.emergency is None else str(link.emergency)
             return Alarm(900005, axis=link.name, statusword=word, emcy=emergency)
         if link.emergency is not None:
             return self._judge(link.emergency)
-        return Alarm(900027, axis=link.name, statusword=word, state=link.state.name)
+        return Alarm(900027, axis=link.name, statusword=word, state=link.state_name)
 
     def _lag(self) -> Alarm | None:
         limit_mm = self._link.settings.lag_limit_mm
@@ -157,63 +156,3 @@ class DriveWatch:
         if emergency.reaction == "warn":
             return Alarm(900035, axis=self._link.name, emcy=str(emergency))
         return Alarm(900025, axis=self._link.name, emcy=str(emergency))
-
-
-class BusWatch:
-    """The watch over the kernel's own controller on one segment."""
-
-    def __init__(self, network: Any) -> None:
-        self._bus = network.bus
-        self.name = str(getattr(self._bus, "channel_info", "bus"))
-        self._pending: Sequence[Any] = getattr(self._bus, "pending", ())
-        self._is_off = False
-        listen: Callable[[Callable[[], None]], None] | None
-        listen = getattr(self._bus, "on_bus_off", None)
-        self._polls = listen is None and self._bus is not None
-        if listen is not None:
-            listen(self._on_bus_off)
-
-    def _on_bus_off(self) -> None:
-        self._is_off = True
-
-    def check(self) -> Alarm | None:
-        """Return Alarm 900030 when the controller is bus-off."""
-        if self._is_off or (self._polls and self._bus.state.name == "ERROR"):
-            return Alarm(900030, segment=self.name)
-        return None
-
-    @property
-    def holds_back_sync(self) -> bool:
-        """Whether a SYNC that was requested still waits for the bus; False where it is unknown.
-
-        Interfaces of python-can do not show their transmit queue.
-        """
-        pending = self._pending
-        return bool(pending) and any(request[4].arbitration_id == SYNC_ID for request in pending)
-
-
-class HeartbeatProducer:
-    """The kernel's own heartbeat on every segment (CiA 301, producer 1017)."""
-
-    def __init__(self, networks: Sequence[Any], clock: Clock, node_id: int, period_ms: int) -> None:
-        self._networks, self._clock = networks, clock
-        self._id, self._period_ns = ERROR_CONTROL_BASE + node_id, period_ms * MS
-        self._runs = False
-
-    def begin(self) -> None:
-        """Send from now on, if there is a period."""
-        if self._period_ns and not self._runs:
-            self._runs = True
-            self._send()
-
-    def end(self) -> None:
-        """Send no more."""
-        self._runs = False
-
-    def _send(self) -> None:
-        if not self._runs:
-            return
-        for network in self._networks:
-            network.send_message(self._id, bytes((OPERATIONAL,)))
-        due_ns = self._clock.now_ns + self._period_ns
-        self._clock.call_at(due_ns, Phase.APPLICATION, self._send)

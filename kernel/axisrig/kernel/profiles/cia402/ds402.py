@@ -90,11 +90,15 @@ class ProbeStatus(IntFlag):
 
 @dataclass(frozen=True)
 class StatePattern:
-    """A state in the statusword (`word & mask == value`) and the controlword that keeps it."""
+    """A state in the statusword (`word & mask == value`) and the controlword that keeps it.
+
+    power: what it means for the control, by the names of `drives.power.Power`.
+    """
 
     mask: int
     value: int
     hold: int
+    power: str
 
 
 @dataclass(frozen=True)
@@ -133,7 +137,9 @@ def _event(word: str) -> Command | Literal["AUTOMATIC", "ERROR"]:
 
 
 STATES: Final[Mapping[State, StatePattern]] = {
-    State[row["state"]]: StatePattern(*(int(row[key], 0) for key in ("mask", "value", "hold")))
+    State[row["state"]]: StatePattern(
+        int(row["mask"], 0), int(row["value"], 0), int(row["hold"], 0), row["power"]
+    )
     for row in _rows("ds402_states.csv")
 }
 COMMANDS: Final[Mapping[Command, CommandPattern]] = {

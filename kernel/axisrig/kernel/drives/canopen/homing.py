@@ -1,0 +1,192 @@
+"""Homing by a drive of CiA 402: mode 6, then back to the mode of before.
+
+The method and its speeds are those of the drive (6098, 6099, 609A, 607C; docs/homing.md). Source:
+CiA 402-2.
+"""
+
+from collections.abc import Callable
+from enum import Enum, auto
+from typing import Final, Protocol
+
+from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError, object_name
+from axisrig.kernel.drives.interface import DriveHoming
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import Status
+from axisrig.kernel.time.clock import Clock, S, TimeNs
+
+HOMING_MODE: Final = 6
+MODE, MODE_DISPLAY, METHOD, ERROR_CODE = 0x6060, 0x6061, 0x6098, 0x603F
+START: Final = 1 << 4  # of the controlword
+# The bits of an earlier homing stay until the drive has seen the start; none takes longer
+BLIND_CYCLES: Final = 16
+MODE_POLLS_MAX: Final = 100  # readings of 6061 until the mode has changed
+# A bus with little room gets an SDO frame only now and then, so that no telegram is late twice
+SDO_CYCLES: Final = 4
+LIMIT_NS: Final[TimeNs] = 300 * S
+
+
+class Phase(Enum):
+    """The progress of the homing of an axis."""
+
+    ENTERING = auto()  # the drive changes to mode 6
+    SEARCHING = auto()
+    EXPLAINING = auto()  # it has failed, and the drive is asked why
+    LEAVING = auto()  # back to the mode of before
+    DONE = auto()
+
+
+class HomingLink(Protocol):
+    """What a homing needs of the link to its drive."""
+
+    name: str
+    mode_bits: int
+    leads_itself: bool
+
+    @property
+    def node_id(self) -> int: ...  # noqa: D102
+    @property
+    def statusword(self) -> int: ...  # noqa: D102
+
+    def set_object(self, index: int, sub: int, value: int) -> None: ...  # noqa: D102
+
+
+class AxisHoming(DriveHoming):
+    """The homing of one axis over SDO and the bits of the mode in the controlword."""
+
+    def __init__(self, link: HomingLink, clock: Clock, sdo: SdoClient) -> None:
+        self._link, self._clock, self._sdo = link, clock, sdo
+        self.phase = Phase.ENTERING
+        self._mode_before: int | None = None  # until the drive has reported it
+        self._attempt = 0  # answers to questions of an earlier one do not count
+        self._polls = self._cycles = self._pause = 0
+        self._request: Callable[[], None] | None = None
+        self._begin_ns = clock.now_ns
+        self._answers: dict[int, int] = {}
+        self._failed: Alarm | None = None
+        link.leads_itself = True
+        self._read(MODE_DISPLAY, self._enter)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the axis is homed, or the homing broken off."""
+        return self.phase is Phase.DONE
+
+    def step(self) -> None:
+        """Look how far the drive is; raises Alarm 900190 and 900011."""
+        if self._failed is not None:
+            raise self._failed
+        self._pause += 1
+        if self._request is not None and self._pause >= SDO_CYCLES:
+            request, self._request, self._pause = self._request, None, 0
+            request()
+        if self.phase is Phase.SEARCHING:
+            self._look()
+
+    def abort(self) -> None:
+        """Break off: the drive stops the axis, and further steps lead it back to its mode."""
+        if self.phase is Phase.DONE:
+            return
+        self._link.mode_bits = 0
+        self.phase, self._failed, self._request = Phase.LEAVING, None, None
+        self._attempt += 1
+        if self._mode_before is None:
+            self._leave()
+        else:
+            self._change_mode(self._mode_before, self._leave)
+
+    def _look(self) -> None:
+        self._cycles += 1
+        if self._cycles <= BLIND_CYCLES:
+            return
+        word = self._link.statusword
+        if word & Status.HOMING_ERROR:
+            self._explain("the drive reports an error of homing")
+        elif word & Status.HOMING_ATTAINED and word & Status.TARGET_REACHED:
+            assert self._mode_before is not None, "it has been asked for first"
+            self._link.mode_bits = 0
+            self.phase = Phase.LEAVING
+            self._change_mode(self._mode_before, self._leave)
+        elif self._clock.now_ns - self._begin_ns > LIMIT_NS:
+            self._explain(f"not at its end after {LIMIT_NS // S} s")
+
+    # Changing the mode over SDO
+
+    def _enter(self, mode: int) -> None:
+        self._mode_before = mode
+        self._change_mode(HOMING_MODE, self._begin)
+
+    def _begin(self) -> None:
+        self._link.mode_bits = START
+        self.phase, self._cycles = Phase.SEARCHING, 0
+
+    def _leave(self) -> None:
+        self._link.leads_itself = False
+        self.phase = Phase.DONE
+
+    def _change_mode(self, mode: int, then: Callable[[], None]) -> None:
+        self._polls, attempt = 0, self._attempt
+
+        def poll(shown: int) -> None:
+            self._polls += 1
+            if shown == mode:
+                then()
+            elif self._polls > MODE_POLLS_MAX:
+                self._refused(f"mode {mode}", f"6061 shows mode {shown}")
+            else:
+                self._read(MODE_DISPLAY, poll)
+
+        def written(answer: bytes | SdoError) -> None:
+            if attempt != self._attempt:
+                return
+            if isinstance(answer, SdoError):
+                self._refused(f"mode {mode} ({object_name(MODE, 0)})", str(answer))
+            else:
+                self._read(MODE_DISPLAY, poll)
+
+        try:
+            self._link.set_object(MODE, 0, mode)
+        except KeyError:  # no RPDO carries it
+            data = mode.to_bytes(1, "little")
+            self._request = lambda: self._sdo.write(MODE, 0, data, written)
+        else:
+            self._read(MODE_DISPLAY, poll)
+
+    def _read(self, index: int, then: Callable[[int], None]) -> None:
+        attempt = self._attempt
+
+        def done(answer: bytes | SdoError) -> None:
+            if attempt != self._attempt:
+                return
+            if isinstance(answer, SdoError):
+                self._refused(f"the question for {object_name(index, 0)}", str(answer))
+            else:
+                then(int.from_bytes(answer, "little", signed=index != ERROR_CODE))
+
+        self._request = lambda: self._sdo.read(index, 0, done)
+
+    # Failures
+
+    def _refused(self, step: str, answer: str) -> None:
+        link = self._link
+        self._failed = Alarm(900011, axis=link.name, node=link.node_id, step=step, answer=answer)
+
+    def _explain(self, reason: str) -> None:
+        """Ask the drive for method and error code, then fail."""
+        self.phase = Phase.EXPLAINING
+        word = self._link.statusword
+
+        def report(error: int) -> None:
+            self._failed = Alarm(
+                900190,
+                axis=self._link.name,
+                method=self._answers[METHOD],
+                reason=reason,
+                statusword=f"0x{word:04X}",
+                error=f"0x{error:04X}",
+            )
+
+        def keep(method: int) -> None:
+            self._answers[METHOD] = method
+            self._read(ERROR_CODE, report)
+
+        self._read(METHOD, keep)

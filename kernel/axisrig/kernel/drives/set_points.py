@@ -1,0 +1,75 @@
+"""Set and actual positions of an axis as the control keeps them, for drives of any family."""
+
+from collections import deque
+from typing import Final
+
+POSITION_MAX: Final = 1 << 31  # a signed position of 32 bits, increments
+
+
+class SetPoints:
+    """What was sent to one axis, what came back, and how far they are apart.
+
+    increments_per_mm: of the positions on the wire. lag_delay_cycles: P-AXIS-00191. jump_mm: the
+    largest credible way from one actual position to the next.
+    set_mm: sent last. is_still: the last two sent positions were the same. actual_increments: came
+    last. jump_mm: a way that cannot be, None while there was none. leads_itself: the drive moves by
+    itself (homing), so that there is no lag and its position may jump to a new reference.
+    """
+
+    def __init__(self, increments_per_mm: float, lag_delay_cycles: int, jump_mm: float) -> None:
+        self._per_mm = increments_per_mm
+        self._lag_delay_cycles = lag_delay_cycles
+        self._jump_increments = jump_mm * increments_per_mm
+        self.set_mm = 0.0
+        self.is_still = False
+        self._set_history: deque[float] = deque(maxlen=lag_delay_cycles + 1)
+        self._has_sent = False  # in this cycle
+        self.actual_increments = 0
+        self._actual_age: int | None = None  # cycles since the last actual position
+        self.jump_mm: float | None = None
+        self.leads_itself = False
+
+    def can_reach(self, position_mm: float) -> bool:
+        """Whether a set position fits into 32 bits."""
+        return abs(position_mm * self._per_mm) < POSITION_MAX
+
+    @property
+    def has_actual(self) -> bool:
+        """Whether this cycle has delivered the actual position."""
+        return self._actual_age == 0
+
+    @property
+    def actual_mm(self) -> float:
+        """The actual position that came last."""
+        return self.actual_increments / self._per_mm
+
+    @property
+    def lag_mm(self) -> float:
+        """The CNC's position lag e(k) = s(k - d) - x(k), d = P-AXIS-00191.
+
+        Before s(k) is sent, d = 0 has to do with s(k - 1).
+        Source: docs/ambiguities.md, "Two position lags".
+        """
+        if self.leads_itself:
+            return 0.0
+        history = self._set_history
+        older = self._lag_delay_cycles - (not self._has_sent)
+        place = len(history) - 1 - max(older, 0)
+        return (history[max(place, 0)] if history else self.set_mm) - self.actual_mm
+
+    def _take_actual(self, increments: int) -> None:
+        moved, age = abs(increments - self.actual_increments), self._actual_age
+        limit = self._jump_increments
+        if (
+            moved > limit
+            and not self.leads_itself
+            and age is not None
+            and moved > limit * (age + 1)
+        ):
+            self.jump_mm = moved / self._per_mm
+        self.actual_increments, self._actual_age = increments, 0
+
+    def _note_sent(self, set_mm: float) -> None:
+        self.set_mm = set_mm
+        self._set_history.append(set_mm)
+        self._has_sent = True
