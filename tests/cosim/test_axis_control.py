@@ -10,8 +10,8 @@ from axisrig.fmus import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import load_fmu
 from axisrig.kernel.cosim.fmi.roles import Source, map_roles
 from axisrig.kernel.cosim.plant.axis import PlantAxis
-from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS
 
 MASS = 120 + 1.8e-4 * (2 * math.pi / 0.01) ** 2  # kg

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS, US, S
 
 Make = Callable[..., Any]

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]

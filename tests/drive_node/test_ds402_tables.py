@@ -3,7 +3,8 @@
 import pytest
 from canopen.profiles.p402 import State402
 
-from axisrig.kernel.profiles.cia402 import ds402
+from axisrig.bench.drive.cia402.functions import transitions
+from axisrig.kernel.drives.canopen import words
 from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, STATES, TRANSITIONS, Command, State
 
 # Transition number by state (row) and command (column); "." = the state stays
@@ -43,8 +44,8 @@ CASES = [
 @pytest.mark.parametrize(("state", "command", "word", "number"), CASES)
 def test_every_command_in_every_state(state: str, command: str, word: int, number: str) -> None:
     expected = (State[state], None) if number == "." else (State[TARGETS[int(number)]], int(number))
-    assert ds402.command_of(word, 0) is Command[command]
-    assert ds402.transition(State[state], word, 0) == expected
+    assert transitions.command_of(word, 0) is Command[command]
+    assert transitions.transition(State[state], word, 0) == expected
 
 
 def test_every_low_byte_is_one_command_at_most() -> None:
@@ -54,22 +55,22 @@ def test_every_low_byte_is_one_command_at_most() -> None:
 
 
 def test_fault_reset_needs_the_rising_edge() -> None:
-    assert ds402.transition(State.FAULT, 0x80, 0x80) == (State.FAULT, None)
-    assert ds402.transition(State.FAULT, 0x8F, 0x86) == (State.FAULT, None)
-    assert ds402.transition(State.FAULT, 0x80, 0x0F) == (State.SWITCH_ON_DISABLED, 15)
+    assert transitions.transition(State.FAULT, 0x80, 0x80) == (State.FAULT, None)
+    assert transitions.transition(State.FAULT, 0x8F, 0x86) == (State.FAULT, None)
+    assert transitions.transition(State.FAULT, 0x80, 0x0F) == (State.SWITCH_ON_DISABLED, 15)
 
 
 def test_bit_7_held_high_is_no_command_in_any_state() -> None:
     for state in State:
-        assert ds402.transition(state, 0x8F, 0x80) == (state, None)
+        assert transitions.transition(state, 0x8F, 0x80) == (state, None)
 
 
 def test_automatic_transitions() -> None:
-    assert ds402.automatic(State.NOT_READY_TO_SWITCH_ON) == (State.SWITCH_ON_DISABLED, 1)
-    assert ds402.automatic(State.QUICK_STOP_ACTIVE) == (State.SWITCH_ON_DISABLED, 12)
-    assert ds402.automatic(State.FAULT_REACTION_ACTIVE) == (State.FAULT, 14)
+    assert transitions.automatic(State.NOT_READY_TO_SWITCH_ON) == (State.SWITCH_ON_DISABLED, 1)
+    assert transitions.automatic(State.QUICK_STOP_ACTIVE) == (State.SWITCH_ON_DISABLED, 12)
+    assert transitions.automatic(State.FAULT_REACTION_ACTIVE) == (State.FAULT, 14)
     for state in (State.SWITCH_ON_DISABLED, State.OPERATION_ENABLED, State.FAULT):
-        assert ds402.automatic(state) == (state, None)
+        assert transitions.automatic(state) == (state, None)
 
 
 def test_numbers_0_to_16_stand_in_the_table_without_gap() -> None:
@@ -86,13 +87,13 @@ def test_transitions_are_those_of_canopen() -> None:
         if source in ("START", "NOT READY TO SWITCH ON", "FAULT REACTION ACTIVE"):
             continue
         state = State[source.replace(" ", "_")]
-        assert ds402.transition(state, word, 0)[0].name == target.replace(" ", "_")
+        assert transitions.transition(state, word, 0)[0].name == target.replace(" ", "_")
 
 
 @pytest.mark.parametrize("upper", [0x0000, 0xB290, 0x1600])
 def test_state_of_ignores_the_other_bits(upper: int) -> None:
     for state, pattern in STATES.items():
-        assert ds402.state_of(pattern.value | upper & ~pattern.mask) is state
+        assert words.state_of(pattern.value | upper & ~pattern.mask) is state
 
 
 def test_no_two_states_share_a_statusword_and_misfits_raise() -> None:
@@ -101,7 +102,7 @@ def test_no_two_states_share_a_statusword_and_misfits_raise() -> None:
         assert len(hits) <= 1
         if not hits:
             with pytest.raises(ValueError, match="fits no state"):
-                ds402.state_of(word)
+                words.state_of(word)
 
 
 def test_way_to_operation_enabled_from_everywhere() -> None:
@@ -114,48 +115,48 @@ def test_way_to_operation_enabled_from_everywhere() -> None:
         State.QUICK_STOP_ACTIVE: [0x00, 0x06, 0x07, 0x0F],
         State.FAULT: [0x80, 0x06, 0x07, 0x0F],
     }
-    for start, words in ways.items():
+    for start, wanted in ways.items():
         state, previous, sent = start, 0, []
         while state is not State.OPERATION_ENABLED:
-            word = ds402.controlword_towards(state, State.OPERATION_ENABLED)
-            state, _ = ds402.transition(state, word, previous)
+            word = words.controlword_towards(state, State.OPERATION_ENABLED)
+            state, _ = transitions.transition(state, word, previous)
             previous = word
             sent.append(word)
-        assert sent == words
+        assert sent == wanted
 
 
 def test_controlword_at_the_target_keeps_the_state() -> None:
     for state in State:
-        word = ds402.controlword_towards(state, state)
-        assert ds402.transition(state, word, 0x80) == (state, None)
+        word = words.controlword_towards(state, state)
+        assert transitions.transition(state, word, 0x80) == (state, None)
 
 
 def test_states_without_commands_are_waited_for() -> None:
     for state in (State.NOT_READY_TO_SWITCH_ON, State.FAULT_REACTION_ACTIVE):
-        assert ds402.controlword_towards(state, State.OPERATION_ENABLED) == 0
+        assert words.controlword_towards(state, State.OPERATION_ENABLED) == 0
 
 
 def test_a_fault_cannot_be_commanded() -> None:
     with pytest.raises(ValueError, match="no command leads from OPERATION_ENABLED to FAULT"):
-        ds402.controlword_towards(State.OPERATION_ENABLED, State.FAULT)
+        words.controlword_towards(State.OPERATION_ENABLED, State.FAULT)
 
 
 def test_touch_probe_words_against_the_bit_table() -> None:
     """Words by hand: 0x11 is what a script of a real master writes for probe 1, positive edge."""
-    assert ds402.probe_function(1, "POS") == 0x0011
-    assert ds402.probe_function(1, "NEG") == 0x0021
-    assert ds402.probe_function(2, "POS") == 0x1100
-    assert ds402.probe_function(2, "NEG", continuous=True) == 0x2300
-    assert ds402.probe_function(1, "POS", source="index") == 0x0015
-    assert ds402.probe_function(2, "NEG", source="object") == 0x2900
+    assert words.probe_function(1, "POS") == 0x0011
+    assert words.probe_function(1, "NEG") == 0x0021
+    assert words.probe_function(2, "POS") == 0x1100
+    assert words.probe_function(2, "NEG", continuous=True) == 0x2300
+    assert words.probe_function(1, "POS", source="index") == 0x0015
+    assert words.probe_function(2, "NEG", source="object") == 0x2900
 
 
 def test_touch_probe_objects_and_status_bits() -> None:
-    assert [ds402.latch_object(p, e) for p in (1, 2) for e in ("POS", "NEG")] == [
+    assert [words.latch_object(p, e) for p in (1, 2) for e in ("POS", "NEG")] == [
         0x60BA, 0x60BB, 0x60BC, 0x60BD]  # fmt: skip
-    assert [ds402.counter_object(p, e) for p in (1, 2) for e in ("POS", "NEG")] == [
+    assert [words.counter_object(p, e) for p in (1, 2) for e in ("POS", "NEG")] == [
         0x60D5, 0x60D6, 0x60D7, 0x60D8]  # fmt: skip
-    assert [ds402.stored_bit(p, e) for p in (1, 2) for e in ("POS", "NEG")] == [
+    assert [words.stored_bit(p, e) for p in (1, 2) for e in ("POS", "NEG")] == [
         1 << 1, 1 << 2, 1 << 9, 1 << 10]  # fmt: skip
-    assert [ds402.enabled_bit(p) for p in (1, 2)] == [1 << 0, 1 << 8]
-    assert [ds402.input_bit(p) for p in (1, 2)] == [1 << 16, 1 << 17]
+    assert [words.enabled_bit(p) for p in (1, 2)] == [1 << 0, 1 << 8]
+    assert [words.input_bit(p) for p in (1, 2)] == [1 << 16, 1 << 17]

@@ -18,6 +18,7 @@ from axisrig.kernel.drives.canopen.dictionary import check_functions, variable
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import BusSettings, Step
+from axisrig.kernel.drives.canopen.words import latch_object
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import (
     EMERGENCY_BASE,
@@ -25,7 +26,6 @@ from axisrig.kernel.profiles.canopen.identifiers import (
     SDO_ANSWER_BASE,
     SDO_REQUEST_BASE,
 )
-from axisrig.kernel.profiles.cia402.ds402 import latch_object
 from axisrig.kernel.time.clock import US
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from axisrig.kernel.cosim.plant.demand import ControlKind
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import TimeNs
 
 __all__ = ["AxisPort", "ControlKind", "SignalPort"]

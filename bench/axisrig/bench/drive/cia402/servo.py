@@ -29,9 +29,10 @@ from axisrig.bench.drive.cia402.functions.states import (
     StateMachine,
 )
 from axisrig.bench.drive.cia402.functions.stop import Stop
+from axisrig.bench.drive.cia402.functions.transitions import automatic
 from axisrig.bench.drive.cia402.modes import MODES, Mode
 from axisrig.bench.drive.cia402.monitor import FOLLOWING_ERROR, Monitor
-from axisrig.kernel.profiles.cia402.ds402 import STATES, State, Status, automatic
+from axisrig.kernel.profiles.cia402.ds402 import STATES, State, Status
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 REFERENCE_LIMIT = 0x8612  # emergency code of CiA 402: a limit switch has stopped the axis

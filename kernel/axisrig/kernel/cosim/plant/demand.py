@@ -1,23 +1,15 @@
 """What an axis FMU is given: the demand, the kind of control, the force limits."""
 
 import struct
-from enum import IntEnum
 from typing import Any
 
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
 from axisrig.kernel.cosim.fmi.roles import Roles, Values
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import TimeNs
 
 AXIS_INPUTS = ("reference_position", "reference_velocity", "reference_time", "reference_end")
 SAMPLE_NS = 62_500
-
-
-class ControlKind(IntEnum):
-    """What a drive controls; the numbers are those of the input `control` of an axis FMU."""
-
-    POSITION = 0
-    VELOCITY = 1
-    FORCE = 2
 
 
 class Ramp:

@@ -16,17 +16,7 @@ from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.process_data import ProcessData
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.sparse import SparseData
-from axisrig.kernel.drives.interface import Drive
-from axisrig.kernel.drives.power import Power, PowerRequest
-from axisrig.kernel.errors import Alarm
-from axisrig.kernel.measuring.latest_edge import Arrival
-from axisrig.kernel.profiles.canopen.emergency import Emergency
-from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE
-from axisrig.kernel.profiles.cia402.ds402 import (
-    COMMANDS,
-    STATES,
-    Command,
-    State,
+from axisrig.kernel.drives.canopen.words import (
     controlword_towards,
     counter_object,
     enabled_bit,
@@ -36,6 +26,13 @@ from axisrig.kernel.profiles.cia402.ds402 import (
     state_of,
     stored_bit,
 )
+from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.latest_edge import Arrival
+from axisrig.kernel.profiles.canopen.emergency import Emergency
+from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE
+from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, STATES, Command, State
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 RESET = COMMANDS[Command.FAULT_RESET].value

@@ -1,4 +1,4 @@
-"""CiA 402 as master and slave share it: states, commands, transitions, touch probe bits.
+"""CiA 402 as both ends take it: states, commands, transitions, touch probe bits.
 
 The tables are `ds402_states.csv`, `ds402_commands.csv` and `ds402_transitions.csv`; the
 transition numbers are those of the standard. Source: CiA 402-2, finite state automaton and touch
@@ -6,11 +6,9 @@ probe function (objects 6040, 6041, 60B8 to 60BD).
 """
 
 import csv
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum, IntFlag, auto
-from functools import cache
 from importlib import resources
 from typing import Final, Literal
 
@@ -158,133 +156,9 @@ TRANSITIONS: Final[tuple[Transition, ...]] = tuple(
     )
     for row in _rows("ds402_transitions.csv")
 )
-_BY_COMMAND = {
-    (row.source, row.event): row for row in TRANSITIONS if isinstance(row.event, Command)
-}
-_AUTOMATIC = {row.source: row for row in TRANSITIONS if row.event == "AUTOMATIC" and row.number}
-_RELEVANT = 0x8F  # the bits of the controlword that any command looks at
-_RESET = COMMANDS[Command.FAULT_RESET].mask
 
+PROBE_INPUT_BITS: Final[Mapping[int, int]] = {1: 16, 2: 17}
+"""Bit of 60FD that shows the input of a probe.
 
-def state_of(statusword: int) -> State:
-    """Return the state that a statusword reports.
-
-    Raises ValueError when its bits fit no state.
-    """
-    state = find_state(statusword)
-    if state is None:
-        raise ValueError(f"statusword 0x{statusword:04X} fits no state")
-    return state
-
-
-@cache
-def find_state(statusword: int) -> State | None:
-    """Return the state that a statusword reports, None when its bits fit no state."""
-    for state, pattern in STATES.items():
-        if statusword & pattern.mask == pattern.value:
-            return state
-    return None
-
-
-def command_of(controlword: int, previous_controlword: int) -> Command | None:
-    """Return the command of a controlword, None for bit 7 held high."""
-    for command, pattern in COMMANDS.items():
-        if controlword & pattern.mask == pattern.value and not (
-            pattern.rising and previous_controlword & pattern.mask == pattern.value
-        ):
-            return command
-    return None
-
-
-@cache
-def _step(state: State, controlword: int, previous_reset: int) -> tuple[State, int | None]:
-    command = command_of(controlword, previous_reset)
-    row = _BY_COMMAND.get((state, command)) if command else None
-    return (row.target, row.number) if row else (state, None)
-
-
-def transition(
-    state: State, controlword: int, previous_controlword: int
-) -> tuple[State, int | None]:
-    """Return the state after a controlword and the number of the transition, None for none."""
-    return _step(state, controlword & _RELEVANT, previous_controlword & _RESET)
-
-
-def automatic(state: State) -> tuple[State, int | None]:
-    """Return where a drive goes from `state` without a command (transitions 1, 12, 14)."""
-    row = _AUTOMATIC.get(state)
-    return (row.target, row.number) if row else (state, None)
-
-
-@cache
-def controlword_towards(state: State, target: State) -> int:
-    """Return the controlword of the next step on the shortest way from `state` to `target`.
-
-    At the target, and in a state that takes no command, it is the word that changes nothing.
-    The way out of FAULT is the reset bit; it acts only when the word sent before had it at 0.
-    Raises ValueError for a target that no command leads to.
-    """
-    if state is target or not any(source is state for source, _ in _BY_COMMAND):
-        return STATES[state].hold
-    first: dict[State, int] = {}
-    queue = deque([state])
-    while queue:
-        here = queue.popleft()
-        for row in TRANSITIONS:
-            if not row.on_path or row.source is not here or row.target in (state, *first):
-                continue
-            assert isinstance(row.event, Command)  # held by the table test
-            first[row.target] = first.get(here, COMMANDS[row.event].value)
-            queue.append(row.target)
-    if target not in first:
-        raise ValueError(f"no command leads from {state.name} to {target.name}")
-    return first[target]
-
-
-def probe_function(probe: int, edge: str, continuous: bool = False, source: str = "input") -> int:
-    """Return the word for 60B8 that enables one edge ("POS", "NEG") of probe 1 or 2.
-
-    source: "input" (that of the probe), "index" (pulse of the encoder), "object" (what 60D0 names).
-    """
-    bits = ProbeFunction.ENABLE_1 | _EDGE_BIT[edge] | _SOURCE_BIT[source]
-    if continuous:
-        bits |= ProbeFunction.CONTINUOUS_1
-    return int(bits) << _SHIFT[probe]
-
-
-def latch_object(probe: int, edge: str) -> int:
-    """Return the index of the object that holds the latched position (60BA to 60BD)."""
-    return _LATCH_OBJECT[probe, edge]
-
-
-def counter_object(probe: int, edge: str) -> int:
-    """Return the index of the object that counts the latches (60D5 to 60D8)."""
-    return _COUNTER_OBJECT[probe, edge]
-
-
-def enabled_bit(probe: int) -> int:
-    """Return the bit of 60B9 that acknowledges the enabled probe."""
-    return int(ProbeStatus.ENABLED_1) << _SHIFT[probe]
-
-
-def stored_bit(probe: int, edge: str) -> int:
-    """Return the bit of 60B9 that reports that the edge's position is stored."""
-    return int(_STORED_BIT[edge]) << _SHIFT[probe]
-
-
-def input_bit(probe: int) -> int:
-    """Return the bit of 60FD that shows the probe's input.
-
-    The standard leaves bits 16 to 31 to the manufacturer; ours are 16 and 17.
-    """
-    return {1: 1 << 16, 2: 1 << 17}[probe]
-
-
-_SHIFT = {1: 0, 2: 8}
-_EDGE_BIT = {"POS": ProbeFunction.POSITIVE_1, "NEG": ProbeFunction.NEGATIVE_1}
-_STORED_BIT = {"POS": ProbeStatus.POSITIVE_STORED_1, "NEG": ProbeStatus.NEGATIVE_STORED_1}
-_SOURCE_BIT = {
-    "input": ProbeFunction(0), "index": ProbeFunction.INDEX_1, "object": ProbeFunction.OBJECT_1
-}  # fmt: skip
-_LATCH_OBJECT = {(1, "POS"): 0x60BA, (1, "NEG"): 0x60BB, (2, "POS"): 0x60BC, (2, "NEG"): 0x60BD}
-_COUNTER_OBJECT = {(1, "POS"): 0x60D5, (1, "NEG"): 0x60D6, (2, "POS"): 0x60D7, (2, "NEG"): 0x60D8}
+The standard leaves bits 16 to 31 to the manufacturer; these are ours.
+"""

@@ -9,7 +9,7 @@ from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.functions.limits import Limits
 from axisrig.bench.drive.cia402.functions.touch_probe import TouchProbe
 from axisrig.bench.drive.cia402.functions.units import Units
-from axisrig.kernel.profiles.cia402.ds402 import input_bit
+from axisrig.kernel.profiles.cia402.ds402 import PROBE_INPUT_BITS
 
 SELDOM: Final = frozenset(
     {
@@ -22,7 +22,7 @@ SELDOM: Final = frozenset(
     }
 )
 """Values that few telegrams carry: sampled at a SYNC only when one does, else when read by SDO."""
-_INPUT_SHIFT = input_bit(1).bit_length() - 1
+_INPUT_SHIFT: Final = PROBE_INPUT_BITS[1]
 
 
 class Sampler:

@@ -10,7 +10,8 @@ from importlib import resources
 from typing import Final, NamedTuple
 
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
-from axisrig.kernel.profiles.cia402.ds402 import State, automatic, transition
+from axisrig.bench.drive.cia402.functions.transitions import automatic, transition
+from axisrig.kernel.profiles.cia402.ds402 import State
 
 
 class Reaction(Enum):

@@ -9,8 +9,8 @@ from typing import ClassVar
 from axisrig.bench.drive.axis.motion import FORCE, POSITION, VELOCITY
 from axisrig.bench.drive.cia402.functions.limits import PER_MILLE
 from axisrig.bench.drive.cia402.modes.base import Mode
-from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.profiles.cia402.ds402 import Status
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import S, TimeNs
 
 FOLLOWS_COMMAND = int(Status.FOLLOWS_COMMAND)

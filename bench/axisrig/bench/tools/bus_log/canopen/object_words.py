@@ -10,9 +10,10 @@ from functools import cache
 from importlib import resources
 
 from axisrig.bench.drive.cia402.dictionary.objects import variables
+from axisrig.bench.drive.cia402.functions.transitions import command_of
 from axisrig.kernel.drives.canopen.sdo import object_name
+from axisrig.kernel.drives.canopen.words import find_state
 from axisrig.kernel.profiles.canopen.emergency import Emergency
-from axisrig.kernel.profiles.cia402.ds402 import command_of, find_state
 
 CONTROLWORD, STATUSWORD, ERROR_CODE = 0x6040, 0x6041, 0x603F
 _NUMBERS = (0x6060, 0x6061)
