@@ -158,6 +158,29 @@ def test_a_homing_ends_and_the_drive_follows_the_next_program(
         assert place(time_ns) == pytest.approx(place(time_ns - 10 * MS), abs=1e-8)
 
 
+@pytest.mark.parametrize("how", ["end", "reset", "alarm"])
+def test_a_coupling_is_one_of_its_program(channel_bench: Make, words: Any, how: str) -> None:
+    """X2 follows X to 0.5 mm and allows 5 mm/s; the next program moves X alone, with 10 mm/s."""
+    bench = channel_bench(words.axis("X"), words.axis("X2", start_mm=7.0, speed_max_mm_s=5.0))
+    pair = canon.AxisPair("X2", "X", (0.3, 0.4))
+    on = canon.AxisLinkOn(Block(1, 10, "N10"), 1, (pair,))
+    program = [on, words.move(2, 600.0, X=0.5)]
+    acts = {350: start(bench, words.move(1, 600.0, X=1.5), words.end())}
+    if how != "end":
+        program.append(dwell(3, 5000))
+        acts[300] = reset(bench)
+    if how == "alarm":
+        alarm = Alarm(900036, axis="X", lag_mm="2", limit_mm="1")
+        acts[250] = lambda: bench.channel.plc.report(alarm)
+    Side(bench, words, acts)
+    bench.run([*program, words.end()])
+    assert bench.alarm_ids == [900036] * (how == "alarm")
+    assert bench.final_mm("X") == 1.5
+    assert bench.final_mm("X2") == pytest.approx(7.5, abs=1e-5)  # an increment
+    steps = [b - a for a, b in pairwise(bench.set_mm("X"))]
+    assert max(steps[begun(bench) + 350 :]) == pytest.approx(0.01, abs=1e-9)
+
+
 def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, words: Any) -> None:
     """At 50 mm/s from 40: 5 mm further the plane; the second run is armed anew and finds it."""
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0)

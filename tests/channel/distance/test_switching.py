@@ -1,5 +1,6 @@
 """On, off and what becomes of the offset: NO_MOVE, WAIT, DRYRUN, program end, errors."""
 
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -279,6 +280,41 @@ def test_a_gantry_slave_takes_the_offset_over_with_its_master(
     sent = [sample.sent_mm for sample in made.bench.samples]
     assert {round(z - w, 9) for w, z in sent[30:]} == {say.start_mm + 5.0}
     assert sent[-1] == (5.0, 20.0)
+
+
+@pytest.mark.parametrize(
+    ("couples_first", "parts", "buffer_cycles"),
+    [(True, "off", 0), (True, "end", 3), (False, "off", 3), (False, "never", 0)],
+)
+def test_a_slave_stays_where_its_coupling_begins_and_ends_while_an_offset_is_there(
+    distance_bench: Make,
+    say: Any,
+    words: Any,
+    couples_first: bool,
+    parts: str,
+    buffer_cycles: int,
+) -> None:
+    """It moves by what the offset of its master changes by while it is coupled: from 0 to 0.75 mm
+    with the surface, and back to 0 when the control runs out.
+    """
+    made = distance_bench(
+        raised, more=(words.axis("W", start_mm=-5.0, kv=1e9),), v_max_mm_s=100.0,
+        options={"buffer_cycles": buffer_cycles, "lag_limit_mm": 5.0},
+    )  # fmt: skip
+    block = Block(1, 10, "N10")
+    pair = canon.AxisPair(slave="W", master="Z", limits_mm=(0.5, 1.0))
+    couple = canon.AxisLinkOn(block, 1, (pair,))
+    rise = [on(say), say.dwell(80), say.command("freeze"), say.dwell(5)]
+    begin = [couple, *rise] if couples_first else [*rise, couple, say.dwell(5)]
+    part = [canon.AxisLinkOff(block, 1), say.dwell(5)] if parts == "off" else []
+    off = [] if parts == "end" else [say.command("off", wait=True)]
+    made.run(*begin, *part, *off)
+    w, z = zip(*[sample.sent_mm for sample in made.bench.samples], strict=True)
+    assert made.alarm_ids == [70332] * (parts == "end")
+    most = max(abs(b - a) for a, b in itertools.pairwise(z[30:]))
+    assert max(abs(b - a) for a, b in itertools.pairwise(w[30:])) <= most + 1e-9 < 0.11
+    risen_mm = HEIGHT_MM * couples_first - HEIGHT_MM * (parts == "never")
+    assert w[-1] == pytest.approx(-5.0 + risen_mm, abs=1e-4)
 
 
 def test_a_gantry_slave_follows_the_offset_of_its_master(

@@ -39,6 +39,9 @@ class StandingPath:
     def position_acs_mm(self, axis: str) -> float:
         return 0.0
 
+    def superposed_mm(self, axis: str) -> float:
+        return 0.0
+
 
 def limits(path: StandingPath) -> tuple[float, float]:
     dynamics = path.settings("X").dynamics[Motion.FEED]

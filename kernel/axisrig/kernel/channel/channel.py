@@ -80,8 +80,8 @@ class Channel(ChannelView):
             self.functions.reset,
             self.plc.acknowledge,
         ]
-        leave, back = self.distance.leave, self.single.lead_back
-        self._reset = Reset(self.links, timing, self.path, self.reactions, ends, leave, back)
+        leaves, back = [self.distance.leave, self.single.end_program], self.single.lead_back
+        self._reset = Reset(self.links, timing, self.path, self.reactions, ends, leaves, back)
         self._next_sync_ns = 0
         self._assign()
 
@@ -386,6 +386,7 @@ class Channel(ChannelView):
         self.measurement.end_program()
         self.path.end_program()
         self.distance.end_program(command.block.place)
+        self.single.end_program()
 
     # What the PLC side commands
 

@@ -17,9 +17,9 @@ from axisrig.kernel.drives.power import Power
 class Reset:
     """Carries out the resets of a channel.
 
-    ends: what ends what is under way, in their order. leave: lets the positions of axes at rest
-    contain what distance control has superposed on them. lead_back: leads drives out of a homing
-    that has not come to its end, and says whether all are.
+    ends: what ends what is under way, in their order. leaves: what changes the positions of axes at
+    rest: they contain what distance control has superposed, and slaves are axes again. lead_back:
+    leads drives out of a homing that has not come to its end, and says whether all are.
     """
 
     def __init__(
@@ -29,11 +29,11 @@ class Reset:
         path: Path,
         reactions: Reactions,
         ends: Sequence[Callable[[], None]],
-        leave: Callable[[], None],
+        leaves: Sequence[Callable[[], None]],
         lead_back: Callable[[], bool],
     ) -> None:
         self._links, self._timing, self._path = links, timing, path
-        self._reactions, self._ends, self._leave = reactions, tuple(ends), leave
+        self._reactions, self._ends, self._leaves = reactions, tuple(ends), tuple(leaves)
         self._lead_back = lead_back
         self._power_up = PowerUp(links, timing)
 
@@ -51,7 +51,8 @@ class Reset:
         that is broken off.
         """
         self._reactions.reset()
-        self._leave()
+        for leave in self._leaves:
+            leave()
         for link in self._links:
             if link.power is not Power.OPERATING:
                 self._path.put(link.name, link.actual_mm)

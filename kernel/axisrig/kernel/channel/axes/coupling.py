@@ -1,10 +1,11 @@
 """Axis couplings: the set positions of slaves follow those of their masters (soft gantry).
 
-A slave keeps the distance to its master at which it was coupled. Sources: TF5200 programming
-manual 207120267 and 207133579; ISG 285662475 (gantry coupling and its limits).
+A slave keeps the distance to its master at which it was coupled, and gets the offset of its
+distance control with its set position. Sources: TF5200 programming manual 207120267 and 207133579;
+ISG 285662475 (gantry coupling and its limits).
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from axisrig.kernel.channel.path.path import Path
@@ -41,14 +42,33 @@ class Couplings:
 
     def switch_off(self, command: canon.AxisLinkOff) -> None:
         """Stop the slaves of a group where they are."""
-        self._groups.pop(command.group, None)
+        self._part(self._groups.pop(command.group, []))
         self._renew()
+
+    def end_program(self) -> None:
+        """Stop all slaves where they are."""
+        if self._groups:
+            for group in self._groups.values():
+                self._part(group)
+            self._groups.clear()
+            self._renew()
 
     def _couple(self, pair: canon.AxisPair) -> _Coupled:
         path = self._path
         self._alone.setdefault(pair.master, path.settings(pair.master))
+        self._move(pair, -1.0)
         apart_mm = path.position_acs_mm(pair.slave) - path.position_acs_mm(pair.master)
         return _Coupled(pair, apart_mm)
+
+    def _part(self, group: Iterable[_Coupled]) -> None:
+        for coupled in group:
+            self._move(coupled.pair, 1.0)
+
+    def _move(self, pair: canon.AxisPair, sign: float) -> None:
+        """Let a slave stay while it gets the offset of its master, or does not get it any more."""
+        offset_mm = self._path.superposed_mm(pair.master)
+        if offset_mm:
+            self._path.take_offset(pair.slave, sign * offset_mm)
 
     def _renew(self) -> None:
         path = self._path

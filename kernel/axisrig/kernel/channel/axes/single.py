@@ -162,6 +162,11 @@ class SingleAxes:
             self._homing = self._leaving_rest = None
         self._renew()
 
+    def end_program(self) -> None:
+        """End the couplings: they are those of the program."""
+        self.couplings.end_program()
+        self._renew()
+
     def lead_back(self) -> bool:
         """Lead drives out of a homing that was broken off; return whether all follow set positions.
 
