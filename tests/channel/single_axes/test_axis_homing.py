@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel.axes.homing import Homing
 from axisrig.kernel.drives.canopen.homing import (
     BLIND_CYCLES,
     LIMIT_NS,
@@ -33,6 +34,10 @@ class Drive:
         self.node_id = 3
         self.name, self.sdo = "Z", self
         self.mode_bits, self.statusword, self.leads_itself = 0, 0, False
+        self.actual_mm = 0.0
+
+    def home(self, _clock: Any) -> AxisHoming:
+        return homing(self)[0]
 
     def set_object(self, index: int, sub: int, value: int) -> None:
         if not self.mode_in_pdo:
@@ -132,6 +137,22 @@ def test_a_drive_that_does_not_change_its_mode() -> None:
     axis, _ = homing(drive)
     with pytest.raises(Alarm, match="6061 shows mode 8"):
         cycles(axis, (MODE_POLLS_MAX + 5) * SDO_CYCLES)
+
+
+def test_an_axis_that_is_home_is_held_while_others_of_its_group_look_for_it() -> None:
+    """X stands by a droop beside its set position: led by its actual one it would creep on."""
+    drives, clock = {name: Drive() for name in "XZ"}, SimpleNamespace(now_ns=0)
+    put: list[tuple[str, float]] = []
+    path = SimpleNamespace(put=lambda axis, at_mm: put.append((axis, at_mm)))
+    group = Homing([("X", "Z")], path, drives, clock)  # type: ignore[arg-type]
+    drives["X"].statusword = ATTAINED | AT_REST
+    for cycle in range(200):
+        drives["X"].actual_mm = -0.001 * cycle
+        assert not group.step()
+    last_mm = [at_mm for axis, at_mm in put if axis == "X"][-1]
+    assert -0.06 < last_mm < 0.0
+    assert [axis for axis, _ in put[-100:]] == ["Z"] * 100
+    assert list(group.abort()) == ["Z"]
 
 
 class LateDrive(Drive):

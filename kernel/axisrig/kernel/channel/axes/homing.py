@@ -34,8 +34,9 @@ class Homing:
     def step(self) -> bool:
         """Do one cycle; return whether everything is done. Raises the alarms of an axis."""
         for axis, homing in self._axes.items():
-            self._path.put(axis, self._links[axis].actual_mm)
-            homing.step()
+            if not homing.is_done:  # a drive that has its mode again holds its axis
+                self._path.put(axis, self._links[axis].actual_mm)
+                homing.step()
         self.homed = []
         if all(homing.is_done for homing in self._axes.values()):
             self.homed = list(self._axes)
@@ -44,6 +45,7 @@ class Homing:
 
     def abort(self) -> dict[str, DriveHoming]:
         """Break off; return what leads the drives back to their modes, by axis."""
-        for homing in self._axes.values():
+        left = {axis: homing for axis, homing in self._axes.items() if not homing.is_done}
+        for homing in left.values():
             homing.abort()
-        return self._axes
+        return left
