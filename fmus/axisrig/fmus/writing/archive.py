@@ -17,7 +17,7 @@ from axisrig.fmus.writing.variables import Variable
 
 TERMINALS_FILE = Path(__file__).parent / "terminals.csv"
 # Of a model with two of a kind, as in its names of variables
-_SUFFIXES = ("", "_1", "_2")
+_SUFFIXES = ("", "_1", "_2", "_z", "_a")
 
 
 def other_files(
