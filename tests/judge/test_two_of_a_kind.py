@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from tests.recordings import facts
 
 from axisrig.bench.judge.distance.orders import set_by_program
+from axisrig.bench.judge.fixed_stop.metrics import _standing_rows
 from axisrig.bench.judge.fixed_stop.truth import axis_truth
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
@@ -235,6 +237,25 @@ def test_the_torque_limit_is_that_of_the_direction_and_of_the_instant(
     assert [pressing and pressing.limit_n for pressing in found] == pytest.approx(
         [2 * math.pi * 100 * each / 1000 for each in (at_first, per_mille, per_mille, 200)]
     )
+
+
+@pytest.mark.parametrize(
+    ("set_mm", "end_row", "rows"),
+    [
+        ([5, 4, 3, 3, 3, 3, 2, 1], 3, (3, 7)),  # the first new value was made after its SYNC
+        ([5, 4, 3, 3, 4, 3, 3, 3], 2, (2, 5)),  # it ends where it moves, and stays so
+        ([5, 4, 3, 3, 3, 3, 3, 3], 4, (4, 8)),  # to the end of the recording
+        ([5, 4, 3, 3, 3, 3, 3, 2], 7, (7, 8)),
+    ],
+)
+def test_after_a_run_an_axis_stands_until_its_set_value_changes(
+    set_mm: list[float], end_row: int, rows: tuple[int, int]
+) -> None:
+    run: Any = SimpleNamespace(
+        end_ns=0, row_at=lambda _: end_row, set_mm={"Z": np.array(set_mm)}.__getitem__
+    )
+    truth: Any = SimpleNamespace(name="Z")
+    assert _standing_rows(run, truth) == slice(*rows)
 
 
 # Distance control

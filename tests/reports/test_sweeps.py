@@ -105,6 +105,22 @@ def test_coverage_counts_runs_and_names_what_is_left() -> None:
     assert "Steps of measurement runs: 2 of 5" in text
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_requirement_has_the_worst_verdict_of_its_runs(turn: int) -> None:
+    """Whichever came last; a row of statistics counts for its requirement too."""
+    of = {"R-1": ("pass", "marginal"), "R-2": ("pass", "inconclusive", "fail"), "R-3": ("pass",)}
+    coverage = Coverage()
+    for name, verdicts in of.items():
+        for verdict in verdicts[::turn]:
+            coverage.add(_run(verdict, name))
+    row = {"run": "s", "verdict": "error", "alarms": "", "requirement": "R-3", "runs": "2"}
+    coverage.add(StoredRun(row, [], None, None))
+    text = coverage.section()
+    shown = re.findall(r'scope="row">(R-\d)</th><td><span class="word v-(\w+)">', text)
+    assert shown == [("R-1", "marginal"), ("R-2", "fail"), ("R-3", "error")]
+    assert re.findall(r'class="right">(\d+)<', text) == ["2", "3", "2"]
+
+
 def test_probes_and_lost_runs_do_not_count() -> None:
     coverage = Coverage()
     for extra in ({"probe": "r"}, {"in_plan": "no"}):

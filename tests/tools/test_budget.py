@@ -23,7 +23,7 @@ from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.tools.budget.budget import make_budget
+from axisrig.bench.tools.budget.budget import CYCLES, Share, make_budget
 from axisrig.bench.tools.budget.causes import active_causes, causes
 from axisrig.bench.tools.budget.combining import Runs as CausesOff
 from axisrig.bench.tools.budget.combining import combined, groups
@@ -96,6 +96,38 @@ def test_the_shares_add_up_and_each_is_its_closed_form() -> None:
     assert budget.largest is not None
     assert budget.largest.cause.cause == "pre-travel"
     assert budget.interacting == ()
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("in_turn_um", "expected_um", "bound_um", "off_um"),
+    [
+        (5.0, 5.0, None, None),
+        (5.04, 5.0, None, None),  # within 1 %
+        (5.2, 5.0, None, 0.2),
+        (0.09, 0.0, None, None),  # within an increment
+        (0.2, 0.0, None, 0.2),
+        (3.0, None, None, None),  # nobody knows how large it is
+        (2.9, None, 3.0, None),
+        (3.05, None, 3.0, None),
+        (3.4, None, 3.0, 0.4),
+        (3.4, 0.0, 3.0, 0.4),  # a bound goes before a closed form
+    ],
+)
+def test_a_share_differs_from_its_closed_form_or_its_bound_in_either_direction(
+    sign: int,
+    in_turn_um: float,
+    expected_um: float | None,
+    bound_um: float | None,
+    off_um: float | None,
+) -> None:
+    """A bound is one of the amount: how far it is beyond it has no sign."""
+    form = None if expected_um is None else sign * expected_um
+    found = Share(CYCLES, "", 9.0, sign * in_turn_um, form, bound_um).differs_um(0.1)
+    if off_um is None:
+        assert found is None
+    else:
+        assert found == pytest.approx(off_um if bound_um is not None else sign * off_um)
 
 
 def test_each_run_is_made_once() -> None:
