@@ -345,6 +345,28 @@ def test_node_that_loses_power_while_sending_leaves_a_stuff_error(
     assert sender.recv(0) is not None
 
 
+def test_a_node_that_gets_power_again_has_seen_no_errors(
+    scheduler: Scheduler, segment: Segment
+) -> None:
+    """Error passive, bus-off or merely disturbed: both counts 0, error active, and it sends."""
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    for failures in (1, 20, 40):
+        for _ in range(failures):
+            sender.errors.transmit_failed()
+            sender.errors.receive_failed()
+        sender.update_state()
+        assert sender.tec > 0
+        sender.power_off()
+        sender.send_raw(0x123, b"")
+        sender.power_on()
+        assert (sender.tec, sender.rec, sender.error_state) == (0, 0, ErrorState.ACTIVE)
+        assert sender.takes_part
+        sender.send_raw(0x124, b"")
+        scheduler.run_until(scheduler.now_ns + MS)
+        got = [receiver.recv(0), receiver.recv(0)]
+        assert [message and message.arbitration_id for message in got] == [0x124, None]
+
+
 def test_power_lost_behind_the_check_sum_spoils_nothing(
     scheduler: Scheduler, segment: Segment
 ) -> None:

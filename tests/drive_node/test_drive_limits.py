@@ -1,5 +1,6 @@
 """Limits in csp, csv and cst, offsets, interpolation time, and scaling that acts on the bus."""
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -8,6 +9,7 @@ import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.limits import NEGATIVE_END, POSITIVE_END
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
@@ -266,3 +268,26 @@ def test_second_encoder_and_demand_values(drive_bench: Make, fake_axis: Any) -> 
     assert (sdo[0x6062].raw, sdo[0x60FC].raw) == (demand, demand)
     assert sdo[0x60F4].raw == demand - sdo[0x6064].raw
     assert (sdo[0x6075].raw, sdo[0x6076].raw) == (4490, 2200)
+
+
+def test_a_direction_stays_blocked_where_it_was_met_whatever_the_other_switch_does(
+    drive_bench: Make,
+) -> None:
+    """Limit switches come and go; the place is that of the look that first found one on."""
+    limits, free, inf = drive_bench().node.servo.limits, 0, math.inf
+    for word, place_m, ends_m in (
+        (NEGATIVE_END, -0.05, (-0.05, inf)),
+        (NEGATIVE_END, -0.06, (-0.05, inf)),
+        (NEGATIVE_END | POSITIVE_END, -0.04, (-0.05, -0.04)),
+        (NEGATIVE_END | POSITIVE_END, -0.03, (-0.05, -0.04)),
+        (POSITIVE_END, -0.02, (-inf, -0.04)),
+        (NEGATIVE_END | POSITIVE_END, -0.045, (-0.045, -0.04)),
+        (free, 0.0, (-inf, inf)),
+        (POSITIVE_END, 0.07, (-inf, 0.07)),
+    ):
+        limits.block(word, place_m)
+        assert (limits.low_m, limits.high_m) == ends_m
+        assert limits.velocity_m_s(-0.01) == (0.0 if word & NEGATIVE_END else -0.01)
+        assert limits.velocity_m_s(0.01) == (0.0 if word & POSITIVE_END else 0.01)
+        assert limits.torque(-300) == (0 if word & NEGATIVE_END else -300)
+        assert limits.torque(300) == (0 if word & POSITIVE_END else 300)

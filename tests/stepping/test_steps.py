@@ -185,3 +185,31 @@ def test_steps_are_fine_for_as_long_as_drives_look_back_and_ahead(
     assert (before_ns <= 50 * US) == (look_back_us > 0)
     # Shortly after the edge the plane is as near as shortly before it
     assert (after_ns <= 50 * US) == (look_back_us > 0 or hold_us > 0)
+
+
+def test_a_probe_is_switched_off_and_on_and_off_and_on(plant: Make) -> None:
+    """It rests 0.1 mm in the workpiece: its level falls with its supply, comes 20 ms after it.
+
+    Telling it what it is already changes nothing.
+    """
+    made = plant(
+        "AxisRig.Drives.KinematicAxis",
+        "AxisRig.Sensors.WorkpieceProbe",
+        axis_start={"position_start": -1e-4},
+        probe_start={"switch_on_time": 0.02},
+    )
+    probe = made.probes["probe"]
+    assert probe.can_be_switched()
+    made.advance_to(30 * MS)
+    assert probe.signal.level
+    expected = [(20 * MS, True)]
+    for is_on in (True, False, False, True, True, False, True):
+        now_ns = made.now_ns
+        probe.switch(is_on, now_ns)
+        if is_on != probe.signal.level:
+            expected.append((now_ns + 20 * MS if is_on else now_ns, is_on))
+        made.advance_to(now_ns + 30 * MS)
+        assert probe.signal.level == is_on
+    assert [level for _, level in probe.signal.edges] == [level for _, level in expected]
+    for (edge_ns, _), (at_ns, _) in zip(probe.signal.edges, expected, strict=True):
+        assert abs(edge_ns - at_ns) <= 2
