@@ -1,0 +1,71 @@
+"""Families of drives and what carries them: who may know whom (docs/architecture.md)."""
+
+from collections.abc import Iterator
+
+import pytest
+from tests.architecture.sources import MODULES, imported_names, trees
+
+KERNEL, DRIVES, PROFILES = "axisrig.kernel", "axisrig.kernel.drives", "axisrig.kernel.profiles"
+DRIVE, BUS = "axisrig.bench.drive", "axisrig.bench.bus"
+# A module, or a package with all in it -> what it may take of a package, and nothing else
+MAY_TAKE = {
+    # The bench's end of a drive is written without a look at the control's
+    DRIVE: (KERNEL, ("axisrig.kernel.time", "axisrig.kernel.errors", PROFILES)),
+    BUS: (KERNEL, ("axisrig.kernel.time", "axisrig.kernel.errors", PROFILES)),
+    # Any drive, and what words mean, without a look at what carries them
+    f"{DRIVE}.axis": (DRIVE, (f"{DRIVE}.axis",)),
+    f"{DRIVE}.cia402": (DRIVE, (f"{DRIVE}.axis", f"{DRIVE}.cia402")),
+    # The channel asks a drive, and knows no family
+    f"{KERNEL}.channel": (
+        DRIVES,
+        (f"{DRIVES}.interface", f"{DRIVES}.carrier", f"{DRIVES}.power", f"{DRIVES}.families"),
+    ),
+    # Words have no behaviour
+    PROFILES: (KERNEL, ("axisrig.kernel.errors", PROFILES)),
+}
+NOTHING_OF = {f"{DRIVE}.axis": BUS, f"{DRIVE}.cia402": BUS, f"{KERNEL}.channel": PROFILES}
+# Folders of a family, in every room that has them
+FAMILIES = ("canopen",)
+ROOMS = (DRIVES, DRIVE, "axisrig.bench.rig", "axisrig.bench.machine")
+
+
+def lies_in(name: str, package: str) -> bool:
+    return f"{name}.".startswith(f"{package}.")
+
+
+def imports_of(package: str) -> Iterator[tuple[str, str]]:
+    """Each module of a package with the full name of each thing that it imports."""
+    for module in MODULES:
+        if lies_in(module, package):
+            yield from ((module, name) for _, name in imported_names(trees()[module]))
+
+
+def wrong_imports(package: str) -> list[str]:
+    of, allowed = MAY_TAKE[package]
+    return sorted(
+        f"{module} imports {name}"
+        for module, name in imports_of(package)
+        if lies_in(name, of) and not any(lies_in(name, one) for one in allowed)
+    )
+
+
+@pytest.mark.parametrize("package", MAY_TAKE)
+def test_rooms_of_drives_take_only_what_they_may(package: str) -> None:
+    assert wrong_imports(package) == []
+
+
+@pytest.mark.parametrize(("package", "stranger"), NOTHING_OF.items())
+def test_what_is_no_business_of_a_room_is_not_imported(package: str, stranger: str) -> None:
+    assert [pair for pair in imports_of(package) if lies_in(pair[1], stranger)] == []
+
+
+def test_a_family_imports_no_other() -> None:
+    folders = [f"{room}.{family}" for room in ROOMS for family in FAMILIES]
+    for folder in folders:
+        other = [f for f in folders if f.rpartition(".")[2] != folder.rpartition(".")[2]]
+        assert [p for p in imports_of(folder) if any(lies_in(p[1], f) for f in other)] == []
+
+
+def test_rooms_that_the_rules_name_exist() -> None:
+    for package in (*MAY_TAKE, *NOTHING_OF):
+        assert any(lies_in(module, package) for module in MODULES), package
