@@ -8,10 +8,9 @@ from tests.architecture.sources import MODULES
 from axisrig.kernel.profiles.canopen.identifiers import services
 
 HOMES = ("axisrig.kernel.profiles.canopen", "axisrig.bench.bus.can")
-# Identifiers that a scenario lets an intruder use and a measure puts on a line; a flag of ZIP files
+# Identifiers that a scenario lets an intruder use; a flag of ZIP files
 ELSEWHERE = {
     "axisrig.bench.tools.scenarios.scenario": {0x081, 0x182, 0x300, 0x7FF, 0x001, 0x07F},
-    "axisrig.bench.tools.perf.bus_perf": {0x181, 0x281},
     "axisrig.kernel.cosim.fmi.archive": {0x400},
 }
 

@@ -299,24 +299,6 @@ def test_perf_takes_the_first_row_and_prints_a_table(place: Path, axisrig: Call)
     assert "allowed: a" in err
 
 
-def test_perf_of_the_axis_fmu_compares_python_with_c(axisrig: Call) -> None:
-    code, out, err = axisrig("perf", "--fmu", "--json", "--repeats", "1")
-    assert (code, err) == (0, "")
-    told = json.loads(out)
-    both = told["c_loop_us"] + told["call_us"]
-    assert told["ratio"] == pytest.approx(told["slave_us"] / both)
-    assert "slave / (loop + call) = " in axisrig("perf", "--fmu", "--repeats", "1")[1]
-
-
-@pytest.mark.long
-def test_perf_of_the_nc_text_reads_two_programs(axisrig: Call) -> None:
-    code, out, err = axisrig("perf", "--parse", "--json", "--repeats", "1")
-    assert (code, err) == (0, "")
-    told = json.loads(out)
-    assert all(told[name]["bytes"] >= 1_000_000 for name in ("moves", "mixed"))
-    assert told["moves"]["blocks"] > 20_000
-
-
 # ---- version, variables, probes
 
 

@@ -1,7 +1,6 @@
 """What the command line tells about the bus: overload on demand, load and waits, speed."""
 
 import csv
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -114,18 +113,6 @@ def test_nc_and_check_take_force_too(place: Path, axisrig: Call) -> None:
     code, out, _ = axisrig("check", "rig.toml", "--force")
     assert code == 0
     assert "over" in out
-
-
-@pytest.mark.long
-def test_perf_of_the_bus_sets_it_beside_python_can_and_canopen(axisrig: Call) -> None:
-    code, out, err = axisrig("perf", "--bus", "--json", "--repeats", "1")
-    assert (code, err) == (0, "")
-    told = json.loads(out)
-    ratio = told["segment_frames_s"] / told["virtual_frames_s"]
-    assert told["segment_ratio"] == pytest.approx(ratio)
-    ours = told["pack_us"] + told["unpack_us"]
-    assert told["codec_frames_s"] == pytest.approx(1e6 / ours)
-    assert "python-can virtual" in axisrig("perf", "--bus", "--repeats", "1")[1]
 
 
 def test_run_writes_the_kinds_of_logs_that_are_asked_for(

@@ -29,7 +29,6 @@ def test_a_row_says_what_ran_and_what_it_cost(place: Path, axisrig: Call) -> Non
     ("options", "message"),
     [
         (["--stages", "--profile"], "--profile and --stages measure different things"),
-        (["--bus", "--suite", "--fmu"], "--suite and --fmu and --bus measure different things"),
         (["--stages", "--against", "b.json"], "--stages has no earlier numbers to compare with"),
     ],
 )
@@ -59,24 +58,12 @@ def against_other_frames(axisrig: Call, words: tuple[object, ...], first: dict[s
     return axisrig(*words, "--against", "other.json")[1]
 
 
-def test_the_suite_prints_a_table_an_object_or_a_page(place: Path, axisrig: Call) -> None:
-    words = ("perf", "--suite", "-k", "help", "--repeats", "1", "--plans", place)
-    code, out, _ = axisrig(*words, "--json")
-    assert code == 0
-    found = json.loads(out)
-    assert [entry["kind"] for entry in found["suite"]] == ["help"]
-    assert found["compiled"] is is_compiled()
-    Path("before.json").write_text(out, encoding="utf-8")
-    _, out, _ = axisrig(*words, "--against", "before.json")
-    assert out.startswith("measure ")
-    assert "axisrig --help" in out.split("against the file")[1]
-    assert axisrig(*words, "--markdown")[1].startswith("| measure | row | reach |")
-
-
-def test_what_does_not_go_together_is_refused(place: Path, rejected: Callable[..., str]) -> None:
-    assert "no such measure" in rejected("perf", "--suite", "-k", "moon")
-    assert "only the suite" in rejected("perf", "--markdown")
-    assert "no result of axisrig perf" in rejected("perf", "--suite", "--against", place / "none")
+def test_what_is_no_earlier_row_is_refused(place: Path, rejected: Callable[..., str]) -> None:
+    plan = write_plan(place, ROW)
+    words = ("perf", "--plan", plan, "--against")
+    assert "no result of axisrig perf" in rejected(*words, place / "none")
+    (place / "suite.json").write_text('{"suite": []}', encoding="utf-8")
+    assert "no result of axisrig perf --json" in rejected(*words, place / "suite.json")
 
 
 def test_the_profile_of_a_row(place: Path, axisrig: Call) -> None:

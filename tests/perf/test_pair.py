@@ -3,8 +3,7 @@
 from itertools import count
 
 import pytest
-
-from axisrig.bench.tools.perf import pair_perf
+from tests.perf import pair_perf
 
 
 def test_three_ways_to_step_come_to_the_same_values(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,21 +10,24 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.tools.perf import suite, yardsticks
-from axisrig.bench.tools.perf.clocks import Clocks
-from axisrig.bench.tools.perf.suite import Measure, read_suite, run_suite, selected
-from axisrig.bench.tools.perf.suite_text import (
+from tests.perf import measures as suite
+from tests.perf import yardsticks
+from tests.perf.measures import Measure, read_suite, run_suite, selected
+from tests.perf.suite import report
+from tests.perf.suite_text import (
     HEADER,
     gains,
     markdown,
     reach_of,
-    read_result,
+    read_suite_result,
     row_of,
     show_gains,
     show_suite,
 )
+
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.tools.perf.clocks import Clocks
+from axisrig.bench.tools.perf.gains import gains as row_gains
 from axisrig.kernel.errors import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -340,31 +343,62 @@ def test_gains_are_above_1_when_it_is_better() -> None:
     assert "frames differ" not in show_gains(a_result(10.0), before)
 
 
-def test_a_single_row_is_set_against_the_same_row() -> None:
+def test_a_row_is_set_against_the_same_row() -> None:
     row = {"case": "a", "real_time_factor": 9.0, "cpu_s": 0.3, "frame_log_sha256": "f0"}
     now = row | {"real_time_factor": 18.0, "cpu_s": 0.1, "beyond_simulation_ms": 5.0}
-    assert gains(now, row) == {
+    assert row_gains(now, row) == {
         "real_time_factor": 2.0,
         "cpu_factor": None,
         "cpu_s": pytest.approx(3.0),
         "beyond_simulation_ms": None,
     }
     with pytest.raises(UserError, match="not the same row"):
-        gains(now, row | {"case": "b"})
-    with pytest.raises(UserError, match="a suite and a single row"):
-        gains(now, a_result())
+        row_gains(now, row | {"case": "b"})
 
 
 def test_what_is_no_result_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "before.json"
-    with pytest.raises(UserError, match="no result of axisrig perf"):
-        read_result(file)
+    with pytest.raises(UserError, match="no result of the suite"):
+        read_suite_result(file)
     for text in ("{", "[]", "{}"):
         file.write_text(text, encoding="utf-8")
-        with pytest.raises(UserError, match="no result of axisrig perf"):
-            read_result(file)
+        with pytest.raises(UserError, match="no result of the suite"):
+            read_suite_result(file)
     file.write_text(json.dumps(a_result()), encoding="utf-8")
-    assert read_result(file) == a_result()
+    assert read_suite_result(file) == a_result()
+
+
+def test_the_command_prints_a_table_an_object_or_a_page(tmp_path: Path) -> None:
+    words = ["-k", "help", "--repeats", "1", "--plans", str(PLANS)]
+    out = report([*words, "--json"])
+    found = json.loads(out)
+    assert [entry["kind"] for entry in found["suite"]] == ["help"]
+    before = tmp_path / "before.json"
+    before.write_text(out, encoding="utf-8")
+    out = report([*words, "--against", str(before)])
+    assert out.startswith("measure ")
+    assert "axisrig --help" in out.split("against the file")[1]
+    assert report([*words, "--markdown"]).startswith("| measure | row | reach |")
+    with pytest.raises(UserError, match="no such measure"):
+        report(["-k", "moon"])
+
+
+def test_a_step_of_the_axis_fmu_is_set_beside_c() -> None:
+    found = json.loads(report(["--fmu", "--json", "--repeats", "1"]))
+    both = found["c_loop_us"] + found["call_us"]
+    assert found["ratio"] == pytest.approx(found["slave_us"] / both)
+
+
+@pytest.mark.long
+def test_nc_text_and_frames_are_timed_by_themselves() -> None:
+    found = json.loads(report(["--parse", "--json", "--repeats", "1"]))
+    assert all(found[name]["bytes"] >= 1_000_000 for name in ("moves", "mixed"))
+    assert found["moves"]["blocks"] > 20_000
+    found = json.loads(report(["--bus", "--json", "--repeats", "1"]))
+    ratio = found["segment_frames_s"] / found["virtual_frames_s"]
+    assert found["segment_ratio"] == pytest.approx(ratio)
+    ours = found["pack_us"] + found["unpack_us"]
+    assert found["codec_frames_s"] == pytest.approx(1e6 / ours)
 
 
 def test_the_table_is_read_as_it_is_written() -> None:

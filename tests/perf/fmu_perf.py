@@ -10,7 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.tools.perf.loop import compiled_loops
+from tests.perf.loop import compiled_loops
+
 from axisrig.fmus import BuildError, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_fmu
 from axisrig.kernel.errors import UserError

@@ -1,10 +1,11 @@
 """What the suite says: as a table, as the table of a page, and beside an earlier measurement."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from axisrig.bench.tools.perf.gains import gain, gains_table
 from axisrig.bench.tools.perf.perf import build_line
 from axisrig.kernel.errors import UserError
 
@@ -16,13 +17,6 @@ _BESIDE = {
     "apart": "two processes apart",
     "by_cpu": "by CPU time",
     "row_ms": "without opening and closing the folder",
-}
-# What a single row has beside its case: key -> whether more is better
-_OF_A_ROW = {
-    "real_time_factor": True,
-    "cpu_factor": True,
-    "cpu_s": False,
-    "beyond_simulation_ms": False,
 }
 
 
@@ -103,68 +97,38 @@ def _remarks(result: Result) -> list[str]:
     return lines
 
 
-def read_result(path: Path) -> dict[str, Any]:
+def read_suite_result(path: Path) -> dict[str, Any]:
     """Read what `--json` printed. Raises UserError when a file is none of that."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise UserError(f"no result of axisrig perf: {error}", file=path) from error
-    if not isinstance(found, dict) or not {"suite", "real_time_factor"} & set(found):
-        raise UserError("no result of axisrig perf --json", file=path)
+        raise UserError(f"no result of the suite: {error}", file=path) from error
+    if not isinstance(found, dict) or "suite" not in found:
+        raise UserError("no result of the suite", file=path, hint="--json prints one")
     return found
 
 
 def gains(now: Result, before: Result) -> dict[str, float | None]:
     """Return how much better each measure is than before: 2 is twice as good, below 1 is worse.
 
-    None: not measured in both, or no ratio. Raises UserError for a suite beside a single row.
+    None: not measured in both, or no ratio.
     """
-    if ("suite" in now) is not ("suite" in before):
-        raise UserError("a suite and a single row cannot be set against each other")
-    if "suite" not in now:
-        if now["case"] != before["case"]:
-            raise UserError("not the same row", value=before["case"], allowed=[now["case"]])
-        return {
-            name: _gain(now.get(name), before.get(name), is_more)
-            for name, is_more in _OF_A_ROW.items()
-        }
     old = {entry["measure"]: entry.get("value") for entry in before["suite"]}
     return {
-        entry["measure"]: _gain(
-            entry["value"], old.get(entry["measure"]), entry["better"] == "more"
+        entry["measure"]: gain(
+            entry["value"], old.get(entry["measure"]), is_more_better=entry["better"] == "more"
         )
         for entry in now["suite"]
     }
 
 
-def _gain(now: float | None, before: float | None, is_more: bool) -> float | None:
-    if now is None or before is None or now <= 0 or before <= 0:
-        return None
-    return now / before if is_more else before / now
-
-
 def show_gains(now: Result, before: Result) -> str:
     """Return the gains as a table, with what was measured then."""
-    found = gains(now, before)
-    width = max(map(len, found))
-    lines = ["against the file (above 1: better than it)"]
-    for name, gain in found.items():
-        lines.append(f"  {name.ljust(width)}  {'-' if gain is None else f'{gain:.2f}'}")
-    lines.append(f"the file: {build_line(before)}" if "compiled" in before else "")
-    lines += [f"frames differ: {name}" for name in _other_frames(now, before)]
-    return "\n".join(lines).rstrip()
-
-
-def _other_frames(now: Result, before: Result) -> list[str]:
-    """Return the measures whose runs had other frames then."""
 
     def hashes(result: Result) -> dict[str, str]:
-        entries: Sequence[Result] = result.get("suite", [result])
-        return {
-            e.get("measure", e.get("case", "")): e["frame_log_sha256"]
-            for e in entries
-            if "frame_log_sha256" in e
-        }
+        found = [entry for entry in result["suite"] if "frame_log_sha256" in entry]
+        return {entry["measure"]: entry["frame_log_sha256"] for entry in found}
 
     old = hashes(before)
-    return [name for name, sha in hashes(now).items() if old.get(name, sha) != sha]
+    differ = [name for name, sha in hashes(now).items() if old.get(name, sha) != sha]
+    return gains_table(gains(now, before), before, differ)

@@ -11,6 +11,9 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple, Protocol
 
+from tests.perf.memory import memory_mb_min
+from tests.perf.pair_perf import measure_pair
+
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import ResultsWriter
@@ -21,8 +24,6 @@ from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
 from axisrig.bench.tools.perf.clocks import Clocks
-from axisrig.bench.tools.perf.memory import memory_mb_min
-from axisrig.bench.tools.perf.pair_perf import measure_pair
 from axisrig.bench.tools.perf.perf import Row
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.errors import UserError

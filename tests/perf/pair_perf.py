@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 from fmpy.fmi3 import FMU3Slave
+from tests.perf.loop import compiled_loops
 
 from axisrig.bench.record.series import TIME, Series, SeriesWriter
-from axisrig.bench.tools.perf.loop import compiled_loops
 from axisrig.fmus import BuildError, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_description, load_fmu
 from axisrig.kernel.cosim.fmi.steps import StepsInARow

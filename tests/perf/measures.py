@@ -12,9 +12,10 @@ from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
 
+from tests.perf.yardsticks import KINDS, Place, Sample, Yardstick
+
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.perf import build
-from axisrig.bench.tools.perf.yardsticks import KINDS, Place, Sample, Yardstick
 from axisrig.kernel.errors import UserError
 
 TABLE = Path(__file__).with_name("suite.csv")
