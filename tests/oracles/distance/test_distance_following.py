@@ -7,13 +7,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
-
-from axisrig.bench.oracles.distance import filters
-from axisrig.bench.oracles.distance.following import (
+from tests.oracles.distance.forms import (
     acceleration_error_mm,
+    butterworth,
+    cycle_change_um,
+    fastest_step_s,
+    flank_um_s,
     left_of_step,
     offset_noise_gain,
     p_sine_gain,
+)
+
+from axisrig.bench.oracles.distance import filters
+from axisrig.bench.oracles.distance.following import (
     ramp_error_mm,
     ramp_lag_mm,
     settling_cycles,
@@ -21,10 +27,7 @@ from axisrig.bench.oracles.distance.following import (
 )
 from axisrig.bench.oracles.distance.limits import (
     adaptive_mm_s2,
-    cycle_change_um,
     downwards,
-    fastest_step_s,
-    flank_um_s,
     lowest_step_mm,
     overshoot_mm,
 )
@@ -33,7 +36,6 @@ from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
 from axisrig.bench.oracles.distance.smoothing import (
     Smoothing,
-    butterworth,
     cascade,
     exponential,
     kalman,

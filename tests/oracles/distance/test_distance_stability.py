@@ -6,29 +6,26 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.oracles.distance.forms import (
+    aperiodic_limit,
+    butterworth,
+    exponential_limit,
+    p_limit,
+    pd_limit,
+    pi_limit,
+)
 
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth, poles
 from axisrig.bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
 from axisrig.bench.oracles.distance.smoothing import (
     Smoothing,
-    butterworth,
     cascade,
     exponential,
     moving_average,
     none,
 )
-from axisrig.bench.oracles.distance.stability import (
-    aperiodic_limit,
-    closed_limit,
-    exponential_limit,
-    is_stable,
-    kp_limit,
-    mean_limit,
-    p_limit,
-    pd_limit,
-    pi_limit,
-)
+from axisrig.bench.oracles.distance.stability import closed_limit, is_stable, kp_limit, mean_limit
 
 PERIOD_NS = 1_000_000
 FILTERS = {

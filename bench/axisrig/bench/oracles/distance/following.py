@@ -9,7 +9,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth, polynomials, transfer
+from axisrig.bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth, transfer
 from axisrig.bench.oracles.distance.smoothing import Polynomial
 from axisrig.kernel.time.clock import S, TimeNs
 
@@ -37,13 +37,6 @@ def ramp_lag_mm(loop: Loop, speed_mm_s: float, kp: float, period_ns: TimeNs) -> 
     elif loop.mode == BOTH:
         cycles += loop.dead_cycles - loop.sent_cycles + loop.drive.delay_cycles
     return speed_mm_s * period_ns / S * cycles
-
-
-def acceleration_error_mm(
-    acceleration_mm_s2: float, kp: float, tn_s: float, period_ns: TimeNs
-) -> float:
-    """Return a T Tn/kp: error of PI control on a parabola; on a ramp it is 0."""
-    return acceleration_mm_s2 * period_ns / S * tn_s / kp
 
 
 def sine_gain(loop: Loop, kp: float, frequency_hz: float, period_ns: TimeNs) -> float:
@@ -82,38 +75,6 @@ def _offset_answer(loop: Loop, kp: float, omega_t: Polynomial) -> Answer:
     driving = kp * control * loop.smoothing.response(omega_t) * q**loop.skew_cycles
     answer: Answer = driving / ((1.0 - q) * (1.0 + transfer(loop, kp, omega_t)))
     return answer
-
-
-def p_sine_gain(omega_t: float, kp: float) -> float:
-    """Return 2 sin(wT/2)/sqrt(1 - 2 (1 - kp) cos wT + (1 - kp)^2): P control, n = 0."""
-    rest = 1.0 - kp
-    below = 1.0 - 2.0 * rest * math.cos(omega_t) + rest**2
-    return 2.0 * math.sin(omega_t / 2) / math.sqrt(below)
-
-
-def offset_noise_gain(loop: Loop, kp: float) -> float:
-    """Return the standard deviation of the offset over that of white noise of the sensor.
-
-    Root of the sum of squares of the impulse response of kp C F q^s/((1 - q) + kp C B).
-    """
-    from scipy import signal  # noqa: PLC0415 - takes a second to load
-
-    start, gain = polynomials(loop)
-    control = np.array([1.0 + loop.derivative, -loop.derivative])
-    below = np.polynomial.polynomial.polyadd(start, kp * gain)
-    if loop.integral:
-        control = np.polynomial.polynomial.polyadd(
-            np.convolve(control, [1.0, -1.0]), [loop.integral]
-        )
-    above = kp * np.convolve(control, np.convolve(loop.smoothing.numerator, loop.drive.denominator))
-    impulse = np.zeros(20000)
-    impulse[loop.skew_cycles] = 1.0
-    return float(np.sqrt(np.sum(signal.lfilter(above, below, impulse) ** 2)))
-
-
-def left_of_step(kp: float, cycles: int) -> float:
-    """Return (1 - kp)^k: what is left of a step after k cycles, n = 0; at once at kp 1."""
-    return (1.0 - kp) ** cycles
 
 
 def settling_cycles(loop: Loop, kp: float, share: float) -> float:

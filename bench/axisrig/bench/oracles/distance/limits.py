@@ -11,13 +11,6 @@ from axisrig.kernel.time.clock import S, TimeNs
 PER_MILLE = 1000.0
 
 
-def fastest_step_s(height_mm: float, v_mm_s: float, a_mm_s2: float) -> float:
-    """Return the least time for a step from rest to rest: H/v + v/a, below v^2/a 2 sqrt(H/a)."""
-    if height_mm > v_mm_s**2 / a_mm_s2:
-        return height_mm / v_mm_s + v_mm_s / a_mm_s2
-    return 2.0 * math.sqrt(height_mm / a_mm_s2)
-
-
 def stopping_step_mm(way_mm: float, change_mm: float) -> float:
     """Return the largest step from which an offset can still stop at the end of a way.
 
@@ -92,13 +85,3 @@ def lowest_step_mm(before_mm: float, change_mm: float, weight_per_mille: float) 
         return before_mm - change_mm
     left = 1.0 - max(before_mm, 0.0) / change_mm
     return min(before_mm, 0.0) - downwards(change_mm, weight_per_mille) * left
-
-
-def flank_um_s(height_mm: float, length_mm: float, feed_mm_min: float) -> float:
-    """Return H F/l: how fast the sensor value changes on a flank of height H and length l."""
-    return height_mm / length_mm * feed_mm_min / 60.0 * 1e3
-
-
-def cycle_change_um(rate_um_s: float, period_ns: TimeNs) -> float:
-    """Return by how much a value changes in one cycle."""
-    return rate_um_s * period_ns / S

@@ -25,7 +25,7 @@ takes off its filtered deviation: with B_f, B without that q,
 In the other modes B_f is B. Sources: FCT-M3 3, 5.1, 5.2, 7.1; docs/distance-control.md.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -62,10 +62,6 @@ class Loop:
     def is_surface(self) -> bool:
         """Whether the loop follows a surface position."""
         return self.mode == SET_POS
-
-    def without_controller(self) -> "Loop":
-        """Return the same with a plain P controller."""
-        return replace(self, integral=0.0, derivative=0.0)
 
 
 def polynomials(loop: Loop) -> tuple[Polynomial, Polynomial]:

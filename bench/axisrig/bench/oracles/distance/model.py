@@ -6,7 +6,7 @@ output delay, a drive that follows its ramp exactly or with a lag of first order
 
 import math
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -274,8 +274,3 @@ def first_order_drive(lag_s: float, period_ns: TimeNs) -> Smoothing:
     new = 1.0 - part * (1.0 - rest)
     old = part * (1.0 - rest) - rest
     return Smoothing(f"lag {lag_s * 1e3:g} ms", np.array([new, old]), np.array([1.0, -rest]))
-
-
-def unlimited(limits: Limits) -> Limits:
-    """Return limits that only raise: nothing is clamped."""
-    return replace(limits, v_mm_s=math.inf, a_mm_s2=math.inf, deviation_mm=math.inf)

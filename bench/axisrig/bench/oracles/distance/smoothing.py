@@ -138,17 +138,6 @@ def cascade(order: int, corner_hz: float, period_s: float) -> Smoothing:
     return Smoothing(f"low-pass of order {order}", above / below[0], below / below[0])
 
 
-def butterworth(order: int, corner_hz: float, period_s: float) -> Smoothing:
-    """Return the Butterworth low-pass of scipy.signal, bilinear.
-
-    Delay 1/(2 tan(pi f0 T) sin(pi/2n)) cycles.
-    """
-    from scipy import signal  # noqa: PLC0415 - takes a second to load
-
-    b, a = signal.butter(order, corner_hz, fs=1.0 / period_s)
-    return Smoothing(f"Butterworth of order {order}", np.asarray(b), np.asarray(a))
-
-
 def of_control(control: Control, period_ns: TimeNs) -> Smoothing:
     """Return the filter that the parameters of an axis choose."""
     count = max(control.count, 1)

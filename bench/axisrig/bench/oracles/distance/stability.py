@@ -27,17 +27,6 @@ _SEARCH_MAX, _STEPS, _CLOSE = 20.0, 1000, 1e-12
 _EDGE = 1.0 + 1e-10
 
 
-def p_limit(dead_cycles: int) -> float:
-    """Return 2 sin(pi/(2 (2n + 1))), CONST_DIST with P control: 2, 1, 0.618, 0.445 ..."""
-    return 2.0 * math.sin(math.pi / (2 * (2 * dead_cycles + 1)))
-
-
-def aperiodic_limit(dead_cycles: int) -> float:
-    """Return n^n/(n + 1)^(n + 1): up to it P control does not overshoot; 1, 0.25, 0.148 ..."""
-    n = dead_cycles
-    return float(n**n) / float((n + 1) ** (n + 1))
-
-
 def mean_limit(count: int, dead_cycles: int) -> float:
     """Return 2 N sin^2(w/2)/sin(N w/2), w = pi/(N + 2n): a mean of N values in the loop.
 
@@ -45,21 +34,6 @@ def mean_limit(count: int, dead_cycles: int) -> float:
     """
     omega = math.pi / (count + 2 * dead_cycles)
     return 2.0 * count * math.sin(omega / 2) ** 2 / math.sin(count * omega / 2)
-
-
-def exponential_limit(alpha: float) -> float:
-    """Return 4/alpha - 2: an endless exponential mean, no dead cycle."""
-    return 4.0 / alpha - 2.0
-
-
-def pd_limit(derivative: float) -> float:
-    """Return min(1/r, 2/(1 + 2r)) = 2/(1 + 2r): PD control without dead cycle and filter."""
-    return 2.0 / (1.0 + 2.0 * derivative)
-
-
-def pi_limit(integral: float) -> float:
-    """Return 4/(2 + g): PI control without dead cycle and filter (pole at -1)."""
-    return 4.0 / (2.0 + integral)
 
 
 def surface_limit(dead_cycles: int, skew_cycles: int) -> float | None:

@@ -67,9 +67,6 @@ class GridAxis(PlantAxis):
             else self._demand_at(time_ns)
         )
 
-    def _points_before(self) -> list[tuple[TimeNs, list[float]]]:
-        return list(self._points)[:-3:-1]
-
     def save(self) -> None:
         """Keep the present state for `restore`."""
         super().save()
