@@ -4,10 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.oracles.fixed_stop.contact import StopPath, first_contact, penetrations
+from axisrig.bench.oracles.fixed_stop.contact import (
+    ROWS_BEFORE,
+    StopPath,
+    first_contact,
+    penetrations,
+)
 
 STEP_S = 1e-3
 ROWS = np.arange(40)
@@ -60,18 +65,24 @@ def test_without_stiffness_the_free_motion_tells_the_instant(
 def ramped(
     contact_s: float, speed_mm_s: float, acceleration_mm_s2: float, k_over_m: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """As `rows`, but the axis still accelerates when it touches."""
+    """As `rows`, but the axis still accelerates when it touches; it has begun at rest."""
     times, position, velocity = rows(contact_s, speed_mm_s, k_over_m)
     since = np.minimum(ROWS * STEP_S - contact_s, 0.0)
-    position = position + acceleration_mm_s2 * since**2 / 2
-    return times, position, velocity + acceleration_mm_s2 * since
+    begin = -speed_mm_s / acceleration_mm_s2 if acceleration_mm_s2 > 0.0 else -math.inf
+    led = np.maximum(since, begin)
+    position = position + speed_mm_s * (led - since) + acceleration_mm_s2 * led**2 / 2
+    velocity = np.where(since < begin, 0.0, velocity + acceleration_mm_s2 * since)
+    return times, position, velocity
 
 
 @settings(max_examples=200, deadline=None)
 @given(places, speeds, stiff, st.floats(-1000.0, 1000.0))
+@example(0.02, 4.0, 1e5, 900.0)  # from rest four rows before
 def test_the_acceleration_before_the_contact_is_in_the_bound(
     contact_s: float, speed_mm_s: float, k_over_m: float, slope: float
 ) -> None:
+    """The rows that the acceleration is taken of lie within the ramp."""
+    assume(slope * (ROWS_BEFORE + 2) * STEP_S < speed_mm_s)
     times, position, velocity = ramped(contact_s, speed_mm_s, slope, k_over_m)
     stop = StopPath.at_rest(0.0, 1, len(times))
     found = first_contact(times, position, velocity, stop, None)
