@@ -81,3 +81,12 @@ def test_an_acceleration_that_a_program_weights_is_allowed_and_a_smaller_one_for
         guard.allow(0, allowed)
         assert (guard.judge((step_mm + 0.0019, 0.0)) is None) is is_legal
         assert guard.judge((1.0, 0.0)) is not None
+
+
+@pytest.mark.parametrize("after", [0.0, 500.0])
+def test_what_a_weight_has_allowed_is_not_allowed_without_it(after: float) -> None:
+    guard = guard_at(0.0, 0)
+    guard.allow(0, 2000.0)
+    guard.allow(0, after)  # the next path
+    assert guard.judge((2000.0 * T * T + 0.0019, 0.0)) is not None
+    assert guard.judge((1000.0 * T * T + 0.0019, 0.0)) is None

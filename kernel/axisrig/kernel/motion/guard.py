@@ -42,7 +42,8 @@ class SetpointGuard:
             limit.speed_mm_s * self._period_s + limit.increment_mm + _ROUNDING_MM
             for limit in limits
         ]
-        self._change_mm = [self._change_of(limit, limit.a_mm_s2) for limit in limits]
+        self._of_lists_mm = [self._change_of(limit, limit.a_mm_s2) for limit in limits]
+        self._change_mm = list(self._of_lists_mm)
         self._last_mm = [0.0] * len(limits)
         self._last_step_mm = [0.0] * len(limits)
 
@@ -50,9 +51,9 @@ class SetpointGuard:
         return a_mm_s2 * self._period_s**2 + 2.0 * limit.increment_mm + _ROUNDING_MM
 
     def allow(self, index: int, a_mm_s2: float) -> None:
-        """Allow an axis no less than this acceleration: a program weights it."""
+        """Allow an axis this acceleration where its lists have less: a program weights it."""
         change_mm = self._change_of(self._limits[index], a_mm_s2)
-        self._change_mm[index] = max(self._change_mm[index], change_mm)
+        self._change_mm[index] = max(self._of_lists_mm[index], change_mm)
 
     def put(self, index: int, position_mm: float) -> None:
         """Take a position of an axis that nothing has moved there: it is at rest."""
