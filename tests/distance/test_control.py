@@ -180,10 +180,37 @@ def test_the_programs_of_the_manual_run(make_loop: Make) -> None:
     assert (control.state, control.offset_mm) == (State.INACTIVE, 0.0)
 
 
-def test_a_dry_run_is_supervised(make_loop: Make) -> None:
+@pytest.mark.parametrize(("mode", "state"), MODES)
+def test_a_dry_run_is_supervised_and_over_after_an_error(
+    make_loop: Make, mode: Command, state: State
+) -> None:
     loop = make_loop(lambda k: 3.0 * (k > 3), max_pos_mm=2.0)
     with pytest.raises(Alarm, match="ID 70330"):
-        loop.say(Command.ON, dry_run=True).run(10)
+        loop.say(mode, dry_run=True).run(10)
+    assert (loop.control.state, loop.control.is_dry_run) == (State.ERROR, False)
+    loop.control.set_surface(0.0)
+    loop.control.set_distance(0.0)
+    for refused in (mode, Command.FREEZE):  # only OFF leads out
+        with pytest.raises(Alarm, match="ID 900310"):
+            loop.say(refused)
+    loop.say(Command.OFF).run(2)
+    assert loop.control.state is State.INACTIVE
+
+
+@pytest.mark.parametrize(("mode", "state"), MODES)
+@pytest.mark.parametrize("after", [Command.OFF, Command.FREEZE])
+def test_a_dry_run_ends_with_each_command(
+    make_loop: Make, mode: Command, state: State, after: Command
+) -> None:
+    """As FREEZE does (%DIST_5): OFF leads out, FREEZE stays; the next ON moves."""
+    loop = make_loop(lambda _k: 0.5)
+    loop.control.set_surface(0.0)
+    loop.control.set_distance(0.0)
+    loop.say(mode, dry_run=True).run(5).say(after).run(2)
+    over = State.INACTIVE if after is Command.OFF else State.FREEZE
+    assert (loop.control.state, loop.control.is_dry_run) == (over, False)
+    loop.say(mode).run(5)
+    assert (loop.control.state, loop.control.offset_mm > 0) == (state, True)
 
 
 def test_a_control_that_is_on_can_go_on_dry(make_loop: Make) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
+from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
 from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import UserError
@@ -218,3 +218,16 @@ def test_entries_that_fill_a_place_may_repeat(tmp_path: Path) -> None:
     assert [mapped.index for mapped in telegrams(0x60BA, str(table))["RPDO1"].objects] == [
         0x6040, 0x607A, 5, 5,
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("transmission", "event_ms", "promised_ms"),
+    [(1, 0, 2), (5, 0, 10), (240, 0, 480), (254, 70, 70), (255, 70, 70), (255, 0, None)],
+)
+def test_what_a_telegram_promises(
+    transmission: int, event_ms: int, promised_ms: int | None
+) -> None:
+    """CiA 301: type n comes with every n-th SYNC, here of 2 ms, 254 and 255 by the event timer."""
+    second = (MappedObject(0x60E4, 1, 32, True, "second"),)
+    promised_ns = Telegram("TPDO4", transmission, 0, second, event_ms).promised_ns(2 * MS)
+    assert promised_ns == (None if promised_ms is None else promised_ms * MS)

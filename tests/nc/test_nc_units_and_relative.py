@@ -57,6 +57,23 @@ def test_where_a_system_lies_and_zero_offsets_are_read_in_inches(run):
     assert told(commands) == pytest.approx([2, 10])
 
 
+OF_AXES = ("V.G.NP[1].V", "V.G.NP_AKT.V", "V.G.WZ_AKT.V", "V.G.WZ[3].V")
+OF_TOOLS = ("V.G.WZ_AKT.L", "V.G.WZ_AKT.R", "V.G.WZ[3].L", "V.G.WZ[3].R")
+
+
+@pytest.mark.parametrize(
+    "name", [*OF_TOOLS, *(f"{name}{axis}" for name in OF_AXES for axis in (".X", "[0]"))]
+)
+@pytest.mark.parametrize("rotary", ["", "X"])
+def test_each_length_that_a_program_writes_is_written_and_read_in_its_unit(run, name, rotary):
+    """2 inch are 50.8 mm; degrees of a rotary axis stay."""
+    tables = OffsetTables(rotary=frozenset(rotary))
+    text = f"G70\n{name}=2\nP1={name}\nG71\nP2={name}\n{name}=25.4\nG70\n"
+    commands = run(text + f'#MSG ["%f %f %f", P1, P2, {name}]', tables=tables)
+    turns = rotary and name not in OF_TOOLS
+    assert told(commands) == pytest.approx([2, 2, 25.4] if turns else [2, 50.8, 1])
+
+
 def test_the_programmed_position_goes_along_with_a_distance(run):
     """G92 7, X 10, 5 further on: PROG 15, ABS 22."""
     commands = run('G92 X7\nG0 X10\nG91 X5\n#MSG ["%f %f", V.A.PROG.X, V.A.ABS.X]')
