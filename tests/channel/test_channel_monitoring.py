@@ -60,8 +60,11 @@ class Trouble:
     @property
     def controlwords_behind_the_alarm(self) -> set[int]:
         """What Z was told, from the cycle behind the alarm on."""
+        return self.controlwords(RPDO1)
+
+    def controlwords(self, rpdo: int) -> set[int]:
         alarm_ns = self.bench.channel.alarm_ns[0]
-        sent = [d for t, can_id, d in self.bench.frames if can_id == RPDO1 and t > alarm_ns + MS]
+        sent = [d for t, can_id, d in self.bench.frames if can_id == rpdo and t > alarm_ns + MS]
         return {struct.unpack_from("<H", data)[0] for data in sent}
 
 
@@ -204,6 +207,9 @@ def test_900029_for_a_position_that_jumps(trouble: Any) -> None:
     alarm = case.only_alarm(2)
     assert alarm.id == 900029
     assert float(alarm.values["jump_mm"]) == pytest.approx(16.0, abs=3.0)
+    # 2 is the quick stop of 6040, 0 keeps Z off when it stands: Y follows its targets and is braked
+    assert case.controlwords_behind_the_alarm == {0x2, 0x0}
+    assert case.controlwords(RPDO1 - 1) == {0xF}
 
 
 def test_900005_when_set_positions_do_not_reach_the_drive(trouble: Any) -> None:
