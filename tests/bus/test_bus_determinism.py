@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 RUN = """
 import hashlib, random, sys, threading
 from pathlib import Path
@@ -68,6 +70,7 @@ for path in sorted(Path(sys.argv[1]).parent.iterdir()):
 """
 
 
+@pytest.mark.long  # frames of whole runs in another process: tests/machine/test_determinism.py
 def test_hash_and_logs_are_the_same_bytes_in_another_process(tmp_path: Path) -> None:
     runs = []
     for seed in ("1", "2"):

@@ -39,12 +39,13 @@ def test_all_models_are_built_in_their_order_and_then_taken_from_the_cache(own_c
     assert {path.name: path.stat().st_mtime_ns for path in own_cache.glob("*.fmu")} == stamps
 
 
-@pytest.mark.usefixtures("two_models", "own_cache")
+@pytest.mark.usefixtures("two_models")
 def test_a_model_may_be_called_by_its_last_name_as_everywhere():
     last_name = SOME[0].rpartition(".")[2]
     assert list(library.build_models(last_name)) == list(library.build_models(SOME[0]))
 
 
+@pytest.mark.long  # the command below prints a path for each version
 @pytest.mark.usefixtures("two_models")
 def test_versions_lie_side_by_side(own_cache):
     three = list(library.build_models(SOME[0]))

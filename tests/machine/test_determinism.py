@@ -39,28 +39,26 @@ def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def _run(plan: Path, place: Path, jobs: int, seed: str) -> Path:
+    """Run the plan in a process of its own with a hash seed; return its results."""
+    folder = place / "same"
+    command = [sys.executable, "-m", "axisrig.bench.cli", "run", str(plan), "-o", str(folder)]
+    done = subprocess.run(
+        [*command, "-j", str(jobs), "--bus-log", "blf,candump,pcap"],
+        env={**os.environ, "PYTHONHASHSEED": seed},
+        cwd=place,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
 @pytest.fixture(scope="module")
-def folders(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Results of one process and of two, each with a hash seed of its own."""
-    started, out = [], []
-    for jobs, seed in ((1, "0"), (2, "4711")):
-        folder = tmp_path_factory.mktemp(f"out{seed}") / "same"
-        command = [sys.executable, "-m", "axisrig.bench.cli", "run", str(plan), "-o", str(folder)]
-        started.append(
-            subprocess.Popen(
-                [*command, "-j", str(jobs), "--bus-log", "blf,candump,pcap"],
-                env={**os.environ, "PYTHONHASHSEED": seed},
-                cwd=folder.parent,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-            )
-        )
-        out.append(folder)
-    for process in started:
-        text, _ = process.communicate()
-        assert process.returncode == 0, text
-    return out
+def first(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of one process."""
+    return _run(plan, tmp_path_factory.mktemp("first"), 1, "0")
 
 
 def _cases(folder: Path) -> list[dict[str, str]]:
@@ -87,8 +85,11 @@ def _bytes(folder: Path) -> dict[str, str]:
 
 
 @pytest.mark.long
-def test_processes_and_hash_seeds_do_not_show_in_any_file(folders: list[Path]) -> None:
-    first, *others = folders
+def test_processes_and_hash_seeds_do_not_show_in_any_file(
+    plan: Path, first: Path, tmp_path: Path
+) -> None:
+    """Two processes, with another hash seed each."""
+    other = _run(plan, tmp_path, 2, "4711")
     known = _bytes(first)
     runs = {row["run"] for row in _cases(first)}
     assert len(runs) == 4
@@ -100,21 +101,20 @@ def test_processes_and_hash_seeds_do_not_show_in_any_file(folders: list[Path]) -
         segments = ("@can1", "@can2", "@can3") if "three" in run else ("",)
         expected |= {f"bus/{run}{segment}.pcap" for segment in segments}
     assert set(known) == expected
-    for other in others:
-        assert _bytes(other) == known
-        assert _cases(other) == _cases(first)
+    assert _bytes(other) == known
+    assert _cases(other) == _cases(first)
 
 
-def test_this_process_gives_the_same_frames_twice(plan: Path, folders: list[Path]) -> None:
-    recorded = [row["frame_log_sha256"] for row in _cases(folders[0])]
+def test_this_process_gives_the_same_frames_twice(plan: Path, first: Path) -> None:
+    recorded = [row["frame_log_sha256"] for row in _cases(first)]
     cases = read_plan(plan).cases
     for _ in range(2):
         assert [run_case(case, RunFiles()).frame_log_sha256 for case in cases] == recorded
 
 
-def test_the_hash_tells_different_runs_apart(folders: list[Path]) -> None:
+def test_the_hash_tells_different_runs_apart(first: Path) -> None:
     """Repeats are the same run again; every other row has its own frames."""
-    hashes = {row["run"]: row["frame_log_sha256"] for row in _cases(folders[0])}
+    hashes = {row["run"]: row["frame_log_sha256"] for row in _cases(first)}
     assert len(hashes) == 4
     assert len(set(hashes.values())) == 3
     assert all(len(value) == 64 for value in hashes.values())
