@@ -10,20 +10,14 @@ from functools import cache
 from importlib import resources
 
 from axisrig.kernel.errors import Alarm, catalogue
+from axisrig.kernel.parameters.drive_types import DRIVE_TYPES, DriveType
 from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.parameters.relations import corrected
 from axisrig.kernel.parameters.types import Value, written
 from axisrig.kernel.parameters.values import Corrected, ParameterSet
 
-DRIVE_TYPES = {
-    1: "conventional", 2: "SERCOS", 3: "PROFIDRIVE MC", 4: "simulation", 5: "Lightbus",
-    6: "terminal", 7: "RT-Ethernet", 8: "CANopen", 16: "virtual", 32: "CAN",
-}  # fmt: skip
-SERCOS, CANOPEN = 2, 8
+SERCOS = 2
 DRIVE_TYPE = "kenngr.antr_typ"
-WITH_DISTANCE_CONTROL = (SERCOS, 3, CANOPEN)  # FCT-M3 2
-WITH_EDGE_BANDING_INPUT = (SERCOS, 3)  # P-AXIS-00539
-WITH_TWO_INPUTS = (SERCOS, 3, CANOPEN)  # FCT-C4 8.2.2, P-AXIS-00517
 
 OPTIMISED = "lr_param.field_bus_allows_optimized_schedule"
 SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
@@ -110,10 +104,9 @@ def _warning(item: Corrected, owner: str, name: str) -> Alarm:
     return Alarm(item.alarm_id, owner=owner, axis=name, place=item.origin.short, **values)
 
 
-def drive_type(parameters: ParameterSet) -> tuple[int, str]:
-    """Return number and word of the drive type of an axis (P-AXIS-00020)."""
-    number = parameters.integer(DRIVE_TYPE)
-    return number, DRIVE_TYPES.get(number, str(number))
+def drive_type(parameters: ParameterSet) -> DriveType:
+    """Return the drive type of an axis (P-AXIS-00020)."""
+    return DRIVE_TYPES[parameters.integer(DRIVE_TYPE)]
 
 
 def _check_input(parameters: ParameterSet) -> None:
@@ -131,26 +124,26 @@ def _check_input(parameters: ParameterSet) -> None:
 
 
 def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
-    number, drive = drive_type(parameters)
+    kind = drive_type(parameters)
+    number, drive = kind.number, kind.name
     on = "lr_param.distance_control_on"
-    if parameters.flag(on) and number not in WITH_DISTANCE_CONTROL:
+    if parameters.flag(on) and not kind.distance_control:
         parameters.correct(on, False)
         yield Alarm(110547, axis=axis, drive_type=drive)
     signal = parameters.word(SIGNAL)
     if parameters.is_set(SIGNAL) and number not in _sources()[signal].drive_types:
         parameters.correct(SIGNAL, "PLC")
         yield Alarm(110586, axis=axis, drive_type=drive, wrong=signal, corrected="PLC")
-    most = 2 if number in WITH_TWO_INPUTS else 1
     for probe in (0, 1):
         path = f"kenngr.measure.probe[{probe}].input"
         wrong = _own(parameters, path)
-        if not 0 <= wrong <= most:
+        if not 0 <= wrong <= kind.inputs:
             parameters.correct(path, 0)  # so that its fallback decides
             corrected = parameters.integer(path)
             yield Alarm(110622, axis=axis, probe=probe, wrong=wrong, corrected=corrected)
     edge_banding = "kenngr.measure.input_edge_banding"
     wrong = _own(parameters, edge_banding)
-    if wrong and number not in WITH_EDGE_BANDING_INPUT:
+    if wrong and not kind.edge_banding:
         parameters.correct(edge_banding, 0)
         yield Alarm(110614, axis=axis, drive_type=drive, wrong=wrong)
     if number == SERCOS:

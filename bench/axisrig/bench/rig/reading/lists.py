@@ -11,9 +11,10 @@ from axisrig.kernel.measuring.rules import FIXED_STOP
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import Kind, ParameterSet, read_list, start_up, written
+from axisrig.kernel.parameters.drive_types import SIMULATED
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
-from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type, equal_schedule
+from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type, equal_schedule
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they name
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
@@ -107,7 +108,7 @@ def check_numbers(axes: dict[str, ParameterSet]) -> None:
 def substituted(axes: Mapping[str, ParameterSet]) -> dict[str, str]:
     """Return the axes whose lists name no CANopen drive (P-AXIS-00020), each with the type."""
     types = {name: drive_type(parameters) for name, parameters in axes.items()}
-    return {name: f"{word} ({code})" for name, (code, word) in types.items() if code != CANOPEN}
+    return {name: f"{t.name} ({t.number})" for name, t in types.items() if not t.family}
 
 
 def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
@@ -129,7 +130,7 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
             f"axis {name} has a drive of the type {word} (P-AXIS-00020): only CANopen drives run"
             " here",
             value=axes[name].get(DRIVE_TYPE),
-            allowed=f"{CANOPEN}, or not said",
+            allowed=f"{', '.join(map(str, SIMULATED))}, or not said",
             hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"
             " does as_canopen = true of its [drive.D]; the results show it",
         )
