@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.architecture.sources import MODULES, imported_names
 
 ROOT = Path(__file__).parents[2]
 # Of gcc and clang; mypyc puts an underscore before the name of an attribute
@@ -114,3 +115,30 @@ def test_no_attribute_becomes_a_word_of_the_c_compiler() -> None:
         if isinstance(part, ast.Attribute) and part.attr in WORDS
     }
     assert clashes == set()
+
+
+def _native() -> set[str]:
+    """Full names of the classes that become native ones: no interpreted class may derive of them."""
+    found = set()
+    for path, node in _classes():
+        words = " ".join(map(ast.unparse, [*node.bases, *node.decorator_list]))
+        if not any(word in words for word in ("Enum", "Flag", "NamedTuple", "Protocol", "Error")):
+            module = path.split("/", 1)[1].removesuffix(".py").replace("/", ".")
+            found.add(f"{module.removesuffix('.__init__')}.{node.name}")
+    return found
+
+
+def test_no_interpreted_class_derives_from_a_compiled_one() -> None:
+    native, compiled = _native(), {str(ROOT / path) for path in _compiled()}
+    assert native
+    wrong = []
+    for path in MODULES.values():
+        if str(path) in compiled:
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        known = {whole.rpartition(".")[2]: whole for _, whole in imported_names(tree)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                bases = {known.get(ast.unparse(base), "") for base in node.bases}
+                wrong += [f"{path.name}: {node.name}({base})" for base in bases & native]
+    assert wrong == []

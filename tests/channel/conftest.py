@@ -207,6 +207,7 @@ class ChannelBench:
                     stamps=stamps,
                 ),
                 self.network,
+                SdoClient(self.network, self.scheduler, n),
             )
             for n, s in enumerate(specs, 1)
         ]
@@ -283,9 +284,9 @@ class ChannelBench:
         )
         od = object_dictionary(node_id, self.profile)
         steps = start_up_steps(settings, self.bus, link.telegrams, node_id, scaling, od)
-        sdo = link.sdo = SdoClient(self.network, self.scheduler, node_id)
+        assert link.sdo is not None
         address = DriveAddress(link.name, node_id)
-        return StartUp(address, self.network, self.scheduler, sdo, steps, settings)
+        return StartUp(address, self.network, self.scheduler, link.sdo, steps, settings)
 
     def run(self, commands: Iterable[canon.Command]) -> "ChannelBench":
         """Run a program to its end."""

@@ -24,9 +24,33 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 
 
-def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
-    """Make the kernel's end of the drive of one axis."""
-    return AxisLink(_link_settings(settings, name), network)
+def build_links(
+    settings: Settings, networks: Mapping[str, Any], clock: Clock
+) -> dict[str, AxisLink]:
+    """Make the kernel's end of the drive of every axis; networks: by segment."""
+    members: dict[str, list[AxisLink]] = {segment: [] for segment in settings.segment}
+    rooms = {segment: StandstillRoom(links) for segment, links in members.items()}
+    links: dict[str, AxisLink] = {}
+    for name, axis in settings.rig.axis.items():
+        drive, network = settings.rig.drive[axis.drive], networks[axis.segment]
+        declared = start_up_settings(drive)
+        sdo = SdoClient(
+            network,
+            clock,
+            axis.node,
+            timeout_ns=declared.sdo_timeout_ns,
+            attempts=declared.sdo_attempts,
+        )
+        room = sdo_room(settings, name)
+        links[name] = AxisLink(
+            _link_settings(settings, name),
+            network,
+            sdo,
+            proves_latches=drive.latch_check and room is not SdoRoom.NONE,
+            room=rooms[axis.segment] if room is SdoRoom.STANDSTILL else None,
+        )
+        members[axis.segment].append(links[name])
+    return links
 
 
 @once
@@ -82,34 +106,16 @@ def build_monitor(
 
 
 def build_accesses(
-    settings: Settings, links: Mapping[str, AxisLink], networks: Mapping[str, Any], clock: Clock
+    settings: Settings, links: Mapping[str, AxisLink]
 ) -> tuple[dict[str, DriveAccess], list[Alarm]]:
     """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
     accesses: dict[str, DriveAccess] = {}
     warnings: list[Alarm] = []
-    rooms = {
-        segment: StandstillRoom(
-            [links[name] for name, axis in settings.rig.axis.items() if axis.segment == segment]
-        )
-        for segment in settings.segment
-    }
-    for name, axis in settings.rig.axis.items():
-        declared = start_up_settings(settings.rig.drive[axis.drive])
-        sdo = SdoClient(
-            networks[axis.segment],
-            clock,
-            axis.node,
-            timeout_ns=declared.sdo_timeout_ns,
-            attempts=declared.sdo_attempts,
-        )
-        links[name].sdo = sdo
-        room = sdo_room(settings, name)
-        if settings.rig.drive[axis.drive].latch_check and room is not SdoRoom.NONE:
-            shared = rooms[axis.segment] if room is SdoRoom.STANDSTILL else None
-            links[name].check_latches(sdo, shared)
+    for name, link in links.items():
         functions, found = read_functions(name, settings.axis[name])
         warnings += found
-        accesses[name] = DriveAccess(links[name], sdo, functions)
+        assert link.sdo is not None, "made with it"
+        accesses[name] = DriveAccess(link, link.sdo, functions)
     return accesses, warnings
 
 

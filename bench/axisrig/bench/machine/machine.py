@@ -20,7 +20,7 @@ from axisrig.bench.machine.cnc import (
     axis_settings,
     build_accesses,
     build_carriers,
-    build_link,
+    build_links,
     build_monitor,
     build_start_up,
 )
@@ -140,10 +140,7 @@ class Machine:
             }
             for network in self.networks.values():
                 network.connect()
-            self.links = {
-                name: build_link(settings, name, self.networks[axis.segment])
-                for name, axis in settings.rig.axis.items()
-            }
+            self.links = build_links(settings, self.networks, self.scheduler)
             self._expect_answers()
             telegrams = self._log_telegrams(journal)
             self.channel = self._build_channel()
@@ -300,9 +297,7 @@ class Machine:
         return Recorder(self.plant, axes, self.plant.probes, telegrams, writer)
 
     def _build_channel(self) -> Channel:
-        self._accesses, warnings = build_accesses(
-            self.settings, self.links, self.networks, self.scheduler
-        )
+        self._accesses, warnings = build_accesses(self.settings, self.links)
         # On a segment without a drive nobody would acknowledge a SYNC
         used = synced_segments(self.settings)
         networks = {name: n for name, n in self.networks.items() if name in used}

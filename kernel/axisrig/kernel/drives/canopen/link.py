@@ -66,12 +66,22 @@ WORDS: Final = {
 class AxisLink(Drive):
     """One drive on a canopen network (simulated or real), read and written once per cycle.
 
+    sdo: asks the drive beside the cycle. proves_latches: a latch counts only when the drive reports
+    it by SDO too; else telegrams are enough. room: where a cycle has none for SDO (`LatchCheck`).
     mode_bits: bits of the controlword that belong to the mode. second_telegram: the one that
     carries the second encoder, if any does. unproved_latches: those that were believed by telegrams
     alone; SDO proves the others.
     """
 
-    def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
+    def __init__(
+        self,
+        settings: LinkSettings,
+        network: Any,
+        sdo: SdoClient | None = None,
+        *,
+        proves_latches: bool = False,
+        room: StandstillRoom | None = None,
+    ) -> None:
         arrival = Arrival(
             settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
         )
@@ -90,8 +100,8 @@ class AxisLink(Drive):
             t for t in self.telegrams.values() if any(o.field == "second" for o in t.objects)
         ]
         self.second_telegram: Telegram | None = seconds[0] if seconds else None
-        self._checked_by: SdoClient | None = None
-        self._room: StandstillRoom | None = None
+        self._checked_by = sdo if proves_latches else None
+        self._room = room
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
         pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
@@ -307,14 +317,6 @@ class AxisLink(Drive):
             counter_object(probe, edge),
             self._room,
         )
-
-    def check_latches(self, sdo: SdoClient, room: StandstillRoom | None = None) -> None:
-        """Believe a latch only when the drive reports it by SDO too; else telegrams are enough.
-
-        room: where a cycle has none for SDO, see `LatchCheck`.
-        """
-        self._checked_by, self._room = sdo, room
-        self._check = self._checker()
 
     def arm(self) -> None:
         """Enable the touch probe with the next telegram."""
