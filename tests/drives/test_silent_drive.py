@@ -1,5 +1,6 @@
 """From when on the silence of a drive counts, and of its telegrams: from `begin` on."""
 
+from math import inf
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,8 +9,9 @@ import pytest
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.watch import LinkWatch, WatchSettings
-from axisrig.kernel.drives.power import Power
+from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.time.clock import MS, S
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
@@ -30,6 +32,7 @@ def watched(clock: Scheduler, settings: WatchSettings) -> tuple[LinkWatch, Any]:
     link: Any = SimpleNamespace(
         name="Z", network=network, node_id=3, begin=lambda: None,
         jump_mm=None, power=Power.OPERATING, emergency=None, forget=lambda: None,
+        request=PowerRequest.ON, settings=SimpleNamespace(lag_limit_mm=inf), statusword=0x0218,
     )  # fmt: skip
     return LinkWatch(link, clock, settings), heard[0x703]
 
@@ -76,3 +79,18 @@ def test_telegrams_that_stayed_out_before_begin_do_not_count(tmp_path: Any) -> N
         cycle()
     with pytest.raises(Alarm, match="900006"):
         cycle()
+
+
+def test_the_status_word_that_explains_an_emergency_is_waited_for_each_time() -> None:
+    """The fault comes a cycle after its emergency, and again after a reset: 900005, not 900025."""
+    watch, _ = watched(new_scheduler(), WatchSettings())
+    link = watch._link
+    for _ in range(3):
+        link.power, link.emergency = Power.OPERATING, None
+        assert watch.condition() is None
+        link.emergency = Emergency.read(b"\x10\x43\x09")
+        assert watch.condition() is None
+        link.power = Power.FAULT
+        found = watch.condition()
+        assert found is not None
+        assert (found.id, found.values["emcy"][:6]) == (900005, "0x4310")

@@ -134,6 +134,7 @@ class LinkWatch(DriveWatch):
             return self._lag()
         word = f"0x{link.statusword:04X}"
         if link.power is Power.FAULT:
+            self._emergency_cycles = 0
             emergency = "none" if link.emergency is None else str(link.emergency)
             return Alarm(900005, axis=link.name, statusword=word, emcy=emergency)
         if link.emergency is not None:
