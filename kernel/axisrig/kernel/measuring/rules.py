@@ -12,13 +12,14 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc.measuring_types import MeasuringType
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.parameters.signal_sources import SOURCES
 from axisrig.kernel.time.clock import TimeNs
 
 SIGNAL = "kenngr.measure.signal"
 FIXED_STOP = "FIXED_STOP"
 PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP = "PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP"
 EXTERNAL, EXTERNAL_WITH_DRIVE = "PLC_EXT_LATCH_CONTROL", "EXT_PROBE_WITH_DRIVE"
-OF_PLC = (PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP, EXTERNAL, EXTERNAL_WITH_DRIVE)
+OF_PLC = tuple(name for name, source in SOURCES.items() if source.needs_plc)
 """Sources that need a task of the PLC."""
 BY_PROGRAM, BY_PARAMETER = "ERR_NO_SIGNAL", "P-CHAN-00176"
 """What decides about an alarm when no signal comes, ERR_NO_SIGNAL in both."""
@@ -98,7 +99,7 @@ class MeasuringAxis:
 
 def inputs_of(source: str) -> int:
     """Return the highest probing input that a source has (P-AXIS-00517); others use none."""
-    return 255 if source == EXTERNAL else 2
+    return SOURCES[source].inputs or 2
 
 
 def least_stroke_mm(kind: MeasuringType, moving: Sequence[MeasuringAxis]) -> float:

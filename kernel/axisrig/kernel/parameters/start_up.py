@@ -3,16 +3,13 @@
 Sources: the pages of the warnings in `errors.csv`, FCT-C4 section 8.2, TF5200 axis parameters.
 """
 
-import csv
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cache
-from importlib import resources
 
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES, DriveType
 from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.parameters.relations import corrected
+from axisrig.kernel.parameters.signal_sources import SOURCES
 from axisrig.kernel.parameters.types import Value, written
 from axisrig.kernel.parameters.values import Corrected, ParameterSet
 
@@ -31,24 +28,6 @@ _PROBE_BITS = (
     ("value_latched", _STATUS, 110608, 110609),
     ("probe_actuated", _STATUS, 110610, 110611),
 )
-
-
-@dataclass(frozen=True)
-class _Source:
-    drive_types: tuple[int, ...]
-    inputs: int | None
-
-
-@cache
-def _sources() -> Mapping[str, _Source]:
-    text = resources.files(__package__).joinpath("signal_sources.csv").read_text(encoding="utf-8")
-    return {
-        row["signal"]: _Source(
-            tuple(map(int, row["drive_types"].split())),
-            int(row["inputs"]) if row["inputs"] else None,
-        )
-        for row in csv.DictReader(text.splitlines())
-    }
 
 
 def start_up(parameters: ParameterSet, name: str) -> list[Alarm]:
@@ -111,7 +90,7 @@ def drive_type(parameters: ParameterSet) -> DriveType:
 
 def _check_input(parameters: ParameterSet) -> None:
     """Refuse an input that the signal source does not have; no ID is documented for it."""
-    source = _sources()[parameters.word(SIGNAL)]
+    source = SOURCES[parameters.word(SIGNAL)]
     found = parameters.resolve(INPUT)
     if source.inputs is None or int(found.value) <= source.inputs:
         return
@@ -131,7 +110,7 @@ def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
         parameters.correct(on, False)
         yield Alarm(110547, axis=axis, drive_type=drive)
     signal = parameters.word(SIGNAL)
-    if parameters.is_set(SIGNAL) and number not in _sources()[signal].drive_types:
+    if parameters.is_set(SIGNAL) and number not in SOURCES[signal].drive_types:
         parameters.correct(SIGNAL, "PLC")
         yield Alarm(110586, axis=axis, drive_type=drive, wrong=signal, corrected="PLC")
     for probe in (0, 1):

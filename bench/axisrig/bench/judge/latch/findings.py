@@ -1,7 +1,8 @@
 """Marks of measurement runs: contacts and edges of the probes, latches, cycles that brake."""
 
 from axisrig.bench.judge.observed.event import Event
-from axisrig.bench.judge.observed.observed import AT_PLC, Observed
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.signal_sources import AT_PLC
 
 
 def latch_events(observed: Observed) -> list[Event]:

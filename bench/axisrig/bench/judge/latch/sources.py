@@ -16,11 +16,9 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.sources.chain import Chain, Edges, Grid, Seen, Stamps
 from axisrig.bench.record.measuring import PlcTaskRecord
 from axisrig.bench.record.series import INPUTS
+from axisrig.bench.record.signal_sources import AT_SIGNAL, HELD, STAMPED
 from axisrig.kernel.time.clock import TimeNs
 
-HELD = "PLC_EXT_LATCH_CONTROL"
-AT_SIGNAL = ("PLC", "PLC_FIRST_EVENT", HELD)
-STAMPED = "PLC_TIMESTAMP"
 NO_PLC = "no probe is wired to the PLC"
 NO_EDGE = "no edge was seen in the measurement run"
 UNSEEN = "by its cycles the PLC, or the CNC, never looks while the probe has switched"

@@ -23,10 +23,8 @@ from axisrig.bench.record.series import (
     Telegrams,
     Times,
 )
+from axisrig.bench.record.signal_sources import AT_PLC
 from axisrig.kernel.time.clock import TimeNs
-
-AT_PLC = ("PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP", "PLC_EXT_LATCH_CONTROL")
-"""Sources of a measuring signal (P-AXIS-00516) that the PLC hands over."""
 
 Made = TypeVar("Made")
 Values = npt.NDArray[np.generic]

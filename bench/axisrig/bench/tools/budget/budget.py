@@ -17,10 +17,10 @@ from functools import partial
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.judge.latch.sources import HELD, STAMPED
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.record.signal_sources import HELD, STAMPED
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import (
     ROUNDING,

@@ -3,9 +3,9 @@
 from functools import cache
 from math import cos, log, pi, sqrt
 
-from axisrig.bench.judge.latch.sources import STAMPED
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.interpolation import cubic
+from axisrig.bench.record.signal_sources import STAMPED
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.starts import start_number
 from axisrig.kernel.time.clock import S, TimeNs

@@ -2,7 +2,7 @@
 
 from math import copysign, exp
 
-from axisrig.bench.judge.latch.sources import STAMPED
+from axisrig.bench.record.signal_sources import STAMPED
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen

@@ -7,18 +7,12 @@ of an edge follows from their cycles alone (docs/measuring-sources.md).
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from axisrig.bench.judge.latch.sources import (
-    AT_SIGNAL,
-    HELD,
-    STAMPED,
-    chain_of,
-    value_instant_ns,
-    ways_of_signal,
-)
+from axisrig.bench.judge.latch.sources import chain_of, value_instant_ns, ways_of_signal
 from axisrig.bench.judge.latch.truth import Touch
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.sources.chain import Grid, lasting
 from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.record.signal_sources import AT_SIGNAL, HELD, STAMPED
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US, TimeNs
 
