@@ -1,0 +1,167 @@
+"""A toy family: a drive on a wire. It goes to its set position at once and latches a switch.
+
+Nothing of it is a word on a bus: there are no frames, no objects and no start-up.
+"""
+
+from collections.abc import Callable
+
+from axisrig.kernel.drives.carrier import Carrier
+from axisrig.kernel.drives.interface import Drive, DriveHoming, DriveWatch
+from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.drives.settings import DriveSettings
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.latest_edge import Arrival
+from axisrig.kernel.time.clock import Clock
+
+
+class WireDrive(Drive):
+    """Where it stands, mm; switch_mm: the input is on from there on, upwards."""
+
+    def __init__(self, settings: DriveSettings, switch_mm: float) -> None:
+        super().__init__(settings, Arrival(is_new=False))
+        self.position_mm, self._switch_mm = 0.0, switch_mm
+        self._is_on = self._is_ordered = self._is_armed = False
+        self._latched_mm: float | None = None
+
+    def begin_cycle(self) -> None:
+        before_mm = self.position_mm
+        self.position_mm = self.set_mm if self.power is Power.OPERATING else before_mm
+        crosses = before_mm < self._switch_mm <= self.position_mm
+        if self._is_armed and crosses and self._latched_mm is None:
+            self._latched_mm = self._switch_mm
+        self._is_armed = self._is_ordered
+
+    def take(self) -> None:
+        self._has_sent = False
+        self.arrival.is_new = True
+        self._take_actual(round(self.position_mm * self._per_mm))
+
+    def send(self, set_mm: float) -> None:
+        self._note_sent(set_mm)
+        self.power = Power.OPERATING if self.keeps_operating else Power.OFF
+
+    @property
+    def state_name(self) -> str:
+        return self.power.name
+
+    @property
+    def is_in_fault(self) -> bool:
+        return False
+
+    @property
+    def has_reported(self) -> bool:
+        return False
+
+    def ask_for_fault(self) -> None:
+        """There is nobody to ask."""
+
+    @property
+    def is_asked(self) -> bool:
+        return False
+
+    def forget_fault(self) -> None:
+        self.acknowledges_faults = False
+
+    def choose_latch(self, probe_input: int, edge: str) -> None:
+        if (probe_input, edge) != (1, "POS"):
+            raise Alarm(900223, axis=self.name, input=probe_input, edge=edge, object="a wire")
+
+    def arm(self) -> None:
+        self._is_ordered, self._latched_mm = True, None
+
+    def disarm(self) -> None:
+        self._is_ordered = self._is_armed = False
+
+    @property
+    def is_probing(self) -> bool:
+        return self._is_ordered
+
+    @property
+    def is_clear(self) -> bool:
+        return not self._is_armed
+
+    @property
+    def is_armed(self) -> bool:
+        return self._is_armed
+
+    @property
+    def is_prepared(self) -> bool:
+        return True
+
+    @property
+    def is_actuated(self) -> bool | None:
+        return self.position_mm >= self._switch_mm
+
+    @property
+    def has_latched(self) -> bool:
+        return self._latched_mm is not None
+
+    @property
+    def latched_mm(self) -> float | None:
+        return self._latched_mm
+
+    @property
+    def latched_speed_mm(self) -> float:
+        return 0.0
+
+    def is_confirmed(self) -> bool:
+        return True
+
+    def home(self, clock: Clock) -> DriveHoming:
+        return AtOnce()
+
+
+class AtOnce(DriveHoming):
+    """It is home where it stands."""
+
+    def step(self) -> None:
+        """Nothing."""
+
+    def abort(self) -> None:
+        """Nothing."""
+
+    @property
+    def is_done(self) -> bool:
+        return True
+
+
+class WireWatch(DriveWatch):
+    """A wire that is cut shows when the drive no longer follows."""
+
+    def __init__(self, drive: WireDrive, is_cut: Callable[[], bool]) -> None:
+        self._drive, self._is_cut = drive, is_cut
+
+    def begin(self) -> None:
+        """Nothing."""
+
+    def end(self) -> None:
+        """Nothing."""
+
+    def communication(self) -> Alarm | None:
+        return Alarm(900030, segment="wire") if self._is_cut() else None
+
+    def condition(self) -> Alarm | None:
+        is_stopped = self._drive.request is PowerRequest.STOP
+        if self._drive.power is Power.OPERATING or is_stopped:
+            return None
+        return Alarm(900027, axis=self._drive.name, statusword="none", state=self._drive.state_name)
+
+
+class Wires(Carrier):
+    """What begins a cycle where nothing is sent."""
+
+    def __init__(self) -> None:
+        self.name, self.cycles = "wire", 0
+
+    def begin_cycle(self) -> None:
+        self.cycles += 1
+
+    @property
+    def holds_back(self) -> bool:
+        return False
+
+    def late(self) -> Alarm:
+        return Alarm(900031, segment=self.name)
+
+    def check(self) -> Alarm | None:
+        return None
