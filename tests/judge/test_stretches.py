@@ -1,0 +1,74 @@
+"""Unbroken times of distance control: what divides them, and what a steady part must be without."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axisrig.bench.judge.distance.stretches import Stretch, _by_law, is_disturbed
+from axisrig.bench.judge.distance.times import Unbroken
+from axisrig.bench.judge.distance.truth import ACTIVE
+from axisrig.bench.oracles.distance.acting import Acting
+
+ONE, OTHER = "a list", "another list"
+
+
+def divided(*acting: tuple[int, str, bool, bool]) -> list[tuple[int, int, object, bool]]:
+    """Rows 10 to 50 of a control that follows; acting: row, list, dry run, begins."""
+    laws: Any = [Acting(row, listed, dry, begins) for row, listed, dry, begins in acting]  # type: ignore[arg-type]
+    truth: Any = SimpleNamespace(
+        acting=laws,
+        acting_in=lambda row: [law for law in laws if law.row <= row][-1],
+        mode_in=lambda _state, _listed: "SET_POS",
+    )
+    found = _by_law(truth, Unbroken(10, 50, ACTIVE))
+    return [(one.begin, one.end, one.listed, one.is_dry_run) for one in found]
+
+
+@pytest.mark.parametrize(
+    ("law", "parts"),
+    [
+        ((30, ONE, False, False), [(10, 50, ONE, False)]),
+        ((30, OTHER, False, False), [(10, 30, ONE, False), (30, 50, OTHER, False)]),
+        ((30, ONE, True, False), [(10, 30, ONE, False), (30, 50, ONE, True)]),
+        ((30, ONE, False, True), [(10, 30, ONE, False), (30, 50, ONE, False)]),
+        ((11, OTHER, False, False), [(10, 50, OTHER, False)]),  # it has begun with it
+        ((50, OTHER, True, True), [(10, 50, ONE, False)]),
+    ],
+)
+def test_a_law_ends_where_list_dry_run_or_switching_on_make_another(
+    law: tuple[int, str, bool, bool], parts: list[tuple[int, int, object, bool]]
+) -> None:
+    assert divided((10, ONE, False, True), law) == parts
+
+
+def test_a_dry_run_that_ends_and_comes_again_are_four_parts() -> None:
+    laws = [(row, ONE, dry, False) for row, dry in ((20, True), (30, False), (40, True))]
+    parts = divided((10, ONE, False, True), *laws)
+    assert [(begin, end, dry) for begin, end, _, dry in parts] == [
+        *((10, 20, False), (20, 30, True), (30, 40, False), (40, 50, True)),
+    ]
+
+
+@pytest.mark.parametrize("mode", ["SET_POS", "CONST_DIST"])
+def test_a_part_is_disturbed_by_its_own_set_value_and_by_a_hold(mode: str) -> None:
+    """Of the set value of the other mode nothing depends; the first change is the begin."""
+    own, other = (
+        ("set_pos_mm", "set_dist_mm") if mode == "SET_POS" else ("set_dist_mm", "set_pos_mm")
+    )
+    columns = {
+        own: np.array([0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0]),
+        other: np.array([0.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0]),
+        "distance_held": np.array([0, 0, 0, 0, 0, 0, 1, 0]),
+    }
+
+    class Part(dict[str, Any]):
+        def wanted_mm(self, name: str) -> Any:
+            return self[name]
+
+    truth: Any = SimpleNamespace(gathered=lambda made, rows: made(Part(columns))[rows])
+    part = Stretch(0, 8, mode, None)  # type: ignore[arg-type]
+    assert is_disturbed(truth, part).tolist() == [
+        *(False, False, False, True, False, True, False),
+    ]
