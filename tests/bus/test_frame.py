@@ -106,6 +106,18 @@ def test_lower_key_is_the_lower_arbitration_field_on_the_wire(one: Frame, two: F
     assert (keys[0] < keys[1]) == (field(one) < field(two))
 
 
+@pytest.mark.parametrize("can_id", [0x123, 0x1ABCDEF])
+def test_data_goes_before_a_remote_request_of_the_same_identifier(can_id: int) -> None:
+    """RTR is recessive in a remote frame; the next identifier of either form comes after both."""
+    extended = can_id > 0x7FF
+    keys = [
+        arbitration_key(can_id, extended, remote=False),
+        arbitration_key(can_id, extended, remote=True),
+        arbitration_key(can_id + 1, extended, remote=False),
+    ]
+    assert keys == sorted(set(keys))
+
+
 @pytest.mark.parametrize(("can_id", "data"), [(-1, b""), (1 << 29, b""), (1, bytes(9))])
 def test_impossible_frames_are_refused(can_id: int, data: bytes) -> None:
     with pytest.raises(ValueError, match=r"identifier|data bytes"):

@@ -159,6 +159,29 @@ def test_whole_step_goes_over_early_returns_at_odd_instants(odd: Odd) -> None:
 
 
 @pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+def test_what_an_early_return_has_left_over_is_none_of_the_next_run(odd: Odd) -> None:
+    """The FMU stands a fraction of a nanosecond before its edge; it is initialised anew at 0."""
+    slave = odd("returns early", mightReturnEarlyFromDoStep=True)
+    speed = Exchange(slave, ["slide.u"])
+    speed.values[0] = 7.0
+    speed.write()
+    end_ns = slave.time_ns
+    for end_ns in range(MS, 200 * MS, MS):
+        if slave.step_towards(end_ns) < end_ns:
+            break
+    assert slave.time_ns < end_ns
+
+    def asked(_pointer: int, begin_s: float, step_s: float, *_: object) -> int:
+        raise LookupError(begin_s, step_s)
+
+    slave._step, slave._enter_initialization = asked, lambda _: None
+    slave.initialize(0)
+    with pytest.raises(LookupError) as call:
+        slave.step_towards(MS)
+    assert call.value.args == (0.0, 1e-3)
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
 def test_early_return_is_not_allowed_to_fmus_that_do_not_offer_it(odd: Odd) -> None:
     slave = odd("returns early")
     assert slave.step_towards(20 * MS) == 20 * MS

@@ -8,7 +8,8 @@ import pytest
 
 from axisrig.bench.campaign.processes import usable_cores
 
-QUOTAS = [("max 100000", 8), ("150000 100000", 1), ("300000 100000", 3), ("50000 100000", 1)]
+QUOTAS = [("max 100000", 8), ("150000 100000", 1), ("300000 100000", 3), ("50000 100000", 1),
+          ("1600000 100000", 8)]  # fmt: skip
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="affinity and cgroups are of Linux")

@@ -106,6 +106,21 @@ def test_the_lane_of_a_long_loop_is_without_gaps() -> None:
     assert lane["rows"][0][6] == "6 from N10 G1 Z1"
 
 
+def test_a_stretch_of_short_commands_ends_with_the_one_that_ends_last() -> None:
+    """Moves of single axes overlap: one that begins early may last longer than those after it."""
+    steps = [
+        Step("X[INDP_ASYN]", "independent move", n, n, n + (2.5 if n % 4 == 0 else 0.5), line=9)
+        for n in range(5000)
+    ]
+    lane = blocks_lane(block_trace(steps), is_reduced=False)
+    assert lane is not None
+    assert len(lane["rows"]) < LANE_MAX
+    for row, after in pairwise([*lane["rows"], (5000,)]):
+        own = steps[row[0] : after[0]]
+        assert row[1] == own[0].due_ms * MS
+        assert row[3] == max(step.end_ms for step in own) * MS
+
+
 def test_what_has_no_blocks_has_no_table() -> None:
     for trace in (None, block_trace([])):
         assert blocks_view(trace, nowhere, is_reduced=False) is None

@@ -79,6 +79,17 @@ def test_heartbeats_count_where_they_are_configured(rig_file: Write, settings_of
     assert (beating.busy_ns, beating.last_tpdo_ns) == (plain.busy_ns, plain.last_tpdo_ns)
 
 
+def test_guarding_counts_with_its_question_and_its_answer(
+    rig_file: Write, settings_of: Read
+) -> None:
+    """A remote frame without data, 55 bits in the worst case, and one byte, 65 bits."""
+    plain = segment_schedules(settings_of(rig_file()))["can1"]
+    path = rig_file(("lead_mm = 10.0", "lead_mm = 10.0\nguard_time_ms = 100"), name="guarded.toml")
+    guarded = segment_schedules(settings_of(path))["can1"]
+    assert guarded.event_ns - plain.event_ns == (55 + 65) * 1000
+    assert guarded.busy_ns == plain.busy_ns
+
+
 def test_a_sync_with_a_counter_is_a_byte_longer(rig_file: Write, settings_of: Read) -> None:
     path = rig_file(("cycle_offset_us = 600", "cycle_offset_us = 600\nsync_counter = 10"))
     schedule = segment_schedules(settings_of(path))["can1"]

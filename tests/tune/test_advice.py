@@ -8,6 +8,8 @@ from axisrig.bench.tools.tune.advice import (
     OVERSHOOT,
     SENSITIVITY_MAX,
     Advice,
+    _calmest,
+    _with_derivative,
     advise,
     quality,
 )
@@ -58,6 +60,18 @@ def test_a_kp_a_tenth_greater_would_not_be(loop: Loop, advice: Advice) -> None:
     law = Law(1.1 * advice.law.kp, advice.law.tn_s, advice.law.tv_s)
     passes = loop.step_answer(law, 8000).max() > 1 + OVERSHOOT
     assert passes or loop.sensitivity_peak(law) > SENSITIVITY_MAX
+
+
+@pytest.mark.long(but=1)
+def test_of_several_derivative_times_that_pay_the_one_with_the_largest_kp_is_taken(
+    loop: Loop, advice: Advice
+) -> None:
+    """kp is the speed of the loop: a smaller one at the same calmness is worse."""
+    plain = _calmest(loop, 0.0)
+    assert plain is not None
+    paying = [*_with_derivative(loop, plain)]
+    assert advice.law.kp == max((law.kp for law in paying), default=plain.kp)
+    assert bool(advice.law.tv_s) == bool(paying)
 
 
 def test_a_derivative_part_is_suggested_only_where_it_pays(loop: Loop, advice: Advice) -> None:

@@ -142,6 +142,21 @@ def test_another_bit_rate_takes_the_drive_off_this_bus(stranger: Make) -> None:
     assert (0x703, "00") in drive.heard[-2:]  # and the answer to what nobody had acknowledged
 
 
+@pytest.mark.parametrize("stored", [True, False])
+def test_a_stored_bit_rate_is_that_of_the_next_power_on(stranger: Make, stored: bool) -> None:
+    """500 kbit/s on a bus of 1 Mbit/s: the drive hears nobody until it is told again."""
+    drive = stranger()
+    lss(drive, 0x04, 1)
+    lss(drive, 0x13, 0, 2)
+    if stored:
+        assert lss(drive, 0x17) == "1700000000000000"
+    assert drive.sdo("4000100000000000") != ""  # not activated yet
+    for _ in range(2):
+        drive.node.restart()
+        drive.run_ms(2)
+        assert (drive.sdo("4000100000000000") == "") == stored
+
+
 def test_activating_the_present_bit_rate_is_a_silence(stranger: Make) -> None:
     """Twice the delay of 10 ms."""
     drive = stranger()

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 
@@ -209,3 +210,19 @@ def test_a_pdo_that_is_taken_out_takes_its_error_along(stranger: Make) -> None:
     drive.after(0x203, "00")
     drive.write(0x1400, 1, 0x8000_0203, 4)
     assert drive.frames(0x083) == [SHORT, GONE]
+
+
+def test_what_comes_by_an_event_is_not_late_for_a_sync(stranger: Make) -> None:
+    """Window 200 us, the bus is taken for 0.3 ms: TPDO1 and TPDO2 are withdrawn, TPDO4 is not."""
+    drive = stranger()
+    tpdo4(drive, 255, event=20)
+    drive.write(0x1007, 0, 200, 4)
+    drive.nmt(1)
+    sent_ms = drive.times_ms(0x483)[-1]
+    drive.run_ms(sent_ms + 19.9 - drive.bench.scheduler.now_ns / MS)
+    begin = len(drive.heard)
+    drive.send(0x80)
+    for _ in range(3):
+        drive.send(0x90, "0000000000000000")
+    drive.run_ms(1)
+    assert [can_id for can_id, _ in drive.heard[begin:]] == [0x483]
