@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from tests.channel.conftest import ChannelBench
 
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.faults import Drop
 from axisrig.kernel.channel import ChannelSettings, ChannelState
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
@@ -273,3 +274,23 @@ def test_no_program_finds_what_another_one_has_measured(channel_bench: Make, wor
     Side(bench, words, {1990: ask, 2000: after, 2010: ask})
     bench.run([words.probe(1, 600.0, Z=0.0), words.wait(2), words.end()])
     assert found == [pytest.approx(35.0, abs=1e-4), None]
+
+
+def test_what_the_bus_has_done_once_is_over_with_the_reset(channel_bench: Make, words: Any) -> None:
+    """5 ms of a node that sends without pause hold a SYNC back; a TPDO1 comes a byte too short."""
+    bench = channel_bench(words.axis("Z"))
+    other = SimNetwork(bench.segment.port("other master")).connect()
+
+    def flood() -> None:
+        for _ in range(40):
+            other.send_message(0x001, bytes(8))
+
+    move = words.move(1, 600.0, Z=0.0), words.move(2, 600.0, Z=1.0), words.end()
+    acts = {20: flood, 100: reset(bench), 180: start(bench, *move)}
+    acts |= {200: lambda: other.send_message(0x181, bytes(7)), 260: reset(bench)}
+    Side(bench, words, acts | {340: start(bench, *move)})
+    bench.prepare([words.move(1, 600.0, Z=-20.0), words.end()])
+    bench.finish(2000 * MS)
+    assert bench.alarm_ids == [900031, 900028]
+    assert len(bench.channel.resets_ns) == 2
+    assert bench.final_mm("Z") == 1.0

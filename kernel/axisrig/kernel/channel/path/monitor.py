@@ -75,6 +75,7 @@ class Monitor:
                 found.append(wrong)
         if self._late is not None:
             found.append(self._late)
+            self._late = None  # the next cycle has a SYNC of its own
         for drive in self._drives:
             if (wrong := drive.communication()) is not None:
                 found.append(wrong)

@@ -171,6 +171,7 @@ class AxisLink(Drive):
         self._note_second(second)
         if pdos.wrong_length is not None:
             name, length, expected = pdos.wrong_length
+            pdos.wrong_length = None
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
         if pdos.is_disturbed:
             self._judge_missing()
