@@ -22,6 +22,8 @@ from axisrig.kernel.time.clock import MS
 
 Curve = Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]
 STEP_NS = 8 * MS
+VARIES = 1.25
+"""The fourth derivative of half a radian in a step is not the same in two steps."""
 
 
 def sampled(place: Curve, speed: Curve, rows: int = 6) -> Motion:
@@ -90,6 +92,47 @@ def test_a_demand_that_gets_faster_at_each_sync_is_within_three_doubts(
         n = np.floor(t + 1e-9)
         whole = n * (n - 1) / 2 - n * late * (1 - q) / ratio
         return whole + n * (t - n) - late * (1 - np.exp(-ratio * (t - n))) / ratio
+
+    of_place, of_speed = worst_shares(place, speed)
+    assert of_place <= 3
+    assert of_speed <= 3
+
+
+@pytest.mark.parametrize("begin", [3.0, 3.0 + 1e-6, 3.3])
+@pytest.mark.parametrize("angle", [0.0, 0.1, 0.5])
+def test_a_brake_behind_a_step_takes_nothing_from_what_is_known_of_it(
+    begin: float, angle: float
+) -> None:
+    """A motion with a slow vibration is known from 2 to 3 as it is without the brake after it."""
+
+    def doubts(brake: float) -> tuple[float, float]:
+        found = sampled(
+            lambda t: np.sin(angle * t) + brake * np.maximum(t - begin, 0.0) ** 2,
+            lambda t: angle * np.cos(angle * t) + 2 * brake * np.maximum(t - begin, 0.0),
+        )
+        return float(found.doubts_mm[2]), float(found.doubts_mm_s[2])
+
+    free, braked = doubts(0.0), doubts(1.0)
+    # Of t^4 the past leaves W = 12 and D = 4, 16/3 by a third of 4 D, the row at the begin 4: of
+    # that 4/27 and 1, where the neighbours leave 0.05 x 4 and 0.25 x 4
+    assert braked[0] <= 4 / 27 * 16 / 3 / 0.2 * free[0] * VARIES + 1e-12
+    assert braked[1] <= 16 / 3 * free[1] * VARIES + 1e-9
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_an_acceleration_of_one_sign_is_within_three_doubts(seed: int) -> None:
+    """Jumps of acceleration and jerk at any instants of the step, one that may be after it."""
+    random = np.random.default_rng(seed)
+    begins, blows = random.uniform(2.0, [3.0, 3.0, 3.0, 5.0]), random.uniform(0.0, 1.0, 4)
+    powers = random.integers(2, 4, 4)
+
+    def place(t: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        ways = np.maximum(t[:, None] - begins, 0.0) ** powers
+        return np.asarray(ways @ blows)
+
+    def speed(t: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        speeds = powers * np.maximum(t[:, None] - begins, 0.0) ** (powers - 1)
+        return np.asarray(speeds @ blows)
 
     of_place, of_speed = worst_shares(place, speed)
     assert of_place <= 3

@@ -1,6 +1,7 @@
 """The true motion of an axis between the SYNCs: a cubic through position and speed at both ends.
 
-What happens inside a step is in no row. Two things in the rows say how far a cubic is off there:
+What happens inside a step is in no row. Two things in the rows say how far a cubic is off there,
+of each the larger one of both ends:
 
 - the cubic through the two neighbours of a SYNC misses its position (4 x) and its speed (x half
   their distance), the larger one is what they leave unexplained. An acceleration that jumps inside
@@ -11,6 +12,18 @@ What happens inside a step is in no row. Two things in the rows say how far a cu
   SYNC. Its answer within a step, which is alike in each, shows at no SYNC: exp(-t/tau) puts the
   cubic off by J h^2/384 h/tau, a velocity loop that swings within a step by three times as much.
   The doubt is J h^2/60, and J h/40 of the speed (inferred; `tests/study` holds both).
+
+What is odd at the end of a step may have begun there only, as braking does at the SYNC at which a
+set position acts. Two things say so without what comes after it, and the doubt is no more than the
+larger one of both, or than the jump at the begin leaves:
+
+- the step before goes on into it. The motion less that is d, with d = 0 and d' = 0 at its begin, D
+  and W at its end. While d'' keeps its sign, d is a sum of ramps w (t - s) with W the sum of their
+  w, and none puts a cubic further off than 4/27 w h, its speed than w (both as s comes to an end
+  of the step). A third of that, as above. Where d'' changes its sign W may vanish by chance, D not
+  with it: 4 D/h counts in its place where it is more (inferred, from vibrations);
+- the row at its begin, whose neighbours leave less of a jump unexplained the later it comes, down
+  to W h: all of 4/27 and of 1 of it.
 
 An axis that follows its demand exactly goes straight from SYNC to SYNC, and its speed jumps there.
 Such a step shows: its way is the speed at one of its ends times its length.
@@ -33,6 +46,8 @@ SHARE, SPEED_SHARE = 0.15 / 3, 0.75 / 3
 """Of what is unexplained, in the position and, over a step, in the speed between two SYNCs."""
 OF_JUMP, SPEED_OF_JUMP = 1 / 60, 1 / 40
 """Of a jump of the acceleration at a SYNC, over the square of a step and over a step."""
+OF_PAST, SPEED_OF_PAST = 4 / 27, 1.0
+"""Of W, and of W h that a step and the one before leave: without what comes after the step."""
 INSIDE = "what a cubic between two SYNCs does not see"
 _EXACT = 1e-9
 """Of a speed, and mm/s: so far the speed of a straight step is off by rounding at most."""
@@ -177,24 +192,52 @@ def motion(times_ns: Times, position_mm: Signal, speed_mm_s: Signal) -> Motion:
     """
     x, v, steps_s = position_mm, speed_mm_s, np.diff(times_ns) * 1e-9
     off_mm, jump_mm_s2 = np.zeros(len(x)), np.zeros(len(x))
+    past_mm_s = np.full(len(steps_s), np.inf)
     if len(x) < 3:
         off_mm[:] = np.ptp(v) * np.sum(steps_s) / SHARE if len(x) else 0.0
     else:
         off_mm[1:-1] = _unexplained_mm(steps_s, x, v)
-        _, _, square, cube = _pieces(steps_s, x, v)
-        ends_mm_s2 = 2.0 * square + 6.0 * cube * steps_s
-        jump_mm_s2[1:-1] = np.abs(2.0 * square[1:] - ends_mm_s2[:-1])
+        pieces = _pieces(steps_s, x, v)
+        jump_mm_s2[1:-1] = np.abs(_bends(steps_s, pieces)[0]) * 2.0
+        past_mm_s[1:] = np.maximum(
+            _beyond_past_mm_s(steps_s, x, v, pieces) / 3.0, off_mm[1:-1] / steps_s[1:]
+        )
+    off_mm_s = np.maximum(off_mm[:-1], off_mm[1:]) / steps_s
+    begin_mm_s = jump_mm_s2[:-1] * steps_s
+    jump_mm_s = np.maximum(begin_mm_s, jump_mm_s2[1:] * steps_s)
     moves = ~is_straight(steps_s, x, v)
-    off_mm, jump_mm_s2 = (
-        np.where(moves, np.maximum(each[:-1], each[1:]), 0.0) for each in (off_mm, jump_mm_s2)
-    )
+
+    def doubts_mm_s(of_off: float, of_jump: float, of_past: float) -> Signal:
+        ends = np.maximum(of_off * off_mm_s, of_jump * jump_mm_s)
+        past = np.maximum(of_past * past_mm_s, of_jump * begin_mm_s)
+        return np.where(moves, np.minimum(ends, past), 0.0)
+
     return Motion(
         times_ns,
         x,
         v,
-        np.maximum(SHARE * off_mm, OF_JUMP * jump_mm_s2 * steps_s**2),
-        np.maximum(SPEED_SHARE * off_mm / steps_s, SPEED_OF_JUMP * jump_mm_s2 * steps_s),
+        doubts_mm_s(SHARE, OF_JUMP, OF_PAST) * steps_s,
+        doubts_mm_s(SPEED_SHARE, SPEED_OF_JUMP, SPEED_OF_PAST),
     )
+
+
+def _bends(steps_s: Signal, pieces: npt.NDArray[np.float64]) -> tuple[Signal, Signal]:
+    """Return how square and cube of each cubic differ from the one before that goes on."""
+    _, _, square, cube = pieces
+    return square[1:] - square[:-1] - 3.0 * cube[:-1] * steps_s[:-1], np.diff(cube)
+
+
+def _beyond_past_mm_s(
+    steps_s: Signal, x: Signal, v: Signal, pieces: npt.NDArray[np.float64]
+) -> Signal:
+    """Return what the step before each one leaves of its end, mm/s, shape (n - 2,)."""
+    square, cube = _bends(steps_s, pieces)
+    step_s = steps_s[1:]
+    speed = step_s * (2.0 * square + step_s * 3.0 * cube)
+    place = step_s**2 * (square + step_s * cube)
+    # The speed jumps at the end of a straight step: it does not go on
+    straight = is_straight(steps_s, x, v)[:-1]
+    return np.where(straight, np.inf, np.maximum(np.abs(speed), 4.0 * np.abs(place) / step_s))
 
 
 def _unexplained_mm(steps_s: Signal, x: Signal, v: Signal) -> Signal:
