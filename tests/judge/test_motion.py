@@ -73,7 +73,7 @@ def test_a_vibration_of_up_to_half_a_period_in_a_step_is_within_three_doubts(ang
         assert of_speed <= 3
 
 
-@pytest.mark.parametrize("ratio", [0.2, 0.4, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("ratio", [0.2, 0.4, 1.0, 2.0, 3.0, 8.0, 20.0, 50.0])
 def test_a_demand_that_gets_faster_at_each_sync_is_within_three_doubts(
     ratio: float,
 ) -> None:

@@ -10,8 +10,9 @@ of each the larger one of both ends:
   what is seldom beyond it is never beyond three times of it (`tests/judge/test_motion.py`);
 - the acceleration jumps by J from one cubic to the next where a drive gets a new demand at every
   SYNC. Its answer within a step, which is alike in each, shows at no SYNC: exp(-t/tau) puts the
-  cubic off by J h^2/384 h/tau, a velocity loop that swings within a step by three times as much.
-  The doubt is J h^2/60, and J h/40 of the speed (inferred; `tests/study` holds both).
+  cubic off by J h^2/384 h/tau. One that follows at once is the worst: with the speed D in a step
+  and D - 1 at its begin J is 6/h, the speed of the cubic is off by 1 = J h/6, its place by
+  4/27 h = J h^2/40. The doubt is J h^2/60, and a third of J h/6 of the speed.
 
 What is odd at the end of a step may have begun there only, as braking does at the SYNC at which a
 set position acts. Two things say so without what comes after it, and the doubt is no more than the
@@ -44,7 +45,7 @@ from axisrig.kernel.time.clock import TimeNs
 
 SHARE, SPEED_SHARE = 0.15 / 3, 0.75 / 3
 """Of what is unexplained, in the position and, over a step, in the speed between two SYNCs."""
-OF_JUMP, SPEED_OF_JUMP = 1 / 60, 1 / 40
+OF_JUMP, SPEED_OF_JUMP = 1 / 60, 1 / 18
 """Of a jump of the acceleration at a SYNC, over the square of a step and over a step."""
 OF_PAST, SPEED_OF_PAST = 4 / 27, 1.0
 """Of W, and of W h that a step and the one before leave: without what comes after the step."""
