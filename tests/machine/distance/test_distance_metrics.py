@@ -36,10 +36,14 @@ def text_of(seen: Observation) -> str:
 
 
 def test_every_metric_of_distance_control_is_in_the_table() -> None:
-    names = {
-        name for name in known_metrics() if name.startswith(("distance_", "offset_", "freeze"))
+    """Those of rotary axes are their twins."""
+    known = {
+        name: metric.linear
+        for name, metric in known_metrics().items()
+        if name.startswith(("distance_", "offset_", "freeze"))
     }
-    assert set(DISTANCE_METRICS) == names
+    assert set(DISTANCE_METRICS) == {name for name, linear in known.items() if not linear}
+    assert {linear for linear in known.values() if linear} <= set(DISTANCE_METRICS)
 
 
 def test_without_distance_control(told: Any) -> None:
