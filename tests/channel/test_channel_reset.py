@@ -8,9 +8,11 @@ import pytest
 from tests.channel.conftest import ChannelBench
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
-from axisrig.bench.bus.can.faults import Drop
+from axisrig.bench.bus.can.faults import Alter, Drop, FaultAction
+from axisrig.bench.bus.can.frame import Frame
 from axisrig.kernel.channel import ChannelSettings, ChannelState
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
+from axisrig.kernel.drives.canopen.watch import WatchSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -294,3 +296,77 @@ def test_what_the_bus_has_done_once_is_over_with_the_reset(channel_bench: Make, 
     assert bench.alarm_ids == [900031, 900028]
     assert len(bench.channel.resets_ns) == 2
     assert bench.final_mm("Z") == 1.0
+
+
+RPDO, TPDO1, TPDO2, EMCY, HEARTBEAT = 0x201, 0x181, 0x281, 0x081, 0x701
+WATCHED = {
+    "start_up": StartUpSettings(heartbeat_ms=10),
+    "watches": (WatchSettings(heartbeat_ns=30 * MS),),
+}
+
+
+def dropped(can_id: int, count: int) -> Callable[[ChannelBench, SimNetwork], None]:
+    return lambda bench, _other: altered(bench, can_id, count, lambda _data: None)
+
+
+def altered(
+    bench: ChannelBench, can_id: int, count: int, change: Callable[[bytes], bytes | None]
+) -> None:
+    """Change so many frames with an identifier, None takes one off the bus."""
+    left = [count]
+
+    def hook(frame: Frame, _port: Any, _attempt: int) -> FaultAction | None:
+        if frame.arbitration_id != can_id or not left[0]:
+            return None
+        left[0] -= 1
+        data = change(frame.data)
+        return Drop() if data is None else Alter(data)
+
+    bench.segment.add_fault(hook)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("alarm_id", "options", "happens"),
+    [
+        (900006, {}, dropped(TPDO1, 8)),
+        (900006, {}, dropped(TPDO2, 8)),
+        (900006, {}, lambda _bench, other: other.send_message(0, bytes((128, 1)))),
+        (900005, {"start_up": StartUpSettings(rpdo_timeout_ms=5)}, dropped(RPDO, 50)),
+        (900036, {"lag_limit_mm": 0.5}, dropped(RPDO, 200)),
+        (900023, WATCHED, dropped(HEARTBEAT, 6)),
+        (900025, {}, lambda _bench, other: other.send_message(EMCY, b"\x10\x43\x09" + bytes(5))),
+        (
+            900029,
+            {},
+            lambda bench, _other: altered(
+                bench, TPDO1, 1, lambda data: data[:2] + b"\0\0\0\7" + data[6:]
+            ),
+        ),
+    ],
+    ids=["TPDO1", "TPDO2", "NMT", "RPDO", "lag", "heartbeat", "emergency", "jump"],
+)
+def test_after_a_reset_the_next_program_moves_the_machine_whatever_has_come_up(
+    channel_bench: Make,
+    words: Any,
+    alarm_id: int,
+    options: dict[str, Any],
+    happens: Callable[[ChannelBench, SimNetwork], None],
+) -> None:
+    bench = channel_bench(words.axis("Z"), **options)
+    other = SimNetwork(bench.segment.port("other master")).connect()
+    move = words.move(1, 600.0, Z=0.0), words.move(2, 600.0, Z=1.0), words.end()
+    acts = {
+        30: lambda: happens(bench, other),
+        380: lambda: other.send_message(0, bytes((1, 1))),  # NMT start, as somebody has to say
+        400: reset(bench),
+        1400: start(bench, *move),
+        1410: lambda: None,
+    }
+    Side(bench, words, acts)
+    bench.prepare([words.move(1, 1800.0, Z=-20.0), words.end()])
+    bench.finish(4000 * MS)
+    assert bench.alarm_ids == [alarm_id]
+    assert len(bench.channel.resets_ns) == 1
+    at_mm = bench.axes["Z"].position_at(bench.scheduler.now_ns) * 1e3
+    assert (bench.final_mm("Z"), at_mm) == (1.0, pytest.approx(1.0, abs=0.001))
