@@ -107,9 +107,10 @@ def test_the_lane_of_a_long_loop_is_without_gaps() -> None:
 
 
 def test_a_stretch_of_short_commands_ends_with_the_one_that_ends_last() -> None:
-    """Moves of single axes overlap: one that begins early may last longer than those after it."""
+    """Moves of single axes overlap: before a long one, the first of two short ones ends last."""
+    lasts_ms = {1002: 4.5, 1004: 9.0}  # a stretch has six of the others, one begins with 1002
     steps = [
-        Step("X[INDP_ASYN]", "independent move", n, n, n + (2.5 if n % 4 == 0 else 0.5), line=9)
+        Step("X[INDP_ASYN]", "independent move", n, n, n + lasts_ms.get(n, 0.5), line=9)
         for n in range(5000)
     ]
     lane = blocks_lane(block_trace(steps), is_reduced=False)

@@ -219,7 +219,7 @@ def test_what_comes_by_an_event_is_not_late_for_a_sync(stranger: Make) -> None:
     drive.write(0x1007, 0, 200, 4)
     drive.nmt(1)
     sent_ms = drive.times_ms(0x483)[-1]
-    drive.run_ms(sent_ms + 19.9 - drive.bench.scheduler.now_ns / MS)
+    drive.run_ms(sent_ms + 19.8 - drive.bench.scheduler.now_ns / MS)
     begin = len(drive.heard)
     drive.send(0x80)
     for _ in range(3):
