@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.machine.cnc import build_link
+from axisrig.bench.machine.cnc import build_links
 from axisrig.bench.rig.arrival import describe_arrival, stamp_clock
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.measuring.latest_edge import StampClock
+from axisrig.kernel.time.scheduler import new_scheduler
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 SettingsOf = Callable[..., Settings]
@@ -60,6 +61,8 @@ def test_the_clock_of_a_drive(settings_of: SettingsOf, bitrate: int, sync_us: in
 
 def test_a_link_knows_delay_and_clock_of_its_drive(settings_of: SettingsOf) -> None:
     settings = settings_of(RIGS / "probe-z.toml", "drive:servo.profile=late-status")
-    arrival = build_link(settings, "Z", Wire()).arrival
+    arrival = build_links(settings, {name: Wire() for name in settings.segment}, new_scheduler())[
+        "Z"
+    ].arrival
     assert (arrival.delay_cycles, arrival.missing_cycles) == (2, 3)
     assert (arrival.clock, arrival.is_stamped) == (StampClock(1, 0, 48_000), False)

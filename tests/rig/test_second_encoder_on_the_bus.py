@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.machine.cnc import build_link
+from axisrig.bench.machine.cnc import build_links
 from axisrig.bench.rig.check import axis_telegrams, check_rig, segment_schedules
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.scheduler import new_scheduler
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]
@@ -42,7 +43,12 @@ def test_tpdo4_is_there_when_an_encoder_and_a_release_are(
     settings = settings_of(path, *([RELEASED] if released else []))
     check_rig(settings)
     assert ("TPDO4" in axis_telegrams(settings, "Z")) is mapped
-    assert build_link(settings, "Z", _Network()).has_second is mapped
+    assert (
+        build_links(settings, {name: _Network() for name in settings.segment}, new_scheduler())[
+            "Z"
+        ].has_second
+        is mapped
+    )
 
 
 def test_its_frame_counts_in_the_cycle(rig_file: Write, settings_of: Read) -> None:
@@ -74,4 +80,6 @@ def test_a_table_of_its_own_is_reckoned_with_by_its_type(
     (schedule,) = segment_schedules(settings).values()
     rows = {line.split()[1]: line.split()[0] for line in schedule.table().splitlines()[1:-3]}
     assert rows["Z.TPDO2"] == ("SYNC" if cyclic else "event")
-    assert build_link(settings, "Z", _Network()).has_second
+    assert build_links(settings, {name: _Network() for name in settings.segment}, new_scheduler())[
+        "Z"
+    ].has_second
