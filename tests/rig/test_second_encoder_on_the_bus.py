@@ -32,6 +32,11 @@ class _Network:
     def send_message(self, can_id: int, data: bytes) -> None: ...
 
 
+def _has_second(settings: Settings) -> bool:
+    networks = {name: _Network() for name in settings.segment}
+    return build_links(settings, networks, new_scheduler())["Z"].has_second
+
+
 @pytest.mark.parametrize(
     ("has_scale", "released", "mapped"),
     [(True, True, True), (True, False, False), (False, True, False), (False, False, False)],
