@@ -77,9 +77,9 @@ def _defaults(members: list[ObjectRow]) -> str:
 
 def test_object_table_is_that_of_the_csv() -> None:
     lines = PAGE.read_text(encoding="utf-8").splitlines()
-    told = takewhile(lambda line: line.startswith("|"), lines[lines.index(HEAD) :])
+    shown = takewhile(lambda line: line.startswith("|"), lines[lines.index(HEAD) :])
     expected = object_table()
-    assert list(told) == expected, "\n".join(expected)
+    assert list(shown) == expected, "\n".join(expected)
 
 
 def test_default_pdos() -> None:
@@ -99,23 +99,23 @@ def test_default_pdos() -> None:
 
 def test_every_abort_code_is_explained() -> None:
     page = PAGE.read_text(encoding="utf-8")
-    told = {
+    shown = {
         int(a + b, 16) for a, b in re.findall(r"^\| ([0-9A-F]{4}) ([0-9A-F]{4}) \|", page, re.M)
     }
-    assert told == {int(code) for code in AbortCode}
+    assert shown == {int(code) for code in AbortCode}
 
 
 def test_every_emergency_code_of_the_communication_is_explained() -> None:
     page = PAGE.read_text(encoding="utf-8")
     section = page.split("## Emergencies")[1].split("\n## ")[0]
-    told = {int(code, 16) for code in re.findall(r"^\| ([0-9A-F]{4}) \|", section, re.M)}
+    shown = {int(code, 16) for code in re.findall(r"^\| ([0-9A-F]{4}) \|", section, re.M)}
     codes = {
         value
         for module in (exchange, slave, sync)
         for value in vars(module).values()
         if isinstance(value, int) and 0x8100 <= value <= 0x8FFF
     }
-    assert told == codes | {NO_ERROR}
+    assert shown == codes | {NO_ERROR}
 
 
 def test_states_and_bit_rates() -> None:

@@ -13,7 +13,7 @@ PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 START = {"X": 0.0, "Y": 0.0, "Z": 300.0}
 
 
-def told(commands):
+def messages_of(commands):
     """Variable and value of every message, as printed."""
     return [tuple(c.text.split("=")) for c in commands if isinstance(c, Message)]
 
@@ -43,7 +43,7 @@ def results(mess, acs, pcs, moffs, absolute_with, absolute_without):
 
 def test_meas1_without_shifts(run_program, plane_machine):
     commands = run_program("meas1.nc", plane_machine(START, ("Z", 100.0)))
-    assert told(commands) == results(
+    assert messages_of(commands) == results(
         "100.000000", "100.000000", "100.000000", "80.000000", "180.000000", "100.000000"
     )
     assert motions(commands) == [
@@ -80,7 +80,7 @@ def test_meas1_run_names_its_axes(run_program, plane_machine):
 
 def test_meas2_with_reference_point_offset(run_program, plane_machine):
     commands = run_program("meas2.nc", plane_machine(START, ("Z", 100.0)))
-    assert told(commands) == results(
+    assert messages_of(commands) == results(
         "100.000000", "100.000000", "67.000000", "47.000000", "180.000000", "133.000000"
     )
     # 200 + 33, 20 + 33, 100 + 33 + 47, 100 + 33
@@ -94,7 +94,7 @@ def test_meas2_with_reference_point_offset(run_program, plane_machine):
 
 def test_meas3_with_shifted_coordinate_system(run_program, plane_machine):
     commands = run_program("meas3.nc", plane_machine(START, ("Z", 100.0)))
-    assert told(commands) == results(
+    assert messages_of(commands) == results(
         "67.000000", "100.000000", "67.000000", "47.000000", "147.000000", "100.000000"
     )
     # In axis coordinates the machine makes the same moves as in meas2.
@@ -115,7 +115,7 @@ def test_meas4_with_turned_coordinate_system(run_program, plane_machine):
     sine, cosine = math.sin(math.radians(15)), math.cos(math.radians(15))
     mess = (55.5 - 75 + 150 * sine) / cosine
     assert mess == pytest.approx(20.0045, abs=1e-4)
-    assert told(commands) == results(
+    assert messages_of(commands) == results(
         f"{mess:.6f}",
         "55.500000",
         f"{mess:.6f}",
@@ -138,7 +138,9 @@ def test_program_comments_hold_the_values_of_the_manual(run_program, plane_machi
         text = (PROGRAMS / f"{name}.nc").read_text(encoding="utf-8")
         expected = [float(value) for value in re.findall(r"\]\s*;\s*(\S+)$", text, re.MULTILINE)]
         commands = run_program(f"{name}.nc", plane_machine(START, ("Z", float(trigger_mm))))
-        assert [float(value) for _, value in told(commands)] == pytest.approx(expected, abs=0.01)
+        assert [float(value) for _, value in messages_of(commands)] == pytest.approx(
+            expected, abs=0.01
+        )
 
 
 @pytest.mark.parametrize(
@@ -158,4 +160,4 @@ def test_programs_hold_the_blocks_of_the_manual(name, numbers):
 
 def test_meas1_needs_one_axis_only(run_program, plane_machine):
     commands = run_program("meas1.nc", plane_machine({"Z": 300.0}, ("Z", 100.0)), axes=("Z",))
-    assert told(commands)[0] == ("V.A.MESS.Z", "100.000000")
+    assert messages_of(commands)[0] == ("V.A.MESS.Z", "100.000000")

@@ -20,7 +20,7 @@ def last_target(commands):
     return tuple(position[axis] for axis in XYZ)
 
 
-def told(commands):
+def messages_of(commands):
     """The numbers of all messages."""
     return [number for c in commands if isinstance(c, Message) for number in c.values]
 
@@ -74,7 +74,7 @@ def test_linked_systems_of_the_manual(run, program, expected):
 def test_where_the_active_system_lies(run):
     names = ", ".join(f"V.G.SELECTED_CS.TRANS.{axis}" for axis in XYZ)
     commands = run(f'{STACK}#CS SELECT [WCS]\n#MSG ["%f %f %f", {names}]')
-    assert told(commands) == pytest.approx([-10, 25, 0], abs=1e-9)
+    assert messages_of(commands) == pytest.approx([-10, 25, 0], abs=1e-9)
 
 
 @pytest.mark.provokes(20820, 2, value="1.5")
@@ -136,14 +136,14 @@ def test_parameters_of_a_kinematic_are_kept(run):
         "V.G.KIN_STEP[1].ID[98].PARAM[0] = 1000000\n#KIN ID[9.98]\n#TRAFO OFF\n"
         '#MSG ["%f", V.G.KIN_STEP[1].ID[98].PARAM[0]]'
     )
-    assert told(commands) == [1_000_000]
+    assert messages_of(commands) == [1_000_000]
 
 
 def test_the_tool_of_the_seeds(run):
     """FCT-M3 12.4: V.G.WZ_AKT.L = 80 without any D."""
     commands = run('V.G.WZ_AKT.L = 80\nG0 Z10\n#MSG ["%f %f", V.G.WZ_AKT.L, V.A.ABS.Z]')
     assert last_target(commands) == (0, 0, 90)
-    assert told(commands) == [80, 90]
+    assert messages_of(commands) == [80, 90]
 
 
 TOOL_DATA = ("T_AKT", "D_AKT", "WZ_AKT.L", "WZ_AKT.R", "WZ_AKT.V.X", "WZ[7].V[0]")
@@ -155,7 +155,7 @@ def test_tool_numbers_and_data(run):
     asked = f'#MSG ["{"%f " * 6}", {", ".join(names)}]'
     commands = run(f"T5 D7\n{asked}\nG70\n{asked}\nD0\n{asked}", tables=OffsetTables(tools=tools))
     in_mm = [50.0, 2.0, 3.0, 3.0]
-    assert told(commands) == pytest.approx(
+    assert messages_of(commands) == pytest.approx(
         [*(5, 7), *in_mm, *(5, 7), *(mm / 25.4 for mm in in_mm), *(5, 0), 0, 0, 0, 3 / 25.4]
     )
 
@@ -174,7 +174,7 @@ def test_variables_of_zero_offsets(run):
         " V.G.NP_DEFAULT]",
         tables=OffsetTables(zero_offsets=table),
     )
-    assert told(commands) == [10, 35, 30, 7, 0]
+    assert messages_of(commands) == [10, 35, 30, 7, 0]
 
 
 def test_inches_in_and_out(run):
@@ -184,7 +184,7 @@ def test_inches_in_and_out(run):
         '#MSG ["%f %f %f %f", V.A.PROG.X, V.A.ABS.X, V.A.BZP.X, V.G.MASS_MM]\n'
         'G71\n#MSG ["%f %f", V.A.ABS.X, V.G.MASS_MM]'
     )
-    assert told(commands) == pytest.approx([1, 2, 1, 1, 50.8, 0])
+    assert messages_of(commands) == pytest.approx([1, 2, 1, 1, 50.8, 0])
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,7 @@ def test_spellings_of_half_a_circle(run, program):
 
 def test_the_last_arc_in_variables(run):
     commands = run('G18 G2 Z20 K10.001 F100\n#MSG ["%f %f %f", V.G.K, V.G.I, V.G.R]')
-    assert told(commands) == pytest.approx([10, 0, 10], abs=1e-9)
+    assert messages_of(commands) == pytest.approx([10, 0, 10], abs=1e-9)
 
 
 def test_an_arc_under_a_tilted_system(run):
@@ -244,7 +244,7 @@ def test_the_ball_of_the_manual(run, plane_machine):
     for counts, expected in ((True, 100.0), (False, 102.0)):
         machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("Z", 102.0))
         tables = OffsetTables(tools=tools, ball_radius_counts=counts)
-        assert told(run(program, machine, tables=tables)) == [expected, 102.0, 82.0, 102.0]
+        assert messages_of(run(program, machine, tables=tables)) == [expected, 102.0, 82.0, 102.0]
 
 
 def test_a_probe_with_length_measures_the_workpiece(run, plane_machine):
@@ -259,4 +259,4 @@ def test_a_probe_with_length_measures_the_workpiece(run, plane_machine):
         tools=Tools({1: Tool(length_mm=50.0, radius_mm=2.0, valid=True)}),
     )
     machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("Z", 155.0))
-    assert told(run(program, machine, tables=tables)) == [100.0, 155.0, 82.0, 155.0]
+    assert messages_of(run(program, machine, tables=tables)) == [100.0, 155.0, 82.0, 155.0]

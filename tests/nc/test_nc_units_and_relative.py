@@ -9,7 +9,7 @@ from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
 XYZ = ("X", "Y", "Z")
 
 
-def told(commands):
+def messages_of(commands):
     """The numbers of all messages."""
     return [number for c in commands if isinstance(c, Message) for number in c.values]
 
@@ -39,7 +39,7 @@ def test_a_radius_in_inches(run):
 
 def test_the_last_arc_is_read_in_inches(run):
     commands = run('G70 G3 X2 I1 F10\n#MSG ["%f %f", V.G.I, V.G.R]')
-    assert told(commands) == pytest.approx([1, 1])
+    assert messages_of(commands) == pytest.approx([1, 1])
 
 
 def test_angles_of_a_system_are_degrees_under_g70(run):
@@ -54,7 +54,7 @@ def test_where_a_system_lies_and_zero_offsets_are_read_in_inches(run):
         '#CS ON[50.8,0,0]\nG70\n#MSG ["%f %f", V.G.SELECTED_CS.TRANS.X, V.G.NP[1].V.Z]',
         tables=table,
     )
-    assert told(commands) == pytest.approx([2, 10])
+    assert messages_of(commands) == pytest.approx([2, 10])
 
 
 OF_AXES = ("V.G.NP[1].V", "V.G.NP_AKT.V", "V.G.WZ_AKT.V", "V.G.WZ[3].V")
@@ -71,13 +71,13 @@ def test_each_length_that_a_program_writes_is_written_and_read_in_its_unit(run, 
     text = f"G70\n{name}=2\nP1={name}\nG71\nP2={name}\n{name}=25.4\nG70\n"
     commands = run(text + f'#MSG ["%f %f %f", P1, P2, {name}]', tables=tables)
     turns = rotary and name not in OF_TOOLS
-    assert told(commands) == pytest.approx([2, 2, 25.4] if turns else [2, 50.8, 1])
+    assert messages_of(commands) == pytest.approx([2, 2, 25.4] if turns else [2, 50.8, 1])
 
 
 def test_the_programmed_position_goes_along_with_a_distance(run):
     """G92 7, X 10, 5 further on: PROG 15, ABS 22."""
     commands = run('G92 X7\nG0 X10\nG91 X5\n#MSG ["%f %f", V.A.PROG.X, V.A.ABS.X]')
-    assert told(commands) == [15, 22]
+    assert messages_of(commands) == [15, 22]
 
 
 def test_an_absolute_centre_is_shifted_by_the_tool_as_coordinates_are(run):
@@ -88,7 +88,7 @@ def test_an_absolute_centre_is_shifted_by_the_tool_as_coordinates_are(run):
 
 def test_the_actual_position_is_without_the_tool(run):
     commands = run('D1 G0 Z10\n#MSG SYN ["%f", V.A.ACT_POS.Z]', tables=with_tool(length_mm=50.0))
-    assert told(commands) == pytest.approx([10])
+    assert messages_of(commands) == pytest.approx([10])
 
 
 @pytest.mark.parametrize("name", ["V.G.WZ_AKT", "V.G.WZ[1]"])
@@ -99,7 +99,7 @@ def test_length_and_radius_of_a_tool_are_in_the_unit_of_the_block(run, name):
         f'G70\n{name}.L = 1\n{name}.R = 0.5\nG71\n#MSG ["%f %f", {name}.L, {name}.R]',
         tables=with_tool(length_mm=50.8, radius_mm=3.175),
     )
-    assert told(commands) == pytest.approx([2.0, 0.125, 50.8, 3.175, 25.4, 12.7])
+    assert messages_of(commands) == pytest.approx([2.0, 0.125, 50.8, 3.175, 25.4, 12.7])
 
 
 def test_what_a_program_writes_into_the_tool_in_use_ends_with_it(run):
@@ -107,7 +107,7 @@ def test_what_a_program_writes_into_the_tool_in_use_ends_with_it(run):
     commands = run(
         'D1\nV.G.WZ_AKT.L = 99\nD0\nD1\n#MSG ["%f", V.G.WZ_AKT.L]', tables=with_tool(length_mm=50.0)
     )
-    assert told(commands) == [50]
+    assert messages_of(commands) == [50]
 
 
 def test_a_measurement_offset_is_in_the_origin_of_the_next_system(run, plane_machine):
@@ -122,7 +122,7 @@ def test_an_axis_that_is_named_and_stands_does_not_keep_g310_from_jumping(run, p
     commands = run(
         '#MEAS MODE[5]\nG310 X0 Z20 F100 $GOTO[L]\n#MSG ["%d", 1]\n[L] #MSG ["%d", 2]', machine
     )
-    assert told(commands) == [2]
+    assert messages_of(commands) == [2]
 
 
 @pytest.mark.parametrize("program", ["G100 X10 I5 F100", "G100 G2 X10 I5 F100", "G92 X1 J3"])

@@ -250,10 +250,10 @@ def test_unknown_metrics_are_refused_with_a_hint(metric: str, words: str) -> Non
 )
 def test_a_word_that_a_metric_never_says_is_refused(condition: str, close: str) -> None:
     """`!= windw` would hold for ever."""
-    with pytest.raises(UserError, match="never says") as told:
+    with pytest.raises(UserError, match="never says") as shown:
         parse_check("detection_criterion:Z", condition, "stop.csv:2")
-    assert "lag, window, none" in str(told.value)
-    assert close in str(told.value)
+    assert "lag, window, none" in str(shown.value)
+    assert close in str(shown.value)
 
 
 @pytest.mark.parametrize("condition", ["== lag", "window", "!= none"])
@@ -278,9 +278,9 @@ def test_a_metric_of_rotary_axes_tells_what_its_linear_twin_tells() -> None:
         assert (twin.scope, twin.type, twin.judged) == (own.scope, own.type, own.judged)
         assert bool(twin.plot) == bool(own.plot)
     of_axes = {name: metric for name, metric in known.items() if metric.scope != "run"}
-    told = {n for n, metric in of_axes.items() if metric.unit in ANGULAR and not metric.linear}
-    others = {name for name in told if name.startswith("tcp_")}  # of the tool, not of an axis
-    assert told - others - twins.keys() == {"probe_deflection_mm_max"}, "probes meet lengths only"
+    shown = {n for n, metric in of_axes.items() if metric.unit in ANGULAR and not metric.linear}
+    others = {name for name in shown if name.startswith("tcp_")}  # of the tool, not of an axis
+    assert shown - others - twins.keys() == {"probe_deflection_mm_max"}, "probes meet lengths only"
 
 
 def test_the_metrics_table_is_sound() -> None:

@@ -15,19 +15,19 @@ ALL = {"distance": 0.25, "distance_true": 0.5, "valid": 0.0, "touching": 1.0}
 class Values:
     """Values of some roles, read when they are asked for."""
 
-    def __init__(self, names: Sequence[str], told: Mapping[str, float]) -> None:
-        self.names, self.told, self.values = list(names), told, [0.0] * len(names)
+    def __init__(self, names: Sequence[str], given: Mapping[str, float]) -> None:
+        self.names, self.given, self.values = list(names), given, [0.0] * len(names)
 
     def read(self) -> None:
-        self.values = [self.told[name] for name in self.names]
+        self.values = [self.given[name] for name in self.names]
 
 
-def sensor(told: Mapping[str, float]) -> Any:
+def sensor(given: Mapping[str, float]) -> Any:
     roles: Any = SimpleNamespace(
         slave=SimpleNamespace(name="eye", time_ns=0),
-        has=told.__contains__,
+        has=given.__contains__,
         has_group=lambda _: False,
-        exchange=lambda names: Values(names, told),
+        exchange=lambda names: Values(names, given),
     )
     return PlantDistance(roles, {})
 
@@ -52,10 +52,10 @@ def test_each_role_is_its_own_and_one_that_is_missing_has_its_usual_value(
 
 def test_levels_that_go_come_back() -> None:
     """Each look is of that instant; what was before is found at its own."""
-    told = dict(ALL)
-    made, seen = sensor(told), []
+    given = dict(ALL)
+    made, seen = sensor(given), []
     for number, (valid, touching) in enumerate([(1, 0), (0, 1), (1, 1), (0, 0), (1, 0)]):
-        told["valid"], told["touching"], told["distance"] = valid, touching, number * 0.1
+        given["valid"], given["touching"], given["distance"] = valid, touching, number * 0.1
         made.slave.time_ns = number * 10
         made.look()
         seen.append((number * 0.1, 0.5, bool(valid), bool(touching)))

@@ -21,3 +21,8 @@ def rising(ms: float) -> float:
 
 def dwell(ms: int) -> str:
     return f"#TIME {ms / 1e3}\n"
+
+
+def inclined(c_deg: float, a_deg: float) -> Callable[[int], tuple[tuple[float, ...], float, float]]:
+    """A program that stays at one place with the tool turned and tilted."""
+    return lambda _cycle: ((10.0, 20.0, 0.0), c_deg, a_deg)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.channel.distance3d.programs import inclined
 
 from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.distance.sensor import SensorSettings
@@ -17,10 +18,6 @@ from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 ROUNDING_MM = 1e-9
-
-
-def inclined(c: float, a: float) -> Any:
-    return lambda _cycle: ((10.0, 20.0, 0.0), c, a)
 
 
 def test_along_the_tool_and_along_the_normal(make_tool_loop: Make, tool: Any) -> None:

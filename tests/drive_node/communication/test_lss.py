@@ -144,7 +144,7 @@ def test_another_bit_rate_takes_the_drive_off_this_bus(stranger: Make) -> None:
 
 @pytest.mark.parametrize("stored", [True, False])
 def test_a_stored_bit_rate_is_that_of_the_next_power_on(stranger: Make, stored: bool) -> None:
-    """500 kbit/s on a bus of 1 Mbit/s: the drive hears nobody until it is told again."""
+    """500 kbit/s on a bus of 1 Mbit/s: the drive hears nobody until it gets a bit rate again."""
     drive = stranger()
     lss(drive, 0x04, 1)
     lss(drive, 0x13, 0, 2)

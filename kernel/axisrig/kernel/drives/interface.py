@@ -257,4 +257,5 @@ class DriveAccesses:
 
     def begin(self, command: canon.DriveCommand) -> None:
         """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
-        raise Alarm(900110, axis=command.axis, key=getattr(command, "key", ""), known="none")
+        if not isinstance(command, canon.DriveWait):
+            raise Alarm(900110, axis=command.axis, key=command.key, known="none")

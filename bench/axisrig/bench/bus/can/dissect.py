@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from axisrig.bench.bus.can.frame import Frame
+from axisrig.kernel.profiles.canopen import nmt
 from axisrig.kernel.profiles.canopen.identifiers import service_of
 
 UPLOAD_REQUEST, DOWNLOAD_REQUEST, DOWNLOAD_SEGMENT, UPLOAD_SEGMENT, ABORT = 2, 1, 0, 3, 4
@@ -36,8 +37,10 @@ NMT_COMMANDS = {
     1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node",
     130: "reset communication",
 }  # fmt: skip
-BOOT_UP = 0
-STATES = {BOOT_UP: "boot-up", 4: "stopped", 5: "operational", 127: "pre-operational"}
+STATES = {
+    nmt.BOOT_UP: "boot-up", nmt.STOPPED: "stopped", nmt.OPERATIONAL: "operational",
+    nmt.PRE_OPERATIONAL: "pre-operational",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,16 @@ from enum import IntEnum
 from types import MappingProxyType
 from typing import Final
 
+from axisrig.kernel.profiles.canopen import nmt
+
 
 class NmtState(IntEnum):
     """State of a slave; the number is what its heartbeat says."""
 
-    INITIALISING = 0
-    STOPPED = 4
-    OPERATIONAL = 5
-    PRE_OPERATIONAL = 127
+    INITIALISING = nmt.BOOT_UP
+    STOPPED = nmt.STOPPED
+    OPERATIONAL = nmt.OPERATIONAL
+    PRE_OPERATIONAL = nmt.PRE_OPERATIONAL
 
 
 EVERY_NODE: Final = 0

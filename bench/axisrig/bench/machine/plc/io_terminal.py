@@ -18,10 +18,10 @@ from axisrig.bench.machine.plc.terminal import ChannelInput, InputChannel
 from axisrig.bench.rig.reading.plc_task import TerminalTable, silent_ns
 from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, NMT_ID, PDO_BASE
+from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 PROFILE: Final = 401
-_BOOT_UP, _OPERATIONAL = 0, 5
 _NMT_START: Final = 1
 
 
@@ -92,10 +92,10 @@ class IoTerminal:
     def _on_state(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
         if len(data) != 1:
             return
-        if data[0] == _BOOT_UP:
+        if data[0] == BOOT_UP:
             self._alive_ns = self._came_ns = None
             self._sdo.read(0x1000, 0, self._on_device_type)
-        elif data[0] == _OPERATIONAL:
+        elif data[0] == OPERATIONAL:
             self._alive_ns = self._clock.now_ns
         elif self._alive_ns is not None and self._came_ns is not None:
             self._alive_ns = None  # somebody else has stopped it

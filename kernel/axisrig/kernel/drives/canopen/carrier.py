@@ -9,9 +9,8 @@ from typing import Any
 from axisrig.kernel.drives.carrier import Carrier, Presence
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, SYNC_ID
+from axisrig.kernel.profiles.canopen.nmt import OPERATIONAL
 from axisrig.kernel.time.clock import MS, Clock, Phase
-
-OPERATIONAL = 5  # the state that the heartbeat shows
 
 
 class CanCarrier(Carrier):

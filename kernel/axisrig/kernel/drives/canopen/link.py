@@ -86,7 +86,7 @@ class AxisLink(Drive):
             settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
         )
         super().__init__(settings, arrival)
-        self._link, self.network, self.sdo = settings, network, sdo
+        self._canopen, self.network, self.sdo = settings, network, sdo
         self.node_id = settings.node_id
         self.latch_object = latch_object(settings.probe_input, settings.edge)
         self.telegrams: dict[str, Telegram] = telegrams(
@@ -176,7 +176,7 @@ class AxisLink(Drive):
         if pdos.is_disturbed:
             self._judge_missing()
         if self._sparse.is_watched:
-            self._sparse.step(self.name, self._link.missing_cycles)
+            self._sparse.step(self.name, self._canopen.missing_cycles)
 
     def _note_second(self, second: int | None) -> None:
         has_come = second is not None or "second" in self._sparse.news
@@ -220,7 +220,8 @@ class AxisLink(Drive):
 
     def forget_fault(self) -> None:
         """Begin anew: what led here is over."""
-        self.emergency, self.acknowledges_faults = None, False
+        self.emergency, self._active_fault = None, None
+        self.acknowledges_faults = False
 
     @property
     def is_disturbed(self) -> bool:
@@ -230,7 +231,7 @@ class AxisLink(Drive):
     def _judge_missing(self) -> None:
         pdos = self._pdos
         for name, missing, cause in zip(pdos.names, pdos.missing, pdos.causes, strict=True):
-            if missing > self._link.missing_cycles:
+            if missing > self._canopen.missing_cycles:
                 raise Alarm(cause, axis=self.name, pdo=name, cycles=missing)
 
     def get_object(self, index: int, sub: int) -> int:
@@ -294,7 +295,7 @@ class AxisLink(Drive):
     def _take_up(self, probe_input: int, edge: str) -> None:
         self.probe_input, self.edge = probe_input, edge
         self.arrival.stamp = None
-        source = "object" if self._link.trigger_source == "DRIVE_DEFINED" else "input"
+        source = "object" if self._canopen.trigger_source == "DRIVE_DEFINED" else "input"
         self._function = probe_function(probe_input, edge, source=source)
         self._input_bit = input_bit(probe_input)
         if (probe_input, edge) not in self._watches:
@@ -302,7 +303,7 @@ class AxisLink(Drive):
                 self.name,
                 enabled_bit(probe_input),
                 stored_bit(probe_input, edge),
-                self._link.increments_per_mm,
+                self._canopen.increments_per_mm,
             )
         self._latch = self._watches[probe_input, edge]
         self._check = self._checker()

@@ -23,9 +23,8 @@ from axisrig.kernel.drives.canopen.startup_steps import (
 )
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, NMT_ID
+from axisrig.kernel.profiles.canopen.nmt import BOOT_UP
 from axisrig.kernel.time.clock import MS, Clock, Phase
-
-BOOT_UP_STATE = 0
 
 Ended = Callable[[Alarm | None], None]
 """Called once when a drive is operational (None) or could not be started (the alarm)."""
@@ -138,7 +137,7 @@ class StartUp:
         )
 
     def _on_heartbeat(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
-        is_boot_up = len(data) == 1 and data[0] == BOOT_UP_STATE
+        is_boot_up = len(data) == 1 and data[0] == BOOT_UP
         if self._waits_for_boot and is_boot_up and not self._is_command_waiting:
             self._waits_for_boot = False
             self._advance()

@@ -13,9 +13,9 @@ from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE
+from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL, PRE_OPERATIONAL, STOPPED
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
-BOOT_UP, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0, 4, 5, 127
 NMT_STATES = {STOPPED: "stopped", OPERATIONAL: "operational", PRE_OPERATIONAL: "pre-operational"}
 ONE_BYTE = b"\0"  # length of the answer of node guarding: state and toggle bit
 TOGGLE = 0x80
@@ -135,8 +135,7 @@ class LinkWatch(DriveWatch):
         word = f"0x{link.statusword:04X}"
         if link.power is Power.FAULT:
             self._emergency_cycles = 0
-            emergency = "none" if link.emergency is None else str(link.emergency)
-            return Alarm(900005, axis=link.name, statusword=word, emcy=emergency)
+            return link.fault()
         if link.emergency is not None:
             return self._judge(link.emergency)
         return Alarm(900027, axis=link.name, statusword=word, state=link.state_name)

@@ -12,7 +12,6 @@ from axisrig.bench.bus.can.dissect import (
     BLOCK_END,
     BLOCK_START,
     BLOCK_TAKEN,
-    BOOT_UP,
     NMT_COMMANDS,
     STATES,
     Dissected,
@@ -28,6 +27,7 @@ from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.canopen.sdo import object_name
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
+from axisrig.kernel.profiles.canopen.nmt import BOOT_UP
 
 NOBODYS = "of no node of this rig"
 
