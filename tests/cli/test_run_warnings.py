@@ -57,6 +57,25 @@ def test_an_empty_cell_of_such_a_column_is_none(place: Path, axisrig: Call) -> N
     assert axisrig("check", "p.csv")[0] == 0
 
 
+def test_a_default_is_that_of_rows_which_are_not_chosen_too(place: Path, axisrig: Call) -> None:
+    """Row b uses V.E.TIME; a run of row a alone says nothing of it, one of both neither."""
+    text = (place / "programs/probe-z.nc").read_text(encoding="utf-8")
+    (place / "programs/slow.nc").write_text(text.replace("M30", "P1 = V.E.TIME\nM30"), "utf-8")
+    (place / "p.csv").write_text(
+        f"{HEAD},plc:V.E.TIME\n*,,rigs/probe-z.toml,600,0.1\na,programs/probe-z.nc,,,\n"
+        "b,programs/slow.nc,,,\nc,programs/probe-z.nc,,,\n",
+        encoding="utf-8",
+    )
+    for words in (("-k", "a"), ("-k", "b"), ()):
+        code, _, err = axisrig("run", "p.csv", "-o", f"out{len(words)}", "--fresh", *words)
+        assert (code, "is not used" in err) == (0, False), err
+    rows = (place / "p.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    (place / "p.csv").write_text("".join(row for row in rows if row[0] != "b"), "utf-8")
+    code, _, err = axisrig("run", "p.csv", "-o", "out", "-k", "a")
+    assert (code, "is not used" in err) == (0, False)  # of c nobody knows
+    assert "p.csv:2:5: plc:V.E.TIME is not used" in axisrig("run", "p.csv", "-o", "out3")[2]
+
+
 NC = "nc programs/probe-z.nc --rig rigs/probe-z.toml --set plc:V.E.FEED=600"
 
 

@@ -286,7 +286,9 @@ def _prepared(
     """Prepare every case; return the rigs whose cases run apart, and warnings."""
     rigs = {case.rig for case in cases}
     apart = rigs if is_isolated else foreign_rigs(rigs)
-    warnings = prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs)
+    chosen = {case.run for case in cases}
+    beside = [case for plan in plans for case in plan.cases if case.run not in chosen]
+    warnings = prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs, beside=beside)
     warnings += [f"{plan.path}: {note}" for plan in plans for note in plan.notes]
     return apart, warnings
 

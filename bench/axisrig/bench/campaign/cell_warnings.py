@@ -1,6 +1,6 @@
 """Cells of a plan that can be run and are hardly meant: a default that no row uses, no unit."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from axisrig.bench.campaign.preparing import Prepared
@@ -45,10 +45,16 @@ def look_at(case: Case, prepared: Prepared) -> list[Looked]:
 
 
 class CellWarnings:
-    """Collects what is to be said of the cells of plans, case by case."""
+    """Collects what is to be said of the cells of plans, case by case.
 
-    def __init__(self) -> None:
-        self._used: set[tuple[Place | None, str]] = set()
+    beside: cases of the same plans that nobody looks at, as they are not chosen or have run before.
+    A default that is theirs too may be used by them.
+    """
+
+    def __init__(self, beside: Iterable[Case] = ()) -> None:
+        self._used: set[tuple[Place | None, str]] = {
+            (place, column) for case in beside for column, place in case.places.items()
+        }
         self._said: dict[tuple[Place | None, str, bool], str] = {}
 
     def add(self, looked: Sequence[Looked]) -> None:

@@ -6,7 +6,7 @@ alone. Results come as the cases end.
 
 import gc
 import traceback
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -218,11 +218,16 @@ def _live(case: Case, pipe: Path, about: Mapping[str, str]) -> LiveStates:
 
 
 def prepare_all(
-    cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float, jobs: int = 1
+    cases: Sequence[Case],
+    *,
+    apart: Collection[Path],
+    call_limit_s: float,
+    jobs: int = 1,
+    beside: Iterable[Case] = (),
 ) -> list[str]:
     """Read every case, in plan order, and build the machine of those of `built_first`.
 
-    Return the warnings of cells, those of one cell once.
+    Return the warnings of cells, those of one cell once. beside: see `CellWarnings`.
 
     The others are built as they come: what is wrong with one then is the error of its own row.
     apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
@@ -254,7 +259,7 @@ def prepare_all(
             call_limit_s=call_limit_s,
         )
     ) as results:
-        warnings = CellWarnings()
+        warnings = CellWarnings(beside)
         for found in (*outcomes.values(), *results):
             if isinstance(found, UserError):
                 mistakes.add(found)
