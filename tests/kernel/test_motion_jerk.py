@@ -230,6 +230,34 @@ def jerks(path: JerkProfile) -> list[tuple[float, float, float]]:
     ]
 
 
+def after_a_falling_ramp(state: State) -> float:
+    """Speed at the end of a ramp of SIN2 that falls from A to 0 in T, t of it past; mm/s.
+
+    It comes to its end: v + A ((T - t)/2 - T sin(pi t/T)/(2 pi)), the integral of A cos²(pi t/2T).
+    """
+    ramp = state.left[0] if state.left else None
+    if ramp is None or not ramp.from_mm_s2 > ramp.to_mm_s2 == 0.0 < ramp.begun_s:
+        return state.speed_mm_s
+    peak, _, whole, past = ramp
+    left = (whole - past) / 2.0 - whole * math.sin(math.pi * past / whole) / (2.0 * math.pi)
+    return state.speed_mm_s + peak * left
+
+
+@pytest.mark.parametrize("past", [0.1, 0.5, 0.9])
+def test_a_falling_ramp_of_sin2_comes_to_its_end_above_a_smaller_feed(past: float) -> None:
+    """The run-up to 50 mm/s falls in its last 50 ms; a feed of 1 mm/s comes in this ramp."""
+    slope = equal(1000.0, 0.05, SIN2)
+    run_up_s = 50.0 / 1000.0 + 0.05
+    state = slope.plan(100.0, 50.0, slope).state(run_up_s - 0.05 * (1.0 - past))
+    assert state.a_mm_s2 == EXACT(1000.0 * math.cos(math.pi * past / 2.0) ** 2, rel=1e-9)
+    assert after_a_falling_ramp(state) == EXACT(50.0, rel=1e-12)
+
+    rest = slope.rest(state, 100.0, 1.0, slope)
+    speeds = [rest.at(t)[1] for t in np.linspace(0.0, rest.duration_s, 20001)]
+    assert max(speeds) <= 50.0 * (1.0 + 1e-9)
+    assert rest.at(0.05 * (1.0 - past))[1] == EXACT(50.0, rel=1e-9)
+
+
 @pytest.mark.long
 @settings(max_examples=400, deadline=None)
 @given(replanned())
@@ -237,7 +265,8 @@ def test_no_limit_is_passed_and_the_end_is_hit(case: Case) -> None:
     """Speed, acceleration and jerk to 1e-9; the path never goes back, its end is exact."""
     path, state, up, down, feed, was_held = case
     now = state.a_mm_s2
-    highest = max(feed, state.speed_mm_s + max(now, 0.0) ** 2 * up.falling_s3_mm / 2.0)
+    turned = state.speed_mm_s + max(now, 0.0) ** 2 * up.falling_s3_mm / 2.0
+    highest = max(feed, turned, after_a_falling_ramp(state))
     before = state
     for at in np.linspace(0.0, path.duration_s, 150):
         here = path.state(float(at))
