@@ -263,7 +263,8 @@ def test_a_sample_of_as_many_values_as_are_asked_is_not_small() -> None:
 
 
 def test_the_values_that_count_have_the_names_of_run_and_touch() -> None:
-    odd = tuple(Reading(n, Observation(v)) for n, v in enumerate((1.0, math.inf, "FREE", 2.0), 1))
+    values: tuple[float | str, ...] = (1.0, math.inf, "FREE", 2.0)
+    odd = tuple(Reading(number, Observation(value)) for number, value in enumerate(values, 1))
     samples = [RunSample("a", odd, frames="f"), RunSample("b", odd, frames="f"),
                RunSample("c", run_of((3.0,)).readings, frames="g")]  # fmt: skip
     assert counted_values(samples) == (

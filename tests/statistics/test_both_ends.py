@@ -15,10 +15,13 @@ from axisrig.bench.statistics.distribution import (
     normal_plot,
     normality,
     spread_p_value,
+    standardized_coefficients,
     trend,
+    variance_share,
 )
 from axisrig.bench.statistics.estimates import Estimate, cp, cpk, effects, line, mean, spread
 from axisrig.bench.statistics.gage import gage_study, type_1
+from axisrig.bench.statistics.reach import unreached
 from axisrig.kernel.errors import UserError
 
 T_1 = 12.706204736
@@ -163,6 +166,11 @@ def test_an_interaction_is_pooled_where_it_is_asked_or_says_nothing(
 ) -> None:
     found = gage_study(_crossed(3.0, 2.0, 1.0, rest), is_pooled=asked)
     assert found.is_pooled is is_pooled
+    part = found.rows[0]
+    against = (12 * rest**2 + 8) / 8 if is_pooled else 4.0
+    assert part.f == pytest.approx(36.0 / against)
+    degrees = 8 if is_pooled else 2
+    assert part.p_value == pytest.approx((1 + 2 * 36.0 / against / degrees) ** (-degrees / 2))
     if is_pooled:  # sums of squares 12 e^2 and 8 c^2 with 6 and 2 degrees
         assert found.repeatability == pytest.approx(math.sqrt((12 * rest**2 + 8) / 8))
         assert found.interaction == 0.0
@@ -207,6 +215,15 @@ FULL = [*map(float, range(SHAPIRO_MAX + 1))]
         (effects, ([1.0, 2.0, 3.0], [[1.0, 2.0]]), 3, None),
         (effects, ([1.0, 2.0], [[1.0, 2.0]]), 2, "3 or more"),
         (effects, ([1.0, 2.0, 3.0], [["a", "a", "a"]]), "a", None),
+        (variance_share, ([1.0], ["a"]), 1, "2 or more"),
+        (variance_share, ([1.0, 2.0], ["a"]), (2, 1), None),
+        (variance_share, ([1.0, 2.0], ["b", "b"]), "b", None),
+        (variance_share, ([1.0, 1.0, 1.0], ["a", "a", "b"]), None, None),
+        (variance_share, ([1.0, 2.0], ["a", "b"]), None, None),
+        (standardized_coefficients, ([1.0, 2.0], [[1.0, 2.0]]), 2, "3 or more"),
+        (standardized_coefficients, ([1.0, 2.0, 3.0], [[1.0, 2.0, 4.0, 3.0]]), 3, None),
+        (standardized_coefficients, ([1.0, 2.0, 3.0], [[1.0, 1.0, 1.0]]), None, None),
+        (standardized_coefficients, ([1.0, 2.0, 3.0, 5.0], [[1.0, 2.0, 3.0, 4.0]] * 2), None, None),
         (type_1, ([1.0, 2.0], 0.0, -1.0), -1.0, None),
         (gage_study, ([[[1.0, 2.0]], [[1.0, 2.0]]],), (2, 1, 2), None),
         (gage_study, ([[1.0, 2.0], [1.0, 2.0]],), (2, 2), None),
@@ -223,3 +240,44 @@ def test_a_refusal_names_what_was_found_and_what_is_allowed(
 def test_the_largest_sample_and_number_are_taken() -> None:
     assert mean([1e150, -1e150]).value == 0.0
     assert 0.0 <= normality(FULL[1:]) <= 1.0
+
+
+def test_groups_that_say_all_have_the_whole_share() -> None:
+    assert ends(variance_share([0.0, 0.0, 1.0, 1.0], ["a", "a", "b", "b"])) == [1.0, 1.0, 1.0]
+    half = variance_share([0.0, 1.0, 1.0, 2.0], ["a", "a", "b", "b"])
+    assert half.value == pytest.approx(0.5)
+    assert 0.0 == half.lower < half.value < half.upper < 1.0
+
+
+def test_coefficients_are_in_units_of_spread() -> None:
+    """y = 3 a - 2 b + 7 over a grid of a and b that spread alike; b in another unit."""
+    a, b = [1.0, 1.0, -1.0, -1.0], [100.0, -100.0, 100.0, -100.0]
+    y = [3.0 * one - 0.02 * other + 7.0 for one, other in zip(a, b, strict=True)]
+    wanted = [3.0 / math.sqrt(13.0), -2.0 / math.sqrt(13.0)]
+    assert standardized_coefficients(y, [a, b]) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(
+    ("name", "n", "limit", "words"),
+    [
+        # Of the n! orders two have the largest |tau|
+        ("drift_p", 3, 2 / 6, "the p-value of 3 values is 0.3333 at least, whatever they are; 4 "),
+        ("drift_p", 3, 0.34, ""),
+        ("drift_p", 3, 0.05, "at least, whatever they are; 5 values can go beyond the limit"),
+        ("drift_p", 3, 1e-90, "the p-value of 3 values is 0.3333 at least, whatever they are"),
+        ("drift_p", 2, 1.0, ""),
+        ("drift_p", 3, 0.0, ""),
+        ("outlier", 3, 1.01, "ratio of 3 values is 1 at most, whatever they are; 4 values can go"),
+        ("outlier", 3, 1.0, ""),
+        ("outlier", 3, 0.0, ""),
+        ("outlier", 3, -1.0, ""),
+        ("mean", 2, 0.1, ""),
+    ],
+)
+def test_a_limit_beyond_a_test_of_n_values_is_named(
+    name: str, n: int, limit: float, words: str
+) -> None:
+    found = unreached(name, n, limit)
+    assert words in found
+    assert bool(found) == bool(words)
+    assert found.endswith(words) or words.endswith((" ", "go"))
