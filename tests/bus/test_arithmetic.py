@@ -1,6 +1,7 @@
 """Worst case of the cycle against sums written by hand and against a searched simulation."""
 
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -79,6 +80,50 @@ def test_table_shows_every_frame_and_the_sums() -> None:
     assert lines[8].split() == ["event", "heartbeat", "0x701", "1", "65", "65.0", "850.0"]
     assert [line.split(":")[-1].strip() for line in lines[9:]] == ["7.0 over", "in time", "in time"]
     assert lines[9].startswith("last TPDO delivered    577.0 of 570.0 us")
+
+
+def test_limits_that_are_just_met_are_met() -> None:
+    """Two drives: 512 us for the TPDOs, 270 us for the RPDOs, 785 us in all; 1 ns less does not."""
+    found = cycle_arithmetic(RATE, 785 * US, 515 * US, tpdos(2), rpdos(2))
+    assert (found.last_tpdo_ns, found.last_rpdo_ns) == (512 * US, 782 * US)
+    assert (found.rpdo_limit_ns, found.busy_ns) == (782 * US, 785 * US)
+    assert found.fits
+    assert replace(found, cycle_offset_ns=512 * US).tpdos_in_time
+    for late in (
+        replace(found, cycle_offset_ns=512 * US - 1),
+        replace(found, last_rpdo_ns=782 * US + 1),
+        replace(found, busy_ns=785 * US + 1),
+    ):
+        assert not late.fits
+        assert late.table().count("0.0 over") == 1
+
+
+@pytest.mark.parametrize(("offset", "delivered"), [(190, 417), (191, 282)])
+def test_an_rpdo_overtakes_a_tpdo_that_begins_at_its_request(offset: int, delivered: int) -> None:
+    """TPDO2 (0x281) would begin at 55 + 135 us: an RPDO (0x201) of that instant goes first."""
+    found = cycle_arithmetic(RATE, MS, offset * US, tpdos(1), rpdos(1))
+    assert found.last_tpdo_ns == delivered * US
+
+
+@pytest.mark.parametrize(
+    ("event", "waits"),
+    [
+        (PlannedFrame("same base", 0x181 << 18, 8), False),
+        (PlannedFrame("base below", (0x181 << 18) - 1, 8), True),
+        (PlannedFrame("the same", 0x181, 8), False),
+    ],
+)
+def test_an_extended_frame_loses_against_its_own_base(event: PlannedFrame, waits: bool) -> None:
+    """ISO 11898-1: 11 bits, then IDE, which is dominant in a base frame. 160 bits at the most.
+
+    A frame that loses may be on the wire already, one that wins waits for nothing: both cost its
+    time here; the table has them in the order of the bus.
+    """
+    tpdo = PlannedFrame("TPDO1", 0x181, 8)
+    found = cycle_arithmetic(RATE, MS, 600 * US, [tpdo], [], [event])
+    assert (event.key < tpdo.key) == waits
+    longest = 0 if event.key == tpdo.key else worst_case_bits(8, event.can_id > 0x7FF)
+    assert found.last_tpdo_ns == (55 + 135 + longest - 3) * US
 
 
 def simulated(

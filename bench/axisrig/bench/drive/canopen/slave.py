@@ -220,6 +220,7 @@ class CanopenSlave:
     def stop(self) -> None:
         """Fall silent: nothing is sent, received or watched."""
         self.state = NmtState.INITIALISING
+        self.emergencies.allow(False)  # first: a part that stops may take an error back
         for known in self._subscribed:
             self._network.unsubscribe(*known)
         self._subscribed.clear()
@@ -227,7 +228,6 @@ class CanopenSlave:
             part.stop()
         self.sdo.stop()
         self._lss.reset()
-        self.emergencies.allow(False)
 
     def reset(self, command: int) -> None:
         """Reset the node or its communication; the boot-up message says that it is done."""
