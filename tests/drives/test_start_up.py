@@ -10,7 +10,7 @@ import pytest
 
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.rig.reading.file import DriveTable
+from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,

@@ -18,7 +18,7 @@ from axisrig.bench.drive.canopen.io_node import IoNode, io_dictionary
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.arrival import describe_arrival
+from axisrig.bench.rig.canopen.arrival import describe_arrival
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.settings import as_written, read_settings

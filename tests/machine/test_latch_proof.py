@@ -17,15 +17,10 @@ from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.campaign.runner import no_stopwatch
 from axisrig.bench.campaign.single import run_program
 from axisrig.bench.judge.topics import observe
+from axisrig.bench.machine.facts import unproved_axes, unproved_notes
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.rig.latches import (
-    SdoRoom,
-    describe_latches,
-    sdo_room,
-    unproved_axes,
-    unproved_notes,
-)
+from axisrig.bench.rig.canopen.latches import SdoRoom, describe_latches, sdo_room
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, read_settings
 from axisrig.reports.build import build_report

@@ -8,8 +8,8 @@ import pytest
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.rig.canopen.eds_words import eds_warnings
 from axisrig.bench.rig.check import check_rig
-from axisrig.bench.rig.eds_words import eds_warnings
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 

@@ -7,14 +7,13 @@ import pytest
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
+from axisrig.bench.rig.canopen.keys import DriveTable, SegmentTable
 from axisrig.bench.rig.reading.file import (
     AxisTable,
     ChannelTable,
     CycleTable,
-    DriveTable,
     PlantTable,
     RealtimeTable,
-    SegmentTable,
 )
 from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable

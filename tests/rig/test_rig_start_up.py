@@ -7,7 +7,9 @@ import pytest
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.rig.check import axis_steps, axis_telegrams, check_rig
+from axisrig.bench.rig.canopen.checks import axis_steps
+from axisrig.bench.rig.canopen.schedule import axis_telegrams
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep

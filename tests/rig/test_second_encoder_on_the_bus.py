@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.machine.cnc import build_links
-from axisrig.bench.rig.check import axis_telegrams, check_rig, segment_schedules
+from axisrig.bench.rig.canopen.schedule import axis_telegrams, segment_schedules
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.scheduler import new_scheduler

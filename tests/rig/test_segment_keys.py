@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.rig.check import check_rig, describe_schedules, overloads, segment_schedules
+from axisrig.bench.rig.canopen.schedule import describe_schedules, overloads, segment_schedules
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import FORCED, Settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program

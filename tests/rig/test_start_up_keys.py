@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.rig.reading.startup import StartUpKeys, start_up_settings, watch_settings
+from axisrig.bench.rig.canopen.startup import StartUpKeys, start_up_settings, watch_settings
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
 from axisrig.kernel.time.clock import MS
 

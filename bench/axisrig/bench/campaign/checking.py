@@ -19,8 +19,7 @@ from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.plan import Plan, counted, read_plan
 from axisrig.bench.plan.table import SUFFIXES
-from axisrig.bench.rig.arrival import describe_arrival
-from axisrig.bench.rig.check import check_rig, describe_schedules
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.contents import contents_text
 from axisrig.bench.rig.describe import describe_axes
 from axisrig.bench.rig.distance.check import (
@@ -29,8 +28,7 @@ from axisrig.bench.rig.distance.check import (
     distance_warnings,
     drive_lags_s,
 )
-from axisrig.bench.rig.eds_words import eds_warnings
-from axisrig.bench.rig.latches import describe_latches
+from axisrig.bench.rig.families import rig_families
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -148,9 +146,11 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment], *, is_strict: boo
         loops = describe_distance(settings, drive_lags_s(settings, plant))
     finally:
         close_plant(plant)
-    tables = describe_schedules(settings)
+    families = rig_families()
+    tables = [text for family in families for text in family.tables(settings)]
     plants = ["\n".join(of_plants)] if of_plants else []
-    lacking = [*eds_warnings(settings), *distance_warnings(settings), *age_warnings(settings)]
+    lacking = [text for family in families for text in family.warn(settings)]
+    lacking += [*distance_warnings(settings), *age_warnings(settings)]
     bare = [bare_warning(settings.bare, c) for c in changes if c.column in settings.bare]
     bare += rig_warnings(settings)
     if is_strict:
@@ -158,6 +158,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment], *, is_strict: boo
     remarks = [f"warning: {warning}" for warning in settings.warnings]
     remarks += [f"note: {note}" for note in settings.notes]
     remarks += [f"warning: {warning}" for warning in (*bare, *lacking)]
-    described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
+    described = describe_axes(settings)
+    described += [text for family in families for text in family.describe(settings)]
     axes = "\n".join([*described, *remarks])
     return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])

@@ -13,9 +13,10 @@ from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import Plan
+from axisrig.bench.rig.families import family_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.foreign import foreign_plants
-from axisrig.bench.rig.real_axes import is_paced, outside_axes, simulated_plants, told
+from axisrig.bench.rig.real_axes import is_paced, outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
 
@@ -140,7 +141,11 @@ def stoppable(real_time: RealTime, put_out: Callable[[str], None]) -> Iterator[H
 
 def allow(rigs: Sequence[Settings], outside: Outside) -> None:
     """Say what will move; raise UserError unless the operator or every rig has allowed it."""
-    lines = [line for settings in rigs for line in told(settings)]
+    lines = [
+        f"axis {name}: {family_of(settings, name).outside(settings, name)}"
+        for settings in rigs
+        for name in sorted(outside_axes(settings))
+    ]
     if not lines:
         return
     outside.put_out("these axes will move on real hardware:")

@@ -3,11 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from axisrig.bench.rig.arrival import stamp_clock
-from axisrig.bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_second
-from axisrig.bench.rig.latches import SdoRoom, sdo_room
+from axisrig.bench.rig.canopen.arrival import stamp_clock
+from axisrig.bench.rig.canopen.checks import axis_steps
+from axisrig.bench.rig.canopen.latches import SdoRoom, sdo_room
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.schedule import has_inputs, has_latch_counter, has_second
+from axisrig.bench.rig.canopen.startup import start_up_settings, watch_settings
 from axisrig.bench.rig.reading.lists import drive_input
-from axisrig.bench.rig.reading.startup import start_up_settings, watch_settings
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel import AxisSettings
 from axisrig.kernel.channel.path.monitor import Monitor
@@ -32,12 +34,12 @@ def build_links(
     rooms = {segment: StandstillRoom(links) for segment, links in members.items()}
     links: dict[str, AxisLink] = {}
     for name, axis in settings.rig.axis.items():
-        drive, network = settings.rig.drive[axis.drive], networks[axis.segment]
+        drive, network = drive_of(settings, name), networks[axis.segment]
         declared = start_up_settings(drive)
         sdo = SdoClient(
             network,
             clock,
-            axis.node,
+            axis.node_id,
             timeout_ns=declared.sdo_timeout_ns,
             attempts=declared.sdo_attempts,
         )
@@ -56,13 +58,13 @@ def build_links(
 @once
 def _link_settings(settings: Settings, name: str) -> LinkSettings:
     axis, parameters = settings.rig.axis[name], settings.axis[name]
-    drive = settings.rig.drive[axis.drive]
+    drive = drive_of(settings, name)
     speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
     period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
     jump_mm = drive.jump_factor * speed_max_mm_s * period_s
     return LinkSettings(
         axis=name,
-        node_id=axis.node,
+        node_id=axis.node_id,
         increments_per_mm=float(drive.make().units_per_mm),
         probe_input=drive_input(parameters),
         edge=parameters.word("kenngr.measure.edge"),
@@ -99,8 +101,7 @@ def build_monitor(
     rig = settings.rig
     heartbeat = HeartbeatProducer(networks, clock, rig.cycle.master_node, rig.cycle.heartbeat_ms)
     watches = [
-        LinkWatch(links[name], clock, watch_settings(rig.drive[axis.drive]))
-        for name, axis in rig.axis.items()
+        LinkWatch(links[name], clock, watch_settings(drive_of(settings, name))) for name in rig.axis
     ]
     return Monitor(list(links.values()), carriers, watches, heartbeat)
 
@@ -122,9 +123,9 @@ def build_accesses(
 def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Clock) -> StartUp:
     """Make the start-up of the drive of one axis."""
     axis, link = settings.rig.axis[name], access.link
-    declared = start_up_settings(settings.rig.drive[axis.drive])
+    declared = start_up_settings(drive_of(settings, name))
     steps = axis_steps(settings, name)
-    address = DriveAddress(name, axis.node)
+    address = DriveAddress(name, axis.node_id)
     return StartUp(address, link.network, clock, access.sdo, steps, declared, keep=link.set_object)
 
 

@@ -34,15 +34,16 @@ from axisrig.bench.record.facts import (
 )
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
-from axisrig.bench.rig.arrival import TerminalGrid, terminal_grid
+from axisrig.bench.rig.canopen.arrival import TerminalGrid, terminal_grid
+from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.distance.check import distance_warnings
-from axisrig.bench.rig.latches import unproved_notes
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import Sensor, VariableSensor
+from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.nc import canon
@@ -113,7 +114,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
     settings, link = machine.settings, machine.links[name]
     axis = settings.rig.axis[name]
     is_outside = name in machine.outside
-    drive = settings.rig.drive[axis.drive].make()
+    drive = settings.rig.drive[axis.drive].facts()
     per_mm = link.settings.increments_per_mm
     latches: list[Latch] = []
     origin_mm = 0.0
@@ -128,7 +129,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
     states = [(at, state) for at, axis_name, state in machine.drive_states if axis_name == name]
     return AxisRecord(
         segment=axis.segment,
-        node=axis.node,
+        node=axis.node or 0,
         increments_per_mm=per_mm,
         is_outside=is_outside,
         is_rotary=is_rotary(settings, name),
@@ -147,8 +148,8 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         doubt_mm=link.doubt_mm,
         unproved_latches=link.unproved_latches,
         rated_torque_mnm=drive.rated_torque_mnm,
-        lead_um=float(drive.lead_um),
-        second_delay_cycles=int(settings.rig.drive[axis.drive].second_delay_cycles),
+        lead_um=float(round(drive.lead_mm * 1000)),
+        second_delay_cycles=drive.second_delay_cycles,
         latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
         torque_limits=machine.torque_limits.of(name),
         states=tuple(DriveState(at, state.name, state in _TROUBLE) for at, state in states),
@@ -318,3 +319,17 @@ def _notes(machine: Machine) -> Iterator[Note]:
     yield from (Note("plant", text) for text in plant_warnings(machine.plant))
     yield from (Note("printed", text) for text in printed_log(settings))
     yield from (Note("plc", text) for text in machine.plc_side.not_come())
+
+
+def unproved_axes(links: Mapping[str, Drive]) -> list[str]:
+    """Return the axes that have measured without a proof; links: by axis."""
+    return [name for name, link in links.items() if link.unproved_latches]
+
+
+def unproved_notes(links: Mapping[str, Drive]) -> list[str]:
+    """Say after a run which axes have measured without a proof; links: by axis."""
+    return [
+        f"axis {name}: unproved latches: {links[name].unproved_latches}; no SDO has confirmed"
+        f" them, and {WHAT_PASSES}"
+        for name in unproved_axes(links)
+    ]

@@ -44,8 +44,10 @@ from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.bench.record.series import SeriesWriter
-from axisrig.bench.rig.check import check_rig, segment_schedules
-from axisrig.bench.rig.io_node import synced_segments, terminal_telegram
+from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
+from axisrig.bench.rig.canopen.members import segment_of
+from axisrig.bench.rig.canopen.schedule import segment_schedules
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
@@ -135,7 +137,7 @@ class Machine:
             self.segments = build_segments(settings, self.scheduler, journal, bus_logs, self._open)
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
             self.networks = {
-                name: SimNetwork(segment.port("cnc", settings.segment[name].queue))
+                name: SimNetwork(segment.port("cnc", segment_of(settings, name).queue))
                 for name, segment in self.segments.items()
             }
             for network in self.networks.values():

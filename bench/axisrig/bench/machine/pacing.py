@@ -9,6 +9,7 @@ from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
+from axisrig.bench.rig.canopen.members import can_segments, segment_of
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.link import AxisLink
@@ -43,7 +44,7 @@ def master_scheduler(settings: Settings, hardware: Hardware) -> PacedScheduler:
     come too late for it otherwise.
     """
     cycle, realtime = settings.rig.cycle, settings.rig.realtime
-    real = [t for name, t in settings.segment.items() if is_real(settings, name)]
+    real = [segment_of(settings, n) for n in can_segments(settings) if is_real(settings, n)]
     patience_ns = (
         round(realtime.wait_ms * MS)
         if realtime.wait_ms is not None
@@ -61,7 +62,7 @@ def open_segment(
     settings: Settings, name: str, scheduler: Scheduler, journal: Journal
 ) -> OutsideSegment:
     """Open the interface of a segment. Raises UserError when that fails."""
-    table = settings.segment[name]
+    table = segment_of(settings, name)
     assert isinstance(scheduler, PacedScheduler)  # made together, by `is_paced`
     opener = partial(open_bus, table.interface, table.channel, table.bitrate, table.options)
     return OutsideSegment(name, table.bitrate, scheduler, opener, journal)

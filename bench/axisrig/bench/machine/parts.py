@@ -13,6 +13,7 @@ from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.pacing import open_segment
 from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.machine.plc.terminal import Terminal
+from axisrig.bench.rig.canopen.members import can_segments, drive_of, segment_of
 from axisrig.bench.rig.reading.file import LOAD, AxisTable
 from axisrig.bench.rig.real_axes import is_real, outside_axes
 from axisrig.bench.rig.settings import Settings
@@ -42,7 +43,8 @@ def build_segments(
         opened.callback(log.stop)
         journal.add(log.take)
     opened.callback(journal.drain)  # before the logs stop, also where an exception ends the run
-    for name, table in settings.segment.items():
+    for name in can_segments(settings):
+        table = segment_of(settings, name)
         if is_real(settings, name):
             segment: Segment = open_segment(settings, name, scheduler, journal)
         else:
@@ -72,14 +74,14 @@ def build_nodes(
     for name, axis in settings.rig.axis.items():
         if name in outside:
             continue
-        queue = settings.segment[axis.segment].drive_queue
+        queue = segment_of(settings, axis.segment).drive_queue
         network = SimNetwork(segments[axis.segment].port(name, queue))
         network.connect()
         _connect_second_encoder(axis, plant)
         wired = axis.signals
         nodes[name] = DriveNode(
             name,
-            axis.node,
+            axis.node_id,
             network,
             scheduler,
             plant.axes[axis.plant],
@@ -87,7 +89,7 @@ def build_nodes(
                 signals[axis.probe_1] if axis.probe_1 else None,
                 signals[axis.probe_2] if axis.probe_2 else None,
             ),
-            settings.rig.drive[axis.drive].make(),
+            drive_of(settings, name).make(),
             seed + DRIVE_SEED_STRIDE * len(nodes),
             switches={
                 switch: signals[wired[key]] for key, switch in SWITCH_KEYS.items() if key in wired
@@ -115,7 +117,7 @@ def build_terminal(
     signals = {name: probe.signal for name, probe in plant.probes.items()}
     if table.segment is None:
         return Terminal(task, table, signals, plant.advance_to, seed)
-    queue = settings.segment[table.segment].drive_queue
+    queue = segment_of(settings, table.segment).drive_queue
     return IoTerminal(
         table,
         signals,

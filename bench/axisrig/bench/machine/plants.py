@@ -252,12 +252,12 @@ def _source(entry: str | Literal[False] | MapTable) -> Source | None:
 def _empty_plant(settings: Settings) -> Plant:
     """Make a plant whose steps serve every drive: fine where one of them looks up a latch."""
     cycle = settings.rig.cycle
-    looks_ns = [drive.make().latch_window_ns for drive in settings.rig.drive.values()]
+    drives = [drive.facts() for drive in settings.rig.drive.values()]
     return Plant(
         cycle.exchange_us * US,
         cycle.fine_us * US,
-        hold_ns=max([0, *(after_ns for _, after_ns in looks_ns)]),
-        look_back_ns=max([0, *(before_ns for before_ns, _ in looks_ns)]),
+        hold_ns=max([0, *(drive.look_ahead_ns for drive in drives)]),
+        look_back_ns=max([0, *(drive.look_back_ns for drive in drives)]),
     )
 
 
@@ -358,7 +358,8 @@ def _compare_leads(settings: Settings, plant: Plant, name: str) -> None:
     mass of the rotating parts.
     """
     axis = settings.rig.axis[name]
-    slave, lead_mm = plant.axes[axis.plant].slave, settings.rig.drive[axis.drive].lead_mm
+    slave = plant.axes[axis.plant].slave
+    lead_mm = settings.rig.drive[axis.drive].facts().lead_mm
     if settings.rig.plant[axis.plant].fmu not in MODELS or not slave.has("screw_lead"):
         return
     screw_mm = float(slave.get("screw_lead")) * 1e3

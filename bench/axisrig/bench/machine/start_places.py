@@ -7,7 +7,6 @@ from axisrig.kernel.cosim.plant.axis import POSITION, STOP_FACE, STOP_FORCE, Pla
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.errors import UserError
 
-ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
 START = ("position_start",)
 STOP = (*START, "stop_position", "stop_direction", "stop_speed", "stop_begin", "stop_end")
 
@@ -27,8 +26,7 @@ def check_places(settings: Settings, plant: Plant) -> None:
 
 
 def _check_encoder(settings: Settings, plant: Plant, name: str, instance: str) -> None:
-    drive = settings.rig.drive[settings.rig.axis[name].drive]
-    limit_mm = ENCODER_RANGE / drive.encoder_increments * drive.lead_mm
+    limit_mm = settings.rig.drive[settings.rig.axis[name].drive].facts().reach_mm
     position_mm = plant.axes[instance].position_m() * 1e3
     if abs(position_mm) < limit_mm:
         return

@@ -11,6 +11,11 @@ from axisrig.kernel.measuring.rules import (
 )
 from axisrig.kernel.time.clock import MS, US
 
+WHAT_PASSES = (
+    "a latch that is altered alike in every telegram passes if it is at a place where the axis was"
+)
+"""What a measured value without a proof of its own may be."""
+
 
 def describe_axes(settings: Settings) -> list[str]:
     """Give of each axis node, segment, drive, plant and wiring; warn of unread sensors."""
@@ -18,11 +23,11 @@ def describe_axes(settings: Settings) -> list[str]:
     lines = []
     for name, axis in rig.axis.items():
         drive = rig.drive[axis.drive]
-        kind = f"EDS {drive.eds}" if drive.eds else f"profile {drive.profile}"
+        at = "on" if axis.node is None else f"node {axis.node} on"
         wired = [f"{key} = {sensor}" for key, sensor in axis.signals.items()]
         wired += [f"encoder_2 = {axis.encoder_2}"] if axis.encoder_2 else []
         lines.append(
-            f"axis {name}: node {axis.node} on {axis.segment}, drive {axis.drive} ({kind}),"
+            f"axis {name}: {at} {axis.segment}, drive {axis.drive} ({drive.in_words}),"
             f" plant {axis.plant}, {', '.join(wired) or 'no probe wired'}"
         )
     moved = {axis.plant for axis in rig.axis.values()}

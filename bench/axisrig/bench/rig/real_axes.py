@@ -1,18 +1,17 @@
-"""What of a rig is simulated here, and what is real, on a real CAN interface.
+"""What of a rig is simulated here, and what is real, on a real interface.
 
 A drive is real when its segment has an interface other than the simulated one, unless its
 axis says `outside = false`. Neither its plant nor a sensor that reads this plant is simulated then.
 """
 
-from axisrig.bench.bus.can.hardware import SIMULATED
-from axisrig.bench.rig.reading.file import DriveTable, PlantTable, rig_error
+from axisrig.bench.rig.reading.file import PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 
 
 def is_real(settings: Settings, segment: str) -> bool:
     """Whether a segment is a bus outside this process."""
-    return settings.segment[segment].interface != SIMULATED
+    return settings.segment[segment].is_real
 
 
 def is_paced(settings: Settings) -> bool:
@@ -82,29 +81,3 @@ def check_outside(settings: Settings) -> None:
                 ),
                 item,
             )
-
-
-def told(settings: Settings) -> list[str]:
-    """Say in words what will move outside: one line for each axis."""
-    lines = []
-    for name in sorted(outside_axes(settings)):
-        axis, table = settings.rig.axis[name], settings.segment[settings.rig.axis[name].segment]
-        where = f"{table.interface} {table.channel if table.channel is not None else ''}".strip()
-        scaling = _scaling(settings.rig.drive[axis.drive])
-        lines.append(f"axis {name}: drive with node {axis.node} on {where}; {scaling}")
-    return lines
-
-
-def _scaling(drive: DriveTable) -> str:
-    """Say what turns millimetres into positions on the bus, and what of it nobody checks."""
-    made = drive.make()
-    if not drive.scaling_check:
-        checked = "NOT compared with the drive"
-    elif drive.position_unit_um is None:
-        checked = "the lead is NOT compared with the drive"
-    else:
-        checked = "compared with the drive at its start"
-    return (
-        f"encoder {made.encoder_increments} increments per revolution, lead {drive.lead_mm:g} mm,"
-        f" {float(made.units_per_mm):.10g} position units per mm ({checked})"
-    )

@@ -4,7 +4,7 @@
 a wrong value is reported with the place where it was written.
 """
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import update_wrapper
 from pathlib import Path
@@ -12,13 +12,13 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from pydantic import ValidationError
 
-from axisrig.bench.drive.cia402.dictionary.profiles import value_of
 from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.plc.axis_words import ProbingWrite
 from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
+from axisrig.bench.rig.reading.families import read_segment
 from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
-from axisrig.bench.rig.reading.file import DriveTable, RigFile, SegmentTable
+from axisrig.bench.rig.reading.file import RigFile
 from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.lists import (
     OFFSET_LISTS,
@@ -31,7 +31,7 @@ from axisrig.bench.rig.reading.lists import (
     take_over,
 )
 from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS, PlcTaskTable
-from axisrig.bench.rig.reading.tables import in_words
+from axisrig.bench.rig.reading.tables import SegmentKeys, Table, in_words
 from axisrig.kernel.errors import Alarm, UserError, nearest
 from axisrig.kernel.kinematics import KinematicData
 from axisrig.kernel.nc.coordinates import OffsetTables
@@ -109,7 +109,7 @@ class Settings:
     files: list[Path]
     channel: ParameterSet
     axis: dict[str, ParameterSet]
-    segment: dict[str, SegmentTable]
+    segment: dict[str, SegmentKeys]
     start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
     external: dict[str, float] = field(default_factory=dict)
     operator: Operator = Operator()
@@ -172,14 +172,8 @@ class Settings:
             self._drive_key(name, item)
 
     def _drive_key(self, name: str, item: Assignment) -> None:
-        drives, fields = self.rig.drive, DriveTable.model_fields
-        if item.name not in fields:
-            raise UserError(
-                "a drive has no such key",
-                value=item.name,
-                allowed=nearest(item.name, fields) or fields,
-            )
-        value = value_of(item.name, item.value)
+        drives = self.rig.drive
+        value = drives[name].value_of(item.name, item.value)
         try:
             table = drives[name].changed(item.name, value)
         except ValidationError as error:
@@ -193,17 +187,10 @@ class Settings:
             self._bus_key(name, item)
 
     def _bus_key(self, segment: str, item: Assignment) -> None:
-        fields = SegmentTable.model_fields
-        if item.name not in fields:
-            raise UserError(
-                "a segment has no such key",
-                value=item.name,
-                allowed=nearest(item.name, fields) or fields,
-            )
         values = self.segment[segment].model_dump()
         values[item.name] = int(item.value[:12]) if item.value.isdecimal() else item.value
         try:
-            self.segment[segment] = SegmentTable.model_validate(values)
+            self.segment[segment] = read_segment(values)
         except ValidationError as error:
             raise UserError(
                 f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
@@ -291,13 +278,26 @@ def _plain(text: str) -> int | float | str:
     return text
 
 
-def _meant(item: Assignment, what: str, known: Iterable[str]) -> list[str]:
-    """Return the names that an assignment is about; one that is called `all` is just itself."""
-    names = list(known)
-    if item.target not in (*names, EVERY_ONE):
-        allowed = [*names, EVERY_ONE]
+def _meant(item: Assignment, what: str, known: Mapping[str, Table]) -> list[str]:
+    """Return the names that an assignment is about; one that is called `all` is just itself.
+
+    `all` means those that have the key: drives and segments may be of several kinds. Raises
+    UserError where none has it.
+    """
+    if item.target not in (*known, EVERY_ONE):
+        allowed = [*known, EVERY_ONE]
         raise UserError(f"the rig has no such {what}", value=item.target, allowed=allowed)
-    return [item.target] if item.target in names else names
+    asked = [item.target] if item.target in known else list(known)
+    keys = {name: type(known[name]).model_fields for name in asked}
+    meant = [name for name in asked if item.name in keys[name]]
+    if not meant:
+        allowed = list(dict.fromkeys(key for name in asked for key in keys[name]))
+        raise UserError(
+            f"a {what} has no such key",
+            value=item.name,
+            allowed=nearest(item.name, allowed) or allowed,
+        )
+    return meant
 
 
 def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigned]) -> Settings:

@@ -219,7 +219,7 @@ class _Injection:
         task = self._world.settings.rig.plc_task
         if not self._fault.axis and task is not None and task.terminal is not None:
             return _AXIS_IDS[telegram] + (task.terminal.node or 0)
-        return _AXIS_IDS[telegram] + self._world.settings.rig.axis[self._fault.axis].node
+        return _AXIS_IDS[telegram] + self._world.settings.rig.axis[self._fault.axis].node_id
 
     def _frame_fault(self) -> None:
         fault, values = self._fault, self._values
@@ -269,6 +269,6 @@ class _Injection:
     def _reset(self) -> None:
         port = self._segment.port("foreign master")
         port.attach_data(lambda _id, _data, _time: None)
-        node = self._world.settings.rig.axis[self._fault.axis].node
+        node = self._world.settings.rig.axis[self._fault.axis].node_id
         data = bytes([_COMMANDS[self._values["command"]], node])
         self._at(partial(port.send_raw, NMT_ID, data), lambda: None, None)

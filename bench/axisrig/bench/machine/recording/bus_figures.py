@@ -6,7 +6,7 @@ from axisrig.bench.bus.can.confinement import ErrorState
 from axisrig.bench.bus.can.load import EXTENDED_FLAG
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.record.bus import BusChange, BusFigures, Waiting
-from axisrig.bench.rig.check import overloads
+from axisrig.bench.rig.canopen.schedule import overloads
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.profiles.canopen.identifiers import (
@@ -83,7 +83,7 @@ def frame_names(
             "heartbeat": ERROR_CONTROL_BASE,
         }  # fmt: skip
         for service, base in services.items():
-            names[base + axis.node] = (f"{name}.{service}", name)
+            names[base + axis.node_id] = (f"{name}.{service}", name)
         for telegram in links[name].telegrams.values():
-            names[telegram.cob_id(axis.node)] = (f"{name}.{telegram.name}", name)
+            names[telegram.cob_id(axis.node_id)] = (f"{name}.{telegram.name}", name)
     return names

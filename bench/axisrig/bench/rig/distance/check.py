@@ -23,7 +23,8 @@ from axisrig.bench.rig.distance.loops import (
     listed_for,
     silence_line,
 )
-from axisrig.bench.rig.distance.sensors import Sensor, is_scale, second_telegram, sensors_of
+from axisrig.bench.rig.distance.sensors import Sensor, is_scale, sensors_of
+from axisrig.bench.rig.families import family_of
 from axisrig.bench.rig.reading.file import LOAD
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.cosim.plant.plant import Plant
@@ -112,13 +113,16 @@ def _wrong(settings: Settings, name: str) -> list[str]:
 def _resolution(settings: Settings, name: str) -> list[str]:
     """Compare P-AXIS-00422 and 00423 with the position unit of the drive."""
     axis, parameters = settings.rig.axis[name], settings.axis[name]
-    if axis.encoder_2 in (None, LOAD) or second_telegram(settings, name) is None:
+    if (
+        axis.encoder_2 in (None, LOAD)
+        or family_of(settings, name).second_encoder(settings, name) is None
+    ):
         return []
     listed = Fraction(
         parameters.integer("lr_hw[1].encoder_resolution_num") * UNITS_PER_MM,
         parameters.integer("lr_hw[1].encoder_resolution_denom"),
     )
-    given = settings.rig.drive[axis.drive].make().units_per_mm
+    given = settings.rig.drive[axis.drive].facts().units_per_mm
     if listed == given:
         return []
     return [

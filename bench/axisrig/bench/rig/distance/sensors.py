@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.bench.rig.check import axis_telegrams
+from axisrig.bench.rig.families import family_of
 from axisrig.bench.rig.reading.file import LOAD, MapTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel.distance.sensor import SECOND_ENCODER, VARIABLE
-from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 INVERTS = "lr_hw[1].vz_istw"
@@ -46,19 +45,18 @@ def sensors_of(settings: Settings, name: str) -> list[Sensor]:
         plants = [axis.plant for axis in settings.rig.axis.values()]
         return [replace(sensor, sign=-sensor.sign) for sensor in _variables(settings, plants)]
     rig = settings.rig
-    axis, found, cycle_ns = rig.axis[name], [], rig.cycle.period_us * US
-    telegram = second_telegram(settings, name)
-    if axis.encoder_2 not in (None, LOAD) and telegram is not None and not is_scale(settings, name):
-        drive = rig.drive[axis.drive].make()
+    axis, found = rig.axis[name], []
+    way = family_of(settings, name).second_encoder(settings, name)
+    if axis.encoder_2 not in (None, LOAD) and way is not None and not is_scale(settings, name):
         inverts = settings.axis[name].flag(INVERTS)
         found.append(
             Sensor(
                 SECOND_ENCODER,
-                f"{axis.encoder_2} on 60E4:1, {telegram.name} {_comes(telegram)}",
-                drive.second_delay_cycles,
-                _every(telegram, rig.cycle.period_us),
+                f"{axis.encoder_2} on {way.words}",
+                rig.drive[axis.drive].facts().second_delay_cycles,
+                way.every,
                 _sign(_grows_with(settings, str(axis.encoder_2), [axis.plant]), inverts=inverts),
-                telegram.promised_ns(cycle_ns),
+                way.promised_ns,
             )
         )
     return [*found, *_variables(settings, [axis.plant])]
@@ -78,28 +76,6 @@ def _variables(settings: Settings, plants: Sequence[str]) -> list[Sensor]:
         source = f"{VARIABLE} {variable}"
         found.append(Sensor(source, words, entry.delay_cycles, every, sign, promised_ns))
     return found
-
-
-def second_telegram(settings: Settings, name: str) -> Telegram | None:
-    """Return the TPDO of an axis that carries 60E4:1."""
-    for telegram in axis_telegrams(settings, name).values():
-        if any(mapped.field == "second" for mapped in telegram.objects):
-            return telegram
-    return None
-
-
-def _comes(telegram: Telegram) -> str:
-    if not telegram.is_cyclic:
-        timer = f", every {telegram.event_ms} ms at least" if telegram.event_ms else ""
-        return f"when it changes{timer}"
-    number = telegram.transmission
-    return "with every SYNC" if number == 1 else f"with every {number}. SYNC"
-
-
-def _every(telegram: Telegram, period_us: int) -> int:
-    if telegram.is_cyclic:
-        return telegram.transmission
-    return max(1, math.ceil(telegram.inhibit_100us * 100 / period_us))
 
 
 def is_scale(settings: Settings, name: str) -> bool:

@@ -147,8 +147,7 @@ def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
             continue
         name = rig.axis[fault.axis].drive
         drive = rig.drive[name]
-        is_written = any(str(write[0]).lower().startswith("0x1017:") for write in drive.sdo)
-        if not (drive.heartbeat_ms or drive.guard_time_ms or is_written):
+        if not drive.shows_life:
             raise UserError(
                 f"drive {name} sends no heartbeats that could be lost",
                 value=fault.target,

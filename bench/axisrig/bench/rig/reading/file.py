@@ -8,48 +8,40 @@ names file, line and key.
 import difflib
 import re
 import tomllib
-from collections.abc import Callable
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
-    BeforeValidator,
     Discriminator,
     Field,
-    PrivateAttr,
+    PlainValidator,
+    SerializeAsAny,
     Tag,
     ValidationError,
-    create_model,
     model_validator,
 )
 
-from axisrig.bench.bus.can.hardware import SIMULATED, Option, interface_names, parse_options
-from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.drive.cia402.dictionary.profiles import (
-    DEFAULT_PROFILE,
-    Habit,
-    habits,
-    in_lengths,
-    make_profile,
-    profile_keys,
-    profile_names,
+from axisrig.bench.rig.reading.families import (
+    drive_table,
+    read_drive,
+    read_segment,
+    segment_table,
 )
 from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable, VariableName
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, take_apart
-from axisrig.bench.rig.reading.startup import StartUpKeys
-from axisrig.bench.rig.reading.tables import CycleTable, Name, RealtimeTable, Table, in_words
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.bench.rig.reading.tables import (
+    CycleTable,
+    DriveKeys,
+    Name,
+    RealtimeTable,
+    SegmentKeys,
+    Table,
+    in_words,
+)
+from axisrig.kernel.errors import UserError
 
 StartValue = bool | int | float | str
-
-
-def _whole_um(value_mm: float) -> float:
-    if round(value_mm * 1000) != round(value_mm * 1000, 6):
-        raise ValueError("a whole number of micrometres is needed")
-    return value_mm
 
 
 class ChannelTable(Table):
@@ -64,95 +56,6 @@ class ChannelTable(Table):
     cutting_licence: bool = True
 
 
-def _known_interface(name: str) -> str:
-    names = interface_names()
-    if name not in names:
-        near = nearest(name, names) or names
-        raise ValueError(f"there is no such CAN interface; allowed: {', '.join(near)}")
-    return name
-
-
-def _options(value: object) -> object:
-    return parse_options(value) if isinstance(value, str) else value
-
-
-class SegmentTable(Table):
-    """`[segment.NAME]`: one CAN bus.
-
-    interface: simulated, or the python-can interface of a real one; channel and options: for it.
-    queue, drive_queue: transmit queue of the kernel's port and of the drives' ports. bus_off: what
-    a controller does that has become bus-off. overload: what becomes of a cycle that does not fit.
-    """
-
-    interface: Annotated[str, AfterValidator(_known_interface)] = SIMULATED
-    channel: str | int | None = None
-    options: Annotated[dict[str, Option], BeforeValidator(_options)] = Field(default_factory=dict)
-    bitrate: Literal[125_000, 250_000, 500_000, 800_000, 1_000_000] = 1_000_000
-    queue: Literal["fifo", "mailbox"] = "fifo"
-    drive_queue: Literal["fifo", "mailbox"] = "fifo"
-    bus_off: Literal["recover", "stay"] = "recover"
-    overload: Literal["refuse", "run"] = "refuse"
-
-
-def _habit_field(habit: Habit) -> Any:
-    kind: Any = {"whole": int, "number": float, "flag": bool, "text": str}.get(habit.type)
-    if kind is None:
-        kind = Literal[habit.words]
-    elif habit.low is not None:
-        kind = Annotated[kind, Field(ge=kind(habit.low), le=kind(habit.high))]
-    if habit.field.endswith("_um"):
-        kind = Annotated[kind, AfterValidator(_whole_um)]
-    return kind, habit.values[DEFAULT_PROFILE]
-
-
-_FIELDS: dict[str, Any] = {
-    "profile": (Literal[profile_names()], DEFAULT_PROFILE),
-    **{key: _habit_field(habit) for key, habit in habits().items()},
-}
-_HabitTable: Any = create_model("_HabitTable", __base__=StartUpKeys, **_FIELDS)
-
-
-class DriveTable(_HabitTable):  # type: ignore[misc]
-    """`[drive.NAME]`: what kind of drive moves an axis.
-
-    profile: name of a set of habits; every key of `drive/profiles.csv` that the rig does not
-    give has the profile's value. position_unit_um: length of a position unit on the bus, for drives
-    whose unit is a length; not said = an encoder increment. as_canopen: it replaces the drive of
-    another type that a list names (P-AXIS-00020). How it is started: `StartUpKeys`.
-    """
-
-    position_unit_um: Annotated[float, Field(gt=0, le=1e6)] | None = None
-    as_canopen: bool = False
-    _given: dict[str, Any] = PrivateAttr(default_factory=dict)
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _with_profile(cls, values: Any, handler: Callable[[Any], "DriveTable"]) -> "DriveTable":
-        name = values.get("profile", DEFAULT_PROFILE) if isinstance(values, dict) else None
-        if not isinstance(name, str) or name not in profile_names():
-            return handler(values)
-        table = handler({**profile_keys(name), **values})
-        table._given = dict(values)
-        return table
-
-    def changed(self, key: str, value: Any) -> "DriveTable":
-        """Return the drive with one key changed; a new profile keeps what the rig has given.
-
-        Raises ValidationError.
-        """
-        table: DriveTable = DriveTable.model_validate({**self._given, key: value})
-        return table
-
-    def make(self) -> DriveProfile:
-        """Make the drive node's profile. Raises UserError for a value that cannot be."""
-        return self._made
-
-    @cached_property  # asked for some thirty times at every start
-    def _made(self) -> DriveProfile:
-        made = make_profile({key: getattr(self, key) for key in habits()})
-        return made if self.position_unit_um is None else in_lengths(made, self.position_unit_um)
-
-
 SIGNAL_KEYS = ("probe_1", "probe_2", "limit_negative", "limit_positive", "home_switch")
 LOAD = "load"  # encoder_2: an ideal scale at the load
 
@@ -160,15 +63,16 @@ LOAD = "load"  # encoder_2: an ideal scale at the load
 class AxisTable(Table):
     """`[axis.NAME]`: one axis of the channel; the tables are in the order of the axes.
 
-    probe_1 to home_switch: sensors wired to the inputs of the drive. encoder_2: "load", or the
-    distance sensor that its second encoder is. outside: whether its drive is real, outside this
-    process; not said = where its segment is real. sensor_age_limit_ms: how old the value of the
-    sensor of distance control may be; not said = three of its periods.
+    node: its address, where the family of its drive has one. probe_1 to home_switch: sensors wired
+    to the inputs of the drive. encoder_2: "load", or the distance sensor that its second encoder
+    is. outside: whether its drive is real, outside this process; not said = where its segment is
+    real. sensor_age_limit_ms: how old the value of the sensor of distance control may be; not said
+    = three of its periods.
     """
 
     list: str
     segment: Name
-    node: Annotated[int, Field(ge=1, le=127)]
+    node: Annotated[int, Field(ge=1, le=127)] | None = None
     drive: Name
     plant: Name
     probe_1: Name | None = None
@@ -179,6 +83,12 @@ class AxisTable(Table):
     encoder_2: Name | None = None
     outside: bool | None = None
     sensor_age_limit_ms: Annotated[float, Field(gt=0, le=600_000)] | None = None
+
+    @property
+    def node_id(self) -> int:
+        """Its address, where its family has one: `read_rig` has seen that it is there."""
+        assert self.node is not None
+        return self.node
 
     @property
     def signals(self) -> dict[str, str]:
@@ -245,6 +155,11 @@ class PlantTable(Table):
     breaks: bool = False
 
 
+# Each has the keys of its carrier or family
+Segment = Annotated[SerializeAsAny[SegmentKeys], PlainValidator(read_segment)]
+Drive = Annotated[SerializeAsAny[DriveKeys], PlainValidator(read_drive)]
+
+
 class RigFile(Table):
     """A whole rig; see docs/rigs.md for every key.
 
@@ -258,8 +173,8 @@ class RigFile(Table):
     realtime: RealtimeTable = RealtimeTable()
     distance: DistanceTable = DistanceTable()
     channel: ChannelTable
-    segment: dict[Name, SegmentTable]
-    drive: dict[Name, DriveTable]
+    segment: dict[Name, Segment]
+    drive: dict[Name, Drive]
     axis: dict[Name, AxisTable]
     plant: dict[Name, PlantTable]
     plc: dict[VariableName, PlcSensorTable] = Field(default_factory=dict)
@@ -381,20 +296,22 @@ def _find_key(text: str, table: str, key: str) -> int | None:
     return None
 
 
-def _known_keys(keys: tuple[str, ...]) -> list[str]:
-    """Return the keys that the table which holds the last of `keys` may have."""
+def _known_keys(keys: tuple[str, ...], table: dict[str, Any]) -> list[str]:
+    """Return the keys that the part of a rig which holds the last of `keys` may have."""
     model: Any = RigFile
     named = {
-        "segment": SegmentTable, "drive": DriveTable, "axis": AxisTable, "plant": PlantTable,
-        "cycle": CycleTable, "channel": ChannelTable, "realtime": RealtimeTable,
-        "distance": DistanceTable, "plc": PlcSensorTable,
+        "axis": AxisTable, "plant": PlantTable, "cycle": CycleTable, "channel": ChannelTable,
+        "realtime": RealtimeTable, "distance": DistanceTable, "plc": PlcSensorTable,
     }  # fmt: skip
+    by_word = {"segment": segment_table, "drive": drive_table}
     if keys[2:3] == ("map",):
         model = MapTable
     elif keys[:2] == ("plc", "terminal"):
         model = TerminalTable
     elif keys[0] == "plc" and not keys[1].startswith("V.E."):
         model = PlcTaskTable
+    elif len(keys) > 2 and keys[0] in by_word:
+        model = by_word[keys[0]](table[keys[0]][keys[1]])
     elif len(keys) > 1:
         model = named.get(keys[0], RigFile)
     return [*model.model_fields, *(["base"] if model is RigFile else [])]
@@ -407,7 +324,7 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
     """
     table, files = load_tables(path.resolve())
     try:
-        return RigFile.model_validate(table), files
+        rig = RigFile.model_validate(table)
     except ValidationError as error:
         # A misspelt key is also a missing one; the spelling is what helps
         first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
@@ -420,7 +337,7 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
         file, line = _locate(files, keys)
         place = ".".join(keys)
         if first["type"] == "extra_forbidden":
-            known = _known_keys(keys)
+            known = _known_keys(keys, table)
             near = difflib.get_close_matches(keys[-1], known, n=1)
             raise UserError(
                 f"unknown rig key {place}",
@@ -437,6 +354,21 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
             line=line,
             value=first.get("input"),
         ) from error
+    _check_addresses(rig, files)
+    return rig, files
+
+
+def _check_addresses(rig: RigFile, files: list[Path]) -> None:
+    """Refuse an axis without the node that its carrier needs, and one that has none."""
+    for name, axis in rig.axis.items():
+        segment = rig.segment.get(axis.segment)
+        if segment is None or (axis.node is not None) == segment.has_nodes:
+            continue
+        keys = ("axis", name, "node")
+        if axis.node is None:
+            raise rig_error(files, keys, f"the rig lacks the key {'.'.join(keys)}")
+        message = f"axis {name}: on segment {axis.segment} ({segment.carrier}) there are no nodes"
+        raise rig_error(files, keys, message, value=axis.node)
 
 
 def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details: Any) -> UserError:

@@ -117,19 +117,32 @@ def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
 
 
 def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
-    """Refuse a drive type that is not simulated, unless the rig replaces it by a CANopen drive.
+    """Refuse a drive type that is not simulated, unless the rig replaces it by a CANopen drive,
+    and one of another family than the drive of the rig.
 
     Raises UserError with file and line of the setting.
     """
-    for name, word in substituted(axes).items():
-        if rig.drive[rig.axis[name].drive].as_canopen:
+    for name, parameters in axes.items():
+        key, kind, place = (
+            rig.axis[name].drive,
+            drive_type(parameters),
+            parameters.origin(DRIVE_TYPE),
+        )
+        drive = rig.drive[key]
+        if kind.family == drive.family_name or drive.replaces_others or place is None:
             continue
-        place = axes[name].origin(DRIVE_TYPE)
-        assert place is not None, "the default is CANopen"
+        word, value = f"{kind.name} ({kind.number})", parameters.get(DRIVE_TYPE)
+        if kind.family:
+            raise place.error(
+                f"axis {name} has a drive of the type {word} (P-AXIS-00020) and drive {key} of the"
+                f" rig is of the family {drive.family_name}",
+                value=value,
+                hint=f'family = "{kind.family}" in [drive.{key}], or another P-AXIS-00020',
+            )
         raise place.error(
             f"axis {name} has a drive of the type {word} (P-AXIS-00020): only CANopen drives run"
             " here",
-            value=axes[name].get(DRIVE_TYPE),
+            value=value,
             allowed=f"{', '.join(map(str, SIMULATED))}, or not said",
             hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"
             " does as_canopen = true of its [drive.D]; the results show it",

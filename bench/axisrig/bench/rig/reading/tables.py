@@ -1,8 +1,13 @@
 """What every table of a rig file has in common, and the tables of its time base."""
 
-from typing import Annotated
+from abc import abstractmethod
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from axisrig.kernel.time.clock import TimeNs
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 
@@ -11,6 +16,86 @@ class Table(BaseModel):
     """A table of the rig: unknown keys are refused, values are not converted."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class DriveFacts:
+    """What is asked of a drive of any family.
+
+    units_per_mm: position units of its actual value. reach_mm: it can give positions from there to
+    its negative. lead_mm: travel of the axis in one revolution of its motor. rated_torque_mnm:
+    what torques are shares of, 0 where there is none. look_back_ns, look_ahead_ns: how far from an
+    edge its latch looks at the path. second_delay_cycles: age of its second encoder.
+    """
+
+    units_per_mm: Fraction
+    reach_mm: float
+    lead_mm: float
+    rated_torque_mnm: int
+    look_back_ns: TimeNs
+    look_ahead_ns: TimeNs
+    second_delay_cycles: int
+
+
+class DriveKeys(Table):
+    """`[drive.NAME]` of any family; each has a table of its own that derives from it.
+
+    family: what its words mean; not said = as P-AXIS-00020 of the lists of its axes says.
+    """
+
+    family: str | None = None
+
+    @property
+    @abstractmethod
+    def family_name(self) -> str:
+        """Its family, also where the rig leaves it out."""
+
+    @property
+    @abstractmethod
+    def in_words(self) -> str:
+        """What it is, for who reads a rig."""
+
+    @property
+    def replaces_others(self) -> bool:
+        """Whether it may stand for a drive of another type that a list names (P-AXIS-00020)."""
+        return False
+
+    @property
+    def shows_life(self) -> bool:
+        """Whether it sends heartbeats, or is asked for such by a guard."""
+        return False
+
+    @classmethod
+    @abstractmethod
+    def value_of(cls, key: str, text: str) -> Any:
+        """Read the cell of a plan for one of its keys; a text that fits nothing stays one."""
+
+    @abstractmethod
+    def changed(self, key: str, value: Any) -> Self:
+        """Return the drive with one key changed. Raises pydantic's ValidationError."""
+
+    @abstractmethod
+    def facts(self) -> DriveFacts:
+        """Return what is asked of any drive. Raises UserError for a value that cannot be."""
+
+
+class SegmentKeys(Table):
+    """`[segment.NAME]` of any carrier; each has a table of its own that derives from it.
+
+    carrier: how bytes get to the drives and back.
+    """
+
+    carrier: str = "can"
+
+    @property
+    def is_real(self) -> bool:
+        """Whether it is outside this process."""
+        return False
+
+    @property
+    def has_nodes(self) -> bool:
+        """Whether each of its drives has an address (`node` of the axis)."""
+        return False
 
 
 def _not_one(value: int) -> int:

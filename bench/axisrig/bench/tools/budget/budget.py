@@ -21,6 +21,7 @@ from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.signal_sources import HELD, STAMPED
+from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import (
     ROUNDING,
@@ -212,7 +213,7 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
     runs.make(
         [frozenset([place]) for place in range(count)] + [_from(p, count) for p in range(count)]
     )
-    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    table = drive_of(settings, axis)
     increment_um = table.lead_mm / table.encoder_increments * _UM_PER_MM
     if whole.source == HELD and is_handed(settings):
         increment_um = max(increment_um, UNIT_UM)

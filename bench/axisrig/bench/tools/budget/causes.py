@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 
-from axisrig.bench.machine.start_places import ENCODER_RANGE
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
+from axisrig.bench.rig.canopen.keys import ENCODER_RANGE
+from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.instants import is_handed
@@ -138,7 +139,7 @@ def _in_reach(settings: Settings, axis: str, cause: Cause, farthest_mm: float) -
     """
     if cause.form != ROUNDING:
         return cause
-    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    table = drive_of(settings, axis)
     finest = int(cause.off)
     while finest * 2.0 * farthest_mm >= ENCODER_RANGE * table.lead_mm:
         finest //= 2

@@ -3,6 +3,7 @@
 from math import copysign, exp
 
 from axisrig.bench.record.signal_sources import STAMPED
+from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen
@@ -150,7 +151,7 @@ def _sampled_um(
     """
     if later.track is None:
         return None
-    grid_ms = float(settings.rig.drive[settings.rig.axis[axis].drive].sample_us) * 1e-3
+    grid_ms = float(drive_of(settings, axis).sample_us) * 1e-3
     since_ms = (later.track.contact_ns / MS + at_ms) % grid_ms
     begin_ms = at_ms - since_ms
     if active.value == "linear":

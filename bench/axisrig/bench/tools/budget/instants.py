@@ -13,6 +13,7 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.sources.chain import Grid, lasting
 from axisrig.bench.record.measuring import PlcTaskRecord
 from axisrig.bench.record.signal_sources import AT_SIGNAL, HELD, STAMPED
+from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US, TimeNs
 
@@ -71,7 +72,7 @@ def _by_drive_input(
     observed: Observed, seen: Touch, axis: str, settings: Settings, task: PlcTaskRecord
 ) -> Instants | None:
     """Probe at a digital input of the drive: sampled at a SYNC, in the HLI with the cycle of it."""
-    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    table = drive_of(settings, axis)
     edges = sorted((edge.time_ns, edge.level) for each in seen.edges for edge in each)
     through = lasting(edges, round(table.input_filter_us * US))
     if not through:

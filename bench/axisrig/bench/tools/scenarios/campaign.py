@@ -9,7 +9,8 @@ from pathlib import Path
 from axisrig.bench.campaign.processes import Died, run_apart
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import DriveTable, RigFile, read_rig
+from axisrig.bench.rig.canopen.keys import DriveTable
+from axisrig.bench.rig.reading.file import RigFile, read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, Truth, judge
 from axisrig.bench.tools.scenarios.scenario import Scenario, make_scenario

@@ -28,6 +28,7 @@ from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.record.series import SeriesWriter, column_of
+from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_real
@@ -87,7 +88,7 @@ def write_eds(settings: Settings, path: Path) -> Path:
 
     Raises UserError when its axes have different drives.
     """
-    profiles = {settings.rig.drive[axis.drive].make() for axis in settings.rig.axis.values()}
+    profiles = {drive_of(settings, name).make() for name in settings.rig.axis}
     if len(profiles) != 1:
         raise UserError(
             "the rig has different drives: say of which one the EDS is to be",
@@ -101,7 +102,7 @@ def write_eds(settings: Settings, path: Path) -> Path:
 def whose_eds(settings: Settings) -> str:
     """Name the axes that the written EDS fits, and their drives."""
     return ", ".join(
-        f"axis {name} ({axis.drive}, profile {settings.rig.drive[axis.drive].profile})"
+        f"axis {name} ({axis.drive}, profile {drive_of(settings, name).profile})"
         for name, axis in settings.rig.axis.items()
     )
 

@@ -18,7 +18,8 @@ from axisrig.bench.bus.can.dissect import (
     sdo_words,
 )
 from axisrig.bench.bus.can.frame import Frame
-from axisrig.bench.rig.check import axis_telegrams
+from axisrig.bench.rig.canopen.members import can_axes, drive_of
+from axisrig.bench.rig.canopen.schedule import axis_telegrams
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos, Pdo
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
@@ -54,11 +55,12 @@ class Names:
         self._nodes: dict[tuple[str, int], str] = {}
         self._transfers = Transfers()
         telegrams = {}
-        for name, axis in settings.rig.axis.items() if settings else ():
-            self._nodes[axis.segment, axis.node] = name
+        for name in can_axes(settings) if settings else ():
             assert settings is not None
-            self._per_mm[name] = settings.rig.drive[axis.drive].make().units_per_mm
-            telegrams[axis.segment, axis.node] = axis_telegrams(settings, name)
+            axis = settings.rig.axis[name]
+            self._nodes[axis.segment, axis.node_id] = name
+            self._per_mm[name] = drive_of(settings, name).make().units_per_mm
+            telegrams[axis.segment, axis.node_id] = axis_telegrams(settings, name)
         self._pdos = LoggedPdos(telegrams)
 
     def segment(self, channel: object) -> str:

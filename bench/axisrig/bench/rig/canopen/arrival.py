@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from axisrig.bench.bus.can.arithmetic import SYNC
 from axisrig.bench.bus.can.frame import IFS_BITS, data_frame, frame_bits
 from axisrig.bench.drive.cia402.dictionary.profile import CLOCK_NS
-from axisrig.bench.rig.check import axis_telegrams, latch_object_of, segment_schedules
-from axisrig.bench.rig.io_node import node_table
+from axisrig.bench.rig.canopen.io_node import node_table
+from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
+from axisrig.bench.rig.canopen.schedule import axis_telegrams, latch_object_of, segment_schedules
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP
@@ -19,7 +20,7 @@ def stamp_clock(settings: Settings, name: str) -> StampClock | None:
     axis = settings.rig.axis[name]
     if is_real(settings, axis.segment):
         return None
-    profile = settings.rig.drive[axis.drive].make()
+    profile = drive_of(settings, name).make()
     return StampClock(
         CLOCK_NS[profile.timestamp_unit],
         profile.timestamp_start,
@@ -53,7 +54,7 @@ def _sync_end_ns(settings: Settings, segment: str) -> TimeNs:
     """Return the end of a SYNC frame after its request."""
     data = b"\0" if settings.rig.cycle.sync_counter else b""
     bits = frame_bits(data_frame(SYNC.can_id, data))
-    return (bits - IFS_BITS) * S // settings.segment[segment].bitrate
+    return (bits - IFS_BITS) * S // segment_of(settings, segment).bitrate
 
 
 def describe_arrival(settings: Settings) -> list[str]:
@@ -63,10 +64,10 @@ def describe_arrival(settings: Settings) -> list[str]:
     """
     cycle = settings.rig.cycle
     lines = []
-    for name, axis in settings.rig.axis.items():
+    for name in can_axes(settings):
         if not settings.axis[name].flag("kenngr.messachse"):
             continue
-        drive = settings.rig.drive[axis.drive]
+        drive = drive_of(settings, name)
         delay, missing = drive.make().status_delay_cycles, drive.missing_cycles
         late_ns = (delay + missing) * cycle.period_us * US + cycle.cycle_offset_us * US
         lines += [

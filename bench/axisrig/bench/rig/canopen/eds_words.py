@@ -8,9 +8,11 @@ from typing import Final
 
 from canopen.objectdictionary import ObjectDictionary
 
-from axisrig.bench.rig.check import axis_telegrams
-from axisrig.bench.rig.reading.file import AxisTable, DriveTable
-from axisrig.bench.rig.reading.startup import drive_dictionary
+from axisrig.bench.rig.canopen.keys import DriveTable
+from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
+from axisrig.bench.rig.canopen.schedule import axis_telegrams
+from axisrig.bench.rig.canopen.startup import drive_dictionary
+from axisrig.bench.rig.reading.file import AxisTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.dictionary import variable
 from axisrig.kernel.drives.canopen.startup_steps import PROFILE_MASK, TPDO_PARAMETERS
@@ -26,20 +28,20 @@ RATES: Final = (10_000, 20_000, 50_000, 125_000, 250_000, 500_000, 800_000, 1_00
 def eds_warnings(settings: Settings) -> list[str]:
     """Compare profile, modes, bit rate and node of each drive that has an EDS with the rig."""
     return [
-        f"axis {name}, drive {axis.drive}: {text}"
-        for name, axis in settings.rig.axis.items()
-        for text in _of_axis(settings, name, axis)
+        f"axis {name}, drive {settings.rig.axis[name].drive}: {text}"
+        for name in can_axes(settings)
+        for text in _of_axis(settings, name, settings.rig.axis[name])
     ]
 
 
 def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
-    drive = settings.rig.drive[axis.drive]
+    drive = drive_of(settings, name)
     if drive.eds is None:
         return
-    od = drive_dictionary(drive, axis.node, drive.make())
+    od = drive_dictionary(drive, axis.node_id, drive.make())
     yield from _device(drive, od)
     yield from _unstoppable(settings, name, od)
-    bitrate = settings.segment[axis.segment].bitrate
+    bitrate = segment_of(settings, axis.segment).bitrate
     rates = sorted(od.device_information.allowed_baudrates)
     if rates and bitrate in RATES and bitrate not in rates:
         known = ", ".join(_rate(rate) for rate in rates)

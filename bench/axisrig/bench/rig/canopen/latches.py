@@ -1,19 +1,15 @@
 """Which measured values of a rig SDO proves, and which rest on telegrams alone."""
 
-from collections.abc import Mapping
 from enum import Enum
 
 from axisrig.bench.bus.can.arithmetic import PlannedFrame
-from axisrig.bench.rig.check import SDO_FRAMES, axis_telegrams, schedule_of
+from axisrig.bench.rig.canopen.members import can_axes, drive_of
+from axisrig.bench.rig.canopen.schedule import SDO_FRAMES, axis_telegrams, schedule_of
+from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.time.clock import S
 
 MEASURES = "kenngr.messachse"
-WHAT_PASSES = (
-    "a latch that is altered alike in every telegram passes if it is at a place where the axis was"
-)
-
 MISSING_BY_SDO = 2
 """So many cycles in a row may request and answer keep telegrams away."""
 
@@ -42,8 +38,8 @@ def sdo_room(settings: Settings, name: str) -> SdoRoom:
     frame_ns = -(-PlannedFrame(*SDO_FRAMES[0], 8).bits * S // schedule.bitrate)
     has_time = schedule.busy_ns + frame_ns <= schedule.cycle_ns
     patience = min(
-        settings.rig.drive[axis.drive].missing_cycles
-        for axis in settings.rig.axis.values()
+        drive_of(settings, other).missing_cycles
+        for other, axis in settings.rig.axis.items()
         if axis.segment == segment
     )
     is_enough = has_time and patience >= MISSING_BY_SDO
@@ -54,8 +50,8 @@ def _measuring_axes(settings: Settings) -> list[str]:
     """Axes that may measure and whose drive reports its latches."""
     return [
         name
-        for name, parameters in settings.axis.items()
-        if parameters.flag(MEASURES)
+        for name in can_axes(settings)
+        if settings.axis[name].flag(MEASURES)
         and any(
             mapped.field == "latch"
             for telegram in axis_telegrams(settings, name).values()
@@ -70,7 +66,7 @@ def describe_latches(settings: Settings) -> list[str]:
     for name in _measuring_axes(settings):
         axis = settings.rig.axis[name]
         room = sdo_room(settings, name)
-        if not settings.rig.drive[axis.drive].latch_check:
+        if not drive_of(settings, name).latch_check:
             reason = f"latch_check of drive {axis.drive} is false"
         elif room is SdoRoom.NONE:
             reason = f"segment {axis.segment} has no room for SDO, not even at standstill"
@@ -79,17 +75,3 @@ def describe_latches(settings: Settings) -> list[str]:
             continue
         lines.append(f"warning: axis {name}: its latches are unproved: {reason}; {WHAT_PASSES}")
     return lines
-
-
-def unproved_axes(links: Mapping[str, AxisLink]) -> list[str]:
-    """Return the axes that have measured without a proof; links: by axis."""
-    return [name for name, link in links.items() if link.unproved_latches]
-
-
-def unproved_notes(links: Mapping[str, AxisLink]) -> list[str]:
-    """Say after a run which axes have measured without a proof; links: by axis."""
-    return [
-        f"axis {name}: unproved latches: {links[name].unproved_latches}; no SDO has confirmed"
-        f" them, and {WHAT_PASSES}"
-        for name in unproved_axes(links)
-    ]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from axisrig.bench.bus.can.arithmetic import PlannedFrame
+from axisrig.bench.rig.canopen.members import can_axes, can_segments
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.real_axes import is_real
@@ -27,7 +28,10 @@ def terminal_telegram(settings: Settings) -> tuple[str, int] | None:
 
 def synced_segments(settings: Settings) -> set[str]:
     """Return the segments that carry the SYNC: those of axes, and that of the node."""
-    used, table = {axis.segment for axis in settings.rig.axis.values()}, node_table(settings)
+    used, table = (
+        {settings.rig.axis[name].segment for name in can_axes(settings)},
+        node_table(settings),
+    )
     return used if table is None or table.segment is None else used | {table.segment}
 
 
@@ -57,7 +61,7 @@ def check_terminal(settings: Settings) -> None:
     rig, files, table = settings.rig, settings.files, node_table(settings)
     if table is None:
         return
-    simulated = [name for name in settings.segment if not is_real(settings, name)]
+    simulated = [name for name in can_segments(settings) if not is_real(settings, name)]
     if table.segment not in simulated:
         raise rig_error(
             files,

@@ -1,0 +1,1 @@
+"""What a rig says of CANopen drives: their keys, their telegrams, whether a cycle fits on CAN."""

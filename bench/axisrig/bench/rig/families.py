@@ -1,0 +1,70 @@
+"""What a rig asks of each family of drives, without knowing any (`reading/families.csv`)."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from axisrig.bench.rig.reading.families import FAMILIES, joined
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.time.clock import TimeNs
+
+
+class SecondEncoder(NamedTuple):
+    """How a second encoder comes. words: what carries it. every: with so many cycles.
+
+    promised_ns: the longest time from one value to the next, None where nothing promises one.
+    """
+
+    words: str
+    every: int
+    promised_ns: TimeNs | None
+
+
+class RigFamily:
+    """One family on its carrier; each method looks at all drives of a rig that belong to it.
+
+    The module `family` of its package has one as `FAMILY`. Here nothing is checked or described.
+    """
+
+    def check_places(self, settings: Settings) -> None:
+        """Check addresses. Raises UserError with file, line and key of the rig."""
+
+    def check(self, settings: Settings) -> None:
+        """Check what drives have against what is wanted of them, and the time on their segments.
+
+        Raises UserError with file, line and key of the rig.
+        """
+
+    def describe(self, settings: Settings) -> Sequence[str]:
+        """Say how measured values are proved, and how late they may be."""
+        return ()
+
+    def warn(self, settings: Settings) -> Sequence[str]:
+        """Say what files of drives have against the rig."""
+        return ()
+
+    def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:
+        """Return how the second encoder of an axis comes, None where it does not."""
+        return None
+
+    def tables(self, settings: Settings) -> Sequence[str]:
+        """Show how the cycle fits on each segment."""
+        return ()
+
+    def outside(self, settings: Settings, axis: str) -> str:
+        """Say where the real drive of an axis is, and what of its scaling nobody checks."""
+        raise NotImplementedError
+
+
+def rig_families() -> list[RigFamily]:
+    """Return what each row of the registry has to say."""
+    return [row.module(row.rig, "family").FAMILY for row in FAMILIES]
+
+
+def family_of(settings: Settings, axis: str) -> RigFamily:
+    """Return the family of the drive of an axis, on its carrier."""
+    table = settings.rig.axis[axis]
+    family, carrier = settings.rig.drive[table.drive].family_name, settings.segment[table.segment]
+    row = joined(family, carrier.carrier)
+    assert row is not None, "check_rig has seen to it"
+    family_: RigFamily = row.module(row.rig, "family").FAMILY
+    return family_
