@@ -11,6 +11,9 @@ and the words of the language that do not act yet.
 
 What the stages `--stage quick` and `--stage rest` run: `stages.py`; `conftest.py` of the checkout
 has the option, for `pytest testplans/` too.
+
+Tests with random inputs (hypothesis) draw the same ones in every run; other ones with
+`--hypothesis-profile random`.
 """
 
 import re
@@ -20,12 +23,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
 from tests.both_writers import ComparedRows
 
 from axisrig.bench.campaign.results.build_info import is_compiled
 from axisrig.kernel.channel.reactions import Reactions
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.nc.text.words import not_acting
+
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("random", derandomize=False, deadline=None)
+settings.load_profile("same")  # here: what `@settings` does not name is that of the import
 
 _MARK = re.compile(r"mark\.provokes\(\s*(\d+)")
 

@@ -131,7 +131,7 @@ class Bare:
 
 
 @pytest.mark.parametrize("kinds", [frozenset(ControlKind), frozenset({ControlKind.POSITION})])
-@settings(max_examples=60, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(steps=STEPS, motion=st.sampled_from(MOTIONS))
 def test_no_order_of_writes_breaks_the_drive(
     fake_axis: Any, kinds: frozenset[ControlKind], steps: list[Any], motion: Any

@@ -121,12 +121,7 @@ def test_start_far_from_zero(built, load, begin_s):
 
 
 @pytest.mark.parametrize("model", SEVERAL)
-@settings(
-    max_examples=5,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
+@settings(max_examples=5, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(sizes=st.lists(st.integers(1, 4 * 10**8), min_size=2, max_size=8), cut=st.integers(0, 7))
 def test_same_bits_again_from_copy_reset_and_saved_state(built, load, model, sizes, cut):
     """The same steps give the same bits: another instance, after reset, from any saved state."""
