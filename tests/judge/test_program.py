@@ -1,0 +1,197 @@
+"""Metrics, marks and words of a whole program, from facts alone."""
+
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from tests.recordings import facts, kept
+
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.program.findings import log_lines, program_events, program_notes
+from axisrig.bench.judge.topics import observe
+from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.record.axes import AxisRecord, Deflection, DriveState, ProbeRecord
+from axisrig.bench.record.bus import BusChange, BusFigures, RealTime, Spread
+from axisrig.bench.record.facts import AlarmRecord, DriveWrite, Facts, Fault, Note, PlcNote
+from axisrig.kernel.time.clock import MS
+
+ROWS = 20
+TIMES = np.arange(ROWS, dtype=np.int64) * MS
+
+
+def seen(observed: Observed, metric: str) -> Observation:
+    condition = "none" if "alarms" in metric else "> -1e9"
+    return observe(observed, parse_check(metric, condition, ""))
+
+
+def alarm(alarm_id: int, at_ms: int, *, ends: bool = True, further: bool = False) -> AlarmRecord:
+    return AlarmRecord(at_ms * MS, alarm_id, 4 if ends else 1, ends, f"text of {alarm_id}",
+                       is_further=further)  # fmt: skip
+
+
+def bus(segment: str, overload: str = "", changes: tuple[BusChange, ...] = ()) -> BusFigures:
+    return BusFigures(segment, 1_000_000, 1.0, 1.0, 1.0, 0, 0, overload, (), (), changes)
+
+
+def recorded(columns: dict[str, Any] | None = None, **changes: Any) -> Observed:
+    axes = changes.pop("axes", {name: AxisRecord("can1", 1, 1000.0) for name in "XZ"})
+    changes = {"end_ns": int(TIMES[-1]), "axes": axes, **changes}
+    return Observed(facts(**changes), kept(pa.table({"time_ns": TIMES, **(columns or {})})))
+
+
+def test_alarms_are_named_apart_from_those_of_the_stop() -> None:
+    observed = recorded(
+        alarms=(alarm(3, 1, ends=False), alarm(2, 5), alarm(9, 6, further=True), alarm(1, 7))
+    )
+    assert seen(observed, "alarms").value == [3, 2, 1]
+    assert seen(observed, "further_alarms").value == [9]
+
+
+def test_a_program_lasts_from_its_first_enabled_cycle() -> None:
+    assert seen(recorded(start_ns=4 * MS), "duration_s").value == pytest.approx(0.015)
+    never = recorded(start_ns=None)
+    for metric in ("duration_s", "set_acceleration_mm_s2_max", "set_jerk_mm_s3_max"):
+        found = seen(never, metric)
+        assert (found.value, found.note) == (None, "the drives were never enabled")
+
+
+def test_a_bus_without_frames_has_no_wait() -> None:
+    found = seen(recorded(buses=(bus("a"),)), "queueing_us_max")
+    assert (found.value, found.note) == (None, "nothing was sent")
+
+
+@pytest.mark.parametrize("end_row", [9, 12, 19])
+def test_a_lag_counts_up_to_the_end_of_the_program(end_row: int) -> None:
+    """X lags by -0.02 mm a row, Z by 0.01: what comes after the end counts nowhere."""
+    rows = np.arange(ROWS)
+    columns = {"X.cnc_lag_mm": -0.02 * rows, "Z.cnc_lag_mm": 0.01 * rows}
+    observed = recorded(columns, end_ns=int(TIMES[end_row]))
+    found = [seen(observed, f"lag_mm_max{of}").value for of in ("", ":X", ":Z")]
+    assert found == pytest.approx([0.02 * end_row, 0.02 * end_row, 0.01 * end_row])
+
+
+def test_before_the_first_cycle_there_is_no_lag() -> None:
+    nothing = {"Z.cnc_lag_mm": np.empty(0)}
+    empty = Observed(facts(axes={"Z": AxisRecord("can1", 1, 1000.0)}),
+                     kept(pa.table({"time_ns": TIMES[:0], **nothing})))  # fmt: skip
+    found = seen(empty, "lag_mm_max")
+    assert (found.value, found.note) == (None, "the program ended before its first cycle")
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_with_no_delay_cycle_the_lag_is_judged_before_the_set_position_is_made(
+    sign: float,
+) -> None:
+    """0.1 mm a cycle, recorded 0.25 mm behind: judged are 0.15, of the first row the whole."""
+    set_mm = sign * 0.1 * np.arange(ROWS)
+    lag_mm = np.full(ROWS, sign * 0.25)
+    lag_mm[0] = 0.0
+    columns = {"Z.set_mm": set_mm, "Z.cnc_lag_mm": lag_mm}
+    for delay, wanted in ((0, 0.15), (1, 0.25), (None, 0.25)):
+        written = {} if delay is None else {"antr.nbr_delay_cycles": delay}
+        observed = recorded(columns, axes={"Z": AxisRecord("can1", 1, 1000.0, written=written)})
+        assert seen(observed, "lag_mm_max").value == pytest.approx(wanted)
+    leading = {**columns, "Z.cnc_lag_mm": np.zeros(ROWS)}
+    axes = {"Z": AxisRecord("can1", 1, 1000.0, written={"antr.nbr_delay_cycles": 0})}
+    assert seen(recorded(leading, axes=axes), "lag_mm_max").value == 0.0
+
+
+# Marks and words
+
+
+def test_marks_of_a_program_have_their_kind_axis_and_words() -> None:
+    states = ("SWITCHED_ON", "OPERATION_ENABLED", "QUICK_STOP_ACTIVE", "SWITCH_ON_DISABLED")
+    changes = (BusChange(1 * MS, "Z", "BUS_OFF", False), BusChange(2 * MS, "Z", "ACTIVE", True),
+               BusChange(3 * MS, "kernel", "PASSIVE", False))  # fmt: skip
+    axes = {
+        "X": AxisRecord("can1", 1, 1000.0, homed_ns=(8 * MS, 9 * MS)),
+        "Z": AxisRecord("can1", 2, 1000.0, states=tuple(
+            DriveState((10 + n) * MS, state, "STOP" in state) for n, state in enumerate(states)
+        )),
+    }  # fmt: skip
+    observed = recorded(
+        axes=axes,
+        buses=(bus("can1", changes=changes),),
+        alarms=(alarm(7, 4), alarm(8, 5, ends=False), alarm(9, 6, further=True),
+                alarm(10, 7, ends=False, further=True)),
+        faults=(Fault("Z", "whole", ((14 * MS, "wire cut"), (15 * MS, "wire back"))),
+                Fault("", "whole", ((16 * MS, "all"),))),
+        drive_writes=(DriveWrite(17 * MS, "X", "torque limit 50 %"),),
+    )  # fmt: skip
+    found = [
+        (e.time_ns // MS, e.kind, e.label, e.axis, e.is_warning) for e in program_events(observed)
+    ]
+    assert found == [
+        (1, "fault", "can1: Z BUS_OFF", "Z", False),
+        (2, "mark", "can1: Z ACTIVE", "Z", False),
+        (3, "fault", "can1: kernel PASSIVE", None, False),
+        (4, "alarm", "ID 7", None, False),
+        (5, "alarm", "ID 8 (warning)", None, True),
+        (6, "alarm", "besides: ID 9", None, False),
+        (7, "alarm", "besides: ID 10", None, False),
+        (8, "mark", "X: homed", "X", False),
+        (9, "mark", "X: homed", "X", False),
+        (14, "fault", "wire cut", "Z", False),
+        (15, "fault", "wire back", "Z", False),
+        (16, "fault", "all", None, False),
+        (12, "fault", "Z: quick stop active", "Z", False),
+        (13, "mark", "Z: switch on disabled", "Z", False),
+        (17, "mark", "torque limit 50 %", "X", False),
+    ]
+
+
+def _talkative(**changes: Any) -> Facts:
+    sources = ("plc", "printed", "plant", "lacking", "latch", "distance", "rig")
+    return facts(
+        notes=tuple(Note(source, f"{source} {n}") for n in (1, 2) for source in sources),  # type: ignore[arg-type]
+        buses=(bus("a"), bus("b", "SYNC does not fit")),
+        probes={
+            "probe": ProbeRecord(True, 1.0, deflections=(
+                Deflection(0.1, 0.0), Deflection(2.0, 0.1, MS, "probe: 2 mm of 1 mm"),
+            )),
+        },
+        alarms=(alarm(9, 6, further=True), alarm(7, 4, ends=False), alarm(8, 5)),
+        faults=(Fault("Z", "wire cut for 2 ms"),),
+        plc=(PlcNote(1_500 * MS, "latch asked", "probe.py:3"),),
+        **changes,
+    )  # fmt: skip
+
+
+def test_a_log_has_its_order() -> None:
+    assert log_lines(_talkative()) == [
+        "segment b is overloaded: SYNC does not fit",
+        *(
+            f"{source} {n}"
+            for source in ("rig", "distance", "latch", "lacking", "plant")
+            for n in (1, 2)
+        ),
+        "probe: 2 mm of 1 mm",
+        *("printed 1", "printed 2"),
+        *("text of 7", "text of 8", "besides: text of 9", "wire cut for 2 ms", "plc 1", "plc 2"),
+    ]
+
+
+def test_of_one_program_the_alarms_come_last_and_say_whether_they_ended_it() -> None:
+    found = [*program_notes(_talkative())]
+    assert found == [
+        *((f"{source} {n}", False) for source in ("rig", "distance", "latch") for n in (1, 2)),
+        ("segment b is overloaded: SYNC does not fit", False),
+        *(("plant 1", False), ("plant 2", False)),
+        ("probe: 2 mm of 1 mm", False),
+        *(("printed 1", False), ("printed 2", False)),
+        ("1.500 s: latch asked (probe.py:3)", False),
+        *(("plc 1", False), ("plc 2", False)),
+        *(("text of 7", False), ("text of 8", True), ("besides: text of 9", True)),
+    ]
+
+
+def test_real_time_is_in_the_words_where_there_is_any() -> None:
+    late = Spread(1.0, 20.0, 80.0, 150.0)
+    real = RealTime(1000.0, 100.0, 500, 3, late, None, (), (), 0, 0.0, 0, 0.0, 0)
+    for words in (log_lines, lambda left: [text for text, _ in program_notes(left)]):
+        plain, timed = words(facts()), words(facts(real_time=real))
+        assert plain == []
+        assert len(timed) == 1
+        assert "500 SYNCs, 3 of them more than 100 us late" in timed[0]
