@@ -216,19 +216,22 @@ def parse_condition(text: str, type_: str = "any") -> Condition:
 
 def _number_condition(text: str) -> Condition | None:
     """A condition on a number, or None when the text is none."""
-    if match := _RANGE.fullmatch(text):
-        return _between(text, Decimal(match[1]), Decimal(match[2]))
-    if match := _TOLERANCE.fullmatch(text):
-        # Decimal, since 100 + 0.001 in binary is not the 100.001 that the reader expects.
-        middle, width = Decimal(match[1]), Decimal(match[2])
-        return _between(text, middle - width, middle + width)
+    try:
+        if match := _RANGE.fullmatch(text):
+            return _between(text, Decimal(match[1]), Decimal(match[2]))
+        if match := _TOLERANCE.fullmatch(text):
+            # Decimal, since 100 + 0.001 in binary is not the 100.001 that the reader expects.
+            middle, width = Decimal(match[1]), Decimal(match[2])
+            return _between(text, middle - width, middle + width)
+    except ArithmeticError as error:  # an exponent that no Decimal has
+        raise _too_large(text) from error
     comparison = _COMPARISON.fullmatch(text)
     operator, operand = comparison.groups() if comparison else ("==", text)
     if not re.fullmatch(_NUMBER, operand):
         return None
+    limit = _finite(text, float(operand))
     if operator == "!=":
         return Condition(text, "unequal", expected=(operand,))
-    limit = _finite(text, float(operand))
     lower = limit if operator in {">", ">=", "=="} else None
     upper = limit if operator in {"<", "<=", "=="} else None
     return Condition(text, "range", lower, upper, operator == ">", operator == "<")
@@ -236,8 +239,12 @@ def _number_condition(text: str) -> Condition | None:
 
 def _finite(text: str, limit: float) -> float:
     if not math.isfinite(limit):
-        raise UserError("the limit of the condition is too large to be a limit", value=text)
+        raise _too_large(text)
     return limit
+
+
+def _too_large(text: str) -> UserError:
+    return UserError("the limit of the condition is too large to be a limit", value=text)
 
 
 def _between(text: str, lower: Decimal, upper: Decimal) -> Condition:
@@ -247,7 +254,7 @@ def _between(text: str, lower: Decimal, upper: Decimal) -> Condition:
             value=text,
             hint="write the smaller number first; a tolerance is positive",
         )
-    return Condition(text, "range", float(lower), float(upper))
+    return Condition(text, "range", _finite(text, float(lower)), _finite(text, float(upper)))
 
 
 def _alarm_condition(text: str) -> Condition:

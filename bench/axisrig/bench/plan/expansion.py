@@ -15,7 +15,7 @@ import hashlib
 import math
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal, localcontext
 from itertools import product
@@ -87,7 +87,7 @@ def parse_cell(cell: Cell, *, is_condition: bool = False) -> Pattern:
     if is_condition:
         return Pattern(cell, _lists(cell))
     if _RANGE_BEGIN.match(text):
-        return Pattern(cell, (_range(cell),))
+        return Pattern(cell, (_decimals(cell, _range),))
     if (match := _CALL.fullmatch(text)) is not None:
         name, arguments = match[1], [part.strip() for part in match[2].split(",")]
         if len(arguments) != _ARGUMENTS[name] or not all(
@@ -97,7 +97,7 @@ def parse_cell(cell: Cell, *, is_condition: bool = False) -> Pattern:
                 f"{name} needs {_ARGUMENTS[name]} numbers", value=text, allowed=FORMS
             )
         if name == "log":
-            return Pattern(cell, (_log(cell, *arguments),))
+            return Pattern(cell, (_decimals(cell, _log, *arguments),))
         first, second = float(arguments[0]), float(arguments[1])
         if not math.isfinite(first) or not math.isfinite(second):
             raise cell.place.error("the number is too large", value=text)
@@ -143,6 +143,13 @@ def _values(cell: Cell, text: str) -> tuple[str, ...]:
     if twice:
         raise cell.place.error("a value is twice in the list", value=twice[0])
     return values
+
+
+def _decimals(cell: Cell, make: Callable[..., tuple[str, ...]], *arguments: str) -> tuple[str, ...]:
+    try:
+        return make(cell, *arguments)
+    except ArithmeticError as error:  # an exponent that no Decimal has
+        raise cell.place.error("a number is too large or too small", value=cell.text) from error
 
 
 def _range(cell: Cell) -> tuple[str, ...]:
