@@ -17,8 +17,9 @@ import pytest
 from axisrig.bench.bus.can.logs import BlfLog, MessageLog
 from axisrig.bench.bus.journal import Entry, Journal
 from axisrig.bench.campaign.pytest_plugin import CaseItem
-from axisrig.bench.machine import machine as machines
-from axisrig.bench.machine.parts import build_segments
+from axisrig.bench.machine.canopen import family
+from axisrig.bench.machine.canopen.nodes import build_segments
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 
 
@@ -67,7 +68,7 @@ class ComparedRows:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, object, object]:
-        if not isinstance(item, CaseItem) or not isinstance(machines.Machine.run, FunctionType):
+        if not isinstance(item, CaseItem) or not isinstance(Machine.run, FunctionType):
             return (yield)
         compared: list[BothWriters] = []
 
@@ -81,7 +82,7 @@ class ComparedRows:
             return build_segments(settings, scheduler, journal, bus_logs, opened)
 
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(machines, "build_segments", build)
+            patch.setattr(family, "build_segments", build)
             result = yield
         # A row with a foreign FMU is compared in a process of its own
         is_apart = bool(foreign_rigs([item.case.rig])) or item.config.getoption(

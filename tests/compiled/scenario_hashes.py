@@ -13,5 +13,5 @@ SEED = 17
 first, count = map(int, sys.argv[1:])
 for number in range(first, first + count):
     judgement, machine = examine(make_scenario(SEED, number))
-    frames = "" if machine is None else machine.frame_hash.hexdigest()
+    frames = "" if machine is None else machine.hexdigest()
     print(number, frames, judgement.result, judgement.right, judgement.alarms, judgement.note)

@@ -155,4 +155,4 @@ def test_inverted_switch_gives_the_falling_edge(place: Place) -> None:
 def test_same_run_gives_the_same_frames(place: Place) -> None:
     folder = place()
     first, second = run(folder), run(folder)
-    assert first.frame_hash.hexdigest() == second.frame_hash.hexdigest()
+    assert first.hexdigest() == second.hexdigest()

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.can_parts import can_of
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.machine.machine import Machine
@@ -40,11 +41,11 @@ class Pipe:
         program = folder / "empty.nc"
         program.write_text("%empty\nM30\n", encoding="ascii")
         self.machine = Machine(read_settings(rig, files, []), read_program(program, ("Z",)))
-        self._port = self.machine.segments["can1"].port("foreign master")
+        self._port = can_of(self.machine).segments["can1"].port("foreign master")
         self._heard: list[tuple[int, str]] = []
         self._port.attach(lambda m: self._heard.append((m.arbitration_id, bytes(m.data).hex())))
         eds = folder / "drive.eds"
-        eds.write_text(eds_text(self.machine.nodes["Z"].profile), encoding="ascii")
+        eds.write_text(eds_text(can_of(self.machine).nodes["Z"].profile), encoding="ascii")
         plan = {
             "target": round((SURFACE_MM - 5) * INCREMENTS_PER_MM),
             "home": round((SURFACE_MM + 5) * INCREMENTS_PER_MM),

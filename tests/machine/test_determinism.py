@@ -127,7 +127,7 @@ def test_one_increment_of_the_workpiece_shows_in_the_hash(run_nc: Run) -> None:
             "N10 G100 Z120 F3000",
             f"[plant.probe]\nstart = {{ surface_mm = {surface!r} }}",
             base="probe-z.toml",
-        ).machine.frame_hash.hexdigest()
+        ).machine.hexdigest()
         for surface in surfaces
     ]
     assert digests[0] == digests[1] != digests[2]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.can_parts import can_of
 
 from axisrig.bench.judge.topics import events
 
@@ -60,7 +61,7 @@ def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) ->
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
     assert outcome.alarms == []
     assert (outcome.printed("torque"), outcome.printed("window")) == ([10.0], [4294967295.0])
-    image = outcome.machine.nodes["Z"].image
+    image = can_of(outcome.machine).nodes["Z"].image
     assert (image.max_torque, image.following_window) == (50_000, 1_048_575)
 
 
@@ -115,7 +116,7 @@ def test_a_cyclic_function_acts_like_one_over_sdo(
         assert outcome.printed("torque") == [1.0], outcome.machine.channel.alarms
         truth = outcome.column("Z.truth_mm")
         reached[commu] = float(np.min(truth))
-        assert outcome.machine.nodes["Z"].image.max_torque == 10
+        assert can_of(outcome.machine).nodes["Z"].image.max_torque == 10
     assert abs(reached["ACYCLIC"] - reached["CYCLIC"]) < 0.05
 
 
@@ -131,4 +132,4 @@ def test_the_first_rpdo_leaves_a_cyclic_object_as_it_was(
     )
     outcome = run_nc("N10 G1 G90 F600 Z129", rig, base="probe-z.toml")
     assert outcome.alarms == []
-    assert outcome.machine.nodes["Z"].image.max_torque == 777
+    assert can_of(outcome.machine).nodes["Z"].image.max_torque == 777

@@ -54,7 +54,7 @@ def _left(out: Any) -> Any:
     """All that a run leaves: frames, edges, contacts, trace."""
     (probe,) = out.machine.plant.probes.values()
     trace = out.machine.recorder.table().to_pydict()
-    return out.machine.frame_hash.hexdigest(), probe.signal.edges, probe.contacts, trace
+    return out.machine.hexdigest(), probe.signal.edges, probe.contacts, trace
 
 
 @pytest.mark.long(but=1)

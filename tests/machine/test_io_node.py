@@ -15,8 +15,8 @@ from canopen.sdo.exceptions import SdoAbortedError
 from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.drive.canopen.io_node import IoNode, io_dictionary
+from axisrig.bench.machine.canopen.io_terminal import IoTerminal
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.canopen.arrival import describe_arrival
 from axisrig.bench.rig.reading.file import read_rig

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.can_parts import can_of
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.recording.lag import largest_lag
@@ -48,7 +49,7 @@ def test_metric_is_the_largest_lag_at_the_ticks_of_the_drive(
     build = Machine.run
 
     def run(machine: Machine) -> Any:
-        servo = machine.nodes["Z"].servo
+        servo = can_of(machine).nodes["Z"].servo
         cycle = servo.cycle
 
         def witnessed(now_ns: int) -> None:

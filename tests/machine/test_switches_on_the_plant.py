@@ -10,7 +10,7 @@ import pytest
 from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
-from axisrig.bench.machine.parts import build_nodes, build_segments
+from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import can
 import pytest
+from tests.can_parts import can_of
 
 from axisrig.bench.bus.can.dissect import Dissected, dissect
 from axisrig.bench.bus.can.faults import ErrorAtBit
@@ -59,7 +60,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, Seen]:
     settings = read_settings(rig, files, [(slow, as_written)])
     logs = [folder / "bus.blf", folder / "bus.pcap"]
     machine = Machine(settings, read_program(folder / "part.nc", ("Z",)), bus_logs=logs)
-    (segment,) = machine.segments.values()
+    (segment,) = can_of(machine).segments.values()
     seen: Seen = []
     segment.observe(lambda time_ns, name, frame, is_error: seen.append((time_ns, frame, is_error)))
     tool = segment.port("tool")

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.can_parts import can_of
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.rig.canopen.schedule import describe_schedules, overloads, segment_schedules
@@ -30,7 +31,7 @@ def test_queues_and_recovery_reach_the_ports(
     settings = settings_of(path, "bus:all.bus_off=stay")
     machine = machine_of(settings, tmp_path)
     try:
-        (segment,) = machine.segments.values()
+        (segment,) = can_of(machine).segments.values()
         kinds = {port.port_name: type(port.pending).__name__ for port in segment.ports}
         assert (kinds["cnc"], kinds["Z"]) == ("list", "deque")
     finally:
@@ -38,7 +39,7 @@ def test_queues_and_recovery_reach_the_ports(
     settings = settings_of(path, "bus:can1.queue=fifo", "bus:can1.drive_queue=mailbox")
     machine = machine_of(settings, tmp_path)
     try:
-        (segment,) = machine.segments.values()
+        (segment,) = can_of(machine).segments.values()
         kinds = {port.port_name: type(port.pending).__name__ for port in segment.ports}
         assert (kinds["cnc"], kinds["Z"]) == ("deque", "list")
     finally:

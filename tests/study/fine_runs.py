@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from tests.can_parts import can_of
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.judge.observed.observed import Observed
@@ -107,7 +108,7 @@ def _run(case: Case, settings: Settings, *, is_fine: bool) -> Observed:
         facts = facts_of(machine, machine.run())
         series = machine.recorder.series()
         if watch is not None:
-            ticks_ns = {name: node.servo.tick_ns for name, node in machine.nodes.items()}
+            ticks_ns = {name: node.servo.tick_ns for name, node in can_of(machine).nodes.items()}
             series = replace(series, source=fine_table(series.table(), watch.rows, ticks_ns))
         return Observed(facts, series)
     finally:

@@ -104,6 +104,6 @@ def test_a_lag_window_left_active_ends_the_run_with_the_fault_of_the_drive(
     pressed = (times > contact_ns + 150 * MS) & (times < contact_ns + 170 * MS)
     depth_mm = float(truth_mm[pressed].mean()) - STOP_MM
     due_s = (window_mm - FEED_MM_S / KV + depth_mm) / FEED_MM_S + time_out_ms / 1e3
-    states = faulted.outcome.machine.drive_states
-    fault_ns = next(t for t, _, state in states if state is State.FAULT_REACTION_ACTIVE)
+    states = faulted.outcome.machine.part_of["Z"].states["Z"]
+    fault_ns = next(s.time_ns for s in states if s.state == State.FAULT_REACTION_ACTIVE.name)
     assert (fault_ns - contact_ns) / 1e9 == pytest.approx(due_s, abs=2e-3)

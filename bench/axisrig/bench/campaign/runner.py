@@ -194,7 +194,7 @@ def _left_by(
         try:
             loop_began_s = stopwatch()
             sim_ns = machine.run()
-            machine.frame_hash.hexdigest()  # frames that wait for the hash belong to the loop
+            machine.hexdigest()  # frames that wait for the hash belong to the loop
             loop_s = stopwatch() - loop_began_s
             facts = facts_of(machine, sim_ns)
         except (PlantError, SimulatedTimeoutError, UserError) as error:

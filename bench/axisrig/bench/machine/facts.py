@@ -6,7 +6,6 @@ from itertools import zip_longest
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
 from axisrig.bench.machine.recording.acting import acting_warnings
-from axisrig.bench.machine.recording.bus_figures import bus_figures
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
 from axisrig.bench.machine.recording.plc_sensor import plc_sensor
@@ -15,11 +14,9 @@ from axisrig.bench.record.axes import (
     AxisRecord,
     Contact,
     Deflection,
-    DriveState,
     Edge,
     Latch,
     ProbeRecord,
-    Telegram,
     Value,
 )
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord
@@ -34,9 +31,9 @@ from axisrig.bench.record.facts import (
 )
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
-from axisrig.bench.rig.canopen.arrival import TerminalGrid, terminal_grid
 from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.distance.check import distance_warnings
+from axisrig.bench.rig.families import TerminalGrid, rig_families
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.reading.plc_task import TerminalTable
@@ -47,10 +44,7 @@ from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.nc import canon
-from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import US, TimeNs
-
-_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 
 def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
@@ -65,7 +59,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         sim_ns=machine.scheduler.now_ns if sim_ns is None else sim_ns,
         start_ns=channel.start_ns,
         end_ns=machine.end_ns,
-        frame_log_sha256=machine.frame_hash.hexdigest(),
+        frame_log_sha256=machine.hexdigest(),
         fine_ns=machine.plant.fine_ns,
         is_stopped=machine.is_stopped,
         drive_substituted=substituted_in_words(settings.axis),
@@ -93,7 +87,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
             Fault(fault.axis or "", fault.in_words(), tuple(fault.marks()))
             for fault in machine.faults
         ),
-        buses=tuple(bus_figures(settings, machine.links, machine.segments)),
+        buses=tuple(bus for part in machine.installed for bus in part.figures()),
         real_time=machine.real_time(),
         notes=tuple(_notes(machine)),
     )
@@ -118,15 +112,15 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
     per_mm = link.settings.increments_per_mm
     latches: list[Latch] = []
     origin_mm = 0.0
-    if not is_outside:
-        servo = machine.nodes[name].servo
-        origin_mm = -servo.scaling.origin_units / per_mm
+    servo = machine.drives.get(name)
+    if servo is not None:
+        origin_mm = -servo.origin_units / per_mm
         latches = [
             Latch(time_ns, number)
-            for number, probe in enumerate(servo.touch_probe.probes, 1)
-            for time_ns in probe.latch_instants_ns
+            for number, instants_ns in enumerate(servo.latch_instants_ns, 1)
+            for time_ns in instants_ns
         ]
-    states = [(at, state) for at, axis_name, state in machine.drive_states if axis_name == name]
+    part = machine.part_of[name]
     return AxisRecord(
         segment=axis.segment,
         node=axis.node or 0,
@@ -138,10 +132,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         plant=axis.plant,
         signals=dict(axis.signals),
         sensor=axis.encoder_2 or "",
-        telegrams=tuple(
-            Telegram(t.name, t.transmission, tuple(mapped.field for mapped in t.objects))
-            for t in link.telegrams.values()
-        ),
+        telegrams=tuple(part.telegrams(name)),
         written=_written(settings, name),
         origin_mm=origin_mm,
         homed_ns=tuple(at for at, homed in machine.channel.single.homed if homed == name),
@@ -152,7 +143,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         second_delay_cycles=drive.second_delay_cycles,
         latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
         torque_limits=machine.torque_limits.of(name),
-        states=tuple(DriveState(at, state.name, state in _TROUBLE) for at, state in states),
+        states=tuple(part.states.get(name, ())),
     )
 
 
@@ -234,9 +225,9 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
     if table is None or runner is None:
         return None
     terminal = table.terminal or TerminalTable()
-    grid = terminal_grid(machine.settings) or TerminalGrid(
-        terminal.cycle_ns(table), terminal.offset_ns(table), 0
-    )
+    own = TerminalGrid(terminal.cycle_ns(table), terminal.offset_ns(table), 0)
+    on_segments = (family.terminal_grid(machine.settings) for family in rig_families())
+    grid = next((found for found in on_segments if found is not None), own)
     return PlcTaskRecord(
         period_ns=table.period_ns,
         offset_ns=table.offset_us * US,

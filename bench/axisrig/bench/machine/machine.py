@@ -7,66 +7,58 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 
-from axisrig.bench.bus.can.arithmetic import CycleArithmetic
-from axisrig.bench.bus.can.canopen_sim import SimNetwork
-from axisrig.bench.bus.can.frame_hash import FrameHash
-from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import BINS_US
-from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.bus.paced import PacedScheduler
-from axisrig.bench.machine.cnc import (
-    axis_settings,
-    build_accesses,
-    build_carriers,
-    build_links,
-    build_monitor,
-    build_start_up,
-)
 from axisrig.bench.machine.deflection import DeflectionLog
-from axisrig.bench.machine.faults.injection import inject
-from axisrig.bench.machine.faults.moments import World
+from axisrig.bench.machine.families import Bench, Installed, install_all
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.mechanics import PlantMechanics
-from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
-from axisrig.bench.machine.parts import build_nodes, build_segments, build_terminal
+from axisrig.bench.machine.pacing import Hardware, master_scheduler
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.machine.plc.sensors import PlcSensors
 from axisrig.bench.machine.plc.side import PlcSide
 from axisrig.bench.machine.plc.task import PlcTaskRunner
+from axisrig.bench.machine.plc.terminal import AnyTerminal, Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
-from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.bench.record.series import SeriesWriter
-from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
-from axisrig.bench.rig.canopen.members import segment_of
-from axisrig.bench.rig.canopen.schedule import segment_schedules
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.programs import programs_of
+from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel import (
+    AxisSettings,
     Channel,
     ChannelSettings,
     ChannelState,
     CycleTiming,
     Surroundings,
 )
-from axisrig.kernel.drives.canopen.drive_functions import DriveFunctions
+from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import Program
-from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import US, S, TimeNs
 from axisrig.kernel.time.scheduler import new_scheduler
+
+
+@once
+def _axis_settings(settings: Settings, name: str) -> AxisSettings:
+    """Return what the channel knows of an axis."""
+    law = settings.rig.distance.law
+    return AxisSettings.read(name, settings.axis[name], settings.channel, law)
 
 
 class SimulatedTimeoutError(Exception):
@@ -106,7 +98,6 @@ class Machine:
                 "the rig has a real CAN interface", hint="only axisrig run, nc and drive open one"
             )
         self.outside, self.is_stopped = outside_axes(settings), False
-        self._lost: set[str] = set()
         self._hardware = hardware if is_paced(settings) else None
         self.settings, self._onlooker, self._put_out = settings, onlooker, put_out
         self._programs = programs_of(settings, program)
@@ -114,7 +105,6 @@ class Machine:
         self.messages: list[Message] = []
         self.measuring_targets: dict[str, Mapping[str, float]] = {}
         self.referenced: set[str] = set()
-        self.drive_states: list[tuple[TimeNs, str, State]] = []
         self._limit_ns = limit_ns or settings.operator.limit_ns
         self.timing = CycleTiming(
             period_ns=settings.rig.cycle.period_us * US,
@@ -127,31 +117,37 @@ class Machine:
             self.scheduler = (
                 master_scheduler(settings, self._hardware) if self._hardware else new_scheduler()
             )
-            # In real time no block may hold a cycle up
-            journal = Journal(1 if self._hardware else BLOCK_FRAMES)
-            self.frame_hash = FrameHash(journal)
             self.plant = build_plant(settings)
             self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self.segments = build_segments(settings, self.scheduler, journal, bus_logs, self._open)
-            self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
-            self.networks = {
-                name: SimNetwork(segment.port("cnc", segment_of(settings, name).queue))
-                for name, segment in self.segments.items()
-            }
-            for network in self.networks.values():
-                network.connect()
-            self.links = build_links(settings, self.networks, self.scheduler)
-            self._expect_answers()
-            telegrams = self._log_telegrams(journal)
+            self._install(bus_logs, seed)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
             self.plc_task = self._build_plc_task(seed)
-            self._inject_faults(seed)
-            self._observe(trace, telegrams)
+            self.faults = [fault for part in self.installed for fault in part.inject(self.channel)]
+            self._observe(trace)
             self.channel.load(self._commands_of(None))
             guard.pop_all()
+
+    def _install(self, bus_logs: Sequence[Path], seed: int) -> None:
+        """Install the drives of each family; together they are in the order of the rig."""
+        bench = Bench(
+            self.settings, self.scheduler, self.plant, self._open, bus_logs, seed, self._hardware
+        )
+        self.installed = install_all(bench)
+        axes = self.settings.rig.axis
+        self.part_of: dict[str, Installed] = {
+            name: part for name in axes for part in self.installed if name in part.links
+        }
+        self.links = {name: part.links[name] for name, part in self.part_of.items()}
+        self.drives = {n: p.drives[n] for n, p in self.part_of.items() if n in p.drives}
+        self._carriers = {
+            segment: part.carriers[segment]
+            for segment in self.settings.segment
+            for part in self.installed
+            if segment in part.carriers
+        }
 
     def _commands_of(self, file: str | None) -> Iterator[Command]:
         """Begin to interpret the program of the run, or another one that the PLC side starts."""
@@ -190,8 +186,7 @@ class Machine:
         if table is None:
             return None
         clock, channel = self.scheduler, self.channel
-        networks = self.networks
-        terminal = build_terminal(self.settings, clock, self.segments, networks, plant, seed)
+        terminal = self._build_terminal(table, seed)
         switched = None if table.switches is None else plant.probes[table.switches]
 
         def switch(is_on: bool) -> None:
@@ -200,8 +195,8 @@ class Machine:
                 switched.switch(is_on, clock.now_ns)
 
         def sync_ns(axis: str) -> TimeNs:
-            node = self.nodes.get(axis)
-            return channel.sync_ns if node is None else node.servo.sync_ns
+            drive = self.drives.get(axis)
+            return channel.sync_ns if drive is None else drive.sync_ns
 
         return PlcTaskRunner(
             table,
@@ -214,9 +209,24 @@ class Machine:
             has_columns=bool(self.settings.plc),
         )
 
+    def _build_terminal(self, task: PlcTaskTable, seed: int) -> AnyTerminal | None:
+        """Make the inputs of the PLC: on a fieldbus of its own, or on a segment.
+
+        seed: of the jitter of stamps.
+        """
+        advance, table = self.plant.advance_to, task.terminal
+        if table is None:
+            return None
+        on_segment = (part.terminal(advance) for part in self.installed)
+        terminal = next((found for found in on_segment if found is not None), None)
+        if terminal is not None:
+            return terminal
+        signals = {name: probe.signal for name, probe in self.plant.probes.items()}
+        return Terminal(task, table, signals, advance, seed)
+
     def _connect_plc_sensors(self) -> None:
         """Let the PLC side read the distance sensors that the rig gives it."""
-        plc, servos = self.channel.plc, [node.servo for node in self.nodes.values()]
+        plc, servos = self.channel.plc, list(self.drives.values())
 
         def sync_ns() -> TimeNs:
             told_ns = max((servo.sync_ns for servo in servos), default=0)
@@ -228,53 +238,11 @@ class Machine:
             sensors = PlcSensors(tables, distances, plc, sync_ns, period_ns)
             plc.inputs.append(sensors.take)
 
-    def _expect_answers(self) -> None:
-        """Give real segments the telegrams their drives answer a SYNC with."""
-        for name, segment in self.segments.items():
-            if isinstance(segment, OutsideSegment):
-                segment.expect(
-                    telegram.cob_id(link.node_id)
-                    for axis, link in self.links.items()
-                    if axis in self.outside and self.settings.rig.axis[axis].segment == name
-                    for telegram in link.telegrams.values()
-                    if telegram.transmission == 1 and telegram.name.startswith("TPDO")
-                )
-
-    def _log_telegrams(self, journal: Journal) -> TelegramLog:
-        """Note the cyclic values of the axes with distance control: its dead time is measured."""
-        rig, lists = self.settings.rig, self.settings.axis
-        return TelegramLog(
-            (
-                (rig.axis[name].segment, link)
-                for name, link in self.links.items()
-                if lists[name].flag("lr_param.distance_control_on")
-            ),
-            journal,
-            terminal_telegram(self.settings),
-        )
-
-    def _inject_faults(self, seed: int) -> None:
-        parts = World(
-            self.settings,
-            self.scheduler,
-            self.segments,
-            self.nodes,
-            self.links,
-            self.plant,
-            self.channel,
-        )
-        self.faults = inject(parts, seed)
-        for name, node in self.nodes.items():
-            node.servo.machine.on_change = partial(self._note_state, name)
-
-    def _note_state(self, axis: str, state: State) -> None:
-        self.drive_states.append((self.scheduler.now_ns, axis, state))
-
-    def _observe(self, trace: SeriesWriter | None, telegrams: TelegramLog) -> None:
+    def _observe(self, trace: SeriesWriter | None) -> None:
         """Build what looks at every cycle and keeps what the run leaves."""
-        self.recorder = self._build_recorder(trace, telegrams)
+        self.recorder = self._build_recorder(trace)
         self._open.callback(self.recorder.discard)
-        self.torque_limits = LimitLog(self.nodes)
+        self.torque_limits = LimitLog(self.drives)
         self.distance_log = DistanceLog()
         self.blocks = self.channel.execution.watch = BlockLog(
             self.scheduler, self.channel, self._folder
@@ -283,43 +251,32 @@ class Machine:
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]
 
-    def _build_recorder(self, trace: SeriesWriter | None, telegrams: TelegramLog) -> Recorder:
-        servos = {name: node.servo for name, node in self.nodes.items()}
+    def _build_recorder(self, trace: SeriesWriter | None) -> Recorder:
         axes = [
             RecordedAxis(
                 name,
                 self.plant.axes.get(axis.plant),
-                servos.get(name),
+                self.drives.get(name),
                 is_rotary(self.settings, name),
                 torque_arm_m(self.settings, name),
             )
             for name, axis in self.settings.rig.axis.items()
         ]
         writer = trace or SeriesWriter(None)
-        return Recorder(self.plant, axes, self.plant.probes, telegrams, writer)
+        return Recorder(self.plant, axes, self.plant.probes, self.installed, writer)
 
     def _build_channel(self) -> Channel:
-        self._accesses, warnings = build_accesses(self.settings, self.links)
-        # On a segment without a drive nobody would acknowledge a SYNC
-        used = synced_segments(self.settings)
-        networks = {name: n for name, n in self.networks.items() if name in used}
-        self._carriers = build_carriers(self.settings, networks)
         operator = self.settings.operator
+        functions = [part.functions() for part in self.installed]
         channel = Channel(
             self.scheduler,
             self.timing,
-            [axis_settings(self.settings, name) for name in self.settings.rig.axis],
+            [_axis_settings(self.settings, name) for name in self.settings.rig.axis],
             list(self.links.values()),
             Surroundings(
                 put_out=self._message,
-                monitor=build_monitor(
-                    self.settings,
-                    self.links,
-                    list(networks.values()),
-                    list(self._carriers.values()),
-                    self.scheduler,
-                ),
-                functions=DriveFunctions(self._accesses),
+                monitor=self._build_monitor(),
+                functions=next((f for f in functions if f is not None), DriveAccesses()),
                 mechanics=PlantMechanics(self.scheduler, self.plant, waits=self._hardware is None),
             ),
             ChannelSettings.read(
@@ -331,17 +288,28 @@ class Machine:
             ),
         )
         channel.plc.values.update(self.settings.external)
+        warnings = [warning for part in self.installed for warning in part.warnings]
         for warning in [*self.settings.warnings, *warnings]:
             channel.warn(warning)
         self.plc_side = PlcSide(
             channel,
-            self._accesses,
+            {name: way for part in self.installed for name, way in part.accesses.items()},
             self.settings.plc,
             self.scheduler,
             self.timing.period_ns,
             self._commands_of,
         )
         return channel
+
+    def _build_monitor(self) -> Monitor:
+        """Make the watch over all drives and segments."""
+        shown = [part.presence() for part in self.installed]
+        return Monitor(
+            list(self.links.values()),
+            list(self._carriers.values()),
+            [part.watch(name) for name, part in self.part_of.items()],
+            next((presence for presence in shown if presence is not None), None),
+        )
 
     def _message(self, message: Message) -> None:
         self.messages.append(message)
@@ -359,10 +327,13 @@ class Machine:
             return self.scheduler.now_ns
         return -(-end_ns // period_ns) * period_ns
 
-    @property
-    def schedules(self) -> Mapping[str, CycleArithmetic]:
-        """The worst-case cyclic schedule of every segment."""
-        return segment_schedules(self.settings)
+    def hexdigest(self) -> str:
+        """Return the SHA-256 of all that was sent on the segments.
+
+        With carriers of several kinds it is that of their hashes, in the order of the registry.
+        """
+        parts = [digest for part in self.installed if (digest := part.hexdigest())]
+        return parts[0] if len(parts) == 1 else sha256("".join(parts).encode()).hexdigest()
 
     def run(self) -> TimeNs:
         """Start the drives, run the program to its end, return the simulated time.
@@ -377,12 +348,7 @@ class Machine:
                 self._leave()
 
     def _run(self) -> TimeNs:
-        self.channel.start_up(
-            [
-                build_start_up(self.settings, name, access, self.scheduler)
-                for name, access in self._accesses.items()
-            ]
-        )
+        self.channel.start_up([part.start_up(name) for name, part in self.part_of.items()])
         if self.plc_task is not None:
             self.plc_task.start()
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
@@ -417,18 +383,16 @@ class Machine:
         if hardware.stop() and not self.is_stopped:
             self.is_stopped = True
             self.channel.stop(Alarm(900070))
-        for name, segment in self.segments.items():
-            if isinstance(segment, OutsideSegment) and segment.lost and name not in self._lost:
-                self._lost.add(name)
-                self.channel.stop(Alarm(900071, segment=name, reason=segment.lost))
+        for part in self.installed:
+            for alarm in part.look():
+                self.channel.stop(alarm)
 
     def _leave(self) -> None:
         """Power the drives outside down, whatever has happened before."""
         self.channel.state = ChannelState.ENDED  # after a defect it would go on
-        links = [link for name, link in self.links.items() if name in self.outside]
-        segments = {self.settings.rig.axis[link.name].segment: None for link in links}
-        carriers = [self._carriers[name] for name in segments]
-        power_down(self.scheduler, links, carriers, self.timing.period_ns, self.timing.offset_ns)
+        axes = [name for name in self.links if name in self.outside]
+        for part in self.installed:
+            part.leave(axes, self.timing)
 
     def real_time(self) -> RealTime | None:
         """Return how well real time was kept; None for simulated time."""

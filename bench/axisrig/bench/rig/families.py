@@ -8,6 +8,18 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import TimeNs
 
 
+class TerminalGrid(NamedTuple):
+    """When the inputs of a terminal are sampled: every period.
+
+    offset_ns: after the begin of a cycle. late_ns: until the telegram is there, in the worst case
+    of the cycle.
+    """
+
+    period_ns: TimeNs
+    offset_ns: TimeNs
+    late_ns: TimeNs
+
+
 class SecondEncoder(NamedTuple):
     """How a second encoder comes. words: what carries it. every: with so many cycles.
 
@@ -44,6 +56,10 @@ class RigFamily:
 
     def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:
         """Return how the second encoder of an axis comes, None where it does not."""
+        return None
+
+    def terminal_grid(self, settings: Settings) -> TerminalGrid | None:
+        """Return the instants of the terminal of the PLC, where it is on such a segment."""
         return None
 
     def tables(self, settings: Settings) -> Sequence[str]:

@@ -6,6 +6,7 @@ method gets the present simulated time.
 
 from collections.abc import Callable, Mapping
 
+from axisrig.bench.drive.axis.drive import VirtualDrive
 from axisrig.bench.drive.axis.motion import POSITION
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.drive.axis.ticks import Ticker
@@ -20,10 +21,8 @@ from axisrig.bench.drive.cia402.error_register import (
 from axisrig.bench.drive.cia402.functions.axis_states import NEXT, AxisEvent, AxisState
 from axisrig.bench.drive.cia402.functions.sampler import SELDOM, Sampler
 from axisrig.bench.drive.cia402.functions.states import (
-    BY_LIMIT,
     CONTINUE,
     OPTIONS,
-    POWERED,
     QUICK_STOP,
     Reaction,
     StateMachine,
@@ -32,18 +31,15 @@ from axisrig.bench.drive.cia402.functions.stop import Stop
 from axisrig.bench.drive.cia402.functions.transitions import automatic
 from axisrig.bench.drive.cia402.modes import MODES, Mode
 from axisrig.bench.drive.cia402.monitor import FOLLOWING_ERROR, Monitor
+from axisrig.bench.drive.cia402.refusals import refusal
 from axisrig.kernel.profiles.cia402.ds402 import STATES, State, Status
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 REFERENCE_LIMIT = 0x8612  # emergency code of CiA 402: a limit switch has stopped the axis
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
-NEVER = -1  # before the first SYNC
 HALT = 1 << 8  # bit of the controlword
 OPERATING = AxisState.OPERATING
 AWAITS_MODE = (AxisState.BEGINNING, AxisState.RESUMING)
-INVALID_VALUE, NOT_NOW = 0x06090030, 0x08000022  # abort codes of CiA 301
-_SCALING = (0x608F, 0x6091, 0x6092, 0x60E6, 0x60EB)
-_OPTION_CODES = frozenset(index for index, _ in OPTIONS)
 # Plain numbers: members of a flag cost ten times as much in each cycle
 INTERNAL_LIMIT, WARNING = int(Status.INTERNAL_LIMIT), int(Status.WARNING)
 TARGET_REACHED = int(Status.TARGET_REACHED)
@@ -53,7 +49,7 @@ _STATUSWORD = {
 }
 
 
-class Servo:
+class Servo(VirtualDrive):
     """The application of a drive node.
 
     One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register,
@@ -74,10 +70,9 @@ class Servo:
         seed: int = 0,
         switches: Mapping[str, SignalPort] | None = None,
     ) -> None:
+        super().__init__(profile.tick_ns)
         self.axis, self._profile = axis, profile
         self._clock, self._changed = clock, changed
-        self.sync_ns: TimeNs = NEVER
-        self.tick_ns = profile.tick_ns
         self.image = image = ProcessImage()
         image.set_defaults(profile)
         self.emergency = ErrorRegister(image, send_emergency)
@@ -122,6 +117,22 @@ class Servo:
     def state(self) -> State:
         """State of the power drive system."""
         return self.machine.state
+
+    @property
+    def torque_limits(self) -> tuple[int, int, int]:
+        """Objects 6072, 60E1 and 60E0."""
+        image = self.image
+        return image.max_torque, image.negative_torque_limit, image.positive_torque_limit
+
+    @property
+    def latch_instants_ns(self) -> list[list[TimeNs]]:
+        """Instants of the edges that it has latched, by probe input."""
+        return [probe.latch_instants_ns for probe in self.touch_probe.probes]
+
+    @property
+    def origin_units(self) -> int:
+        """Where its zero is, in position units of its encoder."""
+        return self.scaling.origin_units
 
     def watch(self, names: frozenset[str]) -> None:
         """Say which values telegrams carry; seldom ones that none carries cost no sampling."""
@@ -172,17 +183,7 @@ class Servo:
 
     def refuses(self, index: int, value: int) -> int | None:
         """Return the abort code of a write that this drive or its state does not allow."""
-        if index == 0x6060 and value not in self.modes:
-            return INVALID_VALUE
-        if value not in self._profile.option_values.get(index, (value,)):
-            return INVALID_VALUE
-        if index in _OPTION_CODES and not self.motion.controls_velocity:
-            option = OPTIONS.get((index, value))
-            if option is not None and option.reaction in BY_LIMIT:
-                return INVALID_VALUE
-        if index in _SCALING and self.state in POWERED:
-            return NOT_NOW
-        return None
+        return refusal(index, value, self.modes, self._profile, self.motion, self.state)
 
     def connection_lost(self, now_ns: TimeNs, code: int = CONNECTION_LOST) -> None:
         """Act on a lost connection to the master as 6007 says. code: of the fault that 1 makes.

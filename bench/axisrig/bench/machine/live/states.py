@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.machine import Machine
@@ -22,8 +21,6 @@ from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.time.clock import MS, US
 
-LOAD_SPAN_NS = 100 * MS
-"""The load that is shown is that of so much time."""
 TEXT_MAX = 300
 LATEST = 5
 """So many alarms and messages are shown, the last ones."""
@@ -83,7 +80,7 @@ def state_of(machine: Machine) -> State:
         "axes": [_axis(machine, link) for link in channel.links],
         "probes": [_probe(machine, name) for name in machine.plant.probes],
         "distance": [_distance(machine, name, found) for name, found in _controls(channel)],
-        "bus": [_segment(machine, name) for name in machine.segments],
+        "bus": [state for part in machine.installed for state in part.shown()],
         "real_time": _real_time(machine),
         "alarms": [str(alarm) for alarm in alarms[-LATEST:]],
         "messages": [message.shown for message in machine.messages[-LATEST:]],
@@ -178,31 +175,6 @@ def _distance(machine: Machine, name: str, found: Sensing) -> State:
         "filtered": control.filtered_mm,
         "error": control.error_mm,
         "offset": control.offset_mm,
-    }
-
-
-def _segment(machine: Machine, name: str) -> State:
-    segment = machine.segments[name]
-    load = segment.load_now(machine.scheduler.now_ns, LOAD_SPAN_NS)
-    is_outside = isinstance(segment, OutsideSegment)
-    return {
-        "segment": name,
-        "bitrate": segment.bitrate,
-        "is_outside": is_outside,
-        "lost": segment.lost if isinstance(segment, OutsideSegment) else None,
-        "frames": load.frames,
-        "error_frames": load.error_frames,
-        "load_pct": 100.0 * load.busy_share,
-        "counters": [
-            {
-                "node": port.port_name,
-                "tec": port.tec,
-                "rec": port.rec,
-                "state": str(port.error_state),
-            }
-            for port in segment.ports
-            if port.tec or port.rec
-        ],
     }
 
 

@@ -11,10 +11,9 @@ from pathlib import Path
 
 from axisrig.bench.machine.plc.elements import Named
 from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Variables
-from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.task_units import TaskUnits, UnitShown, UnitWrites
-from axisrig.bench.machine.plc.terminal import Terminal
+from axisrig.bench.machine.plc.terminal import AnyTerminal
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.motion.feed import FULL
@@ -82,7 +81,7 @@ class PlcTaskRunner:
         channel: Channel,
         clock: Clock,
         *,
-        terminal: Terminal | IoTerminal | None,
+        terminal: AnyTerminal | None,
         program: Callable[[], Iterator[Command]],
         switch: Callable[[bool], None],
         sync_ns: Callable[[str], TimeNs],

@@ -9,6 +9,7 @@ single event mode, the last one in continuous mode.
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from axisrig.bench.drive.axis.ports import SignalPort
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, silent_ns
@@ -27,6 +28,24 @@ class ChannelInput:
     input: bool = False
     latch_pos_ns: int = 0
     latch_neg_ns: int = 0
+
+
+class AnyTerminal(Protocol):
+    """The inputs of a PLC, whatever carries them.
+
+    image: by channel. wc_state: 0 while the process data come, else the image stays as it was.
+    """
+
+    image: dict[int, ChannelInput]
+
+    @property
+    def wc_state(self) -> int:
+        """0 while the process data come."""
+        ...
+
+    def exchange_until(self, now_ns: TimeNs) -> None:
+        """Do every exchange up to now, the present instant included."""
+        ...
 
 
 class InputChannel:

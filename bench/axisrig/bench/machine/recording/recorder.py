@@ -7,22 +7,23 @@ and what the kernel made of it in the cycle after (set position, its own lag).
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from axisrig.bench.drive.cia402.servo import Servo
+from axisrig.bench.drive.axis.drive import VirtualDrive
 from axisrig.bench.machine.recording.distance_trace import DistanceTrace
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.recording.rows import Rows
-from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.record.series import (
     FORCE_COLUMNS,
     LENGTH_COLUMNS,
     TIME,
     Series,
     SeriesWriter,
+    Times,
     column_of,
 )
 from axisrig.kernel.channel import Channel
@@ -94,9 +95,17 @@ class RecordedAxis:
 
     name: str
     plant: PlantAxis | None
-    servo: Servo | None
+    servo: VirtualDrive | None
     is_rotary: bool = False
     torque_arm_m: float | None = None
+
+
+class Telegrams(Protocol):
+    """Cyclic values as they went over the segments of one carrier."""
+
+    def take_columns(self, times_ns: Times, *, is_last: bool) -> Mapping[str, pa.Array]:
+        """Return columns of the values up to each instant that no earlier call has returned."""
+        ...
 
 
 class Recorder:
@@ -119,7 +128,7 @@ class Recorder:
         plant: Plant,
         axes: Sequence[RecordedAxis],
         probes: Mapping[str, PlantProbe],
-        telegrams: TelegramLog,
+        telegrams: Sequence[Telegrams],
         writer: SeriesWriter,
     ) -> None:
         self._plant, self._recorded, self._telegrams = plant, tuple(axes), telegrams
@@ -215,7 +224,8 @@ class Recorder:
         for name, level in zip(self._probe_names, levels, strict=True):
             columns[f"{name}.signal"] = column_of(level)
         columns |= self._controls.take_columns() | self._distance_columns()
-        columns |= self._telegrams.take_columns(times, is_last=is_last)
+        for telegrams in self._telegrams:
+            columns |= telegrams.take_columns(times, is_last=is_last)
         if self._times:
             self._before = self._times[-1], tuple(values[:, -1].tolist())
         self._has_block = True
@@ -239,7 +249,7 @@ class Recorder:
                 found |= {n: found[n] * axis.torque_arm_m for n in FORCE_COLUMNS if n in found}
         return {f"{axis.name}.{turned.get(n, n)}": column_of(v) for n, v in found.items()}
 
-    def _of_plant(self, told: Floats, first: int, servo: Servo) -> dict[str, Floats]:
+    def _of_plant(self, told: Floats, first: int, servo: VirtualDrive) -> dict[str, Floats]:
         """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows.
 
         first: where these are in a row.

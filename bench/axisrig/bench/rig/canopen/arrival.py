@@ -1,13 +1,12 @@
 """How late the status of a latch may arrive, and whether a time stamp gives its instant."""
 
-from dataclasses import dataclass
-
 from axisrig.bench.bus.can.arithmetic import SYNC
 from axisrig.bench.bus.can.frame import IFS_BITS, data_frame, frame_bits
 from axisrig.bench.drive.cia402.dictionary.profile import CLOCK_NS
 from axisrig.bench.rig.canopen.io_node import node_table
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, latch_object_of, segment_schedules
+from axisrig.bench.rig.families import TerminalGrid
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP
@@ -26,18 +25,6 @@ def stamp_clock(settings: Settings, name: str) -> StampClock | None:
         profile.timestamp_start,
         _sync_end_ns(settings, axis.segment),
     )
-
-
-@dataclass(frozen=True)
-class TerminalGrid:
-    """When the inputs of a node are sampled: every period, offset_ns after the SYNC is requested.
-
-    late_ns: until its telegram is there, in the worst case of the cycle.
-    """
-
-    period_ns: TimeNs
-    offset_ns: TimeNs
-    late_ns: TimeNs
 
 
 def terminal_grid(settings: Settings) -> TerminalGrid | None:

@@ -2,13 +2,13 @@
 
 import math
 
-from axisrig.bench.rig.canopen.arrival import describe_arrival
+from axisrig.bench.rig.canopen.arrival import describe_arrival, terminal_grid
 from axisrig.bench.rig.canopen.checks import check_drives, check_nodes
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
 from axisrig.bench.rig.canopen.latches import describe_latches
 from axisrig.bench.rig.canopen.members import drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, describe_schedules
-from axisrig.bench.rig.families import RigFamily, SecondEncoder
+from axisrig.bench.rig.families import RigFamily, SecondEncoder, TerminalGrid
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.time.clock import US
@@ -46,6 +46,10 @@ class CanopenOnCan(RigFamily):
             _every(telegram, period_us),
             telegram.promised_ns(period_us * US),
         )
+
+    def terminal_grid(self, settings: Settings) -> TerminalGrid | None:
+        """Return the instants of the node that is the terminal of the PLC."""
+        return terminal_grid(settings)
 
     def tables(self, settings: Settings) -> list[str]:
         """Show the arithmetic of every bus."""

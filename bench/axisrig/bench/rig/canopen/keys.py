@@ -13,7 +13,13 @@ from pydantic import (
     model_validator,
 )
 
-from axisrig.bench.bus.can.hardware import SIMULATED, Option, interface_names, parse_options
+from axisrig.bench.bus.can.hardware import (
+    SIMULATED,
+    Option,
+    interface_names,
+    parse_options,
+    wait_ns,
+)
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.profiles import (
     DEFAULT_PROFILE,
@@ -28,6 +34,7 @@ from axisrig.bench.drive.cia402.dictionary.profiles import (
 from axisrig.bench.rig.canopen.startup import StartUpKeys
 from axisrig.bench.rig.reading.tables import DriveFacts, DriveKeys, SegmentKeys
 from axisrig.kernel.errors import nearest
+from axisrig.kernel.time.clock import TimeNs
 
 ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
 
@@ -72,6 +79,11 @@ class SegmentTable(SegmentKeys):
     def is_real(self) -> bool:
         """Whether it is outside this process."""
         return self.interface != SIMULATED
+
+    @property
+    def answer_wait_ns(self) -> TimeNs:
+        """How long a cycle waits for answers, where it is outside this process."""
+        return wait_ns(self.interface) if self.is_real else 0
 
     @property
     def has_nodes(self) -> bool:

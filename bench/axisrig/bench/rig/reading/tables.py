@@ -93,6 +93,11 @@ class SegmentKeys(Table):
         return False
 
     @property
+    def answer_wait_ns(self) -> TimeNs:
+        """How long a cycle waits for answers, where it is outside this process."""
+        return 0
+
+    @property
     def has_nodes(self) -> bool:
         """Whether each of its drives has an address (`node` of the axis)."""
         return False

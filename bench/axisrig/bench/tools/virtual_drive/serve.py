@@ -22,9 +22,9 @@ from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.campaign.hardware_runs import Outside
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
-from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.record.series import SeriesWriter, column_of

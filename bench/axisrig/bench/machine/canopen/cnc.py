@@ -1,19 +1,17 @@
 """The kernel of a rig: its links, watches and start-ups, made of the settings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from axisrig.bench.rig.canopen.arrival import stamp_clock
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.latches import SdoRoom, sdo_room
-from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.members import can_axes, drive_of
 from axisrig.bench.rig.canopen.schedule import has_inputs, has_latch_counter, has_second
-from axisrig.bench.rig.canopen.startup import start_up_settings, watch_settings
+from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.channel import AxisSettings
-from axisrig.kernel.channel.path.monitor import Monitor
-from axisrig.kernel.drives.canopen.carrier import CanCarrier, HeartbeatProducer
+from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.latch_check import StandstillRoom
@@ -21,7 +19,6 @@ from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
-from axisrig.kernel.drives.canopen.watch import LinkWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 
@@ -30,10 +27,11 @@ def build_links(
     settings: Settings, networks: Mapping[str, Any], clock: Clock
 ) -> dict[str, AxisLink]:
     """Make the kernel's end of the drive of every axis; networks: by segment."""
-    members: dict[str, list[AxisLink]] = {segment: [] for segment in settings.segment}
+    members: dict[str, list[AxisLink]] = {segment: [] for segment in networks}
     rooms = {segment: StandstillRoom(links) for segment, links in members.items()}
     links: dict[str, AxisLink] = {}
-    for name, axis in settings.rig.axis.items():
+    for name in can_axes(settings):
+        axis = settings.rig.axis[name]
         drive, network = drive_of(settings, name), networks[axis.segment]
         declared = start_up_settings(drive)
         sdo = SdoClient(
@@ -90,22 +88,6 @@ def build_carriers(settings: Settings, networks: Mapping[str, Any]) -> dict[str,
     return {name: CanCarrier(network, overflow) for name, network in networks.items()}
 
 
-def build_monitor(
-    settings: Settings,
-    links: Mapping[str, AxisLink],
-    networks: Sequence[Any],
-    carriers: Sequence[CanCarrier],
-    clock: Clock,
-) -> Monitor:
-    """Make the watch over all drives and buses; networks: of the carriers."""
-    rig = settings.rig
-    heartbeat = HeartbeatProducer(networks, clock, rig.cycle.master_node, rig.cycle.heartbeat_ms)
-    watches = [
-        LinkWatch(links[name], clock, watch_settings(drive_of(settings, name))) for name in rig.axis
-    ]
-    return Monitor(list(links.values()), carriers, watches, heartbeat)
-
-
 def build_accesses(
     settings: Settings, links: Mapping[str, AxisLink]
 ) -> tuple[dict[str, DriveAccess], list[Alarm]]:
@@ -127,10 +109,3 @@ def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Cl
     steps = axis_steps(settings, name)
     address = DriveAddress(name, axis.node_id)
     return StartUp(address, link.network, clock, access.sdo, steps, declared, keep=link.set_object)
-
-
-@once
-def axis_settings(settings: Settings, name: str) -> AxisSettings:
-    """Return what the channel knows of an axis."""
-    law = settings.rig.distance.law
-    return AxisSettings.read(name, settings.axis[name], settings.channel, law)

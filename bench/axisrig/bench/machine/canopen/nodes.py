@@ -1,6 +1,6 @@
-"""The parts that a rig is built from, with or without a kernel: segments and drive nodes."""
+"""CAN segments and drive nodes of a rig, with or without a kernel."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -10,15 +10,12 @@ from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.drive.canopen.node import DriveNode
-from axisrig.bench.machine.pacing import open_segment
-from axisrig.bench.machine.plc.io_terminal import IoTerminal
-from axisrig.bench.machine.plc.terminal import Terminal
-from axisrig.bench.rig.canopen.members import can_segments, drive_of, segment_of
+from axisrig.bench.machine.canopen.outside import open_segment
+from axisrig.bench.rig.canopen.members import can_axes, can_segments, drive_of, segment_of
 from axisrig.bench.rig.reading.file import LOAD, AxisTable
 from axisrig.bench.rig.real_axes import is_real, outside_axes
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
-from axisrig.kernel.time.clock import US
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
@@ -39,7 +36,7 @@ def build_segments(
     """
     segments: dict[str, Segment] = {}
     for path in bus_logs:
-        log = open_log(path, list(settings.segment))
+        log = open_log(path, can_segments(settings))
         opened.callback(log.stop)
         journal.add(log.take)
     opened.callback(journal.drain)  # before the logs stop, also where an exception ends the run
@@ -71,9 +68,10 @@ def build_nodes(
     nodes: dict[str, DriveNode] = {}
     signals = {name: probe.signal for name, probe in plant.probes.items()}
     outside = outside_axes(settings)
-    for name, axis in settings.rig.axis.items():
+    for name in can_axes(settings):
         if name in outside:
             continue
+        axis = settings.rig.axis[name]
         queue = segment_of(settings, axis.segment).drive_queue
         network = SimNetwork(segments[axis.segment].port(name, queue))
         network.connect()
@@ -96,37 +94,6 @@ def build_nodes(
             },
         )
     return nodes
-
-
-def build_terminal(
-    settings: Settings,
-    scheduler: Scheduler,
-    segments: Mapping[str, Segment],
-    networks: Mapping[str, SimNetwork],
-    plant: Plant,
-    seed: int,
-) -> Terminal | IoTerminal | None:
-    """Make the inputs of the PLC: on a fieldbus of its own, or a node on a CAN bus.
-
-    networks: of the kernel, by segment; seed: of the jitter of stamps.
-    """
-    task = settings.rig.plc_task
-    table = None if task is None else task.terminal
-    if task is None or table is None:
-        return None
-    signals = {name: probe.signal for name, probe in plant.probes.items()}
-    if table.segment is None:
-        return Terminal(task, table, signals, plant.advance_to, seed)
-    queue = segment_of(settings, table.segment).drive_queue
-    return IoTerminal(
-        table,
-        signals,
-        scheduler,
-        node_port=SimNetwork(segments[table.segment].port("terminal", queue)).connect(),
-        master=networks[table.segment],
-        advance=plant.advance_to,
-        period_ns=settings.rig.cycle.period_us * US,
-    )
 
 
 def _connect_second_encoder(axis: AxisTable, plant: Plant) -> None:

@@ -1,0 +1,38 @@
+"""What a machine asks of a virtual drive of any family, besides its words."""
+
+from typing import Final
+
+from axisrig.kernel.time.clock import TimeNs
+
+NEVER: Final = -1
+"""Instant of the last cycle before the first one."""
+
+
+class VirtualDrive:
+    """A drive at an axis of the plant; a family derives its own from it.
+
+    sync_ns: instant of the last cycle that it took part in, NEVER before the first one. tick_ns: of
+    its own cycle, in which it gives the axis its demand.
+    """
+
+    def __init__(self, tick_ns: TimeNs) -> None:
+        self.sync_ns: TimeNs = NEVER
+        self.tick_ns = tick_ns
+
+    @property
+    def torque_limits(self) -> tuple[int, int, int] | None:
+        """Largest torque, and the limits of negative and positive ones, per mille of the rated one.
+
+        None where it has none.
+        """
+        return None
+
+    @property
+    def latch_instants_ns(self) -> list[list[TimeNs]]:
+        """Instants of the edges that it has latched, by probing input."""
+        return []
+
+    @property
+    def origin_units(self) -> int:
+        """Where its zero is, in position units of its encoder."""
+        return 0

@@ -1,0 +1,246 @@
+"""CANopen drives on CAN in a machine."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import pyarrow as pa
+
+from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.frame_hash import FrameHash
+from axisrig.bench.bus.can.real_segment import OutsideSegment
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
+from axisrig.bench.machine.canopen.bus_figures import bus_figures
+from axisrig.bench.machine.canopen.cnc import (
+    build_accesses,
+    build_carriers,
+    build_links,
+    build_start_up,
+)
+from axisrig.bench.machine.canopen.io_terminal import IoTerminal
+from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
+from axisrig.bench.machine.canopen.outside import power_down
+from axisrig.bench.machine.canopen.telegram_log import TelegramLog
+from axisrig.bench.machine.families import Bench, Installed
+from axisrig.bench.machine.faults.injection import Injected, inject
+from axisrig.bench.machine.faults.moments import World
+from axisrig.bench.record.axes import DriveState, Telegram
+from axisrig.bench.record.bus import BusFigures
+from axisrig.bench.record.series import Times
+from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
+from axisrig.bench.rig.canopen.members import drive_of, segment_of
+from axisrig.bench.rig.canopen.startup import watch_settings
+from axisrig.bench.rig.real_axes import outside_axes
+from axisrig.kernel.channel import Channel, CycleTiming
+from axisrig.kernel.drives.canopen.carrier import HeartbeatProducer
+from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.drives.canopen.startup import StartUp
+from axisrig.kernel.drives.canopen.watch import LinkWatch
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import MS, US, TimeNs
+
+LOAD_SPAN_NS = 100 * MS
+"""The load that is shown is that of so much time."""
+_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
+
+
+class CanopenOnCan(Installed):
+    """The CAN buses of a machine with all that is on them.
+
+    segments: by name. nodes: of virtual drives, by axis. networks: of the kernel, by segment.
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        super().__init__()
+        settings, clock = bench.settings, bench.scheduler
+        self._bench, self._lost = bench, set[str]()
+        # In real time no block may hold a cycle up
+        journal = Journal(1 if bench.hardware else BLOCK_FRAMES)
+        self._hash = FrameHash(journal)
+        self.segments: dict[str, Segment] = build_segments(
+            settings, clock, journal, bench.bus_logs, bench.opened
+        )
+        self.nodes = build_nodes(settings, clock, self.segments, bench.plant, bench.seed)
+        self.networks = {
+            name: SimNetwork(segment.port("cnc", segment_of(settings, name).queue))
+            for name, segment in self.segments.items()
+        }
+        for network in self.networks.values():
+            network.connect()
+        links = build_links(settings, self.networks, clock)
+        self.links, self._links = links, links
+        self.drives = {name: node.servo for name, node in self.nodes.items()}
+        self._expect_answers()
+        self._telegrams = TelegramLog(
+            (
+                (settings.rig.axis[name].segment, link)
+                for name, link in links.items()
+                if settings.axis[name].flag("lr_param.distance_control_on")
+            ),
+            journal,
+            terminal_telegram(settings),
+        )
+        # On a segment without a drive nobody would acknowledge a SYNC
+        used = synced_segments(settings)
+        self._synced = {name: n for name, n in self.networks.items() if name in used}
+        self.carriers = build_carriers(settings, self._synced)
+        self._accesses, self._warnings = build_accesses(settings, links)
+        noted: dict[str, list[DriveState]] = {name: [] for name in self.nodes}
+        self.states = noted
+        for name, node in self.nodes.items():
+            node.servo.machine.on_change = partial(self._note_state, noted[name])
+
+    def _note_state(self, noted: list[DriveState], state: State) -> None:
+        noted.append(DriveState(self._bench.scheduler.now_ns, state.name, state in _TROUBLE))
+
+    def _expect_answers(self) -> None:
+        """Give real segments the telegrams their drives answer a SYNC with."""
+        settings, outside = self._bench.settings, outside_axes(self._bench.settings)
+        for name, segment in self.segments.items():
+            if isinstance(segment, OutsideSegment):
+                segment.expect(
+                    telegram.cob_id(link.node_id)
+                    for axis, link in self._links.items()
+                    if axis in outside and settings.rig.axis[axis].segment == name
+                    for telegram in link.telegrams.values()
+                    if telegram.transmission == 1 and telegram.name.startswith("TPDO")
+                )
+
+    # The control's side
+
+    def watch(self, axis: str) -> LinkWatch:
+        """Make the watch over one drive."""
+        settings = watch_settings(drive_of(self._bench.settings, axis))
+        return LinkWatch(self._links[axis], self._bench.scheduler, settings)
+
+    def start_up(self, axis: str) -> StartUp:
+        """Make the start-up of one drive."""
+        return build_start_up(
+            self._bench.settings, axis, self._accesses[axis], self._bench.scheduler
+        )
+
+    def presence(self) -> HeartbeatProducer:
+        """Make the heartbeat of the kernel."""
+        cycle = self._bench.settings.rig.cycle
+        networks = list(self._synced.values())
+        return HeartbeatProducer(
+            networks, self._bench.scheduler, cycle.master_node, cycle.heartbeat_ms
+        )
+
+    def functions(self) -> DriveFunctions | None:
+        """Return what #DRIVE acts on."""
+        return DriveFunctions(self._accesses) if self._accesses else None
+
+    @property
+    def accesses(self) -> Mapping[str, DriveAccess]:
+        """The ways to objects of drives, by axis."""
+        return self._accesses
+
+    @property
+    def warnings(self) -> Sequence[Alarm]:
+        """Limits of drive functions that were corrected."""
+        return self._warnings
+
+    # The machine's side
+
+    def terminal(self, advance: Callable[[TimeNs], None]) -> IoTerminal | None:
+        """Make the node with digital inputs that is the terminal of the PLC."""
+        settings, clock, plant = self._bench.settings, self._bench.scheduler, self._bench.plant
+        task = settings.rig.plc_task
+        table = None if task is None else task.terminal
+        if table is None or table.segment not in self.segments:
+            return None
+        queue = segment_of(settings, table.segment).drive_queue
+        return IoTerminal(
+            table,
+            {name: probe.signal for name, probe in plant.probes.items()},
+            clock,
+            node_port=SimNetwork(self.segments[table.segment].port("terminal", queue)).connect(),
+            master=self.networks[table.segment],
+            advance=advance,
+            period_ns=settings.rig.cycle.period_us * US,
+        )
+
+    def inject(self, channel: Channel) -> list[Injected]:
+        """Let faults of frames and drives act; return what becomes of each."""
+        bench = self._bench
+        world = World(
+            bench.settings,
+            bench.scheduler,
+            self.segments,
+            self.nodes,
+            self._links,
+            bench.plant,
+            channel,
+        )
+        return inject(world, bench.seed)
+
+    def look(self) -> Iterator[Alarm]:
+        """Yield an alarm for each interface that was lost since the last look."""
+        for name, segment in self.segments.items():
+            if isinstance(segment, OutsideSegment) and segment.lost and name not in self._lost:
+                self._lost.add(name)
+                yield Alarm(900071, segment=name, reason=segment.lost)
+
+    def leave(self, axes: Sequence[str], timing: CycleTiming) -> None:
+        """Lead real drives out of operation, then to NMT pre-operational."""
+        links = [self._links[name] for name in axes if name in self._links]
+        axis = self._bench.settings.rig.axis
+        segments = {axis[link.name].segment: None for link in links}
+        carriers = [self.carriers[name] for name in segments]
+        power_down(self._bench.scheduler, links, carriers, timing.period_ns, timing.offset_ns)
+
+    # What a run leaves
+
+    def hexdigest(self) -> str:
+        """Return the hash over every frame."""
+        return self._hash.hexdigest()
+
+    def take_columns(self, times_ns: Times, *, is_last: bool) -> Mapping[str, pa.Array]:
+        """Return columns of cyclic values up to each instant."""
+        return self._telegrams.take_columns(times_ns, is_last=is_last)
+
+    def figures(self) -> list[BusFigures]:
+        """Return what each bus has carried."""
+        return bus_figures(self._bench.settings, self._links, self.segments)
+
+    def telegrams(self, axis: str) -> list[Telegram]:
+        """Return the PDOs of an axis."""
+        return [
+            Telegram(t.name, t.transmission, tuple(mapped.field for mapped in t.objects))
+            for t in self._links[axis].telegrams.values()
+        ]
+
+    def shown(self) -> list[dict[str, Any]]:
+        """Return load and error counters of each bus."""
+        return [self._shown(name, segment) for name, segment in self.segments.items()]
+
+    def _shown(self, name: str, segment: Segment) -> dict[str, Any]:
+        load = segment.load_now(self._bench.scheduler.now_ns, LOAD_SPAN_NS)
+        is_outside = isinstance(segment, OutsideSegment)
+        return {
+            "segment": name,
+            "bitrate": segment.bitrate,
+            "is_outside": is_outside,
+            "lost": segment.lost if isinstance(segment, OutsideSegment) else None,
+            "frames": load.frames,
+            "error_frames": load.error_frames,
+            "load_pct": 100.0 * load.busy_share,
+            "counters": [
+                {
+                    "node": port.port_name,
+                    "tec": port.tec,
+                    "rec": port.rec,
+                    "state": str(port.error_state),
+                }
+                for port in segment.ports
+                if port.tec or port.rec
+            ],
+        }
+
+
+def install(bench: Bench) -> CanopenOnCan:
+    """Install the CAN buses of a rig. Raises UserError when an interface cannot be opened."""
+    return CanopenOnCan(bench)

@@ -1,0 +1,147 @@
+"""What a machine asks of each family of drives, without knowing any: `rig/reading/families.csv`."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import pyarrow as pa
+
+from axisrig.bench.drive.axis.drive import VirtualDrive
+from axisrig.bench.machine.faults.injection import Injected
+from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.machine.plc.terminal import AnyTerminal
+from axisrig.bench.record.axes import DriveState, Telegram
+from axisrig.bench.record.bus import BusFigures
+from axisrig.bench.record.series import Times
+from axisrig.bench.rig.reading.families import FAMILIES
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel import Channel, CycleTiming
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
+from axisrig.kernel.drives.carrier import Carrier, Presence
+from axisrig.kernel.drives.interface import Drive, DriveAccesses, DriveStart, DriveWatch
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.scheduler import Scheduler
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What the drives of a machine are put into.
+
+    bus_logs: files to write, their suffixes say the kind. opened: frees what is opened. seed: of
+    everything random. hardware: None where all is simulated.
+    """
+
+    settings: Settings
+    scheduler: Scheduler
+    plant: Plant
+    opened: ExitStack
+    bus_logs: Sequence[Path] = ()
+    seed: int = 0
+    hardware: Hardware | None = None
+
+
+class Installed:
+    """The drives of one family on its carrier in one machine, and the control's ends of them.
+
+    drives: virtual ones by axis, links: the control's ends by axis, in the order of the rig.
+    carriers: by segment. states: of each virtual drive, since it was built. Here nothing is
+    installed.
+    """
+
+    def __init__(self) -> None:
+        self.drives: Mapping[str, VirtualDrive] = {}
+        self.links: Mapping[str, Drive] = {}
+        self.carriers: Mapping[str, Carrier] = {}
+        self.states: Mapping[str, Sequence[DriveState]] = {}
+
+    # The control's side
+
+    def watch(self, axis: str) -> DriveWatch:
+        """Make the watch over one drive."""
+        raise NotImplementedError
+
+    def start_up(self, axis: str) -> DriveStart:
+        """Make the start-up of one drive."""
+        raise NotImplementedError
+
+    def presence(self) -> Presence | None:
+        """Make what the control shows of itself on the segments."""
+        return None
+
+    def functions(self) -> DriveAccesses | None:
+        """Return what #DRIVE acts on, None where no drive has a function."""
+        return None
+
+    @property
+    def accesses(self) -> Mapping[str, DriveAccess]:
+        """The ways to parameters of drives, by axis."""
+        return {}
+
+    @property
+    def warnings(self) -> Sequence[Alarm]:
+        """What was corrected when the ways to the drives were made."""
+        return ()
+
+    # The machine's side
+
+    def terminal(self, advance: Callable[[int], None]) -> AnyTerminal | None:
+        """Make the inputs of the PLC, where its terminal is on a segment of this carrier.
+
+        advance: steps the plants to an instant.
+        """
+        return None
+
+    def inject(self, channel: Channel) -> Sequence[Injected]:
+        """Let the faults of the settings act; return what becomes of each."""
+        return ()
+
+    def look(self) -> Iterator[Alarm]:
+        """Return what has gone wrong with segments outside since the last look."""
+        return iter(())
+
+    def leave(self, axes: Sequence[str], timing: CycleTiming) -> None:
+        """Take the power from real drives, whatever has happened before."""
+
+    # What a run leaves
+
+    def hexdigest(self) -> str:
+        """Return a hash of all that was sent; empty where nothing was."""
+        return ""
+
+    def take_columns(self, times_ns: Times, *, is_last: bool) -> Mapping[str, pa.Array]:
+        """Return columns of cyclic values up to each instant, as `TelegramLog.take_columns`."""
+        return {}
+
+    def figures(self) -> Sequence[BusFigures]:
+        """Return what each segment has carried."""
+        return ()
+
+    def telegrams(self, axis: str) -> Sequence[Telegram]:
+        """Return what the cyclic telegrams of an axis carry."""
+        return ()
+
+    def shown(self) -> Sequence[Mapping[str, Any]]:
+        """Return the present state of each segment, as `live.states` shows it."""
+        return ()
+
+
+class Install(Protocol):
+    """`install` of the module `family` of a package."""
+
+    def __call__(self, bench: Bench) -> Installed:
+        """Install the drives of the family. Raises UserError where a segment cannot be opened."""
+        ...
+
+
+def install_all(bench: Bench) -> list[Installed]:
+    """Install what the segments of a rig carry, in the order of the registry."""
+    carriers = {table.carrier for table in bench.settings.segment.values()}
+    installed = []
+    for row in FAMILIES:
+        if row.carrier in carriers:
+            install: Install = row.module(row.machine, "family").install
+            installed.append(install(bench))
+    return installed
