@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 from axisrig.bench.campaign.preparing import settings_of  # noqa: E402
 from axisrig.bench.judge.fixed_stop.run import stop_runs  # noqa: E402
 from axisrig.bench.judge.observed.observed import Observed  # noqa: E402
-from axisrig.bench.machine.canopen.family import CanopenOnCan
+from axisrig.bench.machine.canopen.family import CanopenOnCan  # noqa: E402
 from axisrig.bench.machine.facts import facts_of  # noqa: E402
 from axisrig.bench.machine.machine import Machine  # noqa: E402
 from axisrig.bench.plan.plan import read_plan  # noqa: E402
