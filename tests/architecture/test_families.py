@@ -5,6 +5,8 @@ from collections.abc import Iterator
 import pytest
 from tests.architecture.sources import MODULES, imported_names, trees
 
+from axisrig.bench.rig.reading import families as registry
+
 KERNEL, DRIVES, PROFILES = "axisrig.kernel", "axisrig.kernel.drives", "axisrig.kernel.profiles"
 DRIVE, BUS = "axisrig.bench.drive", "axisrig.bench.bus"
 # A module, or a package with all in it -> what it may take of a package, and nothing else
@@ -64,6 +66,24 @@ def test_a_family_imports_no_other() -> None:
     for folder in folders:
         other = [f for f in folders if f.rpartition(".")[2] != folder.rpartition(".")[2]]
         assert [p for p in imports_of(folder) if any(lies_in(p[1], f) for f in other)] == []
+
+
+def test_a_room_finds_its_families_by_the_registry() -> None:
+    """Nothing of rig and machine imports the folder of a family, but what lies in it."""
+    for room in ROOMS[2:]:
+        for folder in (f"{room}.{family}" for family in FAMILIES):
+            inside = [
+                pair
+                for pair in imports_of(room)
+                if lies_in(pair[1], folder) and not lies_in(pair[0], folder)
+            ]
+            assert inside == [], folder
+
+
+def test_each_family_of_the_registry_has_its_modules() -> None:
+    for row in registry.FAMILIES:
+        assert {f"{row.rig}.keys", f"{row.rig}.family", f"{row.machine}.family"} <= set(MODULES)
+        assert row.rig.rpartition(".")[2] in FAMILIES
 
 
 def test_rooms_that_the_rules_name_exist() -> None:

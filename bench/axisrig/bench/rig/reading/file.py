@@ -22,12 +22,14 @@ from pydantic import (
 )
 
 from axisrig.bench.rig.reading.families import (
+    FAMILIES,
     drive_table,
     read_drive,
     read_segment,
     segment_table,
 )
 from axisrig.bench.rig.reading.law import DistanceTable
+from axisrig.bench.rig.reading.once import read_once
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable, VariableName
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, take_apart
 from axisrig.bench.rig.reading.tables import (
@@ -40,6 +42,7 @@ from axisrig.bench.rig.reading.tables import (
     in_words,
 )
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type
 
 StartValue = bool | int | float | str
 
@@ -317,12 +320,43 @@ def _known_keys(keys: tuple[str, ...], table: dict[str, Any]) -> list[str]:
     return [*model.model_fields, *(["base"] if model is RigFile else [])]
 
 
+def _name_families(table: dict[str, Any]) -> None:
+    """Give each drive without a family that of P-AXIS-00020 of a list of its axes.
+
+    With one family there is nothing to choose. What is wrong with a list is reported where the
+    lists are read.
+    """
+    if len({row.family for row in FAMILIES}) == 1 or not isinstance(table.get("drive"), dict):
+        return
+    for name, drive in table["drive"].items():
+        if not isinstance(drive, dict) or "family" in drive:
+            continue
+        lists = [
+            axis.get("list")
+            for axis in _tables(table.get("axis"))
+            if isinstance(axis, dict) and axis.get("drive") == name
+        ]
+        named = [family for path in lists if (family := _listed_family(path))]
+        if named:
+            drive["family"] = named[0]
+
+
+def _listed_family(path: object) -> str:
+    """Return the family of the drive type that a list names; empty for none, and for no list."""
+    try:
+        parameters = read_once(str(path), "axis")
+    except UserError:
+        return ""
+    return drive_type(parameters).family if parameters.origin(DRIVE_TYPE) else ""
+
+
 def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
     """Read and check a rig file with its bases; return it and its files, nearest first.
 
     Raises UserError with file, line and key for anything that is not a rig.
     """
     table, files = load_tables(path.resolve())
+    _name_families(table)
     try:
         rig = RigFile.model_validate(table)
     except ValidationError as error:

@@ -1,16 +1,16 @@
 """The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.rig.reading.file import RigFile, rig_error
+from axisrig.bench.rig.reading.once import read_once
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.rules import FIXED_STOP
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from axisrig.kernel.nc.coordinates.tables import Lists
-from axisrig.kernel.parameters import Kind, ParameterSet, read_list, start_up, written
+from axisrig.kernel.parameters import ParameterSet, start_up, written
 from axisrig.kernel.parameters.drive_types import SIMULATED
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
@@ -37,22 +37,8 @@ def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str,
             raise rig_error(
                 files, keys, f"the parameter list {Path(path).name} is no file", value=path
             )
-    axes = {name: _read(axis.list, "axis", name) for name, axis in rig.axis.items()}
-    return _read(rig.channel.list, "channel"), axes
-
-
-def _read(path: str | Path, kind: Kind, axis: str | None = None) -> ParameterSet:
-    """Read a list, once per content: many rows of a plan have the same."""
-    try:
-        content = Path(path).read_bytes()
-    except OSError:
-        return read_list(path, kind, axis)
-    return _parsed(path, kind, axis, content).copied()
-
-
-@lru_cache(maxsize=64)
-def _parsed(path: str | Path, kind: Kind, axis: str | None, _content: bytes) -> ParameterSet:
-    return read_list(path, kind, axis)
+    axes = {name: read_once(axis.list, "axis", name) for name, axis in rig.axis.items()}
+    return read_once(rig.channel.list, "channel"), axes
 
 
 def read_offsets(rig: RigFile, files: list[Path]) -> Lists:

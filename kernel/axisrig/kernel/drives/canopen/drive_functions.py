@@ -104,6 +104,8 @@ class DriveFunctions(DriveAccesses):
         return function
 
     def _ident(self, axis: str, name: str, length_bytes: int) -> DriveIdent:
+        if axis not in self._accesses:
+            raise Alarm(900110, axis=axis, key=name, known="none")
         idents = drive_idents(self._accesses[axis].link.settings.increments_per_mm)
         found = idents.get(name)
         if found is None:

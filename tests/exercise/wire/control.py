@@ -1,9 +1,10 @@
-"""A toy family: a drive on a wire. It goes to its set position at once and latches a switch.
+"""A toy family: a drive on a wire. This is the control's end; nothing of it is a word on a bus.
 
-Nothing of it is a word on a bus: there are no frames, no objects and no start-up.
+There are no frames, no objects and no start-up.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from axisrig.kernel.drives.carrier import Carrier
 from axisrig.kernel.drives.interface import Drive, DriveHoming, DriveWatch
@@ -14,30 +15,37 @@ from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.time.clock import Clock
 
 
-class WireDrive(Drive):
-    """Where it stands, mm; switch_mm: the input is on from there on, upwards."""
+@dataclass
+class Wire:
+    """What both ends see: the control gives the first three, the drive the others; mm."""
 
-    def __init__(self, settings: DriveSettings, switch_mm: float) -> None:
+    set_mm: float = 0.0
+    is_on: bool = False
+    is_ordered: bool = False
+    actual_mm: float = 0.0
+    is_armed: bool = False
+    latched_mm: float | None = None
+    level: bool | None = None
+
+
+class WireDrive(Drive):
+    """The control's end of a wire."""
+
+    def __init__(self, settings: DriveSettings, wire: Wire) -> None:
         super().__init__(settings, Arrival(is_new=False))
-        self.position_mm, self._switch_mm = 0.0, switch_mm
-        self._is_on = self._is_ordered = self._is_armed = False
-        self._latched_mm: float | None = None
+        self.wire = wire
 
     def begin_cycle(self) -> None:
-        before_mm = self.position_mm
-        self.position_mm = self.set_mm if self.power is Power.OPERATING else before_mm
-        crosses = before_mm < self._switch_mm <= self.position_mm
-        if self._is_armed and crosses and self._latched_mm is None:
-            self._latched_mm = self._switch_mm
-        self._is_armed = self._is_ordered
+        """A wire shows what is there; nothing has to be forgotten."""
 
     def take(self) -> None:
         self._has_sent = False
         self.arrival.is_new = True
-        self._take_actual(round(self.position_mm * self._per_mm))
+        self._take_actual(round(self.wire.actual_mm * self._per_mm))
 
     def send(self, set_mm: float) -> None:
         self._note_sent(set_mm)
+        self.wire.set_mm, self.wire.is_on = set_mm, self.keeps_operating
         self.power = Power.OPERATING if self.keeps_operating else Power.OFF
 
     @property
@@ -67,22 +75,22 @@ class WireDrive(Drive):
             raise Alarm(900223, axis=self.name, input=probe_input, edge=edge, object="a wire")
 
     def arm(self) -> None:
-        self._is_ordered, self._latched_mm = True, None
+        self.wire.is_ordered, self.wire.latched_mm = True, None
 
     def disarm(self) -> None:
-        self._is_ordered = self._is_armed = False
+        self.wire.is_ordered = self.wire.is_armed = False
 
     @property
     def is_probing(self) -> bool:
-        return self._is_ordered
+        return self.wire.is_ordered
 
     @property
     def is_clear(self) -> bool:
-        return not self._is_armed
+        return not self.wire.is_armed
 
     @property
     def is_armed(self) -> bool:
-        return self._is_armed
+        return self.wire.is_armed
 
     @property
     def is_prepared(self) -> bool:
@@ -90,15 +98,15 @@ class WireDrive(Drive):
 
     @property
     def is_actuated(self) -> bool | None:
-        return self.position_mm >= self._switch_mm
+        return self.wire.level
 
     @property
     def has_latched(self) -> bool:
-        return self._latched_mm is not None
+        return self.wire.latched_mm is not None
 
     @property
     def latched_mm(self) -> float | None:
-        return self._latched_mm
+        return self.wire.latched_mm
 
     @property
     def latched_speed_mm(self) -> float:
@@ -108,10 +116,10 @@ class WireDrive(Drive):
         return True
 
     def home(self, clock: Clock) -> DriveHoming:
-        return AtOnce()
+        return HomeAtOnce()
 
 
-class AtOnce(DriveHoming):
+class HomeAtOnce(DriveHoming):
     """It is home where it stands."""
 
     def step(self) -> None:
@@ -148,13 +156,15 @@ class WireWatch(DriveWatch):
 
 
 class Wires(Carrier):
-    """What begins a cycle where nothing is sent."""
+    """Lets the far ends of some wires look at them, at the begin of each cycle."""
 
-    def __init__(self) -> None:
-        self.name, self.cycles = "wire", 0
+    def __init__(self, name: str, ends: list[Callable[[], None]]) -> None:
+        self.name, self.ends, self.cycles = name, ends, 0
 
     def begin_cycle(self) -> None:
         self.cycles += 1
+        for end in self.ends:
+            end()
 
     @property
     def holds_back(self) -> bool:
@@ -165,3 +175,11 @@ class Wires(Carrier):
 
     def check(self) -> Alarm | None:
         return None
+
+
+class AtOnceStart:
+    """The start-up of a drive that needs none."""
+
+    def begin(self, ended: Callable[[Alarm | None], None]) -> None:
+        """It has ended before it began."""
+        ended(None)

@@ -1,0 +1,231 @@
+"""The toy family in a rig and in a machine, beside a CANopen drive: by one row of the registry."""
+
+import dataclasses
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import cast
+
+import pytest
+from tests.architecture.sources import MODULES, imported_names, trees
+from typer.testing import CliRunner
+
+from axisrig.bench.campaign.results.build_info import is_compiled
+from axisrig.bench.cli.main import app
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.machine.facts import facts_of
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading import families
+from axisrig.bench.rig.reading.families import FAMILIES, Joined
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.parameters.drive_types import DRIVE_TYPES, DriveType
+
+pytestmark = pytest.mark.skipif(is_compiled(), reason="the toy is written in Python alone")
+
+SCENARIOS = Path(families.__file__).parents[2] / "tools" / "scenarios"
+SURFACE_MM, INCREMENTS_PER_MM = -0.4321, 10_000
+RIG = """
+title = "a drive on a wire beside one on CAN"
+[channel]
+list = "channel.lst"
+[segment.bundle]
+carrier = "wire"
+[segment.can1]
+[drive.wired]
+family = "wire"
+[drive.servo]
+[axis.Z]
+list = "axis-z.lst"
+segment = "bundle"
+drive = "wired"
+plant = "z"
+probe_1 = "probe"
+[axis.X]
+list = "axis-x.lst"
+segment = "can1"
+node = 1
+drive = "servo"
+plant = "x"
+[plant.z]
+fmu = "AxisRig.Drives.ServoAxis"
+start = { position_start_mm = 0.5, kv = 100 }
+[plant.x]
+fmu = "AxisRig.Drives.ServoAxis"
+start = { kv = 100 }
+[plant.probe]
+fmu = "AxisRig.Sensors.TouchProbe"
+start = { surface_mm = -0.4321 }
+wire = { z = "z" }
+"""
+PROGRAM = """%wire
+N10 G90 G01 X2 F3000
+N20 G100 Z-1 F300
+N30 #MSG SYN["z=%f", V.A.MEAS.ACS.VALUE.Z]
+N40 G01 Z0.5 X3 F3000
+N50 M30
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Path]:
+    """A folder with rig, lists and program; the toy has a row in the registry."""
+    row = Joined("wire", "wire", "tests.exercise.wire", "tests.exercise.wire")
+    for name in ("channel.lst", "axis-z.lst"):
+        shutil.copy(SCENARIOS / name, tmp_path / name)
+    of_z = (tmp_path / "axis-z.lst").read_text(encoding="utf-8")
+    of_x = of_z.replace("log_achs_name                          Z", "log_achs_name X")
+    of_x = of_x.replace("achs_nr                                1", "achs_nr 2")
+    (tmp_path / "axis-x.lst").write_text(of_x.replace("messachse  ", "messachse 0 #"))
+    (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")
+    (tmp_path / "wire.nc").write_text(PROGRAM, encoding="utf-8")
+    FAMILIES.append(row)
+    yield tmp_path
+    FAMILIES.remove(row)
+
+
+def settings_of(folder: Path, *changes: str, rig: str = RIG) -> Settings:
+    (folder / "rig.toml").write_text(rig, encoding="utf-8")
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    settings = read_settings(*read_rig(folder / "rig.toml"), assigned)
+    check_rig(settings)
+    return settings
+
+
+def test_both_drives_move_in_one_machine_and_the_wire_measures(folder: Path) -> None:
+    """The latch is where the motor was at the edge, in increments of the drive."""
+    settings = settings_of(folder)
+    machine = Machine(settings, read_program(folder / "wire.nc", tuple(settings.rig.axis)))
+    try:
+        machine.run()
+        facts, seen = facts_of(machine), Observed(facts_of(machine), machine.recorder.series())
+    finally:
+        machine.close()
+    assert [str(alarm) for alarm in machine.channel.alarms] == []
+    ((_, edge_level), *_) = machine.plant.probes["probe"].signal.edges
+    assert edge_level
+    (line,) = [message.shown for message in machine.messages]
+    assert float(line.partition("=")[2]) == pytest.approx(SURFACE_MM, abs=2.0 / INCREMENTS_PER_MM)
+    assert [latch.probe for latch in facts.axes["Z"].latches] == [1]
+    assert facts.axes["Z"].telegrams == ()
+    assert [telegram.name for telegram in facts.axes["X"].telegrams] != []
+    assert [bus.segment for bus in facts.buses] == ["can1"]
+    assert seen.column("X", "truth_mm")[-1] == pytest.approx(3.0, abs=0.05)
+    assert seen.column("Z", "truth_mm")[-1] == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_plan_with_it_passes_and_its_report_is_written(folder: Path) -> None:
+    heads = "case,rig,program,check:alarms,check:latch_error_um"
+    plan = f"{heads}\nfirst,rig.toml,wire.nc,none,0 +- 0.2\n"
+    (folder / "plan.csv").write_text(plan, encoding="utf-8")
+    words = ["run", str(folder / "plan.csv"), "-j", "1", "-o", str(folder / "out")]
+    ended = CliRunner().invoke(app, words)
+    assert ended.exit_code == 0, ended.output
+    assert "on a wire" not in ended.output
+    assert "<html" in (folder / "out" / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_rig_is_described_with_both(folder: Path) -> None:
+    ended = CliRunner().invoke(app, ["check", str(folder / "rig.toml")])
+    assert ended.exit_code == 0, ended.output
+    assert "axis Z: on bundle, drive wired (10000 increments per mm)" in ended.output
+    assert "axis Z: on a wire of its own" in ended.output
+    assert "axis X: node 1 on can1, drive servo (profile generic)" in ended.output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('family = "wire"', 'family = "wier"', "there is no such family; allowed: wire"),
+        ('carrier = "wire"', 'carrier = "wir"', "there is no such carrier; allowed: wire"),
+        ('carrier = "wire"', 'carrier = "wire"\ncolour = "pink"', "colour"),
+        ('carrier = "wire"', 'carrier = "wire"\nbitrate = 500000', "unknown rig key"),
+        ('segment = "bundle"', 'segment = "can1"\nnode = 4', "is not on a segment of this kind"),
+        ('segment = "bundle"', 'segment = "bundle"\nnode = 4', "there are no nodes"),
+        ("node = 1\n", "", "the rig lacks the key axis.X.node"),
+        ('probe_1 = "probe"', 'probe_2 = "probe"', "a drive on a wire has one input"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused_with_its_place(
+    folder: Path, old: str, new: str, words: str
+) -> None:
+    with pytest.raises(UserError, match=words) as caught:
+        settings_of(folder, rig=RIG.replace(old, new, 1))
+    assert caught.value.file == str(folder / "rig.toml")
+    assert caught.value.line is not None
+
+
+def test_cells_reach_the_keys_of_each_kind(folder: Path) -> None:
+    """`all` means those that have the key."""
+    settings = settings_of(
+        folder,
+        "drive:wired.increments_per_mm=5000",
+        "bus:all.overload=run",
+        "bus:bundle.colour=blue",
+    )
+    assert settings.rig.drive["wired"].facts().units_per_mm == 5000
+    assert settings.segment["bundle"].model_dump()["colour"] == "blue"
+    assert settings.segment["can1"].model_dump()["overload"] == "run"
+    for change in ("drive:wired.profile=generic", "bus:bundle.bitrate=500000", "bus:all.weight=1"):
+        with pytest.raises(UserError, match="has no such key"):
+            settings_of(folder, change)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("fault:drop=Z.TPDO1 at=1ms", "only CANopen drives and CAN segments have faults"),
+        ("fault:babble=bundle id=0x1 at=1ms", "only CANopen drives and CAN segments have faults"),
+        ("plc:Z.6072=300", "only CANopen drives have objects"),
+    ],
+)
+def test_what_only_canopen_has_is_refused_for_others(folder: Path, change: str, words: str) -> None:
+    settings_of(folder, change.replace("Z", "X").replace("bundle", "can1"))
+    with pytest.raises(UserError, match=words):
+        settings_of(folder, change)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "#DRIVE WR SYN [AX=Z KEY=A VAL=1]",
+        "#IDENT WR SYN [AX=Z ID=S-0-0092 TYP=2 DEC=0 VAL=1]",
+    ],
+)
+def test_a_drive_command_for_it_is_an_alarm(folder: Path, command: str) -> None:
+    """NC program: the drive has no such function."""
+    (folder / "own.nc").write_text(f"%own\n{command}\nM30\n", encoding="utf-8")
+    settings = settings_of(folder)
+    machine = Machine(settings, read_program(folder / "own.nc", tuple(settings.rig.axis)))
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    assert [alarm.id for alarm in machine.channel.alarms] == [900110]
+
+
+def test_a_drive_without_a_family_has_that_of_its_lists(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """P-AXIS-00020 of the axes that it moves; a list of another family is refused."""
+    virtual = dataclasses.replace(DRIVE_TYPES[16], family="wire")
+    monkeypatch.setitem(cast("dict[int, DriveType]", DRIVE_TYPES), 16, virtual)
+    with (folder / "axis-z.lst").open("a") as file:
+        file.write("kenngr.antr_typ 16\n")
+    rig = RIG.replace('family = "wire"\n', "")
+    assert settings_of(folder, rig=rig).rig.drive["wired"].family_name == "wire"
+    given = RIG.replace('family = "wire"', 'family = "canopen"')
+    on_can = given.replace('segment = "bundle"', 'segment = "can1"\nnode = 4', 1)
+    with pytest.raises(UserError, match=r"of the type virtual .* is of the family canopen"):
+        settings_of(folder, rig=on_can)
+
+
+def test_no_module_of_the_product_names_it() -> None:
+    """A new family is its folders and a row of the registry."""
+    for module, tree in trees().items():
+        assert not [name for _, name in imported_names(tree) if "wire" in name.split(".")], module
+    assert len(MODULES) > 700
