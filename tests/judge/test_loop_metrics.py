@@ -279,7 +279,7 @@ PAST = {
 @pytest.mark.parametrize("name", PAST)
 def test_a_slope_goes_past_a_surface_by(name: str) -> None:
     changes, cycles = PAST[name]
-    found = seen(recorded(**{"words": LIMITED, **changes}), "distance_overshoot_expected_mm")
+    found = seen(recorded(**{"words": LIMITED, **changes}), "distance_overshoot_expected_mm")  # type: ignore[arg-type,dict-item]
     assert found.value == pytest.approx(V_MM_S * 1e-3 * cycles)
     assert found.note == "where v_max is reached"
 
