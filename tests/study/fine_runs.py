@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from tests.can_parts import can_of
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.judge.observed.observed import Observed
@@ -108,7 +107,7 @@ def _run(case: Case, settings: Settings, *, is_fine: bool) -> Observed:
         facts = facts_of(machine, machine.run())
         series = machine.recorder.series()
         if watch is not None:
-            ticks_ns = {name: node.servo.tick_ns for name, node in can_of(machine).nodes.items()}
+            ticks_ns = {name: drive.tick_ns for name, drive in machine.drives.items()}
             series = replace(series, source=fine_table(series.table(), watch.rows, ticks_ns))
         return Observed(facts, series)
     finally:

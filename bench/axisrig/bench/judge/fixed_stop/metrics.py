@@ -26,6 +26,7 @@ NOT_FOLLOWED = (
     " the block is unknown to this oracle"
 )
 INTEGRATED = "steps of the integration of the plant"
+BESIDE = "the force goes on beyond the first or last SYNC of the run"
 NO_FORCE = "the FMU of the axis gives no force at the stop (stop_force in docs/rigs.md)"
 
 
@@ -101,16 +102,17 @@ def _of_every_run(
     return function
 
 
-def _force(
-    run: StopRun, axis: str | None, force_n: Callable[[AxisTruth], float | None]
-) -> Observation:
-    """Return the largest force of one axis, or of all without a name."""
-    found = [(force_n(truth), truth) for name, truth in run.truths.items() if axis in (None, name)]
+def _force(run: StopRun, axis: str | None, rows_of: Callable[[AxisTruth], slice]) -> Observation:
+    """Return the largest force in some rows, of one axis, or of all without a name."""
+    truths = [truth for name, truth in run.truths.items() if axis in (None, name)]
+    found = [(truth.stop_force_max_n(rows_of(truth)), truth) for truth in truths]
     known = [(force, truth) for force, truth in found if force is not None]
     if not known:
         return Observation(None, note=NO_FORCE)
     largest_n, truth = max(known, key=lambda each: each[0])
-    return _known_force(truth, largest_n)
+    beside_n = truth.force_beside_n(rows_of(truth))
+    words = BESIDE if beside_n > 0.0 else INTEGRATED if largest_n > 0.0 else ""
+    return Observation(largest_n, truth.force_doubt_n(largest_n) + beside_n, words)
 
 
 def _known_force(truth: AxisTruth, force_n: float) -> Observation:
@@ -237,7 +239,7 @@ def stop_force_n(run: StopRun, truth: AxisTruth) -> Observation:
 @_of_every_run
 def stop_force_n_max(run: StopRun, axis: str | None) -> Observation:
     """Largest force at a stop in a run."""
-    return _force(run, axis, lambda truth: truth.stop_force_max_n(run.rows))
+    return _force(run, axis, lambda _: run.rows)
 
 
 @_of_axis
@@ -287,7 +289,7 @@ def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
 @_of_every_run
 def after_run_force_n_max(run: StopRun, axis: str | None) -> Observation:
     """Largest force at the stop while the set value is at rest after a run."""
-    return _force(run, axis, lambda truth: truth.stop_force_max_n(_standing_rows(run, truth)))
+    return _force(run, axis, lambda truth: _standing_rows(run, truth))
 
 
 def _standing_rows(run: StopRun, truth: AxisTruth) -> slice:

@@ -148,6 +148,18 @@ class AxisTruth:
         told = self.stop_force_n if self.peak_n is None else self.peak_n
         return None if told is None or not len(told[rows]) else float(np.max(told[rows]))
 
+    def force_beside_n(self, rows: slice) -> float:
+        """Return by how much the forces of the rows beside some pass the largest one of these.
+
+        What the rows belong to begins and ends between two SYNCs: by so much its largest force may
+        be larger than that of its rows.
+        """
+        told, largest_n = self.stop_force_n, self.stop_force_max_n(rows)
+        if told is None or largest_n is None:
+            return 0.0
+        beside = [*told[max(rows.start - 1, 0) : rows.start], *told[rows.stop : rows.stop + 1]]
+        return max(0.0, *(float(force_n) - largest_n for force_n in beside), 0.0)
+
     def force_doubt_n(self, force_n: float) -> float:
         """Return how well a force at the stop is known; 0 where its stiffness is not known."""
         return 0.0 if self.stop is None else self.stop.doubt_n(force_n, PLANT_MM)
