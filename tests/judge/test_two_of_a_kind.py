@@ -240,6 +240,28 @@ def test_the_torque_limit_is_that_of_the_direction_and_of_the_instant(
 
 
 @pytest.mark.parametrize(
+    ("force_n", "rows", "beside_n"),
+    [
+        ([0, 1, 2, 3, 4, 5], slice(1, 4), 1.0),  # it goes on to rise between the last two SYNCs
+        ([5, 4, 3, 2, 1, 0], slice(2, 5), 1.0),  # or has fallen before the first one
+        ([0, 1, 9, 3, 4, 5], slice(1, 4), 0.0),
+        ([0, 1, 2, 3, 4, 5], slice(3, 6), 0.0),  # nothing comes after the recording
+        ([5, 4, 3, 2, 1, 0], slice(0, 3), 0.0),
+    ],
+)
+def test_the_largest_force_of_a_run_may_lie_beside_its_rows(
+    force_n: list[float], rows: slice, beside_n: float
+) -> None:
+    forces = np.array(force_n, dtype=float)
+    names = ("actual_mm", "truth_mm", "velocity_mm_s", "drive_lag_mm", "set_mm", "cnc_lag_mm")
+    columns = {f"Z.{name}": np.zeros(len(forces)) for name in names}
+    table = pa.table({"time_ns": TIMES[: len(forces)], **columns, "Z.stop_force_n": forces})
+    axes, plants = {"Z": AxisRecord("can1", 1, 1000.0, plant="z")}, {"z": PlantRecord({})}
+    truth = axis_truth(Observed(facts(axes=axes, plants=plants), Series(table)), "Z", 0.0)
+    assert truth.force_beside_n(rows) == beside_n
+
+
+@pytest.mark.parametrize(
     ("set_mm", "end_row", "rows"),
     [
         ([5, 4, 3, 3, 3, 3, 2, 1], 3, (3, 7)),  # the first new value was made after its SYNC

@@ -103,7 +103,7 @@ def compared(both: Both) -> Iterator[Compared]:
         seen = observe(both.shipped, parse_check(name, "> 0", ""))
         if not how or not isinstance(seen.value, int | float):
             continue
-        fine = _fine(both, name, how, seen)
+        fine = _fine(both, name, how, seen, axis)
         if fine is not None:
             value = float(seen.value)
             yield Compared(metric.name, value, seen.uncertainty, fine - value)
@@ -115,9 +115,9 @@ def _axis_of_stop(observed: Observed) -> str | None:
     return None if run is None or run.fixed_stop is None else stop_run(observed, run).main_axis()
 
 
-def _fine(both: Both, name: str, how: str, seen: Observation) -> float | None:
+def _fine(both: Both, name: str, how: str, seen: Observation, of_stop: str | None) -> float | None:
     if how in ("contact", "latch"):
-        return _at_contact(both, seen, how)
+        return _at_contact(both, seen, how, of_stop)
     if how == "deflection":
         return _deflection_mm(both.fine)
     found = touch(both.fine, None)
@@ -127,12 +127,13 @@ def _fine(both: Both, name: str, how: str, seen: Observation) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
-def _at_contact(both: Both, seen: Observation, how: str) -> float | None:
+def _at_contact(both: Both, seen: Observation, how: str, of_stop: str | None) -> float | None:
     """Return where the axis was at the contact by the fine rows, or what the latch was off."""
-    found = touch(both.fine, None)
-    if found is None or found.contact is None:
+    found, known = touch(both.fine, of_stop), touch(both.shipped, of_stop)
+    if found is None or found.contact is None or known is None:
         return None
-    axis = both.fine.moved_axis(found.run)
+    # Of a gantry both axes move as far: finer rows may name the other one
+    axis = of_stop or both.shipped.moved_axis(known.run)
     state = state_at(both.fine, axis, found.contact.time_ns)
     if state is None:
         return None
