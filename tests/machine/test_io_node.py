@@ -113,6 +113,22 @@ def test_it_sends_the_levels_of_the_sync_while_it_is_operational(bus: Bus) -> No
     assert len(bus.frames(0x180 + NODE)) == 4
 
 
+def test_a_stopped_node_answers_no_sdo_and_keeps_its_heartbeat(bus: Bus) -> None:
+    """CiA 301, NMT states and objects: SDO in pre-operational and operational only."""
+    node_on(bus)
+    bus.remote.sdo[0x1017].raw = 3
+    answers = []
+    for command in (2, 128, 2, 1):
+        bus.remote.nmt.send_command(command)
+        begin_ms = bus.scheduler.now_ns / MS
+        bus.heard.clear()
+        bus.master.send_message(0x600 + NODE, bytes.fromhex("4000100000000000"))
+        bus.until_ms(begin_ms + 7)
+        answers.append(len(bus.frames(0x580 + NODE)))
+        assert len(bus.frames(0x700 + NODE)) >= 2
+    assert answers == [0, 1, 0, 1]
+
+
 def test_transmission_type_counts_syncs_and_others_are_refused(bus: Bus) -> None:
     node_on(bus)
     bus.remote.sdo[0x1800][2].raw = 3

@@ -123,6 +123,8 @@ class IoNode:
         local.nmt = self._nmt = _Nmt(self, local, clock)
         local.add_write_callback(self._check_write)  # type: ignore[no-untyped-call]
         network.add_node(local)
+        network.unsubscribe(local.sdo.rx_cobid, local.sdo.on_request)
+        network.subscribe(local.sdo.rx_cobid, self._on_sdo)
         network.subscribe(SYNC_ID, self._on_sync)
         clock.call_at(clock.now_ns, Phase.APPLICATION, self.boot)
 
@@ -156,6 +158,11 @@ class IoNode:
     def send_state(self) -> None:
         """Send the message of the error control protocol: boot-up or heartbeat."""
         self._network.send_message(ERROR_CONTROL_BASE + self.node_id, bytes((self.state,)))
+
+    def _on_sdo(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        """Answer, but not while the node is stopped (CiA 301, NMT states and objects)."""
+        if self.state in (NmtState.PRE_OPERATIONAL, NmtState.OPERATIONAL):
+            self._local.sdo.on_request(can_id, data, timestamp)  # type: ignore[no-untyped-call]
 
     def _check_write(self, *, index: int, subindex: int, data: bytes, **_: Any) -> None:
         """Refuse what the node cannot do; begin or end the heartbeat."""
