@@ -133,3 +133,32 @@ def test_what_was_on_before_an_error_begins_anew() -> None:
     found = acts(on(2), kp(5, 0.4, OBJECT), on(9), on={})
     assert found[-1].begins
     assert found[-1].listed.control.kp == 0.4
+
+
+def test_a_control_that_is_commanded_in_the_first_row_begins() -> None:
+    found = acts(on(0, PLC))
+    assert [(one.row, one.begins, one.is_dry_run) for one in found] == [(0, True, False)]
+    assert [(one.row, one.begins) for one in acts(on(0))] == [(0, False), (1, True)]
+
+
+def test_a_dry_run_stays_one_with_a_word_and_ends_with_the_control() -> None:
+    orders = (on(2, dry=True), kp(4, 0.3), Order(6, NC, "OFF", is_dry_run=True))
+    found = acts(*orders, on={3: True, 5: True})
+    assert [(one.row, one.is_dry_run) for one in found] == [
+        (0, False), (3, True), (5, True), (7, False),
+    ]  # fmt: skip
+
+
+def test_two_orders_that_act_in_one_row_are_one() -> None:
+    """The second is what acts, and what the first has begun has begun."""
+    found = acts(on(2), kp(2, 0.6), Order(3, PLC, "FREEZE"), on={2: True})
+    assert [(one.row, one.listed.control.kp, one.begins) for one in found] == [
+        (0, 0.2, False), (3, 0.6, True),
+    ]  # fmt: skip
+    assert [one.begins for one in acts(kp(2, 0.6), on(2))] == [False, True]
+
+
+@pytest.mark.parametrize(("time_s", "count"), [(0.0124, 12), (0.0126, 13), (0.001, 1)])
+def test_a_filter_time_is_rounded_to_cycles(time_s: float, count: int) -> None:
+    found = acts(Order(1, NC, words={"filter_time_s": time_s}))
+    assert found[-1].listed.control.count == count

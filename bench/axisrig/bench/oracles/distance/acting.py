@@ -95,7 +95,7 @@ def _put(found: list[Acting], new: Acting) -> None:
     """Add what acts from a row on; the last of a row is what acts there."""
     begins = new.begins
     if found[-1].row == new.row:
-        begins = begins or found.pop().begins
+        begins = found.pop().begins or begins
     found.append(Acting(new.row, new.listed, new.is_dry_run, begins))
 
 
