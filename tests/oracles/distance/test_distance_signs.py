@@ -158,3 +158,29 @@ def test_frames_of_a_ramp_and_of_noise_show_no_step() -> None:
     at_once = [Sent(k * PERIOD_NS + 7, 0 if k < 1 else 1) for k in range(12)]
     with pytest.raises(NotMeasurableError, match="was not constant before its change: no step"):
         measured(at_once, noise, PERIOD_NS)
+
+
+@pytest.mark.parametrize(("quiet", "is_step"), [(2, False), (3, True), (9, True)])
+@pytest.mark.parametrize("first", [0, 500])
+def test_a_step_comes_after_three_cycles_of_rest(quiet: int, is_step: bool, first: int) -> None:
+    """Wherever the record begins; the answer is one cycle later and shows after two more."""
+
+    def course(step: int, back: int) -> list[int]:
+        return [0 if k < quiet else step if k < quiet + 3 else back for k in range(quiet + 8)]
+
+    sensor = [Sent((first + k) * PERIOD_NS, v) for k, v in enumerate(course(10, 4))]
+    targets = [
+        Sent((first + k) * PERIOD_NS + 7, 0 if k < quiet + 1 else -6) for k in range(quiet + 8)
+    ]
+    if not is_step:
+        with pytest.raises(NotMeasurableError, match="was not constant before its change"):
+            measured(targets, sensor, PERIOD_NS)
+        return
+    found = measured(targets, sensor, PERIOD_NS)
+    assert (found.cycles.reaction, found.cycles.way) == (1, 2)
+    assert found.way_ns == 2 * PERIOD_NS - 7
+    assert measured(targets, sensor, PERIOD_NS, quiet_increments=5).cycles == found.cycles
+    with pytest.raises(NotMeasurableError, match="never changed"):
+        measured(targets, sensor, PERIOD_NS, quiet_increments=10)
+    with pytest.raises(NotMeasurableError, match="no sensor value showed"):
+        measured(targets, sensor, PERIOD_NS, quiet_increments=6)
