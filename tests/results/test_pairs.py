@@ -269,6 +269,7 @@ def test_shifts_are_of_cases_with_several_runs_in_both_the_surest_first(tmp_path
     assert found[0].p_value == pytest.approx(0.00154, abs=1e-5)
 
 
+@pytest.mark.filterwarnings("ignore:Precision loss")
 def test_only_values_without_any_spread_are_decided_at_once() -> None:
     assert welch_p([1.0, 1.0], [1.0 + 1e-12, 1.0 + 1e-12]) == 1.0
     assert welch_p([1.0, 1.0], [1.1, 1.1]) == 0.0

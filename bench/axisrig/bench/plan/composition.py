@@ -126,7 +126,6 @@ class _Reader:
                     "the plan has no case", file=table.path, hint="add a row below the header"
                 )
             )
-        has_all = all(form.column in (*forms, *outer) for form in column_forms() if form.required)
         if CASE_COLUMN not in forms:
             return
         defaults = dict(outer)
@@ -147,7 +146,7 @@ class _Reader:
             for form in column_forms():
                 if form.required and form.column not in (CASE_COLUMN if name else "", *cells):
                     known = form.column in forms
-                    if not known and form.column not in outer and not has_all:
+                    if not known and form.column not in outer:
                         continue  # the header has been reported
                     at = table.place(row, form.column if known else CASE_COLUMN, via)
                     at = replace(at, header=form.column)

@@ -36,7 +36,6 @@ from axisrig.kernel.errors import UserError
 __all__ = ["Plan", "default_seed", "read_plan"]
 
 _NAME = re.compile(f"[{SIGNS}]{{1,60}}")
-_RUN_MAX = 200
 _SEED_MAX = 2**32 - 1
 _REPEATS_MAX = 999
 _FILES = ("program", "rig")
@@ -275,12 +274,6 @@ class _Row:
         texts = variant.texts
         run = f"{self._plan}-{name}" + (f"-{variant.label}" if variant.swept else "")
         run += f"-{variant.number:03}" if variant.number else ""
-        if len(run) > _RUN_MAX and _NAME.fullmatch(name):
-            self._refuse(
-                self._row.place.error(
-                    f"the id of the run has more than {_RUN_MAX} characters", value=run
-                )
-            )
         files = [self._file_of(column, texts.get(column, "")) for column in _FILES]
         seed = default_seed(run)
         if (given := self._seed(texts.get("seed", ""))) is not None:

@@ -11,7 +11,7 @@ from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
-from axisrig.bench.plan.assignment import find_form, parse_column
+from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.checks import Check, Metric, parse_condition
 from axisrig.bench.plan.statistic_checks import parse_any_check
 from axisrig.bench.plan.table import Cell
@@ -77,12 +77,10 @@ def parse_search(column: str, cell: Cell, others: Mapping[str, object]) -> Searc
     is no input or that the row sets as well, and for a text that is no search.
     """
     searched = column.removeprefix(HEAD)
-    form = find_form(searched)
-    if form is None or not form.is_input:
-        try:
-            parse_column(searched, "0")
-        except UserError as error:
-            raise cell.place.error_from(error) from None
+    try:
+        parse_column(searched, "0")
+    except UserError as error:
+        raise cell.place.error_from(error) from None
     if searched in others:
         raise cell.place.error(f"the row sets {searched}, and searches it", value=cell.text)
     match = _FORM.fullmatch(cell.text)
