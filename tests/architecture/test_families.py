@@ -89,3 +89,18 @@ def test_each_family_of_the_registry_has_its_modules() -> None:
 def test_rooms_that_the_rules_name_exist() -> None:
     for package in (*MAY_TAKE, *NOTHING_OF):
         assert any(lies_in(module, package) for module in MODULES), package
+
+
+def test_a_canopen_slave_has_one_home() -> None:
+    """Whatever device is behind it: what listens to NMT and SDO is `CanopenSlave` alone."""
+    listens = {
+        f"axisrig.kernel.profiles.canopen.identifiers.{n}" for n in ("NMT_ID", "LSS_REQUEST_ID")
+    }
+    found = {module for module, name in imports_of(DRIVE) if name in listens}
+    assert found == {f"{DRIVE}.canopen.slave"}
+    foreign = ("canopen.LocalNode", "canopen.nmt")
+    for room in (DRIVE, "axisrig.bench.machine"):
+        assert [pair for pair in imports_of(room) if lies_in(pair[1], foreign[1])] == []
+        for module in MODULES:
+            if lies_in(module, room):
+                assert foreign[0] not in MODULES[module].read_text(encoding="utf-8"), module

@@ -9,12 +9,13 @@ from pathlib import Path
 import can
 import canopen
 import pytest
+from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.eds import import_eds
 from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.bench.drive.canopen.io_node import IoNode, io_dictionary
+from axisrig.bench.drive.canopen.io_node import IoNode, io_table
 from axisrig.bench.machine.canopen.io_terminal import IoTerminal
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
@@ -33,8 +34,23 @@ SYNC_NS = 48_000  # a SYNC frame at 1 Mbit/s: 44 bits and 4 stuff bits
 
 def foreign_dictionary() -> canopen.ObjectDictionary:
     """The EDS as canopen writes it, read again."""
-    text = io.StringIO()
-    canopen.export_od(io_dictionary(NODE), text, "eds")  # type: ignore[no-untyped-call]
+    table, found, text = io_table(), canopen.ObjectDictionary(), io.StringIO()  # type: ignore[no-untyped-call]
+    found.node_id = NODE
+    for (index, sub), value in table.defaults(NODE).items():
+        row = table.rows[index, sub]
+        variable = ODVariable(row.name, index, sub)
+        variable.data_type, variable.access_type = row.data_type.code, row.access
+        variable.pdo_mappable = bool(row.pdo)
+        variable.default = value.decode() if isinstance(value, bytes) else value
+        if row.sub is None:
+            found.add_object(variable)
+            continue
+        if index not in found:
+            found.add_object((ODArray if index == 0x6000 else ODRecord)(f"{index:04X}", index))
+        whole = found[index]
+        assert isinstance(whole, ODArray | ODRecord)
+        whole.add_member(variable)
+    canopen.export_od(found, text, "eds")  # type: ignore[no-untyped-call]
     return import_eds(io.StringIO(text.getvalue()), NODE)  # type: ignore[no-untyped-call]
 
 
@@ -103,7 +119,7 @@ def test_it_sends_the_levels_of_the_sync_while_it_is_operational(bus: Bus) -> No
     bus.remote.nmt.send_command(1)
     bus.syncs(5, 3)
     assert bus.frames(0x180 + NODE) == [b"\x03", b"\x00", b"\x03"]
-    assert [now_ns % MS for now_ns in seen] == [SYNC_NS] * 3
+    assert [now_ns % MS for now_ns in seen] == [SYNC_NS] * 5  # before the start too: for SDO
     bus.remote.tpdo.read(from_od=True)
     bus.syncs(8, 1)
     (inputs,) = bus.remote.tpdo[1].map
@@ -148,6 +164,21 @@ def test_transmission_type_counts_syncs_and_others_are_refused(bus: Bus) -> None
     first_ms = bus.segment.now_ns // MS + 1
     bus.syncs(first_ms, 7)
     assert len(bus.frames(0x180 + NODE)) == 2
+
+
+def test_it_answers_node_guarding_and_remote_requests_as_every_slave_does(bus: Bus) -> None:
+    """CiA 301: state and toggle bit; the sample of the last SYNC where 1800:1 allows it."""
+    node_on(bus, lambda _: 5)
+    cob_id = 0x180 + NODE
+    for value in (1 << 31 | cob_id, cob_id):
+        bus.remote.sdo[0x1800][1].raw = value
+    bus.remote.nmt.send_command(1)
+    bus.syncs(bus.segment.now_ns // MS + 1, 1)
+    for can_id in (0x700 + NODE, 0x700 + NODE, cob_id):
+        bus.master.send_message(can_id, b"", remote=True)
+        bus.until_ms(bus.segment.now_ns / MS + 1)
+    assert [data for data in bus.frames(0x700 + NODE) if data] == [b"\x00", b"\x05", b"\x85"]
+    assert [data for data in bus.frames(cob_id) if data] == [b"\x05", b"\x05"]
 
 
 def test_its_heartbeat_shows_its_state_and_a_reset_boots_it(bus: Bus) -> None:
@@ -215,11 +246,29 @@ def test_the_node_is_lost_without_its_telegram_or_its_heartbeat(bus: Bus) -> Non
 def test_a_node_without_heartbeats_that_were_wanted_is_lost(bus: Bus) -> None:
     terminal = terminal_on(bus, heartbeat_ms=10)
     bus.syncs(5, 2)
-    terminal.node._nmt.stop_heartbeat()
+    terminal.node.slave.heartbeat.stop()
     bus.syncs(7, 12)
     assert terminal.wc_state == 0
     bus.syncs(19, 12)
     assert terminal.wc_state == 1
+
+
+def test_a_node_that_boots_while_the_plc_starts_it_is_started_anew(bus: Bus) -> None:
+    """The reset takes the answer with it; the question asked again does not count for the start."""
+    terminal_on(bus)
+    sent: list[bytes] = []
+    ear = bus.segment.port("ear")
+    ear.attach(lambda m: sent.append(bytes(m.data)) if m.arbitration_id in (0, 0x600 + NODE) else 0)
+    bus.scheduler.run_while(lambda: not sent, MS)
+    bus.master.send_message(0, bytes((129, NODE)))
+    bus.syncs(5, 2)
+    assert bus.frames(0x180 + NODE) == []
+    bus.until_ms(320)
+    device_type, abort, heartbeat = b"\x40\x00\x10", b"\x80\x00\x10", b"\x2b\x17\x10"
+    again = [abort, device_type, device_type, heartbeat]
+    assert [data[:3] for data in sent] == [device_type, b"\x81\x14", *again, b"\x01\x14"]
+    bus.syncs(321, 2)
+    assert len(bus.frames(0x180 + NODE)) == 2
 
 
 @pytest.mark.parametrize(

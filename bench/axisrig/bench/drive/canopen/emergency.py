@@ -63,7 +63,7 @@ class EmergencyProducer(Owner):
         while self._waiting and self._may_send and not self._inhibit.is_running:
             data = self._waiting.popleft()
             cob_id = self._store.value(EMERGENCY_ID)
-            if cob_id & NOT_VALID:
+            if cob_id & NOT_VALID or not self._store.holds(EMERGENCY_ID):
                 continue
             self._send(cob_id, data)
             inhibit_ns = self._store.value(EMERGENCY_INHIBIT) * 100 * US

@@ -26,7 +26,8 @@ TOGGLE = 0x80
 class HeartbeatProducer(Owner):
     """Sends the NMT state every 1017 ms.
 
-    send(data) sends a message of the error control protocol.
+    send(data) sends a message of the error control protocol. before_answer: the first heartbeat
+    after a write of 1017 is sent before SDO answers, otherwise after it.
     """
 
     objects: ClassVar[tuple[int, ...]] = (PRODUCER_TIME,)
@@ -37,8 +38,11 @@ class HeartbeatProducer(Owner):
         clock: Clock,
         send: Callable[[bytes], None],
         state: Callable[[], int],
+        *,
+        before_answer: bool = False,
     ) -> None:
         self._store, self._clock, self._send, self._state = store, clock, send, state
+        self._before_answer = before_answer
         self._run = 0  # counts the starts: an event of an older one does nothing
 
     def boot_up(self) -> None:
@@ -61,7 +65,11 @@ class HeartbeatProducer(Owner):
 
     def written(self, index: int, sub: int, value: int) -> None:
         """Begin anew at once."""
-        self._start(self._clock.now_ns)
+        first_ns = self._clock.now_ns
+        if self._before_answer and self.is_active:
+            self._send(bytes((self._state(),)))
+            first_ns += self._period_ns
+        self._start(first_ns)
 
     def _start(self, first_ns: TimeNs) -> None:
         self._run += 1

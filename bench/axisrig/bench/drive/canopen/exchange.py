@@ -19,7 +19,7 @@ from axisrig.bench.drive.canopen.pdo import (
     read_tpdo,
 )
 from axisrig.bench.drive.canopen.timer import Timer
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister
 from axisrig.kernel.time.clock import Clock, Phase
@@ -56,7 +56,7 @@ class PdoExchange(Owner):
         network: SimNetwork,
         clock: Clock,
         store: ObjectStore,
-        image: ProcessImage,
+        image: DeviceImage,
         emergency: ErrorRegister,
         events: ExchangeEvents,
     ) -> None:

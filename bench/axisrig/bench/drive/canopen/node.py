@@ -1,7 +1,7 @@
 """A DS402 drive on a CAN bus: a CANopen slave and a servo.
 
-What the node does on its bus is `communication/slave.py`, what it does with its object values
-`application/servo.py`; here they are put together.
+What the node does on its bus is `slave.py`, what it does with its object values `servo.py` of CiA
+402; here they are put together.
 """
 
 from collections.abc import Mapping
@@ -12,8 +12,9 @@ from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.drive.canopen.nmt import NmtState
-from axisrig.bench.drive.canopen.slave import CanopenSlave, Needs
+from axisrig.bench.drive.canopen.slave import CanopenSlave, Needs, SlaveHabits
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.cia402.dictionary.defaults import drive_table
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.objects import variables
@@ -71,7 +72,8 @@ class DriveNode:
             node_id,
             network,
             clock,
-            self.profile,
+            drive_table(self.profile),
+            SlaveHabits(self.profile.sync_loss_periods, self.profile.sdo_answer_ns),
             servo,
             Needs(
                 lambda: servo.state in MOVING,

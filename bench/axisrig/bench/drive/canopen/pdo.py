@@ -11,7 +11,7 @@ from typing import Final
 
 from axisrig.bench.drive.canopen.identifiers import check_cob_id
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.objects import DUMMIES
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.kernel.profiles.canopen.identifiers import BIT_30, ID_MASK, MAPPING_OF_PDO, NOT_VALID
@@ -41,12 +41,12 @@ class Layout:
     fields: tuple[str, ...]
     codec: struct.Struct
 
-    def store(self, image: ProcessImage, data: bytes) -> None:
+    def store(self, image: DeviceImage, data: bytes) -> None:
         """Write the values of a message into the image; data after the mapping is ignored."""
         for name, value in zip(self.fields, self.codec.unpack_from(data), strict=True):
             setattr(image, name, value)
 
-    def reader(self) -> Callable[[ProcessImage], bytes]:
+    def reader(self) -> Callable[[DeviceImage], bytes]:
         """Return the function that makes the message from the image."""
         pack, fields = self.codec.pack, self.fields
         if len(fields) == 1:
@@ -93,7 +93,7 @@ class Tpdo:
     awaits: int
     answers_remote: bool
     layout: Layout
-    message: Callable[[ProcessImage], bytes]
+    message: Callable[[DeviceImage], bytes]
     syncs: int = 0
     sent: bytes | None = None
     free_ns: TimeNs = 0

@@ -33,8 +33,8 @@ from axisrig.bench.drive.canopen.sdo_server import SdoServer
 from axisrig.bench.drive.canopen.sdo_transfers import SegmentOutlet
 from axisrig.bench.drive.canopen.storage import ParameterStorage
 from axisrig.bench.drive.canopen.sync import SYNC_LOST, SyncConsumer, SyncEvents
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
-from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
+from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, ObjectTable
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister
 from axisrig.kernel.profiles.canopen.identifiers import (
@@ -62,8 +62,15 @@ _GUARDING, _BUS = "node guarding", "bus"
 class Application(Protocol):
     """The device of the slave; every method gets the present simulated time."""
 
-    image: ProcessImage
-    emergency: ErrorRegister
+    @property
+    def image(self) -> DeviceImage:
+        """The object values that change while the device runs."""
+        ...
+
+    @property
+    def emergency(self) -> ErrorRegister:
+        """The errors of the device."""
+        ...
 
     def reset(self, now_ns: TimeNs) -> None:
         """Do what power off and on does."""
@@ -106,8 +113,22 @@ class Needs:
     sync: Callable[[], bool]
 
 
+@dataclass(frozen=True)
+class SlaveHabits:
+    """What differs from slave to slave.
+
+    sync_loss_periods: so many times 1006 without a SYNC, and it is lost; 0 = never. sdo_answer_ns:
+    how long a request of SDO waits to be looked at. beats_first: a write of 1017 is followed by the
+    heartbeat before the answer of SDO.
+    """
+
+    sync_loss_periods: int = 0
+    sdo_answer_ns: TimeNs = 0
+    beats_first: bool = False
+
+
 class CanopenSlave:
-    """One node on its network.
+    """One node on its network, with the objects of `table`.
 
     serial_number: of the identity 1018, taken at the next reset; the node number to begin with.
     The node is silent until `boot`.
@@ -118,7 +139,8 @@ class CanopenSlave:
         node_id: int,
         network: SimNetwork,
         clock: Clock,
-        profile: DriveProfile,
+        table: ObjectTable,
+        habits: SlaveHabits,
         application: Application,
         needs: Needs,
     ) -> None:
@@ -126,13 +148,12 @@ class CanopenSlave:
         self.state = NmtState.INITIALISING
         self._error_state = ErrorState.ACTIVE
         self._network, self._clock, self._application = network, clock, application
-        self._needs = needs
+        self._needs, self._habits = needs, habits
         self.serial_number = node_id
         self._subscribed: list[tuple[int, Callable[..., None]]] = []
         self.lss_settings = lss.LssSettings(node_id, node_id)
-        store = self.objects = ObjectStore(profile, application.image)
-        self.storage = ParameterStorage(store, profile)
-        store.note_change = self.storage.note_change
+        store = self.objects = ObjectStore(table, application.image, self._note_change)
+        self.storage = ParameterStorage(store)
         self.emergencies = EmergencyProducer(store, clock, network.send_message)
         self.sync = SyncConsumer(
             store,
@@ -145,7 +166,7 @@ class CanopenSlave:
                 partial(self._connection_lost, SYNC_LOST),
                 lambda: self.exchange.is_running and needs.sync(),
             ),
-            profile.sync_loss_periods,
+            habits.sync_loss_periods,
         )
         self.exchange = PdoExchange(
             network,
@@ -164,7 +185,7 @@ class CanopenSlave:
         bus = network.bus
         is_free = (lambda: not bus.pending) if isinstance(bus, SimBus) else (lambda: True)
         outlet = SegmentOutlet(clock, SEGMENT_NS, self._sender(SDO_ANSWER_BASE), is_free)
-        self.sdo = SdoServer(store, clock, outlet, profile.sdo_answer_ns)
+        self.sdo = SdoServer(store, clock, outlet, habits.sdo_answer_ns)
         self._build_error_control()
         self._lss = self._build_lss()
         for part in (self.storage, self.emergencies, self.sync, self.exchange):
@@ -176,7 +197,9 @@ class CanopenSlave:
         store, clock, network = self.objects, self._clock, self._network
         emergency = self._application.emergency
         send = self._sender(ERROR_CONTROL_BASE)
-        self.heartbeat = HeartbeatProducer(store, clock, send, lambda: self.state)
+        self.heartbeat = HeartbeatProducer(
+            store, clock, send, lambda: self.state, before_answer=self._habits.beats_first
+        )
         self._consumer = HeartbeatConsumer(
             store, clock, network, self._node_lost, partial(emergency.clear, LOST_CONNECTION)
         )
@@ -200,6 +223,9 @@ class CanopenSlave:
             lambda: self.reset(RESET_COMMUNICATION),
             self._set_bit_rate if isinstance(bus, SimBus) else None,
         )
+
+    def _note_change(self, row: ObjectRow) -> None:
+        self.storage.note_change(row)
 
     def _sender(self, base_id: int) -> Callable[[bytes], None]:
         return lambda data: self._network.send_message(base_id + self.node_id, data)

@@ -8,10 +8,8 @@ from collections.abc import Mapping
 from typing import ClassVar, Final
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
-from axisrig.bench.drive.cia402.dictionary.defaults import default_value
-from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow
-from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.drive.cia402.dictionary.store import Key, ObjectStore, Owner
+from axisrig.bench.drive.cia402.dictionary.objects import Key, ObjectRow
+from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 
 STORE, RESTORE, VERIFY = 0x1010, 0x1011, 0x1020
 SAVE: Final = int.from_bytes(b"save", "little")
@@ -31,8 +29,8 @@ class ParameterStorage(Owner):
 
     objects: ClassVar[tuple[int, ...]] = (STORE, RESTORE)
 
-    def __init__(self, store: ObjectStore, profile: DriveProfile) -> None:
-        self._store, self._profile = store, profile
+    def __init__(self, store: ObjectStore) -> None:
+        self._store = store
         self._stored: dict[Key, int] = {}
         self._node_id = 0
 
@@ -59,7 +57,7 @@ class ParameterStorage(Owner):
 
     def note_change(self, row: ObjectRow) -> None:
         """Take note of a write: the configuration is no longer the verified one."""
-        if _is_stored(row) and row.index != VERIFY:
+        if _is_stored(row) and row.index != VERIFY and self._store.holds(VERIFY):
             for sub in (1, 2):
                 self._store.set_value(VERIFY, sub, 0)
 
@@ -85,7 +83,7 @@ class ParameterStorage(Owner):
         for row in self._store.rows:
             if first <= row.index <= last and _is_stored(row):
                 present = self._store.value(*row.key)
-                if present != default_value(row, self._profile, self._node_id):
+                if present != self._store.default(row, self._node_id):
                     self._stored[row.key] = present
 
 

@@ -7,7 +7,7 @@ an error has gone.
 from collections.abc import Callable
 from typing import Final
 
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 
 NO_ERROR: Final = 0x0000
 GENERIC_ERROR: Final = 1 << 0
@@ -21,7 +21,7 @@ class ErrorRegister:
     send(code, register, info) sends one message.
     """
 
-    def __init__(self, image: ProcessImage, send: Callable[[int, int, int], None]) -> None:
+    def __init__(self, image: DeviceImage, send: Callable[[int, int, int], None]) -> None:
         self._image, self._send = image, send
         self._bits: dict[tuple[int, object], int] = {}
 

@@ -16,13 +16,22 @@ from axisrig.bench.drive.axis.ports import SignalPort
 from axisrig.bench.drive.canopen.io_node import IoNode
 from axisrig.bench.machine.plc.terminal import ChannelInput, InputChannel
 from axisrig.bench.rig.reading.plc_task import TerminalTable, silent_ns
-from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
-from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, NMT_ID, PDO_BASE
+from axisrig.kernel.drives.canopen.sdo import SdoClient
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.canopen.startup_steps import (
+    NMT_START,
+    PROFILE_MASK,
+    Check,
+    Nmt,
+    StartUpSettings,
+    Write,
+)
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, PDO_BASE
 from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 PROFILE: Final = 401
-_NMT_START: Final = 1
 
 
 class IoTerminal:
@@ -45,7 +54,7 @@ class IoTerminal:
         period_ns: TimeNs,
     ) -> None:
         assert table.node is not None
-        self._table, self._clock, self._master, self._advance = table, clock, master, advance
+        self._table, self._clock, self._advance = table, clock, advance
         self._channels = {
             number: InputChannel(signals[name], table, 0) for number, name in table.inputs.items()
         }
@@ -54,7 +63,18 @@ class IoTerminal:
         self._limit_ns = (table.missing_cycles + 1) * period_ns
         self._came_ns: TimeNs | None = None
         self._alive_ns: TimeNs | None = None  # None: not operational
-        self._sdo = SdoClient(master, clock, table.node)
+        self._start_up = StartUp(
+            DriveAddress("terminal", table.node),
+            master,
+            clock,
+            SdoClient(master, clock, table.node),
+            (
+                Check("0x1000:0 device type", 0x1000, 0, PROFILE, PROFILE_MASK),
+                Write("0x1017:0", 0x1017, 0, table.heartbeat_ms.to_bytes(2, "little")),
+                Nmt("NMT start", NMT_START),
+            ),
+            StartUpSettings(boot="none", device_type=PROFILE),
+        )
         self.node = IoNode(table.node, node_port, clock, self._levels)
         master.subscribe(ERROR_CONTROL_BASE + table.node, self._on_state)
         master.subscribe(PDO_BASE["TPDO1"] + table.node, self._on_telegram)
@@ -94,21 +114,15 @@ class IoTerminal:
             return
         if data[0] == BOOT_UP:
             self._alive_ns = self._came_ns = None
-            self._sdo.read(0x1000, 0, self._on_device_type)
+            self._start_up.begin(self._on_started)
         elif data[0] == OPERATIONAL:
             self._alive_ns = self._clock.now_ns
         elif self._alive_ns is not None and self._came_ns is not None:
             self._alive_ns = None  # somebody else has stopped it
 
-    def _on_device_type(self, answer: bytes | SdoError) -> None:
-        if isinstance(answer, SdoError) or int.from_bytes(answer, "little") & 0xFFFF != PROFILE:
-            return
-        heartbeat = self._table.heartbeat_ms.to_bytes(2, "little")
-        self._sdo.write(0x1017, 0, heartbeat, self._on_heartbeat_set)
-
-    def _on_heartbeat_set(self, answer: bytes | SdoError) -> None:
-        if not isinstance(answer, SdoError):
-            self._master.send_message(NMT_ID, bytes((_NMT_START, self.node.node_id)))
+    def _on_started(self, alarm: Alarm | None) -> None:
+        """Count the node as there; one that could not be started stays lost."""
+        if alarm is None:
             self._alive_ns = self._clock.now_ns
 
     def _on_telegram(self, _can_id: int, data: bytearray, _timestamp: float) -> None:

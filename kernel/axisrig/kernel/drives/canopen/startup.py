@@ -7,8 +7,9 @@ CiA 302-2 (boot-up), CiA 301 (NMT, SDO, PDO parameters), CiA 402-2 (scaling).
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 
-from axisrig.kernel.drives.canopen.sdo import Network, SdoClient, SdoError, object_name
+from axisrig.kernel.drives.canopen.sdo import Done, Network, SdoClient, SdoError, object_name
 from axisrig.kernel.drives.canopen.startup_steps import (
     SCALING,
     BootUp,
@@ -39,7 +40,7 @@ class DriveAddress:
 
 
 class StartUp:
-    """The start-up of one drive. `step` shows where it is.
+    """The start-up of one node. `step` shows where it is.
 
     keep(index, sub, value): takes the values of objects that RPDOs will carry for drive functions.
 
@@ -60,8 +61,8 @@ class StartUp:
         self.drive, self._network, self._clock, self._sdo = drive, network, clock, sdo
         self._steps, self._settings = list(steps), settings
         self._node = bytes((drive.node_id,))
-        self._next = 0
-        self._attempts = 0
+        self._next = self._attempts = 0
+        self._run_number = 0  # counts the starts: an answer to an older one does nothing
         self._waits_for_boot = False
         self._keep = keep
         self._read: dict[tuple[int, int], int] = {}
@@ -69,8 +70,12 @@ class StartUp:
         network.subscribe(ERROR_CONTROL_BASE + drive.node_id, self._on_heartbeat)
 
     def begin(self, ended: Ended) -> None:
-        """Start with the first step; `ended` is called when it is over."""
+        """Start with the first step, anew where one is under way; `ended`: called at its end."""
         self._ended = ended
+        self._next = self._attempts = 0
+        self._run_number += 1
+        self._waits_for_boot = False
+        self._read.clear()
         self._run()
 
     @property
@@ -90,11 +95,11 @@ class StartUp:
                 self._command(command)
                 self._advance()
             case Write(_, index, sub, data):
-                self._sdo.write(index, sub, data, self._on_answer)
+                self._sdo.write(index, sub, data, self._taker())
             case Check(_, index, sub) | Keep(_, index, sub):
-                self._sdo.read(index, sub, self._on_answer)
+                self._sdo.read(index, sub, self._taker())
             case CheckScaling():
-                self._sdo.read(*SCALING[0], self._on_answer)
+                self._sdo.read(*SCALING[0], self._taker())
 
     def _advance(self) -> None:
         self._next += 1
@@ -116,10 +121,11 @@ class StartUp:
         if command is not None:
             self._command(command)
         due_ns = self._clock.now_ns + self._settings.boot_timeout_ns
-        self._clock.call_at(due_ns, Phase.APPLICATION, self._on_boot_timeout)
+        timed_out = partial(self._on_boot_timeout, self._run_number)
+        self._clock.call_at(due_ns, Phase.APPLICATION, timed_out)
 
-    def _on_boot_timeout(self) -> None:
-        if not self._waits_for_boot:
+    def _on_boot_timeout(self, run: int) -> None:
+        if not self._waits_for_boot or run != self._run_number:
             return
         if self._attempts < self._settings.boot_attempts:
             self._run()
@@ -156,7 +162,12 @@ class StartUp:
 
     # Objects
 
-    def _on_answer(self, result: bytes | SdoError) -> None:
+    def _taker(self) -> Done:
+        return partial(self._on_answer, self._run_number)
+
+    def _on_answer(self, run: int, result: bytes | SdoError) -> None:
+        if run != self._run_number:
+            return
         step = self.step
         if isinstance(result, SdoError):
             self._end(
@@ -178,7 +189,7 @@ class StartUp:
         elif isinstance(step, CheckScaling):
             self._read[SCALING[len(self._read)]] = int.from_bytes(result, "little")
             if len(self._read) < len(SCALING):
-                self._sdo.read(*SCALING[len(self._read)], self._on_answer)
+                self._sdo.read(*SCALING[len(self._read)], self._taker())
             else:
                 self._compare_scaling(step.expected)
         else:

@@ -1,10 +1,10 @@
-"""Default values of the objects: the text of the EDS made into the value of one drive."""
+"""Default values of the objects, as text in their tables, made into the values of one device."""
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 
-from axisrig.bench.drive.cia402.dictionary.eds import default_text
-from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, variables
+from axisrig.bench.drive.cia402.dictionary.eds import data_type, default_text
+from axisrig.bench.drive.cia402.dictionary.objects import Key, ObjectRow, ObjectTable, variables
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
 _NODE_ID = "$NODEID+"
@@ -12,14 +12,28 @@ _NODE_ID = "$NODEID+"
 
 # A drive asks at every start, and the next run has the same drives
 @lru_cache(maxsize=64)
-def default_values(profile: DriveProfile, node_id: int) -> Mapping[tuple[int, int], int | bytes]:
-    """Return the values of all objects, by index and subindex, of such a drive at power on."""
-    return {key: default_value(row, profile, node_id) for key, row in variables().items()}
+def drive_table(profile: DriveProfile) -> ObjectTable:
+    """Return the objects of a drive with this profile."""
+    rows = variables()
+    return ObjectTable(
+        rows,
+        {key: data_type(row, profile).format.islower() for key, row in rows.items()},
+        frozenset(row.index for key, row in rows.items() if profile.has_object(*key)),
+        profile.has_object,
+        partial(_of_drive, profile),
+    )
 
 
-def default_value(row: ObjectRow, profile: DriveProfile, node_id: int) -> int | bytes:
-    """Return the value of a drive with this profile and node number at power on."""
-    text = default_text(row, profile)
+@lru_cache(maxsize=64)
+def _of_drive(profile: DriveProfile, node_id: int) -> Mapping[Key, int | bytes]:
+    return {
+        key: default_value(row, default_text(row, profile), node_id)
+        for key, row in variables().items()
+    }
+
+
+def default_value(row: ObjectRow, text: str, node_id: int) -> int | bytes:
+    """Return the value of an object at power on; text: its default as the EDS writes it."""
     if not row.data_type.format:
         return text.encode("ascii")
     offset = 0

@@ -12,10 +12,16 @@ from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
 
 @dataclass(slots=True)
-class ProcessImage:
-    """Object values as they are on the bus (integers in the units of the object tables)."""
+class DeviceImage:
+    """What the process image of any device has: the error register 1001."""
 
     error_register: int = 0
+
+
+@dataclass(slots=True)
+class ProcessImage(DeviceImage):
+    """Object values as they are on the bus (integers in the units of the object tables)."""
+
     sync_cob_id: int = 0
     sync_period_us: int = 0
     abort_option: int = 0

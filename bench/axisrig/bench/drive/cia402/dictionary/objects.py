@@ -3,10 +3,11 @@
 """
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from importlib.resources.abc import Traversable
 from typing import Final, Self
 
 
@@ -116,15 +117,36 @@ class ObjectRow:
         return DATA_TYPES[self.type]
 
 
+Key = tuple[int, int]
+"""Index and sub-index of an object."""
+
+
+@dataclass(frozen=True)
+class ObjectTable:
+    """The objects of one kind of device.
+
+    rows: every object that holds a value. signed: which of them are signed numbers. indices: of
+    the objects that SDO finds; has(index, sub): whether it finds this one. defaults(node_id): the
+    values at power on with this node number.
+    """
+
+    rows: Mapping[Key, ObjectRow]
+    signed: Mapping[Key, bool]
+    indices: frozenset[int]
+    has: Callable[[int, int], bool]
+    defaults: Callable[[int], Mapping[Key, int | bytes]]
+
+
+def read_rows(table: Traversable) -> tuple[ObjectRow, ...]:
+    """Read a table of objects in its order."""
+    return tuple(map(_row, csv.DictReader(table.read_text(encoding="utf-8").splitlines())))
+
+
 @cache
 def object_rows() -> tuple[ObjectRow, ...]:
-    """Read both tables in their order."""
+    """Read both tables of the drive in their order."""
     folder = resources.files(__package__)
-    return tuple(
-        _row(row)
-        for name in TABLES
-        for row in csv.DictReader(folder.joinpath(name).read_text(encoding="utf-8").splitlines())
-    )
+    return tuple(row for name in TABLES for row in read_rows(folder.joinpath(name)))
 
 
 @cache

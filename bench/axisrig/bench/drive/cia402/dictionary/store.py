@@ -1,22 +1,16 @@
-"""The object values of one drive as SDO sees them: access rights, sizes, limits, owners.
+"""The object values of one device as SDO sees them: access rights, sizes, limits, owners.
 
-What changes while the drive runs is in the process image, the rest here. Source: CiA 301,
+What changes while the device runs is in the process image, the rest here. Source: CiA 301,
 object dictionary and abort codes.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Collection, Iterable
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
-from axisrig.bench.drive.cia402.dictionary.defaults import default_values
-from axisrig.bench.drive.cia402.dictionary.eds import data_type
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
-from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, variables
-from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
+from axisrig.bench.drive.cia402.dictionary.objects import Key, ObjectRow, ObjectTable
 
 COMMUNICATION_LAST = 0x1FFF
-Key = tuple[int, int]
-"""Index and sub-index of an object."""
 
 
 class Owner:
@@ -33,37 +27,32 @@ class Owner:
         return None
 
 
-# A drive asks at every start, and the next run has the same drives
-@lru_cache(maxsize=64)
-def _of_profile(profile: DriveProfile) -> tuple[Mapping[Key, bool], frozenset[int]]:
-    """Return which objects are signed numbers, and the indices that such a drive has."""
-    rows = variables()
-    signed = {key: data_type(row, profile).format.islower() for key, row in rows.items()}
-    return signed, frozenset(row.index for key, row in rows.items() if profile.has_object(*key))
-
-
 class ObjectStore:
-    """Values of a drive with `profile`. The node number may change (LSS): see `restore`.
+    """Values of a device with the objects of `table`. The node number may change: see `restore`.
 
     note_change: called with the row of every object that SDO has written.
     """
 
-    def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
-        self._profile, self._image = profile, image
-        self._rows = variables()
-        self._signed_values, self._indices = _of_profile(profile)
+    def __init__(
+        self,
+        table: ObjectTable,
+        image: DeviceImage,
+        note_change: Callable[[ObjectRow], None],
+    ) -> None:
+        self._table, self._image = table, image
+        self._rows, self._signed_values, self._indices = table.rows, table.signed, table.indices
         self._values: dict[Key, int | bytes] = {}
         self._owners: dict[int, Owner] = {}
         self._default_owner = Owner()
-        self.note_change: Callable[[ObjectRow], None] | None = None
+        self._note_change = note_change
 
     @property
     def rows(self) -> Iterable[ObjectRow]:
-        """Every object of the drive that has a value."""
-        return [row for key, row in self._rows.items() if self._profile.has_object(*key)]
+        """Every object of the device that has a value."""
+        return [row for key, row in self._rows.items() if self._table.has(*key)]
 
     def own(self, owner: Owner, indices: Collection[int]) -> None:
-        """Let `owner` answer for those of these objects that the drive has."""
+        """Let `owner` answer for those of these objects that the device has."""
         few, many = sorted((self._indices, indices), key=len)
         for index in few:
             if index in many:
@@ -75,7 +64,7 @@ class ObjectStore:
         What the application keeps in the process image it resets itself, and it alone decides what
         is read only there.
         """
-        values = default_values(self._profile, node_id)
+        values = self._table.defaults(node_id)
         for key, row in self._rows.items():
             is_in_image = row.value and (row.index > COMMUNICATION_LAST or row.access == "ro")
             if first <= row.index <= last and not is_in_image:
@@ -83,9 +72,19 @@ class ObjectStore:
 
     # For the node itself: no checks
 
+    def holds(self, index: int, sub: int = 0) -> bool:
+        """Return whether the table has such an object, for SDO to find or not."""
+        return (index, sub) in self._rows
+
+    def default(self, row: ObjectRow, node_id: int) -> int | bytes:
+        """Return what an object has at power on with this node number."""
+        return self._table.defaults(node_id)[row.key]
+
     def value(self, index: int, sub: int = 0) -> int:
-        """Return a number."""
-        row = self._rows[index, sub]
+        """Return a number; 0 where the table has no such object."""
+        row = self._rows.get((index, sub))
+        if row is None:
+            return 0
         value = getattr(self._image, row.value) if row.value else self._values[index, sub]
         assert isinstance(value, int)
         return value
@@ -138,13 +137,12 @@ class ObjectStore:
         owner.check(index, sub, value)
         self._set((index, sub), row, value)
         owner.written(index, sub, value)
-        if self.note_change is not None:
-            self.note_change(row)
+        self._note_change(row)
 
     def row(self, index: int, sub: int) -> ObjectRow:
         """Return the row of an object; raises SdoAbortedError where there is none."""
         row = self._rows.get((index, sub))
-        if row is None or not self._profile.has_object(index, sub):
+        if row is None or not self._table.has(index, sub):
             abort(AbortCode.NO_SUB_INDEX if index in self._indices else AbortCode.NO_OBJECT)
         return row
 
