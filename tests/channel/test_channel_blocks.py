@@ -20,9 +20,15 @@ from axisrig.kernel.nc.block import Block
 Make = Callable[..., ChannelBench]
 
 
+def watched(bench: ChannelBench) -> BlockLog:
+    log = BlockLog(bench.scheduler, bench.channel)
+    bench.channel.execution.watches.append(log)
+    return log
+
+
 def noted(bench: ChannelBench, *commands: canon.Command) -> BlockTrace:
     """Run a program and return its block trace."""
-    log = bench.channel.execution.watch = BlockLog(bench.scheduler, bench.channel)
+    log = watched(bench)
     bench.run([*commands, canon.EndOfProgram(Block(99, 990, "N990 M30"))])
     return log.trace()
 
@@ -111,7 +117,7 @@ def test_an_alarm_stops_the_row_and_what_waits_has_not_begun(
     channel_bench: Make, words: Any
 ) -> None:
     bench = channel_bench(words.axis("Z"))
-    bench.channel.execution.watch = log = BlockLog(bench.scheduler, bench.channel)
+    log = watched(bench)
     bench.prepare([words.move(1, 3000.0, Z=50.0), words.end()])
     bench.scheduler.run_until(_until(bench, lambda: bench.channel.path.is_moving) + 300 * MS)
     bench.channel.stop(Alarm(900070))
@@ -124,7 +130,7 @@ def test_an_alarm_stops_the_row_and_what_waits_has_not_begun(
 
 def test_a_feedhold_is_an_interval(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
-    log = bench.channel.execution.watch = BlockLog(bench.scheduler, bench.channel)
+    log = watched(bench)
     bench.prepare([words.move(1, 3000.0, Z=50.0), words.end()])
     begin_ns = _until(bench, lambda: bench.channel.path.is_moving) + 300 * MS
     for is_on in (True, False):
@@ -160,7 +166,7 @@ def test_an_axis_beside_the_path_has_its_own_end(channel_bench: Make, words: Any
 def test_a_reset_stops_the_row_of_an_axis_beside_the_path(channel_bench: Make, words: Any) -> None:
     beside = canon.IndependentMove(Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
-    bench.channel.execution.watch = log = BlockLog(bench.scheduler, bench.channel)
+    log = watched(bench)
     bench.prepare([beside, words.move(2, 600.0, Y=5.0), words.end()])
     begin_ns = _until(bench, lambda: bench.channel.path.is_moving) + 100 * MS
     bench.scheduler.run_until(begin_ns)
@@ -184,7 +190,7 @@ def test_nothing_moves_otherwise_because_of_it(channel_bench: Make, words: Any) 
     def frames(is_noted: bool) -> list[tuple[int, int, bytes]]:
         bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=110.0)
         if is_noted:
-            bench.channel.execution.watch = BlockLog(bench.scheduler, bench.channel)
+            watched(bench)
         bench.run([words.probe(1, 1200.0, Z=60.0), words.wait(1), words.end()])
         return bench.frames
 

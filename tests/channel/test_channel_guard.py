@@ -1,6 +1,6 @@
 """Set positions that pass what an axis may do: an alarm before they are sent, its own ramp after.
 
-What leads an axis wrongly is put in by the test: `Path.follow`, where couplings put their slaves.
+What leads an axis wrongly is put in by the test: `Path.leaders`, where couplings put their slaves.
 """
 
 from collections.abc import Callable
@@ -46,7 +46,7 @@ def lead_wrongly(bench: ChannelBench, beyond_mm: dict[str, float], *, grows: boo
         for axis, mm in beyond_mm.items():
             path.put_off_path(axis, path.position_acs_mm(axis) + share * mm)
 
-    path.follow = follow
+    path.leaders.append(follow)
 
 
 @pytest.mark.provokes(

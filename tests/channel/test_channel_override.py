@@ -15,6 +15,7 @@ from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., ChannelBench]
@@ -127,7 +128,7 @@ def in_turns(bench: ChannelBench, course: Callable[[int], Mapping[str, int]]) ->
         for axis, permille in now.items():
             plc.axis[axis].override_permille = permille
 
-    plc.take_turn = turn
+    plc.join(PlcParticipant(turn))
 
 
 @pytest.mark.parametrize("name", ["", "Z"])
@@ -189,7 +190,7 @@ def test_an_override_of_0_holds_the_path_until_it_is_above(channel_bench: Make, 
     def turn() -> None:
         plc.override_permille = 0 if next(turns) < 300 else 500
 
-    plc.take_turn = turn
+    plc.join(PlcParticipant(turn))
     bench.run([words.move(1, 3000.0, Z=10.0), words.end()])
     z = bench.set_mm("Z")
     begin = next(k for k, s in enumerate(bench.samples) if s.time_ns >= bench.channel.start_ns)
@@ -218,7 +219,7 @@ def test_a_path_is_held_by_itself_and_by_axes_that_it_moves_whatever_else_is_hel
             is_on = name in held
             setattr(unit, word, is_on if word == "feedhold" else 1000 * (not is_on))
 
-    plc.take_turn = turn
+    plc.join(PlcParticipant(turn))
     bench.run([words.move(1, 600.0, Z=1.5), words.end()])
     speeds = speeds_mm_s(bench, "Z")
     first = next(k for k, speed in enumerate(speeds) if speed)
@@ -244,7 +245,7 @@ def test_the_window_does_not_count_while_an_override_falls(channel_bench: Make, 
         fallen = min(max(next(turns) - 500, 0), 1200)
         plc.override_permille = 1000 - min(fallen, 1000) * 9 // 10 if fallen < 1200 else 1000
 
-    plc.take_turn = turn
+    plc.join(PlcParticipant(turn))
     bench.run([words.probe(1, 600.0, 7, Z=30.0), words.wait(2), words.end()])
     assert bench.alarm_ids == []
     assert bench.channel.records[0].latched_mm == {}

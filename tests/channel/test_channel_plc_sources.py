@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.plc.probing import AxisWrites, LatchTask, PlcTask, StampRelation
 
 MS = 1_000_000
@@ -42,10 +43,10 @@ class Plc:
     def __post_init__(self) -> None:
         plc = self.bench.channel.plc
         self.unit = plc.axis[self.axis].probing
-        self.task = plc.task = PlcTask(
+        self.task = PlcTask(
             cycle_ns=MS, watchdog_ns=5 * MS, acknowledge_ns=50 * MS, stamps=StampRelation()
         )
-        plc.take_turn = self.turn
+        plc.join(PlcParticipant(self.turn, task=self.task))
 
     def _level(self) -> bool:
         if self.level is not None:
@@ -151,7 +152,7 @@ def test_a_level_that_hardware_shows_until_it_is_enabled_ends_no_run(
     bench = channel_bench(*axes, plane_mm=PLANE_MM)
     links = {link.name: link for link in bench.links}
     units = {name: bench.channel.plc.axis[name].probing for name in ("Y", "Z")}
-    task = bench.channel.plc.task = PlcTask(MS, 5 * MS, 50 * MS)
+    task = PlcTask(MS, 5 * MS, 50 * MS)
     enabled_ns: dict[str, int] = {}
 
     def turn() -> None:
@@ -167,7 +168,7 @@ def test_a_level_that_hardware_shows_until_it_is_enabled_ends_no_run(
             number = unit.number if done else unit.number - 1
             unit.take(AxisWrites(level, done_order=number), now_ns)
 
-    bench.channel.plc.take_turn = turn
+    bench.channel.plc.join(PlcParticipant(turn, task=task))
     bench.run([words.probe(1, 600.0, Y=TO, Z=TO), words.wait(1), words.end()])
     assert bench.alarm_ids == []
     (record,) = bench.channel.records
@@ -360,14 +361,13 @@ def test_the_first_event_counts_for_every_axis(channel_bench: Make, words: Any) 
     places = {"Y": 121.0, "Z": 122.0}
     axes = [words.axis(n, start_mm=at, source="PLC_FIRST_EVENT") for n, at in places.items()]
     bench = channel_bench(*axes, plane_mm=PLANE_MM)
-    side = Plc(bench)
+    Plc(bench)
 
     def turn() -> None:
-        side.turn()
         other = bench.channel.plc.axis["Y"].probing
         other.take(AxisWrites(signal=False), bench.scheduler.now_ns)
 
-    bench.channel.plc.take_turn = turn
+    bench.channel.plc.join(PlcParticipant(turn))
     bench.run([words.probe(1, 600.0, Y=TO - 1.0, Z=TO), words.wait(1), words.end()])
     (record,) = bench.channel.records
     assert bench.alarm_ids == []

@@ -16,6 +16,7 @@ from axisrig.kernel.drives.canopen.watch import WatchSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
@@ -30,9 +31,10 @@ class Side:
         self.bench, self.words, self.turn = bench, words, 0
         self.acts = dict(acts)
         plc = bench.channel.plc
-        plc.outlives_program = True
-        plc.is_idle = lambda: self.turn > max(self.acts, default=0) + 5
-        plc.take_turn = self.take_turn
+        plc.join(PlcParticipant(self.take_turn, outlives_program=True, is_idle=self.is_idle))
+
+    def is_idle(self) -> bool:
+        return self.turn > max(self.acts, default=0) + 5
 
     def take_turn(self) -> None:
         act = self.acts.get(self.turn)

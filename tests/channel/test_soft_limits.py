@@ -10,6 +10,7 @@ from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.plc.interface import PlcParticipant
 
 Make = Callable[..., Any]
 LIMITS = SoftLimits(negative_mm=-5.0, positive_mm=20.0, tolerance_mm=0.1)
@@ -91,7 +92,7 @@ def test_an_axis_that_is_pushed_over_one_stops(
         cycle = (channel._clock.now_ns - channel.start_ns) // 1_000_000
         axis.droop_m = -sign * min(max(0, cycle - 100), 500) * 1e-6  # 1 um a cycle
 
-    channel.plc.take_turn = push
+    channel.plc.join(PlcParticipant(push))
     bench.run([canon.Dwell(block(1), 1_000_000_000), words.end()])
     assert bench.alarm_ids == [alarm_id]
     (alarm,) = channel.alarms

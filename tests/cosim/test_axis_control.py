@@ -24,14 +24,17 @@ def make() -> Iterator[Callable[..., PlantAxis]]:
     plants = []
 
     def made(
-        path: Path, sources: dict[str, Source | None] | None = None, **start: float
+        path: Path,
+        sources: dict[str, Source | None] | None = None,
+        second_encoder: str | None = None,
+        **start: float,
     ) -> PlantAxis:
         slave = load_fmu(path, "axis")
         for name, value in start.items():
             slave.set_start(name, value)
         plant = Plant()
         plants.append(plant)
-        axis = plant.add_axis(slave, map_roles(slave, "axis", sources or {}))
+        axis = plant.add_axis(slave, map_roles(slave, "axis", sources or {}), second_encoder)
         plant.initialize(0)
         return axis
 
@@ -157,9 +160,9 @@ def test_one_limit_for_both_directions_gets_the_smaller_amount(make) -> None:
     assert axis.slave.get("force_limit") == 70.0
 
 
-def test_a_second_encoder_is_what_is_wired_to_it(servo) -> None:
+def test_a_second_encoder_is_what_is_wired_to_it(servo, make) -> None:
     assert servo.second_encoder_m() is None
-    servo.second_encoder = servo.position_m
+    servo = make(ensure_built("AxisRig.Drives.ServoAxis"), second_encoder="axis", **FREE)
     servo.command_velocity(0, 0.05, 0.0, 0)
     servo.advance_to(100 * MS)
     assert servo.second_encoder_m() == servo.position_m() > 1e-3

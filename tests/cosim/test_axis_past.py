@@ -6,20 +6,29 @@ import pytest
 
 from axisrig.fmus.build import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import PlantError, load_fmu
+from axisrig.kernel.cosim.fmi.roles import map_roles
 from axisrig.kernel.cosim.plant.axis import HISTORY_NS, HISTORY_STEPS, PlantAxis
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, US
 
 
 @pytest.fixture
-def axis(request: pytest.FixtureRequest) -> Iterator[PlantAxis]:
-    plant = Plant()
-    model = getattr(request, "param", "ServoAxis")
-    axis = plant.add_axis(load_fmu(ensure_built(f"AxisRig.Drives.{model}"), "x"))
+def plant() -> Iterator[Plant]:
+    made = Plant()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def axis(plant: Plant) -> PlantAxis:
+    axis = plant.add_axis(load_fmu(ensure_built("AxisRig.Drives.ServoAxis"), "x"))
+    begin(plant, axis)
+    return axis
+
+
+def begin(plant: Plant, axis: PlantAxis) -> None:
     plant.initialize(0)
     axis.command(0, 0.0, 0.01, HISTORY_NS * 2, True)
-    yield axis
-    plant.close()
 
 
 @pytest.mark.parametrize("is_in_rows", [False, True])
@@ -57,11 +66,17 @@ def test_of_short_steps_so_many_are_kept(axis: PlantAxis) -> None:
         axis.motion_at(oldest_ns - 50 * US)
 
 
-@pytest.mark.parametrize("axis", ["ScrewAxis"], indirect=True)  # its motor and load differ
 @pytest.mark.parametrize("error_m", [12e-6, 0.0, -3e-6])
-def test_what_the_second_encoder_saw_has_its_own_error(axis: PlantAxis, error_m: float) -> None:
+def test_what_the_second_encoder_saw_has_its_own_error(plant: Plant, error_m: float) -> None:
     """It reads the load and is off by its own error, not by that of the motor encoder."""
-    axis.second_encoder = lambda: axis.position_m() + error_m
+
+    def second_m() -> float:
+        return axis.position_m() + error_m
+
+    slave = load_fmu(ensure_built("AxisRig.Drives.ScrewAxis"), "x")  # its motor and load differ
+    axis = PlantAxis(map_roles(slave, "axis", {}), plant.advance_to, second_encoder=second_m)
+    plant.axes["x"] = axis
+    begin(plant, axis)
     places = {}
     for end_ns in range(MS, 40 * MS + 1, MS):
         axis.step_to(end_ns)

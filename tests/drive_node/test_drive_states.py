@@ -77,12 +77,14 @@ def expected(state: str, word: int, before: int) -> tuple[int | None, str]:
     return STANDARD[state].get(command, (None, state))
 
 
-def machine_in(state: str, before: int, **options: int) -> tuple[StateMachine, ProcessImage]:
+def machine_in(
+    state: str, before: int, entered: Callable[[State], None] | None = None, **options: int
+) -> tuple[StateMachine, ProcessImage]:
     image = ProcessImage()
     image.set_defaults(DriveProfile())
     for name, value in options.items():
         setattr(image, name, value)
-    machine = StateMachine(image)
+    machine = StateMachine(image, entered)
     machine.state = State.OPERATION_ENABLED
     image.controlword = 0x02 if state == "QUICK_STOP_ACTIVE" else before
     if state == "QUICK_STOP_ACTIVE":
@@ -115,9 +117,9 @@ def test_every_controlword_in_every_state(state: str, before: int) -> None:
 @pytest.mark.parametrize("before", [0x06, 0x0F])
 def test_switch_on_and_enable_operation_in_one_word(before: int) -> None:
     """CiA 402-2, commands in the controlword: 0xxx 1111 takes transition 3, then 4 by itself."""
-    machine, image = machine_in("READY_TO_SWITCH_ON", before)
     seen: list[State] = []
-    machine.on_change = seen.append
+    machine, image = machine_in("READY_TO_SWITCH_ON", before, seen.append)
+    seen.clear()
     image.controlword = 0x0F
     assert machine.command() == 4
     assert seen == [State.SWITCHED_ON, State.OPERATION_ENABLED]

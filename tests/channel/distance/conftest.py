@@ -16,6 +16,7 @@ from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
 from axisrig.kernel.distance import DistanceSettings, DistanceState
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.time.clock import MS, US
 
 OFFSET_NS = 620 * US
@@ -79,7 +80,7 @@ class DistanceBench:
             cycle = (channel._clock.now_ns - channel.start_ns) // MS
             acts.get(cycle, lambda: None)()
 
-        channel.plc.take_turn = turn
+        channel.plc.join(PlcParticipant(turn))
 
 
 def command(action: str | None = None, axis: str = "Z", **words: Any) -> canon.DistanceCommand:

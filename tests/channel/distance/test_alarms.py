@@ -8,6 +8,7 @@ import pytest
 
 from axisrig.bench.bus.can.faults import Drop
 from axisrig.kernel.distance import DistanceCommand, DistanceState
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
@@ -78,7 +79,7 @@ def test_another_axis_fails_and_so_does_this_one_while_it_stops(
             jumped.append(True)
             made.bench.axes["X"].droop_m += 0.02
 
-    made.channel.plc.take_turn = jump
+    made.channel.plc.join(PlcParticipant(jump))
     made.run(say.command("on", set_pos_mm=0.0), words.move(2, 600.0, X=200.0))
     assert made.alarm_ids == [900029]
     assert [alarm.id for alarm in made.channel.further_alarms] == [70330]

@@ -10,6 +10,7 @@ from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
@@ -225,7 +226,7 @@ def test_an_error_that_halts_every_axis_by_its_own_ramp_leaves_the_offset_where_
             bench.axes["X"].droop_m += 0.02
         plc.wants_reset = len(turns) == 500
 
-    plc.outlives_program, plc.is_idle, plc.take_turn = True, lambda: len(turns) > 800, turn
+    plc.join(PlcParticipant(turn, outlives_program=True, is_idle=lambda: len(turns) > 800))
     made.run(on(say), say.dwell(600))
     assert made.alarm_ids == [900029, 900560]
     sent = made.seen.sent_mm[295:]

@@ -30,6 +30,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.time.clock import MS
 
 NAMES = ("X", "Y", "Z", "C", "A")
@@ -252,7 +253,7 @@ class Head:
             cycle = (channel._clock.now_ns - channel.start_ns) // MS
             acts.get(cycle, lambda: None)()
 
-        channel.plc.take_turn = turn
+        channel.plc.join(PlcParticipant(turn))
 
     def run(self, text: str, *before: canon.Command) -> "Head":
         """Run a program to its end, `V.E.SENSOR` in it; before: commands that precede it."""

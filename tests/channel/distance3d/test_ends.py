@@ -7,6 +7,7 @@ import pytest
 from tests.channel.distance3d.programs import LONG, TILTED, Make
 
 from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.plc.interface import PlcParticipant
 
 
 @pytest.mark.parametrize("buffer_cycles", [LONG(0), 7])
@@ -46,15 +47,13 @@ def test_off_runs_out_on_the_fly_and_wait_holds_the_next_block(make_head: Make) 
 def test_a_reset_keeps_the_offset_and_follows_no_more(make_head: Make) -> None:
     made = make_head(lambda ms: 1.0 if ms < 600 else 3.0)
     plc = made.channel.plc
-    plc.outlives_program = True
     turns: list[int] = []
-    plc.is_idle = lambda: len(turns) > 900
 
     def turn() -> None:
         turns.append(0)
         plc.wants_reset = len(turns) == 500
 
-    plc.take_turn = turn
+    plc.join(PlcParticipant(turn, outlives_program=True, is_idle=lambda: len(turns) > 900))
     made.run(TILTED + "#DIST CTRL ON [SET_POS=0 MODE=ECS]\n#TIME 5")
     assert made.alarm_ids == [900315, 900560]
     assert made.state[-1] is DistanceState.INACTIVE

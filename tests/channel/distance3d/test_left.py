@@ -17,6 +17,7 @@ from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
+from axisrig.kernel.plc.interface import PlcParticipant
 
 OFFSET_MM = 0.5
 LEAN = math.radians(40)
@@ -40,10 +41,12 @@ class Side:
     def __init__(self, made: Any, second: str, acts: dict[int, Callable[[], None]]) -> None:
         self.made, self.acts, self.turn = made, acts, 0
         self.second, self.begun_at = second, 0
-        plc = made.channel.plc
-        plc.outlives_program = True
-        plc.is_idle = lambda: bool(self.begun_at) and self.turn > self.begun_at + 400
-        plc.take_turn = self.take_turn
+        made.channel.plc.join(
+            PlcParticipant(self.take_turn, outlives_program=True, is_idle=self.is_idle)
+        )
+
+    def is_idle(self) -> bool:
+        return bool(self.begun_at) and self.turn > self.begun_at + 400
 
     def take_turn(self) -> None:
         self.turn += 1

@@ -28,7 +28,7 @@ class StandingPath:
     def __init__(self) -> None:
         axes = (settings("X", 1000, 500), settings("X2", 400, 600), settings("X3", 800, 100))
         self.axes = {axis.name: axis for axis in axes}
-        self.follow: Any = None
+        self.leaders: list[Any] = []
 
     def settings(self, axis: str) -> AxisSettings:
         return self.axes[axis]
@@ -61,4 +61,4 @@ def test_groups_may_end_in_any_order(first_off: int, between: tuple[float, float
     assert limits(path) == between
     couplings.switch_off(canon.AxisLinkOff(BLOCK, 3 - first_off))
     assert limits(path) == (1000.0, 500.0)
-    assert path.follow is None
+    assert path.leaders == []

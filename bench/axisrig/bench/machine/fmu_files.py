@@ -1,4 +1,4 @@
-"""The FMU of a plant: a file, or built from a model of the library or of the user."""
+"""The FMU of a plant: a file, or built from a model, and what a user should know of it."""
 
 from functools import cache
 from pathlib import Path
@@ -6,6 +6,8 @@ from pathlib import Path
 from axisrig.bench.rig.reading.file import MODEL_SUFFIX, PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS, BuildError, ensure_built, ensure_own_built
+from axisrig.kernel.cosim.fmi.fmu import FmuSlave
+from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.errors import UserError, nearest
 
 
@@ -56,3 +58,32 @@ def own_fmu(source: Path) -> Path:
             file=file if file.is_file() else source,
             line=error.line if file.is_file() else None,
         ) from error
+
+
+def problems(slave: FmuSlave) -> list[str]:
+    """Say that the description of an FMU breaks the standard."""
+    if not slave.problems:
+        return []
+    more = f" (and {len(slave.problems) - 1} more)" if len(slave.problems) > 1 else ""
+    return [
+        f"its description breaks the standard: {slave.problems[0]}{more};"
+        f" axisrig fmu check {slave.path.name} lists it"
+    ]
+
+
+def remarks(table: PlantTable, roles: Roles) -> list[str]:
+    """Say what the bench makes of an FMU of the user."""
+    if not table.fmu.endswith(".fmu"):
+        return []
+    can, spare = roles.slave.can, roles.spare_inputs()
+    lines = []
+    if roles.slave.grid_ns is not None:
+        between = "interpolated" if roles.kind == "axis" else "held"
+        lines.append(f"takes steps of {roles.slave.grid_ns / 1e6:g} ms only: {between} between")
+    elif not can.can_vary_step:
+        lines.append("takes steps of one length only and does not say of which")
+    if can.needs_tool:
+        lines.append("needs the tool that made it on this machine (needsExecutionTool)")
+    if spare:
+        lines.append(f"nothing is wired to {', '.join(spare)}: start values are kept")
+    return lines

@@ -244,9 +244,8 @@ class Machine:
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.drives)
         self.distance_log = DistanceLog()
-        self.blocks = self.channel.execution.watch = BlockLog(
-            self.scheduler, self.channel, self._folder
-        )
+        self.blocks = BlockLog(self.scheduler, self.channel, self._folder)
+        self.channel.execution.watches.append(self.blocks)
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from axisrig.bench.machine.deflection import check_strokes
-from axisrig.bench.machine.fmu_files import plant_path
+from axisrig.bench.machine.fmu_files import plant_path, problems, remarks
 from axisrig.bench.machine.kept_fmus import close_fmus, close_plant, roles_of, take_fmu
 from axisrig.bench.machine.start_places import blamed_start, check_places
 from axisrig.bench.machine.start_values import set_start_values
@@ -43,6 +43,7 @@ def build_plant(settings: Settings) -> Plant:
     plant = _empty_plant(settings)
     sensors: list[tuple[str, PlantTable, Roles]] = []
     loaded: list[FmuSlave] = []
+    encoders = {axis.plant: axis.encoder_2 for axis in settings.rig.axis.values()}
     try:
         plants = simulated_plants(settings).items()
         for instance, table in sorted(plants, key=lambda item: item[1].shares is not None):
@@ -53,16 +54,17 @@ def build_plant(settings: Settings) -> Plant:
                 slave = _shared(settings, plant, instance, table, table.shares)
             find = partial(_roles, settings, instance, table, slave)
             roles = roles_of(slave, table, find)
+            second = instance if encoders.get(instance) == LOAD else encoders.get(instance)
             if table.shares is not None:
-                _add_beside(settings, plant, instance, table.shares, roles)
+                _add_beside(settings, plant, instance, table.shares, roles, second)
             elif roles.kind == "axis":
-                plant.add_axis(slave, roles)
+                plant.add_axis(slave, roles, second)
             else:
                 sensors.append((instance, table, roles))
             set_start_values(settings, instance, table, roles)
             notes = [note for note in roles.notes if not _is_needless(settings, instance, note)]
-            plant.notes[instance] = [*_problems(slave), *notes]
-            plant.remarks[instance] = _remarks(table, roles)
+            plant.notes[instance] = [*problems(slave), *notes]
+            plant.remarks[instance] = remarks(table, roles)
         for instance, table, roles in sensors:
             _wire(settings, plant, instance, table, roles)
     except BaseException:
@@ -96,7 +98,9 @@ def _shared(
     return plant.axes[first].slave
 
 
-def _add_beside(settings: Settings, plant: Plant, instance: str, first: str, roles: Roles) -> None:
+def _add_beside(
+    settings: Settings, plant: Plant, instance: str, first: str, roles: Roles, second: str | None
+) -> None:
     keys = ("plant", instance, "shares")
     if roles.kind != "axis":
         message = f"plant {instance} shares an FMU and is no axis"
@@ -114,7 +118,7 @@ def _add_beside(settings: Settings, plant: Plant, instance: str, first: str, rol
         hint = "give both a suffix, or a map"
         raise rig_error(settings.files, keys, message, value=taken[0], hint=hint)
     try:
-        plant.add_axis_beside(instance, first, roles)
+        plant.add_axis_beside(instance, first, roles, second)
     except UserError as error:
         raise _at(settings, keys, error) from error
 
@@ -141,35 +145,6 @@ def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
         message = f"{error.message} ({path.name})"
         keys = ("plant", instance, "fmu")
         raise _at(settings, keys, error, message) from error
-
-
-def _problems(slave: FmuSlave) -> list[str]:
-    """Say that the description of an FMU breaks the standard."""
-    if not slave.problems:
-        return []
-    more = f" (and {len(slave.problems) - 1} more)" if len(slave.problems) > 1 else ""
-    return [
-        f"its description breaks the standard: {slave.problems[0]}{more};"
-        f" axisrig fmu check {slave.path.name} lists it"
-    ]
-
-
-def _remarks(table: PlantTable, roles: Roles) -> list[str]:
-    """Say what the bench makes of an FMU of the user."""
-    if not table.fmu.endswith(".fmu"):
-        return []
-    can, spare = roles.slave.can, roles.spare_inputs()
-    lines = []
-    if roles.slave.grid_ns is not None:
-        between = "interpolated" if roles.kind == "axis" else "held"
-        lines.append(f"takes steps of {roles.slave.grid_ns / 1e6:g} ms only: {between} between")
-    elif not can.can_vary_step:
-        lines.append("takes steps of one length only and does not say of which")
-    if can.needs_tool:
-        lines.append("needs the tool that made it on this machine (needsExecutionTool)")
-    if spare:
-        lines.append(f"nothing is wired to {', '.join(spare)}: start values are kept")
-    return lines
 
 
 def _at(

@@ -56,7 +56,7 @@ class Reactions:
         self._measurement, self._execution = measurement, execution
         self._stop_beside, self._each_axis_halts = stop_beside, each_axis_halts
         self._ramps: dict[str, Ramp] = {}
-        self._follow: Callable[[], None] | None = None  # of the path, while ramps lead axes off it
+        self._leader = self._lead  # of the path, while ramps lead axes off it
 
     @property
     def has_stopped(self) -> bool:
@@ -120,21 +120,20 @@ class Reactions:
         if not leaving:
             return
         if not self._ramps:
-            self._follow, self._path.follow = self._path.follow, self._lead
+            self._path.leaders.insert(0, self._leader)
         for axis, at_once in leaving.items():
             self._ramps[axis] = self._path.own_ramp(axis, at_once=at_once)
 
     def _lead(self) -> None:
-        """Put the axes that are off the path; coupled axes follow them."""
+        """Put the axes that are off the path; coupled axes, which come after it, follow them."""
         for axis, ramp in self._ramps.items():
             self._path.put_off_path(axis, ramp.advance())
-        if self._follow is not None:
-            self._follow()
 
     def give_back(self) -> None:
         """Give the axes that were taken off the path back to it, where they are at rest."""
         if self._ramps:
-            self._ramps, self._path.follow = {}, self._follow
+            self._ramps = {}
+            self._path.leaders.remove(self._leader)
 
     def reset(self) -> None:
         """Give the axes back to the path, and lead the drives again."""

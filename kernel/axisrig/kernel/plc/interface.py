@@ -38,24 +38,40 @@ class PlcEvent(NamedTuple):
     starts_again: bool = False
 
 
+@dataclass(frozen=True)
+class PlcParticipant:
+    """Who works on the PLC side of a channel: columns of a plan, a task.
+
+    take_turn: its own work of a cycle. acknowledged_later: functions (M50) that it acknowledges by
+    `PlcInterface.acknowledge`. outlives_program: it goes on when a program has ended, until
+    `is_idle` says that it has nothing more to do; None: it never has. task: the task of a PLC that
+    has a cycle of its own.
+    """
+
+    take_turn: Callable[[], None]
+    acknowledged_later: frozenset[str] = frozenset()
+    outlives_program: bool = False
+    is_idle: Callable[[], bool] | None = None
+    task: PlcTask | None = None
+
+
 class PlcInterface:
     """One channel as the PLC side sees it.
 
     The PLC side reads the channel and the channel carries out what the PLC side commands: the two
-    are connected by this interface only, so the PLC side puts in here what it does (`take_turn`,
-    `inputs`, `is_idle`) once the channel is made.
+    are connected by this interface only. Who is on the PLC side joins it once the channel is made.
 
     values: V.E. variables by the name after `V.E.`; a program reads them at the block that uses
     one, when everything before it is executed. events: everything that passed, in order.
     refreshed: variables that the PLC side promises to refresh, by the same name.
     inputs: write into `values` what the PLC side reads, before its turn.
-    take_turn: the PLC side's own work of a cycle. feedhold, override_permille: control units of the
-    path; True or 0 stops it. axis: control units of every axis. acknowledged_later: functions (M50)
-    that the PLC side acknowledges by `acknowledge`; every other one counts as acknowledged at once.
+    feedhold, override_permille: control units of the path; True or 0 stops it. axis: control units
+    of every axis. acknowledged_later: functions (M50) that the PLC side acknowledges by
+    `acknowledge`; every other one counts as acknowledged at once.
     reported: alarms of the PLC side that the channel raises, one in each cycle.
     wants_reset, program: commands to the channel, which takes them in the same cycle.
-    outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
-    has nothing more to do. task: the task of the PLC that has a cycle of its own, None without one.
+    outlives_program: somebody on the PLC side goes on when a program has ended. task: the task of
+    the PLC that has a cycle of its own, None without one.
     tool: inclination and length of the tool while a kinematic is on. The channel writes it in every
     cycle before it calls `inputs`, from the actual positions of the SYNC of this cycle, so that
     the PLC side normalises the sensor value of the same SYNC by it.
@@ -68,20 +84,36 @@ class PlcInterface:
         self.refreshed: dict[str, Refreshed] = {}
         self.events: list[PlcEvent] = []
         self.inputs: list[Callable[[], None]] = []
-        self.take_turn: Callable[[], None] = lambda: None
+        self._participants: list[PlcParticipant] = []
         self.feedhold = False
         self.override_permille = FULL
         self.acknowledged_later: frozenset[str] = frozenset()
         self.wants_reset = False
         self.program: Iterator[canon.Command] | None = None
         self.outlives_program = False
-        self.is_idle: Callable[[], bool] = lambda: True
         self._awaits_acknowledgement = False
         self.reported: list[Alarm] = []
         self.task: PlcTask | None = None
         self.tool = ToolState()
 
+    def join(self, participant: PlcParticipant) -> None:
+        """Take somebody on the PLC side; turns are taken in the order of joining."""
+        self._participants.append(participant)
+        self.acknowledged_later |= participant.acknowledged_later
+        self.outlives_program = self.outlives_program or participant.outlives_program
+        if participant.task is not None:
+            self.task = participant.task
+
     # What the channel does
+
+    def take_turn(self) -> None:
+        """Let the PLC side do its work of a cycle."""
+        for participant in self._participants:
+            participant.take_turn()
+
+    def is_idle(self) -> bool:
+        """Return whether nobody on the PLC side has anything left to do."""
+        return all(p.is_idle is None or p.is_idle() for p in self._participants)
 
     def is_waiting(self) -> bool:
         """Return whether a function is still to be acknowledged: nothing begins before."""

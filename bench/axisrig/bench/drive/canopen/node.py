@@ -4,7 +4,7 @@ What the node does on its bus is `slave.py`, what it does with its object values
 402; here they are put together.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from canopen.sdo.exceptions import SdoAbortedError
 
@@ -36,9 +36,9 @@ class DriveNode:
 
     node_id: 1 to 127, or 255 for a node that gets its number by LSS. network: a connected network
     of its own (one port of the segment). probes: the signals wired to probe input 1 and 2, None
-    for an open input. switches: limit and home switches, "negative", "positive", "home". seed: of
-    what is random in the drive. The node boots at the present instant, that is with the first event
-    the clock runs.
+    for an open input. switches: limit and home switches, "negative", "positive", "home". entered:
+    called with each new state of the power drive system. seed: of what is random in the drive. The
+    node boots at the present instant, that is with the first event the clock runs.
     """
 
     def __init__(  # noqa: PLR0913
@@ -53,6 +53,7 @@ class DriveNode:
         seed: int = 0,
         *,
         switches: Mapping[str, SignalPort] | None = None,
+        entered: Callable[[State], None] | None = None,
     ) -> None:
         self.name = name
         self.profile = profile or DriveProfile()
@@ -67,6 +68,7 @@ class DriveNode:
             self._send_changes,
             seed,
             switches,
+            entered=entered,
         )
         self.slave = CanopenSlave(
             node_id,

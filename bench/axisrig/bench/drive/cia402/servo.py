@@ -53,13 +53,12 @@ class Servo(VirtualDrive):
     """The application of a drive node.
 
     One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register,
-    info) sends an emergency message; changed() is called when a tick has changed the statusword.
-    switches: limit and home switches by their names (`switches.SWITCHES`).
-    sync_ns: instant of the last SYNC, NEVER before the first one.
-    axis_state: what has the axis, and what follows.
+    info) sends an emergency message; changed() is called when a tick has changed the statusword,
+    entered(state) when the power drive system has taken a new state. switches: limit and home
+    switches by their names (`switches.SWITCHES`). axis_state: what has the axis, and what follows.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         axis: AxisPort,
         signals: tuple[SignalPort | None, SignalPort | None],
@@ -69,10 +68,11 @@ class Servo(VirtualDrive):
         changed: Callable[[], None],
         seed: int = 0,
         switches: Mapping[str, SignalPort] | None = None,
+        *,
+        entered: Callable[[State], None] | None = None,
     ) -> None:
         super().__init__(profile.tick_ns)
-        self.axis, self._profile = axis, profile
-        self._clock, self._changed = clock, changed
+        self.axis, self._profile, self._clock, self._changed = axis, profile, clock, changed
         self.image = image = ProcessImage()
         image.set_defaults(profile)
         self.emergency = ErrorRegister(image, send_emergency)
@@ -80,7 +80,7 @@ class Servo(VirtualDrive):
         self.scaling, self.limits, self.motion = parts.units, parts.limits, parts.motion
         self._standstill, self.interpolation = parts.standstill, parts.interpolation
         self.touch_probe, self.switches = parts.touch_probe, parts.switches
-        self.machine = StateMachine(image)
+        self.machine = StateMachine(image, entered)
         self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
         self._ticker = Ticker(clock, profile.tick_ns, self._tick)
         self._sampler = Sampler(

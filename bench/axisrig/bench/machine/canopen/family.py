@@ -1,7 +1,6 @@
 """CANopen drives on CAN in a machine."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import pyarrow as pa
@@ -62,7 +61,11 @@ class CanopenOnCan(Installed):
         self.segments: dict[str, Segment] = build_segments(
             settings, clock, journal, bench.bus_logs, bench.opened
         )
-        self.nodes = build_nodes(settings, clock, self.segments, bench.plant, bench.seed)
+        self.nodes = build_nodes(
+            settings, clock, self.segments, bench.plant, bench.seed, self._note_state
+        )
+        noted: dict[str, list[DriveState]] = {name: [] for name in self.nodes}
+        self.states, self._noted = noted, noted
         self.networks = {
             name: SimNetwork(segment.port("cnc", segment_of(settings, name).queue))
             for name, segment in self.segments.items()
@@ -87,13 +90,10 @@ class CanopenOnCan(Installed):
         self._synced = {name: n for name, n in self.networks.items() if name in used}
         self.carriers = build_carriers(settings, self._synced)
         self._accesses, self._warnings = build_accesses(settings, links)
-        noted: dict[str, list[DriveState]] = {name: [] for name in self.nodes}
-        self.states = noted
-        for name, node in self.nodes.items():
-            node.servo.machine.on_change = partial(self._note_state, noted[name])
 
-    def _note_state(self, noted: list[DriveState], state: State) -> None:
-        noted.append(DriveState(self._bench.scheduler.now_ns, state.name, state in _TROUBLE))
+    def _note_state(self, axis: str, state: State) -> None:
+        now_ns = self._bench.scheduler.now_ns
+        self._noted[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
 
     def _expect_answers(self) -> None:
         """Give real segments the telegrams their drives answer a SYNC with."""

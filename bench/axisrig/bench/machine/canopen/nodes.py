@@ -1,7 +1,8 @@
 """CAN segments and drive nodes of a rig, with or without a kernel."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
@@ -12,10 +13,10 @@ from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.canopen.outside import open_segment
 from axisrig.bench.rig.canopen.members import can_axes, can_segments, drive_of, segment_of
-from axisrig.bench.rig.reading.file import LOAD, AxisTable
 from axisrig.bench.rig.real_axes import is_real, outside_axes
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
@@ -63,8 +64,12 @@ def build_nodes(
     segments: dict[str, Segment],
     plant: Plant,
     seed: int,
+    entered: Callable[[str, State], None] | None = None,
 ) -> dict[str, DriveNode]:
-    """Make the node of every axis whose drive is simulated here; seed: of what they draw."""
+    """Make the node of every axis whose drive is simulated here.
+
+    seed: of what they draw. entered: called with the axis and each new state of its drive.
+    """
     nodes: dict[str, DriveNode] = {}
     signals = {name: probe.signal for name, probe in plant.probes.items()}
     outside = outside_axes(settings)
@@ -75,7 +80,6 @@ def build_nodes(
         queue = segment_of(settings, axis.segment).drive_queue
         network = SimNetwork(segments[axis.segment].port(name, queue))
         network.connect()
-        _connect_second_encoder(axis, plant)
         wired = axis.signals
         nodes[name] = DriveNode(
             name,
@@ -92,15 +96,6 @@ def build_nodes(
             switches={
                 switch: signals[wired[key]] for key, switch in SWITCH_KEYS.items() if key in wired
             },
+            entered=None if entered is None else partial(entered, name),
         )
     return nodes
-
-
-def _connect_second_encoder(axis: AxisTable, plant: Plant) -> None:
-    """Let an axis read its second encoder."""
-    port, name = plant.axes[axis.plant], axis.encoder_2
-    if name == LOAD:
-        port.second_encoder = port.position_m
-    elif name is not None:
-        sensor = plant.distances[name]
-        port.second_encoder = lambda: sensor.distance_m

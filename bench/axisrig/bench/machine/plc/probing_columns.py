@@ -17,7 +17,10 @@ FOREVER_NS: Final = 1 << 62
 
 
 class ProbingColumns:
-    """Writes the units `probing_signal` and `probing_position`; written: what columns write."""
+    """Writes the units `probing_signal` and `probing_position`; written: what columns write.
+
+    task: what the channel sees of a PLC, None where no column writes a signal.
+    """
 
     def __init__(
         self,
@@ -27,17 +30,17 @@ class ProbingColumns:
         written: Collection[ProbingWrite],
     ) -> None:
         self._channel, self._clock = channel, clock
-        self._task: PlcTask | None = None
+        self.task: PlcTask | None = None
         if written:
             # Nobody runs that could stop, or overrun its cycle
-            self._task = channel.plc.task = PlcTask(
+            self.task = PlcTask(
                 cycle_ns=period_ns, watchdog_ns=FOREVER_NS, acknowledge_ns=10**10, written_ns=0
             )
 
     def begin_turn(self) -> None:
         """Say of which SYNC the actual positions of this cycle are."""
-        if self._task is not None:
-            self._task.sync_ns.update(dict.fromkeys(self._channel.plc.axis, self._channel.sync_ns))
+        if self.task is not None:
+            self.task.sync_ns.update(dict.fromkeys(self._channel.plc.axis, self._channel.sync_ns))
 
     def write(self, write: ProbingWrite) -> str:
         """Give a unit its value; return what was done, in words."""

@@ -30,6 +30,7 @@ from axisrig.kernel.drives.canopen.functions import type_range
 from axisrig.kernel.drives.canopen.sdo import SdoError, object_name
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
 _BEHIND_PROGRAMS = ("reset", "program_end")
@@ -86,11 +87,16 @@ class PlcSide:
         written = [r.action for r in rules if isinstance(r.action, ProbingWrite)]
         self._probing = ProbingColumns(channel, clock, period_ns, written)
         if rules:
-            self._plc.take_turn = self.take_turn
             words = {rule.moment.word for rule in rules if _is_awaited(rule)}
-            self._plc.acknowledged_later = frozenset(w for w in words if w[1:].isdecimal())
-            self._plc.outlives_program = any(_goes_beyond_program(rule) for rule in rules)
-            self._plc.is_idle = self._is_idle
+            self._plc.join(
+                PlcParticipant(
+                    self.take_turn,
+                    acknowledged_later=frozenset(w for w in words if w[1:].isdecimal()),
+                    outlives_program=any(_goes_beyond_program(rule) for rule in rules),
+                    is_idle=self._is_idle,
+                    task=self._probing.task,
+                )
+            )
 
     def _is_idle(self) -> bool:
         """Whether nothing is left to do, as nothing will come while no program runs."""

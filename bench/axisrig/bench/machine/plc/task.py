@@ -19,6 +19,7 @@ from axisrig.kernel.channel import Channel
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.nc.canon import Command
 from axisrig.kernel.parameters.units import UNITS_PER_MM
+from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.plc.probing import AxisWrites, LatchOrder, PlcTask, StampRelation
 from axisrig.kernel.time.clock import MS, US, Clock, Phase, TimeNs
 
@@ -111,29 +112,30 @@ class PlcTaskRunner:
         self._cycle = 0
         self.left_out = 0
         self.observers: list[Callable[[Inputs, Hli], None]] = []
-        self._connect()
+        self._task = self._join()
 
-    def _connect(self) -> None:
+    def _join(self) -> PlcTask:
+        """Take part in the cycles of the channel."""
         plc, table, timing = self._channel.plc, self._table, self._channel.timing
         late_ns = table.late_ns(timing.period_ns) + timing.period_ns
-        plc.task = self._task = PlcTask(
+        task = PlcTask(
             cycle_ns=timing.period_ns,
             watchdog_ns=table.watchdog_cycles * table.period_ns + timing.period_ns,
             acknowledge_ns=round(table.acknowledge_ms * MS),
             late_cycles=-(-late_ns // timing.period_ns),
             stamps=StampRelation(table.assumed_offset_ns, table.assumed_drift_ppm),
         )
-        turn = plc.take_turn
-
-        def take() -> None:
-            turn()
-            self._take()
-
-        plc.take_turn = take
+        outlives = self._program.outlives_program
+        plc.join(
+            PlcParticipant(
+                self._take,
+                outlives_program=outlives,
+                is_idle=(lambda: self._program.is_idle) if outlives else None,
+                task=task,
+            )
+        )
         self._channel.observers.append(self._show)
-        if self._program.outlives_program:
-            idle, plc.outlives_program = plc.is_idle, True
-            plc.is_idle = lambda: idle() and self._program.is_idle
+        return task
 
     def start(self) -> None:
         """Begin with the first cycle from now on."""

@@ -30,6 +30,7 @@ class Couplings:
 
     def __init__(self, path: Path, links: Mapping[str, Drive]) -> None:
         self._path, self._links = path, links
+        self._follower = self._follow
         self._groups: dict[int, list[_Coupled]] = {}
         self._slaves: list[_Coupled] = []
         self._alone: dict[str, AxisSettings] = {}  # masters as they are without slaves
@@ -74,7 +75,10 @@ class Couplings:
         path = self._path
         self._slaves = [coupled for group in self._groups.values() for coupled in group]
         self.watched = any(coupled.pair.limits_mm for coupled in self._slaves)
-        path.follow = self._follow if self._slaves else None
+        if self._follower in path.leaders:
+            path.leaders.remove(self._follower)
+        if self._slaves:
+            path.leaders.append(self._follower)
         for settings in self._alone.values():
             path.use(settings)
         for coupled in self._slaves:

@@ -33,7 +33,7 @@ class BlockEnd(Enum):
 
 
 class BlockWatch:
-    """Notes when commands begin and end, and changes nothing; this one keeps nothing."""
+    """Notes when commands begin and end, and changes nothing."""
 
     def waits(self, command: canon.Command) -> None:
         """Note a command that is the next one and may not begin yet; called once for each."""
@@ -56,7 +56,7 @@ class Execution:
     """The queue of a channel and who carries out what.
 
     block: the block under execution, for the place of an alarm. begun: the last command begun.
-    watch: notes what begins and ends.
+    watches: note what begins and ends.
     """
 
     def __init__(self, put_out: Callable[[canon.Message], None]) -> None:
@@ -66,7 +66,7 @@ class Execution:
         self._queue: Lookahead | None = None
         self.block: Block | None = None
         self.begun: canon.Command | None = None
-        self.watch = BlockWatch()
+        self.watches: list[BlockWatch] = []
         self._awaited: canon.Command | None = None
         self._is_under_way = False
         self.register(canon.Message, put_out, is_block=False)
@@ -99,7 +99,8 @@ class Execution:
         """Report the end of the command under way, or of the one that has not begun."""
         if self._is_under_way or self._awaited is not None:
             self._is_under_way, self._awaited = False, None
-            self.watch.ends(how)
+            for watch in self.watches:
+                watch.ends(how)
 
     @property
     def failed(self) -> Alarm | None:
@@ -133,12 +134,14 @@ class Execution:
             if not step.ready():
                 if self._awaited is not command:
                     self._awaited = command
-                    self.watch.waits(command)
+                    for watch in self.watches:
+                        watch.waits(command)
                 return
             if step.is_block:
                 self.block = command.block
             self.begun, self._awaited, self._is_under_way = command, None, True
-            self.watch.begins(command)
+            for watch in self.watches:
+                watch.begins(command)
             step.begin(command)
             self._queue.pop()
             if isinstance(command, canon.EndOfProgram):

@@ -30,7 +30,7 @@ class Path:
     The interpolation is in axis coordinates. A target is too, but while a kinematic is on
     (`transformation`) it is in tool coordinates, and the axes follow through the kinematic.
     offsets: what distance control superposes on the set positions. settings: of the channel.
-    follow: gives axes their set positions that come from those of others, while any do.
+    leaders: put axes in every cycle after the interpolation, in their order, while any do.
     programmed: what the program chooses of the dynamics.
     holds: cycles in which a feedhold came (True) or went (False).
     """
@@ -59,7 +59,7 @@ class Path:
         self._settling = Settling(clock, timing.period_ns)
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
-        self.follow: Callable[[], None] | None = None
+        self.leaders: list[Callable[[], None]] = []
         self.transformation = Transformation(clock, links)
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
@@ -107,8 +107,9 @@ class Path:
         900500 where they pass a limit of an axis: nothing is sent and the path is where it was.
         """
         positions_mm = self.interpolator.advance()
-        if self.follow is not None:
-            self.follow()
+        if self.leaders:
+            for lead in self.leaders:
+                lead()
             positions_mm = self.interpolator.positions_mm
         if not is_judged:
             self._guard.take(positions_mm)

@@ -48,8 +48,8 @@ class PlantAxis:
     last `walk` and after each of its steps. The steps of the last second are kept, 4096 at most,
     so that the position at a latch can be looked up.
     fine_ns: longest step where a stop can be touched, for the force of the contact alone.
-    beside: the axis on the same FMU that steps it, None = this one does.
-    second_encoder: returns what the second encoder of the drive sees, None = there is none.
+    beside: the axis on the same FMU that steps it, None = this one does. second_encoder: returns
+    what the second encoder of the drive sees, None = there is none.
     """
 
     def __init__(
@@ -57,11 +57,12 @@ class PlantAxis:
         roles: Roles,
         advance_to: Callable[[TimeNs], None],
         beside: "PlantAxis | None" = None,
+        second_encoder: Callable[[], float] | None = None,
     ) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
         self._samples = None if roles.has_group("ramp") else SampledDemand(roles)
         self._demand: Ramp | SampledDemand = self._samples or Ramp(roles)
-        self._control = Control(roles)
+        self._control, self._second_encoder = Control(roles), second_encoder
         self._enabled = roles.exchange(["enabled"]) if roles.has("enabled") else None
         self._is_enabled: bool | None = None
         self._known = [name for name in AXIS_OUTPUTS if roles.has(name)]
@@ -79,7 +80,6 @@ class PlantAxis:
         self.fine_ns: TimeNs = FINE_NS
         self._tells_force, self._tells_stop = roles.has("force"), roles.has("stop_force")
         self._tells_face = roles.has("stop_force", "stop_face")
-        self.second_encoder: Callable[[], float] | None = None
         self._touched_ns: TimeNs = -1
         self._free_until_ns: TimeNs = -1
         self._commanded = (0, 0.0, 0.0, 0)
@@ -380,7 +380,7 @@ class PlantAxis:
 
     def second_encoder_m(self) -> float | None:
         """Return what the second encoder sees now; None: there is none."""
-        return None if self.second_encoder is None else self.second_encoder()
+        return None if self._second_encoder is None else self._second_encoder()
 
     def position_m(self) -> float:
         """Return the load position now: the truth, which no drive ever sees."""
@@ -423,8 +423,8 @@ class PlantAxis:
         That is the load then and the error of the encoder now: how the error changed since (within
         one SYNC period) is not in it.
         """
-        assert self.second_encoder is not None
-        return self._past_m(time_ns, POSITION) + (self.second_encoder() - self.motion[POSITION])
+        assert self._second_encoder is not None
+        return self._past_m(time_ns, POSITION) + (self._second_encoder() - self.motion[POSITION])
 
     def _past_m(self, time_ns: TimeNs, index: int) -> float:
         """Return a position of AXIS_OUTPUTS at a past instant; its rate is the next output."""

@@ -23,8 +23,13 @@ class GridAxis(PlantAxis):
     line. A new demand acts from the next point on, as in a drive that works in such steps.
     """
 
-    def __init__(self, roles: Roles, advance_to: Callable[[TimeNs], None]) -> None:
-        super().__init__(roles, advance_to)
+    def __init__(
+        self,
+        roles: Roles,
+        advance_to: Callable[[TimeNs], None],
+        second_encoder: Callable[[], float] | None = None,
+    ) -> None:
+        super().__init__(roles, advance_to, None, second_encoder)
         self._points: deque[tuple[TimeNs, list[float]]] = deque(maxlen=3)
         self._saved_points: list[tuple[TimeNs, list[float]]] = []
 

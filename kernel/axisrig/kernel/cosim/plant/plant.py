@@ -6,7 +6,7 @@ where one can; a fine step with an edge is repeated in parts (docs/architecture.
 an edge").
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import isclose, lcm
 
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
@@ -61,21 +61,32 @@ class Plant:
         self._probes: list[PlantProbe] = []
         self._distances: list[PlantDistance] = []
 
-    def add_axis(self, slave: FmuSlave, roles: Roles | None = None) -> PlantAxis:
+    def add_axis(
+        self, slave: FmuSlave, roles: Roles | None = None, second_encoder: str | None = None
+    ) -> PlantAxis:
         """Add an axis; roles: None = its variables have the names of the roles.
 
-        Raises UserError when its FMU lacks what an axis needs.
+        second_encoder: name of what the second encoder of its drive reads, a distance sensor of
+        this plant (it may be added later) or an axis of it, whose load it then is; None = there is
+        no such encoder. Raises UserError when its FMU lacks what an axis needs.
         """
-        kind = PlantAxis if slave.grid_ns is None else GridAxis
-        axis = kind(roles or map_roles(slave, "axis", {}), self.advance_to)
+        known, second = roles or map_roles(slave, "axis", {}), self._reader(second_encoder)
+        axis = (
+            PlantAxis(known, self.advance_to, None, second)
+            if slave.grid_ns is None
+            else GridAxis(known, self.advance_to, second)
+        )
         self.axes[slave.name] = axis
         return axis
 
-    def add_axis_beside(self, name: str, first: str, roles: Roles) -> PlantAxis:
+    def add_axis_beside(
+        self, name: str, first: str, roles: Roles, second_encoder: str | None = None
+    ) -> PlantAxis:
         """Add a further axis of an FMU that moves several, as a gantry does.
 
-        first: name of the axis that was added with this FMU. Raises UserError where the FMU does
-        not follow ramps by itself: it gets its demands for all axes at once.
+        first: name of the axis that was added with this FMU. second_encoder: as for `add_axis`.
+        Raises UserError where the FMU does not follow ramps by itself: it gets its demands for all
+        axes at once.
         """
         beside = self.axes[first]
         if roles.slave.grid_ns is not None or not (
@@ -86,8 +97,20 @@ class Plant:
                 " and its demand by reference_position, _velocity, _time, _end",
                 value=name,
             )
-        self.axes[name] = PlantAxis(roles, self.advance_to, beside)
+        second = self._reader(second_encoder)
+        self.axes[name] = PlantAxis(roles, self.advance_to, beside, second)
         return self.axes[name]
+
+    def _reader(self, name: str | None) -> Callable[[], float] | None:
+        """Return what reads an encoder at the load of an axis, or at a sensor."""
+        if name is None:
+            return None
+
+        def read() -> float:
+            axis = self.axes.get(name)
+            return self.distances[name].distance_m if axis is None else axis.position_m()
+
+        return read
 
     def add_probe(
         self, slave: FmuSlave, sources: Mapping[str, str], roles: Roles | None = None

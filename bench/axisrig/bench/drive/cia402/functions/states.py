@@ -59,21 +59,23 @@ class StateMachine:
     """The state and the transitions that wait for standstill.
 
     waiting: transition 5 or 8 whose ramp runs, None = none; the state is still OPERATION_ENABLED.
-    option: of the quick stop or fault reaction that runs. on_change: called with each new state.
+    option: of the quick stop or fault reaction that runs. on_change: called with each new state
+    after the first.
     """
 
-    def __init__(self, image: ProcessImage) -> None:
-        self._image = image
-        self.on_change: Callable[[State], None] | None = None
-        self.state = State.NOT_READY_TO_SWITCH_ON
+    def __init__(
+        self, image: ProcessImage, on_change: Callable[[State], None] | None = None
+    ) -> None:
+        self._image, self._on_change = image, on_change
+        self.state = automatic(State.NOT_READY_TO_SWITCH_ON)[0]
         self.reset()
 
     def _enter(self, state: State) -> None:
         if state is self.state:
             return
         self.state = state
-        if self.on_change is not None:
-            self.on_change(state)
+        if self._on_change is not None:
+            self._on_change(state)
 
     def reset(self) -> None:
         """Power on: transitions 0 and 1."""
