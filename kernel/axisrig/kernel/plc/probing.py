@@ -67,14 +67,9 @@ class ProbingUnit:
     waiting: deque[LatchOrder] = field(default_factory=deque)
 
     @property
-    def is_done(self) -> bool:
-        """Whether the PLC has acknowledged the order in force."""
-        return self.writes.done_order == self.number
-
-    @property
     def is_idle(self) -> bool:
-        """Whether no order waits for its acknowledgement."""
-        return self.is_done and not self.waiting
+        """Whether the PLC has acknowledged the order in force; none waits behind it then."""
+        return self.writes.done_order == self.number
 
     def give(self, order: LatchOrder, now_ns: TimeNs) -> None:
         """Ask for something; it is written to the interface when what was asked before is done."""
@@ -87,7 +82,7 @@ class ProbingUnit:
         self._next(now_ns)
 
     def _next(self, now_ns: TimeNs) -> None:
-        if self.waiting and self.is_done:
+        if self.waiting and self.is_idle:
             self.order, self.number, self.given_ns = self.waiting.popleft(), self.number + 1, now_ns
 
 

@@ -30,20 +30,13 @@ class PlcPorts:
         self._links, self._plc, self._clock = links, plc, clock
         self._ports: dict[tuple[str, str], PlcPort] = {}
         self._handshakes: dict[str, Handshake] = {}
-        self._first_event: set[str] = set()  # axes with this source in the runs that are armed
+        self._sharing: list[SignalPort] = []  # those of PLC_FIRST_EVENT; only armed ones latch
 
     def task(self, axis: str, source: str) -> PlcTask:
         """Return the task of the PLC; raises Alarm 900400 for a rig without one."""
         if self._plc.task is None:
             raise Alarm(900400, axis=axis, source=source)
         return self._plc.task
-
-    def follow(self, axis: str, source: str) -> PlcPort:
-        """Return the latch of an axis by a source; from its first use on it is kept up to date."""
-        found = self._ports.get((axis, source))
-        if found is None:
-            found = self._ports[axis, source] = self._make(axis, source)
-        return found
 
     def find(self, axis: str, source: str) -> PlcPort | None:
         """Return the latch of an axis by a source, None while nothing has used it."""
@@ -55,8 +48,12 @@ class PlcPorts:
             return DrivePort(link, self._handshake(axis, task))
         if source == EXTERNAL:
             return ExternalPort(link, unit, task, self._clock, self._handshake(axis, task))
-        kind = StampPort if source == PLC_TIMESTAMP else SignalPort
-        return kind(link, unit, task, self._clock, link.edge)
+        if source == PLC_TIMESTAMP:
+            return StampPort(link, unit, task, self._clock, link.edge)
+        port = SignalPort(link, unit, task, self._clock, link.edge)
+        if source == PLC_FIRST_EVENT:
+            self._sharing.append(port)
+        return port
 
     def _handshake(self, axis: str, task: PlcTask) -> Handshake:
         if axis not in self._handshakes:
@@ -65,16 +62,16 @@ class PlcPorts:
         return self._handshakes[axis]
 
     def choose(self, axis: str, source: str, probe_input: int, edge: str) -> PlcPort:
-        """Return the latch for a run, with its input and edge."""
-        port = self.follow(axis, source)
+        """Return the latch for a run, with its input and edge; from its first use on it is kept up
+        to date.
+        """
+        port = self._ports.get((axis, source))
+        if port is None:
+            port = self._ports[axis, source] = self._make(axis, source)
         if port.handshake is not None:
             port.handshake.probe_input, port.handshake.edge = probe_input, edge
         elif isinstance(port, SignalPort):
             port.edge = edge
-        if source == PLC_FIRST_EVENT:
-            self._first_event.add(axis)
-        else:
-            self._first_event.discard(axis)
         return port
 
     @property
@@ -86,15 +83,8 @@ class PlcPorts:
         """Take this cycle's signals and positions; raises the alarms of the latches."""
         for port in self._ports.values():
             port.look()
-        if self._first_event:
-            self._share_event()
-
-    def _share_event(self) -> None:
-        """Let the first event of any axis with PLC_FIRST_EVENT count for all of them."""
-        group = [self._ports[axis, PLC_FIRST_EVENT] for axis in sorted(self._first_event)]
-        if any(port.has_latched for port in group):
-            for port in group:
-                assert isinstance(port, SignalPort)
+        if self._sharing and any(port.has_latched for port in self._sharing):
+            for port in self._sharing:
                 port.take_event()
 
     def prepare(self, axis: str, source: str, probe_input: int, edge: str) -> None:
