@@ -1,0 +1,302 @@
+"""What is said of a tuned loop, from findings that are written down: warnings, dead time, reasons.
+
+And the small numbers that a suggestion is made of, each by its closed form.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path as File
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axisrig.bench.tools.tune.advice import (
+    Advice,
+    Quality,
+    _rounded_down,
+    _two_digits,
+    cycles_in_words,
+    quality,
+)
+from axisrig.bench.tools.tune.distance import (
+    BOTH_ENCODERS,
+    CONST_DIST,
+    SET_POS,
+    DeadTime,
+    Mode,
+    Tuning,
+    _closed_limit,
+    _first_jump,
+    _first_shown_ns,
+)
+from axisrig.bench.tools.tune.identify import Path, identify, renewal_cycles
+from axisrig.bench.tools.tune.loop import Law, Loop, both_encoders, const_dist, set_pos, trimmed
+from axisrig.bench.tools.tune.report import data_of, text_of, warnings_of
+from axisrig.kernel.distance.filters import FilterSettings
+
+KP_0_2 = Law(0.2)
+GOOD = Quality(0.0, 5, 3.0, 0.5, 1.5, 4.0)
+ADVICE = Advice(Law(0.25, 0.0, 0.002), GOOD, (0.0, 1.0), None, ("reason one", "reason two"))
+
+
+def mode(
+    name: str, limit: float, *, is_stable: bool = True, advice: Advice | None = ADVICE
+) -> Mode:
+    loop = Loop(1e-3, np.array([0.0, 1.0]), np.array([1.0]))
+    return Mode(name, loop, (0.0, limit), is_stable, None, advice)
+
+
+def found(law: Law = KP_0_2, **given: Any) -> Tuning:
+    """A tuned axis of which nothing is to be warned of."""
+    values: dict[str, Any] = {
+        "bench": SimpleNamespace(axis="Z", rig=File("rig.toml"), variable=None),
+        "period_s": 1e-3,
+        "configured": SimpleNamespace(
+            law=law, filter=FilterSettings(kind="MOVING_AVERAGE", n_cycles=4), uses_both=False
+        ),
+        "rest_mm": 2.0,
+        "step_mm": 0.05,
+        "distance": Path(np.eye(1, 40, 3)[0], 1e-5, 1e-5),
+        "actual": Path(np.eye(1, 40, 3)[0], 0.0, 0.0),
+        "dead_time": DeadTime(1, 2, 1, 1_600_000),
+        "modes": (mode(CONST_DIST, 1.0), mode(BOTH_ENCODERS, 1.0), mode(SET_POS, 2.0)),
+    }
+    return Tuning(**(values | given))
+
+
+def test_a_good_list_has_no_warning() -> None:
+    assert list(warnings_of(found())) == []
+
+
+@pytest.mark.parametrize(
+    ("law", "limit", "words"),
+    [
+        (Law(0.2), 0.3001, None),  # half as much again is enough
+        (Law(0.2), 0.2999, "is stable, but only 1.50 times below the limit: it will ring."),
+        (
+            Law(0.2),
+            0.25,
+            "is stable, but only 1.25 times below the limit: it will ring. Set kp 0.25",
+        ),
+        (Law(1.5), 1.6, None),  # the limit is beyond what P-AXIS-00759 allows
+    ],
+)
+def test_a_list_near_the_limit(law: Law, limit: float, words: str | None) -> None:
+    modes = (mode(CONST_DIST, limit), mode(BOTH_ENCODERS, 9.0), mode(SET_POS, 9.0))
+    said = list(warnings_of(found(law, modes=modes)))
+    assert (len(said), words is None) in ((0, True), (1, False))
+    assert words is None or words in said[0]
+
+
+def test_unstable_modes_that_may_be_commanded_are_warned_of() -> None:
+    """SET_POS may, and of CONST_DIST the one that the list chooses."""
+    names = (CONST_DIST, BOTH_ENCODERS, SET_POS)
+    modes = tuple(mode(name, 0.123, is_stable=False, advice=None) for name in names)
+    said = list(warnings_of(found(Law(0.3, 0.0, 0.004), modes=modes)))
+    assert [text.split(" with ")[0] for text in said] == [CONST_DIST, SET_POS]
+    assert "kp 0.3, i_tn 0 s, d_tv 0.004 s and filter MOVING_AVERAGE, 4 values" in said[0]
+    assert "unstable with 2 cycles of dead time: only kp below 0.123 is stable" in said[0]
+    assert said[0].endswith("A shorter filter or less dead time would help.")
+    of_both = found(modes=modes)
+    of_both = replace(
+        of_both, configured=SimpleNamespace(**{**vars(of_both.configured), "uses_both": True})
+    )  # type: ignore[arg-type]
+    said = [text.split(" with ")[0] for text in warnings_of(of_both)]
+    assert said == [BOTH_ENCODERS, SET_POS]
+    none = (mode(CONST_DIST, 0.0, is_stable=False), *modes[1:])
+    assert "no kp is stable" in next(iter(warnings_of(found(modes=none))))
+
+
+@pytest.mark.parametrize(
+    ("distance", "step_mm", "words"),
+    [
+        (Path(1.019 * np.eye(1, 40, 3)[0], 0.0, 0.0), 0.05, None),
+        (Path(1.021 * np.eye(1, 40, 3)[0], 0.0, 0.0), 0.05, "changes the distance by 1.021 mm"),
+        (Path(0.97 * np.eye(1, 40, 3)[0], 0.0, 0.0), 0.05, "changes the distance by 0.970 mm"),
+        (Path(np.eye(1, 40, 3)[0], 0.0, 0.00049), 0.05, None),
+        (Path(np.eye(1, 40, 3)[0], 0.0, 0.00051), 0.05, "not linear by 0.51 um"),
+        (Path(np.eye(1, 40, 3)[0], 0.0005, 0.00099), 0.05, None),  # twice the noise
+        (Path(np.eye(1, 40, 3)[0], 0.0005, 0.00101), 0.05, "not linear by 1 um"),
+        (Path(np.eye(1, 40, 3)[0], 0.001, 0.0), 0.05, None),
+        (Path(np.eye(1, 40, 3)[0], 0.00101, 0.0), 0.05, "only 50 times the noise of the sensor"),
+        (Path(np.eye(1, 40, 3)[0], 0.01, 0.0), 0.05, "only 5 times the noise of the sensor"),
+    ],
+)
+def test_a_measurement_that_is_rough(distance: Path, step_mm: float, words: str | None) -> None:
+    said = list(warnings_of(found(distance=distance, step_mm=step_mm)))
+    assert len(said) == (words is not None)
+    assert words is None or words in said[0]
+
+
+@pytest.mark.parametrize(
+    ("dead", "words"),
+    [
+        (DeadTime(1, 2, 1, 1_600_000),
+         ["n = 2 cycles: an offset is sent 1 cycle later and is seen 2 cycles after that",
+          "frames: 1.600 ms from set position to sensor value"]),
+        (DeadTime(0, 1, 1, None),
+         ["n = 0 cycles: an offset is sent in its own cycle and is seen 1 cycle after that"]),
+        (DeadTime(2, 3, 4, None),
+         ["n = 4 cycles: an offset is sent 2 cycles later and is seen 3 cycles after that at the"
+          " latest", "the value is new every 4 cycles; the oldest counts"]),
+    ],
+)  # fmt: skip
+def test_the_dead_time_in_words(dead: DeadTime, words: list[str]) -> None:
+    assert dead.dead == dead.reaction + dead.way - 1
+    lines = text_of(found(dead_time=dead)).splitlines()
+    first = next(n for n, line in enumerate(lines) if line.startswith("dead time"))
+    said = [line.removeprefix("dead time").strip() for line in lines[first : first + len(words)]]
+    assert said == words
+    assert lines[first + len(words)].startswith("filter        MOVING_AVERAGE, 4 values")
+
+
+def test_the_text_of_a_mode() -> None:
+    modes = (
+        replace(mode(CONST_DIST, 1.0), closed_limit=0.98),
+        mode(BOTH_ENCODERS, 0.0, advice=None),
+        replace(mode(SET_POS, 2.0, is_stable=False), stable_kp=(0.5, 2.0)),
+    )
+    lines = text_of(found(modes=modes)).splitlines()
+    assert "CONST_DIST (chosen by the list)" in lines
+    assert "  stable for  kp < 1; closed form 0.98" in lines
+    assert "  configured  kp 0.2, i_tn 0 s, d_tv 0 s: stable" in lines
+    assert "  suggested   kp 0.25, i_tn 0 s, d_tv 0.002 s" in lines
+    # v T/kp: 1 ms / 0.25 are 4 um for each mm/s
+    assert sum("error on a slope 4 um for each mm/s of rise" in line for line in lines) == 1
+    assert "  stable for  no kp" in lines
+    assert "  suggested   nothing: no kp keeps this loop stable" in lines
+    assert "  stable for  0.5 < kp < 2" in lines
+    assert "  configured  kp 0.2, i_tn 0 s, d_tv 0 s: UNSTABLE" in lines
+    assert sum("reason two" in line for line in lines) == 2
+    with_i = text_of(found(Law(0.2, 0.1), modes=modes))
+    assert "closed form" not in with_i  # it is that of a P controller
+
+
+def test_the_data_have_what_the_text_has() -> None:
+    data = data_of(found(Law(0.2, 0.1, 0.002)))
+    assert (data["dead_cycles"], data["reaction_cycles"], data["way_cycles"]) == (2, 1, 2)
+    assert (data["period_s"], data["step_mm"], data["noise_mm"]) == (1e-3, 0.05, 1e-5)
+    assert data["answer"] == {
+        "is_dead_time": True, "settled_cycles": 3, "mean_cycles": 3.0, "gain": 1.0
+    }  # fmt: skip
+    first, second, _ = data["modes"]
+    assert (first["is_chosen"], second["is_chosen"]) == (True, False)
+    assert first["configured"] == {"kp": 0.2, "i_tn_s": 0.1, "d_tv_s": 0.002}
+    assert first["suggested"] == {"kp": 0.25, "i_tn_s": 0.0, "d_tv_s": 0.002}
+    assert first["reasons"] == ["reason one", "reason two"]
+
+
+# --- numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "down", "near"),
+    [(0.259, 0.25, 0.26), (0.25, 0.25, 0.25), (1.99, 1.9, 2.0), (0.0999, 0.099, 0.1),
+     (0.1, 0.1, 0.1), (12.9, 12.0, 13.0)],
+)  # fmt: skip
+def test_two_digits(value: float, down: float, near: float) -> None:
+    assert _rounded_down(value) == pytest.approx(down)
+    assert _two_digits(value) == pytest.approx(near)
+
+
+def test_one_cycle_and_several() -> None:
+    assert [cycles_in_words(n) for n in (0, 1, 2)] == ["0 cycles", "1 cycle", "2 cycles"]
+
+
+@pytest.mark.parametrize("kp", [0.1, 0.4, 1.3])
+def test_the_quality_of_a_loop_without_dead_cycle(kp: float) -> None:
+    """The error after k cycles is (1 - kp)^k: rise, area 1/kp or 1/(2 - kp), one step past it."""
+    loop = Loop(1e-3, const_dist(np.ones(1), np.array([0.0, 1.0])), np.ones(1))
+    got = quality(loop, Law(kp))
+    error = (1 - kp) ** np.arange(200)
+    assert got.rise_cycles == int(np.argmax(error <= 0.1))
+    assert got.area_cycles == pytest.approx(np.abs(error).sum())
+    assert got.overshoot == pytest.approx(max(kp - 1, 0))
+    assert got.gain_margin == pytest.approx(2 / kp)
+    assert got.noise_gain == pytest.approx(math.sqrt(kp / (2 - kp)))
+
+
+def test_where_an_answer_begins_settles_and_has_its_centre() -> None:
+    """Steps to 4 %, 5 %, 97 %, 98 % and the whole of 2."""
+    path = Path(2 * np.diff([0, 0, 0.04, 0.05, 0.97, 0.98, 1.0]), 0.0, 0.0)
+    assert (path.first_cycle, path.settled_cycle) == (2, 4)
+    assert path.gain == pytest.approx(2.0)
+    assert path.mean_cycle == pytest.approx(1 * 0.04 + 2 * 0.01 + 3 * 0.92 + 4 * 0.01 + 5 * 0.02)
+    assert not path.is_dead_time
+    for rest, is_dead in ((0.009, True), (0.011, False)):
+        answer = np.array([0.0, 0.0, 1.0 - rest, rest])
+        assert Path(answer, 0.0, 0.0).is_dead_time is is_dead
+
+
+@pytest.mark.parametrize("every", [1, 2, 5])
+def test_every_how_many_cycles_a_signal_is_new(every: int) -> None:
+    offset = np.concatenate([np.zeros(50), np.cumsum(np.ones(300)) * 0.01])
+    signal = offset[(np.arange(350) // every) * every]
+    assert renewal_cycles(offset, signal, 50) == every
+
+
+def test_noise_of_the_rest_is_that_of_the_signal() -> None:
+    offset = np.concatenate([np.zeros(100), np.tile(np.repeat([1.0, 0.0], 50), 2)])
+    signal = np.roll(offset, 2) + np.where(np.arange(300) % 2, 1e-3, -1e-3)
+    path = identify(offset, signal, 100, 30)
+    assert path.sigma_mm == pytest.approx(1e-3)
+    assert (path.is_dead_time, path.first_cycle) == (True, 2)
+
+
+def test_the_first_jump_and_the_first_value_that_shows_it() -> None:
+    assert _first_jump(np.array([0.0, 0.1, 0.1, 1.0, 1.0, 3.1])) == 5
+    assert _first_jump(np.array([0.0, 0.1, 0.1, -1.1, -1.1, 1.2])) == 3
+    frames = np.arange(10) * 1000
+    values = np.array([100, 101, 100, 101, 100, 101, 103, 104, 120, 120])
+    sensor: Any = SimpleNamespace(frame_ns=frames, increments=values)
+    # 100.5 +- (6 * 0.5 + 1): 104 is within, 120 is not
+    assert _first_shown_ns(sensor, 5000) == 8000
+
+
+@pytest.mark.parametrize(
+    ("name", "configured", "distance", "actual", "limit"),
+    [
+        (CONST_DIST, "MOVING_AVERAGE", 3, 3, "mean of dead"),
+        (CONST_DIST, "MOVING_AVERAGE", 3, 2, "mean of dead"),
+        (BOTH_ENCODERS, "MOVING_AVERAGE", 3, 3, "mean of reaction"),
+        (BOTH_ENCODERS, "MOVING_AVERAGE", 3, 2, None),
+        (SET_POS, "MOVING_AVERAGE", 3, 3, "surface"),
+        (SET_POS, "MOVING_AVERAGE", 3, 2, None),
+        (CONST_DIST, "LOWPASS", 3, 3, None),
+    ],
+)
+def test_where_a_closed_form_holds(
+    name: str, configured: str, distance: int, actual: int, limit: str | None
+) -> None:
+    """With n = 2 dead cycles and the mean of one value kp < 2 cos(n pi/(2n + 1)), FCT-M3's law."""
+    settings: Any = SimpleNamespace(filter=FilterSettings(kind=configured, n_cycles=1))
+    paths = [Path(np.eye(1, 20, cycle)[0], 0.0, 0.0) for cycle in (distance, actual)]
+    got = _closed_limit(name, settings, *paths, DeadTime(1, 2, 1, None))
+    cycles: Mapping[str, int] = {"mean of dead": 2, "mean of reaction": 1, "surface": 0}
+    if limit is None:
+        assert got is None
+    elif limit == "surface":
+        assert got == pytest.approx(2.0)
+    else:
+        n = cycles[limit]
+        assert got == pytest.approx(2 * math.sin(math.pi / (2 * (2 * n + 1))))
+    slow = Path(np.array([0.0, 0.5, 0.5]), 0.0, 0.0)
+    assert _closed_limit(name, settings, slow, paths[1], DeadTime(1, 2, 1, None)) is None
+    assert _closed_limit(name, settings, paths[0], slow, DeadTime(1, 2, 1, None)) is None
+
+
+def test_feedbacks_of_the_modes() -> None:
+    """What the control sees of an offset; the drive is 2 cycles late and the sensor 3."""
+    drive, sensor = np.eye(1, 3, 2)[0], np.eye(1, 4, 3)[0]
+    assert const_dist(np.ones(1), sensor).tolist() == [0, 0, 0, 1]
+    # d - (Z_act - Z_com): the set position of the cycle before, one later with a reaction of one
+    assert both_encoders(np.ones(1), sensor, drive).tolist() == [0, 1, -1, 1]
+    assert both_encoders(np.ones(1), sensor, drive, 1).tolist() == [0, 0, 0, 1]
+    # o of the cycle before less (actual - distance)
+    assert set_pos(np.ones(1), sensor, drive).tolist() == [0, 1, -1, 1]
+    assert set_pos(np.array([0.5, 0.5]), drive, drive).tolist() == [0, 1]
+    assert trimmed(np.array([0.0, 1.0, 1e-13])).tolist() == [0, 1]
+    assert trimmed(np.zeros(3)).tolist() == [0]
