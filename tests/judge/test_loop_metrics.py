@@ -8,86 +8,28 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 import pytest
-from tests.recordings import facts, kept
+from tests.judge.controls import (
+    ON,
+    ROWS,
+    WITH_CONST_DIST,
+    WITH_SET_POS,
+    K,
+    N,
+    no_value,
+    recorded,
+    seen,
+)
 
 from axisrig.bench.judge.distance.stretches import Envelope, runs_of
-from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, FREEZE, INACTIVE
-from axisrig.bench.judge.observed.observation import Observation
-from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import observe
-from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.record.axes import AxisRecord, Telegram
+from axisrig.bench.judge.distance.truth import ACTIVE, FREEZE, INACTIVE
+from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.distance import (
     Controller,
     DistanceChange,
     DistanceOrder,
-    DistanceRecord,
 )
 from axisrig.kernel.time.clock import MS
-
-ROWS, ON = 1000, 100
-STEM = "kenngr.dist_ctrl[0]."
-INVERTS = "lr_hw[1].vz_istw"
-"""P-AXIS-00230: 60E4 gives the gap, the control wants what falls when the tool lifts."""
-K = np.arange(ROWS)
-N = 2
-"""Sent in the cycle after, acting at the next SYNC, reached at the one after it."""
-WITH_CONST_DIST = DistanceOrder((ON - 1) * MS, "NC", "ON_CONST_DIST")
-WITH_SET_POS = DistanceOrder((ON - 1) * MS, "NC", "ON")
-SET_DIST_MM = 2.0
-
-
-def recorded(
-    behind_mm: Any = 0.0,
-    surface_mm: Any = 0.0,
-    state: int = ACTIVE_CONST_DIST,
-    orders: tuple[DistanceOrder, ...] = (),
-    words: Mapping[str, Any] | None = None,
-    columns: Mapping[str, Any] | None = None,
-    changes: tuple[DistanceChange, ...] = (),
-    has_plant: bool = True,
-    **of_axis: Any,
-) -> Observed:
-    """behind_mm, surface_mm: of each row; words: of the list."""
-    written = {"kp": 0.2, "n_cycles": 1, **(words or {})}
-    gap_mm = SET_DIST_MM - behind_mm * np.ones(ROWS)
-    known = {
-        "distance_state": np.where(K < ON, INACTIVE, state).astype(float),
-        "distance_held": np.zeros(ROWS),
-        "distance_override_pct": np.full(ROWS, 100.0),
-        "set_mm": np.zeros(ROWS),
-        "offset_mm": np.zeros(ROWS),
-        "step_mm": np.zeros(ROWS),
-        "delta_mm": np.zeros(ROWS),
-        "error_mm": np.zeros(ROWS),
-        "set_pos_mm": np.full(ROWS, -SET_DIST_MM),
-        "set_dist_mm": np.full(ROWS, SET_DIST_MM),
-        "sensor_mm": -gap_mm,
-        "truth_mm": surface_mm + gap_mm,
-        **(columns or {}),
-    }
-    table = {f"Z.{name}": values for name, values in known.items()}
-    if has_plant:
-        table |= {"gap.distance_mm": gap_mm, "gap.distance_true_mm": gap_mm}
-    listed = {INVERTS: 1, **{STEM + name: value for name, value in written.items()}}
-    axis = AxisRecord("can1", 1, 10_000.0, plant="z", sensor="gap", written=listed, **of_axis)
-    control = DistanceRecord(orders=orders or (WITH_CONST_DIST,), changes=changes)
-    left = facts(axes={"Z": axis}, distance={"Z": control}, end_ns=(ROWS - 1) * MS)
-    return Observed(left, kept(pa.table({"time_ns": K * MS, **table})))
-
-
-def seen(observed: Observed, metric: str) -> Observation:
-    condition = "== stable" if metric == "distance_stability" else "> -1e9"
-    return observe(observed, parse_check(metric, condition, ""))
-
-
-def no_value(observed: Observed, metric: str) -> str:
-    found = seen(observed, metric)
-    assert found.value is None
-    return found.note
-
 
 # A surface that rises evenly
 
