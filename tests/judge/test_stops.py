@@ -1,110 +1,38 @@
-"""Runs to a fixed stop, judged from a recording of an axis that stops without bouncing.
+"""Runs to a fixed stop, judged from a recording in closed form (`stop_recordings.py`)."""
 
-Z goes with v = 10 mm/s from row 20 on, 0.2 mm behind its demand (v/Kv), meets its stop at 140.3 ms
-and goes on for 10 ms into it: F/k = 1000 N/(10 kN/mm) = 0.1 mm. The demand goes on until 220 ms.
-The CNC sees e0 = v/Kv + (2 - d) v T = 0.18 mm of lag with d = 4, so its limit of 0.5 mm is passed
-t_c + (L - e0 + F/k)/v = 182.3 ms, for 20 ms at 202.3 ms; the cycle of SYNC 203 finds the stop.
-"""
-
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 import pytest
-from tests.recordings import facts, kept
+from tests.judge.stop_recordings import (
+    CONTACT_MS,
+    DEEP_MM,
+    DEMAND,
+    DETECT,
+    FIRST,
+    FORCE_N,
+    K_N_M,
+    LATCHED_MM,
+    LOAD,
+    PRESSED_N,
+    ROWS,
+    RUN,
+    STOP,
+    STOP_MM,
+    V_MM_S,
+    K,
+    recorded,
+    seen,
+)
 
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
+from axisrig.bench.judge.fixed_stop.findings import stop_blocks
 from axisrig.bench.judge.fixed_stop.run import StopRun, stop_runs
 from axisrig.bench.judge.observed.observation import Observation
-from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import observe
 from axisrig.bench.oracles.fixed_stop.lists import Limits
-from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.record.axes import AxisRecord, PlantRecord, PlantValue
-from axisrig.bench.record.facts import Timing
-from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun
 from axisrig.kernel.time.clock import MS, US
-
-ROWS, FIRST = 400, 20
-K = np.arange(ROWS)
-V_MM_S, KV_PER_S, LAG_MM = 10.0, 50.0, 0.2
-CONTACT_MS, STOP_MM, DEEP_MM = 140.3, 1.003, 0.1
-FORCE_N, K_N_M, MASS_KG = 1000.0, 1e7, 100.0
-E0_MM, LIMIT_MM = 0.18, 0.5
-DETECTED_NS, BRAKES_ROW, END_NS = 203 * MS + 600 * US, 220, 300 * MS + 600 * US
-LATCHED_MM = STOP_MM + DEEP_MM + 0.0004
-DETECT = "kenngr.measure.fixed_stop_detect."
-BY_LAG = {DETECT + "pos_lag_limit": 5000, DETECT + "min_time": 20_000}
-PLANT = {
-    "stop_direction": 1.0, "stop_position": STOP_MM * 1e-3, "stop_stiffness": K_N_M,
-    "effective_mass": MASS_KG, "force_limit_motor": FORCE_N, "kv": KV_PER_S,
-}  # fmt: skip
-DEMAND = np.clip((K - FIRST) * V_MM_S * 1e-3, 0.0, (BRAKES_ROW - FIRST) * V_MM_S * 1e-3)
-LOAD = np.minimum(np.maximum(DEMAND - LAG_MM, 0.0), STOP_MM + DEEP_MM)
-SPEED = np.where((LOAD > 0.0) & (LOAD < STOP_MM + DEEP_MM), V_MM_S, 0.0)
-PRESSED_N = np.maximum(LOAD - STOP_MM, 0.0) * 1e-3 * K_N_M
-STOP = FixedStop(
-    {"Z": Criteria()},
-    armed_ns=30 * MS, beyond_ns={"Z": 183 * MS + 600 * US}, window_ns={"Z": 190 * MS + 600 * US},
-    detected_ns=DETECTED_NS, detected_by="Z", brake_end_ns=221 * MS, relax_begin_ns=230 * MS,
-    relax_end_ns=250 * MS, watch_off_ns=11 * MS, watch_on_ns=299 * MS, axes=("Z",),
-)  # fmt: skip
-RUN = MeasurementRun(
-    ("Z",), block="N30", inputs={"Z": 1}, begin_ns=10 * MS, start_ns=12 * MS, end_ns=END_NS,
-    signal_ns=DETECTED_NS, latched_mm={"Z": LATCHED_MM}, target_mm={"Z": 5.0}, fixed_stop=STOP,
-)  # fmt: skip
-
-
-def recorded(
-    side: float = 1.0,
-    run: MeasurementRun = RUN,
-    before: tuple[MeasurementRun, ...] = (),
-    plant: Mapping[str, Any] | None = None,
-    written: Mapping[str, Any] | None = None,
-    columns: Mapping[str, Any] | None = None,
-    rows: int = ROWS,
-) -> Observed:
-    """side: -1 mirrors everything, so that the stop is met going down."""
-    values = {**PLANT, **(plant or {})}
-    values = {name: value for name, value in values.items() if value is not None}
-    if side < 0:
-        values["stop_direction"] *= side
-        values["stop_position"] *= side
-        run = replace(
-            run,
-            latched_mm={name: side * place for name, place in run.latched_mm.items()},
-            target_mm={name: side * place for name, place in (run.target_mm or {}).items()},
-        )
-    known = {
-        "set_mm": side * DEMAND,
-        "actual_mm": side * LOAD,
-        "truth_mm": side * LOAD,
-        "velocity_mm_s": side * SPEED,
-        "drive_lag_mm": side * (DEMAND - LOAD),
-        "cnc_lag_mm": side * (DEMAND - LOAD - 2 * V_MM_S * 1e-3),
-        "stop_force_n": PRESSED_N,
-        "stop_force_peak_n": PRESSED_N * 1.5,
-        **(columns or {}),
-    }
-    table = {f"Z.{name}": column[:rows] for name, column in known.items() if column is not None}
-    plants = {"z": PlantRecord({name: PlantValue(value) for name, value in values.items()})}
-    axis = AxisRecord("can1", 1, 1000.0, plant="z", written={**BY_LAG, **(written or {})})
-    other = AxisRecord("can1", 2, 1000.0)
-    left = facts(
-        timing=Timing(MS, 600 * US, 0), axes={"Z": axis, "X": other}, plants=plants,
-        runs=(*before, run), end_ns=(rows - 1) * MS,
-    )  # fmt: skip
-    return Observed(left, kept(pa.table({"time_ns": K[:rows] * MS, **table})))
-
-
-def seen(observed: Observed, metric: str) -> Observation:
-    condition = "== lag" if metric == "detection_criterion" else "> -1e9"
-    return observe(observed, parse_check(metric, condition, ""))
-
 
 RELAX_ROW = 250
 OVERTRAVEL_MM = float(DEMAND[-1]) - LATCHED_MM
@@ -351,90 +279,46 @@ def test_the_arming_path_makes_the_detection_later() -> None:
     assert run.block_mm == pytest.approx(5.0)
 
 
-# What the report shows
+# The other criterion: the way of the last 20 ms is within W
 
 
-def test_values_stand_beside_what_was_expected() -> None:
-    (block,) = stop_blocks(recorded())
-    found = {value["key"]: value for value in block["values"]}
-    lag = found["running_lag"]
-    assert (lag["measured"], lag["expected"]) == pytest.approx((E0_MM, E0_MM))
-    latched = found["latched"]
-    assert latched["measured"] == pytest.approx(LATCHED_MM)
-    assert latched["expected"] is None  # without damping the axis rings for ever
-    peak = found["stop_force_max"]
-    impact_n = V_MM_S * 1e-3 * math.sqrt(K_N_M * MASS_KG)
-    assert peak["measured"] == pytest.approx(1.5 * FORCE_N)
-    assert peak["low"] == pytest.approx(impact_n)
-    assert peak["high"] == pytest.approx(FORCE_N + math.hypot(FORCE_N, impact_n))
-    end = found["stop_force_end"]
-    assert (end["measured"], end["low"], end["high"]) == pytest.approx((FORCE_N, 0.0, FORCE_N))
-    assert found["command_excess"]["measured"] == pytest.approx(OVERTRAVEL_MM)
+BY_WINDOW = {DETECT + "pos_lag_limit": 0, DETECT + "max_delta_position_window": 1500}
 
 
-def test_a_damped_stop_has_a_band_for_what_is_latched() -> None:
-    """x_stop + (F_lim -+ F_c)/k -+ 1 um; it decays in 2 m/d = 2 ms, the time is ten times that."""
-    damped = {"viscous_friction": 1e5, "coulomb_friction": 50.0, "weight": 20.0}
-    (block,) = stop_blocks(recorded(plant=damped))
-    (latched,) = [value for value in block["values"] if value["key"] == "latched"]
-    low, high = (STOP_MM + (FORCE_N - 20.0 + f) / K_N_M * 1e3 for f in (-50.0, 50.0))
-    assert (latched["low"], latched["high"]) == pytest.approx((low - 0.001, high + 0.001))
-    assert latched["expected"] == pytest.approx((low + high) / 2)
-    short = {DETECT + "min_time": 9_000}
-    (block,) = stop_blocks(recorded(plant=damped, written=short))
-    (latched,) = [value for value in block["values"] if value["key"] == "latched"]
-    assert (latched["low"], latched["note"]) == (
-        None, "the minimum time is shorter than 5 decay times of the ringing",
-    )  # fmt: skip
+def found_at(ms: float, by: Mapping[str, Any]) -> Observation:
+    run = replace(RUN, fixed_stop=replace(STOP, detected_ns=round(ms * MS)))
+    return seen(recorded(run=run, written=by), "detection_error_ms")
 
 
-def test_the_timeline_is_in_the_order_of_its_process() -> None:
-    observed = recorded()
-    (block,) = stop_blocks(observed)
-    found = [(mark["key"], mark["measured_ns"], mark["oracle_ns"]) for mark in block["marks"]]
-    contact_ns = round(CONTACT_MS * MS)
-    assert found == [
-        ("monitoring_off", 11 * MS, None),
-        ("begin", 12 * MS, None),
-        ("armed", 30 * MS, None),
-        ("contact", pytest.approx(contact_ns, abs=2), None),
-        ("beyond", 183 * MS + 600 * US, pytest.approx(182.3 * MS, abs=2)),
-        ("detected", DETECTED_NS, pytest.approx(202.3 * MS, abs=2)),
-        ("stands", 221 * MS, None),
-        ("relax_begin", 230 * MS, None),
-        ("relax_end", 250 * MS, None),
-        ("monitoring_on", 299 * MS, None),
-        ("end", END_NS, None),
-    ]
-    detected = next(mark for mark in block["marks"] if mark["key"] == "detected")
-    assert detected["is_inside"] is True
-    # The SYNC after it, 0.6 ms until the cycle, one cycle of sampling
-    assert (detected["low_ns"], detected["high_ns"]) == pytest.approx(
-        (202.9 * MS, 203.9 * MS), abs=5
-    )
-    assert (block["main_axis"], block["is_found"]) == ("Z", True)
-    assert block["decided_by"] == {"axis": "Z", "criterion": "lag"}
-    assert block["limits"]["Z"]["force_limit_n"] == FORCE_N
-    assert block["limits"]["Z"]["min_time_ms"] == 20.0
-    labels = [(event.kind, event.label) for event in stop_events(observed)]
-    assert ("contact", "Z: contact at the stop") in labels
-    assert ("brake", "Z: stop detected") in labels
-    assert "run over" not in {label for _, label in labels}
-    assert block["prediction"] == "contact of Z with its stop, found by lag"
-    late = replace(RUN, fixed_stop=replace(STOP, detected_ns=DETECTED_NS + MS))
-    (block,) = stop_blocks(recorded(run=late))
-    detected = next(mark for mark in block["marks"] if mark["key"] == "detected")
-    assert detected["is_inside"] is False
+def test_a_window_holds_when_the_way_within_the_time_is_small_enough() -> None:
+    """t_c + tau - (W - F/k)/v = 140.3 + 20 - 5 ms."""
+    found = found_at(156.6, BY_WINDOW)
+    assert found.value == pytest.approx(1.3, abs=1e-5)
+    assert "t_c + tau - (W - delta)/v" in found.note
+    assert found_at(156.6, {**BY_WINDOW, DETECT + "min_time": 30_000}).value == pytest.approx(-8.7)
+    free = found_at(156.6, {**BY_WINDOW, DETECT + "max_delta_position_window": 2000})
+    assert free.note.startswith("no closed form: W/tau is not below the feed 10 mm/s")
+    assert found_at(156.6, {**BY_WINDOW, DETECT + "max_delta_position_window": 1999}).value
 
 
-@pytest.mark.parametrize(
-    ("written", "words"),
-    [
-        ({DETECT + "pos_lag_limit": 0, DETECT + "min_time": 0}, "nothing can detect: no crit"),
-        ({DETECT + "pos_lag_limit": 1800}, "found in free motion: Z: "),
-        ({DETECT + "max_delta_position_window": 500}, "contact of Z with its stop, found by l"),
-    ],
-)  # fmt: skip
-def test_settings_foretell_what_is_found(written: Mapping[str, Any], words: str) -> None:
-    (block,) = stop_blocks(recorded(written=written))
-    assert block["prediction"].startswith(words)
+def test_a_window_smaller_than_what_the_stop_gives_is_walked_along_the_plant() -> None:
+    """W = 0.05 mm: at 165.3 ms the axis is 5 ms before its rest of 20 ms ago."""
+    small = {DETECT + "max_delta_position_window": 500, DETECT + "start_distance": 5000}
+    found = found_at(166.6, {**BY_WINDOW, **small})
+    assert "along the motion of the plant: the window 0.05 mm is smaller" in found.note
+    assert found.value == pytest.approx(166.6 - 165.5)
+    assert found.uncertainty == 0.0
+
+
+def test_of_both_criteria_the_later_one_counts() -> None:
+    """The lag for 20 ms at 202.3 ms, the window at 155.3; with a lag of 0.2 mm it is earlier."""
+    both = {**BY_WINDOW, DETECT + "pos_lag_limit": 5000}
+    found = found_at(203.6, both)
+    assert found.value == pytest.approx(1.3, abs=1e-5)
+    assert found.note.startswith("the later of both criteria: then for the minimum time; t_c + (L")
+    # A lag limit that holds in free motion leaves it to the window
+    free = found_at(156.6, {**BY_WINDOW, DETECT + "pos_lag_limit": 1800})
+    assert free.value == pytest.approx(1.3, abs=1e-5)
+    # ... and the other way round
+    free = found_at(203.6, {**both, DETECT + "max_delta_position_window": 2000})
+    assert free.value == pytest.approx(1.3, abs=1e-5)
