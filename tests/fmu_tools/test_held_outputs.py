@@ -10,7 +10,7 @@ from fmu_rigs import RIG
 
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.cosim.plant.axis import PlantAxis
-from axisrig.kernel.cosim.plant.held import refuse_held_outputs
+from axisrig.kernel.cosim.plant.plant import refuse_held_outputs
 
 Call = Callable[..., Any]
 

@@ -1,14 +1,13 @@
 """What a machine leaves when its program has ended, as data (`bench.record`)."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
-from axisrig.bench.machine.recording.acting import acting_warnings
+from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.plant_values import plant_record
-from axisrig.bench.machine.recording.plc_notes import plc_notes
-from axisrig.bench.machine.recording.plc_sensor import plc_sensor
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.axes import (
     AxisRecord,
@@ -19,7 +18,7 @@ from axisrig.bench.record.axes import (
     ProbeRecord,
     Value,
 )
-from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -27,24 +26,34 @@ from axisrig.bench.record.facts import (
     Fault,
     MessageRecord,
     Note,
+    PlcNote,
     Timing,
 )
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
 from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.distance.check import distance_warnings
+from axisrig.bench.rig.distance.loops import unstable
+from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.families import TerminalGrid, rig_families
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
+from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import Sensor, VariableSensor
+from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.interface import PlcAction, PlcEvent
 from axisrig.kernel.time.clock import US, TimeNs
+
+_TILT_X, _TILT_Y, _QUANTITY = "workpiece_tilt_x", "workpiece_tilt_y", "quantity"
+_ORTHOGONAL = 1
+"""Value of _QUANTITY (AxisRig.Sensors.TiltedSensor)."""
 
 
 def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
@@ -67,7 +76,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
         probes=_probes(machine),
         plc_sensors={
-            name: plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
+            name: _plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
@@ -81,7 +90,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
             MessageRecord(message.block.number, message.values, message.shown)
             for message in machine.messages
         ),
-        plc=tuple(plc_notes(channel.plc.events, machine.end_ns)),
+        plc=tuple(_plc_notes(channel.plc.events, machine.end_ns)),
         drive_writes=tuple(_drive_write(at, write) for at, write in channel.drive_writes),
         faults=tuple(
             Fault(fault.axis or "", fault.in_words(), tuple(fault.marks()))
@@ -304,7 +313,7 @@ def _notes(machine: Machine) -> Iterator[Note]:
     settings = machine.settings
     yield from (Note("rig", text) for text in settings.notes)
     yield from (Note("distance", text) for text in distance_warnings(settings))
-    yield from (Note("distance", text) for text in acting_warnings(settings, machine.distance_log))
+    yield from (Note("distance", text) for text in _acting_warnings(settings, machine.distance_log))
     yield from (Note("latch", text) for text in unproved_notes(machine.links))
     yield from (Note("lacking", text) for text in lacking_notes(machine.plant))
     yield from (Note("plant", text) for text in plant_warnings(machine.plant))
@@ -324,3 +333,57 @@ def unproved_notes(links: Mapping[str, Drive]) -> list[str]:
         f" them, and {WHAT_PASSES}"
         for name in unproved_axes(links)
     ]
+
+
+def _acting_warnings(settings: Settings, log: DistanceLog) -> list[str]:
+    """Say which control that acted cannot be stable; each once, in the order in which they acted.
+
+    A dry run moves nothing: it has no loop. There is no data on the loop of a sensor that the rig
+    does not have, such as a variable that the program writes.
+    """
+    found = []
+    for name in (*log.axes, CHANNEL):
+        sensors = {sensor.source: sensor for sensor in sensors_of(settings, name)}
+        for change in log.recorded(name):
+            sensor = sensors.get(change.sensor)
+            if change.is_on and not change.is_dry_run and sensor is not None:
+                control = change.controller.control
+                found.append(unstable(settings, name, sensor, change.mode, control))
+    return list(dict.fromkeys(text for text in found if text is not None))
+
+
+def _plc_notes(events: Sequence[PlcEvent], end_ns: TimeNs) -> list[PlcNote]:
+    """Return what passed until `end_ns`, in the order in which it was carried out."""
+    passed = [event for event in events if event.time_ns <= end_ns]
+    passed.sort(key=lambda event: event.time_ns)  # a new start is noted with its stop
+    return [PlcNote(event.time_ns, _words(event), _place(event)) for event in passed]
+
+
+def _words(event: PlcEvent) -> str:
+    match event.command:
+        case canon.ProgramStop(optional=optional):
+            what = "started again" if event.starts_again else "stop"
+            return f"{'M1' if optional else 'M0'}: {what}"
+        case canon.TechnologyFunction(word=word):
+            return f"{word} to the PLC"
+        case canon.ExternalWrite(name=name, value=value):
+            return f"V.E.{name} = {value:.15g} to the PLC"
+        case PlcAction(words=words):
+            return words
+
+
+def _place(event: PlcEvent) -> str:
+    command = event.command
+    return command.place if isinstance(command, PlcAction) else command.block.place
+
+
+def _plc_sensor(table: PlcSensorTable, plant: Plant) -> PlcSensor:
+    """Return the record of an entry of `[plc]`."""
+    slave, normal, is_along = plant.distances[table.sensor].slave, None, False
+    if slave.has(_TILT_X) and slave.has(_TILT_Y):
+        x, y = float(slave.get(_TILT_X)), float(slave.get(_TILT_Y))
+        # Tilted about Y, then about X
+        normal = (math.sin(y), -math.sin(x) * math.cos(y), math.cos(x) * math.cos(y))
+        is_along = not slave.has(_QUANTITY) or int(slave.get(_QUANTITY)) != _ORTHOGONAL
+    is_normalised = table.normalise != "none"
+    return PlcSensor(table.sensor, table.sign, table.delay_cycles, is_along, is_normalised, normal)

@@ -13,7 +13,7 @@ REST_NS_MAX = 500 * MS
 
 
 class PlantMechanics:
-    """The plants of a run as its channel sees them (`kernel.channel.mechanics`).
+    """The plants of a run as its channel sees them (`kernel.channel.surroundings`).
 
     waits: whether the run goes on after an alarm until the axes are at rest. They do when every
     motor has been slower than REST_M_S for REST_NS, or REST_NS_MAX after the first question.

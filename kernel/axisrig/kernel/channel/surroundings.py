@@ -2,11 +2,33 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
-from axisrig.kernel.channel.mechanics import Mechanics, NoMechanics
 from axisrig.kernel.channel.path.monitor import Monitor
 from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import TimeNs
+
+
+class Mechanics(Protocol):
+    """The axes and sensors at the drives. The channel learns no value of them."""
+
+    def advance_to(self, sync_ns: TimeNs) -> None:
+        """Be at the instant of the last SYNC: observers look at the mechanics of this cycle."""
+
+    def has_come_to_rest(self) -> bool:
+        """Return whether the axes are at rest; asked in every cycle from the end of a run on."""
+
+
+class NoMechanics:
+    """Nothing is simulated here: nothing is waited for."""
+
+    def advance_to(self, sync_ns: TimeNs) -> None:
+        """Do nothing."""
+
+    def has_come_to_rest(self) -> bool:
+        """Always at rest: nothing moves."""
+        return True
 
 
 @dataclass(frozen=True)

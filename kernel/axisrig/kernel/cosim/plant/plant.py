@@ -8,14 +8,14 @@ an edge").
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose, lcm
+from typing import Final
 
-from axisrig.kernel.cosim.fmi.fmu import FmuSlave
+from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles, map_roles
 from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.distance import FOLLOW_NS, PlantDistance
 from axisrig.kernel.cosim.plant.edges import make_probe
 from axisrig.kernel.cosim.plant.grid import GridAxis
-from axisrig.kernel.cosim.plant.held import refuse_held_outputs
 from axisrig.kernel.cosim.plant.probe import PlantProbe
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
@@ -28,6 +28,9 @@ DIVISIONS = 2
 """How often it is divided; the second time only for several edges of one direction, or where a
 velocity is a numeric derivative."""
 SHORTEST_DIVIDED_NS = 1 * US
+# A step that goes further than at its higher end speed; the share is for a motion that swings in it
+_JUMP: Final = 2.0
+_ROUNDING_M: Final = 1e-7
 
 
 class Plant:
@@ -287,3 +290,25 @@ class Plant:
             probe.slave.close()
         for sensor in self.distances.values():
             sensor.slave.close()
+
+
+def refuse_held_outputs(axis: PlantAxis, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+    """Raise PlantError where the last step of an axis, in which an edge came, is none of its own.
+
+    Its position stood still although it has a speed, or jumped further than its speeds allow: the
+    FMU steps inside more coarsely than it is asked to, as a container of other FMUs may.
+    """
+    begin_m, begin_m_s, end_m, end_m_s = axis.tick
+    span_s, moved_m = (end_ns - begin_ns) * 1e-9, end_m - begin_m
+    highest_m_s = max(abs(begin_m_s), abs(end_m_s))
+    is_held = moved_m == 0.0 and begin_m_s == end_m_s and highest_m_s * span_s > _ROUNDING_M
+    is_jump = abs(moved_m) > _JUMP * highest_m_s * span_s + _ROUNDING_M
+    if is_held or is_jump:
+        raise PlantError(
+            axis.slave.name,
+            end_ns,
+            f"its position moved by {moved_m * 1e6:.3g} um in a step of {span_s * 1e6:g} us with an"
+            f" edge, at {highest_m_s * 1e3:.3g} mm/s: it steps inside more coarsely than that;"
+            " `axisrig fmu check` says how coarsely, set fine_us and exchange_us in [cycle] to it,"
+            " or export it with a shorter step",
+        )

@@ -1,6 +1,7 @@
 """The order in which blocks are decoded: structures, jumps, subprograms, the end of the program."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from axisrig.kernel.nc import canon
@@ -9,7 +10,8 @@ from axisrig.kernel.nc.decoder.base.cells import Cell, Store
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.frames import CALLS_MAX
 from axisrig.kernel.nc.decoder.base.topic import Topic, silent
-from axisrig.kernel.nc.decoder.topics.cycles import restoring
+from axisrig.kernel.nc.decoder.topics.circles import Circle
+from axisrig.kernel.nc.decoder.topics.pauses import BlockEnds
 from axisrig.kernel.nc.expressions import Value
 from axisrig.kernel.nc.syntax import (
     Break,
@@ -179,6 +181,31 @@ def _nothing(context: Context, block: Block, statement: Any) -> None:
     pass
 
 
+def _restoring(context: Context) -> Callable[[], None] | None:
+    """Return what gives the caller of a cycle its modal state back; None with P-CHAN-00210 = 1.
+
+    Given back are G functions that stand alone (motion, G90/G91, G70/G71, plane, G53 to G59, G161
+    to G165, G260/G261, G359/G360), what is kept of circles, and the feed. What comes with a value
+    or with axes (G92, G101, G130, G159) stays. Source: TF5200 channel parameters 476043659.
+    """
+    if context.tables.cycle_changes_modal:
+        return None
+    modal = replace(context.modal)
+    circle, ends = replace(context.part(Circle)), replace(context.part(BlockEnds))
+    plane, zero_group = context.coordinates.plane, context.coordinates.zero_group
+
+    def restore() -> None:
+        if context.modal.zero_group != modal.zero_group:
+            context.select_zero(zero_group)
+        context.modal = modal
+        ends.rounds = context.part(BlockEnds).rounds  # of the last block of motion, not modal
+        context.keep(circle)
+        context.keep(ends)
+        context.coordinates.plane = plane
+
+    return restore
+
+
 def _call(context: Context, block: Block, call: SubprogramCall) -> None:
     flow = context.flow
     if len(flow.frames) > CALLS_MAX:
@@ -190,7 +217,7 @@ def _call(context: Context, block: Block, call: SubprogramCall) -> None:
         return
     called = unit.called[call.name].main
     if call.scope == "cycle":
-        flow.call(called, _parameters(context, block, call), restoring(context))
+        flow.call(called, _parameters(context, block, call), _restoring(context))
     else:
         flow.call(called)
 
