@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from tests.recordings import facts
+from tests.tools.near import near
 
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import RunFiles
@@ -160,7 +161,7 @@ def test_contact_and_lobing_close_at_a_soft_workpiece() -> None:
 @pytest.mark.long
 def test_braking_has_no_share_where_the_value_is_of_before() -> None:
     for plan, name in (("latch_accuracy", "f600"), ("plc_sources", "ext-position")):
-        braking = shares(budget_of(row(plan, name)))["braking"]
+        braking = shares(budget_of(near(row(plan, name))))["braking"]
         assert braking.alone_um == braking.in_turn_um == 0.0
 
 
@@ -243,7 +244,7 @@ drive = "slow"
 @pytest.mark.long
 def test_a_level_sampled_at_the_sync_waits_for_it() -> None:
     """60FD: from the edge to the SYNC, v U; then to the cycle of the PLC and back to the SYNC."""
-    budget = budget_of(row("plc_sources", "plc-drive-input"))
+    budget = budget_of(near(row("plc_sources", "plc-drive-input")))
     found = shares(budget)
     assert -10.0 <= found["digital input"].in_turn_um < 0.0
     # From SYNC to SYNC: whole cycles of 10 um, the PLC with its shortest cycle
@@ -253,7 +254,7 @@ def test_a_level_sampled_at_the_sync_waits_for_it() -> None:
 @pytest.mark.long
 def test_a_position_of_the_plc_is_older_by_the_cycles_between() -> None:
     """HLI of the NC cycle before the PLC's in place of the SYNC after it: 1 ms at 10 mm/s."""
-    found = shares(budget_of(row("plc_sources", "ext-position")))
+    found = shares(budget_of(near(row("plc_sources", "ext-position"))))
     assert found["handed-over position"].in_turn_um == pytest.approx(10.0, abs=0.1)
 
 

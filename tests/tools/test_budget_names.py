@@ -8,6 +8,7 @@ from math import cos, log, pi, sqrt
 from pathlib import Path
 
 import pytest
+from tests.tools.near import BETWEEN_SYNCS, NEAR
 
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_cases
@@ -19,7 +20,7 @@ from axisrig.bench.tools.budget.causes import causes
 
 PLANS = Path(__file__).parents[2] / "testplans"
 RIGS, PROGRAMS = PLANS / "rigs", PLANS / "programs"
-RUNS, RIGHT = 120, 0.95
+RIGHT = 0.95
 
 Draw = random.Random
 Set = Callable[[Draw], dict[str, str]]
@@ -68,7 +69,6 @@ class Bench:
     quiet: dict[str, str] = field(default_factory=dict)
 
 
-NEAR = {"plant:z.position_start_mm": "101.3", "plant:z.kv": "100", "plant:z.feed_forward": "1"}
 NO_DELAY = {"drive:servo.input_delay_us": "0"}
 QUICK_PLC = {"plc:period_us": "50"}
 STILL = {
@@ -89,10 +89,12 @@ PLC = Bench("plc-signal", "PLC", QUICK_PLC)
 FIRST = Bench("plc-signal", "PLC_FIRST_EVENT", QUICK_PLC)
 STAMP = Bench("plc-timestamp", "PLC_TIMESTAMP", QUICK_PLC)
 EXTERNAL = Bench("plc-external", "PLC_EXT_LATCH_CONTROL", QUICK_PLC)
-INPUT = Bench("plc-drive-input", "PLC", QUICK_PLC | NO_DELAY)
+INPUT = Bench("plc-drive-input", "PLC", QUICK_PLC | NO_DELAY | BETWEEN_SYNCS)
 AT_PLC = (PLC, FIRST, EXTERNAL)
 BY_DRIVE = (DRIVE, TYPE_DEFAULT, RADIO)
 EVERY = (*BY_DRIVE, *AT_PLC, STAMP)
+SOURCES = (DRIVE, PLC, STAMP)
+"""Of what is not of the signal."""
 ELASTIC = {"plant:probe.seat_force_n": "4", "plant:probe.bending_stiffness_n_m": "1e12"}
 
 SEEDED: dict[str, tuple[tuple[Bench, ...], Set]] = {
@@ -224,14 +226,12 @@ def budget_of(case: Case) -> Budget:
 
 
 @pytest.mark.long
-def test_of_120_runs_with_one_cause_it_names_the_right_one(tmp_path: Path) -> None:
+def test_of_runs_with_one_cause_it_names_the_right_one_at_every_source(tmp_path: Path) -> None:
     """A share is named when it is above an increment; a drawn delay may be smaller than that."""
     draw = random.Random(20)
-    names = list(SEEDED)
+    runs = [(name, bench) for name, (at, _) in SEEDED.items() for bench in at or SOURCES]
     wrong, offs = [], []
-    for number in range(RUNS):
-        name = names[number] if number < len(names) else draw.choice(names)
-        bench = draw.choice(SEEDED[name][0] or (DRIVE, PLC, STAMP))
+    for name, bench in runs:
         case = seeded(name, bench, draw, tmp_path)
         budget = budget_of(case)
         share = budget.largest
@@ -243,4 +243,4 @@ def test_of_120_runs_with_one_cause_it_names_the_right_one(tmp_path: Path) -> No
             offs.append((name, bench.source, case.inputs, budget.left_um, budget.differing))
         assert abs(budget.left_um) <= budget.increment_um, (name, case.inputs)
     assert not offs
-    assert len(wrong) <= (1 - RIGHT) * RUNS, wrong
+    assert len(wrong) <= (1 - RIGHT) * len(runs), wrong
