@@ -16,6 +16,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -123,11 +124,16 @@ def by_libcosim(task: Task, folder: Path) -> NDArray[np.float64]:
     return _by_program("libcosimpy", "AXISRIG_LIBCOSIMPY", task)
 
 
+@cache
+def _is_there(python: str, package: str) -> bool:
+    asked = subprocess.run([python, "-c", f"import {package}"], capture_output=True, check=False)
+    return asked.returncode == 0
+
+
 def _by_program(package: str, place: str, task: Task) -> NDArray[np.float64]:
     """Run the program of a package; place: the variable that may name another python."""
     python = os.environ.get(place) or sys.executable
-    asked = subprocess.run([python, "-c", f"import {package}"], capture_output=True, check=False)
-    if asked.returncode:
+    if not _is_there(python, package):
         pytest.skip(f"{package} is missing, see tests/foreign/fmu_importers.py")
     words = {"Real": "real", "Float64": "real", "Boolean": "bool", "Integer": "int", "Int32": "int"}
     kinds = {v.name: v.type for v in fmpy.read_model_description(str(task.fmu)).modelVariables}
