@@ -149,7 +149,7 @@ def _edit(folder: Path, kind: str, chance: random.Random) -> list[list[str | Pat
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("count", [3, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [3, pytest.param(25, marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", ["cases", "results", "run", "manifest", "trace", *SUFFIXES])
 def test_edited_files_give_a_line_or_their_report(
     results: Path, tmp_path: Path, kind: str, count: int
