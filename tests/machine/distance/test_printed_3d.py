@@ -1,4 +1,4 @@
-"""Programs of FCT-M3 12 with the times and feeds that are printed there: minutes, not seconds.
+"""Programs of FCT-M3 12 with the times and feeds that are printed there.
 
 The rows of testplans/distance_3d.csv have F3600 for F10 and #TIME 0.71 for #TIME 71. Cycles of
 20 ms here: nothing in these examples is fast.
@@ -16,20 +16,27 @@ SLOW = "[cycle]\nperiod_us = 20000"
 
 @pytest.mark.long
 def test_the_head_tilts_to_90_degrees_with_f10(run_nc: Any) -> None:
-    """12.4.2.1: 90 degrees with 10 degrees/min take 540 s; L2 is 80 cos 50 / cos 70 at the end."""
+    """12.4.2.1: L2 is 80 cos 50 / cos 70 at the end.
+
+    F10 where HD2 and HD3 begin to act, and at the end: 14 degrees take 84 s, the others between
+    them 7.6 s with F600; all 90 would take 540 s.
+    """
     program = (PROGRAMS / "distance-3d-head.nc").read_text(encoding="utf-8")
-    assert "N240 G01 A90 F=V.E.FEED" in program
-    printed = program.replace("A90 F=V.E.FEED", "A90 F10").replace("N230 G01 C=V.E.C F30000\n", "")
-    body = printed.partition("\n")[2].replace("N999 M30\n", "")
+    turn = "N240 G01 A90 F=V.E.FEED"
+    assert turn in program
+    parts = ((49, 600), (55, 10), (66, 600), (72, 10), (88, 600), (90, 10))
+    printed = program.replace(turn, "\n".join(f"G01 A{to} F{feed}" for to, feed in parts))
+    body = printed.replace("N230 G01 C=V.E.C F30000\n", "").partition("\n")[2]
     columns = ["plant:z.position_start_mm=180", "plant:gap.workpiece_z_mm=-20"]
-    out = run_nc(body, SLOW, *columns, base="distance-5axis.toml")
+    out = run_nc(body.replace("N999 M30\n", ""), SLOW, *columns, base="distance-5axis.toml")
     assert out.alarms == []
     length_mm = 80 * math.cos(math.radians(50)) / math.cos(math.radians(70))
     assert out.printed("L2") == pytest.approx([length_mm], abs=1e-3)
     times = out.column("time_ns")
-    assert 540 < (times[-1] - times[0]) / 1e9 < 560
+    assert 91 < (times[-1] - times[0]) / 1e9 < 112
     tilt, height = out.column("gap.tilt_deg"), out.column("gap.clamping_z_mm")
-    kept = height[(tilt > 50) & (tilt < 70)]
+    kept = height[((tilt > 50) & (tilt < 54.9)) | ((tilt > 66.5) & (tilt < 70))]
+    assert len(kept) > 2000
     # Half an increment of A at L2' = L2 tan 70 along the tool
     assert abs(kept - 80 * math.cos(math.radians(50))).max() < 5e-4
     assert height[-1] == pytest.approx(0.0, abs=5e-4)
