@@ -1,0 +1,99 @@
+"""Lines of the report: which runs are points, which rows a line, and the words beside them."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.lines.section import PICTURES_MAX, lines, lines_section
+
+
+def row(metric: str, value: str, verdict: str = "pass", unit: str = "um") -> dict[str, str]:
+    return {"metric": metric, "value": value, "verdict": verdict, "unit": unit, "check": "<= 9",
+            "reference": "p.csv:2", "uncertainty": "0.25", "run": "p-a"}  # fmt: skip
+
+
+def run(name: str, checks: list[dict[str, str]], *, case: str = "a", feed: str = "",
+        is_statistic: bool = False) -> Any:  # fmt: skip
+    cells = {"plan": "p", "case": case, "plc:V.E.FEED": feed}
+    return SimpleNamespace(run=name, case=cells, checks=checks, is_statistic=is_statistic,
+                           verdict=Verdict.PASS)  # fmt: skip
+
+
+def folder(*runs: Any) -> Any:
+    return SimpleNamespace(planned=runs)
+
+
+OVER = "(latch_error_um; plc:V.E.FEED)"
+ASKED = [row(f"slope{OVER}", "0.5", unit="um/(plc:V.E.FEED)"), row(f"intercept{OVER}", "-2")]
+POINTS = [
+    run("both", [row("mean(latch_error_um; each)", "3"), row("latch_error_um", "9"),
+                 row("spread(latch_error_um; each)", "0.5")], feed="300"),
+    run("alone", [row("latch_error_um", "4")], feed="600"),
+    run("zero", [row("mean(latch_error_um; each)", "0"), row("latch_error_um", "9")], feed="0"),
+    run("no feed", [row("latch_error_um", "5")]),
+    run("no value", [row("latch_error_um", "")], feed="900"),
+    run("other case", [row("latch_error_um", "5")], feed="900", case="b"),
+]  # fmt: skip
+
+
+def test_a_point_is_the_mean_of_a_run_else_its_value() -> None:
+    (one,) = lines(folder(*POINTS, run("p-a", ASKED, is_statistic=True)))
+    (fitted,) = one.fitted
+    assert [(p.run, p.x, p.y, p.spread) for p in fitted.points] == [
+        ("both", 300.0, 3.0, 0.5), ("alone", 600.0, 4.0, None), ("zero", 0.0, 0.0, None),
+    ]  # fmt: skip
+    assert (fitted.slope, fitted.intercept, fitted.name) == (0.5, -2.0, "a")
+    assert (one.unit, one.column) == ("um", "plc:V.E.FEED")
+
+
+def test_a_line_over_another_metric_needs_both() -> None:
+    over = "(latch_error_um; contact_velocity_mm_s)"
+    asked = [row(f"slope{over}", "0.5"), row(f"intercept{over}", "-2")]
+    points = [run("x", [row("latch_error_um", "4"), row("contact_velocity_mm_s", "10")]),
+              run("y", [row("latch_error_um", "4")]),
+              run("z", [row("contact_velocity_mm_s", "10")])]  # fmt: skip
+    (one,) = lines(folder(*points, run("p-a", asked, is_statistic=True)))
+    assert [(p.run, p.x, p.y) for p in one.fitted[0].points] == [("x", 10.0, 4.0)]
+    assert one.column == "contact_velocity_mm_s"
+
+
+@pytest.mark.parametrize("verdicts", [("pass", "fail"), ("fail", "pass"), ("marginal", "pass")])
+def test_a_line_has_the_worse_verdict_of_its_ends(verdicts: tuple[str, str]) -> None:
+    asked = [{**end, "verdict": verdict} for end, verdict in zip(ASKED, verdicts, strict=True)]
+    (one,) = lines(folder(*POINTS, run("p-a", asked, is_statistic=True)))
+    assert one.fitted[0].verdict.word == max(verdicts, key=("pass", "marginal", "fail").index)
+
+
+def test_both_ends_are_needed_and_both_need_a_value() -> None:
+    for asked in (ASKED[:1], ASKED[1:], [ASKED[0], {**ASKED[1], "value": ""}],
+                  [{**ASKED[0], "value": ""}, ASKED[1]],
+                  [ASKED[0], row("intercept(latch_error_um; touch)", "1")]):  # fmt: skip
+        assert lines(folder(*POINTS, run("p-a", asked, is_statistic=True))) == []
+
+
+def test_a_picture_and_a_table_say_what_they_are_of() -> None:
+    text = lines_section(folder(*POINTS, run("p-a", ASKED, is_statistic=True)))
+    assert "<b>p</b>: latch_error_um, µm over plc:V.E.FEED" in text
+    assert ">V.E.FEED<" in text
+    assert '<a href="#p-a">a</a>' in text
+    assert 'scope="col">slope, µm/(plc:V.E.FEED)</th>' in text
+    assert 'scope="col">intercept, µm</th>' in text
+    assert " 0.5 ± 0.25</td><td>&lt;= 9</td>" in text
+    assert "not drawn" not in text
+
+
+@pytest.mark.parametrize("count", [PICTURES_MAX, PICTURES_MAX + 2])
+def test_more_pictures_than_a_page_holds_are_counted(count: int) -> None:
+    metrics = ("latch_error_um", "latch_mm", "contact_mm", "reaction_ms", "duration_s",
+               "overtravel_mm", "standstill_mm", "stop_way_mm")  # fmt: skip
+    asked = [
+        row(f"{name}({metric}; plc:V.E.FEED)", "1")
+        for metric in metrics[:count]
+        for name in ("slope", "intercept")
+    ]
+    text = lines_section(folder(*POINTS, run("p-a", asked, is_statistic=True)))
+    assert text.count("<svg") == PICTURES_MAX
+    assert ("2 more metrics with lines are not drawn" in text) is (count > PICTURES_MAX)
+    assert ("more metrics" in text) is (count > PICTURES_MAX)
