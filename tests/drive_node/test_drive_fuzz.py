@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from axisrig.bench.drive.cia402.dictionary.objects import variables
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.servo import Servo
-from axisrig.kernel.drives.canopen.words import state_of
+from axisrig.kernel.drives.cia402.words import state_of
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS, US

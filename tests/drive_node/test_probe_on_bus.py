@@ -12,7 +12,7 @@ from canopen.sdo.exceptions import SdoAbortedError
 from axisrig.bench.drive.cia402.dictionary.objects import variables
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.profiles import named_profile, profile_names
-from axisrig.kernel.drives.canopen.words import counter_object, latch_object
+from axisrig.kernel.drives.cia402.words import counter_object, latch_object
 
 Make = Callable[..., Any]
 MS, US = 1_000_000, 1_000

@@ -1,13 +1,14 @@
 """The toy family in a rig and in a machine, beside a CANopen drive: by one row of the registry."""
 
 import dataclasses
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import cast
 
 import pytest
-from tests.architecture.sources import MODULES, imported_names, trees
+from tests.architecture.sources import imported_names, trees
 from typer.testing import CliRunner
 
 from axisrig.bench.campaign.results.build_info import is_compiled
@@ -59,9 +60,9 @@ fmu = "AxisRig.Drives.ServoAxis"
 start = { kv = 100 }
 [plant.probe]
 fmu = "AxisRig.Sensors.TouchProbe"
-start = { surface_mm = -0.4321 }
+start = { surface_mm = SURFACE }
 wire = { z = "z" }
-"""
+""".replace("SURFACE", str(SURFACE_MM))
 PROGRAM = """%wire
 N10 G90 G01 X2 F3000
 N20 G100 Z-1 F300
@@ -73,19 +74,28 @@ N50 M30
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Iterator[Path]:
-    """A folder with rig, lists and program; the toy has a row in the registry."""
-    row = Joined("wire", "wire", "tests.exercise.wire", "tests.exercise.wire")
+    """A folder with rig, lists and program; the toy has its rows in the registry.
+
+    A bundle of wires carries drives of its own family, and such with the keys of CANopen.
+    """
+    keys, family = "tests.exercise.wire.keys", "tests.exercise.wire.family"
+    servo = next(row.drive for row in FAMILIES if row.family == "canopen")
+    rows = [
+        Joined("wire", "wire", keys, keys, family, family),
+        Joined("canopen", "wire", servo, keys, family, family),
+    ]
     for name in ("channel.lst", "axis-z.lst"):
         shutil.copy(SCENARIOS / name, tmp_path / name)
     of_z = (tmp_path / "axis-z.lst").read_text(encoding="utf-8")
-    of_x = of_z.replace("log_achs_name                          Z", "log_achs_name X")
-    of_x = of_x.replace("achs_nr                                1", "achs_nr 2")
-    (tmp_path / "axis-x.lst").write_text(of_x.replace("messachse  ", "messachse 0 #"))
+    of_x = re.sub(r"(log_achs_name\s+)Z", r"\1X", re.sub(r"(achs_nr\s+)1", r"\g<1>2", of_z))
+    of_x = re.sub(r"(messachse\s+)1", r"\g<1>0", of_x)
+    assert sum(a != b for a, b in zip(of_x.split(), of_z.split(), strict=True)) == 3
+    (tmp_path / "axis-x.lst").write_text(of_x, encoding="utf-8")
     (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")
     (tmp_path / "wire.nc").write_text(PROGRAM, encoding="utf-8")
-    FAMILIES.append(row)
+    FAMILIES.extend(rows)
     yield tmp_path
-    FAMILIES.remove(row)
+    del FAMILIES[-2:]
 
 
 def settings_of(folder: Path, *changes: str, rig: str = RIG) -> Settings:
@@ -102,7 +112,8 @@ def test_both_drives_move_in_one_machine_and_the_wire_measures(folder: Path) -> 
     machine = Machine(settings, read_program(folder / "wire.nc", tuple(settings.rig.axis)))
     try:
         machine.run()
-        facts, seen = facts_of(machine), Observed(facts_of(machine), machine.recorder.series())
+        facts = facts_of(machine)
+        seen = Observed(facts, machine.recorder.series())
     finally:
         machine.close()
     assert [str(alarm) for alarm in machine.channel.alarms] == []
@@ -125,7 +136,6 @@ def test_a_plan_with_it_passes_and_its_report_is_written(folder: Path) -> None:
     words = ["run", str(folder / "plan.csv"), "-j", "1", "-o", str(folder / "out")]
     ended = CliRunner().invoke(app, words)
     assert ended.exit_code == 0, ended.output
-    assert "on a wire" not in ended.output
     assert "<html" in (folder / "out" / "report.html").read_text(encoding="utf-8")
 
 
@@ -144,7 +154,11 @@ def test_a_rig_is_described_with_both(folder: Path) -> None:
         ('carrier = "wire"', 'carrier = "wir"', "there is no such carrier; allowed: wire"),
         ('carrier = "wire"', 'carrier = "wire"\ncolour = "pink"', "colour"),
         ('carrier = "wire"', 'carrier = "wire"\nbitrate = 500000', "unknown rig key"),
-        ('segment = "bundle"', 'segment = "can1"\nnode = 4', "is not on a segment of this kind"),
+        (
+            'segment = "bundle"',
+            'segment = "can1"\nnode = 4',
+            "does not carry drives of the family wire",
+        ),
         ('segment = "bundle"', 'segment = "bundle"\nnode = 4', "there are no nodes"),
         ("node = 1\n", "", "the rig lacks the key axis.X.node"),
         ('probe_1 = "probe"', 'probe_2 = "probe"', "a drive on a wire has one input"),
@@ -173,20 +187,52 @@ def test_cells_reach_the_keys_of_each_kind(folder: Path) -> None:
     for change in ("drive:wired.profile=generic", "bus:bundle.bitrate=500000", "bus:all.weight=1"):
         with pytest.raises(UserError, match="has no such key"):
             settings_of(folder, change)
+    for change in ("bus:bundle.carrier=can", "drive:wired.family=canopen"):
+        with pytest.raises(UserError, match="a run does not change"):
+            settings_of(folder, change)
+
+
+def test_a_segment_carries_drives_of_two_families_and_a_family_is_on_two_carriers(
+    folder: Path,
+) -> None:
+    """Z and X on one bundle, X with the keys of CANopen; beside them W with the same on CAN."""
+    of_w = (folder / "axis-x.lst").read_text(encoding="utf-8")
+    of_w = re.sub(r"(log_achs_name\s+)X", r"\1W", re.sub(r"(achs_nr\s+)2", r"\g<1>3", of_w))
+    (folder / "axis-w.lst").write_text(of_w, encoding="utf-8")
+    begin = RIG.index("[axis.X]")
+    of_x = RIG[begin : RIG.index("[plant.z]")]
+    both = of_x.replace('segment = "can1"\nnode = 1\n', 'segment = "bundle"\n')
+    both += of_x.replace("axis.X", "axis.W").replace("axis-x", "axis-w").replace('"x"', '"w"')
+    plant = RIG[RIG.index("[plant.x]") : RIG.index("[plant.probe]")]
+    rig = RIG.replace(of_x, both) + plant.replace("plant.x", "plant.w")
+    settings = settings_of(folder, rig=rig)
+    (folder / "two.nc").write_text("%two\nG01 G90 X2 W-1 Z0.25 F3000\nM30\n", encoding="utf-8")
+    machine = Machine(settings, read_program(folder / "two.nc", tuple(settings.rig.axis)))
+    try:
+        machine.run()
+        ends = [machine.links[axis].actual_mm for axis in "ZXW"]
+    finally:
+        machine.close()
+    assert len(machine.installed) == 2
+    assert ends == pytest.approx([0.25, 2.0, -1.0], abs=0.05)
+    # A CANopen drive counts 2^20 increments in 10 mm, on a wire too
+    per_mm = [machine.links[axis].settings.increments_per_mm for axis in "ZXW"]
+    assert per_mm == [INCREMENTS_PER_MM, 2**20 / 10, 2**20 / 10]
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ("fault:drop=Z.TPDO1 at=1ms", "only CANopen drives and CAN segments have faults"),
-        ("fault:babble=bundle id=0x1 at=1ms", "only CANopen drives and CAN segments have faults"),
-        ("plc:Z.6072=300", "only CANopen drives have objects"),
+        ("fault:drop=Z.TPDO1 at=1ms", "there are no faults of segments of the kind wire"),
+        ("fault:babble=bundle id=0x1 at=1ms", "there are no faults of segments of the kind wire"),
+        ("plc:Z.6072=300", "drive wired of axis Z has no objects"),
     ],
 )
 def test_what_only_canopen_has_is_refused_for_others(folder: Path, change: str, words: str) -> None:
     settings_of(folder, change.replace("Z", "X").replace("bundle", "can1"))
-    with pytest.raises(UserError, match=words):
+    with pytest.raises(UserError, match=words) as caught:
         settings_of(folder, change)
+    assert f"--set {change}" in str(caught.value)  # the place of what was wrong
 
 
 @pytest.mark.parametrize(
@@ -228,4 +274,3 @@ def test_no_module_of_the_product_names_it() -> None:
     """A new family is its folders and a row of the registry."""
     for module, tree in trees().items():
         assert not [name for _, name in imported_names(tree) if "wire" in name.split(".")], module
-    assert len(MODULES) > 700

@@ -1,6 +1,6 @@
 """A toy family: a drive on a wire. This is the control's end; nothing of it is a word on a bus.
 
-There are no frames, no objects and no start-up.
+There are no frames and no objects, and the start-up does nothing.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,10 @@ from axisrig.kernel.time.clock import Clock
 
 @dataclass
 class Wire:
-    """What both ends see: the control gives the first three, the drive the others; mm."""
+    """What both ends see, mm: the control gives set position and orders, the drive the others.
+
+    An order for the latch forgets what was latched.
+    """
 
     set_mm: float = 0.0
     is_on: bool = False
@@ -134,7 +137,7 @@ class HomeAtOnce(DriveHoming):
 
 
 class WireWatch(DriveWatch):
-    """A wire that is cut shows when the drive no longer follows."""
+    """Whether the wire is cut, and whether the drive operates."""
 
     def __init__(self, drive: WireDrive, is_cut: Callable[[], bool]) -> None:
         self._drive, self._is_cut = drive, is_cut

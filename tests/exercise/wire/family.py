@@ -1,9 +1,11 @@
 """Drives on wires: what rig and machine ask of the family."""
 
 from collections.abc import Sequence
+from functools import partial
+from hashlib import sha256
 
 from tests.exercise.wire.control import AtOnceStart, Wire, WireDrive, Wires, WireWatch
-from tests.exercise.wire.keys import DriveTable, SegmentTable
+from tests.exercise.wire.keys import SegmentTable
 from tests.exercise.wire.servo import WireServo
 
 from axisrig.bench.drive.axis.drive import VirtualDrive
@@ -17,8 +19,9 @@ from axisrig.kernel.time.clock import US
 
 
 def _axes(settings: Settings) -> list[str]:
-    axes, drives = settings.rig.axis, settings.rig.drive
-    return [name for name, axis in axes.items() if isinstance(drives[axis.drive], DriveTable)]
+    """Axes on bundles of wires, whatever their drives are."""
+    axes, segments = settings.rig.axis, settings.segment
+    return [n for n, axis in axes.items() if isinstance(segments[axis.segment], SegmentTable)]
 
 
 class OnWires(RigFamily):
@@ -41,6 +44,7 @@ class WiresOfMachine(Installed):
 
     def __init__(self, bench: Bench) -> None:
         super().__init__()
+        self._sent: list[str] = []
         settings, plant = bench.settings, bench.plant
         links, drives = dict[str, WireDrive](), dict[str, VirtualDrive]()
         bundles = {n: t for n, t in settings.segment.items() if isinstance(t, SegmentTable)}
@@ -60,12 +64,19 @@ class WiresOfMachine(Installed):
             period_ns = settings.rig.cycle.period_us * US
             servo = WireServo(wire, plant.axes[axis.plant], signal, bench.scheduler, period_ns)
             drives[name] = servo
-            carriers[axis.segment].ends.append(servo.exchange)
+            carriers[axis.segment].ends += [servo.exchange, partial(self._note, name, wire)]
         self.links, self.drives, self.carriers, self._links = links, drives, carriers, links
+
+    def _note(self, axis: str, wire: Wire) -> None:
+        self._sent.append(f"{axis} {wire};")
 
     def watch(self, axis: str) -> WireWatch:
         """Make the watch over one wire; none is ever cut."""
         return WireWatch(self._links[axis], lambda: False)
+
+    def hexdigest(self) -> str:
+        """Return a hash of what went over the wires."""
+        return sha256("".join(self._sent).encode()).hexdigest()
 
     def start_up(self, axis: str) -> AtOnceStart:
         """Make the start-up of one drive."""

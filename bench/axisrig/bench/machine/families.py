@@ -1,4 +1,7 @@
-"""What a machine asks of each family of drives, without knowing any: `rig/reading/families.csv`."""
+"""What a machine asks of what its segments carry: the registry says where it is.
+
+`rig/reading/families.csv` names the modules.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -15,9 +18,9 @@ from axisrig.bench.machine.plc.terminal import AnyTerminal
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
-from axisrig.bench.rig.reading.families import FAMILIES
+from axisrig.bench.rig.reading.families import FAMILIES, loaded
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.channel import Channel, CycleTiming
+from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
 from axisrig.kernel.drives.carrier import Carrier, Presence
@@ -44,11 +47,11 @@ class Bench:
 
 
 class Installed:
-    """The drives of one family on its carrier in one machine, and the control's ends of them.
+    """The segments of one carrier in one machine, drives on them, and the control's ends of these.
 
     drives: virtual ones by axis, links: the control's ends by axis, in the order of the rig.
-    carriers: by segment. states: of each virtual drive, since it was built. Here nothing is
-    installed.
+    carriers: by segment. states: of each virtual drive, since it was built. This base
+    has nothing on its segments.
     """
 
     def __init__(self) -> None:
@@ -102,17 +105,24 @@ class Installed:
         """Return what has gone wrong with segments outside since the last look."""
         return iter(())
 
-    def leave(self, axes: Sequence[str], timing: CycleTiming) -> None:
-        """Take the power from real drives, whatever has happened before."""
+    def is_off(self, axis: str) -> bool:
+        """Whether the drive of an axis has left operation."""
+        raise NotImplementedError
+
+    def let_go(self, axes: Sequence[str]) -> None:
+        """Say to real drives that nobody leads them any more; they are off, or silent."""
 
     # What a run leaves
 
     def hexdigest(self) -> str:
-        """Return a hash of all that was sent; empty where nothing was."""
-        return ""
+        """Return a hash of all that was sent on the segments."""
+        raise NotImplementedError
 
     def take_columns(self, times_ns: Times, *, is_last: bool) -> Mapping[str, pa.Array]:
-        """Return columns of cyclic values up to each instant, as `TelegramLog.take_columns`."""
+        """Return columns of the cyclic values up to each instant that no earlier call has returned.
+
+        times_ns: of the rows, shape (n,). is_last: what came after them belongs to the last row.
+        """
         return {}
 
     def figures(self) -> Sequence[BusFigures]:
@@ -129,19 +139,20 @@ class Installed:
 
 
 class Install(Protocol):
-    """`install` of the module `family` of a package."""
+    """`install` of the module that `machine` of a row names."""
 
     def __call__(self, bench: Bench) -> Installed:
-        """Install the drives of the family. Raises UserError where a segment cannot be opened."""
+        """Install what the segments carry. Raises UserError where one cannot be opened."""
         ...
 
 
 def install_all(bench: Bench) -> list[Installed]:
     """Install what the segments of a rig carry, in the order of the registry."""
     carriers = {table.carrier for table in bench.settings.segment.values()}
-    installed = []
-    for row in FAMILIES:
-        if row.carrier in carriers:
-            install: Install = row.module(row.machine, "family").install
-            installed.append(install(bench))
-    return installed
+    modules = dict.fromkeys(row.machine for row in FAMILIES if row.carrier in carriers)
+    return [_install(module)(bench) for module in modules]
+
+
+def _install(module: str) -> Install:
+    found: Install = loaded(module).install
+    return found

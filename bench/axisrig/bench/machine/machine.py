@@ -15,6 +15,7 @@ from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.deflection import DeflectionLog
 from axisrig.bench.machine.families import Bench, Installed, install_all
 from axisrig.bench.machine.kept_fmus import close_plant
+from axisrig.bench.machine.leaving import power_down
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.pacing import Hardware, master_scheduler
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
@@ -45,6 +46,7 @@ from axisrig.kernel.channel import (
     Surroundings,
 )
 from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.drives.accesses import AccessesByAxis
 from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
@@ -95,7 +97,7 @@ class Machine:
             check_rig(settings)
         if is_paced(settings) and hardware is None:
             raise UserError(
-                "the rig has a real CAN interface", hint="only axisrig run, nc and drive open one"
+                "the rig has a real interface", hint="only axisrig run, nc and drive open one"
             )
         self.outside, self.is_stopped = outside_axes(settings), False
         self._hardware = hardware if is_paced(settings) else None
@@ -266,7 +268,6 @@ class Machine:
 
     def _build_channel(self) -> Channel:
         operator = self.settings.operator
-        functions = [part.functions() for part in self.installed]
         channel = Channel(
             self.scheduler,
             self.timing,
@@ -275,7 +276,7 @@ class Machine:
             Surroundings(
                 put_out=self._message,
                 monitor=self._build_monitor(),
-                functions=next((f for f in functions if f is not None), DriveAccesses()),
+                functions=self._build_functions(),
                 mechanics=PlantMechanics(self.scheduler, self.plant, waits=self._hardware is None),
             ),
             ChannelSettings.read(
@@ -300,14 +301,22 @@ class Machine:
         )
         return channel
 
+    def _build_functions(self) -> DriveAccesses:
+        """Make what #DRIVE acts on; each part has that of its own axes."""
+        made = [(part, part.functions()) for part in self.installed]
+        known = [(part, functions) for part, functions in made if functions is not None]
+        if len(known) == 1:
+            return known[0][1]
+        return AccessesByAxis({axis: f for part, f in known for axis in part.links})
+
     def _build_monitor(self) -> Monitor:
         """Make the watch over all drives and segments."""
-        shown = [part.presence() for part in self.installed]
+        presences = [part.presence() for part in self.installed]
         return Monitor(
             list(self.links.values()),
             list(self._carriers.values()),
             [part.watch(name) for name, part in self.part_of.items()],
-            next((presence for presence in shown if presence is not None), None),
+            [presence for presence in presences if presence is not None],
         )
 
     def _message(self, message: Message) -> None:
@@ -331,7 +340,7 @@ class Machine:
 
         With carriers of several kinds it is that of their hashes, in the order of the registry.
         """
-        parts = [digest for part in self.installed if (digest := part.hexdigest())]
+        parts = [part.hexdigest() for part in self.installed]
         return parts[0] if len(parts) == 1 else sha256("".join(parts).encode()).hexdigest()
 
     def run(self) -> TimeNs:
@@ -389,9 +398,10 @@ class Machine:
     def _leave(self) -> None:
         """Power the drives outside down, whatever has happened before."""
         self.channel.state = ChannelState.ENDED  # after a defect it would go on
-        axes = [name for name in self.links if name in self.outside]
-        for part in self.installed:
-            part.leave(axes, self.timing)
+        parts = {name: part for name, part in self.part_of.items() if name in self.outside}
+        segments = dict.fromkeys(self.settings.rig.axis[name].segment for name in parts)
+        carriers = [self._carriers[name] for name in segments]
+        power_down(self.scheduler, parts, carriers, self.timing)
 
     def real_time(self) -> RealTime | None:
         """Return how well real time was kept; None for simulated time."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from axisrig.bench.rig.cause import blamed
-from axisrig.bench.rig.families import rig_families
+from axisrig.bench.rig.families import family_of, family_on, rig_families
+from axisrig.bench.rig.plc.words import ObjectWrite
 from axisrig.bench.rig.reading.families import carriers_of, joined
 from axisrig.bench.rig.reading.file import LOAD, rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers
@@ -19,7 +20,7 @@ _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
 
 
 def check_rig(settings: Settings) -> None:
-    """Check references, node ids, measuring source and bus time.
+    """Check how the parts are wired, and what each carrier asks of its drives and segments.
 
     Raises UserError with file, line and key of the rig; with the place of the cell or `--set`
     where the rig would do without it.
@@ -34,13 +35,15 @@ def _check_rig(settings: Settings) -> None:
     _check_references(settings)
     _check_carriers(settings)
     for family in rig_families():
-        family.check_places(settings)
+        family.check_addresses(settings)
     _check_plants(settings)
     _check_names(settings)
     check_numbers(settings.axis)
     check_drive_types(settings.rig, settings.axis)
     check_outside(settings)
     _check_drives(settings)
+    _check_faults(settings)
+    _check_objects(settings)
     cycle = settings.rig.cycle
     if cycle.cycle_offset_us >= cycle.period_us:
         raise rig_error(
@@ -94,13 +97,16 @@ def _check_carriers(settings: Settings) -> None:
     """Refuse a drive on a segment that does not carry its words."""
     rig = settings.rig
     for name, axis in rig.axis.items():
-        family, carrier = rig.drive[axis.drive].family_name, rig.segment[axis.segment].carrier
+        drive, carrier = rig.drive[axis.drive], settings.segment[axis.segment].carrier
+        family = drive.family_name
         if joined(family, carrier) is None:
+            assumed = "" if drive.family else f", which drive {axis.drive} is as it names no family"
             raise rig_error(
                 settings.files,
                 ("axis", name, "segment"),
-                f"axis {name}: a drive of the family {family} is not on a segment of this kind",
-                value=f"{axis.segment} ({carrier})",
+                f"axis {name}: segment {axis.segment} (carrier {carrier}) does not carry drives of"
+                f" the family {family}{assumed}",
+                value=carrier,
                 allowed=carriers_of(family),
             )
 
@@ -117,6 +123,36 @@ def _check_drives(settings: Settings) -> None:
                 value=error.value,
                 allowed=error.allowed,
             ) from error
+
+
+def _check_faults(settings: Settings) -> None:
+    """Refuse faults of drives and segments whose carrier has none."""
+    for fault in settings.faults:
+        keys = ("axis", fault.axis) if fault.axis else ("segment", fault.segment)
+        on = settings.rig.axis[fault.axis].segment if fault.axis else fault.segment
+        if on in settings.segment and not family_on(settings, on).has_faults:
+            raise rig_error(
+                settings.files,
+                keys,
+                f"fault {fault.kind}: there are no faults of segments of the kind"
+                f" {settings.segment[on].carrier}, nor of their drives",
+                value=fault.target,
+                allowed=[n for n in settings.segment if family_on(settings, n).has_faults],
+            )
+
+
+def _check_objects(settings: Settings) -> None:
+    """Refuse columns that write to objects of a drive that has none."""
+    for rule in settings.plc:
+        write = rule.action
+        if isinstance(write, ObjectWrite) and not family_of(settings, write.axis).has_objects:
+            drive = settings.rig.axis[write.axis].drive
+            raise rig_error(
+                settings.files,
+                ("axis", write.axis),
+                f"{rule.column}: drive {drive} of axis {write.axis} has no objects",
+                value=settings.rig.drive[drive].family_name,
+            )
 
 
 def _check_plants(settings: Settings) -> None:

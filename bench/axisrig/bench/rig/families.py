@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from axisrig.bench.rig.reading.families import FAMILIES, joined
+from axisrig.bench.rig.reading.families import FAMILIES, loaded
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import TimeNs
 
@@ -32,12 +32,15 @@ class SecondEncoder(NamedTuple):
 
 
 class RigFamily:
-    """One family on its carrier; each method looks at all drives of a rig that belong to it.
+    """What is on the segments of one carrier, with drives of any family that it carries.
 
-    The module `family` of its package has one as `FAMILY`. Here nothing is checked or described.
+    The module that `rig` of a row names has one as `FAMILY`. This base checks and describes
+    nothing. has_faults: of frames and drives. has_objects: columns and programs may write to them.
     """
 
-    def check_places(self, settings: Settings) -> None:
+    has_faults = has_objects = False
+
+    def check_addresses(self, settings: Settings) -> None:
         """Check addresses. Raises UserError with file, line and key of the rig."""
 
     def check(self, settings: Settings) -> None:
@@ -72,15 +75,18 @@ class RigFamily:
 
 
 def rig_families() -> list[RigFamily]:
-    """Return what each row of the registry has to say."""
-    return [row.module(row.rig, "family").FAMILY for row in FAMILIES]
+    """Return what each carrier of the registry has to say, in its order."""
+    return [loaded(module).FAMILY for module in dict.fromkeys(row.rig for row in FAMILIES)]
 
 
 def family_of(settings: Settings, axis: str) -> RigFamily:
-    """Return the family of the drive of an axis, on its carrier."""
-    table = settings.rig.axis[axis]
-    family, carrier = settings.rig.drive[table.drive].family_name, settings.segment[table.segment]
-    row = joined(family, carrier.carrier)
-    assert row is not None, "check_rig has seen to it"
-    family_: RigFamily = row.module(row.rig, "family").FAMILY
-    return family_
+    """Return who knows the drive of an axis on its segment."""
+    return family_on(settings, settings.rig.axis[axis].segment)
+
+
+def family_on(settings: Settings, segment: str) -> RigFamily:
+    """Return who knows what is on a segment."""
+    carrier = settings.segment[segment].carrier
+    module = next(row.rig for row in FAMILIES if row.carrier == carrier)
+    found: RigFamily = loaded(module).FAMILY
+    return found

@@ -172,6 +172,8 @@ class Settings:
             self._drive_key(name, item)
 
     def _drive_key(self, name: str, item: Assignment) -> None:
+        if item.name == "family":
+            raise UserError("a run does not change the family of a drive", value=item.value)
         drives = self.rig.drive
         value = drives[name].value_of(item.name, item.value)
         try:
@@ -187,6 +189,8 @@ class Settings:
             self._bus_key(name, item)
 
     def _bus_key(self, segment: str, item: Assignment) -> None:
+        if item.name == "carrier":
+            raise UserError("a run does not change what carries a segment", value=item.value)
         values = self.segment[segment].model_dump()
         values[item.name] = int(item.value[:12]) if item.value.isdecimal() else item.value
         try:

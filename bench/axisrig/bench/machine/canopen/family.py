@@ -19,7 +19,6 @@ from axisrig.bench.machine.canopen.cnc import (
 )
 from axisrig.bench.machine.canopen.io_terminal import IoTerminal
 from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
-from axisrig.bench.machine.canopen.outside import power_down
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.families import Bench, Installed
 from axisrig.bench.machine.faults.injection import Injected, inject
@@ -31,25 +30,32 @@ from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
 from axisrig.bench.rig.canopen.members import drive_of, segment_of
 from axisrig.bench.rig.canopen.startup import watch_settings
 from axisrig.bench.rig.real_axes import outside_axes
-from axisrig.kernel.channel import Channel, CycleTiming
+from axisrig.kernel.channel import Channel
 from axisrig.kernel.drives.canopen.carrier import HeartbeatProducer
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.startup import StartUp
 from axisrig.kernel.drives.canopen.watch import LinkWatch
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.canopen.identifiers import NMT_ID
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 LOAD_SPAN_NS = 100 * MS
 """The load that is shown is that of so much time."""
+NMT_PRE_OPERATIONAL = 0x80
+_OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 
 class CanopenOnCan(Installed):
     """The CAN buses of a machine with all that is on them.
 
-    segments: by name. nodes: of virtual drives, by axis. networks: of the kernel, by segment.
+    segments: by name. nodes: of virtual drives, by axis.
     """
+
+    links: Mapping[str, AxisLink]
+    states: Mapping[str, list[DriveState]]
 
     def __init__(self, bench: Bench) -> None:
         super().__init__()
@@ -64,22 +70,20 @@ class CanopenOnCan(Installed):
         self.nodes = build_nodes(
             settings, clock, self.segments, bench.plant, bench.seed, self._note_state
         )
-        noted: dict[str, list[DriveState]] = {name: [] for name in self.nodes}
-        self.states, self._noted = noted, noted
-        self.networks = {
+        self.states = {name: [] for name in self.nodes}
+        self._networks = {
             name: SimNetwork(segment.port("cnc", segment_of(settings, name).queue))
             for name, segment in self.segments.items()
         }
-        for network in self.networks.values():
+        for network in self._networks.values():
             network.connect()
-        links = build_links(settings, self.networks, clock)
-        self.links, self._links = links, links
+        self.links = build_links(settings, self._networks, clock)
         self.drives = {name: node.servo for name, node in self.nodes.items()}
         self._expect_answers()
         self._telegrams = TelegramLog(
             (
                 (settings.rig.axis[name].segment, link)
-                for name, link in links.items()
+                for name, link in self.links.items()
                 if settings.axis[name].flag("lr_param.distance_control_on")
             ),
             journal,
@@ -87,13 +91,13 @@ class CanopenOnCan(Installed):
         )
         # On a segment without a drive nobody would acknowledge a SYNC
         used = synced_segments(settings)
-        self._synced = {name: n for name, n in self.networks.items() if name in used}
+        self._synced = {name: n for name, n in self._networks.items() if name in used}
         self.carriers = build_carriers(settings, self._synced)
-        self._accesses, self._warnings = build_accesses(settings, links)
+        self._accesses, self._warnings = build_accesses(settings, self.links)
 
     def _note_state(self, axis: str, state: State) -> None:
         now_ns = self._bench.scheduler.now_ns
-        self._noted[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
+        self.states[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
 
     def _expect_answers(self) -> None:
         """Give real segments the telegrams their drives answer a SYNC with."""
@@ -102,7 +106,7 @@ class CanopenOnCan(Installed):
             if isinstance(segment, OutsideSegment):
                 segment.expect(
                     telegram.cob_id(link.node_id)
-                    for axis, link in self._links.items()
+                    for axis, link in self.links.items()
                     if axis in outside and settings.rig.axis[axis].segment == name
                     for telegram in link.telegrams.values()
                     if telegram.transmission == 1 and telegram.name.startswith("TPDO")
@@ -113,7 +117,7 @@ class CanopenOnCan(Installed):
     def watch(self, axis: str) -> LinkWatch:
         """Make the watch over one drive."""
         settings = watch_settings(drive_of(self._bench.settings, axis))
-        return LinkWatch(self._links[axis], self._bench.scheduler, settings)
+        return LinkWatch(self.links[axis], self._bench.scheduler, settings)
 
     def start_up(self, axis: str) -> StartUp:
         """Make the start-up of one drive."""
@@ -158,7 +162,7 @@ class CanopenOnCan(Installed):
             {name: probe.signal for name, probe in plant.probes.items()},
             clock,
             node_port=SimNetwork(self.segments[table.segment].port("terminal", queue)).connect(),
-            master=self.networks[table.segment],
+            master=self._networks[table.segment],
             advance=advance,
             period_ns=settings.rig.cycle.period_us * US,
         )
@@ -171,7 +175,7 @@ class CanopenOnCan(Installed):
             bench.scheduler,
             self.segments,
             self.nodes,
-            self._links,
+            self.links,
             bench.plant,
             channel,
         )
@@ -184,13 +188,14 @@ class CanopenOnCan(Installed):
                 self._lost.add(name)
                 yield Alarm(900071, segment=name, reason=segment.lost)
 
-    def leave(self, axes: Sequence[str], timing: CycleTiming) -> None:
-        """Lead real drives out of operation, then to NMT pre-operational."""
-        links = [self._links[name] for name in axes if name in self._links]
-        axis = self._bench.settings.rig.axis
-        segments = {axis[link.name].segment: None for link in links}
-        carriers = [self.carriers[name] for name in segments]
-        power_down(self._bench.scheduler, links, carriers, timing.period_ns, timing.offset_ns)
+    def is_off(self, axis: str) -> bool:
+        """Whether the drive of an axis has left operation."""
+        return self.links[axis].state in _OFF
+
+    def let_go(self, axes: Sequence[str]) -> None:
+        """Lead real drives to NMT pre-operational."""
+        for link in (self.links[axis] for axis in axes):
+            link.network.send_message(NMT_ID, bytes([NMT_PRE_OPERATIONAL, link.node_id]))
 
     # What a run leaves
 
@@ -204,13 +209,13 @@ class CanopenOnCan(Installed):
 
     def figures(self) -> list[BusFigures]:
         """Return what each bus has carried."""
-        return bus_figures(self._bench.settings, self._links, self.segments)
+        return bus_figures(self._bench.settings, self.links, self.segments)
 
     def telegrams(self, axis: str) -> list[Telegram]:
         """Return the PDOs of an axis."""
         return [
             Telegram(t.name, t.transmission, tuple(mapped.field for mapped in t.objects))
-            for t in self._links[axis].telegrams.values()
+            for t in self.links[axis].telegrams.values()
         ]
 
     def shown(self) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.drives.canopen.words import enabled_bit, stored_bit
+from axisrig.kernel.drives.cia402.words import enabled_bit, stored_bit
 from axisrig.kernel.time.clock import Phase
 from axisrig.kernel.time.scheduler import Scheduler
 

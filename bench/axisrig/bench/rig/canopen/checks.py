@@ -2,10 +2,9 @@
 
 from axisrig.bench.drive.cia402.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.canopen.io_node import check_terminal
-from axisrig.bench.rig.canopen.members import can_axes, can_segments, drive_of, segment_of
+from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, segment_schedules
 from axisrig.bench.rig.canopen.startup import drive_dictionary, drive_steps
-from axisrig.bench.rig.plc.words import ObjectWrite
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.real_axes import is_real
@@ -39,7 +38,6 @@ def check_drives(settings: Settings) -> None:
 
     Raises UserError with file, line and key of the rig.
     """
-    _check_others(settings)
     _check_latches(settings)
     _check_start_up(settings)
     _check_functions(settings)
@@ -52,25 +50,6 @@ def check_drives(settings: Settings) -> None:
                 f"{schedule.table()}\n",
                 hint="use another segment, a longer period_us or another cycle_offset_us;"
                 " --force runs it all the same and reports the overload",
-            )
-
-
-def _check_others(settings: Settings) -> None:
-    """Refuse what only CANopen drives and CAN segments have, where it is wanted of others."""
-    axes, segments = can_axes(settings), can_segments(settings)
-    for fault in settings.faults:
-        if fault.axis not in ("", *axes) or fault.segment not in ("", *segments):
-            raise UserError(
-                f"fault {fault.kind}: only CANopen drives and CAN segments have faults",
-                value=fault.target,
-                allowed=[*axes, *segments] or "none in this rig",
-            )
-    for rule in settings.plc:
-        if isinstance(rule.action, ObjectWrite) and rule.action.axis not in axes:
-            raise UserError(
-                f"{rule.column}: only CANopen drives have objects",
-                value=rule.action.axis,
-                allowed=axes or "none in this rig",
             )
 
 

@@ -17,7 +17,9 @@ from axisrig.kernel.time.clock import US
 class CanopenOnCan(RigFamily):
     """CANopen drives on CAN buses."""
 
-    def check_places(self, settings: Settings) -> None:
+    has_faults = has_objects = True
+
+    def check_addresses(self, settings: Settings) -> None:
         """Check node ids. Raises UserError with file, line and key of the rig."""
         check_nodes(settings)
 

@@ -112,7 +112,7 @@ _HabitTable: Any = create_model("_HabitTable", __base__=StartUpKeys, **_FIELDS)
 class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     """`[drive.NAME]`: what kind of drive moves an axis.
 
-    profile: name of a set of habits; every key of `drive/profiles.csv` that the rig does not
+    profile: name of a set of habits; every key of `profiles.csv` that the rig does not
     give has the profile's value. position_unit_um: length of a position unit on the bus, for drives
     whose unit is a length; not said = an encoder increment. as_canopen: it replaces the drive of
     another type that a list names (P-AXIS-00020). How it is started: `StartUpKeys`.

@@ -11,7 +11,9 @@ def drive_of(settings: Settings, name: str) -> DriveTable:
     table = settings.rig.drive[axis.drive]
     if not isinstance(table, DriveTable):
         raise UserError(
-            f"axis {name} has no CANopen drive", value=table.family_name, allowed="canopen"
+            f"this is for CANopen drives, and axis {name} has one of another family",
+            value=table.family_name,
+            allowed="canopen",
         )
     return table
 
@@ -24,9 +26,13 @@ def segment_of(settings: Settings, name: str) -> SegmentTable:
 
 
 def can_axes(settings: Settings) -> list[str]:
-    """Return the axes with CANopen drives, in the order of the rig."""
-    drives = settings.rig.drive
-    return [n for n, a in settings.rig.axis.items() if isinstance(drives[a.drive], DriveTable)]
+    """Return the axes with CANopen drives on CAN buses, in the order of the rig."""
+    drives, segments = settings.rig.drive, can_segments(settings)
+    return [
+        name
+        for name, axis in settings.rig.axis.items()
+        if axis.segment in segments and isinstance(drives[axis.drive], DriveTable)
+    ]
 
 
 def can_segments(settings: Settings) -> list[str]:

@@ -10,7 +10,7 @@ from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.dictionary import variable
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
-from axisrig.kernel.drives.canopen.words import latch_object
+from axisrig.kernel.drives.cia402.words import latch_object
 from axisrig.kernel.profiles.canopen.identifiers import (
     EMERGENCY_BASE,
     ERROR_CONTROL_BASE,

@@ -1,13 +1,14 @@
 """Which families of drives there are and what carries their words (`families.csv`): one registry.
 
-A row joins a family and a carrier, and names the packages that know both: on paper (`rig`) and in
-operation (`machine`). They are loaded when a rig asks for them; nothing else names a family.
+A row joins a family and a carrier, and names four modules: of the tables `[drive.D]` and
+`[segment.S]`, and of what knows both on paper (`rig`) and in operation (`machine`). The tables of
+a family, and those of a carrier, are the same in all their rows; so are `rig` and `machine` of a
+carrier, which look at all that is on their segments. The modules are loaded when a rig asks.
 """
 
 import csv
 from collections.abc import Sequence
 from importlib import import_module, resources
-from types import ModuleType
 from typing import Any, NamedTuple
 
 from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
@@ -17,16 +18,14 @@ from axisrig.kernel.errors import nearest
 
 
 class Joined(NamedTuple):
-    """A row of the table: family and carrier, and the packages of both in each room."""
+    """A row of the table: family and carrier, and the names of the modules that know them."""
 
     family: str
     carrier: str
+    drive: str
+    segment: str
     rig: str
     machine: str
-
-    def module(self, package: str, name: str) -> ModuleType:
-        """Load a module of one of the packages."""
-        return import_module(f"{package}.{name}")
 
 
 def _read() -> list[Joined]:
@@ -36,6 +35,11 @@ def _read() -> list[Joined]:
 
 FAMILIES = _read()
 """All rows; the first one is what a rig means that names neither family nor carrier."""
+
+
+def loaded(module: str) -> Any:
+    """Load a module that a row names."""
+    return import_module(module)
 
 
 def joined(family: str, carrier: str) -> Joined | None:
@@ -50,17 +54,15 @@ def carriers_of(family: str) -> list[str]:
 
 def drive_table(values: Any) -> type[DriveKeys]:
     """Return the keys that `[drive.D]` has by its family. Raises pydantic's ValidationError."""
-    found: type[DriveKeys] = _table(
-        _row(values, "family", [row.family for row in FAMILIES]), "DriveTable"
-    )
+    row = _row(values, "family", [row.family for row in FAMILIES])
+    found: type[DriveKeys] = loaded(row.drive).DriveTable
     return found
 
 
 def segment_table(values: Any) -> type[SegmentKeys]:
     """Return the keys that `[segment.S]` has by its carrier. Raises pydantic's ValidationError."""
-    found: type[SegmentKeys] = _table(
-        _row(values, "carrier", [row.carrier for row in FAMILIES]), "SegmentTable"
-    )
+    row = _row(values, "carrier", [row.carrier for row in FAMILIES])
+    found: type[SegmentKeys] = loaded(row.segment).SegmentTable
     return found
 
 
@@ -88,8 +90,3 @@ def _row(values: Any, key: str, known: Sequence[str]) -> Joined:
         found = InitErrorDetails(type=kind, loc=(key,), input=word)
         raise ValidationError.from_exception_data(key, [found])
     return FAMILIES[known.index(word)]
-
-
-def _table(row: Joined, name: str) -> Any:
-    """Return a table of the rig's package of a row."""
-    return getattr(row.module(row.rig, "keys"), name)

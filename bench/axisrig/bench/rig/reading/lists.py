@@ -11,7 +11,7 @@ from axisrig.kernel.measuring.rules import FIXED_STOP
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import ParameterSet, start_up, written
-from axisrig.kernel.parameters.drive_types import SIMULATED
+from axisrig.kernel.parameters.drive_types import DRIVE_TYPES, SIMULATED
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
 from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type, equal_schedule
@@ -103,9 +103,9 @@ def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
 
 
 def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
-    """Refuse a drive type that is not simulated, unless the rig replaces it by a CANopen drive,
-    and one of another family than the drive of the rig.
+    """Refuse a drive type that nothing simulates, and one of another family than its drive.
 
+    A drive that may stand for any type (`as_canopen`) is neither.
     Raises UserError with file and line of the setting.
     """
     for name, parameters in axes.items():
@@ -125,8 +125,9 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
                 value=value,
                 hint=f'family = "{kind.family}" in [drive.{key}], or another P-AXIS-00020',
             )
+        known = " and ".join(row.name for row in DRIVE_TYPES.values() if row.family)
         raise place.error(
-            f"axis {name} has a drive of the type {word} (P-AXIS-00020): only CANopen drives run"
+            f"axis {name} has a drive of the type {word} (P-AXIS-00020): only {known} drives run"
             " here",
             value=value,
             allowed=f"{', '.join(map(str, SIMULATED))}, or not said",

@@ -22,10 +22,11 @@ class Table(BaseModel):
 class DriveFacts:
     """What is asked of a drive of any family.
 
-    units_per_mm: position units of its actual value. reach_mm: it can give positions from there to
-    its negative. lead_mm: travel of the axis in one revolution of its motor. rated_torque_mnm:
-    what torques are shares of, 0 where there is none. look_back_ns, look_ahead_ns: how far from an
-    edge its latch looks at the path. second_delay_cycles: age of its second encoder.
+    units_per_mm: position units of its actual value. reach_mm: the largest position that it can
+    report, of either sign. lead_mm: travel of the axis in one revolution of its motor.
+    rated_torque_mnm: what torques are shares of, 0 where there is none. look_back_ns,
+    look_ahead_ns: how far from an edge its latch looks at the path. second_delay_cycles: age of its
+    second encoder.
     """
 
     units_per_mm: Fraction
@@ -85,7 +86,7 @@ class SegmentKeys(Table):
     carrier: how bytes get to the drives and back.
     """
 
-    carrier: str = "can"
+    carrier: str
 
     @property
     def is_real(self) -> bool:

@@ -15,7 +15,7 @@ FAULT_CYCLES_MAX = 50  # long enough for a reset and for a drive that looks once
 class Monitor:
     """Takes what the buses delivered and returns the most specific alarm of a cycle.
 
-    watches: over the drives, in the order of the links. presence: what the kernel shows of itself.
+    watches: over the drives, in the order of the links. presences: what the kernel shows of itself.
     """
 
     def __init__(
@@ -23,17 +23,17 @@ class Monitor:
         links: Sequence[Drive],
         carriers: Sequence[Carrier],
         watches: Sequence[DriveWatch],
-        presence: Presence | None = None,
+        presences: Sequence[Presence] = (),
     ) -> None:
-        self._links, self._presence = links, presence
+        self._links, self._presences = links, presences
         self._drives, self._carriers = list(watches), list(carriers)
         self._late: Alarm | None = None
         self.further: list[Alarm] = []
 
     def prepare(self) -> None:
         """Let the drives hear the kernel, before they are set to watch it."""
-        if self._presence is not None:
-            self._presence.begin()
+        for presence in self._presences:
+            presence.begin()
 
     def begin(self) -> None:
         """Watch from now on: the drives are started."""
@@ -44,8 +44,8 @@ class Monitor:
         """Watch no more."""
         for drive in self._drives:
             drive.end()
-        if self._presence is not None:
-            self._presence.end()
+        for presence in self._presences:
+            presence.end()
 
     def begin_cycle(self) -> None:
         """Look whether the cycle that ends has begun on every segment, then begin the next one."""

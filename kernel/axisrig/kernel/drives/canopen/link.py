@@ -16,7 +16,7 @@ from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.process_data import ProcessData
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.sparse import SparseData
-from axisrig.kernel.drives.canopen.words import (
+from axisrig.kernel.drives.cia402.words import (
     controlword_towards,
     counter_object,
     enabled_bit,

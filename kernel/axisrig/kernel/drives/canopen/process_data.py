@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP, MappedObject, Telegram
 from axisrig.kernel.drives.canopen.sdo import Network
-from axisrig.kernel.drives.canopen.words import find_state
+from axisrig.kernel.drives.cia402.words import find_state
 
 # The fields that `take` gives, in this order
 TAKEN: Final = (

@@ -1,0 +1,1 @@
+"""What the control makes of the words of CiA 402, whatever carries them."""
