@@ -1,4 +1,4 @@
-"""Starts one drive by its list of steps; many of these run at the same time.
+"""Starts one node by its list of steps; many of these run at the same time.
 
 Nothing waits: each step asks something of the drive and goes on in the answer's event. Sources:
 CiA 302-2 (boot-up), CiA 301 (NMT, SDO, PDO parameters), CiA 402-2 (scaling).
@@ -28,12 +28,12 @@ from axisrig.kernel.profiles.canopen.nmt import BOOT_UP
 from axisrig.kernel.time.clock import MS, Clock, Phase
 
 Ended = Callable[[Alarm | None], None]
-"""Called once when a drive is operational (None) or could not be started (the alarm)."""
+"""Called once when a node is operational (None) or could not be started (the alarm)."""
 
 
 @dataclass(frozen=True)
 class DriveAddress:
-    """Which drive it is: axis and node id for messages."""
+    """Which node it is: its axis, or what it is else, and its id, for messages."""
 
     axis: str
     node_id: int
