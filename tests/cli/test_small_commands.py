@@ -13,7 +13,7 @@ from axisrig.bench.cli import data_commands, list_commands
 from axisrig.bench.cli.given import Given, given_options
 from axisrig.bench.cli.nc_check import check_file
 
-LISTINGS = {
+LISTINGS: dict[str, tuple[str, tuple[Any, ...]]] = {
     "oracles": ("axisrig.bench.tools.listings.oracles.oracle_listing", ("probe",)),
     "drives": ("axisrig.bench.drive.cia402.dictionary.profiles.profile_listing", ("servo",)),
     "faults": ("axisrig.bench.rig.reading.faults.faults_table", ("bus",)),
@@ -31,20 +31,19 @@ def test_a_listing_gets_the_words_of_its_command(
 ) -> None:
     function, words = LISTINGS[name]
     monkeypatch.setattr(function, lambda *given: f"<{given}>")
-    getattr(list_commands, name)(*words)
+    command: Any = getattr(list_commands, name)
+    command(*words)
     assert capsys.readouterr().out == f"<{words}>\n"
 
 
 def test_a_page_is_written_as_it_is(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for room, call in (
-        ("alarms", lambda: list_commands.errors(None, form="markdown")),
-        ("language", lambda: list_commands.language(None, markdown=True)),
-    ):
+    for room in ("alarms", "language"):
         monkeypatch.setattr(f"axisrig.bench.tools.listings.{room}.page", lambda: "# page\n")
-        call()
-        assert capsys.readouterr().out == "# page\n"
+    list_commands.errors(None, form="markdown")
+    list_commands.language(None, markdown=True)
+    assert capsys.readouterr().out == "# page\n# page\n"
 
 
 @pytest.mark.parametrize(("is_well", "code"), [(True, 0), (False, 1)])
