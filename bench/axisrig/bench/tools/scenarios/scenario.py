@@ -1,14 +1,16 @@
 """Random fault scenarios: what is done to the small machine of `probe.toml`, drawn from a seed.
 
 A scenario is a list of assignments as a plan or `--set` has them, so that each can be run by hand:
-`axisrig nc probe.nc --rig probe.toml --set ...`.
+`axisrig nc probe.nc --rig probe.toml --set ...`. What is drawn, and how often, is a table of its
+own (`kinds.csv`): a further kind of fault, key or moment changes no scenario of an old seed.
 """
 
+import csv
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
-
-from axisrig.bench.rig.reading.faults import fault_keys, fault_kinds, fault_moments
+from functools import cache
+from importlib import resources
 
 AXIS, BUS = "Z", "can1"
 FEED_MIN, FEED_MAX = 300, 1800
@@ -26,6 +28,35 @@ PROFILES = (
     "ax8000-like", "steppeonline-like",
 )  # fmt: skip
 """Habits of drives; what they do to the latched position is taken out (`PROFILE_KEYS`)."""
+
+
+_MOMENTS = ("start", "motion", "standing", "armed", "edge", "latched", "seen")
+_COMMANDS = ("reset", "reset_communication", "stop", "pre_operational")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A row of `kinds.csv`: a kind of fault, how often it is drawn, its targets and keys."""
+
+    name: str
+    weight: int
+    targets: tuple[str, ...]
+    keys: tuple[str, ...]
+
+
+@cache
+def drawn_kinds() -> tuple[Kind, ...]:
+    """Read the table."""
+    text = resources.files(__package__).joinpath("kinds.csv").read_text(encoding="utf-8")
+    return tuple(
+        Kind(
+            row["kind"],
+            int(row["weight"]),
+            tuple(row["targets"].split()),
+            tuple(row["keys"].split()),
+        )
+        for row in csv.DictReader(text.splitlines())
+    )
 
 
 @dataclass(frozen=True)
@@ -58,16 +89,16 @@ def make_scenario(seed: int, number: int) -> Scenario:
         inputs += ["set:Z.kenngr.measure.edge=NEG", "plant:probe.inverted=1"]
     count = numbers.choices(list(_FAULTS_WEIGHTS), list(_FAULTS_WEIGHTS.values()))[0]
     cells: dict[str, list[str]] = {}
+    kinds = [kind for kind in drawn_kinds() for _ in range(kind.weight)]
     for _ in range(count):
-        kind = numbers.choice(list(fault_kinds()))
-        cells.setdefault(kind, []).append(_fault(kind, numbers))
+        kind = numbers.choice(kinds)
+        cells.setdefault(kind.name, []).append(_fault(kind, numbers))
     inputs += [f"fault:{kind}={'; '.join(faults)}" for kind, faults in cells.items()]
     seed_of_run, profile = numbers.randrange(2**32), numbers.choice(PROFILES)
     return Scenario(number, seed_of_run, tuple(inputs), profile)
 
 
-def _fault(kind: str, numbers: random.Random) -> str:
-    form = fault_kinds()[kind]
+def _fault(form: Kind, numbers: random.Random) -> str:
     if form.targets == ("telegram",):
         telegram = numbers.choices(list(_TELEGRAMS), list(_TELEGRAMS.values()))[0]
         target = f"{BUS}.{telegram}" if telegram in ("SYNC", "NMT") else f"{AXIS}.{telegram}"
@@ -99,7 +130,7 @@ def _time(low_us: float, high_us: float) -> Callable[[random.Random], str]:
 def _moment(numbers: random.Random) -> str:
     if numbers.random() < 0.2:
         return f"{numbers.uniform(0, 250):.3f}ms"
-    name = numbers.choice(list(fault_moments()))
+    name = numbers.choice(_MOMENTS)
     return name if numbers.random() < 0.5 else f"{name}+{_time(10, 50_000)(numbers)}"
 
 
@@ -120,5 +151,5 @@ _KEYS: dict[str, tuple[float, Draw]] = {
     "bytes": (0.5, lambda n: n.randint(0, 8)),
     "period": (0.8, _time(60, 5_000)),
     "data": (0.7, lambda n: n.choice(["last", "random", n.randbytes(n.randint(1, 8)).hex()])),
-    "command": (0.7, lambda n: n.choice(fault_keys()["command"].allowed.split())),
+    "command": (0.7, lambda n: n.choice(_COMMANDS)),
 }  # fmt: skip
