@@ -5,7 +5,6 @@ and place among its like; so a further fault changes nothing about the others.
 """
 
 import random
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -24,8 +23,9 @@ from axisrig.bench.bus.can.faults import (
 )
 from axisrig.bench.bus.can.frame import IFS_BITS, Frame, frame_bits
 from axisrig.bench.bus.can.intruders import Babbler, SecondSender
+from axisrig.bench.machine.faults.beside import ROOMS, Act, drawn
 from axisrig.bench.machine.faults.moments import Moments, World
-from axisrig.bench.rig.reading.faults import Fault
+from axisrig.bench.rig.reading.faults import Fault, fault_kinds
 from axisrig.kernel.profiles.canopen.identifiers import (
     EMERGENCY_BASE,
     ERROR_CONTROL_BASE,
@@ -127,13 +127,10 @@ def inject(world: World, seed: int) -> list[Injected]:
     Returns the record of each, written while the machine runs.
     """
     injected = []
-    moments = Moments(world)
-    seen: Counter[tuple[str, str]] = Counter()
-    for fault in world.settings.faults:
-        key = (fault.kind, fault.target)
-        numbers = random.Random(f"{seed} {fault.kind} {fault.target} {seen[key]}")
-        seen[key] += 1
-        injection = _Injection(world, moments, fault, numbers)
+    moments, acts = Moments(world), iter(world.beside.acts)
+    for fault, numbers in drawn(seed, world.settings.faults):
+        act = next(acts) if fault_kinds()[fault.kind].room in ROOMS else None
+        injection = _Injection(world, moments, fault, numbers, act)
         injection.build()
         injected.append(injection.record)
     return injected
@@ -143,19 +140,29 @@ class _Injection:
     """One fault on its way into the machine."""
 
     def __init__(
-        self, world: World, moments: Moments, fault: Fault, numbers: random.Random
+        self,
+        world: World,
+        moments: Moments,
+        fault: Fault,
+        numbers: random.Random,
+        act: Act | None,
     ) -> None:
         self._world, self._moments, self._fault, self._random = world, moments, fault, numbers
-        self._values = dict(fault.values)
+        self._values, self._act = dict(fault.values), act
         self.record = Injected(f"{fault.kind} {fault.target}", fault.axis)
         axes = world.settings.rig.axis
+        if act is not None:
+            self._axes = list(act.axes)
+            return
         name = fault.segment or axes[fault.axis].segment
         self._segment = world.segments[name]
         self._axes = [fault.axis] if fault.axis else [a for a in axes if axes[a].segment == name]
 
     def build(self) -> None:
-        kind = self._fault.kind
-        if kind in _FRAME_ACTIONS:
+        kind, act = self._fault.kind, self._act
+        if act is not None:
+            self._at(act.begin, act.end, self._values.get("for"))
+        elif kind in _FRAME_ACTIONS:
             self._frame_fault()
         elif kind == "babble":
             data = bytes(self._values["bytes"])
@@ -198,7 +205,7 @@ class _Injection:
             if for_ns is not None:
                 clock.call_at(clock.now_ns + for_ns, Phase.APPLICATION, stop)
 
-        if self._values["at"] is None:
+        if self._values.get("at") is None:
             clock.call_at(clock.now_ns, Phase.APPLICATION, start)
         else:
             self._moments.when(self._values["at"], self._values["nth"], self._axes, start)

@@ -7,6 +7,7 @@ from axisrig.bench.bus.can.controller import Controller
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.reading.faults import Moment
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import Channel
@@ -21,7 +22,10 @@ Level = Callable[[], bool]
 
 @dataclass(frozen=True)
 class World:
-    """The parts of a machine that faults look at and act on; nodes and links by axis."""
+    """The parts of a machine that faults look at and act on; nodes and links by axis.
+
+    beside: wires and whatever else is no frame, with their faults.
+    """
 
     settings: Settings
     scheduler: Scheduler
@@ -30,6 +34,7 @@ class World:
     links: Mapping[str, AxisLink]
     plant: Plant
     channel: Channel
+    beside: Beside
 
 
 @dataclass

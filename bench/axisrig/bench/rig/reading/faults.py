@@ -18,7 +18,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from axisrig.bench.rig.reading.file import RigFile
+from axisrig.bench.rig.reading.file import LOAD, RigFile
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
 
@@ -30,16 +30,20 @@ AXIS_TELEGRAMS = (*_PDOS, "SDO", "EMCY", "HEARTBEAT")
 BUS_TELEGRAMS = ("SYNC", "NMT")
 TERMINAL, TERMINAL_TELEGRAMS = "terminal", ("TPDO1", "SDO", "HEARTBEAT")
 """The node that is the terminal of the PLC, and what it sends."""
+PLC = "plc"
+"""The task of the PLC."""
 
 
 @dataclass(frozen=True)
 class FaultKind:
-    """One row of `faults.csv`: the kind, its target (telegram, axis, bus) and its keys.
+    """One row of `faults.csv`: the kind, its room, its targets and its keys.
 
+    room: where it acts. targets: telegram, axis, bus, signal, sensor, plc, terminal.
     defaults: of keys that have one of their own in this kind, as it would do nothing without.
     """
 
     name: str
+    room: str
     targets: tuple[str, ...]
     keys: tuple[str, ...]
     defaults: Mapping[str, str]
@@ -69,7 +73,7 @@ class Moment:
 class Fault:
     """One fault of one target.
 
-    axis, segment: one of them is set. telegram: of AXIS_TELEGRAMS or BUS_TELEGRAMS, empty for a
+    axis, segment: one of them is set, none where the target is neither. telegram: of AXIS_TELEGRAMS or BUS_TELEGRAMS, empty for a
     kind that is not about one. values: every key of the kind, None where it has no value; times
     in ns, `at` a `Moment`.
     """
@@ -93,6 +97,7 @@ def fault_kinds() -> Mapping[str, FaultKind]:
     return {
         row["kind"]: FaultKind(
             row["kind"],
+            row["room"],
             tuple(word for word in row["target"].split() if word != "or"),
             tuple(word.partition("=")[0] for word in row["keys"].split()),
             dict(word.split("=") for word in row["keys"].split() if "=" in word),
@@ -167,7 +172,34 @@ def _targets(kind: FaultKind, rig: RigFile) -> list[str]:
         names += rig.segment
     if "axis" in kind.targets:
         names += rig.axis
+    if "signal" in kind.targets:
+        names += _signals(rig)
+    if "sensor" in kind.targets:
+        names += _sensors(rig)
+    if "plc" in kind.targets and rig.plc_task is not None:
+        names.append(PLC)
+    if "terminal" in kind.targets and _has_stamps(rig):
+        names.append(TERMINAL)
     return names
+
+
+def _signals(rig: RigFile) -> list[str]:
+    """Return probes and switches that are wired to a drive or to the terminal of the PLC."""
+    wired = [name for axis in rig.axis.values() for name in axis.signals.values()]
+    terminal = None if rig.plc_task is None else rig.plc_task.terminal
+    return list(dict.fromkeys([*wired, *(terminal.inputs.values() if terminal else ())]))
+
+
+def _sensors(rig: RigFile) -> list[str]:
+    """Return distance sensors that a drive or the PLC reads."""
+    seconds = [axis.encoder_2 for axis in rig.axis.values() if axis.encoder_2 not in (None, LOAD)]
+    return list(dict.fromkeys([*map(str, seconds), *(table.sensor for table in rig.plc.values())]))
+
+
+def _has_stamps(rig: RigFile) -> bool:
+    """Whether the PLC has a terminal with a clock."""
+    terminal = None if rig.plc_task is None else rig.plc_task.terminal
+    return terminal is not None and not terminal.is_on_can
 
 
 def _fault(kind: FaultKind, target: str, values: Mapping[str, Any], rig: RigFile) -> Fault:
@@ -178,7 +210,9 @@ def _fault(kind: FaultKind, target: str, values: Mapping[str, Any], rig: RigFile
         same_place = [name for name in allowed if name.startswith(f"{place}.")]
         raise UserError(what, value=target, allowed=same_place or allowed)
     axis = place if place in rig.axis else ""
-    segment = "" if axis else _terminal_segment(rig) if place == TERMINAL else place
+    segment = ""
+    if not axis and set(kind.targets) & {"telegram", "bus"}:
+        segment = _terminal_segment(rig) if place == TERMINAL else place
     return Fault(kind.name, target, axis, segment, telegram, values)
 
 
@@ -218,6 +252,7 @@ def _read_value(key: FaultKey, text: str) -> Any:
             "time": read_time,
             "number": _integer,
             "share": lambda word: float(_plain(word)),
+            "real": lambda word: float(_plain(word)),
             "moment": _read_moment,
             "data": _read_data,
             "word": str,
@@ -238,6 +273,7 @@ _FORMS = {
     "time": "not a time with its unit (ns, us, ms, s) in the range",
     "number": "not a whole number in the range",
     "share": "not a probability",
+    "real": "not a number in the range",
     "moment": "no moment of a run",
     "data": "no data of a frame",
     "word": "unknown word",
@@ -258,7 +294,7 @@ def _is_allowed(key: FaultKey, value: Any) -> bool:
         return str(value) in key.allowed.split()
     if not is_range or key.type == "data":
         return True
-    numbers: dict[str, Callable[[str], float]] = {"time": read_time, "share": float}
+    numbers: dict[str, Callable[[str], float]] = {"time": read_time, "share": float, "real": float}
     number = numbers.get(key.type, _integer)
     return bool(number(low) <= value <= number(high))
 
