@@ -53,6 +53,7 @@ class Wire:
         name = RIG.axis["Z"].probe_1
         found = [fault for kind, text in faults for fault in read_faults(kind, text, RIG)]
         world: Any = SimpleNamespace(
+            beside=SimpleNamespace(acts=[]),
             settings=SimpleNamespace(rig=RIG, faults=found),
             scheduler=self.clock,
             segments={"can1": self.segment},

@@ -11,6 +11,7 @@ from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
+from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
@@ -39,7 +40,9 @@ class Master:
         check_plants(settings, self.plant)
         start_plant(settings, self.plant)
         segments = build_segments(settings, self.scheduler, Journal(), (), opened)
-        self.node = build_nodes(settings, self.scheduler, segments, self.plant, 0)["Z"]
+        self.node = build_nodes(
+            settings, self.scheduler, segments, Beside(settings, self.plant, self.scheduler, 0), 0
+        )["Z"]
         network = self.network = SimNetwork(segments["can1"].port("master")).connect()
         remote = SimRemoteNode(3, object_dictionary(3, self.node.profile))
         network.add_node(remote)

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import pyarrow as pa
 
 from axisrig.bench.drive.axis.drive import VirtualDrive
+from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.faults.injection import Injected
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.plc.terminal import AnyTerminal
@@ -33,13 +34,15 @@ from axisrig.kernel.time.scheduler import Scheduler
 class Bench:
     """What the drives of a machine are put into.
 
-    bus_logs: files to write, their suffixes say the kind. opened: frees what is opened. seed: of
-    everything random. hardware: None where all is simulated.
+    beside: the plant as drives and terminals see it. bus_logs: files to write, their suffixes say
+    the kind. opened: frees what is opened. seed: of everything random. hardware: None where all is
+    simulated.
     """
 
     settings: Settings
     scheduler: Scheduler
     plant: Plant
+    beside: Beside
     opened: ExitStack
     bus_logs: Sequence[Path] = ()
     seed: int = 0

@@ -14,6 +14,7 @@ from axisrig.bench.bus.deadlines import BINS_US
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.deflection import DeflectionLog
 from axisrig.bench.machine.families import Bench, Installed, install_all
+from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.leaving import power_down
 from axisrig.bench.machine.mechanics import PlantMechanics
@@ -123,6 +124,7 @@ class Machine:
             self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
+            self._beside = Beside(settings, self.plant, self.scheduler, seed)
             self._install(bus_logs, seed)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
@@ -135,7 +137,14 @@ class Machine:
     def _install(self, bus_logs: Sequence[Path], seed: int) -> None:
         """Install the drives of each family; together they are in the order of the rig."""
         bench = Bench(
-            self.settings, self.scheduler, self.plant, self._open, bus_logs, seed, self._hardware
+            self.settings,
+            self.scheduler,
+            self.plant,
+            self._beside,
+            self._open,
+            bus_logs,
+            seed,
+            self._hardware,
         )
         self.installed = install_all(bench)
         axes = self.settings.rig.axis
@@ -209,6 +218,7 @@ class Machine:
             switch=switch,
             sync_ns=sync_ns,
             has_columns=bool(self.settings.plc),
+            trouble=self._beside.task,
         )
 
     def _build_terminal(self, task: PlcTaskTable, seed: int) -> AnyTerminal | None:
@@ -223,8 +233,8 @@ class Machine:
         terminal = next((found for found in on_segment if found is not None), None)
         if terminal is not None:
             return terminal
-        signals = {name: probe.signal for name, probe in self.plant.probes.items()}
-        return Terminal(task, table, signals, advance, seed)
+        beside = self._beside
+        return Terminal(task, table, beside.signals, advance, seed, beside.stamps)
 
     def _connect_plc_sensors(self) -> None:
         """Let the PLC side read the distance sensors that the rig gives it."""
@@ -235,7 +245,8 @@ class Machine:
             return told_ns if told_ns >= self.channel.sync_ns else self.plant.now_ns
 
         if self.settings.rig.plc:
-            tables, distances = self.settings.rig.plc, self.plant.distances
+            tables = self.settings.rig.plc
+            distances = {t.sensor: self._beside.sensor(t.sensor) for t in tables.values()}
             period_ns = self.timing.period_ns
             sensors = PlcSensors(tables, distances, plc, sync_ns, period_ns)
             plc.inputs.append(sensors.take)

@@ -68,7 +68,7 @@ class CanopenOnCan(Installed):
             settings, clock, journal, bench.bus_logs, bench.opened
         )
         self.nodes = build_nodes(
-            settings, clock, self.segments, bench.plant, bench.seed, self._note_state
+            settings, clock, self.segments, bench.beside, bench.seed, self._note_state
         )
         self.states = {name: [] for name in self.nodes}
         self._networks = {
@@ -151,7 +151,7 @@ class CanopenOnCan(Installed):
 
     def terminal(self, advance: Callable[[TimeNs], None]) -> IoTerminal | None:
         """Make the node with digital inputs that is the terminal of the PLC."""
-        settings, clock, plant = self._bench.settings, self._bench.scheduler, self._bench.plant
+        settings, clock = self._bench.settings, self._bench.scheduler
         task = settings.rig.plc_task
         table = None if task is None else task.terminal
         if table is None or table.segment not in self.segments:
@@ -159,7 +159,7 @@ class CanopenOnCan(Installed):
         queue = segment_of(settings, table.segment).drive_queue
         return IoTerminal(
             table,
-            {name: probe.signal for name, probe in plant.probes.items()},
+            self._bench.beside.signals,
             clock,
             node_port=SimNetwork(self.segments[table.segment].port("terminal", queue)).connect(),
             master=self._networks[table.segment],
@@ -178,6 +178,7 @@ class CanopenOnCan(Installed):
             self.links,
             bench.plant,
             channel,
+            bench.beside,
         )
         return inject(world, bench.seed)
 

@@ -12,10 +12,10 @@ from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.canopen.outside import open_segment
+from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.canopen.members import can_axes, can_segments, drive_of, segment_of
 from axisrig.bench.rig.real_axes import is_real, outside_axes
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -62,16 +62,16 @@ def build_nodes(
     settings: Settings,
     scheduler: Scheduler,
     segments: dict[str, Segment],
-    plant: Plant,
+    beside: Beside,
     seed: int,
     entered: Callable[[str, State], None] | None = None,
 ) -> dict[str, DriveNode]:
     """Make the node of every axis whose drive is simulated here.
 
-    seed: of what they draw. entered: called with the axis and each new state of its drive.
+    beside: the plant as they see it. seed: of what they draw. entered: called with the axis and
+    each new state of its drive.
     """
     nodes: dict[str, DriveNode] = {}
-    signals = {name: probe.signal for name, probe in plant.probes.items()}
     outside = outside_axes(settings)
     for name in can_axes(settings):
         if name in outside:
@@ -86,15 +86,14 @@ def build_nodes(
             axis.node_id,
             network,
             scheduler,
-            plant.axes[axis.plant],
-            (
-                signals[axis.probe_1] if axis.probe_1 else None,
-                signals[axis.probe_2] if axis.probe_2 else None,
-            ),
+            beside.axis(name),
+            beside.probes(name),
             drive_of(settings, name).make(),
             seed + DRIVE_SEED_STRIDE * len(nodes),
             switches={
-                switch: signals[wired[key]] for key, switch in SWITCH_KEYS.items() if key in wired
+                switch: beside.signal(wired[key])
+                for key, switch in SWITCH_KEYS.items()
+                if key in wired
             },
             entered=None if entered is None else partial(entered, name),
         )

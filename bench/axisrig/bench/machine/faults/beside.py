@@ -1,13 +1,13 @@
-"""Faults beside the frames: wires, encoders, sensors, the task of the PLC, the clock of its terminal.
+"""Faults beside the frames: wires, sensors, the task of the PLC, the clock of its terminal.
 
 They are built before what reads the wires; when each acts, the injection decides (`injection.py`).
 """
 
 import random
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.machine.wiring.distances import (
@@ -34,6 +34,8 @@ from axisrig.kernel.time.clock import Clock, TimeNs
 
 ROOMS = ("wires", "sensors", "plc", "clock")
 """Rooms of `faults.csv` whose faults are here."""
+_OF_SIGNALS = ("probe_stick", "probe_chatter", "probe_late")
+_OF_ENCODERS = ("encoder_freeze", "encoder_loss")
 
 
 def drawn(seed: int, faults: list[Fault]) -> Iterator[tuple[Fault, random.Random]]:
@@ -79,9 +81,14 @@ class Beside:
 
     # What is read
 
-    def signal(self, probe: str | None) -> SignalPort | None:
-        """Return what comes of a probe or switch; None for an open input."""
-        return None if probe is None else self._signals[probe]
+    def signal(self, probe: str) -> SignalPort:
+        """Return what comes of a probe or switch."""
+        return self._signals[probe]
+
+    @property
+    def signals(self) -> Mapping[str, SignalPort]:
+        """What comes of each probe and switch."""
+        return self._signals
 
     def axis(self, name: str) -> AxisPort:
         """Return an axis as its drive sees it."""
@@ -93,45 +100,27 @@ class Beside:
         return self._sensors.get(name) or self._plant.distances[name]
 
     def probes(self, axis: str) -> tuple[SignalPort | None, SignalPort | None]:
-        """Return what comes at the probing inputs 1 and 2 of the drive of an axis."""
+        """Return what comes at the probing inputs 1 and 2 of a drive; None at an open one."""
         table = self._settings.rig.axis[axis]
-        first, second = self.signal(table.probe_1), self.signal(table.probe_2)
+        first, second = (
+            None if name is None else self._signals[name] for name in (table.probe_1, table.probe_2)
+        )
         return (second, first) if axis in self._crossed else (first, second)
 
     # What is made of faults
 
     def _act(self, fault: Fault, numbers: random.Random) -> Act:
-        kind, values = fault.kind, fault.values
-        if kind == "crossed":
+        if fault.kind in _OF_SIGNALS:
+            return self._signal_act(fault)
+        if fault.kind in _OF_ENCODERS:
+            return self._encoder_act(fault)
+        if fault.kind == "crossed":
             self._crossed.add(fault.target)
             return Act(fault, _nothing, _nothing, (fault.target,))
-        if kind.startswith("probe_"):
-            wire = self._signal_wire(fault)
-            self._signals[fault.target] = wire
-            return Act(fault, wire.begin, wire.end, self._axes_of(fault.target))
-        if kind.startswith("encoder_"):
-            return self._encoder_act(fault)
-        if kind.startswith("sensor_"):
-            sensor = self._distance_wire(fault.target)
-            trouble = self._distance_fault(kind, values, numbers)
-            sensor.faults.append(trouble)
-            return Act(fault, trouble.begin, trouble.end, self._axes_of(fault.target))
-        axes = tuple(self._settings.rig.axis)
-        if kind == "plc_lost":
-            return Act(fault, self.task.begin_lost, self.task.end_lost, axes)
-        if kind == "plc_late":
-            by_ns, jitter_ns = values["by"], values["jitter"]
-
-            def late() -> None:
-                self.task.begin_late(by_ns, jitter_ns, numbers)
-
-            return Act(fault, late, self.task.end_late, axes)
-        offset_ns, ppm = values.get("by") or 0, values.get("ppm") or 0.0
-
-        def off() -> None:
-            self.stamps.begin(offset_ns, ppm)
-
-        return Act(fault, off, self.stamps.end, axes)
+        room = fault_kinds()[fault.kind].room
+        return (
+            self._sensor_act(fault, numbers) if room == "sensors" else self._plc_act(fault, numbers)
+        )
 
     def _axes_of(self, plant: str) -> tuple[str, ...]:
         """Return the axes that a sensor is wired to; all where it is none."""
@@ -139,13 +128,17 @@ class Beside:
         wired = [n for n, a in axes.items() if plant in (*a.signals.values(), a.encoder_2)]
         return tuple(wired or axes)
 
-    def _signal_wire(self, fault: Fault) -> SignalWire:
+    def _signal_act(self, fault: Fault) -> Act:
         source, values = self._signals[fault.target], fault.values
+        wire: SignalWire
         if fault.kind == "probe_late":
-            return LateWire(source, self._clock, values["by"])
-        if fault.kind == "probe_chatter":
-            return ChatteringWire(source, self._clock, values["pulses"], values["period"])
-        return StickingWire(source, self._clock, self._plant.advance_to)
+            wire = LateWire(source, self._clock, values["by"])
+        elif fault.kind == "probe_chatter":
+            wire = ChatteringWire(source, self._clock, values["pulses"], values["period"])
+        else:
+            wire = StickingWire(source, self._clock, self._plant.advance_to)
+        self._signals[fault.target] = wire  # a further fault has this one before it
+        return Act(fault, wire.begin, wire.end, self._axes_of(fault.target))
 
     def _encoder_act(self, fault: Fault) -> Act:
         wire, axis = self._encoder(fault.target), fault.target
@@ -177,16 +170,29 @@ class Beside:
                     self._encoder(axis)
         return self._sensors[name]
 
-    def _distance_fault(
-        self, kind: str, values: Any, numbers: random.Random
-    ) -> DistanceFault:
-        if kind == "sensor_drift":
-            return Drift(self._clock, values["um_s"])
-        if kind == "sensor_spikes":
-            return Spikes(self._clock, values["um"], values["p"], numbers)
-        if kind == "sensor_full":
-            return EndValue(self._clock, values["um"])
-        return Freeze(self._clock)
+    def _sensor_act(self, fault: Fault, numbers: random.Random) -> Act:
+        values, clock = fault.values, self._clock
+        made: DistanceFault
+        if fault.kind == "sensor_drift":
+            made = Drift(clock, values["um_s"])
+        elif fault.kind == "sensor_spikes":
+            made = Spikes(clock, values["um"], values["p"], numbers)
+        elif fault.kind == "sensor_full":
+            made = EndValue(clock, values["um"])
+        else:
+            made = Freeze(clock)
+        self._distance_wire(fault.target).faults.append(made)
+        return Act(fault, made.begin, made.end, self._axes_of(fault.target))
+
+    def _plc_act(self, fault: Fault, numbers: random.Random) -> Act:
+        values, axes = fault.values, tuple(self._settings.rig.axis)
+        if fault.kind == "plc_lost":
+            return Act(fault, self.task.begin_lost, self.task.end_lost, axes)
+        if fault.kind == "plc_late":
+            late = partial(self.task.begin_late, values["by"], values["jitter"], numbers)
+            return Act(fault, late, self.task.end_late, axes)
+        off = partial(self.stamps.begin, values.get("by") or 0, values.get("ppm") or 0.0)
+        return Act(fault, off, self.stamps.end, axes)
 
 
 def _nothing() -> None:

@@ -7,15 +7,24 @@ so that the program and distance control (`SENSOR_SOURCE=VARIABLE`) have them in
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
+from typing import Protocol
 
 from axisrig.bench.rig.reading.plc_sensors import DELAY_MAX, PlcSensorTable
-from axisrig.kernel.cosim.plant.distance import PlantDistance
+from axisrig.kernel.cosim.plant.distance import Reported
 from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.plc.unit import Refreshed
 from axisrig.kernel.time.clock import MS, TimeNs
 
 LEVEL_DEG = 89.9
 """A tilt above it counts as this: the tool does not point at the surface any more."""
+
+
+class DistanceReader(Protocol):
+    """A distance sensor, or the wire after it."""
+
+    def told_at(self, time_ns: TimeNs) -> Reported:
+        """Return distance, true distance, validity and touch at an instant."""
+        ...
 
 
 class PlcSensors:
@@ -29,7 +38,7 @@ class PlcSensors:
     def __init__(
         self,
         tables: Mapping[str, PlcSensorTable],
-        distances: Mapping[str, PlantDistance],
+        distances: Mapping[str, DistanceReader],
         plc: PlcInterface,
         sync_ns: Callable[[], TimeNs],
         cycle_ns: TimeNs,

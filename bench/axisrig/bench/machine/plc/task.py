@@ -14,6 +14,7 @@ from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Variables
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.task_units import TaskUnits, UnitShown, UnitWrites
 from axisrig.bench.machine.plc.terminal import AnyTerminal
+from axisrig.bench.machine.wiring.plc import TaskFault
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.motion.feed import FULL
@@ -71,12 +72,13 @@ class PlcTaskRunner:
     """Runs the task; terminal: None for a PLC without inputs. program: gives the NC program anew.
 
     switch: takes whether the supply of the switched probe is on. sync_ns: bus time of the last SYNC
-    by axis. has_columns: event columns command the channel as well. left_out: cycles that an
-    overrun has cost. observers: called after the program in each of its cycles; they only look.
+    by axis. has_columns: event columns command the channel as well. trouble: cycles that do not
+    come, or late. left_out: cycles that it or an overrun has cost. observers: called after the
+    program in each of its cycles; they only look.
     Raises UserError, with file and line, for what is wrong in the program.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         table: PlcTaskTable,
         channel: Channel,
@@ -87,10 +89,11 @@ class PlcTaskRunner:
         switch: Callable[[bool], None],
         sync_ns: Callable[[str], TimeNs],
         has_columns: bool,
+        trouble: TaskFault,
     ) -> None:
         self._table, self._channel, self._clock = table, channel, clock
         self._terminal, self._commands, self._switch = terminal, program, switch
-        self._sync_ns = sync_ns
+        self._sync_ns, self._trouble = sync_ns, trouble
         self._program = PlcProgram(Path(table.program))
         self._hli = Hli(channel.plc.axis)
         self._orders = dict.fromkeys(channel.plc.axis, 0)  # number of the order the PLC has seen
@@ -152,6 +155,17 @@ class PlcTaskRunner:
             return
         self._clock.call_at(now_ns + self._table.period_ns, Phase.APPLICATION, self._run)
         number, self._cycle = self._cycle, self._cycle + 1
+        late_ns = self._trouble.late_ns(now_ns)
+        if self._trouble.is_lost(now_ns):
+            self.left_out += 1
+        elif late_ns:
+            self._clock.call_at(now_ns + late_ns, Phase.APPLICATION, lambda: self._work(number))
+        else:
+            self._work(number)
+
+    def _work(self, number: int) -> None:
+        """Do the work of a cycle, unless the one before is still at it."""
+        now_ns = self._clock.now_ns
         if now_ns < self._free_ns:
             self.left_out += 1
             return

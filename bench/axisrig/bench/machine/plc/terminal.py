@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from axisrig.bench.drive.axis.ports import SignalPort
+from axisrig.bench.machine.wiring.plc import StampFault
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, silent_ns
 from axisrig.kernel.plc.probing import PPM
 from axisrig.kernel.time.clock import US, TimeNs
@@ -90,8 +91,8 @@ class InputChannel:
 class Terminal:
     """The inputs of a terminal; signals: the probes of the rig, seed: of the jitter of stamps.
 
-    advance: steps the plants to an instant. wc_state: 0 while the process data are exchanged, 1
-    once they are not any more (working counter); the image stays as it was.
+    advance: steps the plants to an instant. trouble: of its clock. wc_state: 0 while the process
+    data are exchanged, 1 once they are not any more (working counter); the image stays as it was.
     """
 
     def __init__(
@@ -101,8 +102,10 @@ class Terminal:
         signals: Mapping[str, SignalPort],
         advance: Callable[[TimeNs], None],
         seed: int,
+        trouble: StampFault,
     ) -> None:
         self._advance, self._task, self._table = advance, task, table
+        self._trouble = trouble
         self._period_ns, self._offset_ns = table.cycle_ns(task), table.offset_ns(task)
         self._silent_ns = silent_ns(table.silent_from_ms)
         self._channels = {
@@ -131,4 +134,5 @@ class Terminal:
         """Return what the clock of the terminal stamps at a bus time."""
         task, step_ns = self._task, self._table.stamp_resolution_ns
         shown = bus_ns + task.clock_offset_ns + round(bus_ns * task.clock_drift_ppm * PPM)
+        shown += self._trouble.off_ns(bus_ns)
         return shown // step_ns * step_ns

@@ -73,9 +73,9 @@ class Moment:
 class Fault:
     """One fault of one target.
 
-    axis, segment: one of them is set, none where the target is neither. telegram: of AXIS_TELEGRAMS or BUS_TELEGRAMS, empty for a
-    kind that is not about one. values: every key of the kind, None where it has no value; times
-    in ns, `at` a `Moment`.
+    axis, segment: one of them is set, none where the target is neither. telegram: of AXIS_TELEGRAMS
+    or BUS_TELEGRAMS, empty for a kind that is not about one. values: every key of the kind, None
+    where it has no value; times in ns, `at` a `Moment`.
     """
 
     kind: str

@@ -23,6 +23,7 @@ from axisrig.bench.campaign.hardware_runs import Outside
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
+from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
@@ -172,7 +173,8 @@ class DriveServer:
             self.segments = build_segments(
                 settings, self.scheduler, Journal(1), bus_logs, self._open
             )
-            self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, 0)
+            beside = Beside(settings, self.plant, self.scheduler, 0)
+            self.nodes = build_nodes(settings, self.scheduler, self.segments, beside, 0)
             self._parameters = ParameterFile(store, self.nodes) if store is not None else None
             self._watcher = Watcher(settings, self.nodes, self.plant, put_out, folder, self._open)
             self._trace = Trace(
