@@ -235,6 +235,25 @@ def test_what_only_canopen_has_is_refused_for_others(folder: Path, change: str, 
     assert f"--set {change}" in str(caught.value)  # the place of what was wrong
 
 
+def test_a_fault_of_its_signal_acts_where_another_segment_has_moments(folder: Path) -> None:
+    """v t of an edge that is 2 ms late at 5 mm/s; without frames there is no moment for it."""
+    settings = settings_of(folder, "fault:probe_late=probe by=2ms")
+    machine = Machine(settings, read_program(folder / "wire.nc", tuple(settings.rig.axis)))
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    (line,) = [message.shown for message in machine.messages]
+    late_mm = SURFACE_MM - 5.0 * 0.002
+    assert float(line.partition("=")[2]) == pytest.approx(late_mm, abs=2.0 / INCREMENTS_PER_MM)
+
+    begin, end = RIG.index("[axis.X]"), RIG.index("[plant.z]")
+    alone = (RIG[:begin] + RIG[end:]).replace("[segment.can1]\n", "")
+    settings_of(folder, rig=alone)
+    with pytest.raises(UserError, match="its moments are those of frames"):
+        settings_of(folder, "fault:probe_late=probe by=2ms", rig=alone)
+
+
 @pytest.mark.parametrize(
     "command",
     [

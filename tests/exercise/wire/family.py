@@ -45,7 +45,7 @@ class WiresOfMachine(Installed):
     def __init__(self, bench: Bench) -> None:
         super().__init__()
         self._sent: list[str] = []
-        settings, plant = bench.settings, bench.plant
+        settings = bench.settings
         links, drives = dict[str, WireDrive](), dict[str, VirtualDrive]()
         bundles = {n: t for n, t in settings.segment.items() if isinstance(t, SegmentTable)}
         carriers = {name: Wires(name, []) for name in bundles}
@@ -60,9 +60,10 @@ class WiresOfMachine(Installed):
                 parameters.integer("antr.nbr_delay_cycles"),
             )
             links[name] = WireDrive(known, wire)
-            signal = plant.probes[axis.probe_1].signal if axis.probe_1 else None
+            signal, _ = bench.beside.probes(name)
             period_ns = settings.rig.cycle.period_us * US
-            servo = WireServo(wire, plant.axes[axis.plant], signal, bench.scheduler, period_ns)
+            seen = bench.beside.axis(name)
+            servo = WireServo(wire, seen, signal, bench.scheduler, period_ns)
             drives[name] = servo
             carriers[axis.segment].ends += [servo.exchange, partial(self._note, name, wire)]
         self.links, self.drives, self.carriers, self._links = links, drives, carriers, links

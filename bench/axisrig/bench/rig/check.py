@@ -127,8 +127,17 @@ def _check_drives(settings: Settings) -> None:
 
 def _check_faults(settings: Settings) -> None:
     """Refuse faults of drives and segments whose carrier has none."""
+    with_faults = [n for n in settings.segment if family_on(settings, n).has_faults]
     for fault in settings.faults:
         keys = ("axis", fault.axis) if fault.axis else ("segment", fault.segment)
+        if not with_faults:
+            raise rig_error(
+                settings.files,
+                ("segment",),
+                f"fault {fault.kind}: its moments are those of frames, and no segment of this rig"
+                " has any",
+                value=fault.target,
+            )
         on = settings.rig.axis[fault.axis].segment if fault.axis else fault.segment
         if on in settings.segment and not family_on(settings, on).has_faults:
             raise rig_error(
@@ -137,7 +146,7 @@ def _check_faults(settings: Settings) -> None:
                 f"fault {fault.kind}: there are no faults of segments of the kind"
                 f" {settings.segment[on].carrier}, nor of their drives",
                 value=fault.target,
-                allowed=[n for n in settings.segment if family_on(settings, n).has_faults],
+                allowed=with_faults,
             )
 
 

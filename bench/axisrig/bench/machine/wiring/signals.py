@@ -16,15 +16,16 @@ Edge = tuple[TimeNs, bool]
 class SignalWire:
     """A wire that passes every edge; a fault derives its own from it.
 
-    edges: (time_ns, new level), oldest first, as of a signal of the plant; one that is passed late
-    is in the list before its instant. span: when the fault acts.
+    edges: (time_ns, new level), oldest first, as of a signal of the plant. span: when the fault
+    acts.
     """
 
     def __init__(self, source: SignalPort, clock: Clock) -> None:
         self.span = Span()
         self._source, self._clock = source, clock
         self._first = self._sent = self._before(source)
-        self._passed: list[Edge] = []
+        self._passed: list[Edge] = []  # those of a late wire may be still to come
+        self._come: list[Edge] = []
         self._next = 0
 
     @staticmethod
@@ -37,17 +38,16 @@ class SignalWire:
     def edges(self) -> list[Edge]:
         """Every edge so far."""
         self._pull()
-        return self._passed
+        passed, come, now_ns = self._passed, self._come, self._clock.now_ns
+        while len(come) < len(passed) and passed[len(come)][0] <= now_ns:
+            come.append(passed[len(come)])
+        return come
 
     @property
     def level(self) -> bool:
         """Level now."""
-        now_ns, level = self._clock.now_ns, self._first
-        for time_ns, new in self.edges:
-            if time_ns > now_ns:
-                break
-            level = new
-        return level
+        edges = self.edges
+        return edges[-1][1] if edges else self._first
 
     def begin(self) -> None:
         """Let the fault act from now on."""
