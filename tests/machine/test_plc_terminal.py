@@ -1,11 +1,13 @@
 """The terminal of a PLC against edges that a test places by hand."""
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from axisrig.bench.machine.plc.terminal import Terminal
+from axisrig.bench.machine.wiring.plc import StampFault
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable
 
 US, MS = 1_000, 1_000_000
@@ -25,7 +27,9 @@ def _terminal(
     advanced: list[int] = []
     table = TerminalTable(input_1="p", **keys)
     plc = PlcTaskTable(period_us=1000, program="p.py", **(task or {}))
-    return Terminal(plc, table, {"p": signal}, advanced.append, seed), advanced
+    clock: Any = SimpleNamespace(now_ns=0)
+    trouble = StampFault(clock)
+    return Terminal(plc, table, {"p": signal}, advanced.append, seed, trouble), advanced
 
 
 def test_level_and_stamp_come_with_the_exchange_after_the_filter() -> None:
