@@ -9,11 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.bus.can.dissect import dissect
+from axisrig.bench.bus.can.frame import data_frame
 from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, logs_of, tell_log
 from axisrig.bench.tools.bus_log.canopen.bus_words import Names
+from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos
 from axisrig.bench.tools.bus_log.canopen.object_words import number_of, value_words
+from axisrig.bench.tools.bus_log.canopen.transfers import Transfers, Value
 from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).resolve().parents[2] / "testplans" / "rigs"
@@ -242,3 +246,69 @@ def test_a_file_that_is_no_log_is_refused_and_a_folder_of_drives_has_its_one(
     assert find_log(tmp_path / "SOME.LOG", None) == ([tmp_path / "SOME.LOG"], None)
     (tmp_path / "bus.blf").touch()
     assert find_log(tmp_path, None) == ([tmp_path / "bus.blf"], None)
+
+
+PLACE = "002001"  # object 2000:1
+
+
+@pytest.mark.parametrize(
+    ("frames", "value"),
+    [
+        # Expedited: the answer of the server confirms a download, an upload is in the answer
+        ([("603", f"2B{PLACE}34120000"), ("583", f"60{PLACE}00000000")], "3412"),
+        ([("603", f"2B{PLACE}34120000")], None),
+        ([("603", f"2B{PLACE}34120000"), ("583", "6001200100000000")], None),  # of another object
+        ([("603", f"40{PLACE}00000000"), ("583", f"4B{PLACE}34120000")], "3412"),
+        ([("603", f"40{PLACE}00000000"), ("583", "4B01200134120000")], None),
+        ([("603", f"2B{PLACE}34120000"), ("583", f"80{PLACE}11000906")], None),
+        # In segments: 9 bytes, of the last segment 5 are unused (n = 5, c = 1)
+        ([("603", f"21{PLACE}09000000"), ("583", f"60{PLACE}00000000"),
+          ("603", "0001020304050607"), ("583", "2000000000000000"),
+          ("603", "1B08090000000000"), ("583", "3000000000000000")], "010203040506070809"),
+        ([("603", f"21{PLACE}09000000"), ("583", f"60{PLACE}00000000"),
+          ("603", "0001020304050607"), ("583", "2000000000000000")], None),
+        ([("603", f"40{PLACE}00000000"), ("583", f"41{PLACE}09000000"),
+          ("603", "6000000000000000"), ("583", "0001020304050607"),
+          ("603", "7000000000000000"), ("583", "1B08090000000000")], "010203040506070809"),
+        ([("603", f"40{PLACE}00000000"), ("583", f"41{PLACE}09000000"),
+          ("603", "6000000000000000"), ("583", f"80{PLACE}11000906"),
+          ("583", "1B08090000000000")], None),
+    ],
+)  # fmt: skip
+def test_the_value_that_an_object_has_after_a_transfer(
+    frames: list[tuple[str, str]], value: str | None
+) -> None:
+    """CiA 301, SDO protocols; beside it another node is in the midst of a transfer of its own."""
+    transfers, found = Transfers(), []
+    for can_id, data in [("604", f"21{PLACE}09000000"), ("604", "0011111111111111"), *frames]:
+        frame = data_frame(int(can_id, 16), bytes.fromhex(data))
+        _, done = transfers.take("can1", frame.data, dissect(frame))
+        found += [done] if done is not None else []
+    expected = [] if value is None else [Value(0x2000, 1, bytes.fromhex(value))]
+    assert found == expected
+
+
+def test_a_frame_is_of_who_sends_it_before_those_who_receive_it() -> None:
+    """0x183 is TPDO1 of node 3, and node 4 has its RPDO1 set to it; another segment has neither."""
+    pdos = LoggedPdos({})
+    pdos.note("can1", 4, 0x1400, 1, 0x183)
+    pdos.note("can1", 4, 0x1600, 0, 0)
+    for _ in range(2):
+        found = pdos.find("can1", 0x183, False)
+        assert found is not None
+        assert (found.node, found.name) == (4, "RPDO1")
+        pdos.note("can1", 3, 0x1A00, 0, 0)
+        pdos.note("can1", 3, 0x1800, 1, 0x183)
+        found = pdos.find("can1", 0x183, False)
+        assert found is not None
+        assert (found.node, found.name) == (3, "TPDO1")
+        assert pdos.find("can2", 0x183, False) is None
+        assert pdos.find("can1", 0x183, True) is None
+        pdos.forget("can1", 3)
+    for count, is_known in ((64, True), (65, False)):
+        for sub in range(1, 66):
+            pdos.note("can1", 3, 0x1A00, sub, 0x60FD0108)
+        pdos.note("can1", 3, 0x1A00, 0, count)
+        found = pdos.find("can1", 0x183, False)
+        assert found is not None
+        assert (found.telegram is not None) is is_known

@@ -14,10 +14,15 @@ import numpy as np
 import pytest
 
 from axisrig.bench.tools.tune.advice import (
+    KP_MAX,
+    OVERSHOOT,
+    SENSITIVITY_MAX,
     Advice,
     Quality,
+    _calmest,
     _rounded_down,
     _two_digits,
+    _with_integral,
     cycles_in_words,
     quality,
 )
@@ -28,14 +33,19 @@ from axisrig.bench.tools.tune.distance import (
     DeadTime,
     Mode,
     Tuning,
+    _check_sensor,
     _closed_limit,
     _first_jump,
     _first_shown_ns,
+    _loop,
 )
 from axisrig.bench.tools.tune.identify import Path, identify, renewal_cycles
 from axisrig.bench.tools.tune.loop import Law, Loop, both_encoders, const_dist, set_pos, trimmed
+from axisrig.bench.tools.tune.measure import Signals
 from axisrig.bench.tools.tune.report import data_of, text_of, warnings_of
+from axisrig.kernel.distance import Derivative, DerivativeOf
 from axisrig.kernel.distance.filters import FilterSettings
+from axisrig.kernel.errors import UserError
 
 KP_0_2 = Law(0.2)
 GOOD = Quality(0.0, 5, 3.0, 0.5, 1.5, 4.0)
@@ -300,3 +310,102 @@ def test_feedbacks_of_the_modes() -> None:
     assert set_pos(np.array([0.5, 0.5]), drive, drive).tolist() == [0, 1]
     assert trimmed(np.array([0.0, 1.0, 1e-13])).tolist() == [0, 1]
     assert trimmed(np.zeros(3)).tolist() == [0]
+
+
+# --- a suggestion
+
+
+def dead(cycles: int, gain: float = 1.0) -> Loop:
+    """A pure dead time without a filter."""
+    return Loop(1e-3, gain * np.eye(1, cycles + 2, cycles + 1)[0], np.ones(1))
+
+
+def is_calm(loop: Loop, law: Law) -> bool:
+    answer = loop.step_answer(law, 3000)
+    return bool(answer.max() <= 1 + OVERSHOOT) and loop.sensitivity_peak(law) <= SENSITIVITY_MAX
+
+
+def test_kp_is_the_largest_that_is_calm_and_that_the_list_may_have() -> None:
+    """P-AXIS-00759 allows 2; else the next of two digits passes a step or has a larger Ms."""
+    assert _calmest(dead(0, 0.1), 0.0) == Law(KP_MAX)
+    assert _calmest(dead(0, 0.5), 0.0) == Law(2.0)
+    assert _calmest(dead(0, -1.0), 0.0) is None
+    for cycles in (1, 2):
+        law = _calmest(dead(cycles), 0.0)
+        assert law is not None
+        assert is_calm(dead(cycles), law)
+        assert not is_calm(dead(cycles), Law(law.kp + 0.01))
+
+
+def test_the_shortest_tn_with_which_a_step_is_not_passed_by_more_than_a_tenth() -> None:
+    """Of 31 between 20 and 20000 cycles, each a quarter longer than the one before."""
+    loop = dead(1)
+    plain = _calmest(loop, 0.0)
+    assert plain is not None
+    found = _with_integral(loop, plain)
+    assert found is not None
+    assert found.kp == plain.kp
+    assert loop.step_answer(found, 20_000).max() <= 1.1
+    assert loop.sensitivity_peak(found) <= SENSITIVITY_MAX
+    shorter = replace(found, tn_s=found.tn_s / 1.2589)
+    passes = loop.step_answer(shorter, 20_000).max() > 1.1
+    assert passes or loop.sensitivity_peak(shorter) > SENSITIVITY_MAX or not loop.is_stable(shorter)
+    assert found.tn_s == pytest.approx(_two_digits(found.tn_s))
+    assert 20e-3 <= found.tn_s <= 20.0
+
+
+# --- what is measured
+
+
+def rested(moved: float, seen: float, sigma_mm: float = 0.0) -> Signals:
+    """At rest, lifted by `moved`, at rest; the sensor value follows by `seen`, with noise."""
+    place = np.repeat([0.0, moved], 400)
+    noise = sigma_mm * np.where(np.arange(800) % 2, 1.0, -1.0)
+    return Signals(np.zeros(800), np.zeros(800), place, place, 2.0 + place * seen + noise)
+
+
+@pytest.mark.parametrize(
+    ("seen", "is_right"),
+    [(1.0, True), (1.29, True), (0.71, True), (1.31, False), (0.69, False), (-1.0, False),
+     (0.0, False)],
+)  # fmt: skip
+def test_a_sensor_moves_with_its_axis(seen: float, is_right: bool) -> None:
+    bench: Any = SimpleNamespace(rig=File("rig.toml"))
+    if is_right:
+        assert _check_sensor(bench, rested(0.05, seen)) == pytest.approx(0.0, abs=1e-12)
+    else:
+        words = f"the axis moved by 0.0500 mm up, the sensor value by {0.0 - 0.05 * seen:.4f} mm"
+        with pytest.raises(UserError, match=words):
+            _check_sensor(bench, rested(0.05, seen))
+    assert _check_sensor(bench, rested(0.05, 1.0, 0.003)) == pytest.approx(0.003)
+
+
+def test_with_noise_more_is_borne() -> None:
+    """0.3 and six sigmas of a mean of 200 over the step of 0.05 mm: 0.02 mm make it 0.47."""
+    bench: Any = SimpleNamespace(rig=File("rig.toml"))
+    _check_sensor(bench, rested(0.05, 1.46, 0.02))
+    with pytest.raises(UserError):
+        _check_sensor(bench, rested(0.05, 1.48, 0.02))
+
+
+@pytest.mark.parametrize("of", list(DerivativeOf))
+@pytest.mark.parametrize("per", list(Derivative))
+@pytest.mark.parametrize("name", [CONST_DIST, BOTH_ENCODERS, SET_POS])
+def test_the_loop_under_the_law_that_the_rig_has_chosen(
+    of: DerivativeOf, per: Derivative, name: str
+) -> None:
+    """Of the error: all alike. Of the feedback: no set value, and no offset of SET_POS."""
+    choices = SimpleNamespace(derivative_of=of, derivative=per)
+    configured: Any = SimpleNamespace(choices=choices, impulses=np.array([0.5, 0.5, 0.0]))
+    feedback = np.array([0.0, 1.0, -1.0, 1.0])
+    loop = _loop(name, configured, feedback, 2e-3)
+    assert (loop.period_s, loop.noise.tolist()) == (2e-3, [0.5, 0.5])
+    assert loop.is_per_cycle is (per is Derivative.PER_CYCLE)
+    assert loop.unit_s == (1.0 if per is Derivative.PER_CYCLE else 2e-3)
+    is_surface, of_error = name == SET_POS, of is DerivativeOf.ERROR
+    assert loop.steps_with_set_value is (of_error or is_surface)
+    if is_surface and not of_error:
+        assert loop.looked_at is not None
+        assert loop.looked_at.tolist() == [0.0, 0.0, -1.0, 1.0]
+    else:
+        assert loop.looked_at is None
