@@ -14,7 +14,9 @@ comma := ,
 EXTRAS := dev$(if $(shell command -v cc 2>/dev/null),,$(comma)cc)
 JOBS ?= 2
 
-PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
+TESTS := -m pytest -q -n $(JOBS) --dist worksteal
+PYTEST := $(BIN)/python $(TESTS)
+BY_COMPILED := tests/bus tests/distance tests/machine tests/stepping tests/study tests/tools
 
 # Every process that a test starts would compile the package again; threads of small matrices wait
 # for each other and burn the time of the others
@@ -32,10 +34,10 @@ demo-all: $(STAMP)
 test: $(STAMP) lint
 	@$(PYTEST) --stage quick tests testplans
 
-# Then machines once more, compiled
+# Rows of testplans run in tests/compiled, by both builds; whole machines by the compiled one
 test-rest: $(STAMP) $(FAST_STAMP)
-	@$(PYTEST) --stage rest tests testplans
-	@$(FAST)/bin/python -m pytest -q -n $(JOBS) --dist worksteal --stage quick tests/bus tests/machine tests/stepping tests/distance
+	@$(PYTEST) --stage rest --by-compiled "$(BY_COMPILED)" tests
+	@$(FAST)/bin/python $(TESTS) --stage all $(BY_COMPILED)
 
 test-all: test test-rest
 
@@ -80,7 +82,7 @@ $(FAST_STAMP): $(STAMP) kernel/compile_hook.py $(shell find kernel bench fmus re
 	@rm -rf out/wheel; mkdir -p out
 	@echo "compiling into $(FAST) (some minutes)"
 	@AXISRIG_COMPILE=1 $(BIN)/python -m hatchling build -t wheel -d out/wheel >out/compiled.log 2>&1 || { tail -n 30 out/compiled.log; exit 1; }
-	@$(FAST)/bin/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) "$$(ls $(CURDIR)/out/wheel/*.whl)[$(EXTRAS)]"
+	@$(FAST)/bin/python -m pip install --quiet --no-compile --disable-pip-version-check $(OFFLINE) "$$(ls $(CURDIR)/out/wheel/*.whl)[$(EXTRAS)]"
 	@$(FAST)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall out/wheel/*.whl
 	@touch $(FAST_STAMP)
 

@@ -5,7 +5,15 @@ from tests.stages import Stages
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:  # noqa: D103
-    parser.addoption("--stage", choices=("quick", "rest"), help="of the suite; default: all of it")
+    parser.addoption(
+        "--stage", choices=("quick", "rest", "all"), help="of the suite; its CPU time is measured"
+    )
+    parser.addoption(
+        "--by-compiled",
+        default="",
+        metavar="FOLDERS",
+        help="the compiled build runs these: a stage keeps what is marked `interpreted` of them",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:  # noqa: D103

@@ -1,7 +1,7 @@
 """Every row of a shipped plan also writes its frames as BLF twice, and both must be equal.
 
 Once by block (`BlfLog.take`), once frame by frame by python-can's writer. Containers are not
-compressed: equal bytes give equal compressed ones.
+compressed: equal bytes give equal compressed ones. A plugin of pytest: `-p tests.both_writers`.
 """
 
 from collections.abc import Generator, Sequence
@@ -61,32 +61,28 @@ class BothWriters:
         assert by_block == by_frame, "BLF by block differs from python-can's"
 
 
-class ComparedRows:
-    """Plugin of pytest: compares in every row of a plan; not in a compiled machine, whose modules
-    take no other functions.
-    """
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
+    """Compare in every row of a plan; not in a compiled machine: it takes no other functions."""
+    if not isinstance(item, CaseItem) or not isinstance(Machine.run, FunctionType):
+        return (yield)
+    compared: list[BothWriters] = []
 
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, object, object]:
-        if not isinstance(item, CaseItem) or not isinstance(Machine.run, FunctionType):
-            return (yield)
-        compared: list[BothWriters] = []
+    def build(
+        settings: Any, scheduler: Any, journal: Journal, bus_logs: Any, opened: ExitStack
+    ) -> Any:
+        both = BothWriters(list(settings.segment))
+        compared.append(both)
+        opened.callback(both.check)  # after the last block, before the verdict
+        journal.add(both.take)
+        return build_segments(settings, scheduler, journal, bus_logs, opened)
 
-        def build(
-            settings: Any, scheduler: Any, journal: Journal, bus_logs: Any, opened: ExitStack
-        ) -> Any:
-            both = BothWriters(list(settings.segment))
-            compared.append(both)
-            opened.callback(both.check)  # after the last block, before the verdict
-            journal.add(both.take)
-            return build_segments(settings, scheduler, journal, bus_logs, opened)
-
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(family, "build_segments", build)
-            result = yield
-        # A row with a foreign FMU is compared in a process of its own
-        is_apart = bool(foreign_rigs([item.case.rig])) or item.config.getoption(
-            "axisrig_call_timeout", default=None
-        )
-        assert is_apart or sum(both.frames for both in compared) > 0
-        return result
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(family, "build_segments", build)
+        result = yield
+    # A row with a foreign FMU is compared in a process of its own
+    is_apart = bool(foreign_rigs([item.case.rig])) or item.config.getoption(
+        "axisrig_call_timeout", default=None
+    )
+    assert is_apart or sum(both.frames for both in compared) > 0
+    return result

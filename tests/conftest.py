@@ -24,7 +24,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
-from tests.both_writers import ComparedRows
+from tests import both_writers
 
 from axisrig.bench.campaign.results.build_info import is_compiled
 from axisrig.kernel.channel.reactions import Reactions
@@ -54,7 +54,7 @@ def not_yet_provoked() -> list[int]:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.pluginmanager.register(ComparedRows())
+    config.pluginmanager.register(both_writers)
     config.addinivalue_line(
         "markers", "provokes(alarm_id, reaction_class, **values): the alarm comes up in this test"
     )

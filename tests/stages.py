@@ -1,11 +1,14 @@
 """The two stages of the suite, and the CPU time of each folder at the end of one.
 
-`--stage quick` is `make test`, `--stage rest` what it leaves out; `make test-all` runs both. The
+`--stage quick` is `make test`, `--stage rest` what it leaves out; `--stage all` only measures. The
 quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
 a parametrized test stay. Of the shipped plans it keeps rows that check every metric, and one row of
 each plan; of rows that check the same, in whatever plan, those that simulate least
 (`plans/simulated.csv`). Statistics over several runs are left out, and rows with the tag `study`,
 which are long and say something together.
+
+`make test-rest` runs the rest stage once: `compiled/test_both_builds.py` has the rows of all plans,
+and the compiled build runs the folders that `--by-compiled` names.
 """
 
 import csv
@@ -81,12 +84,13 @@ class Stages:
 
     def __init__(self, config: pytest.Config) -> None:
         self._stage: str | None = config.getoption("--stage")
+        self._by_compiled: list[str] = config.getoption("--by-compiled").split()
 
     def pytest_collection_modifyitems(
         self, config: pytest.Config, items: list[pytest.Item]
     ) -> None:
         """Deselect what the other stage runs."""
-        if self._stage is None:
+        if self._stage in (None, "all"):
             return
         plans = [
             item.case
@@ -98,6 +102,7 @@ class Stages:
         kept, left_out = [], []
         for item in items:
             is_kept = _is_quick(item, shown, counts) == (self._stage == "quick")
+            is_kept = is_kept and not is_left_to_compiled(item, self._by_compiled)
             (kept if is_kept else left_out).append(item)
         config.hook.pytest_deselected(items=left_out)
         items[:] = kept
@@ -133,6 +138,12 @@ class Stages:
         for folder, seconds in folders.most_common():
             if seconds >= 1:
                 terminalreporter.write_line(f"{seconds:7.0f} {folder}")
+
+
+def is_left_to_compiled(item: pytest.Item, folders: Iterable[str]) -> bool:
+    """Whether a test is in one of the folders, and does not need the interpreted build."""
+    is_inside = item.nodeid.startswith(tuple(f"{folder}/" for folder in folders))
+    return is_inside and item.get_closest_marker("interpreted") is None
 
 
 def _is_quick(item: pytest.Item, shown: set[str], counts: Counter[str]) -> bool:

@@ -29,6 +29,7 @@ def test_a_tick_longer_than_the_period_sees_the_rows_only() -> None:
 
 
 @pytest.mark.long
+@pytest.mark.interpreted
 @pytest.mark.parametrize("period_us", [1000, 4000])
 def test_metric_is_the_largest_lag_at_the_ticks_of_the_drive(
     run_nc: Any, monkeypatch: pytest.MonkeyPatch, period_us: int

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from tests.small_fmus import small_fmu
-from tests.stages import cpu_by_folder, rows_of_every_metric, simulated_s
+from tests.stages import cpu_by_folder, is_left_to_compiled, rows_of_every_metric, simulated_s
 
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
@@ -80,6 +80,21 @@ def test_time_is_counted_by_folder_and_that_of_all_plans_together():
     }
     reports = [SimpleNamespace(nodeid=name, cpu_s=seconds) for name, seconds in times.items()]
     assert cpu_by_folder(reports) == {"tests/nc": 3.0, "testplans": 12.0}
+
+
+@pytest.mark.parametrize(
+    ("place", "marks", "is_left"),
+    [
+        ("tests/machine/fixed_stop/test_x.py", {}, True),
+        ("tests/machine/test_x.py", {"interpreted": 1}, False),
+        ("tests/machines/test_x.py", {}, False),
+        ("tests/nc/test_x.py", {}, False),
+    ],
+)
+def test_what_the_compiled_build_runs_is_left_out_but_for_what_it_skips(place, marks, is_left):
+    item = SimpleNamespace(nodeid=f"{place}::test_a", get_closest_marker=marks.get)
+    assert is_left_to_compiled(item, ["tests/machine", "tests/tools"]) is is_left
+    assert not is_left_to_compiled(item, [])
 
 
 def test_a_small_fmu_is_built_once_for_each_content(tmp_path):
