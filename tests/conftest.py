@@ -59,13 +59,14 @@ def pytest_configure(config: pytest.Config) -> None:
         "markers", "provokes(alarm_id, reaction_class, **values): the alarm comes up in this test"
     )
     config.addinivalue_line(
-        "markers", "interpreted: replaces methods of classes, which compiled ones do not allow"
+        "markers",
+        "interpreted: replaces methods or passes stand-ins, which compiled classes refuse",
     )
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     if item.get_closest_marker("interpreted") and is_compiled():
-        pytest.skip("replaces methods of compiled classes")
+        pytest.skip("replaces what compiled classes have, or passes stand-ins to them")
 
 
 @pytest.fixture(scope="session")

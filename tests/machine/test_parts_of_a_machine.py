@@ -44,6 +44,7 @@ class Rests:
         return self.mechanics.has_come_to_rest()
 
 
+@pytest.mark.interpreted
 def test_rest_is_20_ms_below_a_tenth_of_a_mm_per_second() -> None:
     rests = Rests()
     assert not rests.at(100, z=1.0)
@@ -52,6 +53,7 @@ def test_rest_is_20_ms_below_a_tenth_of_a_mm_per_second() -> None:
     assert rests.at(130)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(("x", "z"), [(1.001e-4, 0.0), (0.0, -1.001e-4), (-5.0, 0.0)])
 def test_an_axis_that_moves_again_begins_the_time_anew(x: float, z: float) -> None:
     rests = Rests()
@@ -63,6 +65,7 @@ def test_an_axis_that_moves_again_begins_the_time_anew(x: float, z: float) -> No
     assert rests.at(41)
 
 
+@pytest.mark.interpreted
 def test_an_axis_that_does_not_rest_is_waited_for_half_a_second() -> None:
     rests = Rests()
     assert not rests.at(1000, z=0.5)
