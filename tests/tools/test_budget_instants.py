@@ -1,0 +1,249 @@
+"""Instants and encoder noise of a budget, from cycles and positions that are written down.
+
+SYNCs end at 48 us and each ms after; the CNC has its cycle at 600 us, the PLC each 4 ms from 1 ms
+on and is busy for 0.5 ms. Positions follow a cubic that is known everywhere.
+"""
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.judge.latch.truth import Touch
+from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.record.signal_sources import HELD, STAMPED
+from axisrig.bench.rig.canopen.keys import DriveTable
+from axisrig.bench.tools.budget.encoder import (
+    between_um,
+    history_end_ns,
+    is_stamped,
+    lost_um,
+    noise_number,
+    normal_number,
+)
+from axisrig.bench.tools.budget.instants import Instants, instants_at_plc, is_handed
+from axisrig.kernel.time.clock import MS, US
+
+SYNC_NS = 48 * US
+SIGNAL = "PLC"
+
+
+class Track:
+    """What was observed: x = 3 - 2 t + 5 t^2 + c t^3 (mm, ms) at each SYNC."""
+
+    def __init__(self, cubic: float = 0.0, source: str = SIGNAL, **facts: Any) -> None:
+        self._cubic = cubic
+        task = PlcTaskRecord(
+            period_ns=4 * MS, offset_ns=1 * MS, busy_ns=500 * US, terminal_ns=4 * MS,
+            terminal_offset_ns=1 * MS,
+        )  # fmt: skip
+        values = {
+            "plc_task": task,
+            "timing": SimpleNamespace(period_ns=MS, offset_ns=600 * US),
+            "runs": [SimpleNamespace(sources={"Z": source})],
+            "faults": [],
+            "fine_ns": 50 * US,
+        }
+        self.facts: Any = SimpleNamespace(**(values | facts))
+
+    def time_ns(self, row: int) -> int:
+        return row * MS + SYNC_NS
+
+    def index_at(self, time_ns: int) -> int:
+        return (time_ns - SYNC_NS) // MS
+
+    def at(self, time_ns: int) -> tuple[float, float]:
+        t = time_ns / MS
+        x = 3 - 2 * t + 5 * t**2 + self._cubic * t**3
+        return x, (-2 + 10 * t + 3 * self._cubic * t**2) * 1e3
+
+    def value(self, _axis: str, name: str, row: int) -> float:
+        return self.at(self.time_ns(row))[name == "velocity_mm_s"]
+
+
+def plc(program: str | None, value: float | None) -> Any:
+    task = None if program is None else SimpleNamespace(program=program)
+    external = {} if value is None else {"POSITION": value}
+    drive = DriveTable(input_filter_us=100.0, input_delay_us=4.0)
+    axis = SimpleNamespace(drive="servo", plant="z")
+    rig = SimpleNamespace(
+        plc_task=task, axis={"Z": axis}, drive={"servo": drive},
+        plant={"z": SimpleNamespace(start={})},
+    )  # fmt: skip
+    return SimpleNamespace(rig=rig, external=external, start={})
+
+
+@pytest.mark.parametrize(
+    ("program", "value", "handed"),
+    [
+        ("plc/external_latch.py", 1.0, True),
+        ("plc/external_latch.py", -2.0, True),
+        ("plc/external_latch.py", 0.0, False),
+        ("plc/external_latch.py", None, False),
+        ("plc/other.py", 1.0, False),
+        (None, 1.0, False),
+    ],
+)
+def test_who_hands_a_position_over(program: str | None, value: float | None, handed: bool) -> None:
+    assert is_handed(plc(program, value)) is handed
+
+
+def touched(source: str, edges: tuple[tuple[int, bool], ...], edge_ns: int | None = 0) -> Touch:
+    made: Any = SimpleNamespace(
+        run=SimpleNamespace(sources={"Z": source}),
+        edge_ns=edge_ns,
+        edges=[[SimpleNamespace(time_ns=at, level=level) for at, level in edges]],
+    )
+    return made  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize(
+    ("edge_us", "sampled_ms", "value_ms"),
+    [
+        # edge + 100 us filter + 4 us delay, then the SYNC (48 us, 1048 us ..), the CNC's cycle
+        # after it (600 us ..), the cycle of the PLC after that (1, 5, 9 ms), which is done 0.5 ms
+        # later; the CNC then has the position of the SYNC before its cycle
+        (1000, 2, 5),
+        (944, 1, 5),  # 944 + 104 = 1048: the SYNC itself
+        (945, 2, 5),
+        (4300, 5, 9),  # in the HLI at 5.6 ms: the cycle at 5 ms is over
+        (3944, 4, 5),
+    ],
+)
+def test_a_probe_at_a_digital_input_of_the_drive(
+    edge_us: int, sampled_ms: int, value_ms: int
+) -> None:
+    edges = ((edge_us * US, True), (edge_us * US + 90 * MS, False))
+    seen = touched(SIGNAL, edges)
+    found = instants_at_plc(Track(), seen, "Z", plc(None, None))  # type: ignore[arg-type]
+    assert found == Instants(value_ms * MS + SYNC_NS, sampled_ms * MS + SYNC_NS)
+
+
+def test_a_pulse_that_the_filter_holds_back_gives_nothing() -> None:
+    edges = ((1000 * US, True), (1099 * US, False))
+    assert instants_at_plc(Track(), touched(SIGNAL, edges), "Z", plc(None, None)) is None  # type: ignore[arg-type]
+
+
+def test_a_position_that_is_handed_over_is_of_the_cycle_before() -> None:
+    """The PLC at 5 ms hands over what the CNC has shown at 4.6 ms: the SYNC at 4.048 ms."""
+    seen = touched(HELD, ((1000 * US, True),))
+    handed = instants_at_plc(Track(), seen, "Z", plc("external_latch.py", 1.0))  # type: ignore[arg-type]
+    assert handed == Instants(4 * MS + SYNC_NS, 2 * MS + SYNC_NS)
+    plain = instants_at_plc(Track(), seen, "Z", plc("external_latch.py", 0.0))  # type: ignore[arg-type]
+    assert plain == Instants(5 * MS + SYNC_NS, 2 * MS + SYNC_NS)
+
+
+def test_instants_that_are_not_known() -> None:
+    edges = ((1000 * US, True),)
+    for track, seen in (
+        (Track(plc_task=None), touched(SIGNAL, edges)),
+        (Track(), touched(SIGNAL, edges, None)),
+        (Track(), touched("DRIVE", edges)),
+        (Track(), touched("", edges)),
+    ):
+        assert instants_at_plc(track, seen, "Z", plc(None, None)) is None  # type: ignore[arg-type]
+
+
+# --- positions
+
+
+def test_a_cubic_is_off_by_nothing_and_a_drive_that_steps_by_what_it_lacks() -> None:
+    """Through two SYNCs on either side; the truth between is a cubic with its speeds at both."""
+    at_ns = 5 * MS + SYNC_NS + 300 * US
+    for cubic in (0.0, 0.7):
+        assert between_um(Track(cubic), "Z", at_ns) == pytest.approx(0.0, abs=1e-6)  # type: ignore[arg-type]
+    assert history_end_ns(Track(), at_ns) == 7 * MS + SYNC_NS  # type: ignore[arg-type]
+
+    class Bent(Track):
+        def at(self, time_ns: int) -> tuple[float, float]:
+            t = time_ns / MS - SYNC_NS / MS
+            return t**4, 4 * t**3 * 1e3
+
+    # At t = 5.3 between 4, 5, 6, 7: Lagrange lacks (t-4)(t-5)(t-6)(t-7), Hermite (t-5)^2 (t-6)^2
+    lagrange, hermite = 1.3 * 0.3 * -0.7 * -1.7, 0.3**2 * 0.7**2
+    assert between_um(Bent(), "Z", at_ns) == pytest.approx((hermite - lagrange) * 1e3, rel=1e-6)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("row", "marks", "off"),
+    [
+        (5, [(5, "drop Z.TPDO1: 1 frame hit")], True),
+        (5, [(6, "drop Z.TPDO1: 2 frames hit, the last")], True),
+        (5, [(6, "drop Z.TPDO1: 1 frame hit")], False),
+        (5, [(4, "drop Z.TPDO1: 3 frames hit, the last")], False),
+        (5, [(5, "drop Z.TPDO1 begins"), (5, "drop Z.TPDO1 ends")], False),
+    ],
+)
+def test_a_position_of_a_lost_telegram(row: int, marks: list[tuple[int, str]], off: bool) -> None:
+    """t^4 by the SYNCs: of one lost at 5 the cubic through 3, 4, 6, 7 lacks 4, of two as well."""
+
+    class Bent(Track):
+        def at(self, time_ns: int) -> tuple[float, float]:
+            return (time_ns / MS - SYNC_NS / MS) ** 4, 0.0
+
+    fault = SimpleNamespace(marks=[(ms * MS + SYNC_NS, words) for ms, words in marks])
+    track: Any = Bent(faults=[fault])
+    at_ns = row * MS + SYNC_NS
+    last = marks[0][0]
+    rows = [3, 4, 6, 7] if last == 5 else [3, 4, 7, 8]
+    lacks = -math.prod(row - each for each in rows) if off else 0.0
+    assert lost_um(track, "Z", at_ns, is_latched=False) == pytest.approx(lacks * 1e3, abs=1e-6)
+    assert lost_um(track, "Z", at_ns, is_latched=True) == 0.0
+    stamped: Any = Bent(source=STAMPED, faults=[fault])
+    assert lost_um(stamped, "Z", at_ns, is_latched=False) == 0.0
+
+
+# --- noise
+
+
+def test_numbers_of_a_seed_by_their_generators() -> None:
+    """Park and Miller step by step, Box and Muller of both; 0 before the first."""
+    modulus = 2**31 - 1
+    for seed in (1, 7):
+        a = (1 + 742938285 * seed % (modulus - 1)) % modulus
+        b = (1 + 950706376 * seed % (modulus - 1)) % modulus
+        assert normal_number(0, seed) == normal_number(-3, seed) == 0.0
+        for place in range(1, 6):
+            a, b = 16807 * a % modulus, 48271 * b % modulus
+            normal = math.sqrt(-2 * math.log(a / modulus)) * math.cos(2 * math.pi * b / modulus)
+            assert normal_number(place, seed) == pytest.approx(normal)
+
+
+def noisy(**start: object) -> Any:
+    settings = plc(None, None)
+    settings.rig.plant["z"].start = start
+    return settings
+
+
+def test_the_noise_of_an_instant() -> None:
+    """A number each 100 us; a drive has a cubic between fine steps of 50 us, or their 16 parts."""
+    track: Any = Track()
+    value_ns = 5 * MS + SYNC_NS + 260 * US  # 5.308 ms: number 53
+    assert noise_number(track, "Z", noisy(), value_ns, None) == 0.0
+    on = noisy(noise_um=0.1)
+    assert noise_number(track, "Z", on, value_ns, None) == normal_number(53, 1)
+    other = noisy(noise_um=0.1, seed=4, noise_period_us=250)
+    assert noise_number(track, "Z", other, value_ns, None) == normal_number(21, 4)
+    # The edge in another fine step: from 5.298 to 5.348 ms, that is number 52 to 53
+    share = 10 / 50
+    first, last = normal_number(52, 1), normal_number(53, 1)
+    expected = first + (last - first) * (3 * share**2 - 2 * share**3)
+    assert noise_number(track, "Z", on, value_ns, value_ns - MS) == pytest.approx(expected)
+    # In the same one a part is 3.125 us: 5.30738 to 5.3105 ms are both number 53
+    same = noise_number(track, "Z", on, value_ns, value_ns - 5 * US)
+    assert same == pytest.approx(normal_number(53, 1))
+    assert not is_stamped(track, "Z")
+
+
+def test_the_noise_of_a_stamp_is_that_of_four_syncs() -> None:
+    """Weights of a cubic at 0.3 between the second and the third of them."""
+    track: Any = Track(source=STAMPED)
+    assert is_stamped(track, "Z")
+    value_ns = 5 * MS + SYNC_NS + 300 * US
+    weights = [-0.0595, 0.7735, 0.3315, -0.0455]
+    assert sum(weights) == pytest.approx(1.0)
+    numbers = [normal_number(place, 1) for place in (40, 50, 60, 70)]
+    expected = sum(w * n for w, n in zip(weights, numbers, strict=True))
+    found = noise_number(track, "Z", noisy(noise_um=0.1), value_ns, value_ns)
+    assert found == pytest.approx(expected)
