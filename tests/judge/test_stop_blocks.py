@@ -5,9 +5,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from tests.judge.stop_recordings import (
+    BY_LAG,
     CONTACT_MS,
+    DEEP_MM,
     DEMAND,
     DETECT,
     DETECTED_NS,
@@ -17,14 +20,18 @@ from tests.judge.stop_recordings import (
     K_N_M,
     LATCHED_MM,
     MASS_KG,
+    ROWS,
     RUN,
     STOP,
     STOP_MM,
     V_MM_S,
+    K,
     recorded,
+    seen,
 )
 
 from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
+from axisrig.bench.oracles.fixed_stop.slopes import slopes_as_written
 from axisrig.kernel.time.clock import MS, US
 
 OVERTRAVEL_MM = float(DEMAND[-1]) - LATCHED_MM
@@ -114,3 +121,124 @@ def test_the_timeline_is_in_the_order_of_its_process() -> None:
 def test_settings_foretell_what_is_found(written: Mapping[str, Any], words: str) -> None:
     (block,) = stop_blocks(recorded(written=written))
     assert block["prediction"].startswith(words)
+
+
+def value_of(key: str, **changes: Any) -> dict[str, Any] | None:
+    (block,) = stop_blocks(recorded(**changes))
+    return next((value for value in block["values"] if value["key"] == key), None)
+
+
+def test_the_set_value_goes_on_until_the_cycle_that_brakes_has_acted() -> None:
+    """L + v (tau + t_d) + v^2/2a: found between 202.3 and 203.3 ms, d - 1 = 3 cycles later sent."""
+    found = value_of("command_excess", plant={"viscous_friction": 1e5})
+    assert found is not None
+    way_mm = slopes_as_written(BY_LAG, {}).on_signal.way_mm(V_MM_S)
+    low = E0_MM + V_MM_S * 1e-3 * (202.3 - CONTACT_MS + 3) - DEEP_MM + way_mm
+    assert (found["low"], found["high"]) == pytest.approx((low, low + V_MM_S * 1e-3), abs=1e-5)
+    assert found["expected"] == pytest.approx(low + V_MM_S * 1e-3 / 2, abs=1e-5)
+    # A stop that rings has no such end, and none of two axes
+    ringing = value_of("command_excess")
+    assert ringing is not None
+    assert (ringing["low"], ringing["note"]) == (
+        None, "the minimum time is shorter than 5 decay times of the ringing",
+    )  # fmt: skip
+
+
+def at(row: int, value: float, otherwise: Any = 0.0) -> Any:
+    return np.where(row == K, value, otherwise)
+
+
+@pytest.mark.parametrize(
+    ("changes", "note"),
+    [
+        ({"columns": {"velocity_mm_s": at(203, 0.11)}}, "the axis was not at rest at the detec"),
+        ({"columns": {"velocity_mm_s": at(203, -0.11)}}, "the axis was not at rest at the detec"),
+        ({"columns": {"stop_mm": STOP_MM + 2e-4 * K}}, "the stop moves"),
+        ({"columns": {"stop_mm": STOP_MM + 0.05e-3 * K}}, "x_stop + (F_lim"),  # 0.05 mm/s is rest
+        ({"run": replace(RUN, fixed_stop=replace(STOP, detected_ns=130 * MS))}, "latched before c"),
+        ({"run": replace(RUN, fixed_stop=replace(STOP, detected_ns=None))}, "no detection at a st"),
+        ({}, "x_stop + (F_lim - F_g +- F_c)/k +- 1 um, F_lim 1000 N, F_g 0 N, F_c 0 N; ringing de"
+             "cays in 2 ms"),
+    ],
+)  # fmt: skip
+def test_a_latched_value_has_a_band_at_rest_alone(changes: dict[str, Any], note: str) -> None:
+    """It decays in 2 m/d = 2 ms, the axis counts as at rest up to 0.1 mm/s."""
+    found = value_of("latched", plant={"viscous_friction": 1e5}, **changes)
+    assert found is not None
+    assert found["note"].startswith(note)
+    assert (found["low"] is None) is not note.startswith("x_stop")
+
+
+def test_what_still_rings_at_the_end_adds_to_the_force() -> None:
+    """v sqrt(k m) of the largest speed in the last period of 2 pi sqrt(m/k) = 19.9 ms."""
+    for row, speed, adds in ((295, 0.05, True), (295, -0.05, True), (279, 0.05, False)):
+        found = value_of("stop_force_end", columns={"velocity_mm_s": at(row, speed)})
+        assert found is not None
+        more = 0.05e-3 * math.sqrt(K_N_M * MASS_KG) if adds else 0.0
+        assert found["high"] == pytest.approx(FORCE_N + more)
+    restless = value_of("stop_force_end", columns={"velocity_mm_s": at(295, 0.11)})
+    assert restless is not None
+    assert (restless["high"], restless["note"]) == (
+        None, "the axis was not at rest at the end: no bound",
+    )  # fmt: skip
+    assert value_of("stop_force_end", columns={"stop_mm": STOP_MM + 1e-6 * K}) is None
+
+
+@pytest.mark.parametrize(
+    ("plant", "columns", "deep_mm"),
+    [
+        ({}, {}, 0.1),
+        ({"stop_damping": 1.0}, {"velocity_mm_s": at(203, 100.0)}, 0.1 / 1.1),  # F = k p (1 + a v)
+        ({"stop_damping": 1.0}, {"velocity_mm_s": at(203, -100.0)}, 0.1 / 0.9),
+        ({"stop_damping": 1.0}, {"velocity_mm_s": at(204, 100.0)}, 0.1),
+        # The screw gives F/k and half of its backlash: of the stop's force, or the motor's
+        ({"screw_stiffness": 1e8, "backlash": 2e-6}, {}, 0.1 + 0.01 + 0.001),
+        ({"screw_stiffness": 1e8}, {"force_n": np.full(ROWS, -800.0)}, 0.1 + 0.008),
+        ({"screw_stiffness": 1e8, "effective_mass": None}, {}, 0.1),
+    ],
+)
+def test_an_encoder_is_where_the_force_and_the_screw_put_it(
+    plant: dict[str, Any], columns: dict[str, Any], deep_mm: float
+) -> None:
+    found = seen(recorded(plant=plant, columns=columns), "latch_force_error_um")
+    assert found.value == pytest.approx((LATCHED_MM - STOP_MM - deep_mm) * 1e3, abs=1e-6)
+
+
+def test_both_criteria_and_the_path_are_in_the_timeline() -> None:
+    both = {DETECT + "max_delta_position_window": 1500, DETECT + "start_distance": 5000}
+    (block,) = stop_blocks(recorded(written=both))
+    found = {mark["key"]: mark for mark in block["marks"]}
+    window = found["window"]
+    assert window["measured_ns"] == STOP.window_ns["Z"]
+    assert window["oracle_ns"] == pytest.approx(155.3 * MS, abs=5)
+    assert window["is_inside"] is False
+    armed = found["armed"]
+    assert armed["measured_ns"] == 30 * MS
+    # 0.5 mm after row 20 are row 70; the interpolation was there a cycle before
+    assert armed["oracle_ns"] == pytest.approx(69 * MS, abs=1)
+    assert armed["note"].startswith("arming path 0.5 mm gone")
+    # 1 % of a cycle, which an increment of the demand makes, and the sampling
+    assert (armed["low_ns"], armed["high_ns"]) == pytest.approx((69.59 * MS, 70.61 * MS), abs=2)
+    contact = found["contact"]
+    assert (contact["source"], contact["note"]) == ("plant", "known to 0.001 us")
+    assert found["detected"]["source"] == "kernel"
+    assert (block["begin_ns"], block["end_ns"], block["watched"]) == (10 * MS, END_NS, ["Z"])
+
+
+def test_notes_say_once_why_there_is_no_closed_form() -> None:
+    both = {DETECT + "max_delta_position_window": 1500}
+    (block,) = stop_blocks(recorded(plant={"kv": None}, written=both))
+    assert block["notes"] == ["Z: the plant does not give gain, mass and stiffness"]
+    (known,) = stop_blocks(recorded())
+    assert known["notes"] == []  # a criterion that is off is nothing to say
+    (lost,) = stop_blocks(recorded(run=replace(RUN, fixed_stop=replace(
+        STOP, detected_ns=None, detected_by=None))))  # fmt: skip
+    assert (lost["is_found"], lost["decided_by"], lost["main_axis"]) == (False, None, "Z")
+
+
+def test_a_force_limit_has_the_sign_of_its_direction() -> None:
+    (up,), (down,) = (stop_blocks(recorded(side)) for side in (1.0, -1.0))
+    assert up["limits"]["Z"]["force_limit_n"] == FORCE_N
+    assert down["limits"]["Z"]["force_limit_n"] == -FORCE_N
+    (open_,) = stop_blocks(recorded(plant={"force_limit_motor": None}))
+    assert open_["limits"]["Z"]["force_limit_n"] is None
