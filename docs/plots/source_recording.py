@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 from axisrig.bench.campaign.preparing import settings_of  # noqa: E402
 from axisrig.bench.judge.fixed_stop.run import stop_runs  # noqa: E402
 from axisrig.bench.judge.observed.observed import Observed  # noqa: E402
-from axisrig.bench.machine.canopen.family import CanopenOnCan  # noqa: E402
+from axisrig.bench.machine.canopen.family import CanBuses  # noqa: E402
 from axisrig.bench.machine.facts import facts_of  # noqa: E402
 from axisrig.bench.machine.machine import Machine  # noqa: E402
 from axisrig.bench.plan.plan import read_plan  # noqa: E402
@@ -244,7 +244,7 @@ def record(plan: str, case: str, run: int = 0) -> Recorded:
         _watch_plc(found, machine)
         _watch_nc(found, machine)
         part = machine.part_of[AXIS]
-        assert isinstance(part, CanopenOnCan)
+        assert isinstance(part, CanBuses)
         part.segments[settings.rig.axis[AXIS].segment].observe(
             lambda end_ns, _name, frame, _error: found.frames.append((end_ns, frame.arbitration_id))
         )

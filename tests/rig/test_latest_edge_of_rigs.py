@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.machine.canopen.cnc import build_links
+from axisrig.bench.machine.canopen.links import build_links
 from axisrig.bench.rig.canopen.arrival import describe_arrival, stamp_clock
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.measuring.latest_edge import StampClock

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.machine.canopen.cnc import build_links
+from axisrig.bench.machine.canopen.links import build_links
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, segment_schedules
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings

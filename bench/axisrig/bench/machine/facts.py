@@ -321,17 +321,13 @@ def _notes(machine: Machine) -> Iterator[Note]:
     yield from (Note("plc", text) for text in machine.plc_side.not_come())
 
 
-def unproved_axes(links: Mapping[str, Drive]) -> list[str]:
-    """Return the axes that have measured without a proof; links: by axis."""
-    return [name for name, link in links.items() if link.unproved_latches]
-
-
 def unproved_notes(links: Mapping[str, Drive]) -> list[str]:
     """Say after a run which axes have measured without a proof; links: by axis."""
     return [
-        f"axis {name}: unproved latches: {links[name].unproved_latches}; no SDO has confirmed"
+        f"axis {name}: unproved latches: {link.unproved_latches}; no SDO has confirmed"
         f" them, and {WHAT_PASSES}"
-        for name in unproved_axes(links)
+        for name, link in links.items()
+        if link.unproved_latches
     ]
 
 

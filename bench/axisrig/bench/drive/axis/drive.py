@@ -5,7 +5,7 @@ from typing import Final
 from axisrig.kernel.time.clock import TimeNs
 
 NEVER: Final = -1
-"""Instant of the last cycle before the first one."""
+"""Value of `sync_ns` until the first cycle."""
 
 
 class VirtualDrive:

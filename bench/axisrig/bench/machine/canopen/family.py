@@ -11,13 +11,13 @@ from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.machine.canopen.bus_figures import bus_figures
-from axisrig.bench.machine.canopen.cnc import (
+from axisrig.bench.machine.canopen.io_terminal import IoTerminal
+from axisrig.bench.machine.canopen.links import (
     build_accesses,
     build_carriers,
     build_links,
     build_start_up,
 )
-from axisrig.bench.machine.canopen.io_terminal import IoTerminal
 from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.families import Bench, Installed
@@ -48,7 +48,7 @@ _OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 
-class CanopenOnCan(Installed):
+class CanBuses(Installed):
     """The CAN buses of a machine with all that is on them.
 
     segments: by name. nodes: of virtual drives, by axis.
@@ -247,6 +247,6 @@ class CanopenOnCan(Installed):
         }
 
 
-def install(bench: Bench) -> CanopenOnCan:
+def install(bench: Bench) -> CanBuses:
     """Install the CAN buses of a rig. Raises UserError when an interface cannot be opened."""
-    return CanopenOnCan(bench)
+    return CanBuses(bench)

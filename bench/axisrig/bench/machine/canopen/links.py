@@ -1,4 +1,4 @@
-"""The kernel of a rig: its links, watches and start-ups, made of the settings."""
+"""The control's ends of the drives of a rig: links, carriers, start-ups, made of the settings."""
 
 from collections.abc import Mapping
 from typing import Any
