@@ -195,3 +195,64 @@ def test_real_time_is_in_the_words_where_there_is_any() -> None:
         assert plain == []
         assert len(timed) == 1
         assert "500 SYNCs, 3 of them more than 100 us late" in timed[0]
+
+
+# Lag of the drive and speed
+
+
+PLACE_MM, SPEED_MM_S = np.arange(ROWS) / 128, np.full(ROWS, 1000 / 128)
+
+
+def driven(peaks_mm: Any, actual_mm: Any = PLACE_MM, **changes: Any) -> Observed:
+    columns = {
+        "Z.drive_lag_peak_mm": peaks_mm, "Z.actual_mm": actual_mm, "Z.truth_mm": PLACE_MM,
+        "Z.velocity_mm_s": SPEED_MM_S, "X.drive_lag_peak_mm": np.full(ROWS, 0.01),
+        "X.actual_mm": PLACE_MM, "X.truth_mm": -2 * PLACE_MM, "X.velocity_mm_s": -2 * SPEED_MM_S,
+    }  # fmt: skip
+    return recorded(columns, **changes)
+
+
+def peaks(*values: tuple[int, float]) -> Any:
+    found = np.full(ROWS, 0.1)
+    for row, value in values:
+        found[row] = value
+    return found
+
+
+def test_the_lag_of_a_drive_is_its_largest_until_the_end() -> None:
+    observed = driven(peaks((10, 0.5), (15, 0.9)), end_ns=12 * MS)
+    for of, wanted in (("", 0.5), (":Z", 0.5), (":X", 0.01)):
+        found = seen(observed, f"drive_lag_mm_max{of}")
+        assert (found.value, found.uncertainty, found.note) == (wanted, 0.0, "")
+
+
+@pytest.mark.parametrize(
+    ("row", "weight"),
+    [(3, 0), (5, 0), (6, 1), (7, 4), (8, 6), (9, 6), (10, 6), (11, 6), (12, 4), (13, 1), (14, 0)],
+)
+def test_what_the_encoder_does_around_a_step_puts_its_lag_in_doubt(row: int, weight: int) -> None:
+    """1/16 of the fourth difference, of five rows: one that is off by e makes 1, 4 or 6 e of it.
+
+    The step into row 10 is in the four differences that have rows 9 and 10 in them: those that
+    begin in rows 6 to 9.
+    """
+    actual = PLACE_MM.copy()
+    actual[row] += 0.016
+    found = seen(driven(peaks((10, 0.5)), actual), "drive_lag_mm_max:Z")
+    assert found.value == 0.5
+    assert found.uncertainty == pytest.approx(0.001 * weight, abs=1e-12)
+
+
+def test_a_smaller_lag_in_more_doubt_may_be_the_largest() -> None:
+    """0.49 mm known to 0.06: up to 0.55."""
+    actual = PLACE_MM.copy()
+    actual[15] += 0.16
+    found = seen(driven(peaks((5, 0.5), (15, 0.49)), actual), "drive_lag_mm_max:Z")
+    assert found.value == 0.5
+    assert found.uncertainty == pytest.approx(0.05)
+    assert found.note == "what a cubic between two SYNCs does not see"
+
+
+def test_the_largest_speed_is_that_of_either_direction() -> None:
+    for of, wanted in (("", 15.625), (":X", 15.625), (":Z", 7.8125)):
+        assert seen(driven(peaks()), f"velocity_mm_s_max{of}").value == pytest.approx(wanted)
