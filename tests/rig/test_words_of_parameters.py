@@ -1,0 +1,124 @@
+"""A parameter in words: values in both units, ranges, warnings, who decides while it is unset."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.rig.parameter_words import (
+    acts,
+    chosen,
+    decided_by,
+    default,
+    named,
+    range_of,
+    unit_of,
+    warning,
+    with_unit,
+)
+from axisrig.kernel.parameters.table import Correction
+
+
+def row(unit: str = "", **given: Any) -> Any:
+    values = {"unit": unit, "unset": "", "allowed": "", "correction": None, "acts": "yes",
+              "default": 0, "number": "", "path": "a.b"}  # fmt: skip
+    return SimpleNamespace(**(values | given))
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "linear", "rotary"),
+    [
+        ("0.1 um", 12_345, "12345 x 0.1 um = 1.2345 mm", "12345 x 0.0001 deg = 1.2345 deg"),
+        ("um/s", -1500, "-1500 um/s = -1.5 mm/s", "-1500 x 0.001 deg/s = -1.5 deg/s"),
+        ("mm/s2", 700, "700 mm/s2", "700 deg/s2"),
+        ("us", 500, "500 us = 0.5 ms", "500 us = 0.5 ms"),
+        ("0.1 %", 1005, "1005 x 0.1 % = 100.5 %", "1005 x 0.1 % = 100.5 %"),
+        ("0.01/s", 250, "250 x 0.01/s = 2.5 1/s", "250 x 0.01/s = 2.5 1/s"),
+        ("s", 0.25, "0.25 s", "0.25 s"),
+        ("", 3, "3", "3"),
+        ("", True, "1", "1"),
+        ("0.1 um", "", "blank", "blank"),
+        ("", "LINEAR", "LINEAR", "LINEAR"),
+    ],
+)
+def test_a_value_in_the_unit_of_the_manuals_and_of_people(
+    unit: str, value: Any, linear: str, rotary: str
+) -> None:
+    assert with_unit(row(unit), value) == linear
+    assert with_unit(row(unit), value, is_rotary=True) == rotary
+
+
+@pytest.mark.parametrize(
+    ("unset", "value", "text"),
+    [
+        ("<0", -1, "-1 x 0.1 um"),  # a mark for not set is no length
+        ("<=0", -1, "-1 x 0.1 um"),
+        ("<=0", 0, "0 x 0.1 um = 0 mm"),
+        ("<0", 1, "1 x 0.1 um = 0.0001 mm"),
+        ("=0", -1, "-1 x 0.1 um = -0.0001 mm"),
+    ],
+)
+def test_a_mark_for_not_set_has_one_unit(unset: str, value: int, text: str) -> None:
+    assert with_unit(row("0.1 um", unset=unset), value) == text
+
+
+def test_units_ranges_and_defaults() -> None:
+    assert (unit_of(row("um/s")), unit_of(row("um/s"), is_rotary=True)) == ("um/s", "0.001 deg/s")
+    assert unit_of(row()) == ""
+    assert range_of(row("um/s", allowed="0 .. 100 um/s")) == "0 .. 100"
+    assert range_of(row(allowed="0, 1")) == "0, 1"
+    assert [default(row(default=value)) for value in (0, "", False, 1.5)] == [
+        "0",
+        "blank",
+        "0",
+        "1.5",
+    ]
+    for text, words in (("yes", "yes"), ("indexed yes", "yes"), ("A second B", "A, B"), ("", "")):
+        assert acts(row(acts=text)) == words
+
+
+@pytest.mark.parametrize(
+    ("correction", "text"),
+    [
+        (None, ""),
+        (Correction(110001), "110001, corrected to the nearer limit"),
+        (Correction(110001, is_above_only=True),
+         "110001, corrected to the nearer limit when above"),
+        (Correction(110001, is_kept=True), "110001, not corrected"),
+        (Correction(110001, low=5), "110001, corrected to 5 or the upper limit"),
+        (Correction(110001, low=0), "110001, corrected to 0 or the upper limit"),
+        (Correction(110001, older_id=7),
+         "110001 (7 in the older structure), corrected to the nearer limit"),
+    ],
+)  # fmt: skip
+def test_what_becomes_of_a_value_out_of_range(correction: Correction | None, text: str) -> None:
+    assert warning(row(correction=correction)) == text
+
+
+def test_where_a_value_comes_from() -> None:
+    origin = SimpleNamespace(short="axis-z.lst:3")
+    for found, words in (
+        (SimpleNamespace(origin=None, key="a.b"), "default"),
+        (SimpleNamespace(origin=origin, key="a.b"), "axis-z.lst:3"),
+        (SimpleNamespace(origin=origin, key="c.d"), "c.d: axis-z.lst:3"),
+        (SimpleNamespace(origin=None, key="c.d"), "c.d: default"),
+    ):
+        assert decided_by(found, "a.b") == words  # type: ignore[arg-type]
+
+
+def test_a_number_a_path_and_an_older_path_mean_one_row() -> None:
+    """kp of distance control, P-AXIS-00759; a number alone where only one kind has it."""
+    one = named("P-AXIS-00759")
+    assert one is not None
+    assert named(one.path) is one
+    assert all(named(path) is one for path in one.old_paths)
+    assert named("00759") is one
+    assert named("00000") is None
+    assert named("kp") is None
+
+
+def test_every_word_has_to_fit() -> None:
+    rows = chosen(["P-AXIS-00759"])
+    assert len(rows) == 1
+    assert chosen(["p-axis-00759", rows[0].topic]) == rows
+    assert chosen(["P-AXIS-00759", "no such word"]) == []
