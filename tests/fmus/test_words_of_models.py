@@ -1,15 +1,18 @@
 """What is read in the text of a library, and how a description writes it; nothing is compiled."""
 
+import ast
 import math
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.fmus.equations.clocks import _expression
 from axisrig.fmus.reading.classes import class_names, used_classes
 from axisrig.fmus.reading.errors import BuildError
-from axisrig.fmus.reading.expressions import TIME, apply, parameter, variable
+from axisrig.fmus.reading.expressions import TIME, apply, const, parameter, variable
 from axisrig.fmus.reading.texts import Texts, inside
 from axisrig.fmus.writing.description import (
     _attributes,
@@ -108,6 +111,60 @@ def test_what_a_model_is_made_of() -> None:
     bodies = list(used_classes({1: "model A B b; end A; model B end B; model C end C;"}, "Lib.A"))
     assert [body.text.split()[0] for body in bodies] == ["A", "B"]
     assert (inside("f(a(b)c)d", 2), inside("(a", 1)) == ("a(b)c", "")
+
+
+def test_a_class_is_without_the_inner_ones_which_come_on_their_own() -> None:
+    """Each from its name on, at its place in the file; comments and inner classes are blank."""
+    text = """// model Not end Not;
+package A "model No end No;"
+  block B
+    record C Real x; end C;
+    C c;
+  end B;
+  model D
+    B b;
+  end D;
+end A;
+"""
+    found = {body.text.split()[0]: body for body in used_classes({4: text}, "Lib.A.D")}
+    assert list(found) == ["D", "B", "C"]
+    for name, body in found.items():
+        assert text[body.offset :].startswith(name)
+        assert body.number == 4
+        assert len(body.text) == text.index(f"end {name};") - body.offset
+        assert body.text.split()[0] == name
+    assert "Real" not in found["B"].text
+    assert found["B"].text.split()[-2:] == ["C", "c;"]
+    assert found["C"].text.split() == ["C", "Real", "x;"]
+    assert class_names("model A = B; model C end D; end C; function f") == ["C", "f"]
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "text"),
+    [("M.mo", 3, "M.mo:3: wrong"), ("M.mo", None, "M.mo: wrong"), (None, None, "wrong")],
+)
+def test_an_error_of_a_build_names_its_place(file: str | None, line: int | None, text: str) -> None:
+    error = BuildError(file, line, "wrong")
+    assert (str(error), error.message) == (text, "wrong")
+
+
+@pytest.mark.parametrize(
+    ("written", "result"),
+    [("0.5", const(0.5)), ("3", const(3)), ("a.b", parameter(7)),
+     ("-a.b", apply("Neg", parameter(7))),
+     ("2*a.b - 1", apply("Sub", apply("Mul", const(2), parameter(7)), const(1))),
+     ("a.b/4 + k", apply("Add", apply("Div", parameter(7), const(4)), parameter(9))),
+     ("-0.5", const(-0.5)), ("f(1)", None), ("a.b^2", None), ("a.b % 2", None), ("not k", None),
+     ("'text'", None)],
+)  # fmt: skip
+def test_start_and_interval_of_a_sample(written: str, result: Any) -> None:
+    tree = ast.parse(written.replace("^", "**"), mode="eval").body
+    slots = {"a.b": [7], "k": [9]}
+    if result is None:
+        with pytest.raises(ValueError, match=re.escape(ast.unparse(tree))):
+            _expression(tree, slots)
+    else:
+        assert _expression(tree, slots) is result
 
 
 @pytest.mark.parametrize(

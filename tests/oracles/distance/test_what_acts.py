@@ -162,3 +162,8 @@ def test_two_orders_that_act_in_one_row_are_one() -> None:
 def test_a_filter_time_is_rounded_to_cycles(time_s: float, count: int) -> None:
     found = acts(Order(1, NC, words={"filter_time_s": time_s}))
     assert found[-1].listed.control.count == count
+
+
+def test_a_command_for_what_is_on_already_begins_nothing() -> None:
+    found = acts(on(6), on={5: True})
+    assert [(one.row, one.begins) for one in found] == [(0, False), (7, False)]
