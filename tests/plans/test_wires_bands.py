@@ -70,6 +70,19 @@ def test_what_a_frozen_sensor_does_not_see_stays() -> None:
     assert value == pytest.approx(float(row["plant:gap.lift_mm"]) * 1e3)
 
 
+def test_a_late_task_is_seen_a_cycle_of_the_cnc_later() -> None:
+    """It comes after the NC cycle that would have taken it, and before the next one."""
+    row, rig = ROWS["plc-late"], _rig(ROWS["plc-late"]["rig"])
+    plc, base = rig["plc"], _rig(f"rigs/{rig['base']}") if "base" in rig else rig
+    cell = row["fault:plc_late"]
+    by_us, jitter_us = (_time_us(re.search(rf"{key}=(\S+)", cell)[1]) for key in ("by", "jitter"))  # type: ignore[index]
+    offset_us = {**base["plc"], **plc}["offset_us"]
+    cnc_us = base["cycle"]["cycle_offset_us"]
+    assert offset_us < cnc_us < offset_us + by_us
+    assert offset_us + by_us + jitter_us < cnc_us + 1000
+    assert row["check:signal_late_cycles"] == "== 1"
+
+
 def test_spikes_are_judged_by_what_is_credible_in_a_cycle() -> None:
     """P-AXIS-00417 of the list, um/s, over a cycle of 1 ms: one row below it, one above."""
     rig = _rig(ROWS["sensor-full"]["rig"])
