@@ -4,7 +4,7 @@ import pytest
 from canopen.profiles.p402 import State402
 
 from axisrig.bench.drive.cia402.functions import transitions
-from axisrig.kernel.drives.canopen import words
+from axisrig.kernel.drives.cia402 import words
 from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, STATES, TRANSITIONS, Command, State
 
 # Transition number by state (row) and command (column); "." = the state stays

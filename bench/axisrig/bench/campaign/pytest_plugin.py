@@ -144,6 +144,15 @@ STORED = pytest.StashKey[Staged]()
 """Of a configuration whose results are kept."""
 
 
+_A_TAG = "a tag of plans"
+
+
+def _marks_of_others(config: pytest.Config) -> set[str]:
+    """Return the marks that pytest, its plugins and the tests of a project have declared."""
+    lines = [line for line in config.getini("markers") if not line.endswith(_A_TAG)]
+    return {line.partition(":")[0].partition("(")[0].strip() for line in lines}
+
+
 class RowItem(pytest.Item):
     """One row of the results of a plan."""
 
@@ -155,10 +164,12 @@ class RowItem(pytest.Item):
         super().__init__(**kwargs)
         self.case = case
         self._sampled = sampled
+        # A tag such as `skip` or `xfail` is a word of the plan: it chooses rows and does no more
+        others = _marks_of_others(self.config)
         for tag in case.tags:
             self.keywords[tag] = True
-            if tag.isidentifier():
-                self.config.addinivalue_line("markers", f"{tag}: a tag of plans")
+            if tag.isidentifier() and tag not in others:
+                self.config.addinivalue_line("markers", f"{tag}: {_A_TAG}")
                 self.add_marker(getattr(pytest.mark, tag))
 
     def run_case(self, case: Case) -> CaseResult:

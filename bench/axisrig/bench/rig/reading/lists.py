@@ -108,12 +108,9 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
     A drive that may stand for any type (`as_canopen`) is neither.
     Raises UserError with file and line of the setting.
     """
-    for name, parameters in axes.items():
-        key, kind, place = (
-            rig.axis[name].drive,
-            drive_type(parameters),
-            parameters.origin(DRIVE_TYPE),
-        )
+    for name, axis in rig.axis.items():  # of all lists, where a rig runs with some axes only
+        key, parameters = axis.drive, axes[name]
+        kind, place = drive_type(parameters), parameters.origin(DRIVE_TYPE)
         drive = rig.drive[key]
         if kind.family == drive.family_name or drive.replaces_others or place is None:
             continue
