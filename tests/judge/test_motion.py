@@ -192,6 +192,16 @@ def test_an_axis_that_goes_straight_is_known_exactly_and_no_faster_than_it_went(
     assert state == pytest.approx((x[2] + 25.0 * 2e-3, 25.0, 0.0, 0.0))
 
 
+def test_a_short_straight_step_far_from_zero_is_straight_all_the_same() -> None:
+    """At 0.2 mm/s in steps of 1 us a position has but 8 digits of the way: its rounding counts."""
+    times = np.arange(9) * 1000
+    speeds = np.where(np.arange(9) > 4, 0.2, 0.0)
+    x = 1e3 * (0.3200001 + np.cumsum(speeds) * 1e-9)
+    found = motion(times, x, speeds).fastest(0, 8000)
+    assert found is not None
+    assert found.value == pytest.approx(0.2, abs=1e-6)
+
+
 def test_behind_the_last_sync_nothing_is_known() -> None:
     observed = braked(rows=3)
     assert state_at(observed, "Z", 16 * MS) is not None

@@ -168,9 +168,15 @@ def largest(values: Signal, doubts: Signal) -> Largest | None:
 
 
 def is_straight(steps_s: Signal, position_mm: Signal, speed_mm_s: Signal) -> npt.NDArray[np.bool_]:
-    """Return which steps an axis goes straight, shape (n - 1,)."""
+    """Return which steps an axis goes straight, shape (n - 1,).
+
+    Both positions are known to their last digits, half a spacing of each: over a short step, far
+    from 0, that is more of a speed than its own rounding. A position in mm is one in m times 1000:
+    twice of that.
+    """
     mean = np.diff(position_mm) / steps_s
-    rounding = _EXACT * np.maximum(np.abs(mean), 1.0)
+    spacing_mm = np.spacing(np.maximum(np.abs(position_mm[:-1]), np.abs(position_mm[1:])))
+    rounding = _EXACT * np.maximum(np.abs(mean), 1.0) + 2.0 * spacing_mm / steps_s
     begins, ends = (np.abs(mean - v) <= rounding for v in (speed_mm_s[:-1], speed_mm_s[1:]))
     straight: npt.NDArray[np.bool_] = begins | ends
     return straight
