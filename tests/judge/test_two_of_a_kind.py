@@ -261,6 +261,19 @@ def test_the_largest_force_of_a_run_may_lie_beside_its_rows(
     assert truth.force_beside_n(rows) == beside_n
 
 
+def test_the_peak_before_the_first_row_is_not_one_of_the_rows() -> None:
+    """Peaks are of the time since the row before; the force at the first row itself counts."""
+    forces, peaks = np.array([0.0, 4.0, 3.0, 2.0]), np.array([0.0, 9.0, 5.0, 3.5])
+    names = ("actual_mm", "truth_mm", "velocity_mm_s", "drive_lag_mm", "set_mm", "cnc_lag_mm")
+    columns = {f"Z.{name}": np.zeros(4) for name in names}
+    columns |= {"Z.stop_force_n": forces, "Z.stop_force_peak_n": peaks}
+    table = pa.table({"time_ns": TIMES[:4], **columns})
+    axes, plants = {"Z": AxisRecord("can1", 1, 1000.0, plant="z")}, {"z": PlantRecord({})}
+    truth = axis_truth(Observed(facts(axes=axes, plants=plants), Series(table)), "Z", 0.0)
+    found = [truth.stop_force_max_n(slice(first, 4)) for first in (0, 1, 2, 3, 4)]
+    assert found == [9.0, 5.0, 3.5, 2.0, None]
+
+
 @pytest.mark.parametrize(
     ("set_mm", "end_row", "rows"),
     [

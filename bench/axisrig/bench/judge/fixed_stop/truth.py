@@ -144,9 +144,16 @@ class AxisTruth:
         return float(path.position_mm[row]) + stop.direction * deep_mm
 
     def stop_force_max_n(self, rows: slice) -> float | None:
-        """Return the largest force at the stop in some rows, between them too where it is given."""
-        told = self.stop_force_n if self.peak_n is None else self.peak_n
-        return None if told is None or not len(told[rows]) else float(np.max(told[rows]))
+        """Return the largest force at the stop in some rows, between them too where it is given.
+
+        The peak of the first row is of the time before it, which is none of theirs.
+        """
+        told = self.stop_force_n
+        if told is None or not len(told[rows]):
+            return None
+        if self.peak_n is None:
+            return float(np.max(told[rows]))
+        return float(np.max([told[rows][0], *self.peak_n[rows][1:]]))
 
     def force_beside_n(self, rows: slice) -> float:
         """Return by how much the forces of the rows beside some pass the largest one of these.
