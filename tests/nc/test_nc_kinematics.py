@@ -26,6 +26,7 @@ from axisrig.kernel.nc.canon import (
     Warn,
 )
 from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools
+from axisrig.kernel.nc.text.parser import parse_program
 
 FIVE = ("X", "Y", "Z", "C", "A")
 TABLES = OffsetTables(rotary=frozenset("CA"))
@@ -347,6 +348,17 @@ def test_a_parameter_of_no_step_or_no_number_is_refused(
     found = alarm.value
     assert (found.id, found.values["value"], found.values["upper"]) == (20403, value, last)
     run5("V.G.KIN_STEP[1].ID[98].PARAM[73] = 1")
+
+
+@pytest.mark.parametrize("number", ["65536", "18446744073709551616", "99999.0"])
+@pytest.mark.parametrize("word", ["KIN ID", "TRAFO", "TRAFO ON"])
+def test_a_number_that_no_kinematic_can_have_is_refused_when_the_text_is_read(
+    word: str, number: str
+) -> None:
+    """P-CHAN-00262 is UNS16; 65535 may be one, which only a list knows."""
+    parse_program(f"#{word}[65535]\nM30\n", axes="XYZ")
+    with pytest.raises(UserError, match="no kinematic has such an ID"):
+        parse_program(f"#{word}[{number}]\nM30\n", axes="XYZ")
 
 
 @pytest.mark.parametrize("block", ["#TRAFO []", "#TRAFO ON []", "#KIN ID[]"])

@@ -242,14 +242,26 @@ def _ident(
     return command
 
 
+KINEMATIC_ID_MAX = 0xFFFF
+"""P-CHAN-00262 is UNS16."""
+
+
 def _kinematic(
     builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     """`#KIN ID[9.98]` is printed for `#KIN ID[9,98]`: two kinematics, no number with a fraction.
 
-    Raises UserError for brackets that name none.
+    Raises UserError for brackets that name none, and for a number that no ID can be.
     """
     values = command.arguments
+    large = [v for v in values if isinstance(v, Number) and v.value > KINEMATIC_ID_MAX]
+    if large:
+        raise builder.source.error(
+            "no kinematic has such an ID",
+            raw.offset,
+            value=f"#{command.name} [{large[0].value:.17g}]",
+            allowed=f"1 .. {KINEMATIC_ID_MAX} (P-CHAN-00262)",
+        )
     if raw.brackets and not values:
         raise builder.source.error(
             "no kinematic is named",
