@@ -12,6 +12,8 @@ from typer.testing import CliRunner
 from axisrig.bench.cli import data_commands, list_commands
 from axisrig.bench.cli.given import Given, given_options
 from axisrig.bench.cli.nc_check import check_file
+from axisrig.bench.tools.listings.language import language_listing
+from axisrig.kernel.errors import UserError
 
 LISTINGS: dict[str, tuple[str, tuple[Any, ...]]] = {
     "oracles": ("axisrig.bench.tools.listings.oracles.oracle_listing", ("probe",)),
@@ -168,3 +170,11 @@ def test_a_program_is_checked_to_its_end(
     assert counts in lines[-1]
     words = "the text is read; whether its values can be carried out shows in a run"
     assert (words in lines) is not bool(errors)
+
+
+def test_words_of_the_language_are_found_by_their_meaning() -> None:
+    """No name has this word in it."""
+    found = language_listing("dwell time").splitlines()
+    assert found[0].split() == ["G4", "dwell", "time"]
+    with pytest.raises(UserError, match="no word fits"):
+        language_listing("zebra")

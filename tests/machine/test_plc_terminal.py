@@ -94,6 +94,15 @@ def test_a_lost_terminal_keeps_its_image_and_says_so() -> None:
     assert (terminal.wc_state, terminal.image[1].input) == (1, False)
 
 
+@pytest.mark.parametrize(("silent_ms", "exchanged"), [(2.0, 2), (2.001, 3), (3.0, 3)])
+def test_nothing_is_exchanged_from_the_very_instant_on(silent_ms: float, exchanged: int) -> None:
+    """`silent_from_ms`: from this time of the run on nothing is exchanged; 0, 1, 2, 3 ms."""
+    terminal, advanced = _terminal(Signal(), silent_from_ms=silent_ms)
+    terminal.exchange_until(3 * MS)
+    assert advanced == [number * MS for number in range(exchanged)]
+    assert terminal.wc_state == 1
+
+
 def test_own_cycle_and_offset() -> None:
     terminal, advanced = _terminal(Signal(), cycle_us=5000, offset_us=7000)
     terminal.exchange_until(13 * MS)

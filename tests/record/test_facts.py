@@ -232,3 +232,20 @@ def test_what_is_recorded_stays() -> None:
     with pytest.raises(AttributeError):
         facts().end_ns = 0  # type: ignore[misc]
     assert replace(facts(), end_ns=0) != facts()
+
+
+def test_a_closed_form_gets_every_parameter_of_a_control() -> None:
+    """Each value is another one than its default, and than that of any other field."""
+    choices = {"derivative_of": "feedback", "limiter": "slope", "derivative": "per_cycle"}
+    numbers = {
+        "kp": 0.1,
+        "tn_s": 0.2,
+        "tv_s": 0.3,
+        "alpha": 0.4,
+        "corner_hz": 50.0,
+        "sigma_mm": 0.6,
+    }
+    counts = {"count": 7, "order": 8}
+    given = {**numbers, **counts, **choices, "filter_type": "KALMAN"}
+    control = distance.Controller(**given, both_encoders=True).control
+    assert {name: getattr(control, name) for name in given} == given

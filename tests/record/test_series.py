@@ -136,6 +136,19 @@ def test_telegrams_are_all_of_the_bus_in_their_order(tmp_path: Path) -> None:
     assert (ends.dtype, values.dtype) == (np.int64, np.int64)
 
 
+def test_a_block_has_the_ends_of_its_own_telegrams(tmp_path: Path) -> None:
+    """Block by block they are those of the whole, each once."""
+    series = write(tmp_path / "a.parquet", [2, 4, 3])
+    parts = [series.frame_ends_ns(f"Z.{ACTUAL}", each) for each in series.blocks]
+    assert len(parts) == 3
+    whole = series.frame_ends_ns(f"Z.{ACTUAL}")
+    assert (
+        np.concatenate(parts).tolist()
+        == whole.tolist()
+        == series.telegrams("Z", ACTUAL)[0].tolist()
+    )
+
+
 def test_a_field_that_no_telegram_has_is_empty(tmp_path: Path) -> None:
     series = write(tmp_path / "a.parquet", [3])
     for axis, field in (("Z", TARGET), ("Z", SECOND), ("X", ACTUAL)):
