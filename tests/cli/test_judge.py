@@ -190,3 +190,12 @@ def test_a_recording_of_another_version_is_refused_and_nothing_is_written(
     said = rejected("judge", "out", "--plan", "plan.csv")
     assert said.startswith("out/runs/plan-b.json: a recording of another version; found 0")
     assert not (place / "out" / "judged").exists()
+
+
+def test_a_judged_folder_never_gets_the_number_of_another_one(place: Path, axisrig: Call) -> None:
+    """The first of two was deleted, and what is no number counts for nothing."""
+    for name in ("2-plan", "x-plan", "notes"):
+        (place / "out" / "judged" / name).mkdir(parents=True)
+    axisrig("judge", "out", "--plan", "plan.csv")
+    assert notes(place, 3)
+    assert list((place / "out" / "judged" / "2-plan").iterdir()) == []

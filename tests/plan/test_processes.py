@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.campaign import channel, worker
+from axisrig.bench.campaign.channel import MAGIC, STALL_S, ChannelError, Inbox
 from axisrig.bench.campaign.processes import Died, run_apart, run_as_they_end
 
 WAIT_S = 20.0
@@ -208,3 +209,71 @@ def _lives(pid: int) -> bool:
     except OSError:
         return False
     return state != "Z"
+
+
+class End:
+    """An end of a channel, as `multiprocessing` has it."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def fileno(self) -> int:
+        return self._number
+
+
+@posix
+def test_an_answer_may_come_in_parts_as_long_as_each_comes_in_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The time runs from the last part on, not from the first or from the begin of the process."""
+    frames: list[bytes] = []
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", lambda _, data: frames.append(bytes(data)) or len(data))
+        for content in ("first", {"second": 2}):
+            channel.send(End(0), content)  # type: ignore[arg-type]
+    reads, writes = os.pipe()
+    now_s = [1000.0]
+    inbox = Inbox(End(reads), lambda: now_s[0])  # type: ignore[arg-type]
+    try:
+        assert inbox.take() is None
+        now_s[0] += 10 * STALL_S  # nothing has begun
+        assert inbox.take() is None
+        for begin in range(0, len(frames[0]) - 1, 20):
+            os.write(writes, frames[0][begin : begin + 20][: len(frames[0]) - 1 - begin])
+            assert inbox.take() is None
+            now_s[0] += STALL_S  # so long it may stay as it is
+            assert inbox.take() is None
+        os.write(writes, frames[0][-1:] + frames[1])
+        assert [inbox.take() for _ in range(3)] == ["first", {"second": 2}, None]
+        os.write(writes, MAGIC)
+        assert inbox.take() is None
+        now_s[0] += STALL_S + 0.001
+        with pytest.raises(ChannelError, match=f"broke off after {len(MAGIC)} bytes"):
+            inbox.take()
+    finally:
+        os.close(reads)
+        os.close(writes)
+
+
+@posix
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"hello", "b'hello' is no answer"),
+        (MAGIC[:-1] + b"\x02", "is no answer"),
+        (MAGIC + struct.pack("<Q", channel.ANSWER_BYTES_MAX + 1), "at most 268435456 may come"),
+        (MAGIC + struct.pack("<Q", 1) + b"x" + bytes(32), "does not fit its checksum"),
+    ],
+)
+def test_what_is_no_answer_is_refused_at_once(data: bytes, words: str) -> None:
+    reads, writes = os.pipe()
+    try:
+        os.write(writes, data)
+        with pytest.raises(ChannelError, match=words):
+            Inbox(End(reads), lambda: 0.0).take()  # type: ignore[arg-type]
+        inbox = Inbox(End(reads), lambda: 0.0)  # type: ignore[arg-type]
+        os.close(writes)
+        with pytest.raises(EOFError):
+            inbox.take()
+    finally:
+        os.close(reads)

@@ -102,3 +102,15 @@ def test_each_row_comes_with_the_last_of_its_own_runs(plan: Plan) -> None:
     a1, a2, b1, b2 = (CaseResult(case, Verdict.PASS, []) for case in plan.cases)
     came = [[row.case.run for row in found.after(result)] for result in (a1, b2, b1, a2)]
     assert came == [[], [], ["p-b"], ["p-a"]]
+
+
+def test_a_row_of_statistics_has_the_inputs_that_all_its_runs_share(tmp_path: Path) -> None:
+    """The second of two has another one: the row has none."""
+    for name in ("a.nc", "r.toml"):
+        (tmp_path / name).touch()
+    head = "case,program,rig,plc:V.E.FEED,plc:V.E.WAY,check:mean(latch_error_um)"
+    rows = ("two,a.nc,r.toml,[600 | 900],5,<= 1", "three,a.nc,r.toml,[600 | 300 | 900],5,<= 1")
+    (tmp_path / "p.csv").write_text("\n".join([head, *rows, ""]), encoding="utf-8")
+    plan = read_plan(tmp_path / "p.csv")
+    assert [len(row.runs) for row in plan.statistics] == [2, 3]
+    assert [dict(row.inputs) for row in plan.statistics] == [{"plc:V.E.WAY": "5"}] * 2
