@@ -390,3 +390,48 @@ def test_state_of_python_can_can_be_set_to_recover(scheduler: Scheduler) -> None
         assert sender.state is can.BusState.ACTIVE
         with pytest.raises(NotImplementedError):
             sender.state = can.BusState.PASSIVE
+
+
+def test_power_that_goes_during_the_recovery_ends_it(
+    scheduler: Scheduler, segment: Segment
+) -> None:
+    """Off while it counts, and again after power on: the old count ends nothing."""
+    sender, other = segment.port("sender"), segment.port("receiver")
+    sender.force_bus_off()
+    scheduler.run_until(MS)
+    sender.power_off()
+    scheduler.run_until(3 * MS)
+    assert [state for *_, state in segment.state_changes] == [OFF]
+    sender.power_on()
+    sender.send_raw(0x080, b"")
+    scheduler.run_until(4 * MS)
+    assert (sender.error_state, other.recv(0) is not None) == (ErrorState.ACTIVE, True)
+    sender.force_bus_off()
+    for since_ns in (4 * MS, 5 * MS):
+        scheduler.run_until(since_ns)
+        sender.power_off()
+        sender.power_on()
+        sender.force_bus_off()
+    scheduler.run_until(5 * MS + 128 * 11_000 - 1)
+    assert sender.error_state is OFF
+    scheduler.run_until(5 * MS + 128 * 11_000)
+    assert (sender.error_state, sender.tec) == (ErrorState.ACTIVE, 0)
+
+
+def test_a_passive_sender_notices_an_error_of_its_own(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """Its recessive flag breaks the stuffing of its own frame: all others see that."""
+    seen = watch(segment)
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    alone = frozenset({"sender"})
+    segment.add_fault(
+        lambda frame, port, attempt: (
+            ErrorAtBit(20) if attempt < 16 else ErrorAtBit(20, alone) if attempt == 16 else None
+        )
+    )
+    sender.send_raw(0x080, b"")
+    scheduler.run_until(2 * MS)
+    assert [kind for *_, kind in seen] == ["error"] * 17 + ["data"]
+    assert sender.tec == 17 * 8 - 1
+    assert [receiver.recv(0) is not None for _ in range(2)] == [True, False]

@@ -63,6 +63,11 @@ def test_a_damped_stop_has_a_band_for_what_is_latched() -> None:
     low, high = (STOP_MM + (FORCE_N - 20.0 + f) / K_N_M * 1e3 for f in (-50.0, 50.0))
     assert (latched["low"], latched["high"]) == pytest.approx((low - 0.001, high + 0.001))
     assert latched["expected"] == pytest.approx((low + high) / 2)
+    for way_mm in (0.01, -0.01):  # in each ms from the contact on
+        path = STOP_MM + way_mm * np.maximum(K - 190.0, 0.0)
+        (block,) = stop_blocks(recorded(plant=damped, columns={"stop_mm": path}))
+        (latched,) = [value for value in block["values"] if value["key"] == "latched"]
+        assert (latched["low"], latched["note"]) == (None, "the stop moves")
     short = {DETECT + "min_time": 9_000}
     (block,) = stop_blocks(recorded(plant=damped, written=short))
     (latched,) = [value for value in block["values"] if value["key"] == "latched"]

@@ -133,3 +133,23 @@ def test_diagnosis_data_have_their_heads_and_instants(tmp_path: Path) -> None:
         "Dist-Ctrl Interface:",
         f"  {'cmd_offset:':<24}4",
     ]
+
+
+def test_truth_values_are_signals_and_texts_are_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asammdf = pytest.importorskip("asammdf", reason="the extra `mdf` is not installed")
+    table = pd.DataFrame({"time_ns": [0, 1_000_000, 2_500_000], "Z.set_mm": [0.5, 0.25, -1.0],
+                          "Z.edge": [True, False, True], "Z.count": [3, 2, 1],
+                          "Z.word": ["a", "b", "c"]})  # fmt: skip
+    table.attrs.update(units={"time_ns": "ns", "Z.set_mm": "mm"}, rig="r.toml")
+    results: Any = SimpleNamespace(traces=lambda: {"r": None}, signals=lambda _: table)
+    (path,) = export(results, (), tmp_path, "mf4")
+    with asammdf.MDF(path) as mdf:
+        found = {channel.name: mdf.get(channel.name) for channel in mdf.iter_channels()}
+        assert set(found) - {"time", "t"} == {"Z.set_mm", "Z.edge", "Z.count"}
+        for name, values in (("Z.set_mm", [0.5, 0.25, -1.0]), ("Z.edge", [1, 0, 1]),
+                             ("Z.count", [3, 2, 1])):  # fmt: skip
+            assert found[name].samples.tolist() == values
+            assert found[name].timestamps.tolist() == [0.0, 0.001, 0.0025]
+            assert found[name].unit == ("mm" if name == "Z.set_mm" else "")
