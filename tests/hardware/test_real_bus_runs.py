@@ -196,6 +196,26 @@ def test_one_axis_can_stand_outside_and_the_others_here() -> None:
     assert caught.value.line is not None
 
 
+def test_no_sensor_of_an_axis_here_reads_an_axis_outside() -> None:
+    """Each by itself: probe, second encoder; the message has the place of its key."""
+    rig, files = read_rig(TESTPLANS / "rigs" / "probe-xyz.toml")
+    for key in ("probe_1", "probe_2", "encoder_2"):
+        axes = {name: axis.model_copy(update={"probe_1": None, "probe_2": None})
+                for name, axis in rig.axis.items()}  # fmt: skip
+        settings = read_settings(rig.model_copy(update={"axis": axes}), files, [])
+        segment = rig.axis["X"].segment
+        real = settings.segment[segment].model_copy(update={"interface": "virtual", "channel": "t"})
+        settings.segment[segment] = real
+        check_outside(settings)
+        here = next(name for name in axes if name not in outside_axes(settings))
+        axes[here] = axes[here].model_copy(update={key: "probe"})
+        settings = read_settings(rig.model_copy(update={"axis": axes}), files, [])
+        settings.segment[segment] = real
+        with pytest.raises(UserError, match=f"axis {here}: probe reads an axis outside") as caught:
+            check_outside(settings)
+        assert (caught.value.value, caught.value.file is None) == ("probe", False)
+
+
 def test_the_report_says_in_words_what_was_late() -> None:
     deadlines = Deadlines(late_ns=100_000)
     for k in range(1000):

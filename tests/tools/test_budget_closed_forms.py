@@ -187,7 +187,17 @@ def test_how_large_a_share_may_be() -> None:
         ({"normal_y": 0.6}, (0.0, 0.6, 1.0)),
         ({"workpiece.sine.amplitude_um": 0}, (0.0, 0.0, 1.0)),
         ({"workpiece.sine.amplitude_um": 1}, None),
-        ({"workpiece.hole.radius_mm": 10}, None),
+        *(
+            ({f"workpiece.{key}": 10}, None)
+            for key in (
+                "inclined.angle_deg",
+                "ramp.rise_mm",
+                "step.rise_mm",
+                "cylinder.radius_mm",
+                "hole.radius_mm",
+                *(f"waviness.amplitude[{n}]_um" for n in (1, 2, 3, 4)),
+            )
+        ),
         ({"workpiece.border.position_mm": 20}, (1.0, 0.0, 0.0)),
         ({"workpiece.border.position_m": 1000}, (0.0, 0.0, 1.0)),  # out of reach: the default
         ({"workpiece.border.position_mm": 20, "workpiece.border.azimuth_deg": 90}, (0.0, 1.0, 0.0)),

@@ -112,6 +112,19 @@ def test_the_smallest_group_is_combined_first(most: int, left_out: set[int]) -> 
         assert found.shares_um == pytest.approx({0: 2.5, 1: 2.5, 2: 4.5, 3: 4.5, 4: 1.0})
 
 
+def test_a_large_group_before_a_small_one_takes_no_runs_from_it() -> None:
+    """4 runs for 3 and 4, 8 for 0, 1 and 2: of 8 there is room for two of these."""
+
+    def error_um(on: set[int]) -> float:
+        return 5.0 * ({3, 4} <= on) + 9.0 * ({0, 1} <= on) + 1.0 * ({1, 2} <= on)
+
+    for most, left_out in ((12, set()), (11, {2}), (8, {2}), (7, {0, 1, 2}), (4, {0, 1, 2})):
+        found = combined(Game(5, error_um).runs, 1e-6, most)
+        assert found.left_out == left_out, most
+        assert {place: found.shares_um[place] for place in (3, 4)} == {3: 2.5, 4: 2.5}
+        assert sum(found.shares_um.values()) == pytest.approx(15.0)
+
+
 def test_who_depends_least_by_first_last_and_in_turn_is_left_out() -> None:
     """The share of 1 is 8 alone, 0 beside all others and 8 in turn; of the others by 1 or 2."""
 
