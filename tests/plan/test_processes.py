@@ -227,8 +227,13 @@ def test_an_answer_may_come_in_parts_as_long_as_each_comes_in_time(
 ) -> None:
     """The time runs from the last part on, not from the first or from the begin of the process."""
     frames: list[bytes] = []
+
+    def write(_: int, data: bytes) -> int:
+        frames.append(bytes(data))
+        return len(data)
+
     with monkeypatch.context() as patch:
-        patch.setattr(os, "write", lambda _, data: frames.append(bytes(data)) or len(data))
+        patch.setattr(os, "write", write)
         for content in ("first", {"second": 2}):
             channel.send(End(0), content)  # type: ignore[arg-type]
     reads, writes = os.pipe()
