@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.recordings import facts
 
-from axisrig.bench.record import axes, blocks, bus, distance, measuring
+from axisrig.bench.record import axes, blocks, bus, distance, edges, measuring
 from axisrig.bench.record import facts as record
 from axisrig.bench.record.axes import Value
 from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run, run_text
@@ -59,7 +59,7 @@ def classes(*modules: Any) -> list[type[Frozen]]:
     return [c for c in dict.fromkeys(found) if issubclass(c, Frozen) and is_dataclass(c)]
 
 
-CLASSES = classes(axes, blocks, bus, distance, measuring, record)
+CLASSES = classes(axes, blocks, bus, distance, edges, measuring, record)
 
 
 def written(path: Path, file: RunFile) -> RunFile:
@@ -220,6 +220,19 @@ def test_an_older_recording_was_made_under_the_older_law(tmp_path: Path, version
     assert (control.derivative_of, control.limiter) == ("error", "clamp")
     assert control.derivative == "per_second"
     assert control.kp == 0.3
+
+
+@pytest.mark.parametrize("version", [1, 2, 3, 4])
+def test_an_older_recording_has_no_edges(tmp_path: Path, version: int) -> None:
+    """No table at all, where a run of today without an edge has an empty one."""
+    path = tmp_path / "run.json"
+    content = json.loads(run_text(facts(edges=())))
+    assert content["facts"].pop("edges") == []
+    content["version"] = version
+    path.write_text(json.dumps(content), encoding="utf-8")
+    found = read_run(path).facts
+    assert found is not None
+    assert found.edges is None
 
 
 def test_a_file_that_cannot_be_read_is_no_damage(tmp_path: Path) -> None:

@@ -75,6 +75,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         axes={name: _axis(machine, name) for name in machine.links},
         plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
         probes=_probes(machine),
+        edges=machine.edges.rows(),
         plc_sensors={
             name: _plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
         },

@@ -26,6 +26,7 @@ from axisrig.bench.machine.plc.task import PlcTaskRunner
 from axisrig.bench.machine.plc.terminal import AnyTerminal, Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
+from axisrig.bench.machine.recording.edge_log import EdgeLog, watchers_of
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.unfinished import in_words
@@ -260,8 +261,15 @@ class Machine:
         self.blocks = BlockLog(self.scheduler, self.channel, self._folder)
         self.channel.execution.watches.append(self.blocks)
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
+        plants = {name: self.plant.axes[self.settings.rig.axis[name].plant] for name in self.drives}
+        self.edges = EdgeLog(
+            self.plant,
+            plants,
+            watchers_of(self.settings, plants),
+            self.channel.single.couplings.slaves_of,
+        )
         self.channel.observers += [self.recorder, self.torque_limits]
-        self.channel.observers += [self.distance_log, self.deflections]
+        self.channel.observers += [self.distance_log, self.deflections, self.edges]
 
     def _build_recorder(self, trace: SeriesWriter | None) -> Recorder:
         axes = [

@@ -23,18 +23,20 @@ from axisrig.bench.record.axes import (
 from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
+from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.frozen import Frozen
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
-VERSION: Final = 4
+VERSION: Final = 5
 """Counts up with every change after which an older version cannot read what is written."""
-READABLE: Final = (1, 2, 3, 4)
+READABLE: Final = (1, 2, 3, 4, 5)
 """Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`, up to 3 the
 first of several stamps counts, telegrams of a node with inputs have no instants, distance controls
-no `orders`, and they had a derivative of the error per second and clamps."""
+no `orders`, and they had a derivative of the error per second and clamps; up to 4 there are no
+`edges`."""
 
 _AGAIN = "run the case again with this version"
 
@@ -123,7 +125,8 @@ class Facts(Frozen):
     period in which the program ended. sim_ns: simulated time. is_stopped: by the operator.
     axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes.
     distance_3d: None where the channel has no 3D distance control.
-    fine_ns: step in which the plants keep their motion. blocks: None in recordings of version 1.
+    fine_ns: step in which the plants keep their motion. edges: where axes were at the edges of the
+    signals that they watch, None in recordings of versions 1 to 4. blocks: None in those of 1.
     """
 
     timing: Timing
@@ -137,6 +140,7 @@ class Facts(Frozen):
     axes: Mapping[str, AxisRecord] = field(default_factory=dict)
     plants: Mapping[str, PlantRecord] = field(default_factory=dict)
     probes: Mapping[str, ProbeRecord] = field(default_factory=dict)
+    edges: tuple[EdgeTruth, ...] | None = None
     plc_sensors: Mapping[str, PlcSensor] = field(default_factory=dict)
     plc_task: PlcTaskRecord | None = None
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
@@ -159,7 +163,7 @@ class Facts(Frozen):
 class RunFile(Frozen):
     """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
 
-    version: Literal[1, 2, 3, 4]
+    version: Literal[1, 2, 3, 4, 5]
     facts: Facts | None = None
     error: str | None = None
     log: tuple[str, ...] = ()

@@ -31,6 +31,7 @@ from axisrig.bench.drive.cia402.dictionary.profiles import (
     profile_names,
     value_of,
 )
+from axisrig.bench.oracles.latch.instant import LatchTimes
 from axisrig.bench.rig.canopen.startup import StartUpKeys
 from axisrig.bench.rig.reading.tables import DriveFacts, DriveKeys, SegmentKeys
 from axisrig.kernel.errors import nearest
@@ -188,4 +189,10 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
             look_back_ns=before_ns,
             look_ahead_ns=after_ns,
             second_delay_cycles=int(self.second_delay_cycles),
+            latch=LatchTimes(
+                delay_ns=made.input_delay_ns + made.input_filter_ns,
+                compensation_ns=made.delay_compensation_ns,
+                sample_ns=made.grid_ns if made.latch_mode == "sampled" else 0,
+                jitter_ns=made.input_jitter_ns,
+            ),
         )

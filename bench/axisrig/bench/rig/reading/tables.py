@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from axisrig.bench.oracles.latch.instant import LatchTimes
 from axisrig.kernel.time.clock import TimeNs
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
@@ -18,6 +19,9 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
+_LATCH_AT_EDGE = LatchTimes()
+
+
 @dataclass(frozen=True)
 class DriveFacts:
     """What is asked of a drive of any family.
@@ -26,7 +30,7 @@ class DriveFacts:
     report, of either sign. lead_mm: travel of the axis in one revolution of its motor.
     rated_torque_mnm: what torques are shares of, 0 where there is none. look_back_ns,
     look_ahead_ns: how far from an edge its latch looks at the path. second_delay_cycles: age of its
-    second encoder.
+    second encoder. latch: what the data sheet says of the instant of a latch.
     """
 
     units_per_mm: Fraction
@@ -36,6 +40,7 @@ class DriveFacts:
     look_back_ns: TimeNs
     look_ahead_ns: TimeNs
     second_delay_cycles: int
+    latch: LatchTimes = _LATCH_AT_EDGE
 
 
 class DriveKeys(Table):
