@@ -56,12 +56,7 @@ NO_FORMULA = ("axisrig.kernel.time", "axisrig.kernel.errors")
 JUDGES = ("axisrig.bench.judge", "axisrig.reports")
 MAKERS = ("axisrig.kernel", "axisrig.bench.machine", "axisrig.bench.rig")
 # The oracle of the scenarios steps a live plant on; its truth is what the plant has passed
-OF_SCENARIOS = (
-    "axisrig.kernel.channel.Channel",
-    "axisrig.kernel.cosim.plant.axis.AXIS_OUTPUTS",
-    "axisrig.bench.machine.machine.Machine",
-    "axisrig.bench.oracles",
-)
+OF_SCENARIOS = ("axisrig.bench.machine.machine.Machine", "axisrig.bench.record")
 RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
 

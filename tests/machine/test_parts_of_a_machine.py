@@ -14,6 +14,7 @@ from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.plc.control_units import PlcUnits
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.unfinished import at_work, in_words, waited_for
+from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.rig.plc.axis_words import SetCourse, UnitWrite
 from axisrig.bench.rig.plc.courses import Courses
 from axisrig.bench.rig.printed import BYTES_MAX, cut, lines_in, told
@@ -342,17 +343,19 @@ class Ran:
             plant=SimpleNamespace(axes={"z": axis}, now_ns=0, advance_to=lambda _ns: None),
             scheduler=SimpleNamespace(now_ns=1 * S, run_until=lambda ns: setattr(now, "ns", ns)),
         )
-        truth: Any = SimpleNamespace(latches=latches)
-
-        class Truth:
-            latches = truth.latches
-
-            def __call__(self) -> None: ...
-
-        self.truth: Any = Truth()
+        # Falling edges, another axis and an edge whose latch the run did not reach count nothing
+        edges = [
+            EdgeTruth("probe", axis, level, at_ns, 0.0, 0.0, at_ns + 1, place_mm, 0.0)
+            for latch_ns, mm in latches
+            for at_ns, axis, level, place_mm in (
+                (latch_ns, "Z", True, mm), (latch_ns, "X", True, -1.0),
+                (latch_ns - 1, "Z", False, -2.0), (latch_ns - 1, "Z", True, None),
+            )
+        ]  # fmt: skip
+        self.machine.edges = SimpleNamespace(rows=lambda: edges)
 
     def judged(self) -> tuple[Result, int]:
-        found = judge(self.machine, self.truth)
+        found = judge(self.machine, rising=True)
         return found.result, found.right
 
 

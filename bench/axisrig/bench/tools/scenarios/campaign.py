@@ -12,7 +12,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.bench.rig.reading.file import RigFile, read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
-from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, Truth, judge
+from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, judge
 from axisrig.bench.tools.scenarios.scenario import Scenario, make_scenario
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.syntax import Program
@@ -65,12 +65,11 @@ def examine(
     except UserError as error:
         return Judgement(Result.EXCEPTION, note=str(error)), None
     try:
-        truth = Truth(machine, settings.axis["Z"].word("kenngr.measure.edge") == "POS")
-        machine.channel.observers.append(truth)
         machine.run()
         if look is not None:
             look(machine)
-        return judge(machine, truth), machine
+        rising = settings.axis["Z"].word("kenngr.measure.edge") == "POS"
+        return judge(machine, rising), machine
     except SimulatedTimeoutError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
         return Judgement(Result.HANG, alarms, note=str(error)), machine

@@ -1,7 +1,8 @@
 """Judges what a scenario left, by the plant alone: nothing of kernel or drive computes a truth.
 
-The truth of a measurement run is the motor position one input delay after the first edge that the
-probe FMU gave in it. A value that the program was given counts as good, whatever else happened.
+The truth of a measurement run is the motor position at the latch instant of the first edge that the
+probe FMU gave in it (`bench.record.edges`). A value that the program was given counts as good,
+whatever else happened.
 """
 
 from collections.abc import Sequence
@@ -9,12 +10,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.oracles.interpolation import cubic
-from axisrig.kernel.channel import Channel
-from axisrig.kernel.cosim.plant.axis import AXIS_OUTPUTS
-from axisrig.kernel.time.clock import MS, US, TimeNs
+from axisrig.bench.record.edges import EdgeTruth, edges_of
+from axisrig.kernel.time.clock import MS
 
-INPUT_DELAY_NS = 500 * US
 INCREMENTS_PER_MM = 104_857.6
 INCREMENTS_MAX = 1.0
 """Rounding of the encoder and of the published number."""
@@ -23,8 +21,6 @@ CALM_NS = 300 * MS
 REST_MM = 0.01
 """How far it may move in the 50 ms after that: friction lets it creep by a micrometre, while the
 lowest feed goes 0.25 mm."""
-MOTOR = AXIS_OUTPUTS.index("motor_position")
-"""The rate of the motor position is the next output."""
 BRAKING_NS = 30 * MS
 """From the alarm until the set position is constant: 60 mm/s at 4000 mm/s2 take 15 ms."""
 
@@ -54,46 +50,17 @@ class Judgement:
     note: str = ""
 
 
-class Truth:
-    """Keeps the motor position at each edge; an observer of the channel."""
+def judge(machine: Machine, rising: bool) -> Judgement:
+    """Judge a run that has come to its end; the plant is stepped on to see if it is at rest.
 
-    def __init__(self, machine: Machine, rising: bool) -> None:
-        self._axis = machine.plant.axes["z"]
-        self._plant, self._signal = machine.plant, machine.plant.probes["probe"].signal
-        self._rising = rising
-        self._seen = 0
-        self.latches: list[tuple[TimeNs, float]] = []
-        """(edge, motor position in mm one input delay later)."""
-
-    def __call__(self, _channel: Channel | None = None) -> None:
-        """Look up what the plant has passed since the last call."""
-        edges = self._signal.edges
-        while self._seen < len(edges):
-            edge_ns, level = edges[self._seen]
-            if edge_ns + INPUT_DELAY_NS > self._plant.now_ns:
-                return
-            if level == self._rising:
-                position_m = self._motor_position_m_at(edge_ns + INPUT_DELAY_NS)
-                self.latches.append((edge_ns, position_m * 1e3))
-            self._seen += 1
-
-    def _motor_position_m_at(self, time_ns: TimeNs) -> float:
-        """Return where the motor was, apart from what the drive takes for its latch."""
-        (begin_ns, begin), (end_ns, end) = self._axis.ends_around(time_ns)
-        if end_ns == begin_ns:
-            return begin[MOTOR]
-        ends = (begin[MOTOR], begin[MOTOR + 1], end[MOTOR], end[MOTOR + 1])
-        return cubic((time_ns - begin_ns) * 1e-9, (end_ns - begin_ns) * 1e-9, ends)
-
-
-def judge(machine: Machine, truth: Truth) -> Judgement:
-    """Judge a run that has come to its end; the plant is stepped on to see if it is at rest."""
-    truth()
+    rising: the edge that counts.
+    """
+    edges = [row for row in machine.edges.rows() if row.level == rising]
     alarms = [alarm.id for alarm in machine.channel.alarms]
     values = _values(machine)
     right = 0
     for run, value_mm in values:
-        wrong = _what_is_wrong(machine, truth, run, value_mm)
+        wrong = _what_is_wrong(machine, edges, run, value_mm)
         if wrong:
             return Judgement(Result.WRONG, alarms, right, f"run {run + 1}: {wrong}")
         right += 1
@@ -128,11 +95,12 @@ def _values(machine: Machine) -> list[tuple[int, float]]:
     return [*printed, *published]
 
 
-def _what_is_wrong(machine: Machine, truth: Truth, run: int, value_mm: float) -> str:
+def _what_is_wrong(machine: Machine, edges: Sequence[EdgeTruth], run: int, value_mm: float) -> str:
     record = machine.channel.records[run]
     start_ns = record.start_ns if record.start_ns is not None else record.begin_ns
     end_ns = record.end_ns if record.end_ns is not None else machine.end_ns
-    inside = [mm for edge_ns, mm in truth.latches if start_ns <= edge_ns <= end_ns]
+    watched = edges_of(edges, axis="Z", begin_ns=start_ns, end_ns=end_ns)
+    inside = [row.latch_motor_mm for row in watched if row.latch_motor_mm is not None]
     if not inside:
         return f"{value_mm:.6f} mm without an edge of the probe"
     off = (value_mm - inside[0]) * INCREMENTS_PER_MM
