@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from cli_plan import HEADER
 
-from axisrig.bench.campaign import preparing
+from axisrig.bench.campaign import preparing, runner
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import prepare_all, run_case
@@ -81,6 +81,19 @@ def test_a_cell_of_the_last_row_is_refused_before_anything_runs(place: Path, axi
         assert code == 2
         assert err.startswith(f"error: {path}:{COUNT + 1}:")
     assert not (place / "out").exists()
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_all_mistakes_are_found_in_order_whatever_reads_them(
+    place: Path, monkeypatch: pytest.MonkeyPatch, jobs: int
+) -> None:
+    """Two wrong cells far apart, rows read in pieces by several processes."""
+    monkeypatch.setattr(runner, "CHUNK", 30)
+    path = _plan(place, {COUNT - 1: "fast", 40: "slow"})
+    with pytest.raises(UserError) as caught:
+        prepare_all(read_plan(path).cases, apart=(), call_limit_s=CALL_LIMIT_S, jobs=jobs)
+    found = (caught.value, *caught.value.further)
+    assert [error.line for error in found] == [42, COUNT + 1]
 
 
 @pytest.mark.long

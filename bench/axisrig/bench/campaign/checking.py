@@ -38,13 +38,17 @@ LIST_SUFFIXES = (".lst", ".lis")
 PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
 
 
-def rigs_of(path: Path) -> list[Path]:
-    """Return the rigs that `check_file` loads for a file. Raises UserError for a bad plan."""
-    if path.suffix.lower() == ".toml":
-        return [path]
-    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
-        return []
-    return sorted({case.rig for case in read_plan(path).cases})
+def plan_of(path: Path) -> Plan | None:
+    """Read a plan; None for another file. Raises UserError for a bad plan."""
+    is_plan = path.suffix.lower() in SUFFIXES and not path.is_dir()
+    return read_plan(path) if is_plan else None
+
+
+def rigs_of(path: Path, plan: Plan | None) -> list[Path]:
+    """Return the rigs that `check_file` loads for a file."""
+    if plan is not None:
+        return sorted({case.rig for case in plan.cases})
+    return [path] if path.suffix.lower() == ".toml" else []
 
 
 def check_files(
@@ -63,17 +67,25 @@ def check_files(
     mistakes = Mistakes()
     for file in files:
         with mistakes.kept():
-            what = (partial(check_file, is_strict=is_strict), file, assignments)
-            show(do_apart(*what, rigs=rigs_of(file), file=file, limits=limits))
+            plan = plan_of(file)
+            what = (partial(check_file, is_strict=is_strict, plan=plan), file, assignments)
+            show(do_apart(*what, rigs=rigs_of(file, plan), file=file, limits=limits))
     mistakes.refuse(files[0])
 
 
-def check_file(path: Path, assignments: Sequence[str] = (), *, is_strict: bool = False) -> str:
+def check_file(
+    path: Path,
+    assignments: Sequence[str] = (),
+    *,
+    is_strict: bool = False,
+    plan: Plan | None = None,
+) -> str:
     """Check a plan, a rig or a parameter list and describe it.
 
     Raises UserError when it is rejected.
 
-    assignments: texts of `--set`. is_strict: a warning rejects it too.
+    assignments: texts of `--set`. is_strict: a warning rejects it too. plan: what is in the file,
+    where it is a plan that was read before.
     """
     changes = [parse_assignment(text) for text in assignments]
     if path.suffix.lower() == ".toml":
@@ -88,7 +100,7 @@ def check_file(path: Path, assignments: Sequence[str] = (), *, is_strict: bool =
         allowed = ", ".join([*SUFFIXES, ".toml", *LIST_SUFFIXES])
         value = None if path.is_dir() else path.suffix
         raise UserError(message, file=path, value=value, allowed=allowed)
-    plan = read_plan(path).with_inputs(changes)
+    plan = (plan or read_plan(path)).with_inputs(changes)
     mistakes, warnings, first = Mistakes(), CellWarnings(), {*built_first(plan.cases)}
     for place, case in enumerate(plan.cases):
         with mistakes.kept():

@@ -65,8 +65,7 @@ def used_variables(settings: Settings, program: Path, parsed: Program) -> Used:
     moments = [moment for rule in rules for moment in (rule.moment, rule.until) if moment]
     found += [moment.word.removeprefix(VARIABLE) for moment in moments]
     for part in (settings.channel, *settings.axis.values()):
-        texts = [value for _, value in part.items() if isinstance(value, str)]
-        found += [name for text in texts for name in _VARIABLE.findall(text)]
+        found += [name for text in part.words() for name in _VARIABLE.findall(text)]
     all_may = False
     if (task := settings.rig.plc_task) is not None and task.program is not None:
         names, all_may = _in_plc_program(Path(task.program).read_bytes())

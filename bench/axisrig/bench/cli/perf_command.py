@@ -65,7 +65,7 @@ def perf(
 
 def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Path | None) -> None:
     """Time a row."""
-    from axisrig.bench.campaign.checking import rigs_of
+    from axisrig.bench.campaign.checking import plan_of, rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
     from axisrig.bench.tools.perf.gains import gains, read_result, show_gains
@@ -74,7 +74,7 @@ def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Pat
 
     before = None if against is None else read_result(against)
     what = (plan, case, repeats, Clocks(time.perf_counter_ns, cpu_ns), build_report)
-    result = do_apart(measure, *what, rigs=rigs_of(plan), file=plan)
+    result = do_apart(measure, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan)
     if before is not None and as_json:
         result["gains"] = gains(result, before)
     print(show(result, as_json))
@@ -86,22 +86,22 @@ def _profile(plan: Path, case: str | None) -> None:
     """Print the functions of a run."""
     import cProfile
 
-    from axisrig.bench.campaign.checking import rigs_of
+    from axisrig.bench.campaign.checking import plan_of, rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
     from axisrig.bench.tools.perf.profile import profile_row
 
     what = (plan, case, Clocks(time.perf_counter_ns, cpu_ns), cProfile.Profile)
-    print(do_apart(profile_row, *what, rigs=rigs_of(plan), file=plan))
+    print(do_apart(profile_row, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan))
 
 
 def _stages(plan: Path, case: str | None, repeats: int, as_json: bool) -> None:
     """Print the stages of a next run."""
-    from axisrig.bench.campaign.checking import rigs_of
+    from axisrig.bench.campaign.checking import plan_of, rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
     from axisrig.bench.tools.perf.stages import measure_stages, show_stages
 
     what = (plan, case, repeats, Clocks(time.perf_counter_ns, cpu_ns))
-    result = do_apart(measure_stages, *what, rigs=rigs_of(plan), file=plan)
+    result = do_apart(measure_stages, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan)
     print(json.dumps(result) if as_json else show_stages(result))

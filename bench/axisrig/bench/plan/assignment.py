@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation, Overflow
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 
 from axisrig.kernel.errors import Guess, UserError, nearest
@@ -170,6 +170,7 @@ def _pattern(column: str) -> re.Pattern[str]:
     return re.compile("".join(texts))
 
 
+@lru_cache(maxsize=4096)
 def find_form(column: str) -> ColumnForm | None:
     """Return the declaration that fits a column, or None."""
     return next((form for form in column_forms() if form.pattern.fullmatch(column)), None)
@@ -177,6 +178,12 @@ def find_form(column: str) -> ColumnForm | None:
 
 def parse_column(column: str, value: str) -> Assignment:
     """Take an input column apart. Raises UserError for a column that is no input."""
+    return Assignment(column, *_parts(column), value)
+
+
+@lru_cache(maxsize=4096)
+def _parts(column: str) -> tuple[str, str, str, str]:
+    """Return kind, target, name and unit of an input column."""
     form = find_form(column)
     if form is None or not form.is_input:
         inputs = [form for form in column_forms() if form.is_input]
@@ -188,7 +195,7 @@ def parse_column(column: str, value: str) -> Assignment:
     name, unit = groups["name"], ""
     if form.kind == "plant":
         name, unit = _split_unit(name)
-    return Assignment(column, form.kind, groups.get("target") or "", name, unit, value)
+    return form.kind, groups.get("target") or "", name, unit
 
 
 def meant_columns(column: str, forms: Iterable[ColumnForm]) -> Guess:

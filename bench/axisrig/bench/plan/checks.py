@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from numbers import Real
 
@@ -193,6 +193,7 @@ def value_text(value: Value) -> str:
     return repr(float(value)) if isinstance(value, float) else str(value)
 
 
+@lru_cache(maxsize=4096)
 def parse_condition(text: str, type_: str = "any") -> Condition:
     """Read the condition of a cell for a metric of `type_` (see `Metric.type`).
 
@@ -279,15 +280,19 @@ def _alarm_condition(text: str) -> Condition:
 
 def _known_ids(ids: Iterable[str]) -> None:
     """Raise UserError for an ID that no alarm has: `!=` would hold for ever."""
-    known = {str(alarm_id) for alarm_id in catalogue()}
     for word in ids:
-        if word.lstrip("0") not in known:
+        if word.lstrip("0") not in (known := _ids_in_text()):
             raise UserError(
                 "no alarm has this ID",
                 value=word,
                 allowed=nearest(word, known) or None,
                 hint="`axisrig errors` lists them all",
             )
+
+
+@cache
+def _ids_in_text() -> frozenset[str]:
+    return frozenset(map(str, catalogue()))
 
 
 def _bad_condition(text: str) -> UserError:

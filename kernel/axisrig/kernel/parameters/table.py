@@ -181,6 +181,10 @@ class Parameter:
         return ", ".join(words) if words != ["no"] else written(self.default)
 
 
+Place = tuple[int, tuple[int, ...], int, tuple[int, ...]]
+"""Of a path in the order of its table."""
+
+
 class Table:
     """All parameters of one kind, found by present or older path."""
 
@@ -190,6 +194,11 @@ class Table:
             path: parameter for parameter in self.parameters for path in names(parameter)
         }
         self._found: dict[str, tuple[Parameter, str]] = {}
+        self._places: dict[str, Place] = {}
+        self._order: dict[str, int] = {}
+        for at, parameter in enumerate(self.parameters):
+            self._order[parameter.path] = at
+            self._order.setdefault(_stem(parameter.path), at)
 
     def find(self, path: str) -> tuple[Parameter, str]:
         """Return the row for `path` and its present path with the indices of `path`.
@@ -201,6 +210,15 @@ class Table:
         if found is None:
             found = self._found[path] = self._find(path)
         return found
+
+    def place(self, key: str) -> Place:
+        """Return what sorts present paths: as in the table, equal first indices together."""
+        place = self._places.get(key)
+        if place is None:
+            path, indices = self.find(key)[0].path, indices_of(key)
+            place = self._order[_stem(path)], indices[:1], self._order[path], indices
+            self._places[key] = place
+        return place
 
     def _find(self, path: str) -> tuple[Parameter, str]:
         parameter = self._by_path[INDEX.sub("[i]", path)]
@@ -231,6 +249,12 @@ class Table:
             return None
         full = f"P-{match[1].upper()}-{match[2]:0>5}"
         return next((row for row in self.parameters if row.number == full), None)
+
+
+def _stem(path: str) -> str:
+    """Return a path up to its first index, the whole path without any."""
+    head, has_index, _ = path.partition("[i]")
+    return head + has_index
 
 
 def indices_of(key: str) -> tuple[int, ...]:

@@ -258,16 +258,12 @@ class ParameterSet:
 
         What has the same first index is together: one drive function after the other.
         """
-        order: dict[str, int] = {}
-        for at, parameter in enumerate(self._table.parameters):
-            order[parameter.path] = at
-            order.setdefault(_stem(parameter.path), at)
-
-        def place(key: str) -> tuple[int, tuple[int, ...], int, tuple[int, ...]]:
-            path, indices = self._table.find(key)[0].path, indices_of(key)
-            return order[_stem(path)], indices[:1], order[path], indices
-
+        place = self._table.place
         yield from sorted(self._values.items(), key=lambda item: place(item[0]))
+
+    def words(self) -> Iterator[str]:
+        """Give every value that is a STRING and was set, in no order."""
+        return (value for value in self._values.values() if isinstance(value, str))
 
     def inert(self) -> list[tuple[str, Value]]:
         """Return what was set, differs from its default, and does not act yet."""
@@ -300,12 +296,6 @@ class ParameterSet:
         if known is None or known.kernel != unit:
             raise TypeError(f"{path} is not convertible to {unit}")
         return self._number(path) / known.divisor
-
-
-def _stem(path: str) -> str:
-    """Return a path up to its first index, the whole path without any."""
-    head, has_index, _ = path.partition("[i]")
-    return head + has_index
 
 
 def _numbered(number: str, asked: Kind) -> str:

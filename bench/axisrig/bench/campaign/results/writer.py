@@ -200,7 +200,7 @@ class ResultsWriter:
         ids = [case.run for case in _cases(plans)]
         if len(set(ids)) != len(ids):
             raise UserError("two plans of one campaign have the same name", file=folder)
-        self._runs = {run for run in ids if runs is None or run in runs}
+        self._runs = {*ids} if runs is None else {*ids} & {*runs}
         self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
         self._keeps_runs = not is_judged_again
         self._carried += [] if self._keeps_runs else [RECORDING]
