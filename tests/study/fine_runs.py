@@ -18,6 +18,7 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.plan.case import Case
+from axisrig.bench.record.series import SYNC_AFTER
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
@@ -133,6 +134,8 @@ def fine_table(table: pa.Table, rows: Mapping[str, list[Any]], ticks_ns: Mapping
             # At the SYNC itself the row has the lag of that instant
             at_sync = np.abs(table.column(name.replace("_peak", "")).to_numpy())
             held = np.where(is_sync, np.maximum(peaks[name], at_sync)[before], 0.0)
+        elif name.endswith(f".{SYNC_AFTER}"):
+            held = np.where(is_sync, held, 0)
         elif name in values:
             held = np.where(is_sync, held, values[name][found])
         columns[name] = held

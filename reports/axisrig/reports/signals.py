@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from axisrig.bench.record.series import values_of
+from axisrig.bench.record.series import SYNC_AFTER, values_of
 from axisrig.reports.parts.encode import encode_signal, pack
 from axisrig.reports.parts.envelope import envelope
 from axisrig.reports.parts.shipped import shipped_table
@@ -74,7 +74,9 @@ def chart(
         return {}, ""
     content = with_signals(content, info, topics)
     added = [topic.plots(content, info) for topic in topics]
-    series = _series(content.column_names)
+    names = [name for name in content.column_names if not name.endswith(f".{SYNC_AFTER}")]
+    content = content.select(names)
+    series = _series(names)
     lane = info.get("lane")
     if lane:
         entry = {"column": BLOCKS, "label": BLOCKS, "unit": "", "style": "state"}

@@ -283,7 +283,10 @@ class Machine:
             for name, axis in self.settings.rig.axis.items()
         ]
         writer = trace or SeriesWriter(None)
-        return Recorder(self.plant, axes, self.plant.probes, self.installed, writer)
+        return Recorder(
+            *(self.plant, axes, self.plant.probes, self.installed, writer),
+            segments=len(self._carriers),
+        )
 
     def _build_channel(self) -> Channel:
         operator = self.settings.operator

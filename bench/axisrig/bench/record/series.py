@@ -1,6 +1,7 @@
 """Time series of a run: written in blocks while it lasts, read back by columns and blocks.
 
-A row belongs to one SYNC. `time_ns` (int64) is its instant, `<axis>.<signal>_<unit>` and
+A row belongs to one SYNC. `time_ns` (int64) is its instant, the first one of all segments;
+`<axis>.sync_after_ns` (int64) is how much later that of a drive was, `<axis>.<signal>_<unit>` and
 `<plant>.<signal>` are one value for each row. `<axis>.<field>_frame_ns` and
 `<axis>.<field>_increments` are lists: the cyclic values that the bus brought since the row before,
 with the ends of their frames. `plc.inputs_frame_ns` has the ends of the telegrams of a node with
@@ -34,6 +35,8 @@ Times = npt.NDArray[np.int64]
 TIME: Final = "time_ns"
 TARGET, ACTUAL, SECOND = "target", "actual", "second"
 """Cyclic values: target position 607A, actual position 6064, second encoder 60E4:1."""
+SYNC_AFTER: Final = "sync_after_ns"
+"""How much later than the row the SYNC of a drive was; in rigs with several segments."""
 FRAME_NS, INCREMENTS = "frame_ns", "increments"
 INPUTS: Final = "plc.inputs"
 """Telegrams of the node with digital inputs that is the terminal of the PLC."""

@@ -90,7 +90,7 @@ class StopRun(StopRows):
         first = contact.row - STEADY_ROWS
         if first < self.rows.start:
             raise NoClosedFormError("the contact came before the feed was steady")
-        demand, times = truth.course.demand_mm * truth.stop_path.direction, truth.times_ns
+        demand, times = truth.course.demand_mm * truth.stop_path.direction, truth.syncs_ns
 
         def between(begin: int, end: int) -> float:
             return float(demand[end] - demand[begin]) * S / float(times[end] - times[begin])
@@ -198,7 +198,7 @@ class StopRun(StopRows):
     def _goes_on(self, truth: AxisTruth, approach: Approach, until_ns: float) -> bool:
         """Whether the demand keeps its speed from the contact on, to within a cycle."""
         begin, end = self.row_at(approach.contact_ns), self.row_at(until_ns)
-        demand, times = truth.course.demand_mm[begin : end + 1], truth.times_ns[begin : end + 1]
+        demand, times = truth.course.demand_mm[begin : end + 1], truth.syncs_ns[begin : end + 1]
         if not len(demand):
             return True
         way_mm = approach.speed_mm_s * (times - times[0]) / S
@@ -358,12 +358,13 @@ def _made(observed: Observed, number: int, record: MeasurementRun) -> StopRun:
         zero = None if axis.is_outside else observed.zero_mm(name, record)
         if zero is not None:
             truths[name] = axis_truth(observed, name, zero)
-    cycles = cycles_of(observed.facts.timing, observed.times_ns)
+    syncs = [truth.syncs_ns for truth in truths.values()] or [observed.times_ns]
+    cycles = cycles_of(observed.facts.timing, np.concatenate(syncs))
     return StopRun(number, record, observed, cycles, truths)
 
 
 def cycles_of(timing: Timing, times_ns: Times) -> Cycles:
-    """Return the time base of a rig; times_ns: SYNC instants on the wire, as the trace has them."""
+    """Return the time base of a rig; times_ns: SYNC instants on the wire, of its axes."""
     ages = timing.offset_ns - times_ns % timing.period_ns
     return Cycles(
         timing.period_ns,

@@ -28,14 +28,16 @@ of its integration may change (inferred; `tests/study` holds it).
 class AxisTruth:
     """One axis of a finished run. Signals have one value per row of the trace, mm, mm/s, N.
 
-    zero_mm: place of the plant that the positions of the machine count from. peak_n: largest force
-    at the stop since the row before. force_n: of the motor. None where the plant does not give it.
+    syncs_ns: instants of `course`, the SYNCs of its own segment. zero_mm: place of the plant that
+    the positions of the machine count from. peak_n: largest force at the stop since the row before.
+    force_n: of the motor. None where the plant does not give it.
     """
 
     name: str
     record: AxisRecord
     plant: PlantRecord
     times_ns: Times
+    syncs_ns: Times
     position_mm: Signal
     velocity_mm_s: Signal
     course: Course
@@ -209,6 +211,7 @@ def axis_truth(observed: Observed, axis: str, zero_mm: float) -> AxisTruth:
         record=observed.axes[axis],
         plant=plant,
         times_ns=observed.times_ns,
+        syncs_ns=observed.syncs_ns(axis),
         position_mm=observed.column(axis, "truth_mm"),
         velocity_mm_s=observed.column(axis, "velocity_mm_s"),
         course=Course(observed.column(axis, "drive_lag_mm") + encoder_mm, encoder_mm),

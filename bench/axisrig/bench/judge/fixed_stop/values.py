@@ -220,7 +220,7 @@ def _motion(run: StopRun, axis: str) -> Motion:
     until = run.row_at(run.stop.detected_ns or run.end_ns) + 1
     demand_mm, times = (
         truth.course.demand_mm[rows.start : until],
-        truth.times_ns[rows.start : until],
+        truth.syncs_ns[rows.start : until],
     )
     moves = len(demand_mm) > 1
     speeds = np.abs(np.diff(demand_mm)) * S / np.diff(times) if moves else np.zeros(1)

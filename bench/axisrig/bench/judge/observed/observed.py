@@ -17,6 +17,7 @@ from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.bench.record.series import (
     FORCE_COLUMNS,
     LENGTH_COLUMNS,
+    SYNC_AFTER,
     TIME,
     Series,
     Signal,
@@ -177,6 +178,14 @@ class Observed:
         first = self.rows.start
         times: Times = self._columns.read(TIME, slice(first + begin, first + end))  # type: ignore[assignment]
         return times
+
+    def syncs_ns(self, axis: str) -> Times:
+        """Return the SYNC instants of the drive of an axis, shape (n,), in its own segment."""
+        times = self.times_ns
+        if not self.has(axis, SYNC_AFTER):
+            return times
+        own: Times = times + self.column(axis, SYNC_AFTER).astype(np.int64)
+        return own
 
     @cached_property
     def _names(self) -> frozenset[str]:

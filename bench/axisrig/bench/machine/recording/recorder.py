@@ -1,7 +1,9 @@
 """The observer of a run: one row per NC cycle, and the marks that explain them.
 
-A row holds what belongs together: the state of the plant at the SYNC (truth, encoder, drive lag)
-and what the kernel made of it in the cycle after (set position, its own lag).
+A row holds what belongs together: the state of the plant at the SYNC (truth, velocity, forces) and
+what the kernel made of it in the cycle after (set position, its own lag). A SYNC may come later on
+one segment than on another: the state is that of the first one, for all axes alike; what a drive
+has sampled at its own SYNC (actual position, drive lag) is of that instant.
 """
 
 import math
@@ -20,6 +22,7 @@ from axisrig.bench.machine.recording.rows import Rows
 from axisrig.bench.record.series import (
     FORCE_COLUMNS,
     LENGTH_COLUMNS,
+    SYNC_AFTER,
     TIME,
     Series,
     SeriesWriter,
@@ -28,7 +31,12 @@ from axisrig.bench.record.series import (
 )
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import AXIS_OUTPUTS, PlantAxis
+from axisrig.kernel.cosim.plant.axis import (
+    AXIS_OUTPUTS,
+    DEMAND_POSITION,
+    MOTOR_POSITION,
+    PlantAxis,
+)
 from axisrig.kernel.cosim.plant.distance import TOOL, PlantDistance
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import PlantProbe
@@ -73,8 +81,10 @@ TOOL_COLUMNS = (
 Floats = npt.NDArray[np.float64]
 BLOCK_ROWS = 4096
 """Rows that are written at once: 4 s of 1 ms cycles."""
-# What a row keeps of an axis with a plant: its motion and the peak of the stop force
-TOLD = len(AXIS_OUTPUTS) + 1
+# What a row keeps of an axis with a plant: its motion, the peak of the stop force, and how much
+# later than the row its own SYNC was. Motor and demand are of that, the others of the row
+TOLD = len(AXIS_OUTPUTS) + 2
+_OF_DRIVE = slice(MOTOR_POSITION, DEMAND_POSITION + 1)
 
 
 def _columns(roles: Roles, told: Mapping[str, Floats]) -> list[str]:
@@ -112,9 +122,10 @@ class Recorder:
     """Collects the time series of one run and writes them in blocks of BLOCK_ROWS.
 
     probes: instance name -> plant. telegrams: cyclic values that belong into the series.
+    segments: how many there are; with more than one each axis has SYNC_AFTER.
     drive_lag_peak_mm is the largest magnitude of the lag at the ticks of the drive since the row
     before, stop_force_peak_n the largest force of the stop since then
-    (`PlantAxis.stop_force_peak_n`). Columns: `time_ns` (int64, SYNC instants), per axis
+    (`PlantAxis.stop_force_peak_n`). Columns: `time_ns` (int64, the first SYNC), per axis
     AXIS_COLUMNS (float64; KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU
     has (no stop farther away than NO_STOP_M when the program begins), per probe its signal, per
     axis with distance control DISTANCE_CONTROL_COLUMNS (`distance_trace`) and per distance sensor
@@ -130,11 +141,13 @@ class Recorder:
         probes: Mapping[str, PlantProbe],
         telegrams: Sequence[Telegrams],
         writer: SeriesWriter,
+        segments: int = 1,
     ) -> None:
         self._plant, self._recorded, self._telegrams = plant, tuple(axes), telegrams
-        self._writer = writer
+        self._writer, self._has_segments = writer, segments > 1
         self._axes = [axis.plant for axis in axes]
         self._servos = [axis.servo for axis in axes]
+        self._driven = [axis.servo for axis in axes if axis.plant and axis.servo]
         self._signals = [probe.signal for probe in probes.values()]
         self._probe_names = list(probes)
         self._has_plant = any(axis is not None for axis in self._axes)
@@ -152,21 +165,18 @@ class Recorder:
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
-        plant_ns = self._plant.now_ns
-        # Without a plant the instant at which the SYNC was requested
-        time_ns = plant_ns if self._has_plant else channel.sync_ns
+        time_ns = self._row_ns(channel)
         row: list[float] = []
         for link, axis, servo in zip(channel.links, self._axes, self._servos, strict=True):
+            row += (link.set_mm, link.actual_mm, link.lag_mm)
             if axis is None or servo is None:
-                row += (link.set_mm, link.actual_mm, link.lag_mm)
                 continue
-            motion, at_ns = axis.motion, plant_ns
-            if servo.sync_ns != plant_ns and servo.sync_ns >= channel.sync_ns:
-                # a tick or an SDO has moved the plant on
-                time_ns = at_ns = servo.sync_ns
-                motion = axis.motion_at(at_ns)
-            peak_n = axis.stop_force_peak_n(self._last_ns(at_ns), at_ns)
-            row += (link.set_mm, link.actual_mm, link.lag_mm, *motion, peak_n)
+            motion, after_ns = self._motion(axis, time_ns), 0
+            if servo.sync_ns > time_ns:
+                motion, after_ns = motion[:], servo.sync_ns - time_ns
+                motion[_OF_DRIVE] = self._motion(axis, servo.sync_ns)[_OF_DRIVE]
+            peak_n = axis.stop_force_peak_n(self._last_ns(time_ns), time_ns)
+            row += (*motion, peak_n, after_ns)
         self._times.append(time_ns)
         self._rows.add(row)
         self._levels.add([signal.level for signal in self._signals])
@@ -178,6 +188,23 @@ class Recorder:
         self._controls.note(channel)
         if len(self._times) == BLOCK_ROWS:
             self._write()
+
+    def _row_ns(self, channel: Channel) -> TimeNs:
+        """Return the first SYNC of this cycle; the instant it was asked for without a plant.
+
+        Where no drive has got it the plant is at that instant.
+        """
+        if not self._has_plant:
+            return channel.sync_ns
+        asked_ns, first_ns = channel.sync_ns, self._plant.now_ns
+        for servo in self._driven:
+            if asked_ns <= servo.sync_ns < first_ns:
+                first_ns = servo.sync_ns
+        return first_ns
+
+    def _motion(self, axis: PlantAxis, time_ns: TimeNs) -> list[float]:
+        """Return the motion at a SYNC, at which every plant was stepped; since then more may be."""
+        return axis.motion if time_ns == self._plant.now_ns else axis.motion_at(time_ns)
 
     def _last_ns(self, otherwise_ns: TimeNs) -> TimeNs:
         """Return the instant of the row before."""
@@ -237,10 +264,13 @@ class Recorder:
         found = dict(zip(KERNEL_COLUMNS, place, strict=False))
         if axis.plant is not None and axis.servo is not None:
             first = begin + len(KERNEL_COLUMNS)
-            found |= self._of_plant(place[len(KERNEL_COLUMNS) :], first, axis.servo)
+            told = place[len(KERNEL_COLUMNS) :]
+            found |= self._of_plant(told, first, axis.servo)
             # What the first block has, all have
             names = self._columns.setdefault(axis.name, _columns(axis.plant.roles, found))
             found = {name: found[name] for name in names}
+            if self._has_segments:
+                found[SYNC_AFTER] = told[-1].astype(np.int64)
         turned: dict[str, str] = {}
         if axis.is_rotary:
             turned = LENGTH_COLUMNS
@@ -250,20 +280,22 @@ class Recorder:
         return {f"{axis.name}.{turned.get(n, n)}": column_of(v) for n, v in found.items()}
 
     def _of_plant(self, told: Floats, first: int, servo: VirtualDrive) -> dict[str, Floats]:
-        """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows.
+        """Return the columns that come from a plant; told: what a row keeps (TOLD), by rows.
 
         first: where these are in a row.
         """
-        position, velocity, motor, motor_velocity, demand, force, stop_force, face, peak = told
-        times, motion = self._times, (demand, motor, motor_velocity)
+        position, velocity, motor, motor_velocity, demand, force, stop_force, face = told[:-2]
+        syncs_ns = np.array(self._times, dtype=np.int64) + told[-1].astype(np.int64)
+        motion = (demand, motor, motor_velocity)
         if self._before is None:
-            lag = largest_lag(np.array(times, dtype=np.int64), motion, servo.tick_ns)
+            lag = largest_lag(syncs_ns, motion, servo.tick_ns)
         else:
             before_ns, row = self._before
             # Demand, motor position, motor velocity of the row before, in the order of `motion`
             last = (row[first + 4], row[first + 2], row[first + 3])
             whole = [np.concatenate([[b], m]) for b, m in zip(last, motion, strict=True)]
-            at_ns = np.array([before_ns, *times], dtype=np.int64)
+            before_ns += int(row[first + TOLD - 1])
+            at_ns = np.concatenate([np.array([before_ns], dtype=np.int64), syncs_ns])
             lag = largest_lag(at_ns, (whole[0], whole[1], whole[2]), servo.tick_ns)[1:]
         return {
             "truth_mm": position * 1e3,
@@ -272,7 +304,7 @@ class Recorder:
             "drive_lag_peak_mm": 1e3 * lag,
             "force_n": force,
             "stop_force_n": stop_force,
-            "stop_force_peak_n": peak,
+            "stop_force_peak_n": told[-2],
             "stop_mm": face * 1e3,
         }
 
