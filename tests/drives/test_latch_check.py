@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.canopen.latch_check import LatchCheck, StandstillRoom
-from axisrig.kernel.drives.canopen.sdo import Done, SdoError
+from axisrig.kernel.drives.cia402.latch_check import LatchCheck, StandstillRoom
+from axisrig.kernel.drives.cia402.objects import Done, SdoError
 
 STATUS, LATCH, COUNTER = 0x60B9, 0x60BA, 0x60D5
 STORED = 0b10

@@ -6,7 +6,7 @@ lies anywhere between two SYNCs, where its speed is v + a k.
 
 import pytest
 
-from axisrig.kernel.drives.canopen.latch_watch import LatchWatch
+from axisrig.kernel.drives.cia402.latch_watch import LatchWatch
 
 ENABLED, STORED = 0x0001, 0x0002
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.canopen.latch_watch import (
+from axisrig.kernel.drives.cia402.latch_watch import (
     CLEARED_CYCLES,
     REPEATED_CYCLES,
     SAME_VALUE_CYCLES,

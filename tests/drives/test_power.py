@@ -2,7 +2,8 @@
 
 import pytest
 
-from axisrig.kernel.drives.canopen.link import WORDS, AxisLink
+from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.cia402.link import WORDS
 from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.drives.power import NEXT, Power, PowerOrder, PowerRequest
 from axisrig.kernel.drives.settings import DriveSettings

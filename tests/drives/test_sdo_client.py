@@ -10,7 +10,8 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
+from axisrig.kernel.drives.canopen.sdo import SdoClient
+from axisrig.kernel.drives.cia402.objects import SdoError
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel.axes.homing import Homing
-from axisrig.kernel.drives.canopen.homing import (
+from axisrig.kernel.drives.cia402.homing import (
     BLIND_CYCLES,
     LIMIT_NS,
     MODE_POLLS_MAX,
@@ -15,7 +15,7 @@ from axisrig.kernel.drives.canopen.homing import (
     AxisHoming,
     Phase,
 )
-from axisrig.kernel.drives.canopen.sdo import SdoError
+from axisrig.kernel.drives.cia402.objects import SdoError
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS
 

@@ -121,9 +121,7 @@ class CanBuses(Installed):
 
     def start_up(self, axis: str) -> StartUp:
         """Make the start-up of one drive."""
-        return build_start_up(
-            self._bench.settings, axis, self._accesses[axis], self._bench.scheduler
-        )
+        return build_start_up(self._bench.settings, axis, self.links[axis], self._bench.scheduler)
 
     def presence(self) -> HeartbeatProducer:
         """Make the heartbeat of the kernel."""

@@ -14,11 +14,11 @@ from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
 from axisrig.kernel.drives.canopen.functions import read_functions
-from axisrig.kernel.drives.canopen.latch_check import StandstillRoom
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 
@@ -102,10 +102,11 @@ def build_accesses(
     return accesses, warnings
 
 
-def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Clock) -> StartUp:
+def build_start_up(settings: Settings, name: str, link: AxisLink, clock: Clock) -> StartUp:
     """Make the start-up of the drive of one axis."""
-    axis, link = settings.rig.axis[name], access.link
+    axis = settings.rig.axis[name]
+    assert link.sdo is not None, "made with it"
     declared = start_up_settings(drive_of(settings, name))
     steps = axis_steps(settings, name)
     address = DriveAddress(name, axis.node_id)
-    return StartUp(address, link.network, clock, access.sdo, steps, declared, keep=link.set_object)
+    return StartUp(address, link.network, clock, link.sdo, steps, declared, keep=link.set_object)

@@ -14,7 +14,7 @@ from canopen.objectdictionary import ObjectDictionary, ODArray, ODVariable, data
 
 from axisrig.kernel.drives.canopen.functions import Functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
-from axisrig.kernel.drives.canopen.sdo import object_name
+from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 

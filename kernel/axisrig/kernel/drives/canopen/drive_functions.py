@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from axisrig.kernel.drives.canopen.functions import DriveFunction, Functions
 from axisrig.kernel.drives.canopen.idents import DriveIdent, drive_idents
-from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError, object_name
+from axisrig.kernel.drives.cia402.link import Cia402Drive
+from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError, object_name
 from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
@@ -22,8 +22,8 @@ from axisrig.kernel.nc import canon
 class DriveAccess:
     """What #DRIVE needs of one axis: the ways to its drive and the functions of its list."""
 
-    link: AxisLink
-    sdo: SdoClient
+    link: Cia402Drive
+    sdo: ObjectAccess
     functions: Functions
 
 

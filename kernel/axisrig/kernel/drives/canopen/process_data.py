@@ -8,35 +8,27 @@ found by the fields of the mapping table (`mapping.FIELDS`), so a table may orde
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
-from typing import Any, Final
+from typing import Any
 
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP, MappedObject, Telegram
 from axisrig.kernel.drives.canopen.sdo import Network
+from axisrig.kernel.drives.cia402.cyclic_data import TAKEN, CyclicData, Values
 from axisrig.kernel.drives.cia402.words import find_state
 
-# The fields that `take` gives, in this order
-TAKEN: Final = (
-    "statusword", "actual", "probe_status", "latch", "latch_count", "inputs", "second", "stamp",
-)  # fmt: skip
 # Why a telegram could not be used: alarm IDs
 STAYED_OUT, CONTRADICTED, NO_STATE = 900006, 900080, 900081
 
 Place = tuple[int, int]
 
 
-class ProcessData:
-    """Takes the TPDOs of a drive apart and packs its RPDOs.
-
-    missing: for each cyclic TPDO how many cycles in a row it has stayed out or could not be used.
-    is_disturbed: whether the last cycle was such a one. causes: its alarm ID. wrong_length: name
-    and lengths of a PDO that did not fit its mapping, None = all did.
-    """
+class ProcessData(CyclicData):
+    """Takes the TPDOs of a drive apart and packs its RPDOs; names: of its cyclic TPDOs."""
 
     def __init__(self, telegrams: Mapping[str, Telegram], node_id: int, network: Network) -> None:
-        self._network = network
         everything = telegrams.values()
         self._cyclic = [t for t in everything if t.transmission == 1 and not t.is_received]
-        self.names = [t.name for t in self._cyclic]
+        super().__init__([t.name for t in self._cyclic], STAYED_OUT)
+        self._network = network
         self._count = len(self._cyclic)
         self._places = [self._place(_of_field(field)) for field in TAKEN]
         latch = self._places[TAKEN.index("latch")]
@@ -48,10 +40,6 @@ class ProcessData:
         self._empty = list(self._data)
         self._contradicted: set[int] = set()
         self._good_word: int | None = None
-        self.is_disturbed = False
-        self.missing = [0] * self._count
-        self.causes = [STAYED_OUT] * self._count
-        self.wrong_length: tuple[str, int, int] | None = None
         for slot, telegram in enumerate(self._cyclic):
             network.subscribe(telegram.cob_id(node_id), self._receiver(slot, telegram))
         self._sent = [t for t in everything if t.is_received]
@@ -175,15 +163,15 @@ class ProcessData:
 
     # Sent
 
-    def sent_place(self, field: str) -> tuple[list[int], int] | None:
+    def sent_place(self, field: str) -> Values | None:
         """Return the values of the RPDO that carries a field, and its position in them."""
         return self._find(lambda mapped: mapped.field == field)
 
-    def sent_object(self, index: int, sub: int) -> tuple[list[int], int] | None:
+    def sent_object(self, index: int, sub: int) -> Values | None:
         """Return the values of the RPDO that carries an object, and its position in them."""
         return self._find(lambda mapped: (mapped.index, mapped.sub) == (index, sub))
 
-    def _find(self, wanted: Callable[[MappedObject], Any]) -> tuple[list[int], int] | None:
+    def _find(self, wanted: Callable[[MappedObject], Any]) -> Values | None:
         for telegram, values in zip(self._sent, self._out, strict=True):
             for position, mapped in enumerate(telegram.objects):
                 if wanted(mapped):

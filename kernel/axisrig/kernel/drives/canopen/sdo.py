@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from axisrig.kernel.profiles.canopen.aborts import abort_text
+from axisrig.kernel.drives.cia402.objects import Done, ObjectAccess, SdoError
 from axisrig.kernel.profiles.canopen.identifiers import SDO_ANSWER_BASE, SDO_REQUEST_BASE
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
@@ -31,26 +31,6 @@ class Network(Protocol):
     def send_message(self, can_id: int, data: Any, remote: bool = False) -> None:
         """Request a frame; never waits. A remote one asks for as many bytes as `data` has."""
         ...
-
-
-class SdoError(Exception):
-    """An object could not be read or written.
-
-    code: the abort code, None when the server was silent. by_server: who gave up.
-    """
-
-    def __init__(self, index: int, sub: int, code: int | None, by_server: bool = True) -> None:
-        self.index, self.sub, self.code, self.by_server = index, sub, code, by_server
-        super().__init__(abort_text(code) if code is not None else "no answer")
-
-
-def object_name(index: int, sub: int) -> str:
-    """Write an object as rigs and messages do: 0x6072:0."""
-    return f"0x{index:04X}:{sub:X}"
-
-
-Done = Callable[[bytes | SdoError], None]
-"""Takes the data of an object (empty after a write) or the reason why there are none."""
 
 
 @dataclass
@@ -76,7 +56,7 @@ class _Request:
         self.size, self.sent, self.toggle, self.in_segments = None, 0, 0, False
 
 
-class SdoClient:
+class SdoClient(ObjectAccess):
     """The client of one server (CiA 301 default SDO channel of a node); requests run in turn.
 
     timeout_ns: for each answer. attempts: how often a request is begun when the server is silent.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
-from axisrig.kernel.drives.canopen.sdo import Done, Network, SdoClient, SdoError, object_name
+from axisrig.kernel.drives.canopen.sdo import Network
 from axisrig.kernel.drives.canopen.startup_steps import (
     SCALING,
     BootUp,
@@ -22,6 +22,7 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     Step,
     Write,
 )
+from axisrig.kernel.drives.cia402.objects import Done, ObjectAccess, SdoError, object_name
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, NMT_ID
 from axisrig.kernel.profiles.canopen.nmt import BOOT_UP
@@ -53,7 +54,7 @@ class StartUp:
         drive: DriveAddress,
         network: Network,
         clock: Clock,
-        sdo: SdoClient,
+        sdo: ObjectAccess,
         steps: Sequence[Step],
         settings: StartUpSettings,
         keep: Callable[[int, int, int], None] | None = None,

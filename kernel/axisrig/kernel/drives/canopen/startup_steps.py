@@ -18,7 +18,7 @@ from axisrig.kernel.drives.canopen.dictionary import (
     variable,
 )
 from axisrig.kernel.drives.canopen.mapping import Telegram
-from axisrig.kernel.drives.canopen.sdo import object_name
+from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO, NOT_VALID, PDO_BASE, SYNC_ID
 from axisrig.kernel.time.clock import MS, TimeNs

@@ -5,13 +5,10 @@ guarding, emergencies. Sources: CiA 301 sections 7.2.7 (EMCY), 7.2.8 (error cont
 """
 
 from dataclasses import dataclass
-from math import inf
 
 from axisrig.kernel.drives.canopen.link import AxisLink
-from axisrig.kernel.drives.interface import DriveWatch
-from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.drives.cia402.watch import Cia402Watch
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE
 from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL, PRE_OPERATIONAL, STOPPED
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
@@ -19,8 +16,6 @@ from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 NMT_STATES = {STOPPED: "stopped", OPERATIONAL: "operational", PRE_OPERATIONAL: "pre-operational"}
 ONE_BYTE = b"\0"  # length of the answer of node guarding: state and toggle bit
 TOGGLE = 0x80
-# An emergency comes before the status word that explains it: so many cycles are waited for that
-EMERGENCY_CYCLES = 2
 
 
 @dataclass(frozen=True)
@@ -35,10 +30,11 @@ class WatchSettings:
     life_factor: int = 3
 
 
-class LinkWatch(DriveWatch):
+class LinkWatch(Cia402Watch):
     """The watch over one drive; begins with `begin`, asked once per cycle."""
 
     def __init__(self, link: AxisLink, clock: Clock, settings: WatchSettings) -> None:
+        super().__init__(link)
         self._link, self._clock, self._settings = link, clock, settings
         self._id = ERROR_CONTROL_BASE + link.node_id
         self._is_watching = False
@@ -49,7 +45,6 @@ class LinkWatch(DriveWatch):
         self._nmt_state = OPERATIONAL
         self._toggle: int | None = None
         self._toggle_stuck = False
-        self._emergency_cycles = 0
         self._limit_ns = settings.heartbeat_ns or settings.guard_ns * settings.life_factor
         link.network.subscribe(self._id, self._on_error_control)
 
@@ -113,46 +108,3 @@ class LinkWatch(DriveWatch):
                     ms=silent_ns // MS,
                 )
         return self._jump()
-
-    def _jump(self) -> Alarm | None:
-        """Report a jump in operation; before it a drive may still be looking for its encoder."""
-        jump_mm, self._link.jump_mm = self._link.jump_mm, None
-        if jump_mm is None or self._link.power is not Power.OPERATING:
-            return None
-        return Alarm(900029, axis=self._link.name, jump_mm=f"{jump_mm:.3f}")
-
-    def condition(self) -> Alarm | None:
-        """Return what is wrong with the drive itself, None when nothing is.
-
-        Alarm 900005 (fault), 900036 (lag), 900025 or 900035 (emergency), 900027 (has left
-        operation enabled).
-        """
-        link = self._link
-        if link.request is PowerRequest.STOP:
-            return None  # as it was commanded
-        if link.power is Power.OPERATING and link.emergency is None:
-            return self._lag()
-        word = f"0x{link.statusword:04X}"
-        if link.power is Power.FAULT:
-            self._emergency_cycles = 0
-            return link.fault()
-        if link.emergency is not None:
-            return self._judge(link.emergency)
-        return Alarm(900027, axis=link.name, statusword=word, state=link.state_name)
-
-    def _lag(self) -> Alarm | None:
-        limit_mm = self._link.settings.lag_limit_mm
-        if limit_mm == inf or not self._link.watches_lag or abs(self._link.lag_mm) <= limit_mm:
-            return None
-        lag_mm = f"{self._link.lag_mm:.4f}"
-        return Alarm(900036, axis=self._link.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")
-
-    def _judge(self, emergency: Emergency) -> Alarm | None:
-        """Wait for the status word that explains an emergency, then take it for itself."""
-        self._emergency_cycles += 1
-        if self._emergency_cycles < EMERGENCY_CYCLES:
-            return None
-        self._emergency_cycles, self._link.emergency = 0, None
-        if emergency.reaction == "warn":
-            return Alarm(900035, axis=self._link.name, emcy=str(emergency))
-        return Alarm(900025, axis=self._link.name, emcy=str(emergency))

@@ -25,7 +25,7 @@ from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos, Pdo
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
 from axisrig.bench.tools.bus_log.canopen.transfers import Transfers
 from axisrig.kernel.drives.canopen.mapping import Telegram
-from axisrig.kernel.drives.canopen.sdo import object_name
+from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.canopen.nmt import BOOT_UP

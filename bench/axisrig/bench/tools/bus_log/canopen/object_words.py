@@ -11,7 +11,7 @@ from importlib import resources
 
 from axisrig.bench.drive.cia402.dictionary.objects import variables
 from axisrig.bench.drive.cia402.functions.transitions import command_of
-from axisrig.kernel.drives.canopen.sdo import object_name
+from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.drives.cia402.words import find_state
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 

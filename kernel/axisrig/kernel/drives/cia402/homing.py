@@ -8,7 +8,7 @@ from collections.abc import Callable
 from enum import Enum, auto
 from typing import Final, Protocol
 
-from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError, object_name
+from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError, object_name
 from axisrig.kernel.drives.interface import DriveHoming
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import Status
@@ -53,7 +53,7 @@ class HomingLink(Protocol):
 class AxisHoming(DriveHoming):
     """The homing of one axis over SDO and the bits of the mode in the controlword."""
 
-    def __init__(self, link: HomingLink, clock: Clock, sdo: SdoClient) -> None:
+    def __init__(self, link: HomingLink, clock: Clock, sdo: ObjectAccess) -> None:
         self._link, self._clock, self._sdo = link, clock, sdo
         self.phase = Phase.ENTERING
         self._mode_before: int | None = None  # until the drive has reported it

@@ -7,7 +7,7 @@ Emergencies are sent once, when the fault comes up. What is active afterwards is
 
 from functools import partial
 
-from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError, object_name
+from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError, object_name
 from axisrig.kernel.profiles.canopen.emergency import meaning_of
 
 ERROR_CODE, HISTORY = (0x603F, 0), (0x1003, 1)
@@ -16,7 +16,7 @@ ERROR_CODE, HISTORY = (0x603F, 0), (0x1003, 1)
 class ActiveFault:
     """One question to one drive; without a client nobody is asked."""
 
-    def __init__(self, sdo: SdoClient | None) -> None:
+    def __init__(self, sdo: ObjectAccess | None) -> None:
         self._sdo = sdo
         self._open = 0
         self._codes: dict[tuple[int, int], int] = {}

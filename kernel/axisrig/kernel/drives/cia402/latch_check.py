@@ -11,7 +11,7 @@ On a segment that has no room for SDO in each cycle there may be room while none
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from axisrig.kernel.drives.canopen.sdo import SdoClient, SdoError
+from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError
 
 PROBE_STATUS = 0x60B9
 _SIGN = 1 << 31
@@ -71,7 +71,7 @@ class LatchCheck:
 
     def __init__(
         self,
-        sdo: SdoClient,
+        sdo: ObjectAccess,
         stored_bit: int,
         latch_object: int,
         counter_object: int,

@@ -1,0 +1,63 @@
+"""Watches over a drive of CiA 402 while a program runs, whatever carries its words."""
+
+from math import inf
+
+from axisrig.kernel.drives.cia402.link import Cia402Drive
+from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.canopen.emergency import Emergency
+
+# An emergency comes before the status word that explains it: so many cycles are waited for that
+EMERGENCY_CYCLES = 2
+
+
+class Cia402Watch(DriveWatch):
+    """What the words of a drive say of its condition, and where its position jumps."""
+
+    def __init__(self, drive: Cia402Drive) -> None:
+        self._drive = drive
+        self._emergency_cycles = 0
+
+    def _jump(self) -> Alarm | None:
+        """Report a jump in operation; before it a drive may still be looking for its encoder."""
+        jump_mm, self._drive.jump_mm = self._drive.jump_mm, None
+        if jump_mm is None or self._drive.power is not Power.OPERATING:
+            return None
+        return Alarm(900029, axis=self._drive.name, jump_mm=f"{jump_mm:.3f}")
+
+    def condition(self) -> Alarm | None:
+        """Return what is wrong with the drive itself, None when nothing is.
+
+        Alarm 900005 (fault), 900036 (lag), 900025 or 900035 (emergency), 900027 (has left
+        operation enabled).
+        """
+        drive = self._drive
+        if drive.request is PowerRequest.STOP:
+            return None  # as it was commanded
+        if drive.power is Power.OPERATING and drive.emergency is None:
+            return self._lag()
+        word = f"0x{drive.statusword:04X}"
+        if drive.power is Power.FAULT:
+            self._emergency_cycles = 0
+            return drive.fault()
+        if drive.emergency is not None:
+            return self._judge(drive.emergency)
+        return Alarm(900027, axis=drive.name, statusword=word, state=drive.state_name)
+
+    def _lag(self) -> Alarm | None:
+        limit_mm = self._drive.settings.lag_limit_mm
+        if limit_mm == inf or not self._drive.watches_lag or abs(self._drive.lag_mm) <= limit_mm:
+            return None
+        lag_mm = f"{self._drive.lag_mm:.4f}"
+        return Alarm(900036, axis=self._drive.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")
+
+    def _judge(self, emergency: Emergency) -> Alarm | None:
+        """Wait for the status word that explains an emergency, then take it for itself."""
+        self._emergency_cycles += 1
+        if self._emergency_cycles < EMERGENCY_CYCLES:
+            return None
+        self._emergency_cycles, self._drive.emergency = 0, None
+        if emergency.reaction == "warn":
+            return Alarm(900035, axis=self._drive.name, emcy=str(emergency))
+        return Alarm(900025, axis=self._drive.name, emcy=str(emergency))
