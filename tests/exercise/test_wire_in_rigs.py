@@ -235,23 +235,40 @@ def test_what_only_canopen_has_is_refused_for_others(folder: Path, change: str, 
     assert f"--set {change}" in str(caught.value)  # the place of what was wrong
 
 
-def test_a_fault_of_its_signal_acts_where_another_segment_has_moments(folder: Path) -> None:
-    """v t of an edge that is 2 ms late at 5 mm/s; without frames there is no moment for it."""
-    settings = settings_of(folder, "fault:probe_late=probe by=2ms")
-    machine = Machine(settings, read_program(folder / "wire.nc", tuple(settings.rig.axis)))
+MEASURED = [  # fault, um beside the surface, the alarm
+    ("fault:probe_late=probe by=2ms", -10.0, None),  # v t at 5 mm/s
+    ("fault:probe_late=probe by=2ms at=armed", -10.0, None),
+    ("fault:probe_late=probe by=2ms at=latched", 0.0, None),  # the edge is past
+    ("fault:probe_stick=probe at=edge for=5ms", 0.0, None),
+    ("fault:probe_stick=probe at=armed", None, 900101),
+    # Of 10 000 in a mm; after a way up, so that less is counted
+    ("fault:encoder_loss=Z increments=300 at=armed", -30.0, None),
+    ("fault:encoder_loss=Z increments=300 at=seen", 0.0, None),
+]
+
+
+@pytest.mark.parametrize(("fault", "off_um", "alarm"), MEASURED)
+def test_faults_beside_the_frames_need_no_frames(
+    folder: Path, fault: str, off_um: float | None, alarm: int | None
+) -> None:
+    """No segment of this rig has any: moments come from channel, drive and plant."""
+    begin, end = RIG.index("[axis.X]"), RIG.index("[plant.z]")
+    alone = (RIG[:begin] + RIG[end:]).replace("[segment.can1]\n", "")
+    program = (folder / "wire.nc").read_text(encoding="utf-8")
+    (folder / "wire.nc").write_text(program.replace("X2", "Z0.6").replace("X3 ", ""))
+    settings = settings_of(folder, fault, rig=alone)
+    machine = Machine(settings, read_program(folder / "wire.nc", ("Z",)))
     try:
         machine.run()
     finally:
         machine.close()
-    (line,) = [message.shown for message in machine.messages]
-    late_mm = SURFACE_MM - 5.0 * 0.002
-    assert float(line.partition("=")[2]) == pytest.approx(late_mm, abs=2.0 / INCREMENTS_PER_MM)
-
-    begin, end = RIG.index("[axis.X]"), RIG.index("[plant.z]")
-    alone = (RIG[:begin] + RIG[end:]).replace("[segment.can1]\n", "")
-    settings_of(folder, rig=alone)
-    with pytest.raises(UserError, match="its moments are those of frames"):
-        settings_of(folder, "fault:probe_late=probe by=2ms", rig=alone)
+    assert [known.id for known in machine.channel.alarms] == ([] if alarm is None else [alarm])
+    assert machine.faults[0].begin_ns is not None
+    if off_um is not None:
+        (line,) = [message.shown for message in machine.messages]
+        expected_mm = SURFACE_MM + off_um * 1e-3
+        tolerance_mm = 2.0 / INCREMENTS_PER_MM
+        assert float(line.partition("=")[2]) == pytest.approx(expected_mm, abs=tolerance_mm)
 
 
 @pytest.mark.parametrize(

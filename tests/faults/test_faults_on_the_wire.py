@@ -13,14 +13,33 @@ import pytest
 
 from axisrig.bench.bus.can.confinement import ErrorState
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.bench.machine.faults.injection import Injected, inject
-from axisrig.bench.rig.reading.faults import read_faults
+from axisrig.bench.machine.faults.acts import Act, Injected
+from axisrig.bench.machine.faults.frames import OnCan
+from axisrig.bench.machine.faults.injection import ON_CAN, inject
+from axisrig.bench.machine.faults.when import Moments, Watched
+from axisrig.bench.rig.reading.faults import Fault, read_faults
 from axisrig.bench.rig.reading.file import read_rig
+from axisrig.kernel.cosim.plant.probe import PlantSignal
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 
 RIG = read_rig(Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml")[0]
-PROBES = {"armed": 0x0001, "latched": 0x0002}
+
+
+class Drive:
+    """A virtual drive with one probing input, whose rising edges are latched."""
+
+    def __init__(self) -> None:
+        self.latch_watches: list[Callable[[], None]] = []
+        self.latches, self.is_enabled, self.is_stored = (self,), False, False
+
+    def turn(self, name: str, value: bool) -> None:
+        setattr(self, {"armed": "is_enabled", "latched": "is_stored"}[name], value)
+        for watch in self.latch_watches:
+            watch()
+
+    def has_stored(self, is_rising: bool) -> bool:
+        return is_rising and self.is_stored
 
 
 class Wire:
@@ -38,33 +57,30 @@ class Wire:
         self.other.attach_data(lambda can_id, _data, _time: self.got_by_other.append(can_id))
         self.power: list[tuple[str, float]] = []
         self.channel = SimpleNamespace(
-            start_ns=None, interpolator=SimpleNamespace(is_standing=True)
+            start_ns=None, interpolator=SimpleNamespace(is_standing=True), observers=[]
         )
-        self.link = SimpleNamespace(
-            settings=SimpleNamespace(probe_input=1, edge=edge), has_latched=False
-        )
-        self.probe = SimpleNamespace(status=0)
+        self.link = SimpleNamespace(probe_input=1, edge=edge, has_latched=False)
+        self.drive = Drive()
         self.node = SimpleNamespace(
-            servo=SimpleNamespace(touch_probe=self.probe),
             power_off=lambda: self.power.append(("off", self.now_ms)),
             power_on=lambda: self.power.append(("on", self.now_ms)),
         )
-        self.signal = SimpleNamespace(level=False)
+        self.signal = PlantSignal(level=False)
         name = RIG.axis["Z"].probe_1
         found = [fault for kind, text in faults for fault in read_faults(kind, text, RIG)]
-        world: Any = SimpleNamespace(
-            beside=SimpleNamespace(acts=[]),
-            settings=SimpleNamespace(rig=RIG, faults=found),
-            scheduler=self.clock,
-            segments={"can1": self.segment},
-            nodes={"Z": self.node},
-            links={"Z": self.link},
-            plant=SimpleNamespace(probes={name: SimpleNamespace(signal=self.signal)}),
-            channel=self.channel,
-        )
-        self.records: list[Injected] = inject(world, seed)
+        settings: Any = SimpleNamespace(rig=RIG, faults=found)
+        nodes: Any = {"Z": self.node}
+        buses = OnCan(settings, self.clock, {"can1": self.segment}, nodes)
+        plant = SimpleNamespace(probes={name: SimpleNamespace(signal=self.signal)})
+        parts: Any = (self.channel, {"Z": self.link}, {"Z": self.drive}, plant)
+        moments = Moments(Watched(RIG, self.clock, *parts))
+
+        def build(fault: Fault, *rest: Any) -> Act:
+            return ON_CAN[fault.kind](buses, fault, *rest)
+
+        self.records: list[Injected] = inject(settings, moments, [], build, seed)
         self.port.attach_data(lambda _id, _data, _time: None)
-        self.at(2.5, lambda: setattr(self.channel, "start_ns", self.clock.now_ns))
+        self.at(2.5, self.start)
         for number in range(1, 13):
             content = bytes([number, 0x11, 0x22]) if data is None else data
             self.at(number, lambda content=content: self.port.send_raw(can_id, content))
@@ -72,6 +88,15 @@ class Wire:
     @property
     def now_ms(self) -> float:
         return self.clock.now_ns / MS
+
+    def start(self) -> None:
+        self.channel.start_ns = self.clock.now_ns
+        self.cycle()
+
+    def cycle(self) -> None:
+        """End an NC cycle."""
+        for observer in self.channel.observers:
+            observer(self.channel)
 
     def at(self, time_ms: float, what: Callable[[], None]) -> None:
         self.clock.call_at(round(time_ms * MS), Phase.APPLICATION, what)
@@ -113,9 +138,10 @@ ALL = list(range(1, 13))
         ("drop", "Z.TPDO1 skip=3 count=2", [1, 2, 3, *range(6, 13)], 2),
         ("drop", "Z.TPDO1 p=0", ALL, 0),
         ("drop", "Z.TPDO1 for=3.5ms", range(4, 13), 3),
-        # The program starts at 2.5 ms, which the frame at 3 ms shows: 3 + 2.5 = 5.5
-        ("drop", "Z.TPDO1 at=2.5ms", [1, 2, 3, 4, 5], 7),
-        ("drop", "Z.TPDO1 at=2.5ms for=3ms", [1, 2, 3, 4, 5, 9, 10, 11, 12], 3),
+        # The program starts at 2.5 ms: 2.5 + 2.4 = 4.9, and 3 ms more are 7.9
+        ("drop", "Z.TPDO1 at=2.4ms", [1, 2, 3, 4], 8),
+        ("drop", "Z.TPDO1 at=2.6ms", [1, 2, 3, 4, 5], 7),
+        ("drop", "Z.TPDO1 at=2.4ms for=3ms", [1, 2, 3, 4, 8, 9, 10, 11, 12], 3),
         ("drop", "Z.TPDO1 at=start count=1", [1, 2, *range(4, 13)], 1),
         ("swap", "Z.TPDO1 count=1", [2, 1, *range(3, 13)], 1),
         ("swap", "Z.TPDO1 skip=1 count=1", [1, 3, 2, *range(4, 13)], 1),
@@ -236,8 +262,8 @@ def test_a_sync_that_one_drive_misses(wire: Callable[..., Wire]) -> None:
 
 
 def test_a_node_that_babbles(wire: Callable[..., Wire]) -> None:
-    """From 3 + 1 ms for 2 ms, one frame each 500 us, as the period counts from 0 on."""
-    ran = wire(("babble", "can1 id=0x5 bytes=2 period=500us at=1.1ms for=2ms")).run()
+    """From 2.5 + 1.6 ms for 2 ms, one frame each 500 us, as the period counts from 0 on."""
+    ran = wire(("babble", "can1 id=0x5 bytes=2 period=500us at=1.6ms for=2ms")).run()
     times = [time_ms for time_ms, can_id, _ in ran.got if can_id == 5]
     assert [int(time_ms * 2) / 2 for time_ms in times] == [4.5, 5.0, 5.5, 6.0]
     assert {data for _, can_id, data in ran.got if can_id == 5} == {"0000"}
@@ -292,19 +318,19 @@ def test_a_command_that_the_kernel_did_not_send(
     ran = wire(("reset", f"Z at=start {command}")).run()
     ((time_ms, _, data),) = [each for each in ran.got if each[1] == 0]
     assert bytes.fromhex(data) == bytes([number, 3])
-    assert 3 < time_ms < 3.3
+    assert 2.5 < time_ms < 2.6  # a frame of two bytes takes less than 0.1 ms
 
 
 def test_a_drive_without_power_comes_back(wire: Callable[..., Wire]) -> None:
-    assert wire(("power_loss", "Z at=1.5ms for=4ms")).run().power == [("off", 4.5), ("on", 8.5)]
+    assert wire(("power_loss", "Z at=1.5ms for=4ms")).run().power == [("off", 4.0), ("on", 8.0)]
     ran = wire(("power_loss", "Z")).run()  # 100 ms by default
     assert ran.power == [("off", 0.0)]
 
 
 def test_a_controller_off_the_bus(wire: Callable[..., Wire]) -> None:
     """With a time it is gone for that long, without one it recovers: 128 times 11 bits, 1.4 ms."""
-    assert wire(("bus_off", "Z at=1.5ms for=4ms")).run().numbers() == [1, 2, 3, 4, *range(9, 13)]
-    ran = wire(("bus_off", "Z at=1.5ms")).run()
+    assert wire(("bus_off", "Z at=2ms for=4ms")).run().numbers() == [1, 2, 3, 4, *range(9, 13)]
+    ran = wire(("bus_off", "Z at=2ms")).run()
     assert ran.numbers() == [1, 2, 3, 4, *range(6, 13)]
     assert ran.port.error_state is ErrorState.ACTIVE
 
@@ -313,12 +339,14 @@ def rises(ran: Wire, name: str, value: Any) -> None:
     """Bring the condition of a moment about, or end it."""
     if name in ("motion", "standing"):
         ran.channel.interpolator.is_standing = (name == "standing") is value
-    elif name in PROBES:
-        ran.probe.status = PROBES[name] if value else 0
+        ran.cycle()
+    elif name in ("armed", "latched"):
+        ran.drive.turn(name, value)
     elif name == "edge":
-        ran.signal.level = value
+        ran.signal.add(ran.clock.now_ns, value)
     else:
         ran.link.has_latched = value
+        ran.cycle()
 
 
 @pytest.mark.parametrize("name", ["motion", "standing", "armed", "edge", "latched", "seen"])
@@ -343,12 +371,23 @@ def test_the_edge_is_the_one_that_the_axis_waits_for(
     wire: Callable[..., Wire], edge: str, first: int
 ) -> None:
     ran = wire(("drop", "Z.TPDO1 at=edge"), edge=edge)
-    ran.signal.level = False
-    ran.at(2.7, lambda: setattr(ran.signal, "level", edge == "NEG"))
-    ran.at(4.5, lambda: setattr(ran.signal, "level", True))
-    ran.at(6.5, lambda: setattr(ran.signal, "level", False))
+    for time_ms, level in ((2.7, edge == "NEG"), (4.5, True), (6.5, False)):
+        ran.at(time_ms, lambda level=level: ran.signal.add(ran.clock.now_ns, level))
     ran.run()
     assert ran.numbers() == list(range(1, first))
+
+
+@pytest.mark.parametrize(
+    ("offset", "begin_ms"), [("", 4.5), ("+0.2ms", 4.5), ("+0.5ms", 4.6), ("+3ms", 7.1)]
+)
+def test_an_offset_counts_from_the_edge_itself(
+    wire: Callable[..., Wire], offset: str, begin_ms: float
+) -> None:
+    """The plant is stepped at 4.5 ms over an edge at 4.1 ms: nothing can begin before 4.5 ms."""
+    ran = wire(("drop", f"Z.TPDO1 at=edge{offset}"))
+    ran.at(4.5, lambda: ran.signal.add(round(4.1 * MS), True))
+    ran.run()
+    assert ran.records[0].begin_ns == round(begin_ms * MS)
 
 
 def test_a_further_fault_changes_nothing_about_the_others_and_a_seed_does(

@@ -41,7 +41,7 @@ class Master:
         start_plant(settings, self.plant)
         segments = build_segments(settings, self.scheduler, Journal(), (), opened)
         self.node = build_nodes(
-            settings, self.scheduler, segments, Beside(settings, self.plant, self.scheduler, 0), 0
+            settings, self.scheduler, segments, Beside(settings, self.plant, self.scheduler), 0
         )["Z"]
         network = self.network = SimNetwork(segments["can1"].port("master")).connect()
         remote = SimRemoteNode(3, object_dictionary(3, self.node.profile))

@@ -3,6 +3,7 @@
 `rig/reading/families.csv` names the modules.
 """
 
+import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -12,16 +13,16 @@ from typing import Any, Protocol
 import pyarrow as pa
 
 from axisrig.bench.drive.axis.drive import VirtualDrive
+from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.beside import Beside
-from axisrig.bench.machine.faults.injection import Injected
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.plc.terminal import AnyTerminal
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
 from axisrig.bench.rig.reading.families import FAMILIES, loaded
+from axisrig.bench.rig.reading.faults import Fault
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
 from axisrig.kernel.drives.carrier import Carrier, Presence
@@ -100,9 +101,12 @@ class Installed:
         """
         return None
 
-    def inject(self, channel: Channel) -> Sequence[Injected]:
-        """Let the faults of the settings act; return what becomes of each."""
-        return ()
+    def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
+        """Build in a fault of frames on its segments, or of a drive there; None for others.
+
+        numbers: of this fault alone. record: gets which frames are hit.
+        """
+        return None
 
     def look(self) -> Iterator[Alarm]:
         """Return what has gone wrong with segments outside since the last look."""
@@ -139,6 +143,14 @@ class Installed:
     def shown(self) -> Sequence[Mapping[str, Any]]:
         """Return the present state of each segment, as `live.states` shows it."""
         return ()
+
+
+def build_fault(
+    parts: Sequence[Installed], fault: Fault, numbers: random.Random, record: Injected
+) -> Act:
+    """Build in a fault of frames or of a drive where its segment is."""
+    built = (part.build_fault(fault, numbers, record) for part in parts)
+    return next(act for act in built if act is not None)
 
 
 class Install(Protocol):

@@ -13,8 +13,11 @@ from pathlib import Path
 from axisrig.bench.bus.deadlines import BINS_US
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.deflection import DeflectionLog
-from axisrig.bench.machine.families import Bench, Installed, install_all
+from axisrig.bench.machine.families import Bench, Installed, build_fault, install_all
+from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.beside import Beside
+from axisrig.bench.machine.faults.injection import build_beside, inject
+from axisrig.bench.machine.faults.when import Moments, Watched
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.leaving import power_down
 from axisrig.bench.machine.mechanics import PlantMechanics
@@ -125,12 +128,13 @@ class Machine:
             self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self._beside = Beside(settings, self.plant, self.scheduler, seed)
+            self._beside = Beside(settings, self.plant, self.scheduler)
+            acts = build_beside(self._beside, seed)
             self._install(bus_logs, seed)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
             self.plc_task = self._build_plc_task(seed)
-            self.faults = [fault for part in self.installed for fault in part.inject(self.channel)]
+            self.faults = self._inject(acts, seed)
             self._observe(trace)
             self.channel.load(self._commands_of(None))
             guard.pop_all()
@@ -160,6 +164,12 @@ class Machine:
             for part in self.installed
             if segment in part.carriers
         }
+
+    def _inject(self, acts: Sequence[Act], seed: int) -> list[Injected]:
+        """Let the faults of the settings act; acts: of those that are built in already."""
+        rig, plant, build = self.settings.rig, self.plant, partial(build_fault, self.installed)
+        watched = Watched(rig, self.scheduler, self.channel, self.links, self.drives, plant)
+        return inject(self.settings, Moments(watched), acts, build, seed)
 
     def _commands_of(self, file: str | None) -> Iterator[Command]:
         """Begin to interpret the program of the run, or another one that the PLC side starts."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from axisrig.bench.rig.cause import blamed
-from axisrig.bench.rig.families import family_of, family_on, rig_families
+from axisrig.bench.rig.families import family_of, rig_families
+from axisrig.bench.rig.faults import check_faults
 from axisrig.bench.rig.plc.words import ObjectWrite
 from axisrig.bench.rig.reading.families import carriers_of, joined
 from axisrig.bench.rig.reading.file import LOAD, rig_error
@@ -42,7 +43,7 @@ def _check_rig(settings: Settings) -> None:
     check_drive_types(settings.rig, settings.axis)
     check_outside(settings)
     _check_drives(settings)
-    _check_faults(settings)
+    check_faults(settings)
     _check_objects(settings)
     cycle = settings.rig.cycle
     if cycle.cycle_offset_us >= cycle.period_us:
@@ -123,31 +124,6 @@ def _check_drives(settings: Settings) -> None:
                 value=error.value,
                 allowed=error.allowed,
             ) from error
-
-
-def _check_faults(settings: Settings) -> None:
-    """Refuse faults of drives and segments whose carrier has none."""
-    with_faults = [n for n in settings.segment if family_on(settings, n).has_faults]
-    for fault in settings.faults:
-        keys = ("axis", fault.axis) if fault.axis else ("segment", fault.segment)
-        if not with_faults:
-            raise rig_error(
-                settings.files,
-                ("segment",),
-                f"fault {fault.kind}: its moments are those of frames, and no segment of this rig"
-                " has any",
-                value=fault.target,
-            )
-        on = settings.rig.axis[fault.axis].segment if fault.axis else fault.segment
-        if on in settings.segment and not family_on(settings, on).has_faults:
-            raise rig_error(
-                settings.files,
-                keys,
-                f"fault {fault.kind}: there are no faults of segments of the kind"
-                f" {settings.segment[on].carrier}, nor of their drives",
-                value=fault.target,
-                allowed=with_faults,
-            )
 
 
 def _check_objects(settings: Settings) -> None:

@@ -1,6 +1,7 @@
 """What a machine asks of a virtual drive of any family, besides its words."""
 
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Final, Protocol
 
 from axisrig.kernel.time.clock import TimeNs
 
@@ -8,16 +9,33 @@ NEVER: Final = -1
 """Value of `sync_ns` until the first cycle."""
 
 
+class DriveLatch(Protocol):
+    """What is seen of the latch of a probing input inside a drive, before any telegram shows it."""
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether it is on."""
+        ...
+
+    def has_stored(self, is_rising: bool) -> bool:
+        """Whether it has stored a position at an edge of this direction."""
+        ...
+
+
 class VirtualDrive:
     """A drive at an axis of the plant; a family derives its own from it.
 
     sync_ns: instant of the last cycle that it took part in, NEVER before the first one. tick_ns: of
-    its own cycle, in which it gives the axis its demand.
+    its own cycle, in which it gives the axis its demand. latches: of its probing inputs 1 and 2.
+    latch_watches: called when one may have been enabled, switched off, or may have stored a
+    position; they change nothing.
     """
 
     def __init__(self, tick_ns: TimeNs) -> None:
         self.sync_ns: TimeNs = NEVER
         self.tick_ns = tick_ns
+        self.latches: Sequence[DriveLatch] = ()
+        self.latch_watches: list[Callable[[], None]] = []
 
     @property
     def torque_limits(self) -> tuple[int, int, int] | None:

@@ -79,7 +79,8 @@ class Servo(VirtualDrive):
         parts = make_parts(axis, profile, image, signals, switches or {}, seed)
         self.scaling, self.limits, self.motion = parts.units, parts.limits, parts.motion
         self._standstill, self.interpolation = parts.standstill, parts.interpolation
-        self.touch_probe, self.switches = parts.touch_probe, parts.switches
+        self.switches, self.touch_probe = parts.switches, parts.touch_probe
+        self.latches, self.latch_watches = self.touch_probe.probes, self.touch_probe.watches
         self.machine = StateMachine(image, entered)
         self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
         self._ticker = Ticker(clock, profile.tick_ns, self._tick)
@@ -294,10 +295,8 @@ class Servo(VirtualDrive):
         stop = self._stop
         if stop is not None and not stop.is_done:
             return
-        if machine.waiting is not None or machine.state in (
-            State.QUICK_STOP_ACTIVE,
-            State.FAULT_REACTION_ACTIVE,
-        ):
+        ends_by_itself = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE)
+        if machine.waiting is not None or machine.state in ends_by_itself:
             if machine.arrive():
                 self._release(now_ns)
         elif self.axis_state in AWAITS_MODE:

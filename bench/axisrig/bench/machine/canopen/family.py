@@ -1,5 +1,6 @@
 """CANopen drives on CAN in a machine."""
 
+import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -21,16 +22,17 @@ from axisrig.bench.machine.canopen.links import (
 from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.families import Bench, Installed
-from axisrig.bench.machine.faults.injection import Injected, inject
-from axisrig.bench.machine.faults.moments import World
+from axisrig.bench.machine.faults.acts import Act, Injected
+from axisrig.bench.machine.faults.frames import OnCan
+from axisrig.bench.machine.faults.injection import ON_CAN
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
 from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
 from axisrig.bench.rig.canopen.members import drive_of, segment_of
 from axisrig.bench.rig.canopen.startup import watch_settings
+from axisrig.bench.rig.reading.faults import Fault
 from axisrig.bench.rig.real_axes import outside_axes
-from axisrig.kernel.channel import Channel
 from axisrig.kernel.drives.canopen.carrier import HeartbeatProducer
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.link import AxisLink
@@ -165,20 +167,14 @@ class CanBuses(Installed):
             period_ns=settings.rig.cycle.period_us * US,
         )
 
-    def inject(self, channel: Channel) -> list[Injected]:
-        """Let faults of frames and drives act; return what becomes of each."""
+    def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
+        """Build in a fault of frames on CAN, or of a drive there; None for others."""
         bench = self._bench
-        world = World(
-            bench.settings,
-            bench.scheduler,
-            self.segments,
-            self.nodes,
-            self.links,
-            bench.plant,
-            channel,
-            bench.beside,
-        )
-        return inject(world, bench.seed)
+        on = fault.segment or bench.settings.rig.axis[fault.axis].segment
+        if on not in self.segments:
+            return None
+        buses = OnCan(bench.settings, bench.scheduler, self.segments, self.nodes)
+        return ON_CAN[fault.kind](buses, fault, numbers, record)
 
     def look(self) -> Iterator[Alarm]:
         """Yield an alarm for each interface that was lost since the last look."""

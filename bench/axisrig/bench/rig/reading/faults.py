@@ -18,20 +18,20 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from axisrig.bench.rig.reading.file import LOAD, RigFile
+from axisrig.bench.rig.reading.fault_targets import (
+    AXIS_TELEGRAMS,
+    BUS_TELEGRAMS,
+    TERMINAL,
+    TERMINAL_TELEGRAMS,
+    place_of,
+    targets,
+)
+from axisrig.bench.rig.reading.file import RigFile
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
 
 _UNITS_NS = {"ns": 1, "us": US, "ms": MS, "s": S}
 _TIME = re.compile(r"(\d+(?:\.\d*)?|\.\d+)(ns|us|ms|s)")
-_PDOS = [f"{direction}PDO{number}" for direction in "TR" for number in (1, 2, 3, 4)]
-AXIS_TELEGRAMS = (*_PDOS, "SDO", "EMCY", "HEARTBEAT")
-"""What a drive and the kernel exchange; SDO is the answer of the drive."""
-BUS_TELEGRAMS = ("SYNC", "NMT")
-TERMINAL, TERMINAL_TELEGRAMS = "terminal", ("TPDO1", "SDO", "HEARTBEAT")
-"""The node that is the terminal of the PLC, and what it sends."""
-PLC = "plc"
-"""The task of the PLC."""
 
 
 @dataclass(frozen=True)
@@ -134,12 +134,18 @@ def read_faults(kind: str, text: str, rig: RigFile) -> list[Fault]:
         words = part.split()
         if not words:
             raise UserError("a fault is missing between the semicolons", value=text)
-        targets = [word for word in words if "=" not in word]
-        if not targets:
-            raise UserError("a fault has no target", value=part, allowed=_targets(known[kind], rig))
+        named = [word for word in words if "=" not in word]
+        if not named:
+            allowed = targets(known[kind].targets, rig)
+            raise UserError("a fault has no target", value=part, allowed=allowed)
         values = _read_values(known[kind], [word for word in words if "=" in word])
-        faults += [_fault(known[kind], target, values, rig) for target in targets]
+        faults += [_fault(known[kind], target, values, rig) for target in named]
     return faults
+
+
+def misses_heartbeats(kind: str, axis: str, rig: RigFile) -> bool:
+    """Whether a fault of a kind would lose heartbeats that the drive of an axis does not send."""
+    return kind == "heartbeat_loss" and not rig.drive[rig.axis[axis].drive].shows_life
 
 
 def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
@@ -148,11 +154,8 @@ def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
     Raises UserError with the drive.
     """
     for fault in faults:
-        if fault.kind != "heartbeat_loss":
-            continue
-        name = rig.axis[fault.axis].drive
-        drive = rig.drive[name]
-        if not drive.shows_life:
+        if fault.axis and misses_heartbeats(fault.kind, fault.axis, rig):
+            name = rig.axis[fault.axis].drive
             raise UserError(
                 f"drive {name} sends no heartbeats that could be lost",
                 value=fault.target,
@@ -160,66 +163,14 @@ def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
             )
 
 
-def _targets(kind: FaultKind, rig: RigFile) -> list[str]:
-    """Everything that this kind can be done to in this rig."""
-    names: list[str] = []
-    if "telegram" in kind.targets:
-        names += [f"{axis}.{telegram}" for axis in rig.axis for telegram in AXIS_TELEGRAMS]
-        names += [f"{bus}.{telegram}" for bus in rig.segment for telegram in BUS_TELEGRAMS]
-        if _terminal_segment(rig):
-            names += [f"{TERMINAL}.{telegram}" for telegram in TERMINAL_TELEGRAMS]
-    if "bus" in kind.targets:
-        names += rig.segment
-    if "axis" in kind.targets:
-        names += rig.axis
-    if "signal" in kind.targets:
-        names += _signals(rig)
-    if "sensor" in kind.targets:
-        names += _sensors(rig)
-    if "plc" in kind.targets and rig.plc_task is not None:
-        names.append(PLC)
-    if "terminal" in kind.targets and _has_stamps(rig):
-        names.append(TERMINAL)
-    return names
-
-
-def _signals(rig: RigFile) -> list[str]:
-    """Return probes and switches that are wired to a drive or to the terminal of the PLC."""
-    wired = [name for axis in rig.axis.values() for name in axis.signals.values()]
-    terminal = None if rig.plc_task is None else rig.plc_task.terminal
-    return list(dict.fromkeys([*wired, *(terminal.inputs.values() if terminal else ())]))
-
-
-def _sensors(rig: RigFile) -> list[str]:
-    """Return distance sensors that a drive or the PLC reads."""
-    seconds = [axis.encoder_2 for axis in rig.axis.values() if axis.encoder_2 not in (None, LOAD)]
-    return list(dict.fromkeys([*map(str, seconds), *(table.sensor for table in rig.plc.values())]))
-
-
-def _has_stamps(rig: RigFile) -> bool:
-    """Whether the PLC has a terminal with a clock."""
-    terminal = None if rig.plc_task is None else rig.plc_task.terminal
-    return terminal is not None and not terminal.is_on_can
-
-
 def _fault(kind: FaultKind, target: str, values: Mapping[str, Any], rig: RigFile) -> Fault:
-    allowed = _targets(kind, rig)
-    place, _, telegram = target.partition(".")
+    allowed = targets(kind.targets, rig)
     if target not in allowed:
         what = "no such telegram" if kind.targets == ("telegram",) else "no such place of a fault"
+        place = target.partition(".")[0]
         same_place = [name for name in allowed if name.startswith(f"{place}.")]
         raise UserError(what, value=target, allowed=same_place or allowed)
-    axis = place if place in rig.axis else ""
-    segment = ""
-    if not axis and set(kind.targets) & {"telegram", "bus"}:
-        segment = _terminal_segment(rig) if place == TERMINAL else place
-    return Fault(kind.name, target, axis, segment, telegram, values)
-
-
-def _terminal_segment(rig: RigFile) -> str:
-    """Return the segment of the node that is the terminal of the PLC; empty where it is none."""
-    table = None if rig.plc_task is None else rig.plc_task.terminal
-    return "" if table is None else table.segment or ""
+    return Fault(kind.name, target, *place_of(target, kind.targets, rig), values)
 
 
 def _read_values(kind: FaultKind, words: list[str]) -> dict[str, Any]:

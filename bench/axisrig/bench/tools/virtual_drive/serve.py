@@ -173,7 +173,7 @@ class DriveServer:
             self.segments = build_segments(
                 settings, self.scheduler, Journal(1), bus_logs, self._open
             )
-            beside = Beside(settings, self.plant, self.scheduler, 0)
+            beside = Beside(settings, self.plant, self.scheduler)
             self.nodes = build_nodes(settings, self.scheduler, self.segments, beside, 0)
             self._parameters = ParameterFile(store, self.nodes) if store is not None else None
             self._watcher = Watcher(settings, self.nodes, self.plant, put_out, folder, self._open)

@@ -5,7 +5,7 @@ far the axes may go before they could use up the `clearance` that it reported la
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import hypot, sqrt
 
@@ -30,17 +30,21 @@ FAR_M = 1e3
 class PlantSignal:
     """The switching output of a probe: its level and every edge, located inside the step.
 
-    edges: (time_ns, new level), oldest first, grows during the run.
+    edges: (time_ns, new level), oldest first, grows during the run. watches: called with the
+    instant of each edge when the plant has been stepped over it; they change nothing.
     """
 
     def __init__(self, level: bool) -> None:
         self.level = level
         self.edges: list[tuple[TimeNs, bool]] = []
+        self.watches: list[Callable[[TimeNs], None]] = []
 
     def add(self, time_ns: TimeNs, level: bool) -> None:
         """Append an edge."""
         self.edges.append((time_ns, level))
         self.level = level
+        for watch in self.watches:
+            watch(time_ns)
 
 
 @dataclass(frozen=True)

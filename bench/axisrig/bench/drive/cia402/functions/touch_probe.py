@@ -6,6 +6,7 @@ An edge of the source of a probe latches the position of an encoder. Sources are
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -61,10 +62,17 @@ class Probe:
 
     source: what triggers it, as 60D0 numbers the sources; None while it is off.
     latch_instants_ns: whose positions were stored, oldest first; for the observer of a run, no
-    object of the bus gives them.
+    object of the bus gives them. watches: called after each change of a latch.
     """
 
-    def __init__(self, number: int, profile: DriveProfile, encoders: Encoders) -> None:
+    def __init__(
+        self,
+        number: int,
+        profile: DriveProfile,
+        encoders: Encoders,
+        watches: list[Callable[[], None]],
+    ) -> None:
+        self._watches = watches
         self.number, self._profile, self._encoders = number, profile, encoders
         self._exists = number == 1 or profile.has_object(_SECOND_PROBE)
         self._clock_ns = CLOCK_NS[profile.timestamp_unit]
@@ -177,13 +185,25 @@ class Probe:
         for level, latch in self.latches.items():
             if latch.stored:
                 self.status |= _STORED[level]
+        for watch in self._watches:
+            watch()
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether it is on."""
+        return bool(self.status & _ENABLED)
+
+    def has_stored(self, is_rising: bool) -> bool:
+        """Whether it has stored a position at an edge of this direction."""
+        return self.latches[is_rising].stored
 
 
 class TouchProbe:
     """Both probes of a drive, by the function word 60B8 and the status word 60B9.
 
     signals: wired to input 1 and 2. image: where sources are read and latches are written.
-    index: the zero pulses by their number in 60D0. seed: of the jitter of the inputs.
+    index: the zero pulses by their number in 60D0. seed: of the jitter of the inputs. watches:
+    called after each change of a latch; they change nothing.
     """
 
     def __init__(
@@ -196,7 +216,11 @@ class TouchProbe:
         seed: int = 0,
     ) -> None:
         self._profile, self._image, self._index = profile, image, index or {}
-        self.probes = Probe(1, profile, encoders), Probe(2, profile, encoders)
+        self.watches = watches = list[Callable[[], None]]()
+        self.probes = (
+            Probe(1, profile, encoders, watches),
+            Probe(2, profile, encoders, watches),
+        )
         self.circuits = tuple(
             InputCircuit(signal, profile, seed + number) for number, signal in enumerate(signals)
         )

@@ -1,0 +1,82 @@
+"""What a machine answers when it is asked for its fault points."""
+
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN
+from axisrig.bench.machine.faults.points import ROOMS, points
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.faults import fault_kinds, read_faults
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+
+def settings_of(rig: str, *changes: str) -> Settings:
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    settings = read_settings(*read_rig(RIGS / rig), assigned)
+    check_rig(settings)
+    return settings
+
+
+def points_of(settings: Settings) -> dict[str, tuple[str, ...]]:
+    machine: Any = SimpleNamespace(settings=settings, plant=None)
+    return {target: point.kinds for target, point in points(machine).items()}
+
+
+def test_each_kind_of_the_table_is_in_the_module_of_its_room() -> None:
+    of_rooms = {kind: room.__name__.rpartition(".")[2] for room in ROOMS for kind in room.KINDS}
+    assert of_rooms == {kind.name: kind.room for kind in fault_kinds().values()}
+    assert {*BESIDE, *ON_CAN} == {*fault_kinds()}
+
+
+def test_names_are_those_of_a_plan() -> None:
+    found = points_of(settings_of("probe-z.toml"))
+    assert {"Z", "can1", "Z.TPDO1", "Z.RPDO1", "can1.SYNC", "probe"} <= {*found}
+    assert "power_loss" in found["Z"]
+    assert "encoder_loss" in found["Z"]
+    assert found["can1"] == ("sync_loss", "sync_jitter", "babble")
+    assert "heartbeat_loss" not in found["Z"]  # it sends none
+    sends = points_of(settings_of("probe-z.toml", "drive:servo.heartbeat_ms=20"))
+    assert "heartbeat_loss" in sends["Z"]
+
+
+RIGS_WITH = {  # what is there besides: of these targets the first is a point, the second none
+    "probe-xyz.toml": (("can2", "babble"), ("plc", "plc_lost")),
+    "plc-io-node.toml": (("terminal.TPDO1", "drop"), ("terminal", "clock_off")),
+    "manual-el1252.toml": (("terminal", "clock_off"), ("terminal.TPDO1", "drop")),
+    "distance-z-variable.toml": (("gap", "sensor_drift"), ("plc", "plc_late")),
+}
+
+
+@pytest.mark.parametrize("rig", RIGS_WITH)
+def test_what_is_a_point_a_plan_may_write_and_nothing_else(rig: str) -> None:
+    settings = settings_of(rig)
+    found = points_of(settings)
+    (there, kind), (missing, other) = RIGS_WITH[rig]
+    assert kind in found[there]
+    assert other not in found.get(missing, ())
+    cells = []
+    for name in fault_kinds():
+        targets = [target for target, kinds in found.items() if name in kinds]
+        cells += [f"fault:{name}={' '.join(targets)}"] if targets else []
+        for target in {*found} - {*targets}:
+            with suppress(UserError) if name == "heartbeat_loss" else pytest.raises(UserError):
+                read_faults(name, target, settings.rig)
+    settings_of(rig, *cells)
+
+
+def test_axes_of_a_point_are_those_whose_moments_count() -> None:
+    machine: Any = SimpleNamespace(settings=settings_of("probe-xyz.toml"), plant=None)
+    found = points(machine)
+    on = {name: axis.segment for name, axis in machine.settings.rig.axis.items()}
+    assert found["X.TPDO1"].axes == found["X"].axes == ("X",)
+    for segment in dict.fromkeys(on.values()):
+        assert found[segment].axes == tuple(a for a in on if on[a] == segment)
