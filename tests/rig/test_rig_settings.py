@@ -33,6 +33,8 @@ def test_plc_says_how_stops_go_on(rig_file: Write, settings_of: Read) -> None:
     assert plain.limit_ns == 600 * 10**9
     limited = settings_of(rig_file(), "plc:limit_s=2.5").operator
     assert limited.limit_ns == 2_500_000_000
+    assert plain.after_end_ns == 0
+    assert settings_of(rig_file(), "plc:after_end_ms=0.5").operator.after_end_ns == 500_000
 
 
 def test_set_changes_axis_and_channel(rig_file: Write, settings_of: Read) -> None:
@@ -137,6 +139,7 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("plc:start_ms=-1", "-1", "0 .. 1e9 ms"),
         ("plc:optional_stop=yes", "yes", "0, 1"),
         ("plc:limit_s=0", "0", "0.001 .. 1e7 s"),
+        ("plc:after_end_ms=-1", "-1", "0 .. 1e7 ms"),
         ("plc:V.E.FEED=fast", "fast", "not a number"),
         ("fault:dealy=Z.TPDO1", "dealy", "delay"),
         ("fault:drop=Z.TPDO5", "Z.TPDO5", "Z.TPDO1, Z.TPDO2, Z.TPDO3, Z.TPDO4, Z.RPDO1"),

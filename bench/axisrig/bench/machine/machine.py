@@ -309,7 +309,12 @@ class Machine:
                 put_out=self._message,
                 monitor=self._build_monitor(),
                 functions=self._build_functions(),
-                mechanics=PlantMechanics(self.scheduler, self.plant, waits=self._hardware is None),
+                mechanics=PlantMechanics(
+                    self.scheduler,
+                    self.plant,
+                    waits=self._hardware is None,
+                    after_end_ns=operator.after_end_ns,
+                ),
             ),
             ChannelSettings.read(
                 self.settings.channel,
@@ -394,7 +399,7 @@ class Machine:
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
         limit_ns, between = scheduler.now_ns + self._limit_ns, self._between_cycles()
         while not channel.has_ended:
-            if scheduler.now_ns >= limit_ns:
+            if scheduler.now_ns >= limit_ns and channel.end_ns is None:
                 raise SimulatedTimeoutError(
                     f"the program did not end within {self._limit_ns / S:g} s of simulated time"
                     f" (plc:limit_s): {in_words(channel, self._interpreter)}"

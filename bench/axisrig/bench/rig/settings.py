@@ -73,12 +73,14 @@ class Operator:
     """Who starts a program again that M0 has stopped, and gives one up that does not end.
 
     start_after_ns: how long after the stop; None when nobody does. optional_stop: whether M1
-    stops as well. limit_ns: simulated time that a program may take.
+    stops as well. limit_ns: simulated time that a program may take. after_end_ns: for how long the
+    run goes on when the program has ended.
     """
 
     start_after_ns: TimeNs | None = None
     optional_stop: bool = False
     limit_ns: TimeNs = SIMULATED_LIMIT_NS
+    after_end_ns: TimeNs = 0
 
 
 Bare = dict[str, tuple[str, Sequence[str]]]
@@ -221,6 +223,11 @@ class Settings:
             if not 0.0 <= item.si() <= 1e9:
                 raise UserError("no time", value=item.value, allowed="0 .. 1e9 ms")
             self.operator = replace(self.operator, start_after_ns=round(item.si() * MS))
+            return
+        if item.name == "after_end_ms":
+            if not 0.0 <= item.si() <= 1e7:
+                raise UserError("no time", value=item.value, allowed="0 .. 1e7 ms")
+            self.operator = replace(self.operator, after_end_ns=round(item.si() * MS))
             return
         if item.name == "limit_s":
             if not 0.001 <= item.si() <= 1e7:

@@ -379,7 +379,7 @@ class Channel(ChannelView):
 
     def _end(self, command: canon.EndOfProgram) -> None:
         self.program_ends_ns.append(self._clock.now_ns)
-        if self.plc.outlives_program:
+        if self.plc.outlives_program or self._mechanics.goes_on:
             self.state = ChannelState.READY
         else:
             self.state, self.end_ns = ChannelState.ENDED, self._clock.now_ns

@@ -11,7 +11,13 @@ from axisrig.kernel.time.clock import TimeNs
 
 
 class Mechanics(Protocol):
-    """The axes and sensors at the drives. The channel learns no value of them."""
+    """The axes and sensors at the drives. The channel learns no value of them.
+
+    goes_on: they are looked at also after a program that has ended well: cycles go on until
+    `has_come_to_rest`.
+    """
+
+    goes_on: bool
 
     def advance_to(self, sync_ns: TimeNs) -> None:
         """Be at the instant of the last SYNC: observers look at the mechanics of this cycle."""
@@ -22,6 +28,9 @@ class Mechanics(Protocol):
 
 class NoMechanics:
     """Nothing is simulated here: nothing is waited for."""
+
+    def __init__(self) -> None:
+        self.goes_on = False
 
     def advance_to(self, sync_ns: TimeNs) -> None:
         """Do nothing."""

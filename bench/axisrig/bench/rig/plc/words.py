@@ -38,7 +38,7 @@ from axisrig.kernel.nc.decoder.topics.technology import INTERNAL, NUMBER_MAX, SP
 from axisrig.kernel.time.clock import TimeNs
 
 VARIABLE = "V.E."
-PLAIN_KEYS = ("start_ms", "optional_stop", "limit_s")
+PLAIN_KEYS = ("start_ms", "optional_stop", "limit_s", "after_end_ms")
 """Keys with one value: what the operator does (`bench/axisrig/bench/rig/settings.py`)."""
 _NTH_MAX = 999
 _AT = re.compile(r"(?P<word>.+?)(?:\+(?P<time>[\d.]+[a-z]+))?")
