@@ -197,12 +197,13 @@ def _other(what: str, before: str, now: str) -> UserError:
 
 def _judge(run: StoredRun, case: Case) -> CaseResult:
     """Judge a recording by the checks of a row."""
-    recording = run.recording
-    facts = recording.facts
+    facts = run.judged_facts
     if facts is None or run.trace is None:
-        reason = recording.error or "its time series are missing"
+        recording = run.recording
+        unfinished = "" if recording.facts is None else recording.facts.unfinished
+        reason = unfinished or recording.error or "its time series are missing"
         result = no_values(case, Verdict.ERROR, reason)
-        result.log = list(recording.log)
+        result.log, result.facts = list(recording.log), recording.facts if unfinished else None
         return result
     series = Series(run.trace)
     observed = Observed(facts, series)

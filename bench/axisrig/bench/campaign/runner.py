@@ -7,7 +7,7 @@ alone. Results come as the cases end.
 import gc
 import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -175,7 +175,7 @@ def _left_by(
 ) -> CaseResult | tuple[Facts, Series, float]:
     """Build a machine, run it and take it down; return facts, series and time of the loop, s.
 
-    A result where there is nothing to judge.
+    A result where there is nothing to judge; of a run that was broken off with what it has left.
     """
     try:
         settings, program = recall(case) or read_case(case)
@@ -202,6 +202,9 @@ def _left_by(
         except (PlantError, SimulatedTimeoutError, UserError) as error:
             row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
             row.log += printed_log(settings)
+            with suppress(PlantError):  # an FMU that cannot give its parameters
+                row.facts = facts_of(machine, broken_by=error)
+                row.series = machine.recorder.series().released()
             return row
         return facts, machine.recorder.series(), loop_s
     finally:

@@ -139,7 +139,7 @@ def _sample(case: Case, check: StatisticCheck, result: CaseResult | None) -> Run
 
 def _of_stored(stored: StoredRun, case: Case) -> CaseResult:
     """Return the values of a run that the folder has, read from its recording."""
-    facts = None if stored.altered else stored.recording.facts
+    facts = None if stored.altered else stored.judged_facts
     if facts is None or stored.trace is None:
         return CaseResult(case, stored.verdict, [])
     samples = sampled(Observed(facts, Series(stored.trace)), case.sampled, module=case.module)

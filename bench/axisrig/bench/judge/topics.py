@@ -169,7 +169,7 @@ def shown_facts(facts: Facts) -> dict[str, Any]:
         "messages": [message.shown for message in facts.messages],
         "log": log_lines(facts),
         "bus": [asdict(bus) for bus in facts.buses],
-        "error": STOPPED if facts.is_stopped else None,
+        "error": STOPPED if facts.is_stopped else facts.unfinished or None,
         "real_time": None if facts.real_time is None else asdict(facts.real_time),
         "alarms": [asdict(alarm) for alarm in facts.alarms],
     }

@@ -43,7 +43,8 @@ from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import Sensor, VariableSensor
-from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.kernel.cosim.plant.distance import PlantDistance
 from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
@@ -56,13 +57,18 @@ _ORTHOGONAL = 1
 """Value of _QUANTITY (AxisRig.Sensors.TiltedSensor)."""
 
 
-def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
+def facts_of(
+    machine: Machine, sim_ns: TimeNs | None = None, *, broken_by: Exception | None = None
+) -> Facts:
     """Return what the run of a machine has left; its plants are still open.
 
-    sim_ns: simulated time that it took, None = until now. Raises PlantError when an FMU cannot give
-    its parameters.
+    sim_ns: simulated time that it took, None = until now. broken_by: what `Machine.run` has raised;
+    the facts are those until then, and after a PlantError no FMU is asked for anything: nothing of
+    `plants`, no inclination of a sensor. Raises PlantError when an FMU cannot give its parameters.
     """
     settings, channel, timing = machine.settings, machine.channel, machine.timing
+    axes = {} if isinstance(broken_by, PlantError) else machine.plant.axes
+    distances = {} if isinstance(broken_by, PlantError) else machine.plant.distances
     return Facts(
         timing=Timing(timing.period_ns, timing.offset_ns, timing.buffer_cycles),
         sim_ns=machine.scheduler.now_ns if sim_ns is None else sim_ns,
@@ -71,13 +77,14 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         frame_log_sha256=machine.hexdigest(),
         fine_ns=machine.plant.fine_ns,
         is_stopped=machine.is_stopped,
+        unfinished="" if broken_by is None else str(broken_by),
         drive_substituted=substituted_in_words(settings.axis),
         axes={name: _axis(machine, name) for name in machine.links},
-        plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
+        plants={name: plant_record(axis) for name, axis in axes.items()},
         probes=_probes(machine),
         edges=machine.edges.rows(),
         plc_sensors={
-            name: _plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
+            name: _plc_sensor(table, distances) for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
@@ -374,10 +381,11 @@ def _place(event: PlcEvent) -> str:
     return command.place if isinstance(command, PlcAction) else command.block.place
 
 
-def _plc_sensor(table: PlcSensorTable, plant: Plant) -> PlcSensor:
-    """Return the record of an entry of `[plc]`."""
-    slave, normal, is_along = plant.distances[table.sensor].slave, None, False
-    if slave.has(_TILT_X) and slave.has(_TILT_Y):
+def _plc_sensor(table: PlcSensorTable, distances: Mapping[str, PlantDistance]) -> PlcSensor:
+    """Return the record of an entry of `[plc]`; distances: sensors that can be asked."""
+    slave = distances[table.sensor].slave if table.sensor in distances else None
+    normal, is_along = None, False
+    if slave is not None and slave.has(_TILT_X) and slave.has(_TILT_Y):
         x, y = float(slave.get(_TILT_X)), float(slave.get(_TILT_Y))
         # Tilted about Y, then about X
         normal = (math.sin(y), -math.sin(x) * math.cos(y), math.cos(x) * math.cos(y))

@@ -36,7 +36,7 @@ READABLE: Final = (1, 2, 3, 4, 5)
 """Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`, up to 3 the
 first of several stamps counts, telegrams of a node with inputs have no instants, distance controls
 no `orders`, and they had a derivative of the error per second and clamps; up to 4 there are no
-`edges`."""
+`edges`, and a run that was broken off has no facts."""
 
 _AGAIN = "run the case again with this version"
 
@@ -125,6 +125,8 @@ class Facts(Frozen):
     period in which the program ended. sim_ns: simulated time. is_stopped: by the operator.
     axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes.
     distance_3d: None where the channel has no 3D distance control.
+    unfinished: why it was broken off (a plant that failed, a program that did not end); the rest is
+    what it had left until then, and nothing judges it. Empty: it came to its end.
     fine_ns: step in which the plants keep their motion. edges: where axes were at the edges of the
     signals that they watch, None in recordings of versions 1 to 4. blocks: None in those of 1.
     """
@@ -136,6 +138,7 @@ class Facts(Frozen):
     frame_log_sha256: str
     fine_ns: TimeNs = 1
     is_stopped: bool = False
+    unfinished: str = ""
     drive_substituted: str = ""
     axes: Mapping[str, AxisRecord] = field(default_factory=dict)
     plants: Mapping[str, PlantRecord] = field(default_factory=dict)
@@ -161,7 +164,9 @@ class Facts(Frozen):
 
 @dataclass(frozen=True)
 class RunFile(Frozen):
-    """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
+    """`runs/<run>.json`. error: why the run has no facts, with what was printed until then; that
+    of a run which was broken off is in its facts (`unfinished`).
+    """
 
     version: Literal[1, 2, 3, 4, 5]
     facts: Facts | None = None

@@ -84,7 +84,7 @@ def _members(results: StoredResults, run: StoredRun) -> Sequence[StoredRun]:
 
 
 def _sample(run: StoredRun, check: StatisticCheck) -> RunSample:
-    facts = run.recording.facts
+    facts = run.judged_facts
     if facts is None or run.trace is None:
         return RunSample(run.run)
     found = sampled(Observed(facts, Series(run.trace)), [check])

@@ -25,7 +25,7 @@ from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.topics import STOPPED
 from axisrig.bench.plan.run_ids import RUN_ID
 from axisrig.bench.plan.verdict import Verdict, worst
-from axisrig.bench.record.facts import VERSION, RunFile, read_run
+from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run
 from axisrig.kernel.errors import UserError
 
 RESULT_COLUMNS = (
@@ -119,7 +119,15 @@ class StoredRun:
         if self.said is not None:
             return self.said.error
         facts = self.recording.facts
-        return STOPPED if facts is not None and facts.is_stopped else self.recording.error
+        if facts is None:
+            return self.recording.error
+        return STOPPED if facts.is_stopped else facts.unfinished or self.recording.error
+
+    @property
+    def judged_facts(self) -> Facts | None:
+        """What the run left beside its series, None where it did not come to its end."""
+        facts = self.recording.facts
+        return None if facts is None or facts.unfinished else facts
 
     @property
     def messages(self) -> list[str]:

@@ -63,8 +63,9 @@ _NOT_CARRIED = frozenset({"case", "seed", "repeats", "expand", "samples", "expec
 class CaseResult:
     """What one run yielded.
 
-    checks: one per check of the case. facts: what the run has left, None for one that ended before
-    it could be judged; error: why, with what was printed until then in `log`. series: its columns.
+    checks: one per check of the case. facts: what the run has left, None for one that left nothing;
+    error: why, or why it was broken off, with what was printed until then in `log`. series: its
+    columns.
     recording: of a run that was judged again, the run that was recorded; empty without one. sums:
     of its files, as the row of that run has them.
     depends_sha256: hash of everything that the run depends on, empty where nobody asks for it.
@@ -333,7 +334,8 @@ class ResultsWriter:
             result.series.save(trace)
         path = self._rows.path_of("runs", run, ".json")
         with naming(path):
-            text = run_text(result.facts, result.error, result.log)
+            is_known = result.facts is not None and bool(result.facts.unfinished)
+            text = run_text(result.facts, None if is_known else result.error, result.log)
             path.write_text(text, encoding="utf-8", newline="")
 
     def close(self) -> None:

@@ -177,13 +177,14 @@ class Recorder:
                 motion[_OF_DRIVE] = self._motion(axis, servo.sync_ns)[_OF_DRIVE]
             peak_n = axis.stop_force_peak_n(self._last_ns(time_ns), time_ns)
             row += (*motion, peak_n, after_ns)
+        reported: list[float] = []
+        for _, sensor in self._sensors:
+            reported += self._reported(sensor, time_ns)
+        # From here on nothing fails: a run that breaks off leaves whole rows
         self._times.append(time_ns)
         self._rows.add(row)
         self._levels.add([signal.level for signal in self._signals])
         if self._sensors:
-            reported: list[float] = []
-            for _, sensor in self._sensors:
-                reported += self._reported(sensor, time_ns)
             self._distances.add(reported)
         self._controls.note(channel)
         if len(self._times) == BLOCK_ROWS:
