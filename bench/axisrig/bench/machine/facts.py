@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 
+from axisrig.bench.drive.axis.ports import SignalPort
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
 from axisrig.bench.machine.recording.distance_log import DistanceLog
@@ -164,8 +165,12 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
     )
 
 
+def _edges(signal: SignalPort) -> tuple[Edge, ...]:
+    return tuple(Edge(time_ns, level) for time_ns, level in signal.edges)
+
+
 def _probes(machine: Machine) -> dict[str, ProbeRecord]:
-    found = {}
+    found, wires = {}, machine.beside.wires
     for name, probe in machine.plant.probes.items():
         has_contacts = probe.roles.has_group("contact")
         deflections = machine.deflections.of(name) if has_contacts else []
@@ -173,11 +178,12 @@ def _probes(machine: Machine) -> dict[str, ProbeRecord]:
             has_contacts,
             probe.edge_uncertainty_ns,
             tuple(Contact(c.time_ns, dict(c.position_mm)) for c in probe.contacts),
-            tuple(Edge(time_ns, level) for time_ns, level in probe.signal.edges),
+            _edges(probe.signal),
             tuple(
                 Deflection(each.mm, each.doubt_mm, each.beyond_ns, words)
                 for each, words in deflections
             ),
+            _edges(wires[name]) if name in wires else None,
         )
     return found
 

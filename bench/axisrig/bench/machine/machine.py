@@ -29,7 +29,7 @@ from axisrig.bench.machine.plc.task import PlcTaskRunner
 from axisrig.bench.machine.plc.terminal import AnyTerminal, Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
-from axisrig.bench.machine.recording.edge_log import EdgeLog, watchers_of
+from axisrig.bench.machine.recording.edge_log import edge_log
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.unfinished import in_words
@@ -128,8 +128,8 @@ class Machine:
             self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self._beside = Beside(settings, self.plant, self.scheduler)
-            acts = build_beside(self._beside, seed)
+            self.beside = Beside(settings, self.plant, self.scheduler)
+            acts = build_beside(self.beside, seed)
             self._install(bus_logs, seed)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
@@ -145,7 +145,7 @@ class Machine:
             self.settings,
             self.scheduler,
             self.plant,
-            self._beside,
+            self.beside,
             self._open,
             bus_logs,
             seed,
@@ -229,7 +229,7 @@ class Machine:
             switch=switch,
             sync_ns=sync_ns,
             has_columns=bool(self.settings.plc),
-            trouble=self._beside.task,
+            trouble=self.beside.task,
         )
 
     def _build_terminal(self, task: PlcTaskTable, seed: int) -> AnyTerminal | None:
@@ -244,7 +244,7 @@ class Machine:
         terminal = next((found for found in on_segment if found is not None), None)
         if terminal is not None:
             return terminal
-        beside = self._beside
+        beside = self.beside
         return Terminal(task, table, beside.signals, advance, seed, beside.stamps)
 
     def _connect_plc_sensors(self) -> None:
@@ -257,7 +257,7 @@ class Machine:
 
         if self.settings.rig.plc:
             tables = self.settings.rig.plc
-            distances = {t.sensor: self._beside.sensor(t.sensor) for t in tables.values()}
+            distances = {t.sensor: self.beside.sensor(t.sensor) for t in tables.values()}
             period_ns = self.timing.period_ns
             sensors = PlcSensors(tables, distances, plc, sync_ns, period_ns)
             plc.inputs.append(sensors.take)
@@ -271,13 +271,8 @@ class Machine:
         self.blocks = BlockLog(self.scheduler, self.channel, self._folder)
         self.channel.execution.watches.append(self.blocks)
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
-        plants = {name: self.plant.axes[self.settings.rig.axis[name].plant] for name in self.drives}
-        self.edges = EdgeLog(
-            self.plant,
-            plants,
-            watchers_of(self.settings, plants),
-            self.channel.single.couplings.slaves_of,
-        )
+        slaves_of = self.channel.single.couplings.slaves_of
+        self.edges = edge_log(self.settings, self.plant, self.drives, slaves_of)
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections, self.edges]
 
@@ -296,6 +291,7 @@ class Machine:
         return Recorder(
             *(self.plant, axes, self.plant.probes, self.installed, writer),
             segments=len(self._carriers),
+            wires=self.beside.wires,
         )
 
     def _build_channel(self) -> Channel:

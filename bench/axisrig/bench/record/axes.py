@@ -138,7 +138,8 @@ class Deflection(Frozen):
 class ProbeRecord(Frozen):
     """A probe of the plant. has_contacts: its FMU gives contacts.
 
-    edge_uncertainty_ns: how well the instants of its edges and contacts are known.
+    edge_uncertainty_ns: how well the instants of its edges and contacts are known. edges: of the
+    plant. passed: what came of them where a fault bends its wire; None: the same.
     """
 
     has_contacts: bool
@@ -146,3 +147,4 @@ class ProbeRecord(Frozen):
     contacts: tuple[Contact, ...] = ()
     edges: tuple[Edge, ...] = ()
     deflections: tuple[Deflection, ...] = ()
+    passed: tuple[Edge, ...] | None = None

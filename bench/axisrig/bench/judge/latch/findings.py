@@ -1,8 +1,29 @@
 """Marks of measurement runs: contacts and edges of the probes, latches, cycles that brake."""
 
+from collections.abc import Iterator
+
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.axes import ProbeRecord
 from axisrig.bench.record.signal_sources import AT_PLC
+
+_DIRECTIONS = {True: "rising", False: "falling"}
+
+
+def _probe_marks(name: str, probe: ProbeRecord) -> Iterator[Event]:
+    """Contacts and edges of a probe, what a wire with a fault passes of them, deflections."""
+    for contact in probe.contacts:
+        yield Event(contact.time_ns, "contact", f"{name}: contact")
+    spread_us = probe.edge_uncertainty_ns / 1e3
+    known = f", known to {spread_us:g} us" if probe.edge_uncertainty_ns > 1.0 else ""
+    for edge in probe.edges:
+        yield Event(edge.time_ns, "edge", f"{name}: {_DIRECTIONS[edge.level]} edge{known}")
+    for edge in probe.passed or ():
+        label = f"{name}: its wire passes a {_DIRECTIONS[edge.level]} edge"
+        yield Event(edge.time_ns, "edge", label)
+    for each in probe.deflections:
+        if each.beyond_ns is not None:
+            yield Event(each.beyond_ns, "fault", each.words)
 
 
 def latch_events(observed: Observed) -> list[Event]:
@@ -10,16 +31,7 @@ def latch_events(observed: Observed) -> list[Event]:
     facts = observed.facts
     marks: list[Event] = []
     for name, probe in facts.probes.items():
-        for contact in probe.contacts:
-            marks.append(Event(contact.time_ns, "contact", f"{name}: contact"))
-        spread_us = probe.edge_uncertainty_ns / 1e3
-        known = f", known to {spread_us:g} us" if probe.edge_uncertainty_ns > 1.0 else ""
-        for edge in probe.edges:
-            word = "rising" if edge.level else "falling"
-            marks.append(Event(edge.time_ns, "edge", f"{name}: {word} edge{known}"))
-        for each in probe.deflections:
-            if each.beyond_ns is not None:
-                marks.append(Event(each.beyond_ns, "fault", each.words))
+        marks += _probe_marks(name, probe)
     for axis, record in facts.axes.items():
         for latch in record.latches:
             label = f"{axis}: latch of probe {latch.probe}"

@@ -46,6 +46,12 @@ class Beside:
         """What comes of each probe and switch."""
         return self._signals
 
+    @property
+    def wires(self) -> dict[str, SignalWire]:
+        """Wires of probes and switches that have faults; what comes of the last one is read."""
+        found = self._signals.items()
+        return {name: wire for name, wire in found if isinstance(wire, SignalWire)}
+
     def axis(self, name: str) -> AxisPort:
         """Return an axis as its drive sees it."""
         found = self._encoders.get(name)

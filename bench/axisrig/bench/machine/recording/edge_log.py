@@ -181,6 +181,14 @@ def _row(edge: _Edge) -> EdgeTruth:
     )
 
 
+def edge_log(
+    settings: Settings, plant: Plant, axes: Collection[str], slaves_of: SlavesOf
+) -> EdgeLog:
+    """Return the log of a machine; axes: those of the rig that are simulated here."""
+    plants = {name: plant.axes[settings.rig.axis[name].plant] for name in axes}
+    return EdgeLog(plant, plants, watchers_of(settings, axes), slaves_of)
+
+
 def watchers_of(settings: Settings, axes: Collection[str]) -> dict[str, list[Watcher]]:
     """Return who watches which signal, by the plant of the signal.
 

@@ -118,11 +118,20 @@ class Telegrams(Protocol):
         ...
 
 
+class Passing(Protocol):
+    """A wire that does not pass the edges of its probe as they are."""
+
+    def level_at(self, time_ns: TimeNs) -> bool:
+        """Return the level that it had at a past instant."""
+        ...
+
+
 class Recorder:
     """Collects the time series of one run and writes them in blocks of BLOCK_ROWS.
 
     probes: instance name -> plant. telegrams: cyclic values that belong into the series.
-    segments: how many there are; with more than one each axis has SYNC_AFTER.
+    segments: how many there are; with more than one each axis has SYNC_AFTER. wires: of probes,
+    where a fault bends what comes; `passed` of such a probe is beside its `signal`.
     drive_lag_peak_mm is the largest magnitude of the lag at the ticks of the drive since the row
     before, stop_force_peak_n the largest force of the stop since then
     (`PlantAxis.stop_force_peak_n`). Columns: `time_ns` (int64, the first SYNC), per axis
@@ -142,6 +151,7 @@ class Recorder:
         telegrams: Sequence[Telegrams],
         writer: SeriesWriter,
         segments: int = 1,
+        wires: Mapping[str, Passing] | None = None,
     ) -> None:
         self._plant, self._recorded, self._telegrams = plant, tuple(axes), telegrams
         self._writer, self._has_segments = writer, segments > 1
@@ -149,13 +159,15 @@ class Recorder:
         self._servos = [axis.servo for axis in axes]
         self._driven = [axis.servo for axis in axes if axis.plant and axis.servo]
         self._signals = [probe.signal for probe in probes.values()]
-        self._probe_names = list(probes)
+        self._wires = dict(wires or {})
+        self._level_names = [f"{name}.signal" for name in probes]
+        self._level_names += [f"{name}.passed" for name in self._wires]
         self._has_plant = any(axis is not None for axis in self._axes)
         self._widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
         self._sensors = list(plant.distances.items())
         self._times: list[int] = []
         self._rows = Rows(sum(self._widths))
-        self._levels = Rows(len(self._signals))
+        self._levels = Rows(len(self._level_names))
         widths = [len(DISTANCE_COLUMNS) + s.has_tool * len(TOOL) for _, s in self._sensors]
         self._distances = Rows(sum(widths))
         self._controls = DistanceTrace({axis.name for axis in axes if axis.is_rotary})
@@ -183,7 +195,10 @@ class Recorder:
         # From here on nothing fails: a run that breaks off leaves whole rows
         self._times.append(time_ns)
         self._rows.add(row)
-        self._levels.add([signal.level for signal in self._signals])
+        levels = [signal.level for signal in self._signals]
+        if self._wires:
+            levels += [wire.level_at(time_ns) for wire in self._wires.values()]
+        self._levels.add(levels)
         if self._sensors:
             self._distances.add(reported)
         self._controls.note(channel)
@@ -249,8 +264,8 @@ class Recorder:
             columns |= self._of_axis(axis, begin, values[begin : begin + width])
             begin += width
         levels = self._levels.take_columns().astype(np.int8)
-        for name, level in zip(self._probe_names, levels, strict=True):
-            columns[f"{name}.signal"] = column_of(level)
+        for name, level in zip(self._level_names, levels, strict=True):
+            columns[name] = column_of(level)
         columns |= self._controls.take_columns() | self._distance_columns()
         for telegrams in self._telegrams:
             columns |= telegrams.take_columns(times, is_last=is_last)

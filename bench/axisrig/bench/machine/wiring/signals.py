@@ -49,6 +49,13 @@ class SignalWire:
         edges = self.edges
         return edges[-1][1] if edges else self._first
 
+    def level_at(self, time_ns: TimeNs) -> bool:
+        """Return the level that it had at a past instant."""
+        for at_ns, level in reversed(self.edges):
+            if at_ns <= time_ns:
+                return level
+        return self._first
+
     def begin(self) -> None:
         """Let the fault act from now on."""
         self.span.begin_ns = self._clock.now_ns
