@@ -230,3 +230,111 @@ def test_an_even_motion_in_inch_down_and_sideways(run_nc: RunNc) -> None:
     # What the run measured is the truth to its last increment of 9.5 nm
     for axis, value_mm in out.facts.runs[0].latched_mm.items():
         assert value_mm == pytest.approx(rows[axis].latch_motor_mm, abs=10e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_backlash_and_twist_are_between_motor_and_load(run_nc: RunNc, sign: int) -> None:
+    """120 N and 800 N s/m at 10 mm/s through 120 N/um, and half of 10 um; a scale at the load."""
+    rig = f"""
+    [plant.z]
+    fmu = "AxisRig.Drives.ScrewAxis"
+    [plant.z.start]
+    position_start_mm = {100 - 4 * sign}.0
+    backlash_um = 10
+    "friction.breakaway_n" = 120
+    [axis.Z]
+    encoder_2 = "load"
+    [plant.probe]
+    start = {{ normal_x = 0, normal_y = 0, normal_z = {-sign}, surface_mm = {-sign * 100.0} }}
+    """
+    out = run_nc(f"N10 G100 Z{100 + 4 * sign} F600", rig, "drive:servo.input_delay_us=400")
+    row = rows_of(out)["Z"]
+    ahead_mm = sign * (0.010 / 2 + 128 / 120e3)
+    assert row.load_mm == pytest.approx(100.0, abs=1e-8)
+    assert row.motor_mm == pytest.approx(100.0 + ahead_mm, abs=0.05e-3)
+    assert row.second_mm == row.load_mm
+    assert row.latch_load_mm == pytest.approx(100.0 + sign * 10.0 * 4e-4, abs=1e-5)
+    assert row.latch_second_mm == row.latch_load_mm
+
+
+SWITCH = """
+    [axis.{axis}]
+    probe_1 = "cam"
+    [plant.cam]
+    fmu = "AxisRig.Sensors.PositionSwitch"
+    start = {{ low_mm = {low}, hysteresis_um = 20 }}
+    wire = {{ x = "{plant}" }}
+"""
+
+
+@pytest.mark.long
+def test_the_slave_of_a_portal_is_where_it_is(run_nc: RunNc) -> None:
+    """X2 keeps its 30 mm; without the coupling it has no row."""
+    rig = SWITCH.format(axis="X", low=2, plant="x")
+    measure = "N40 G100 X4 F600"
+    coupled = "N20 #SET AX LINK[1, [X2=X,G,15,20]]\nN30 #ENABLE AX LINK[1]\n"
+    rows = rows_of(run_nc(coupled + measure, rig, base="gantry-x.toml"))
+    assert set(rows) == {"X", "X2"}
+    assert rows["X"].load_mm == pytest.approx(2.0, abs=1e-8)
+    assert rows["X2"].load_mm == pytest.approx(32.0, abs=1e-6)
+    assert rows["X2"].latch_ns == rows["X"].latch_ns
+    assert set(rows_of(run_nc(measure, rig, base="gantry-x.toml"))) == {"X"}
+
+
+@pytest.mark.long
+def test_an_axis_that_turns_counts_degrees(run_nc: RunNc) -> None:
+    """The cam begins at 102 degrees and lets go 0.02 before it, on the way back."""
+    rig = SWITCH.format(axis="C", low=102, plant="table")
+    program = "N10 G1 C104.5 F600\nN20 G1 C100 F600"
+    out = run_nc(program, rig, "drive:worm.input_delay_us=500", base="fixed-stop-rotary.toml")
+    up, down = rows_of(out)["C"], rows_of(out, level=False)["C"]
+    assert up.load_mm == pytest.approx(102.0, abs=1e-7)
+    assert down.load_mm == pytest.approx(101.98, abs=1e-7)
+    assert down.latch_load_mm == pytest.approx(101.98 - 10.0 * 5e-4, abs=1e-5)
+
+
+@pytest.mark.long
+def test_the_terminal_of_a_plc_has_the_instant_of_its_stamp(run_nc: RunNc) -> None:
+    """Filter of 20 us; stamps in steps of 1 us of a clock that is 7 us ahead, believed to be 5."""
+    out = run_nc(
+        "N10 G100 Z99 F600",
+        "",
+        "plant:z.position_start_mm=102",
+        "plc:terminal.filter_us=20",
+        "plc:terminal.stamp_resolution_ns=1000",
+        "plc:clock_offset_ns=7000",
+        "plc:assumed_offset_ns=5000",
+        base="plc-timestamp.toml",
+    )
+    row = rows_of(out)["Z"]
+    assert row.read_by == "terminal"
+    stamp_ns = (row.edge_ns + 27_000) // 1000 * 1000
+    assert row.latch_ns == stamp_ns - 5000
+    since_s = (row.latch_ns - row.edge_ns) * 1e-9
+    assert row.latch_load_mm == pytest.approx(row.load_mm - 10.0 * since_s, abs=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "habits",
+    [
+        ("input_filter_us=30", "input_delay_us=100"),
+        ("delay_compensation_us=150", "input_delay_us=100"),
+        ("latch=sampled", "input_delay_us=100"),
+        ("latch=sampled", "input_delay_us=10", "delay_compensation_us=90", "input_filter_us=5"),
+    ],
+)
+def test_what_a_drive_stores_is_the_truth_of_its_data_sheet(
+    run_nc: RunNc, habits: tuple[str, ...]
+) -> None:
+    """The truth knows nothing of the drive; both agree to the increment of 9.5 nm."""
+    given = [f"drive:servo.{habit}" for habit in habits]
+    out = run_nc(
+        "N10 G100 Z98 F600", "", *given, "plant:z.position_start_mm=102", base="probe-z.toml"
+    )
+    (run,) = out.facts.runs
+    row = rows_of(out)["Z"]
+    assert run.latched_mm["Z"] == pytest.approx(row.latch_motor_mm, abs=10e-6)
+    assert row.latch_ns == out.facts.axes["Z"].latches[0].time_ns
+    assert abs(row.latch_motor_mm - row.motor_mm) > 1e-4
