@@ -18,6 +18,7 @@ from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.record.axes import AxisRecord, Edge, ProbeRecord
+from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.facts import Facts, Timing
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.bench.record.series import Series
@@ -157,6 +158,30 @@ def test_a_stamp_is_that_of_the_first_or_the_last_edge_of_an_exchange(keeps_last
     assert late.value == 0.0
     assert error.value == pytest.approx(0.0, abs=1e-6)
     assert error.uncertainty == pytest.approx(0.01, rel=2e-3)  # 10 mm/s in 1 us, and in 1 ns
+
+
+@pytest.mark.parametrize(
+    ("axis", "noted_mm", "latch_ns", "error_um"),
+    [
+        ("Z", -0.0005, 10_400 * US, 0.5),
+        ("Z", None, 10_400 * US, 0.0),  # the plant does not know it
+        ("X", -0.0005, 10_400 * US, 0.0),  # another axis
+        ("Z", -0.0005, 10_380 * US, 0.0),  # another instant
+        ("Z", -0.0005, 10_400 * US - 500, 0.5),  # carried on with the speed
+    ],
+)
+def test_the_place_that_the_plant_has_noted_counts_before_one_between_two_syncs(
+    axis: str, noted_mm: float | None, latch_ns: int, error_um: float
+) -> None:
+    """It is 0.5 um from what lies between the rows; the published value is what lies between."""
+    at_ns = 10_400 * US
+    edges = [(at_ns, True)]
+    observed = left(edges, 12 * MS + CYCLE_NS, at_ns, source="PLC_TIMESTAMP")
+    seen_mm = None if noted_mm is None else place_mm(latch_ns) + noted_mm
+    row = EdgeTruth("probe", axis, True, at_ns, None, None, latch_ns, seen_mm, seen_mm)
+    noted = Observed(replace(observed.facts, edges=(row,)), observed.series)
+    assert found(noted)[1].value == pytest.approx(error_um, abs=1e-6)
+    assert found(observed)[1].value == pytest.approx(0.0, abs=1e-6)
 
 
 def test_external_hardware_keeps_what_it_has_seen_for_a_slow_cnc() -> None:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil
 
-from axisrig.bench.judge.latch.truth import Touch
-from axisrig.bench.judge.observed.motion import State, state_at
+from axisrig.bench.judge.latch.truth import Touch, true_state
+from axisrig.bench.judge.observed.motion import State
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.sources.chain import Chain, Edges, Grid, Seen, Stamps
@@ -120,7 +120,7 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
         value_instant_ns(observed, task, source, chain, edges, at)
         for chain, edges, at in ways_of_signal(observed, task, seen, axis)
     ]
-    states = [state_at(observed, axis, at_ns) for at_ns in dict.fromkeys(instants_ns)]
+    states = [true_state(observed, axis, at_ns) for at_ns in dict.fromkeys(instants_ns)]
     known = [state for state in states if state is not None]
     if not known or len(known) < len(states):
         return Observation(None, note=UNSEEN)
