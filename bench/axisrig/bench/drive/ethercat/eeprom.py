@@ -3,7 +3,6 @@
 A command is done within the frame that asks for it: a master never sees it busy.
 """
 
-from collections.abc import Callable
 from typing import Final
 
 from axisrig.kernel.profiles.ethercat.layouts import SII_ALIAS
@@ -29,11 +28,11 @@ def check_sum(content: bytes | bytearray) -> int:
 
 
 class Eeprom:
-    """content: its bytes, which a master may change. loaded(alias): after power on and a reload."""
+    """content: its bytes, which a master may change. alias: as it was loaded last."""
 
-    def __init__(self, content: bytes, loaded: Callable[[int], None]) -> None:
+    def __init__(self, content: bytes) -> None:
         self.content = bytearray(content)
-        self._loaded = loaded
+        self.alias = 0
         self.status = READS_8_BYTES
 
     def load(self) -> None:
@@ -41,7 +40,7 @@ class Eeprom:
         is_right = self.content[14] == check_sum(self.content)
         self.status = READS_8_BYTES | (0 if is_right else BAD_CHECKSUM)
         alias = int.from_bytes(self.content[2 * SII_ALIAS : 2 * SII_ALIAS + 2], "little")
-        self._loaded(alias if is_right else 0)
+        self.alias = alias if is_right else 0
 
     def command(self, control: int, word: int, data: bytes) -> bytes:
         """Carry out what a master asks for; return the 8 bytes of the data register."""

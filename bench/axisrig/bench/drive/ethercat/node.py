@@ -120,8 +120,7 @@ class EthercatDrive:
         self.sync = SyncUnit(clock, self.time, self._sync0, _nothing)
         self.watchdog = Watchdog(clock, self._outputs_stay_away)
         self.latches = LatchUnit(self.time, self._edges)
-        self.eeprom = Eeprom(sii_content(self.description), self._take_alias)
-        self._alias = 0
+        self.eeprom = Eeprom(sii_content(self.description))
         parts = Parts(
             clock,
             self.eeprom,
@@ -250,9 +249,6 @@ class EthercatDrive:
     def _edges(self, number: int) -> Sequence[tuple[TimeNs, bool]]:
         signal = self._probes[number]
         return () if signal is None else signal.edges
-
-    def _take_alias(self, alias: int) -> None:
-        self._alias = alias
 
     def _written(self, number: int) -> None:
         if number == MAILBOX_OUT:

@@ -108,6 +108,7 @@ class Registers:
         self._parts.sync.activate(0)
         self._parts.watchdog.stop()
         self._parts.eeprom.load()
+        self.put("STATION_ALIAS", self._parts.eeprom.alias)
 
     # The slave's own processor
 
@@ -261,6 +262,7 @@ class Registers:
             self.get("EEPROM_DATA").to_bytes(8, "little"),
         )
         self.put("EEPROM_DATA", int.from_bytes(data, "little"))
+        self.put("STATION_ALIAS", self._parts.eeprom.alias)
 
     def _written_clock(self, begin: int, end: int) -> None:
         at, parts = self._at, self._parts
