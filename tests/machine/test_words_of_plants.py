@@ -63,7 +63,8 @@ def test_foreign_fmus_are_described_and_others_where_something_is_missing(
     )  # fmt: skip
     plant: Any = SimpleNamespace(
         axes={"z": SimpleNamespace(slave=slave("z", version="2.0"))},
-        probes={"p": SimpleNamespace(slave=slave("p"))}, distances={"gap": SimpleNamespace(slave=slave("gap"))},
+        probes={"p": SimpleNamespace(slave=slave("p"))},
+        distances={"gap": SimpleNamespace(slave=slave("gap"))},
         notes={"z": [], "p": [], "gap": ["no valid"]}, remarks={"z": ["a"], "p": [], "gap": ["b"]},
     )  # fmt: skip
     assert describe_plants(None, plant) == [  # type: ignore[arg-type]
