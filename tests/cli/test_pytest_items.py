@@ -4,10 +4,24 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from axisrig.bench.campaign.pytest_plugin import Outcome
+import pytest
+
+from axisrig.bench.campaign import pytest_plugin
+from axisrig.bench.campaign.pytest_plugin import (
+    STORED,
+    CaseFailedError,
+    CaseItem,
+    Outcome,
+    PlanFile,
+    RowItem,
+    StatisticItem,
+    has_conftest,
+    is_plan,
+)
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.cli.pytest_results import Staging
+from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
 
@@ -31,3 +45,191 @@ def test_a_row_that_pytest_runs_is_kept_by_what_it_depends_on(tmp_path: Path) ->
     assert not log.exists()
     staging.pytest_unconfigure()
     assert not log.parent.exists()
+
+
+# What is a plan, and its rows
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "is_it"),
+    [
+        ("a.csv", "case,program,rig\n", True),
+        ("a.csv", "case,check:alarms\n", True),
+        ("a.csv", "case,checks\n", True),
+        ("a.csv", "case,limit\n", False),
+        ("a.csv", "program,rig,check:alarms\n", False),
+        ("a.csv", "", True),  # no table at all: its message is to be seen
+        ("a.txt", "case,program,rig\n", False),
+        ("a.xlsx", "no workbook", False),
+    ],
+)
+def test_a_table_with_cases_and_one_more_column_is_a_plan(
+    name: str, text: str, is_it: bool, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    assert is_plan(tmp_path / name) is is_it
+
+
+def test_a_folder_is_one_of_plans_by_the_hook_of_its_own_conftest(tmp_path: Path) -> None:
+    def conftest(folder: str, hook: object) -> Any:
+        return SimpleNamespace(__file__=str(tmp_path / folder / "conftest.py"), **(
+            {} if hook is None else {"pytest_addoption": hook}
+        ))  # fmt: skip
+
+    ours = pytest_plugin.pytest_addoption
+    manager: Any = SimpleNamespace(
+        get_plugins=lambda: [conftest("a", ours), conftest("b", len), conftest("c", None)]
+    )
+    found = [has_conftest(manager, tmp_path / folder) for folder in "abcd"]
+    assert found == [True, False, False, False]
+
+
+def test_each_row_is_an_item_and_statistics_share_what_runs_have_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[Any] = []
+    for item in (CaseItem, StatisticItem):
+        monkeypatch.setattr(
+            item, "from_parent",
+            classmethod(lambda cls, _parent, **given: made.append((cls, given)) or cls),
+        )  # fmt: skip
+    runs = [SimpleNamespace(run=f"p-a-{n}", runs=()) for n in (1, 2)]
+    whole = SimpleNamespace(run="p-a", runs=("p-a-1", "p-a-2"))
+    plan = SimpleNamespace(cases=runs, rows=[*runs, whole])
+    monkeypatch.setattr(pytest_plugin, "read_plan", lambda _: plan)
+    list(PlanFile.collect(SimpleNamespace(path=tmp_path)))  # type: ignore[arg-type]
+    assert [(cls, given["name"]) for cls, given in made] == [
+        (CaseItem, "p-a-1"), (CaseItem, "p-a-2"), (StatisticItem, "p-a"),
+    ]  # fmt: skip
+    assert made[2][1]["runs"] == runs
+    assert len({id(given["sampled"]) for _, given in made}) == 1
+
+
+# What an item does
+
+
+CASE = read_plan(PLANS / "latch_accuracy.csv").cases[0]
+
+
+def result_of(verdict: Verdict, *checks: tuple[str, str, float], **more: Any) -> CaseResult:
+    found = [judge(parse_check(name, text, ""), value, 0.0) for name, text, value in checks]
+    return CaseResult(CASE, verdict, found, **more)
+
+
+CHECKS = (("latch_mm", "<= 5", 4.0), ("lag_mm_max", "<= 1", 2.0), ("overtravel_mm", "<= 1", 3.0))
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_what_is_worse_than_marginal_fails(verdict: Verdict) -> None:
+    item: Any = SimpleNamespace(case=CASE, user_properties=[])
+    result = result_of(verdict, *CHECKS)
+    if verdict in (Verdict.PASS, Verdict.MARGINAL):
+        RowItem.finish(item, result)
+    else:
+        with pytest.raises(CaseFailedError):
+            RowItem.finish(item, result)
+    assert item.result is result
+    assert item.user_properties == [
+        ("verdict", verdict.word), ("seed", str(CASE.seed)), ("frame_log_sha256", ""),
+        ("latch_mm", "4.0"), ("lag_mm_max", "2.0"), ("overtravel_mm", "3.0"),
+    ]  # fmt: skip
+    over = SimpleNamespace(case=SimpleNamespace(runs=("a", "b")), user_properties=[])
+    RowItem.finish(over, result_of(Verdict.PASS))  # type: ignore[arg-type]
+    assert over.user_properties == [("verdict", "pass"), ("runs", "2")]
+
+
+def test_a_failure_is_told_in_the_words_of_its_checks() -> None:
+    item: Any = SimpleNamespace(case=CASE)
+    result = result_of(Verdict.FAIL, *CHECKS, error="it broke")
+    result.log = ["a line of its log"]
+    caught: Any = SimpleNamespace(value=CaseFailedError(result))
+    shown = RowItem.repr_failure(item, caught)
+    lines = shown.reprtraceback.reprentries[0].lines[0].splitlines()
+    assert lines[0] == f"{CASE.file}:{CASE.line}: {CASE.run}: fail"
+    assert [line.split(":")[0].strip() for line in lines[1:3]] == ["fail", "fail"]
+    assert "lag_mm_max" in lines[1]
+    assert "overtravel_mm" in lines[2]
+    assert lines[3:] == ["a line of its log", "it broke"]
+    assert (shown.reprcrash.path, shown.reprcrash.lineno) == (str(CASE.file), CASE.line)
+    assert RowItem.reportinfo(item) == (CASE.file, CASE.line - 1, CASE.run)
+    first = result_of(Verdict.FAIL, *CHECKS[1:])
+    assert "lag_mm_max" in pytest_plugin._sentence(first)
+
+
+class Asked:
+    """Configuration of a run of pytest."""
+
+    def __init__(self, timeout_s: float | None, stored: Any = None) -> None:
+        self.stash: dict[Any, Any] = {} if stored is None else {STORED: stored}
+        self._timeout_s = timeout_s
+
+    def getoption(self, name: str, default: object = None) -> object:
+        assert name == "axisrig_call_timeout"
+        return self._timeout_s
+
+
+@pytest.mark.parametrize("is_foreign", [True, False])
+@pytest.mark.parametrize("timeout_s", [None, 5.0])
+@pytest.mark.parametrize("is_stored", [True, False])
+def test_a_row_runs_apart_where_its_rig_is_foreign_or_calls_are_limited(
+    is_foreign: bool, timeout_s: float | None, is_stored: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[str, Any] = {}
+
+    def run_cases(cases: Any, files_of: Any, **given: Any) -> Any:
+        asked.update(given, cases=cases, files=files_of("r"))
+        return [result_of(Verdict.PASS)]
+
+    monkeypatch.setattr(pytest_plugin, "run_cases", run_cases)
+    monkeypatch.setattr(pytest_plugin, "foreign_rigs", lambda rigs: set(rigs) if is_foreign else ())
+    stored = SimpleNamespace(files_of=lambda run: f"files of {run}", stopwatch="watch")
+    kept: dict[str, CaseResult] = {}
+    item: Any = SimpleNamespace(config=Asked(timeout_s, stored if is_stored else None),
+                                _sampled=kept)  # fmt: skip
+    RowItem.run_case(item, CASE)
+    assert asked["cases"] == [CASE]
+    limits = asked["limits"]
+    assert limits.is_apart(CASE) is (is_foreign or timeout_s is not None)
+    assert limits.call_limit_s == (timeout_s or pytest_plugin.CALL_LIMIT_S)
+    assert (asked["files"] == "files of r") is is_stored
+    assert (asked["stopwatch"] == "watch") is is_stored
+    assert kept == {}  # no statistic asks for it
+    sampled: Any = SimpleNamespace(rig=CASE.rig, run="p-a", sampled=("mean(m)",))
+    RowItem.run_case(item, sampled)
+    assert list(kept) == ["p-a"]
+    assert kept["p-a"].series is None
+
+
+def test_statistics_run_what_has_not_run_yet(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs: Any = [SimpleNamespace(run=f"p-a-{n}") for n in (1, 2, 3)]
+    sampled: dict[str, Any] = {"p-a-2": "known"}
+    ran: list[str] = []
+    finished: list[Any] = []
+    item: Any = SimpleNamespace(
+        _runs=runs, _sampled=sampled, case="row", run_case=lambda case: ran.append(case.run),
+        finish=finished.append,
+    )  # fmt: skip
+    monkeypatch.setattr(pytest_plugin, "judged_row", lambda *given: given)
+    StatisticItem.runtest(item)
+    assert ran == ["p-a-1", "p-a-3"]
+    assert finished == [("row", runs, sampled)]
+
+
+@pytest.mark.parametrize("is_foreign", [True, False])
+def test_a_warning_of_a_cell_is_one_of_pytest_unless_another_row_may_use_it(
+    is_foreign: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked = [SimpleNamespace(text=text, is_unused=unused)
+              for text, unused in (("one", False), ("", False), ("two", True))]  # fmt: skip
+    monkeypatch.setattr(pytest_plugin, "foreign_rigs", lambda rigs: set(rigs) if is_foreign else ())
+    monkeypatch.setattr(pytest_plugin, "look_at", lambda case, prepared: prepared)
+    monkeypatch.setattr(pytest_plugin, "prepare", lambda _: [] if is_foreign else looked)
+    monkeypatch.setattr(pytest_plugin, "read_case", lambda _: looked if is_foreign else [])
+    item: Any = SimpleNamespace(case=CASE)
+    assert CaseItem._warnings(item) == ["one"]
+
+    def broken(_: object) -> None:
+        raise pytest_plugin.UserError("no rig")
+
+    monkeypatch.setattr(pytest_plugin, "look_at", lambda case, _: broken(case))
+    assert CaseItem._warnings(item) == []  # the run reports it
