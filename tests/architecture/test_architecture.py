@@ -55,8 +55,11 @@ NO_FORMULA = ("axisrig.kernel.time", "axisrig.kernel.errors")
 # Who looks at what a run has left, and where all of that is made
 JUDGES = ("axisrig.bench.judge", "axisrig.reports")
 MAKERS = ("axisrig.kernel", "axisrig.bench.machine", "axisrig.bench.rig")
-# The oracle of the scenarios steps a live plant on; its truth is what the plant has passed
-OF_SCENARIOS = ("axisrig.bench.machine.machine.Machine", "axisrig.bench.record")
+# The invariants of the scenarios judge facts and series
+OF_SCENARIOS = tuple(
+    f"axisrig.bench.{room}" for room in ("record", "oracles", "judge", "tools.scenarios")
+)
+INVARIANTS = ("oracle", "invariants", "limits", "states")
 RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
 
@@ -131,9 +134,10 @@ def test_who_judges_reads_recordings() -> None:
     assert {module: names for module, names in found.items() if names} == {}
 
 
-def test_the_oracle_of_the_scenarios_takes_no_formula() -> None:
-    oracle = "axisrig.bench.tools.scenarios.oracle"
-    assert _outside(oracle, (*OF_SCENARIOS, *NO_FORMULA)) == []
+@pytest.mark.parametrize("name", INVARIANTS)
+def test_the_invariants_of_the_scenarios_take_no_formula(name: str) -> None:
+    module = f"axisrig.bench.tools.scenarios.{name}"
+    assert _outside(module, (*OF_SCENARIOS, *NO_FORMULA)) == []
 
 
 @pytest.mark.parametrize(

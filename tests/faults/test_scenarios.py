@@ -30,7 +30,7 @@ def test_the_oracle_does_not_believe_the_bench(monkeypatch: pytest.MonkeyPatch) 
         return None if value is None else value + 2 / 104_857.6
 
     monkeypatch.setattr(AxisLink, "latched_mm", property(shifted))
-    assert run().result is Result.WRONG
+    assert run().broken == ("value",)
 
 
 def test_the_oracle_looks_up_the_position_itself(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -40,7 +40,7 @@ def test_the_oracle_looks_up_the_position_itself(monkeypatch: pytest.MonkeyPatch
     true = axis.hermite
     off_m = 2e-3 / 104_857.6
     monkeypatch.setattr(axis, "hermite", lambda *of: true(*of) + off_m)
-    assert run().result is Result.WRONG
+    assert run().broken == ("value",)
 
 
 def test_a_scenario_is_the_same_whenever_it_is_run() -> None:
@@ -53,9 +53,9 @@ def test_a_scenario_is_the_same_whenever_it_is_run() -> None:
 def test_the_tally_counts_every_scenario_and_names_the_defects() -> None:
     tally = Tally()
     bad = Scenario(7, 1, ("fault:drop=Z.TPDO1",))
-    tally.add(bad, Judgement(Result.WRONG, note="off by 3"))
+    tally.add(bad, Judgement(Result.BROKEN, note="value: off by 3", broken=("value",)))
     tally.add(bad, Judgement(Result.ALARM, [900006], 2))
     text = tally.table()
     assert "2 scenarios" in text
-    assert "scenario 7: WRONG VALUE reported as good: off by 3" in text
+    assert "scenario 7: AN INVARIANT DOES NOT HOLD: value: off by 3" in text
     assert "alarm 900006, 1 values right before it" in text

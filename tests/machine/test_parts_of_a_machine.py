@@ -1,5 +1,5 @@
 """Parts of a machine alone: rest, courses of the PLC side, control units, what a program waits for,
-what is said of printed lines, and the oracle of the fault scenarios. Nothing here runs a machine.
+and printed lines. Nothing here runs a machine.
 """
 
 from collections.abc import Callable
@@ -14,17 +14,15 @@ from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.plc.control_units import PlcUnits
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.unfinished import at_work, in_words, waited_for
-from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.rig.plc.axis_words import SetCourse, UnitWrite
 from axisrig.bench.rig.plc.courses import Courses
 from axisrig.bench.rig.printed import BYTES_MAX, cut, lines_in, told
-from axisrig.bench.tools.scenarios.oracle import Result, judge
 from axisrig.kernel.channel import ChannelState
 from axisrig.kernel.cosim.plant.axis import MOTOR_VELOCITY
 from axisrig.kernel.distance import DistanceCommand
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.unit import DistanceUnit
-from axisrig.kernel.time.clock import MS, Phase, S
+from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 
 # --- rest after an alarm
@@ -301,96 +299,3 @@ def test_lines_of_a_file_are_short_and_printable(tmp_path: Path) -> None:
         file.write_bytes(b"y" * size)
         cut(file)
         assert file.stat().st_size == BYTES_MAX
-
-
-# --- the oracle of the fault scenarios
-
-STEP_MM = 1 / 104_857.6
-
-
-class Ran:
-    """A machine at its end: runs by (start, end), values, alarms, where the axis is afterwards."""
-
-    def __init__(
-        self,
-        latches: list[tuple[int, float]],
-        values: dict[int, float],
-        alarms: tuple[tuple[int, bool, int], ...] = (),
-        moved_mm: float = 0.0,
-        printed: tuple[str, ...] = (),
-    ) -> None:
-        now = SimpleNamespace(ns=0)
-        records = [
-            SimpleNamespace(
-                start_ns=begin, begin_ns=begin - 5, end_ns=end,
-                latched_mm={"Z": values[run]} if run in values else {},
-            )
-            for run, (begin, end) in enumerate(((100, 200), (300, 400)))
-        ]  # fmt: skip
-        places = iter((0.010, 0.010 + moved_mm * 1e-3))
-        axis = SimpleNamespace(position_m=lambda: next(places))
-        self.machine: Any = SimpleNamespace(
-            channel=SimpleNamespace(
-                alarms=[SimpleNamespace(id=i, ends_program=ends) for i, ends, _ in alarms],
-                alarm_ns=[at for _, _, at in alarms],
-                records=records,
-            ),
-            messages=[
-                SimpleNamespace(text=f"{word} value", values=[value])
-                for word, value in (text.split() for text in printed)
-            ],
-            end_ns=1 * S,
-            plant=SimpleNamespace(axes={"z": axis}, now_ns=0, advance_to=lambda _ns: None),
-            scheduler=SimpleNamespace(now_ns=1 * S, run_until=lambda ns: setattr(now, "ns", ns)),
-        )
-        # Falling edges, another axis and an edge whose latch the run did not reach count nothing
-        edges = [
-            EdgeTruth("probe", axis, level, at_ns, 0.0, 0.0, at_ns + 1, place_mm, 0.0)
-            for latch_ns, mm in latches
-            for at_ns, axis, level, place_mm in (
-                (latch_ns, "Z", True, mm), (latch_ns, "X", True, -1.0),
-                (latch_ns - 1, "Z", False, -2.0), (latch_ns - 1, "Z", True, None),
-            )
-        ]  # fmt: skip
-        self.machine.edges = SimpleNamespace(rows=lambda: edges)
-
-    def judged(self) -> tuple[Result, int]:
-        found = judge(self.machine, rising=True)
-        return found.result, found.right
-
-
-BOTH = [(150, 10.0), (350, 20.0)]
-LATE = 1 * S - 31 * MS
-
-
-@pytest.mark.parametrize(
-    ("given", "result", "right"),
-    [
-        ({"values": {0: 10.0, 1: 20.0}}, Result.GOOD, 2),
-        ({"values": {}}, Result.GOOD, 0),
-        ({"values": {0: 10.0 + 0.99 * STEP_MM, 1: 20.0 - 0.99 * STEP_MM}}, Result.GOOD, 2),
-        ({"values": {0: 10.0, 1: 20.0 + 1.01 * STEP_MM}}, Result.WRONG, 1),
-        ({"values": {0: 10.0 - 1.01 * STEP_MM}}, Result.WRONG, 0),
-        ({"values": {0: 20.0}}, Result.WRONG, 0),  # that of the other run
-        ({"values": {1: 20.0}, "latches": [(150, 10.0), (401, 20.0)]}, Result.WRONG, 0),
-        ({"values": {1: 20.0}, "latches": [(150, 10.0), (299, 20.0)]}, Result.WRONG, 0),
-        ({"values": {1: 20.0}, "latches": [(300, 20.0), (400, 25.0)]}, Result.GOOD, 1),
-        ({"values": {1: 20.0}, "latches": [(400, 20.0)]}, Result.GOOD, 1),
-        ({"values": {}, "printed": ("first 10.0", "second 20.0")}, Result.GOOD, 2),
-        ({"values": {}, "printed": ("second 10.0",)}, Result.WRONG, 0),
-        ({"values": {}, "alarms": ((1, False, 0),)}, Result.GOOD, 0),
-        ({"values": {0: 10.0}, "alarms": ((1, True, 1 * S - 30 * MS),)}, Result.ALARM, 1),
-        ({"values": {}, "alarms": ((1, True, 1 * S - 30 * MS - 1),)}, Result.SLOW, 0),
-        # The first one that ends the program counts, not a warning before nor one after it
-        ({"values": {}, "alarms": ((1, False, 0), (2, True, 1 * S - MS))}, Result.ALARM, 0),
-        ({"values": {}, "alarms": ((2, True, LATE), (3, True, 1 * S))}, Result.SLOW, 0),
-        ({"values": {}, "alarms": ((1, True, 1 * S),), "moved_mm": 0.0099}, Result.ALARM, 0),
-        ({"values": {}, "alarms": ((1, True, 1 * S),), "moved_mm": -0.0101}, Result.MOVES, 0),
-        ({"values": {0: 11.0}, "alarms": ((1, True, 0),), "moved_mm": 5.0}, Result.WRONG, 0),
-    ],
-)  # fmt: skip
-def test_a_scenario_is_judged_by_the_truth(
-    given: dict[str, Any], result: Result, right: int
-) -> None:
-    """A value is that of the first edge within its run, both ends in, to one increment."""
-    assert Ran(**{"latches": BOTH, **given}).judged() == (result, right)

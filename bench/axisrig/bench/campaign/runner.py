@@ -4,16 +4,16 @@ A result never depends on the number of processes: each case is built from its r
 alone. Results come as the cases end.
 """
 
-import gc
 import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Protocol
 
 from axisrig.bench.campaign.cell_warnings import CellWarnings, Looked, look_at
+from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.campaign.preparing import (
     Prepared,
     built_first,
@@ -95,23 +95,6 @@ CHUNK = 250
 """So many cases a process reads at a time, 0.1 s."""
 
 
-@contextmanager
-def _without_collector() -> Iterator[None]:
-    """Keep the garbage collector out of a run, which allocates much and drops nothing.
-
-    At the end it looks through what is new, and frees the machine: left to itself it would do so
-    while that is in use still, and find it again among all that the process has.
-    """
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.collect(0)
-            gc.enable()
-
-
 def run_case(
     case: Case,
     files: RunFiles,
@@ -150,7 +133,7 @@ def _run_case(
     started: float,
     hardware: Hardware | None,
 ) -> CaseResult:
-    with _without_collector():
+    with without_collector():
         left = _left_by(case, files, stopwatch, started, hardware)
     if isinstance(left, CaseResult):
         return left

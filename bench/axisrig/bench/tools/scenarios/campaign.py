@@ -2,52 +2,34 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 
+from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.campaign.processes import Died, run_apart
+from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.canopen.keys import DriveTable
-from axisrig.bench.rig.reading.file import RigFile, read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm
+from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines, program_of, rig_of
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, judge
 from axisrig.bench.tools.scenarios.scenario import Scenario, make_scenario
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.nc.syntax import Program
-from axisrig.kernel.nc.text.parser import read_program
 from axisrig.kernel.time.clock import S
 
-FOLDER = Path(__file__).parent
 # A start-up in which every SDO answer comes too late asks some 40 times twice 300 ms
 SIMULATED_LIMIT_NS = 30 * S
 CHUNK = 20
-
-
-# The truth of the oracle is the position one input delay after the edge, whatever the profile
-_EXACT = {"latch": "interpolated", "input_jitter_us": 0.0, "input_filter_us": 0.0,
-          "min_pulse_us": 0.0, "dead_time_us": 0.0, "delay_compensation_us": 0.0,
-          "latch_encoder": "motor"}  # fmt: skip
-
-
-@cache
-def _rig(profile: str) -> tuple[RigFile, list[Path]]:
-    rig, files = read_rig(FOLDER / "probe.toml")
-    given = rig.drive["servo"]
-    keys = ("encoder_increments", "lead_mm", "input_delay_us", "sync_loss_periods", "heartbeat_ms")
-    table = {"profile": profile, **_EXACT, **{key: getattr(given, key) for key in keys}}
-    return rig.model_copy(update={"drive": {"servo": DriveTable.model_validate(table)}}), files
-
-
-@cache
-def _program() -> Program:
-    return read_program(FOLDER / "probe.nc", ("Z",))
+SAMPLE = 100
+"""A scenario whose number this divides runs once more, in another process."""
+REPEATS = "repeats"
+"""Name of the invariant that its frames are the same there."""
 
 
 def run_scenario(scenario: Scenario) -> Judgement:
     """Run one scenario and judge it; an exception is a judgement too."""
-    return examine(scenario)[0]
+    with without_collector():
+        return examine(scenario)[0]
 
 
 def examine(
@@ -57,19 +39,21 @@ def examine(
 
     look: called with the machine at its end, before its plants are closed.
     """
-    rig, files = _rig(scenario.profile)
-    changes = [(parse_assignment(text), as_written) for text in scenario.assignments]
     try:
+        rig, files = rig_of(scenario.machine, scenario.profile)
+        changes = [(parse_assignment(text), as_written) for text in scenario.assignments]
         settings = read_settings(rig, files, changes)
-        machine = Machine(settings, _program(), seed=scenario.seed, limit_ns=SIMULATED_LIMIT_NS)
+        program = program_of(scenario.machine)
+        machine = Machine(settings, program, seed=scenario.seed, limit_ns=SIMULATED_LIMIT_NS)
     except UserError as error:
         return Judgement(Result.EXCEPTION, note=str(error)), None
     try:
+        states = StatesSeen()
+        machine.channel.observers.append(states)
         machine.run()
         if look is not None:
             look(machine)
-        rising = settings.axis["Z"].word("kenngr.measure.edge") == "POS"
-        return judge(machine, rising), machine
+        return judge(_left_by(scenario, machine, states)), machine
     except SimulatedTimeoutError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
         return Judgement(Result.HANG, alarms, note=str(error)), machine
@@ -80,34 +64,71 @@ def examine(
         machine.close()
 
 
-def _run_chunk(seed: int, first: int, count: int) -> list[tuple[Scenario, Judgement]]:
-    scenarios = [make_scenario(seed, number) for number in range(first, first + count)]
+def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen) -> Left:
+    """Return what a run has left; where an alarm has ended it, the plants are stepped on."""
+    facts, series = facts_of(machine), machine.recorder.series()
+    has_alarm = any(alarm.ends_program for alarm in machine.channel.alarms)
+    return Left(
+        machines()[scenario.machine],
+        facts,
+        series,
+        crept_mm(machine) if has_alarm else {},
+        states.names,
+        scenario.hidden,
+    )
+
+
+def _run_chunk(seed: int, first: int, count: int, machine: str) -> list[tuple[Scenario, Judgement]]:
+    scenarios = [make_scenario(seed, number, machine) for number in range(first, first + count)]
     return [(scenario, run_scenario(scenario)) for scenario in scenarios]
 
 
 def run_scenarios(
-    seed: int, first: int, count: int, jobs: int = 1
+    seed: int, first: int, count: int, jobs: int = 1, machine: str = ONE_AXIS
 ) -> Iterator[tuple[Scenario, Judgement]]:
-    """Yield scenarios `first` to `first + count - 1` of a campaign with their judgements."""
+    """Yield scenarios `first` to `first + count - 1` of a campaign with their judgements.
+
+    Raises UserError where the files of the machine are not there.
+    """
+    program_of(machine)
     end = first + count
-    tasks = [(seed, n, min(CHUNK, end - n)) for n in range(first, end, CHUNK)]
+    tasks = [(seed, n, min(CHUNK, end - n), machine) for n in range(first, end, CHUNK)]
     if jobs == 1:
         for task in tasks:
-            yield from _run_chunk(*task)
+            yield from map(repeated, _run_chunk(*task))
         return
     for task, result in zip(
         tasks, run_apart(_run_chunk, tasks, jobs=jobs, is_fresh=False), strict=True
     ):
         if isinstance(result, Died):
             died = Judgement(Result.EXCEPTION, note=result.reason)
-            yield make_scenario(seed, task[1]), died
+            yield make_scenario(seed, task[1], machine), died
         else:
-            yield from result
+            yield from map(repeated, result)
+
+
+def repeated(found: tuple[Scenario, Judgement]) -> tuple[Scenario, Judgement]:
+    """Run a sampled scenario once more in a process of its own; its frames have to be the same."""
+    scenario, judgement = found
+    if scenario.number % SAMPLE or not judgement.frames:
+        return found
+    (again,) = run_apart(run_scenario, [[scenario]], jobs=1, is_fresh=True)
+    if isinstance(again, Died):
+        return scenario, Judgement(Result.EXCEPTION, judgement.alarms, note=again.reason)
+    return scenario, compared(judgement, again.frames)
+
+
+def compared(judgement: Judgement, frames: str) -> Judgement:
+    """Return the judgement of a run whose scenario has sent `frames` in another process."""
+    if frames == judgement.frames:
+        return judgement
+    note = f"{REPEATS}: other frames in another process"
+    return replace(judgement, result=Result.BROKEN, note=note, broken=(*judgement.broken, REPEATS))
 
 
 @dataclass
 class Tally:
-    """Counts of a campaign, and its defects."""
+    """Counts of the scenarios of a machine, and its defects."""
 
     counts: Counter[str] = field(default_factory=Counter)
     kinds: Counter[str] = field(default_factory=Counter)
@@ -116,10 +137,13 @@ class Tally:
     def add(self, scenario: Scenario, judgement: Judgement) -> None:
         """Count one scenario."""
         name = str(judgement.result)
+        values = machines()[scenario.machine].values_of(judgement.right)
         if judgement.result is Result.ALARM:
-            name = f"alarm {judgement.alarms[-1]}, {judgement.right // 2} values right before it"
+            name = f"alarm {judgement.alarms[-1]}, {values} values right before it"
         elif judgement.result is Result.GOOD:
-            name = f"program ends as it should, {judgement.right // 2} values, all right"
+            name = f"program ends as it should, {values} values, all right"
+            if "value" in scenario.hidden:
+                name = f"program ends as it should, {values} values right, others nobody can know"
         self.counts[name] += 1
         self.kinds.update(fault.partition("=")[0] for fault in scenario.faults)
         if judgement.result in DEFECTS:
@@ -133,8 +157,14 @@ class Tally:
         lines += ["faults of each kind"]
         lines += [f"  {count:>6}  {name}" for name, count in sorted(self.kinds.items())]
         for scenario, judgement in self.defects:
-            lines += ["", f"scenario {scenario.number}: {judgement.result}: {judgement.note}"]
-            lines += [
-                f"  {text}" for text in (f"profile {scenario.profile}", *scenario.assignments)
-            ]
+            lines += ["", *defect_lines(scenario, judgement)]
         return "\n".join(lines)
+
+
+def defect_lines(scenario: Scenario, judgement: Judgement) -> list[str]:
+    """Say what a scenario showed, and what makes it again."""
+    row = machines()[scenario.machine]
+    lines = [f"scenario {scenario.number}: {judgement.result}: {judgement.note}"]
+    lines += [f"  machine {row.name}: {row.rig} {row.program}, seed {scenario.seed}"]
+    lines += [f"  profile {scenario.profile}"] if scenario.profile else []
+    return [*lines, *(f"  {text}" for text in scenario.assignments)]

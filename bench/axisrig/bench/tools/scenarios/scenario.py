@@ -1,110 +1,127 @@
-"""Random fault scenarios: what is done to the small machine of `probe.toml`, drawn from a seed.
+"""Random fault scenarios: what is done to a machine of `machines.csv`, drawn from a seed.
 
 A scenario is a list of assignments as a plan or `--set` has them, so that each can be run by hand:
-`axisrig nc probe.nc --rig probe.toml --set ...`. What is drawn, and how often, is a table of its
-own (`kinds.csv`): a further kind of fault, key or moment changes no scenario of an old seed.
+`axisrig nc PROGRAM --rig RIG --set ...`. What is drawn, and how often, is a table of its own
+(`kinds.csv`, a column of weights for each group of machines): a further kind of fault, key or
+moment changes no scenario of an old seed where its weight is 0.
 """
 
 import csv
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from typing import TypeVar
 
-AXIS, BUS = "Z", "can1"
-FEED_MIN, FEED_MAX = 300, 1800
-FEED_APART_MIN = 120
-"""mm/min; 1 um of input delay apart, more than a hundred increments: a value of the first run is
-wrong for the second."""
+from axisrig.bench.tools.scenarios.drawing import draw_inputs
+from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines, places_of, rig_of
+
 _TELEGRAMS = {
     "TPDO1": 5, "TPDO2": 5, "RPDO1": 5, "TPDO3": 1, "SDO": 2, "SYNC": 3, "EMCY": 1, "NMT": 1,
 }  # fmt: skip
 _FAULTS_WEIGHTS = {0: 1, 1: 50, 2: 35, 3: 14}
-
-
-PROFILES = (
-    "generic", "generic", "generic", "late-status", "epos4-like", "yaskawa-like", "ep7211-like",
-    "ax8000-like", "steppeonline-like",
-)  # fmt: skip
-"""Habits of drives; what they do to the latched position is taken out (`PROFILE_KEYS`)."""
-
-
 _MOMENTS = ("start", "motion", "standing", "armed", "edge", "latched", "seen")
 _COMMANDS = ("reset", "reset_communication", "stop", "pre_operational")
+
+Drawn = TypeVar("Drawn")
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A row of `kinds.csv`: a kind of fault, how often it is drawn, its targets and keys."""
+    """A row of `kinds.csv`: a kind of fault, how often it is drawn, its targets and keys.
+
+    weights: by column. hides: invariants that cannot be decided with it, as nothing in control or
+    drive could know.
+    """
 
     name: str
-    weight: int
+    weights: Mapping[str, int]
     targets: tuple[str, ...]
     keys: tuple[str, ...]
+    hides: tuple[str, ...]
 
 
 @cache
-def drawn_kinds() -> tuple[Kind, ...]:
-    """Read the table."""
+def drawn_kinds() -> dict[str, Kind]:
+    """Read the table, in its order."""
     text = resources.files(__package__).joinpath("kinds.csv").read_text(encoding="utf-8")
-    return tuple(
-        Kind(
+    words = ("kind", "targets", "keys", "hides")
+    return {
+        row["kind"]: Kind(
             row["kind"],
-            int(row["weight"]),
-            tuple(row["targets"].split()),
-            tuple(row["keys"].split()),
+            {column: int(weight) for column, weight in row.items() if column not in words},
+            *(tuple(row[column].split()) for column in words[1:]),
         )
         for row in csv.DictReader(text.splitlines())
+    }
+
+
+@cache
+def _pool(machine: str) -> tuple[Kind, ...]:
+    """Return the kinds that a machine has places for, each as often as it weighs."""
+    column = machines()[machine].weights
+    found = [kind for kind in drawn_kinds().values() if kind.weights[column]]
+    return tuple(
+        kind for kind in found if places_of(machine, kind.name) for _ in range(kind.weights[column])
     )
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """One run: its number, the seed of its case, its inputs as `COLUMN=VALUE`, and the drive."""
+    """One run: its number, the seed of its case, its inputs as `COLUMN=VALUE`, drive and machine.
+
+    profile: of the drives; empty: as the rig has it.
+    """
 
     number: int
     seed: int
     assignments: tuple[str, ...]
     profile: str = "generic"
+    machine: str = ONE_AXIS
 
     @property
     def faults(self) -> tuple[str, ...]:
         """The assignments that are faults."""
         return tuple(text for text in self.assignments if text.startswith("fault:"))
 
+    @property
+    def hidden(self) -> frozenset[str]:
+        """Invariants that cannot be decided with these faults."""
+        kinds = [text.partition("=")[0].partition(":")[2] for text in self.faults]
+        known = drawn_kinds()
+        return frozenset(
+            name for kind in kinds for name in (known[kind].hides if kind in known else ())
+        )
 
-def make_scenario(seed: int, number: int) -> Scenario:
-    """Draw scenario `number` of the campaign `seed`."""
-    numbers = random.Random(f"{seed} {number}")
-    feed_1 = numbers.randint(FEED_MIN, FEED_MAX)
-    far = [f for f in range(FEED_MIN, FEED_MAX + 1, 20) if abs(f - feed_1) >= FEED_APART_MIN]
-    inputs = [
-        f"plc:V.E.FEED1={feed_1}",
-        f"plc:V.E.FEED2={numbers.choice(far)}",
-        f"plc:V.E.RETRACT={numbers.uniform(0.1, 0.4):.3f}",
-        f"plant:z.position_start_mm={numbers.uniform(0.2, 0.6):.4f}",
-    ]
-    if numbers.random() < 0.2:
-        inputs += ["set:Z.kenngr.measure.edge=NEG", "plant:probe.inverted=1"]
+
+def make_scenario(seed: int, number: int, machine: str = ONE_AXIS) -> Scenario:
+    """Draw scenario `number` of the campaign `seed` of a machine.
+
+    Raises UserError where the files of the machine are not there.
+    """
+    row = machines()[machine]
+    own = "" if machine == ONE_AXIS else f" {machine}"
+    numbers = random.Random(f"{seed} {number}{own}")
+    inputs = draw_inputs(row.inputs, numbers)
     count = numbers.choices(list(_FAULTS_WEIGHTS), list(_FAULTS_WEIGHTS.values()))[0]
     cells: dict[str, list[str]] = {}
-    kinds = [kind for kind in drawn_kinds() for _ in range(kind.weight)]
+    pool = _pool(machine)
     for _ in range(count):
-        kind = numbers.choice(kinds)
-        cells.setdefault(kind.name, []).append(_fault(kind, numbers))
+        kind = numbers.choice(pool)
+        fault = _fault(kind, machine, numbers)
+        faults = cells.setdefault(kind.name, [])
+        # Probing inputs are exchanged or not: a second time says nothing
+        if kind.keys or fault not in faults:
+            faults.append(fault)
     inputs += [f"fault:{kind}={'; '.join(faults)}" for kind, faults in cells.items()]
-    seed_of_run, profile = numbers.randrange(2**32), numbers.choice(PROFILES)
-    return Scenario(number, seed_of_run, tuple(inputs), profile)
+    seed_of_run = numbers.randrange(2**32)
+    profile = numbers.choice(row.profiles) if row.profiles else ""
+    return Scenario(number, seed_of_run, tuple(inputs), profile, machine)
 
 
-def _fault(form: Kind, numbers: random.Random) -> str:
-    if form.targets == ("telegram",):
-        telegram = numbers.choices(list(_TELEGRAMS), list(_TELEGRAMS.values()))[0]
-        target = f"{BUS}.{telegram}" if telegram in ("SYNC", "NMT") else f"{AXIS}.{telegram}"
-    else:
-        target = {"bus": BUS, "axis": AXIS}[numbers.choice(form.targets)]
-    words = [target]
+def _fault(form: Kind, machine: str, numbers: random.Random) -> str:
+    words = [_place(form, machine, numbers)]
     for key in form.keys:
         share, draw = _KEYS[key]
         if numbers.random() < share:
@@ -112,6 +129,29 @@ def _fault(form: Kind, numbers: random.Random) -> str:
     text = " ".join(words)
     # The program starts once; a second time would be a fault that never comes
     return text if "at=start" not in text else text.replace("nth=2", "nth=1")
+
+
+def _place(form: Kind, machine: str, numbers: random.Random) -> str:
+    places = places_of(machine, form.name)
+    if form.targets == ("telegram",):
+        known = {
+            name: weight
+            for name, weight in _TELEGRAMS.items()
+            if any(place.endswith(f".{name}") for place in places)
+        }
+        telegram = numbers.choices(list(known), list(known.values()))[0]
+        return _one([place for place in places if place.endswith(f".{telegram}")], numbers)
+    target = numbers.choice(form.targets)
+    if len(form.targets) == 1:
+        return _one(places, numbers)
+    rig, _ = rig_of(machine)
+    of_target = rig.axis if target == "axis" else rig.segment
+    return _one([place for place in places if place in of_target], numbers)
+
+
+def _one(found: Sequence[Drawn], numbers: random.Random) -> Drawn:
+    """Draw one of several; nothing is drawn where there is no choice."""
+    return found[0] if len(found) == 1 else numbers.choice(found)
 
 
 Draw = Callable[[random.Random], object]
@@ -123,6 +163,15 @@ def _time(low_us: float, high_us: float) -> Callable[[random.Random], str]:
     def draw(numbers: random.Random) -> str:
         us = low_us * (high_us / low_us) ** numbers.random()
         return f"{us:.0f}us" if us < 1000 else f"{us / 1000:.3f}ms"
+
+    return draw
+
+
+def _size(low: float, high: float) -> Callable[[random.Random], str]:
+    """Draw a size of either sign between the limits, every decade as likely as another."""
+
+    def draw(numbers: random.Random) -> str:
+        return f"{numbers.choice((-1, 1)) * low * (high / low) ** numbers.random():.0f}"
 
     return draw
 
@@ -152,4 +201,9 @@ _KEYS: dict[str, tuple[float, Draw]] = {
     "period": (0.8, _time(60, 5_000)),
     "data": (0.7, lambda n: n.choice(["last", "random", n.randbytes(n.randint(1, 8)).hex()])),
     "command": (0.7, lambda n: n.choice(_COMMANDS)),
+    "pulses": (0.7, lambda n: n.randint(1, 6)),
+    "increments": (0.7, lambda n: round(10 ** n.uniform(0, 4))),
+    "um_s": (0.9, _size(10, 20_000)),
+    "um": (0.9, _size(10, 12_000)),
+    "ppm": (0.9, _size(10, 10_000)),
 }  # fmt: skip

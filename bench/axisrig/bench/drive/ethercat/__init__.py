@@ -1,1 +1,0 @@
-"""The virtual drive on EtherCAT: slave controller, states, mailbox, CoE, and the servo on it."""

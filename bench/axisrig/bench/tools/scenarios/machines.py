@@ -1,0 +1,144 @@
+"""Machines of the scenarios: the rows of `machines.csv`.
+
+Rigs and programs are beside the table, or of the shipped plans (`testplans/...`, from the folder in
+which the command runs, as with `axisrig demo`).
+"""
+
+import csv
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+from axisrig.bench.rig.canopen.keys import DriveTable
+from axisrig.bench.rig.faults import open_targets
+from axisrig.bench.rig.reading.faults import fault_kinds
+from axisrig.bench.rig.reading.file import RigFile, read_rig
+from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.kernel.errors import UserError, nearest
+from axisrig.kernel.nc.syntax import Program
+from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import MS, TimeNs
+
+FOLDER = Path(__file__).parent
+SHIPPED = "testplans"
+ONE_AXIS = "one-axis"
+"""The first row: what runs without a choice."""
+ALL = "all"
+
+
+@dataclass(frozen=True)
+class MachineRow:
+    """A machine of the scenarios.
+
+    inputs: as `drawing` reads them. profiles: of its drives, one is drawn; none: as the rig has it.
+    weights: column of `kinds.csv`. source: of its signals, P-AXIS-00516, empty without a run.
+    prints: blocks that print the value of the first run, of the second .. still: axes that the
+    program does not move. stop_ns: from an alarm until the set positions stand, twice what the
+    fastest motion takes by P-AXIS-00024 or 00053.
+    """
+
+    name: str
+    title: str
+    rig: str
+    program: str
+    inputs: str
+    profiles: tuple[str, ...]
+    weights: str
+    source: str
+    prints: tuple[int, ...]
+    still: tuple[str, ...]
+    stop_ns: TimeNs
+
+    def values_of(self, right: int) -> int:
+        """Return how many values were measured of what is printed and published."""
+        return right // 2 if self.prints else right
+
+
+@cache
+def machines() -> dict[str, MachineRow]:
+    """Read the table: name -> machine, in its order."""
+    text = resources.files(__package__).joinpath("machines.csv").read_text(encoding="utf-8")
+    return {
+        row["machine"]: MachineRow(
+            name=row["machine"],
+            title=row["title"],
+            rig=row["rig"],
+            program=row["program"],
+            inputs=row["inputs"],
+            profiles=tuple(row["profiles"].split()),
+            weights=row["weights"],
+            source=row["source"],
+            prints=tuple(int(block[1:]) for block in row["prints"].split()),
+            still=tuple(row["still"].split()),
+            stop_ns=int(row["stop_ms"]) * MS,
+        )
+        for row in csv.DictReader(text.splitlines())
+    }
+
+
+def machines_named(name: str) -> list[MachineRow]:
+    """Return the machine of a name, or all of them. Raises UserError for one that is not there."""
+    known = machines()
+    if name == ALL:
+        return list(known.values())
+    if name not in known:
+        allowed = nearest(name, known) or [*known, ALL]
+        raise UserError("no such machine of the scenarios", value=name, allowed=allowed)
+    return [known[name]]
+
+
+def path_of(text: str) -> Path:
+    """Return the file of a rig or program. Raises UserError where it is not there."""
+    path = Path(text) if text.startswith(f"{SHIPPED}/") else FOLDER / text
+    if not path.is_file():
+        raise UserError(
+            "a file of a machine of the scenarios is not there",
+            file=path,
+            hint=f"run where the folder {SHIPPED} is, in a checkout",
+        )
+    return path
+
+
+# The truth of the oracle is the position one input delay after the edge, whatever the profile
+_EXACT = {"latch": "interpolated", "input_jitter_us": 0.0, "input_filter_us": 0.0,
+          "min_pulse_us": 0.0, "dead_time_us": 0.0, "delay_compensation_us": 0.0,
+          "latch_encoder": "motor"}  # fmt: skip
+
+
+@cache
+def rig_of(machine: str, profile: str = "") -> tuple[RigFile, list[Path]]:
+    """Return the rig of a machine with its files; profile: of all its drives, where one is given.
+
+    What a profile does to the latched position is taken out. Raises UserError as `read_rig`.
+    """
+    rig, files = read_rig(path_of(machines()[machine].rig))
+    if not profile:
+        return rig, files
+    keys = ("encoder_increments", "lead_mm", "input_delay_us", "sync_loss_periods", "heartbeat_ms")
+    drives = {
+        name: DriveTable.model_validate(
+            {"profile": profile, **_EXACT, **{key: getattr(given, key) for key in keys}}
+        )
+        for name, given in rig.drive.items()
+    }
+    return rig.model_copy(update={"drive": drives}), files
+
+
+@cache
+def program_of(machine: str) -> Program:
+    """Return the program of a machine. Raises UserError as `read_program`."""
+    rig, _ = rig_of(machine)
+    return read_program(path_of(machines()[machine].program), tuple(rig.axis))
+
+
+@cache
+def places_of(machine: str, kind: str) -> tuple[str, ...]:
+    """Return everything that a kind of fault can be done to in a machine, by its fault points."""
+    return tuple(open_targets(fault_kinds()[kind], _settings_of(machine)))
+
+
+@cache
+def _settings_of(machine: str) -> Settings:
+    rig, files = rig_of(machine)
+    return read_settings(rig, files, [])
