@@ -1,5 +1,7 @@
 """The tables of EtherCAT agree with the enumerations and with themselves."""
 
+from itertools import pairwise
+
 from axisrig.kernel.profiles.ethercat import layouts, tables
 
 
@@ -12,7 +14,7 @@ def test_commands_and_states_are_those_of_their_tables() -> None:
 
 def test_registers_do_not_overlap() -> None:
     rows = sorted(tables.registers().values(), key=lambda row: row.address)
-    for before, after in zip(rows, rows[1:], strict=False):
+    for before, after in pairwise(rows):
         assert before.address + before.size <= after.address, after.name
     assert rows[-1].address + rows[-1].size == 0x1000
 

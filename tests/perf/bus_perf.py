@@ -15,9 +15,9 @@ import canopen
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.bench.drive.canopen.pdo import Layout
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.mapping import Layout
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.time.clock import MS

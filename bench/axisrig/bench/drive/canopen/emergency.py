@@ -5,8 +5,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import ClassVar, Final
 
+from axisrig.bench.drive.axis.timer import Timer
 from axisrig.bench.drive.canopen.identifiers import check_cob_id
-from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import NO_ERROR

@@ -10,7 +10,7 @@ from functools import partial
 from typing import ClassVar
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
-from axisrig.bench.drive.canopen.timer import Timer
+from axisrig.bench.drive.axis.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE

@@ -6,6 +6,7 @@ from functools import partial
 from typing import ClassVar
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.drive.axis.timer import Timer
 from axisrig.bench.drive.canopen.pdo import (
     COUNT,
     PARAMETERS,
@@ -18,7 +19,6 @@ from axisrig.bench.drive.canopen.pdo import (
     read_rpdo,
     read_tpdo,
 )
-from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister

@@ -6,28 +6,23 @@ What the node does on its bus is `slave.py`, what it does with its object values
 
 from collections.abc import Callable, Mapping
 
-from canopen.sdo.exceptions import SdoAbortedError
-
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.simbus import SimBus
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.drive.canopen.nmt import NmtState
 from axisrig.bench.drive.canopen.slave import CanopenSlave, Needs, SlaveHabits
-from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.defaults import drive_table
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
-from axisrig.bench.drive.cia402.dictionary.objects import variables
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.store import Owner
+from axisrig.bench.drive.cia402.profile_objects import PROFILE_OBJECTS, ProfileObjects
 from axisrig.bench.drive.cia402.servo import Servo
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import Clock, Phase
 
 CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
 MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
-PROFILE_OBJECTS = range(0x6000, 0xA000)
-INTERPOLATION_TIME = 0x60C2
 STORE_EDS = 0x1021
 
 
@@ -85,7 +80,8 @@ class DriveNode:
                 ),
             ),
         )
-        self.slave.objects.own(_ProfileObjects(self), PROFILE_OBJECTS)
+        objects = ProfileObjects(servo, self.profile, clock, self._send_changes)
+        self.slave.objects.own(objects, PROFILE_OBJECTS)
         self.slave.objects.own(_Document(self.profile), (STORE_EDS,))
         clock.call_at(clock.now_ns, Phase.APPLICATION, self._boot)
 
@@ -143,39 +139,6 @@ class DriveNode:
         """Reset the drive as its watchdog would: power off and on at once."""
         self.power_off()
         self.power_on()
-
-
-class _ProfileObjects(Owner):
-    """The objects of the device profile: read as they are now, acting when they are written."""
-
-    def __init__(self, node: DriveNode) -> None:
-        self._servo, self._clock, self._slave = node.servo, node._clock, node.slave
-        self._profile = node.profile
-        self._rows = variables()
-
-    def read(self, index: int, sub: int) -> None:
-        """Sample, so that the value is that of this instant."""
-        if self._rows[index, sub].value:
-            self._servo.refresh(self._clock.now_ns)
-
-    def check(self, index: int, sub: int, value: int) -> None:
-        """Refuse what the drive cannot do; the time until now belongs to the old value."""
-        if (index == 0x60B8 and not self._servo.touch_probe.supports(value)) or (
-            index == 0x60D0 and value not in self._profile.source_values
-        ):
-            abort(AbortCode.INVALID_VALUE)
-        refusal = self._servo.refuses(index, value)
-        if refusal is not None:
-            raise SdoAbortedError(refusal)
-        self._servo.begin(self._clock.now_ns)
-
-    def written(self, index: int, sub: int, value: int) -> None:
-        """Act now, and send what has changed by the event-driven PDOs."""
-        if index == INTERPOLATION_TIME:
-            self._servo.interpolation.written()
-        self._servo.update()
-        self._servo.react(self._clock.now_ns)
-        self._slave.exchange.send_events()
 
 
 class _Document(Owner):

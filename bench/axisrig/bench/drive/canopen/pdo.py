@@ -1,18 +1,16 @@
-"""The PDOs of a drive node: read from the object dictionary, compiled to `struct` codecs.
+"""The PDOs of a drive node: read from the object dictionary, compiled to codecs (`mapping.py`).
 
 Source: CiA 301, PDO communication parameters 1400h, 1800h and mapping parameters 1600h, 1A00h.
 """
 
-import struct
 from collections.abc import Callable
 from dataclasses import dataclass
-from operator import attrgetter
 from typing import Final
 
 from axisrig.bench.drive.canopen.identifiers import check_cob_id
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
-from axisrig.bench.drive.cia402.dictionary.objects import DUMMIES
+from axisrig.bench.drive.cia402.dictionary.mapping import Layout, check_entry, read_layout
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.kernel.profiles.canopen.identifiers import BIT_30, ID_MASK, MAPPING_OF_PDO, NOT_VALID
 from axisrig.kernel.time.clock import MS, US, TimeNs
@@ -32,28 +30,6 @@ REMOTE_AT_SYNC, REMOTE, EVENT_FIRST = 252, 253, 254
 BITS_MAX = 64
 SYNC_COUNTER = 0x1019
 INHIBIT_UNIT_NS = 100 * US
-
-
-@dataclass(frozen=True)
-class Layout:
-    """What a PDO carries: fields of the process image and the codec of their values."""
-
-    fields: tuple[str, ...]
-    codec: struct.Struct
-
-    def store(self, image: DeviceImage, data: bytes) -> None:
-        """Write the values of a message into the image; data after the mapping is ignored."""
-        for name, value in zip(self.fields, self.codec.unpack_from(data), strict=True):
-            setattr(image, name, value)
-
-    def reader(self) -> Callable[[DeviceImage], bytes]:
-        """Return the function that makes the message from the image."""
-        pack, fields = self.codec.pack, self.fields
-        if len(fields) == 1:
-            value_of = attrgetter(*fields)
-            return lambda image: pack(value_of(image))
-        values_of = attrgetter(*fields)
-        return lambda image: pack(*values_of(image))
 
 
 @dataclass(slots=True)
@@ -155,20 +131,6 @@ def read_tpdo(number: int, store: ObjectStore) -> Tpdo | None:
     )
 
 
-def read_layout(mapping: int, store: ObjectStore) -> Layout:
-    """Compile the mapping parameter `mapping`; its entries are valid (`check_write`)."""
-    formats, fields = "<", []
-    for sub in range(1, store.value(mapping) + 1):
-        index, sub_index, bits = _parts(store.value(mapping, sub))
-        if index in DUMMIES:
-            formats += f"{bits // 8}x"
-        else:
-            row = store.row(index, sub_index)
-            formats += row.data_type.format
-            fields.append(row.value)
-    return Layout(tuple(fields), struct.Struct(formats))
-
-
 def check_write(index: int, sub: int, value: int, store: ObjectStore) -> None:
     """Refuse a write to a PDO parameter that the standard forbids.
 
@@ -199,22 +161,6 @@ def _check_mapping(index: int, sub: int, value: int, is_valid: bool, store: Obje
         return  # an unused entry may be emptied
     direction = "rx" if index < TPDO_COMMUNICATION else "tx"
     for entry in entries:
-        _check_entry(entry, direction, store)
+        check_entry(entry, direction, store)
     if sum(entry & 0xFF for entry in entries) > BITS_MAX:
         abort(AbortCode.PDO_TOO_LONG)
-
-
-def _check_entry(entry: int, direction: str, store: ObjectStore) -> None:
-    index, sub, bits = _parts(entry)
-    if 1 <= index <= 7:
-        if direction != "rx" or sub or DUMMIES.get(index) != bits:
-            abort(AbortCode.NOT_MAPPABLE)
-        return
-    row = store.row(index, sub)
-    # Whole objects only, so every entry starts at a byte
-    if row.pdo != direction or bits != row.data_type.bits:
-        abort(AbortCode.NOT_MAPPABLE)
-
-
-def _parts(entry: int) -> tuple[int, int, int]:
-    return entry >> 16, entry >> 8 & 0xFF, entry & 0xFF

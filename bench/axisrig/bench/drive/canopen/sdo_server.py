@@ -12,6 +12,7 @@ from typing import Final, Protocol
 
 from canopen.sdo.exceptions import SdoAbortedError
 
+from axisrig.bench.drive.axis.timer import Timer
 from axisrig.bench.drive.canopen.sdo_transfers import (
     BlockDownload,
     BlockUpload,
@@ -20,7 +21,6 @@ from axisrig.bench.drive.canopen.sdo_transfers import (
     SegmentOutlet,
     Transfer,
 )
-from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 

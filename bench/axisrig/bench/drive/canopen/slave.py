@@ -31,10 +31,10 @@ from axisrig.bench.drive.canopen.nmt import (
 )
 from axisrig.bench.drive.canopen.sdo_server import SdoServer
 from axisrig.bench.drive.canopen.sdo_transfers import SegmentOutlet
-from axisrig.bench.drive.canopen.storage import ParameterStorage
 from axisrig.bench.drive.canopen.sync import SYNC_LOST, SyncConsumer, SyncEvents
 from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow, ObjectTable
+from axisrig.bench.drive.cia402.dictionary.storage import ParameterStorage
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister
 from axisrig.kernel.profiles.canopen.identifiers import (

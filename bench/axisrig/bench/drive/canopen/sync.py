@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.drive.axis.timer import Timer
 from axisrig.bench.drive.canopen.identifiers import check_identifier
-from axisrig.bench.drive.canopen.timer import Timer
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister

@@ -1,6 +1,6 @@
 """How the parts of a drive are put together."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from axisrig.bench.drive.axis.index_pulse import IndexPulse
 from axisrig.bench.drive.axis.latch_position import LatchPosition
@@ -20,6 +20,7 @@ from axisrig.bench.drive.cia402.functions.touch_probe import (
 )
 from axisrig.bench.drive.cia402.functions.units import Units
 from axisrig.bench.drive.cia402.modes.base import Parts
+from axisrig.kernel.time.clock import TimeNs
 
 Signals = tuple[SignalPort | None, SignalPort | None]
 
@@ -31,6 +32,7 @@ def make_parts(
     signals: Signals,
     switches: Mapping[str, SignalPort],
     seed: int,
+    device_time: Callable[[TimeNs], int] | None = None,
 ) -> Parts:
     """Make what the modes of a drive work with; arguments as those of `Servo`."""
     units = Units(profile, image)
@@ -52,7 +54,7 @@ def make_parts(
         profile.tick_ns,
         Switches(switches, profile, seed),
         IndexPulse(profile, axis.motor_position_m_at),
-        _touch_probe(axis, signals, profile, units, image, seed),
+        _touch_probe(axis, signals, profile, units, image, seed, device_time),
         set_home,
         profile.homing_torque,
         profile.homing_stop_ms,
@@ -67,6 +69,7 @@ def _touch_probe(
     scaling: Units,
     image: ProcessImage,
     seed: int,
+    device_time: Callable[[TimeNs], int] | None,
 ) -> TouchProbe:
     """Make the touch probe unit on the encoders of an axis."""
     position_m_at = axis.motor_position_m_at
@@ -81,4 +84,4 @@ def _touch_probe(
         HARDWARE_INDEX: IndexPulse(profile, position_m_at),
         SOFTWARE_INDEX: IndexPulse(profile, position_m_at, angle_deg=0.0),
     }
-    return TouchProbe(signals, profile, Encoders(motor, second), image, pulses, seed)
+    return TouchProbe(signals, profile, Encoders(motor, second), image, pulses, seed, device_time)

@@ -1,7 +1,6 @@
 """The drive without its bus: states, modes, stop reactions, monitoring, touch probe.
 
-Has object values (`ProcessImage`), the axis and the probe inputs, and nothing of CAN. Every
-method gets the present simulated time.
+Has object values, the axis and the probe inputs. Each method gets the present simulated time.
 """
 
 from collections.abc import Callable, Mapping
@@ -55,7 +54,8 @@ class Servo(VirtualDrive):
     One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register,
     info) sends an emergency message; changed() is called when a tick has changed the statusword,
     entered(state) when the power drive system has taken a new state. switches: limit and home
-    switches by their names (`switches.SWITCHES`). axis_state: what has the axis, and what follows.
+    switches by their names (`switches.SWITCHES`). device_time: its clock at an instant in ns, for
+    time stamps; None = simulated time. axis_state: what has the axis, and what follows.
     """
 
     def __init__(  # noqa: PLR0913
@@ -70,13 +70,14 @@ class Servo(VirtualDrive):
         switches: Mapping[str, SignalPort] | None = None,
         *,
         entered: Callable[[State], None] | None = None,
+        device_time: Callable[[TimeNs], int] | None = None,
     ) -> None:
         super().__init__(profile.tick_ns)
         self.axis, self._profile, self._clock, self._changed = axis, profile, clock, changed
         self.image = image = ProcessImage()
         image.set_defaults(profile)
         self.emergency = ErrorRegister(image, send_emergency)
-        parts = make_parts(axis, profile, image, signals, switches or {}, seed)
+        parts = make_parts(axis, profile, image, signals, switches or {}, seed, device_time)
         self.scaling, self.limits, self.motion = parts.units, parts.limits, parts.motion
         self._standstill, self.interpolation = parts.standstill, parts.interpolation
         self.switches, self.touch_probe = parts.switches, parts.touch_probe
@@ -100,8 +101,7 @@ class Servo(VirtualDrive):
         self._began_ns = -1
         self._settled_word = -1  # the controlword that was carried out last
         self._monitor = Monitor(image, self.limits, self.axis)
-        self._fault_code = 0
-        self._following_error = 0  # bit 13 of the statusword
+        self._fault_code = self._following_error = 0  # the second: bit 13 of the statusword
         self.scaling.forget_home()
         self.limits.forget()
         self.interpolation.forget()

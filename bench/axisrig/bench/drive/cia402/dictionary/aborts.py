@@ -25,6 +25,8 @@ class AbortCode(IntEnum):
     """A mapping is changed while its PDO is valid, or an entry while their number is not 0."""
     WRITE_ONLY = 0x06010001
     """A write-only object is read."""
+    COMPLETE_ACCESS = 0x06010004
+    """The object cannot be accessed as a whole."""
     READ_ONLY = 0x06010002
     """A read-only object is written."""
     NO_OBJECT = 0x06020000

@@ -71,9 +71,11 @@ class Probe:
         profile: DriveProfile,
         encoders: Encoders,
         watches: list[Callable[[], None]],
+        device_time: Callable[[TimeNs], int] | None = None,
     ) -> None:
         self._watches = watches
         self.number, self._profile, self._encoders = number, profile, encoders
+        self._device_time = device_time
         self._exists = number == 1 or profile.has_object(_SECOND_PROBE)
         self._clock_ns = CLOCK_NS[profile.timestamp_unit]
         self.latch_instants_ns: list[TimeNs] = []
@@ -170,7 +172,8 @@ class Probe:
         else:  # the zero pulse strobes the counter of the encoder itself
             latch.units, instant_ns = encoder.exact_units(latch_ns), latch_ns
         self.latch_instants_ns.append(instant_ns)
-        latch.stamp = self._profile.timestamp_start + latch_ns // self._clock_ns & STAMP_MASK
+        time_ns = latch_ns if self._device_time is None else self._device_time(latch_ns)
+        latch.stamp = self._profile.timestamp_start + time_ns // self._clock_ns & STAMP_MASK
         latch.stored = True
         latch.count = latch.count + 1 & COUNTER_MASK
         self._free_ns = latch_ns + self._profile.dead_time_ns
@@ -203,7 +206,7 @@ class TouchProbe:
 
     signals: wired to input 1 and 2. image: where sources are read and latches are written.
     index: the zero pulses by their number in 60D0. seed: of the jitter of the inputs. watches:
-    called after each change of a latch; they change nothing.
+    called after each change of a latch; they change nothing. device_time: as that of `Servo`.
     """
 
     def __init__(
@@ -214,12 +217,13 @@ class TouchProbe:
         image: ProcessImage,
         index: dict[int, IndexPulse] | None = None,
         seed: int = 0,
+        device_time: Callable[[TimeNs], int] | None = None,
     ) -> None:
         self._profile, self._image, self._index = profile, image, index or {}
         self.watches = watches = list[Callable[[], None]]()
         self.probes = (
-            Probe(1, profile, encoders, watches),
-            Probe(2, profile, encoders, watches),
+            Probe(1, profile, encoders, watches, device_time),
+            Probe(2, profile, encoders, watches, device_time),
         )
         self.circuits = tuple(
             InputCircuit(signal, profile, seed + number) for number, signal in enumerate(signals)

@@ -44,7 +44,7 @@ class ParameterStorage(Owner):
 
         Objects that this drive does not store are left out.
         """
-        known = {row.key for row in self._store.rows if _is_stored(row)}
+        known = {row.key for row in self._store.rows if is_stored(row)}
         self._stored = {key: value for key, value in stored.items() if key in known}
 
     def apply(self, node_id: int, first: int, last: int) -> None:
@@ -57,7 +57,7 @@ class ParameterStorage(Owner):
 
     def note_change(self, row: ObjectRow) -> None:
         """Take note of a write: the configuration is no longer the verified one."""
-        if _is_stored(row) and row.index != VERIFY and self._store.holds(VERIFY):
+        if is_stored(row) and row.index != VERIFY and self._store.holds(VERIFY):
             for sub in (1, 2):
                 self._store.set_value(VERIFY, sub, 0)
 
@@ -81,11 +81,12 @@ class ParameterStorage(Owner):
         if index == RESTORE:
             return
         for row in self._store.rows:
-            if first <= row.index <= last and _is_stored(row):
+            if first <= row.index <= last and is_stored(row):
                 present = self._store.value(*row.key)
                 if present != self._store.default(row, self._node_id):
                     self._stored[row.key] = present
 
 
-def _is_stored(row: ObjectRow) -> bool:
+def is_stored(row: ObjectRow) -> bool:
+    """Whether 1010 stores an object."""
     return row.access == "rw" and row.pdo != "rx" and row.index not in _NEVER_STORED

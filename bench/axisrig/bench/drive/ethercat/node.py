@@ -1,0 +1,412 @@
+"""A drive of CiA 402 on EtherCAT: slave controller, states, mailbox, process data and the servo.
+
+Source: docs/ethercat.md. What the drive does with its object values is `servo.py` of CiA 402, as
+on any carrier; here is when its cycle comes, and what the states of EtherCAT mean for it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from axisrig.bench.bus.ethercat.segment import Passage
+from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
+from axisrig.bench.drive.axis.timer import Timer
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.dictionary.storage import ParameterStorage
+from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
+from axisrig.bench.drive.cia402.profile_objects import PROFILE_OBJECTS, ProfileObjects
+from axisrig.bench.drive.cia402.servo import Servo
+from axisrig.bench.drive.ethercat.al_states import WAITS, AlStateMachine
+from axisrig.bench.drive.ethercat.coe_server import CoeServer
+from axisrig.bench.drive.ethercat.controller import SlaveController
+from axisrig.bench.drive.ethercat.cycle import CycleClock
+from axisrig.bench.drive.ethercat.description import MAILBOX_BYTES, Description, describe
+from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
+from axisrig.bench.drive.ethercat.eeprom import Eeprom
+from axisrig.bench.drive.ethercat.local_clock import LocalClock
+from axisrig.bench.drive.ethercat.mailbox import Mailbox
+from axisrig.bench.drive.ethercat.objects import described, ethercat_table
+from axisrig.bench.drive.ethercat.process_data import ProcessData
+from axisrig.bench.drive.ethercat.registers import Parts, Registers
+from axisrig.bench.drive.ethercat.sii import sii_content
+from axisrig.bench.drive.ethercat.sync_managers import (
+    INPUTS,
+    MAILBOX_IN,
+    MAILBOX_OUT,
+    OUTPUTS,
+    SyncManagers,
+)
+from axisrig.bench.drive.ethercat.sync_unit import LatchUnit, SyncUnit
+from axisrig.bench.drive.ethercat.watchdog import Watchdog
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.ethercat.tables import AlState
+from axisrig.kernel.time.clock import Clock, Phase, S, TimeNs
+
+MOVING: Final = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
+OUTPUTS_LOST: Final = 0x8130
+SYNC_LOST: Final = 0x8700
+"""Emergency codes of the fault that the drive makes of it (docs/ambiguities.md)."""
+NO_SYNC_NS: Final[TimeNs] = S
+"""So long may the first SYNC0 be away when OP is asked for; outputs may be for ever."""
+_SYNC_CODES: Final = ("SYNC_ERROR", "FATAL_SYNC")
+_EVERYTHING: Final = (0x1000, 0xFFFF)
+_MODE_BITS: Final = 0x0F
+
+
+@dataclass(frozen=True)
+class SlaveSettings:
+    """What differs from slave to slave.
+
+    serial: of the identity. mailbox_bytes: of each mailbox. start_ns, drift_ppm: of its clock.
+    """
+
+    serial: int = 0
+    mailbox_bytes: int = MAILBOX_BYTES
+    start_ns: TimeNs = 0
+    drift_ppm: float = 0.0
+
+
+class EthercatDrive:
+    """One drive on the line: it moves an axis and has up to two probe signals.
+
+    probes: the signals wired to probe input 1 and 2, None for an open input; they are the latch
+    inputs of its slave controller too. switches, entered, seed: as those of `Servo`.
+    """
+
+    def __init__(  # noqa: PLR0913
+        self,
+        name: str,
+        clock: Clock,
+        axis: AxisPort,
+        probes: tuple[SignalPort | None, SignalPort | None] = (None, None),
+        profile: DriveProfile | None = None,
+        settings: SlaveSettings | None = None,
+        seed: int = 0,
+        *,
+        switches: Mapping[str, SignalPort] | None = None,
+        entered: Callable[[State], None] | None = None,
+    ) -> None:
+        self.name = name
+        self.profile = profile or DriveProfile()
+        self.settings = settings or SlaveSettings()
+        self._clock, self._probes = clock, probes
+        self._outputs = 0  # how often they came since SAFEOP
+        self._no_sync = Timer(clock, self._sync_stays_away)
+        self.time = DistributedClock(LocalClock(self.settings.start_ns, self.settings.drift_ppm))
+        self.servo = Servo(
+            axis,
+            probes,
+            self.profile,
+            self._send_emergency,
+            clock,
+            self._changed,
+            seed,
+            switches,
+            entered=entered,
+            device_time=self.time.system_ns,
+        )
+        self.description: Description = describe(
+            self.profile, self.settings.serial, self.settings.mailbox_bytes
+        )
+        self._build_controller()
+        self._build_objects()
+        self._boot()
+
+    def _build_controller(self) -> None:
+        clock = self._clock
+        self.managers = SyncManagers(self._written, self._taken, self._repeat)
+        self.sync = SyncUnit(clock, self.time, self._sync0, _nothing)
+        self.watchdog = Watchdog(clock, self._outputs_stay_away)
+        self.latches = LatchUnit(self.time, self._edges)
+        self.eeprom = Eeprom(sii_content(self.description))
+        parts = Parts(
+            clock,
+            self.eeprom,
+            self.time,
+            self.sync,
+            self.latches,
+            self.watchdog,
+            self.managers,
+        )
+        self.registers = Registers(parts, self)
+        self.controller = SlaveController(self.registers)
+        self.states = AlStateMachine(self, self.registers.show_state)
+
+    def _build_objects(self) -> None:
+        clock, servo, profile = self._clock, self.servo, self.profile
+        self.objects = ObjectStore(ethercat_table(profile), servo.image, self._note_change)
+        self.storage = ParameterStorage(self.objects)
+        self.process_data = ProcessData(self.objects, self._may_change)
+        self.cycle_clock = CycleClock(
+            clock,
+            self.objects,
+            self.sync,
+            servo.interpolation.period_ns,
+            profile.tick_ns,
+            self._cycle,
+            self._may_change,
+        )
+        self.objects.own(ProfileObjects(servo, profile, clock, self._changed), PROFILE_OBJECTS)
+        for part in (self.storage, self.process_data, self.cycle_clock):
+            self.objects.own(part, part.objects)
+        self.coe = CoeServer(
+            self.objects,
+            described(profile),
+            profile,
+            lambda: self.managers[MAILBOX_IN].length,
+        )
+        self.mailbox = Mailbox(self.managers, clock, self.coe.serve, profile.sdo_answer_ns)
+
+    # As a slave on the line
+
+    @property
+    def is_on(self) -> bool:
+        """Whether frames pass it."""
+        return self.controller.is_on
+
+    def process(self, frame: bytearray, passage: Passage) -> None:
+        """Act on each datagram of a frame that has passed, and change the frame."""
+        self.controller.process(frame, passage)
+
+    # What is seen from outside
+
+    @property
+    def image(self) -> ProcessImage:
+        """The object values that change while the drive runs."""
+        return self.servo.image
+
+    @property
+    def state(self) -> State:
+        """State of the power drive system."""
+        return self.servo.state
+
+    @property
+    def al_state(self) -> AlState:
+        """State of the slave."""
+        return self.states.state
+
+    @property
+    def al_status_code(self) -> int:
+        """Its error, 0 = none."""
+        return self.states.code
+
+    # Power
+
+    def power_off(self) -> None:
+        """Take the power away: the axis is free, frames go no further than the slave before.
+
+        Stored parameters stay. To be called from an event.
+        """
+        if self.controller.is_on:
+            self.controller.is_on = False
+            self._stop()
+            self.servo.reset(self._clock.now_ns)
+
+    def power_on(self) -> None:
+        """Give the power back: the slave begins in INIT with its stored parameters."""
+        if not self.controller.is_on:
+            self.controller.is_on = True
+            self._boot()
+
+    def _boot(self) -> None:
+        self._stop()
+        self.states.reset()
+        self.registers.reset()
+        self.servo.reset(self._clock.now_ns)
+        self.storage.apply(self.settings.serial, *_EVERYTHING)
+        self.servo.update()
+
+    def _stop(self) -> None:
+        self.cycle_clock.stop()
+        self.watchdog.stop()
+        self.mailbox.close()
+        self.coe.reset()
+
+    # What the slave controller wakes up
+
+    def al_control(self, value: int) -> None:
+        """Follow the master after the frame, in an event of its own."""
+        self._clock.call_at(
+            self._clock.now_ns, Phase.APPLICATION, lambda: self._follow_master(value)
+        )
+
+    def activated(self) -> None:
+        """Fall out of OP where SYNC0 was the clock and is no longer there."""
+        if self.states.state is AlState.OP and not self.cycle_clock.has_clock:
+            self._clock.call_at(self._clock.now_ns, Phase.APPLICATION, self._sync_gone)
+
+    def before_latches(self) -> None:
+        """Step the plant to now, so that its edges are there."""
+        self.servo.axis.advance_to(self._clock.now_ns)
+        self.latches.look()
+
+    def _follow_master(self, value: int) -> None:
+        if self.controller.is_on:
+            self.states.control(value)
+
+    def _edges(self, number: int) -> Sequence[tuple[TimeNs, bool]]:
+        signal = self._probes[number]
+        return () if signal is None else signal.edges
+
+    def _written(self, number: int) -> None:
+        if number == MAILBOX_OUT:
+            self.mailbox.written()
+        elif number == OUTPUTS and self.states.state in (AlState.SAFEOP, AlState.OP):
+            self._outputs += 1
+            self.cycle_clock.outputs_came()
+            if self.states.state is AlState.OP:
+                self._feed()
+            elif self.states.is_waiting:
+                self._clock.call_at(self._clock.now_ns, Phase.APPLICATION, self._arrive)
+
+    def _taken(self, number: int) -> None:
+        if number == MAILBOX_IN:
+            self.mailbox.taken()
+
+    def _repeat(self, number: int) -> None:
+        if number == MAILBOX_IN:
+            self.mailbox.repeat()
+
+    # States
+
+    def enter(self, state: AlState) -> str | None:
+        """Go up one state."""
+        if state is AlState.PREOP:
+            return self._enter_preop()
+        if state is AlState.SAFEOP:
+            return self._enter_safeop()
+        return self._enter_op()
+
+    def _enter_preop(self) -> str | None:
+        if not all(self._fits(number) for number in (MAILBOX_OUT, MAILBOX_IN)):
+            return "INVALID_MAILBOX"
+        self.coe.reset()
+        self.mailbox.open()
+        return None
+
+    def _enter_safeop(self) -> str | None:
+        now_ns = self._clock.now_ns
+        carried = self.process_data.compile()
+        data = self.process_data
+        if not self._carries(OUTPUTS, data.outputs.codec.size):
+            return "INVALID_OUTPUTS"
+        if not self._carries(INPUTS, data.inputs.codec.size):
+            return "INVALID_INPUTS"
+        refused = self.cycle_clock.start()
+        if refused is not None:
+            self.cycle_clock.stop()
+            return refused
+        self.servo.watch(carried)
+        self._outputs = 0
+        self.servo.refresh(now_ns)
+        self._show_inputs()
+        return None
+
+    def _enter_op(self) -> str | None:
+        refused = self.cycle_clock.start() or self.cycle_clock.disagrees()
+        if refused is not None:
+            return refused
+        if self._arrives():
+            return None
+        self._no_sync.start(NO_SYNC_NS)
+        return WAITS
+
+    def _sync_stays_away(self) -> None:
+        if self.states.is_waiting and not self.cycle_clock.has_begun:
+            self.states.refuse("NO_SYNC")
+
+    def _arrives(self) -> bool:
+        needs_outputs = self.process_data.outputs.codec.size > 0
+        if (needs_outputs and not self._outputs) or not self.cycle_clock.has_begun:
+            return False
+        self._feed()
+        return True
+
+    def _arrive(self) -> None:
+        if self.states.is_waiting and self._arrives():
+            self.states.arrive()
+
+    def leave(self, before: AlState, after: AlState, code: str) -> None:
+        """Go down; outputs count no more, and the drive follows 6007 where it moves."""
+        if after < AlState.OP:
+            self.watchdog.stop()
+        if after < AlState.SAFEOP:
+            self.cycle_clock.stop()
+        if after < AlState.PREOP:
+            self.mailbox.close()
+            self.coe.reset()
+        if before is AlState.OP and self.servo.state in MOVING:
+            lost = SYNC_LOST if code in _SYNC_CODES else OUTPUTS_LOST
+            self.servo.connection_lost(self._clock.now_ns, lost)
+
+    def _fits(self, number: int) -> bool:
+        wanted, manager = self.description.managers[number], self.managers[number]
+        return (
+            manager.is_enabled
+            and (manager.start, manager.length) == (wanted.start, wanted.length)
+            and manager.control & _MODE_BITS == wanted.control & _MODE_BITS
+        )
+
+    def _carries(self, number: int, size: int) -> bool:
+        """Whether a SyncManager is as what it carries needs it."""
+        manager = self.managers[number]
+        if size == 0:
+            return not manager.is_enabled
+        wanted = self.description.managers[number]
+        return (
+            manager.is_enabled
+            and manager.length == size
+            and manager.control & _MODE_BITS == wanted.control & _MODE_BITS
+        )
+
+    def _may_change(self) -> bool:
+        return self.states.state is AlState.PREOP
+
+    # The cycle
+
+    def _cycle(self) -> None:
+        """One cycle of the drive: the order is that of any carrier."""
+        now_ns, servo = self._clock.now_ns, self.servo
+        if self.states.is_waiting:
+            self._arrive()
+        servo.begin(now_ns)  # plant, edges: under the values of the cycle that ends
+        if self.states.state is AlState.OP and self._outputs:
+            self.process_data.outputs.store(servo.image, self.managers[OUTPUTS].latest)
+        servo.cycle(now_ns)
+        self._show_inputs()
+        limit = self.profile.sync_loss_periods
+        if limit and self.cycle_clock.missing >= limit and self.states.state is AlState.OP:
+            self.states.fall(AlState.SAFEOP, "SYNC_ERROR")
+
+    def _show_inputs(self) -> None:
+        if self.process_data.inputs.fields:
+            self.managers[INPUTS].put(self.process_data.message(self.servo.image))
+
+    def _sync0(self) -> None:
+        self.cycle_clock.sync0()
+
+    def _feed(self) -> None:
+        if self.managers[OUTPUTS].is_watched:
+            self.watchdog.feed()
+
+    def _outputs_stay_away(self) -> None:
+        self.states.fall(AlState.SAFEOP, "WATCHDOG")
+
+    def _sync_gone(self) -> None:
+        if not self.cycle_clock.has_clock:
+            self.states.fall(AlState.SAFEOP, "FATAL_SYNC")
+
+    def _changed(self) -> None:
+        """Between two cycles inputs stay as they were sampled."""
+
+    def _send_emergency(self, code: int, register: int, info: int) -> None:
+        self.coe.emergency(self.mailbox, code, register, info)
+
+    def _note_change(self, row: ObjectRow) -> None:
+        self.storage.note_change(row)
+
+
+def _nothing() -> None:
+    """SYNC1 does nothing in this drive."""

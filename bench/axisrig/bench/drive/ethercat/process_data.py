@@ -1,0 +1,87 @@
+"""PDO assignment and mapping of a drive on EtherCAT, and what its SyncManagers carry.
+
+Source: docs/ethercat.md; CiA 301 for mappings. They change in PREOP only: number to 0, entries,
+number. A write of the value that is there changes nothing and is allowed always.
+"""
+
+import struct
+from collections.abc import Callable
+from typing import ClassVar, Final
+
+from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
+from axisrig.bench.drive.cia402.dictionary.mapping import Layout, check_entry, read_layout
+from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
+from axisrig.bench.drive.ethercat.objects import (
+    MAPPINGS,
+    RX_ASSIGNMENT,
+    RXPDOS,
+    TX_ASSIGNMENT,
+)
+
+BYTES_MAX: Final = 256
+"""What fits between the SyncManagers with three buffers."""
+ASSIGNMENTS: Final = (RX_ASSIGNMENT, TX_ASSIGNMENT)
+_NOTHING: Final = Layout((), struct.Struct("<"))
+
+
+class ProcessData(Owner):
+    """Outputs and inputs of one drive.
+
+    may_change(): whether the state allows another mapping. outputs, inputs: what they carry since
+    `read`.
+    """
+
+    objects: ClassVar[tuple[int, ...]] = (*MAPPINGS, *ASSIGNMENTS)
+
+    def __init__(self, store: ObjectStore, may_change: Callable[[], bool]) -> None:
+        self._store, self._may_change = store, may_change
+        self.outputs = self.inputs = _NOTHING
+        self._message: Callable[[DeviceImage], bytes] = _nothing
+
+    def compile(self) -> frozenset[str]:
+        """Read assignment and mapping; return the values that the inputs carry."""
+        self.outputs = self._layout(RX_ASSIGNMENT)
+        self.inputs = self._layout(TX_ASSIGNMENT)
+        self._message = self.inputs.reader() if self.inputs.fields else _nothing
+        return frozenset(self.inputs.fields)
+
+    def message(self, image: DeviceImage) -> bytes:
+        """Return the inputs as they are in the image now."""
+        return self._message(image)
+
+    def check(self, index: int, sub: int, value: int) -> None:
+        """Keep the rules of the change of a mapping."""
+        store = self._store
+        if value == store.value(index, sub):
+            return
+        if not self._may_change():
+            abort(AbortCode.DEVICE_STATE)
+        if sub and store.value(index):
+            abort(AbortCode.UNSUPPORTED_ACCESS)
+        if sub:
+            self._check_entry(index, value)
+            return
+        entries = [store.value(index, number) for number in range(1, value + 1)]
+        for entry in entries:
+            if not entry:
+                abort(AbortCode.NOT_MAPPABLE)
+            self._check_entry(index, entry)
+        if index in ASSIGNMENTS and len(set(entries)) != len(entries):
+            abort(AbortCode.INCOMPATIBLE)
+
+    def _check_entry(self, index: int, entry: int) -> None:
+        if entry and index in MAPPINGS:
+            check_entry(entry, "rx" if index in RXPDOS else "tx", self._store)
+
+    def _layout(self, assignment: int) -> Layout:
+        store = self._store
+        number = store.value(assignment)
+        parts = [read_layout(store.value(assignment, sub), store) for sub in range(1, number + 1)]
+        formats = "".join(part.codec.format.removeprefix("<") for part in parts)
+        fields = tuple(name for part in parts for name in part.fields)
+        return Layout(fields, struct.Struct(f"<{formats}"))
+
+
+def _nothing(_image: DeviceImage) -> bytes:
+    return b""

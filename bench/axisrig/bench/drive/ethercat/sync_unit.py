@@ -1,0 +1,145 @@
+"""SYNC0 and SYNC1 of a slave, and its latch unit. Source: docs/ethercat.md."""
+
+import struct
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Final
+
+from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
+from axisrig.kernel.time.clock import Clock, Phase, TimeNs
+
+CYCLIC, SYNC0, SYNC1 = 1, 2, 4
+PENDING_0: Final = 1
+PENDING_1: Final = 2
+OUT_OF_RANGE: Final = 4
+"""Bits of the activation status 0984."""
+_HALF: Final = 1 << 63
+
+
+class SyncUnit:
+    """The pulses. sync0(), sync1(): called at their instants.
+
+    activation: register 0981. start: 0990, of the first SYNC0. cycle0, cycle1: 09A0 and 09A4.
+    pulses: how many SYNC0 there have been since the activation.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        time: DistributedClock,
+        sync0: Callable[[], None],
+        sync1: Callable[[], None],
+    ) -> None:
+        self._clock, self._time, self._sync0, self._sync1 = clock, time, sync0, sync1
+        self.activation = self.start = self.cycle0 = self.cycle1 = 0
+        self.next0 = 0
+        self.pulses = 0
+        self.status = 0
+        self._train = 0
+        self._steps = 0
+
+    @property
+    def has_sync0(self) -> bool:
+        """Whether SYNC0 is active."""
+        return self.activation & (CYCLIC | SYNC0) == CYCLIC | SYNC0
+
+    def activate(self, activation: int) -> None:
+        """Take register 0981. A start time that has passed gives no pulse (inferred)."""
+        if activation == self.activation:
+            return
+        had = self.has_sync0
+        self.activation = activation
+        if had == self.has_sync0:
+            return
+        self._train += 1
+        self.pulses = self.status = 0
+        if self.has_sync0:
+            self.next0 = self.start
+            is_past = self.start - self._time.system_ns(self._clock.now_ns) & (2 * _HALF - 1)
+            if is_past >= _HALF:
+                self.status = OUT_OF_RANGE
+                return
+            self.status = PENDING_0 | (PENDING_1 if activation & SYNC1 else 0)
+            self._plan()
+
+    def moved(self) -> None:
+        """Plan anew where the clock was moved."""
+        if self._steps != self._time.steps and self.has_sync0 and not self.status & OUT_OF_RANGE:
+            self._train += 1
+            self._plan()
+
+    def _plan(self) -> None:
+        self._steps = self._time.steps
+        time_ns = self._time.instant_ns(self.next0, self._clock.now_ns)
+        self._clock.call_at(time_ns, Phase.APPLICATION, partial(self._pulse, self._train))
+
+    def _pulse(self, train: int) -> None:
+        if train != self._train:
+            return
+        self.pulses += 1
+        self.status &= ~PENDING_0
+        if self.cycle0:
+            self.next0 = self.next0 + self.cycle0 & (2 * _HALF - 1)
+            self._plan()
+        if self.activation & SYNC1:
+            at_ns = self._clock.now_ns + self.cycle1
+            self._clock.call_at(at_ns, Phase.APPLICATION, partial(self._second, train))
+        self._sync0()
+
+    def _second(self, train: int) -> None:
+        if train == self._train:
+            self.status &= ~PENDING_1
+            self._sync1()
+
+
+class LatchUnit:
+    """Instants of edges at the latch inputs in system time.
+
+    edges(n): those of input n so far, oldest first: instant and new level. Each input keeps the
+    first edge of a direction until it is read (single event), or the last one.
+    """
+
+    def __init__(
+        self, time: DistributedClock, edges: Callable[[int], Sequence[tuple[TimeNs, bool]]]
+    ) -> None:
+        self._time, self._edges = time, edges
+        self._seen = [0, 0]
+        self._levels = [False, False]
+        self.control = [0, 0]
+        self._stored = [[False, False], [False, False]]
+        self._times = [[0, 0], [0, 0]]
+
+    def look(self) -> None:
+        """Take the edges that have come since."""
+        for number in (0, 1):
+            edges = self._edges(number)
+            for time_ns, level in edges[self._seen[number] :]:
+                self._take(number, time_ns, level)
+            self._seen[number] = len(edges)
+
+    def _take(self, number: int, time_ns: TimeNs, level: bool) -> None:
+        self._levels[number] = level
+        place = 0 if level else 1
+        is_single = bool(self.control[number] >> place & 1)
+        if is_single and self._stored[number][place]:
+            return
+        self._stored[number][place] = is_single
+        self._times[number][place] = self._time.system_ns(time_ns)
+
+    def status(self, number: int) -> int:
+        """Return the status of an input: edges kept as single events, and its level."""
+        positive, negative = self._stored[number]
+        return positive | negative << 1 | self._levels[number] << 2
+
+    @property
+    def has_event(self) -> bool:
+        """Whether a single event waits to be read."""
+        return any(any(stored) for stored in self._stored)
+
+    def times(self) -> bytes:
+        """Return the four times as the registers from 09B0 on have them."""
+        return struct.pack("<4Q", *self._times[0], *self._times[1])
+
+    def taken(self, place: int) -> None:
+        """Note that a master has read a time: 0 and 1 of input 0, 2 and 3 of input 1."""
+        self._stored[place // 2][place % 2] = False

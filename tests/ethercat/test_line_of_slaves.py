@@ -1,0 +1,189 @@
+"""Frames on the line: time on the wire, delays, who acts, working counters."""
+
+import struct
+
+import pytest
+from tests.ethercat.line import OP, Line, frame, physical
+
+from axisrig.bench.bus.ethercat.frame import datagrams, is_ethercat, time_on_wire_ns
+from axisrig.bench.bus.ethercat.segment import Link
+from axisrig.bench.drive.ethercat.eeprom import check_sum
+from axisrig.kernel.time.clock import US
+
+APRD, APWR, APRW, FPRD, BRD, BRW = 1, 2, 3, 4, 7, 9
+LRD, LWR, LRW, ARMW, FRMW = 10, 11, 12, 13, 14
+
+
+@pytest.mark.parametrize(
+    ("frame_bytes", "time_ns"), [(28, 6720), (60, 6720), (61, 6800), (1514, 123_040)]
+)
+def test_a_frame_has_the_wire_for_its_bytes_and_24_more(frame_bytes: int, time_ns: int) -> None:
+    """8 preamble, at least 60, 4 FCS, 12 gap, each 80 ns."""
+    assert time_on_wire_ns(frame_bytes) == time_ns
+
+
+def test_a_frame_is_back_after_its_bytes_and_all_delays() -> None:
+    line = Line(2, [Link(40, 310, 290), Link(60, 320, 280)])
+    line.one(BRD, 0, 0, 1)
+    # there: 40, 310, 60; turned back in 320; 60, 290, 40 home; 72 bytes until its end
+    assert line.back[0][0] == 40 + 310 + 60 + 320 + 60 + 290 + 40 + 72 * 80
+
+
+def test_a_second_frame_of_the_instant_waits_for_the_wire() -> None:
+    line = Line()
+    line.one(BRD, 0, 0, 1)
+    first_ns = line.back[0][0]
+    line.wait(100 * US)
+    begin_ns = line.clock.now_ns
+    for _ in range(2):
+        line.segment.send(bytes(frame_of_brd()))
+    line.wait(100 * US)
+    times = [at - begin_ns for at, _ in line.back[1:]]
+    assert times == [first_ns, first_ns + 6720]
+
+
+def frame_of_brd() -> bytes:
+    return frame(physical(BRD, 0, 0, 1))
+
+
+def test_every_slave_counts_a_broadcast_and_its_data_is_ored() -> None:
+    line = Line(3)
+    assert (line.one(BRD, 0, 0x0130, 2).wkc, line.one(BRD, 5, 0, 1).adp) == (3, 8)
+    for position, value in enumerate((0x01, 0x20, 0x44)):
+        line.write(0x0F80, value, 1, position)
+    answer = line.one(BRD, 0, 0x0F80, b"\x80")
+    assert (answer.wkc, answer.number) == (3, 0x01 | 0x20 | 0x44 | 0x80)
+
+
+def test_a_broadcast_that_reads_and_writes_shows_what_was_before() -> None:
+    line = Line(2)
+    line.write(0x0F80, 0x03, 1, 0)
+    line.write(0x0F80, 0x08, 1, 1)
+    answer = line.one(BRW, 0, 0x0F80, b"\x10")
+    # The second slave gets what the first has ORed in: it writes the data as received
+    assert (answer.wkc, answer.number) == (6, 0x10 | 0x03 | 0x08)
+    assert (line.read(0x0F80, 1, 0), line.read(0x0F80, 1, 1)) == (0x10, 0x13)
+
+
+@pytest.mark.parametrize(("command", "counted"), [(APRD, 1), (APWR, 1), (APRW, 3)])
+def test_the_slave_at_a_position_counts_each_direction(command: int, counted: int) -> None:
+    line = Line(3)
+    answer = line.one(command, -1, 0x0F80, b"\x07")
+    assert (answer.wkc, answer.adp) == (counted, 2)
+    assert line.read(0x0F80, 1, 1) == (0 if command == APRD else 7)
+    assert line.read(0x0F80, 1, 0) == line.read(0x0F80, 1, 2) == 0
+
+
+def test_stations_answer_to_their_address_and_to_an_alias_that_is_switched_on() -> None:
+    line = Line(2)
+    line.write(0x0010, 0x1001, 2, 0)
+    line.write(0x0010, 0x1002, 2, 1)
+    assert [line.one(FPRD, at, 0x0000, 1).wkc for at in (0x1001, 0x1002, 0x1003)] == [1, 1, 0]
+    second = line.drives[1]
+    second.eeprom.content[8:10] = struct.pack("<H", 0x2002)
+    second.eeprom.content[14] = check_sum(second.eeprom.content)
+    line.one(APWR, -1, 0x0502, struct.pack("<H", 0x0400))  # reload
+    assert line.read(0x0012, 2, 1) == 0x2002
+    assert line.one(FPRD, 0x2002, 0x0000, 1).wkc == 0
+    line.write(0x0103, 1, 1, 1)
+    assert line.one(FPRD, 0x2002, 0x0000, 1).wkc == 1
+    line.write(0x0103, 1, 1, 0)
+    assert line.one(FPRD, 0, 0x0000, 1).wkc == 0  # an alias of 0 is none
+
+
+@pytest.mark.parametrize("command", [ARMW, FRMW])
+def test_one_slave_is_read_and_all_others_are_written(command: int) -> None:
+    line = Line(3)
+    line.write(0x0010, 0x1001, 2, 1)
+    for position in range(3):
+        line.write(0x0F80, 0x10 + position, 1, position)
+    address = -1 if command == ARMW else 0x1001
+    answer = line.one(command, address, 0x0F80, b"\x77")
+    assert (answer.wkc, answer.number) == (3, 0x11)
+    # The slave before it gets what the master sent, the one behind what was read
+    assert [line.read(0x0F80, 1, n) for n in range(3)] == [0x77, 0x11, 0x11]
+
+
+def test_a_slave_counts_once_for_each_direction_however_many_fmmus_are_hit() -> None:
+    line = Line(2)
+    for position in range(2):
+        base = 8 * position
+        fmmus = b"".join(
+            struct.pack("<IHBBHBBB3x", base + n, 1, 0, 7, 0x0F80 + n, 0, kind, 1)
+            for n, kind in enumerate((2, 2, 1, 1))
+        )
+        line.one(APWR, -position, 0x0600, fmmus)
+    assert line.exchange((LRW, 0, bytes(16)))[0].wkc == 2 * 3
+    assert line.exchange((LRD, 0, bytes(16)))[0].wkc == 2
+    assert line.exchange((LWR, 0, bytes(16)))[0].wkc == 2
+    assert line.exchange((LRW, 0, bytes(2)))[0].wkc == 2  # outputs of the first one only
+    assert line.exchange((LRW, 100, bytes(2)))[0].wkc == 0
+
+
+def test_inputs_and_outputs_may_lie_at_one_logical_address() -> None:
+    line = Line()
+    line.write(0x0F90, 0x55AA, 2)
+    fmmus = struct.pack("<IHBBHBBB3x", 0x4000_0000, 2, 0, 7, 0x0F90, 0, 1, 1)
+    fmmus += struct.pack("<IHBBHBBB3x", 0x4000_0000, 2, 0, 7, 0x0F80, 0, 2, 1)
+    line.one(APWR, 0, 0x0600, fmmus)
+    answer = line.exchange((LRW, 0x4000_0000, b"\x11\x22"))[0]
+    assert (answer.wkc, answer.data) == (3, b"\xaa\x55")
+    assert line.read(0x0F80, 2) == 0x2211
+
+
+def test_fmmus_map_bits() -> None:
+    """Three bits from bit 6 of the image on, to and from bit 2 of a register."""
+    line = Line()
+    line.write(0x0F90, 0b10100, 1)
+    fmmus = struct.pack("<IHBBHBBB3x", 0x10, 2, 6, 0, 0x0F90, 2, 1, 1)
+    fmmus += struct.pack("<IHBBHBBB3x", 0x20, 2, 6, 0, 0x0F80, 2, 2, 1)
+    line.one(APWR, 0, 0x0600, fmmus)
+    assert line.exchange((LRD, 0x10, b"\x00\x00"))[0].number == 0b101 << 6
+    assert line.exchange((LRD, 0x10, b"\xff\xff"))[0].number == 0xFFFF & ~(0b010 << 6)
+    line.exchange((LWR, 0x20, struct.pack("<H", 0b011 << 6)))
+    assert line.read(0x0F80, 1) == 0b01100
+
+
+def test_a_slave_without_power_ends_the_line_before_it() -> None:
+    line = Line(3)
+    line.drives[1].power_off()
+    assert line.one(BRD, 0, 0, 1).wkc == 1
+    line.drives[1].power_on()
+    assert line.one(BRD, 0, 0, 1).wkc == 3
+    line.drives[0].power_off()
+    line.segment.send(frame_of_brd())
+    line.wait(100 * US)
+    assert (line.segment.lost, len(line.back)) == (1, 2)
+
+
+def test_registers_that_a_master_may_only_read_stay_as_they_are() -> None:
+    line = Line()
+    assert line.write(0x0000, 0xFFFF_FFFF, 4) == 1
+    assert line.read(0x0000, 1) == 0x11
+    line.write(0x0130, OP, 2)
+    assert line.read(0x0130, 2) == 1
+
+
+def test_other_frames_pass_unchanged_and_one_that_is_cut_off_counts_for_what_is_whole() -> None:
+    line = Line()
+    other = b"\xff" * 12 + b"\x08\x00" + bytes(46)
+    line.segment.send(other)
+    line.wait(100 * US)
+    assert line.back[0][1][12:] == other[12:]
+    assert not is_ethercat(other)
+    whole = bytearray(frame_of_brd())
+    struct.pack_into("<H", whole, 22, 0x8000 | 1)  # says that more follows
+    del whole[41:]
+    assert [d.command for d in datagrams(bytes(whole))] == [BRD, 0]
+    assert not list(datagrams(bytes(whole[:28])))
+
+
+def test_events_show_in_each_datagram_that_the_mask_lets_through() -> None:
+    line = Line()
+    line.write(0x0200, 0x0008, 2)
+    assert line.one(BRD, 0, 0, 1).events == 0
+    line.write(0x0120, 4, 2)  # refused: the AL status has changed
+    line.wait(1)
+    assert line.one(BRD, 0, 0, 1).events == 0x0008
+    line.read(0x0130, 2)
+    assert line.one(BRD, 0, 0, 1).events == 0

@@ -1,0 +1,433 @@
+"""Distributed clocks: local time, delays, offset, control of the clock, SYNC signals, latches."""
+
+import struct
+from itertools import pairwise
+
+import pytest
+from tests.ethercat.line import ACK, OP, PREOP, SAFEOP, Line, physical
+
+from axisrig.bench.bus.ethercat.segment import Link
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
+from axisrig.bench.drive.ethercat.local_clock import LocalClock
+from axisrig.bench.drive.ethercat.node import SlaveSettings
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import MS, US, S
+
+APRD, APWR, BWR, FRMW = 1, 2, 8, 14
+LINKS = [Link(50, 300, 300), Link(75, 300, 300), Link(500, 300, 300)]
+
+
+def settings(*drifts: float) -> list[SlaveSettings]:
+    return [SlaveSettings(n, start_ns=n * 7 * S + 123, drift_ppm=d) for n, d in enumerate(drifts)]
+
+
+def test_receive_times_give_the_delays_of_the_line() -> None:
+    """Of each pair half of the difference of what the frame needed behind each of them."""
+    line = Line(3, LINKS, settings(0.0, 0.0, 0.0))
+    line.one(BWR, 0, 0x0900, bytes(4))
+    times = [struct.unpack("<II", line.one(APRD, -n, 0x0900, 8).data) for n in range(3)]
+    behind = [(second - first) % 2**32 if second else 0 for first, second in times]
+    assert behind[2] == 0
+    # A slave forwards in 300 ns; wires of 75 and 500 ns
+    assert [(behind[n] - behind[n + 1]) / 2 for n in (0, 1)] == [375.0, 800.0]
+    units = [line.one(APRD, -n, 0x0918, 8).number for n in range(3)]
+    assert [unit & 0xFFFF_FFFF for unit in units] == [first for first, _ in times]
+    # Local times: 0, 7 and 14 s and 123 ns apart from the begin of the frame at each
+    assert units[1] - units[0] == 7 * S + 375
+    assert units[2] - units[0] == 14 * S + 375 + 800
+
+
+def set_up(line: Line, delay_ns: tuple[int, ...], offsets: bool = True) -> None:
+    """Stations, and the system time of the first slave in all of them."""
+    for n in range(len(line.drives)):
+        line.write(0x0010, 0x1001 + n, 2, n)
+    line.one(BWR, 0, 0x0900, bytes(4))
+    local = [line.one(APRD, -n, 0x0918, 8).number for n in range(len(line.drives))]
+    for n, delay in enumerate(delay_ns):
+        if offsets:
+            offset = local[0] + delay - local[n] & (1 << 64) - 1
+            line.one(APWR, -n, 0x0920, struct.pack("<Q", offset))
+        line.write(0x0928, delay, 4, n)
+
+
+def error_ns(line: Line, number: int) -> int:
+    """How far a slave's copy is ahead of the first one's now."""
+    now_ns = line.clock.now_ns
+    return line.drives[number].time.system_ns(now_ns) - line.drives[0].time.system_ns(now_ns)
+
+
+def run(line: Line, cycles: int, period_ns: int = MS) -> list[int]:
+    """FRMW each period; the error of the second slave before each of them."""
+    errors = []
+    begin_ns = line.clock.now_ns
+    for n in range(1, cycles + 1):
+        line.clock.run_until(begin_ns + n * period_ns)
+        errors.append(error_ns(line, 1))
+        line.one(FRMW, 0x1001, 0x0910, 8)
+    return errors
+
+
+def test_offset_and_delay_make_all_copies_equal() -> None:
+    line = Line(3, LINKS, settings(0.0, 0.0, 0.0))
+    set_up(line, (0, 375, 1175))
+    assert [error_ns(line, n) for n in range(3)] == [0, 0, 0]
+    line.one(FRMW, 0x1001, 0x0910, 8)
+    assert [line.read(0x092C, 4, n) for n in (1, 2)] == [1 << 31, 1 << 31]
+
+
+def test_a_delay_that_was_not_written_is_what_the_copy_is_wrong_by() -> None:
+    line = Line(2, [Link(), Link(10_000 - 300)], settings(0.0, 0.0))
+    set_up(line, (0, 10_000))
+    line.write(0x0928, 0, 4, 1)
+    errors = run(line, 400)
+    # It follows the frame, which is 10 us old: at 50 mm/s 0.5 um
+    assert errors[-1] == -10_000
+
+
+@pytest.mark.parametrize("drift_ppm", [100.0, -100.0, 0.0])
+@pytest.mark.parametrize("static_ns", [50_000, -50_000, 0])
+def test_a_clock_that_follows_is_within_what_it_drifts_between_two_frames(
+    drift_ppm: float, static_ns: int
+) -> None:
+    line = Line(2, [Link(), Link(75)], settings(0.0, drift_ppm))
+    set_up(line, (0, 375))
+    offset = line.one(APRD, -1, 0x0920, 8).number
+    line.one(APWR, -1, 0x0920, struct.pack("<Q", offset + static_ns & (1 << 64) - 1))
+    errors = run(line, 500)
+    assert max(map(abs, errors[200:])) <= 10 + 100  # 10 ns and 100 ppm of 1 ms
+    assert max(map(abs, errors[400:])) <= 2  # it has learned the rate
+
+
+def test_a_clock_that_does_not_follow_drifts() -> None:
+    line = Line(2, settings=settings(0.0, 100.0))
+    set_up(line, (0, 350))
+    before = error_ns(line, 1)
+    line.wait(10 * S)
+    assert error_ns(line, 1) - before == 1_000_000  # 100 ppm of 10 s: 50.0 um at 50 mm/s
+
+
+def test_many_frames_at_start_take_a_static_error_away() -> None:
+    """As a master does: 15 000 in a row; here as many as it takes, 20 us apart."""
+    line = Line(2, settings=settings(0.0, 0.0))
+    set_up(line, (0, 350))
+    offset = line.one(APRD, -1, 0x0920, 8).number
+    line.one(APWR, -1, 0x0920, struct.pack("<Q", offset + 100_000))
+    errors = run(line, 300, 20 * US)
+    assert errors[0] == 100_000
+    assert abs(errors[-1]) <= 2
+    # Never by more than a tenth of the time that has passed
+    assert max(abs(b - a) for a, b in pairwise(errors[1:])) <= 4 * US
+
+
+@pytest.mark.parametrize(("ahead_ns", "shown"), [(0, 1 << 31), (7, 7 | 1 << 31), (-7, 7)])
+def test_the_difference_is_sign_and_amount(ahead_ns: int, shown: int) -> None:
+    clock = DistributedClock(LocalClock())
+    clock.follow(1000 - ahead_ns, 64, 1000)
+    assert clock.difference == shown
+
+
+def test_a_time_of_32_bits_is_compared_with_the_low_half() -> None:
+    clock = DistributedClock(LocalClock(start_ns=5 * 2**32 - 10))
+    clock.follow(3, 32, 20)  # the copy shows 10, a wrap ago it was below
+    assert clock.difference == 7 | 1 << 31
+
+
+def test_the_instant_of_a_time_is_the_first_one_that_shows_it() -> None:
+    for drift in (0.0, 100.0, -100.0, 33.333):
+        clock = DistributedClock(LocalClock(17, drift))
+        for system in (18, 1_000_000, 123_456_789, 10**12):
+            at_ns = clock.instant_ns(system, 0)
+            assert clock.system_ns(at_ns) >= system
+            assert clock.system_ns(at_ns - 1) < system
+
+
+# SYNC0
+
+
+def start_sync(line: Line, cycle_ns: int, after_ns: int = 5 * MS, activation: int = 3) -> int:
+    """Let SYNC0 begin; return the system time of the first one."""
+    now = line.one(APRD, 0, 0x0910, 8).number
+    first = (now + after_ns) // cycle_ns * cycle_ns + cycle_ns // 4
+    line.one(APWR, 0, 0x0990, struct.pack("<Q", first))
+    line.write(0x09A0, cycle_ns, 4)
+    line.write(0x0980, activation << 8, 2)
+    return first
+
+
+@pytest.mark.parametrize("drift_ppm", [0.0, 80.0, -80.0])
+def test_sync0_comes_at_its_instants_of_the_system_time(drift_ppm: float) -> None:
+    line = Line(settings=[SlaveSettings(start_ns=999_999, drift_ppm=drift_ppm)])
+    seen: list[int] = []
+    line.drive.sync._sync0 = lambda: seen.append(line.clock.now_ns)
+    first = start_sync(line, 2 * MS)
+    assert line.read(0x0984, 1) == 1
+    line.wait(21 * MS)
+    assert line.read(0x0984, 1) == 0
+    shown = [line.drive.time.system_ns(at_ns) for at_ns in seen]
+    assert len(shown) >= 8
+    assert all(0 <= at - (first + n * 2 * MS) <= 1 for n, at in enumerate(shown))
+    assert line.one(APRD, 0, 0x0990, 8).number == first + len(shown) * 2 * MS
+    line.write(0x0981, 0, 1)
+    count = len(seen)
+    line.wait(10 * MS)
+    assert len(seen) == count
+
+
+def test_sync0_follows_a_clock_that_is_corrected() -> None:
+    line = Line(2, settings=settings(0.0, 100.0))
+    set_up(line, (0, 350))
+    seen: list[int] = []
+    line.drives[1].sync._sync0 = lambda: seen.append(line.clock.now_ns)
+    run(line, 300)
+    now = line.one(APRD, 0, 0x0910, 8).number
+    first = (now // MS + 5) * MS
+    line.one(APWR, -1, 0x0990, struct.pack("<Q", first))
+    line.write(0x09A0, MS, 4, 1)
+    line.write(0x0981, 3, 1, 1)
+    run(line, 100)
+    # At the first slave's time, for that is what its clock follows
+    shown = [line.drives[0].time.system_ns(at_ns) for at_ns in seen]
+    assert len(shown) > 90
+    assert all(abs(at - (first + n * MS)) <= 3 for n, at in enumerate(shown))
+
+
+def test_sync1_comes_its_time_after_sync0() -> None:
+    line = Line()
+    seen: list[tuple[int, int]] = []
+    line.drive.sync._sync0 = lambda: seen.append((0, line.clock.now_ns))
+    line.drive.sync._sync1 = lambda: seen.append((1, line.clock.now_ns))
+    line.write(0x09A4, 300_000, 4)
+    start_sync(line, MS, activation=7)
+    line.wait(8 * MS)
+    assert [kind for kind, _ in seen[:4]] == [0, 1, 0, 1]
+    assert seen[1][1] - seen[0][1] == 300_000
+
+
+def test_a_start_time_that_has_passed_gives_no_pulse_and_says_so() -> None:
+    line = Line()
+    seen: list[int] = []
+    line.drive.sync._sync0 = lambda: seen.append(line.clock.now_ns)
+    line.wait(10 * MS)
+    start_sync(line, MS, after_ns=-5 * MS)
+    line.wait(10 * MS)
+    assert (seen, line.read(0x0984, 1)) == ([], 4)
+
+
+# Latch unit
+
+EDGES = [10 * MS, 12 * MS, 14 * MS, 16 * MS]
+
+
+@pytest.mark.parametrize(("control", "stamps", "status"), [(0, (14, 16), 0), (3, (10, 12), 3)])
+def test_latches_keep_the_last_edge_or_the_first_one(
+    control: int, stamps: tuple[int, int], status: int
+) -> None:
+    line = Line(settings=[SlaveSettings(start_ns=5000)], edges_ns=EDGES)
+    line.write(0x09A8, control, 1)
+    line.wait(20 * MS)
+    assert line.read(0x09AE, 1) == status
+    positive, negative = struct.unpack("<QQ", line.one(APRD, 0, 0x09B0, 16).data)
+    assert (positive - 5000, negative - 5000) == tuple(stamp * MS for stamp in stamps)
+    assert line.read(0x09AE, 1) == 0
+
+
+# The drive
+
+
+def in_sync(cycle_ns: int = MS, value: int = 1, index: int = -3, **kinds: object) -> Line:
+    """A drive in SAFEOP whose clock is SYNC0."""
+    line = Line(**kinds)  # type: ignore[arg-type]
+    line.preop()
+    assert line.sdo_write(0x60C2, 1, value, 1) == 0
+    assert line.sdo_write(0x60C2, 2, index, 1) == 0
+    line.map_image()
+    start_sync(line, cycle_ns)
+    assert line.ask(SAFEOP) == (SAFEOP, 0)
+    return line
+
+
+@pytest.mark.parametrize(
+    ("cycle_ns", "value", "index", "code"),
+    [
+        (MS, 1, -3, 0),
+        (2 * MS, 20, -4, 0),
+        (500_000, 5, -4, 0),
+        (2 * MS, 1, -3, 0x35),
+        (MS, 2, -3, 0x35),
+        (200_000, 2, -4, 0x36),
+        (1_000_001, 1, -3, 0x35),
+    ],
+)
+def test_60c2_agrees_with_sync0_or_the_drive_stays_in_safeop(
+    cycle_ns: int, value: int, index: int, code: int
+) -> None:
+    line = in_sync(cycle_ns, value, index)
+    line.wait(10 * MS)
+    line.cycle()
+    line.write(0x0120, OP, 2)
+    line.cycle()
+    line.wait(5 * MS)
+    assert line.al() == ((SAFEOP | 0x10, code) if code else (OP, 0))
+
+
+@pytest.mark.parametrize(("activation", "cycle_ns"), [(3, 0), (0, MS)])
+def test_sync0_as_clock_without_sync0_or_without_its_cycle(activation: int, cycle_ns: int) -> None:
+    line = Line()
+    line.preop()
+    assert line.sdo_write(0x1C32, 1, 2, 2) == 0
+    line.map_image()
+    line.write(0x09A0, cycle_ns, 4)
+    line.write(0x0981, activation, 1)
+    assert line.ask(SAFEOP) == (PREOP | 0x10, 0x30)
+
+
+def test_sync0_that_does_not_begin_ends_the_way_to_op() -> None:
+    line = Line()
+    line.preop()
+    line.map_image()
+    line.wait(10 * MS)
+    start_sync(line, MS, after_ns=-5 * MS)
+    assert line.ask(SAFEOP) == (SAFEOP, 0)
+    line.cycle()
+    line.write(0x0120, OP, 2)
+    line.cycle()
+    line.wait(999 * MS)
+    assert line.al() == (SAFEOP, 0)
+    line.wait(2 * MS)
+    assert line.al() == (SAFEOP | 0x10, 0x2D)
+
+
+def test_sync0_that_ends_in_op_is_fatal() -> None:
+    line = in_sync()
+    line.wait(10 * MS)
+    line.cycle()
+    line.write(0x0120, OP, 2)
+    line.cycle()
+    line.wait(2 * MS)
+    assert line.al() == (OP, 0)
+    line.write(0x0981, 0, 1)
+    assert line.al() == (SAFEOP | 0x10, 0x2C)
+
+
+@pytest.mark.parametrize(("limit", "missing", "state"), [(3, 2, OP), (3, 3, SAFEOP), (0, 50, OP)])
+def test_outputs_that_stay_away_for_so_many_sync0(limit: int, missing: int, state: int) -> None:
+    line = in_sync(profile=DriveProfile(sync_loss_periods=limit))
+    line.wait(10 * MS)
+    for _ in range(6):
+        line.cycle()
+        line.write(0x0120, OP, 2)
+        line.wait(MS - 2 * 60 * US)
+    assert line.al() == (OP, 0)
+    assert line.sdo_read(0x1C32, 32) == b"\x00"
+    missed = line.drive.cycle_clock.missed
+    pulses = line.drive.sync.pulses
+    line.cycle()
+    line.clock.run_while(lambda: line.drive.sync.pulses < pulses + 1 + missing, 100 * MS)
+    line.wait(1)
+    assert line.drive.cycle_clock.missed - missed == missing
+    assert line.al() == ((OP, 0) if state == OP else (SAFEOP | 0x10, 0x1A))
+    if state == OP:
+        assert line.sdo_read(0x1C32, 32) == b"\x01"
+
+
+def follow(line: Line, period_ns: int, step: int, cycles: int = 20) -> list[tuple[int, int]]:
+    """Ramp of target positions; instant of each frame's end and the position it brought."""
+    seen = []
+    begin_ns = line.clock.now_ns
+    for n in range(1, cycles + 1):
+        line.clock.run_until(begin_ns + n * period_ns)
+        position = line.cycle(0x0F, n * step)[1]
+        seen.append((line.clock.now_ns, position))
+    return seen
+
+
+def ready(line: Line, period_ns: int) -> None:
+    """To OP and operation enabled, frames half a period behind SYNC0."""
+    line.wait(10 * MS)
+    line.cycle()
+    line.write(0x0120, OP, 2)
+    pulses = line.drive.sync.pulses
+    if line.drive.sync.has_sync0:
+        line.clock.run_while(lambda: line.drive.sync.pulses == pulses, 100 * MS)
+        line.wait(period_ns // 2)
+    line.enable(period_ns)
+    assert line.drive.state is State.OPERATION_ENABLED
+
+
+def test_with_sync0_a_set_position_is_reached_one_cycle_after_its_sync0() -> None:
+    line = in_sync(2 * MS, 2)
+    ready(line, 2 * MS)
+    step = 100_000
+    seen = follow(line, 2 * MS, step)
+    # Target n is taken at the SYNC0 behind frame n and reached at the next one; what frame n+2
+    # brings was sampled there
+    steady = [position for _, position in seen[5:]]
+    assert [b - a for a, b in pairwise(steady)] == [step] * (len(steady) - 1)
+    assert seen[10][1] == pytest.approx((10 + 1 - 2) * step, abs=1)
+    line.ask(SAFEOP | ACK)
+
+
+def test_with_the_outputs_a_set_position_is_taken_at_the_end_of_its_frame() -> None:
+    line = Line()
+    line.preop()
+    line.map_image()
+    line.ask(SAFEOP)
+    ready(line, MS)
+    step = 50_000
+    seen = follow(line, MS, step)
+    # Sampled behind frame n, shown by frame n+1: what was to be reached by n, of target n-1
+    assert seen[10][1] == pytest.approx((10 + 1 - 2) * step, abs=1)
+    assert line.sdo_read(0x1C33, 1) == b"\x22\x00"
+
+
+def test_in_free_run_the_drive_has_its_own_cycle_of_60c2() -> None:
+    line = Line()
+    line.preop()
+    assert line.sdo_write(0x1C32, 1, 0, 2) == 0
+    assert line.sdo_write(0x60C2, 1, 4, 1) == 0
+    line.map_image()
+    line.ask(SAFEOP)
+    before = len(line.axes[0].commands)
+    line.wait(50 * MS)
+    instants = [command.time_ns for command in line.axes[0].commands[before:]]
+    assert len(instants) == 12
+    assert {b - a for a, b in pairwise(instants)} == {4 * MS}
+    assert line.sdo_read(0x1C32, 1) == b"\x00\x00"
+    assert line.sdo_read(0x1C32, 2) == struct.pack("<I", 4 * MS)
+
+
+def test_a_time_stamp_is_the_system_time_of_the_edge() -> None:
+    """60D1 in ns of the slave's copy, 32 bits of it; the latch is where the axis was there."""
+    edge_ns = 30 * MS + 123_456
+    start_ns = 5 * 2**32 - 31 * MS  # wraps 31 ms after the start, behind the edge
+    line = Line(
+        settings=[SlaveSettings(start_ns=start_ns, drift_ppm=100.0)],
+        motion=lambda time_s: 0.05 * time_s,
+        edges_ns=[edge_ns],
+        profile=DriveProfile(input_delay_ns=0),
+    )
+    line.op()
+    line.enable()
+    for _ in range(60):
+        line.cycle(0x0F, 0, 0x0011)
+        line.wait(MS)
+    assert line.cycle(0x0F, 0, 0x0011)[2] == 0x0003
+    (stamp,) = struct.unpack("<I", line.sdo_read(0x60D1, 0))
+    assert stamp == (start_ns + edge_ns + edge_ns // 10_000) % 2**32
+    (position,) = struct.unpack("<i", line.sdo_read(0x60BA, 0))
+    assert position == round(0.05 * edge_ns / S * 1e3 * float(line.drive.profile.units_per_mm))
+
+
+def test_frames_go_together() -> None:
+    """Position and state of all slaves in one frame: what a control reads each cycle."""
+    line = Line(2)
+    line.preop()
+    line.preop(1)
+    line.map_image(0)
+    line.map_image(1, logical=24)
+    for n in range(2):
+        assert line.ask(SAFEOP, n) == (SAFEOP, 0)
+    both = line.exchange((12, 0, bytes(48)), physical(7, 0, 0x0130, 2))
+    assert [answer.wkc for answer in both] == [6, 2]
+    assert both[1].number == SAFEOP

@@ -1,0 +1,129 @@
+"""The EEPROM of a slave: read as a master reads it, word by word and category by category."""
+
+import struct
+from collections.abc import Iterator
+
+import pytest
+from tests.ethercat.line import Line
+
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.ethercat.description import describe
+from axisrig.bench.drive.ethercat.node import SlaveSettings
+from axisrig.bench.drive.ethercat.sii import sii_content
+
+
+def categories(content: bytes) -> Iterator[tuple[int, bytes]]:
+    at = 2 * 0x40
+    while True:
+        (kind,) = struct.unpack_from("<H", content, at)
+        if kind == 0xFFFF:
+            assert set(content[at:]) == {0xFF}
+            return
+        (words,) = struct.unpack_from("<H", content, at + 2)
+        yield kind, content[at + 4 : at + 4 + 2 * words]
+        at += 4 + 2 * words
+
+
+def test_the_fixed_words() -> None:
+    content = sii_content(describe(DriveProfile(), serial=77, mailbox_bytes=64))
+    assert len(content) == 2048
+    # CRC-8 of the first seven words by polynomial division, start value FF
+    remainder = int.from_bytes(bytes([content[0] ^ 0xFF]) + content[1:14] + b"\x00", "big")
+    for bit in reversed(range(8, 15 * 8)):
+        if remainder >> bit & 1:
+            remainder ^= 0x107 << bit - 8
+    assert content[14] == remainder
+    assert struct.unpack_from("<4I", content, 0x10) == (0, 402, 0x10000, 77)
+    assert struct.unpack_from("<5H", content, 0x30) == (0x1000, 64, 0x1040, 64, 4)
+    assert struct.unpack_from("<2H", content, 0x7C) == (15, 1)
+
+
+def test_the_categories() -> None:
+    content = sii_content(describe(DriveProfile()))
+    found = list(categories(content))
+    assert [kind for kind, _ in found] == [10, 30, 40, 41, 50, 50, 51, 51, 60]
+    by_kind = dict(found)
+    texts, at = [""], 1
+    for _ in range(by_kind[10][0]):
+        size = by_kind[10][at]
+        texts.append(by_kind[10][at + 1 : at + 1 + size].decode())
+        at += 1 + size
+    general = by_kind[30]
+    assert len(general) == 32
+    assert texts[1] == texts[general[3]] == "axisrig DS402 drive"
+    assert (texts[general[0]], texts[general[2]]) == ("axisrig drives", "DS402")
+    # CoE with all it may have; no FoE, EoE, SoE; one axis of DS402; LRW is there
+    assert list(general[5:12]) == [0x3F, 0, 0, 0, 1, 0, 0]
+    assert by_kind[40] == bytes((1, 2, 3, 0xFF))
+    managers = list(struct.iter_unpack("<HHBBBB", by_kind[41]))
+    assert managers == [
+        (0x1000, 128, 0x26, 0, 1, 1),
+        (0x1080, 128, 0x22, 0, 1, 2),
+        (0x1800, 8, 0x64, 0, 1, 3),
+        (0x1C00, 16, 0x20, 0, 1, 4),
+    ]
+    pdos = [(kind, data) for kind, data in found if kind in (50, 51)]
+    seen = {}
+    for kind, data in pdos:
+        index, number, manager, _, name, _ = struct.unpack_from("<HBBBBH", data)
+        entries = [struct.unpack_from("<HBBBBH", data, 8 + 8 * n) for n in range(number)]
+        seen[index] = (kind, manager, texts[name], [(i, s, b) for i, s, _, _, b, _ in entries])
+        assert all(texts[entry[2]] for entry in entries)
+    assert seen[0x1600] == (51, 2, "RxPDO 1", [(0x6040, 0, 16), (0x607A, 0, 32), (0x60B8, 0, 16)])
+    assert seen[0x1A00][:3] == (50, 3, "TxPDO 1")
+    assert seen[0x1601][1] == seen[0x1A01][1] == 0xFF
+    clocks = list(struct.iter_unpack("<IIIhHhBB4x", by_kind[60]))
+    assert [(assign, texts[name]) for _, _, _, _, assign, _, name, _ in clocks] == [
+        (0x0300, "DC-Synchron"),
+        (0, "SM-Synchron"),
+    ]
+
+
+def read_all(line: Line) -> bytes:
+    """As masters do: address and command, then control and data."""
+    content = b""
+    while len(content) < 2048:
+        line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, len(content) // 2))
+        data = line.one(1, 0, 0x0502, 14).data
+        assert int.from_bytes(data[:2], "little") == 0x0040
+        content += data[6:]
+    return content
+
+
+def test_a_master_reads_all_of_it_by_the_registers() -> None:
+    line = Line(settings=[SlaveSettings(serial=9)])
+    assert read_all(line) == sii_content(describe(DriveProfile(), serial=9))
+    line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, 4000))
+    assert line.one(1, 0, 0x0508, 8).data == b"\xff" * 8
+
+
+@pytest.mark.parametrize(
+    ("control", "status", "is_written"),
+    [(0x0201, 0x0040, True), (0x0200, 0x4040, False), (0x0700, 0x2040, False)],
+)
+def test_a_word_is_written_where_that_is_allowed(
+    control: int, status: int, is_written: bool
+) -> None:
+    line = Line()
+    line.one(2, 0, 0x0502, struct.pack("<HIH", control, 0x100, 0x1234))
+    assert line.read(0x0502, 2) == status
+    line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, 0x100))
+    assert (line.read(0x0508, 2) == 0x1234) is is_written
+
+
+def test_the_slave_may_have_the_eeprom() -> None:
+    line = Line()
+    line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, 8))
+    line.write(0x0500, 1, 1)
+    line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, 0x0A))
+    assert line.read(0x0508, 4) == 0
+    line.write(0x0500, 2, 1)
+    line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, 0x0A))
+    assert line.read(0x0508, 4) == 402
+
+
+def test_a_check_sum_that_is_wrong_is_said_and_gives_no_alias() -> None:
+    line = Line()
+    line.one(2, 0, 0x0502, struct.pack("<HIH", 0x0201, 4, 0x2002))
+    line.one(2, 0, 0x0502, struct.pack("<H", 0x0400))
+    assert (line.read(0x0502, 2), line.read(0x0012, 2)) == (0x0840, 0)
