@@ -18,6 +18,9 @@ from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
+PLANT = SimpleNamespace(axes={}, probes={}, distances={})
+"""Without FMUs: what of them can be held is in `test_plant_inputs.py`."""
+
 
 def settings_of(rig: str, *changes: str) -> Settings:
     assigned = [(parse_assignment(text), as_written) for text in changes]
@@ -27,7 +30,7 @@ def settings_of(rig: str, *changes: str) -> Settings:
 
 
 def points_of(settings: Settings) -> dict[str, tuple[str, ...]]:
-    machine: Any = SimpleNamespace(settings=settings, plant=None)
+    machine: Any = SimpleNamespace(settings=settings, plant=PLANT)
     return {target: point.kinds for target, point in points(machine).items()}
 
 
@@ -74,7 +77,7 @@ def test_what_is_a_point_a_plan_may_write_and_nothing_else(rig: str) -> None:
 
 
 def test_axes_of_a_point_are_those_whose_moments_count() -> None:
-    machine: Any = SimpleNamespace(settings=settings_of("probe-xyz.toml"), plant=None)
+    machine: Any = SimpleNamespace(settings=settings_of("probe-xyz.toml"), plant=PLANT)
     found = points(machine)
     on = {name: axis.segment for name, axis in machine.settings.rig.axis.items()}
     assert found["X.TPDO1"].axes == found["X"].axes == ("X",)

@@ -69,12 +69,12 @@ def test_the_axis_is_stopped_within_the_configured_cycles(fault: str, alarm_id: 
 
 
 def test_every_kind_of_fault_has_a_reaction() -> None:
-    """Of sensors, PLC and clock, which that machine has not, the rows of `wires.csv` are that."""
+    """Of what that machine has not (sensors, inputs, PLC, clock), rows of `wires.csv` are that."""
     text = (ROOT / "testplans" / "wires.csv").read_text(encoding="utf-8")
     kinds = {row["kind"] for row in ROWS}
     for kind in fault_kinds().values():
         assert kind.name in kinds or f"fault:{kind.name}" in text, kind.name
-        assert kind.name in kinds or kind.room in ("sensors", "plc", "clock")
+        assert kind.name in kinds or kind.room in ("sensors", "plants", "plc", "clock")
 
 
 def test_the_document_shows_the_table() -> None:

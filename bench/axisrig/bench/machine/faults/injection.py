@@ -3,7 +3,7 @@
 import random
 from collections.abc import Callable, Mapping, Sequence
 
-from axisrig.bench.machine.faults import clock, drives, frames, plc, sensors, wires
+from axisrig.bench.machine.faults import clock, drives, frames, plants, plc, sensors, wires
 from axisrig.bench.machine.faults.acts import Act, Injected, drawn
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.faults.beside import Make as MakeBeside
@@ -13,7 +13,7 @@ from axisrig.bench.rig.reading.faults import Fault, fault_kinds
 from axisrig.bench.rig.settings import Settings
 
 BESIDE: Mapping[str, MakeBeside] = {
-    **wires.KINDS, **sensors.KINDS, **plc.KINDS, **clock.KINDS
+    **wires.KINDS, **sensors.KINDS, **plants.KINDS, **plc.KINDS, **clock.KINDS
 }  # fmt: skip
 """Kinds of what is between the plant and its readers: built in before these."""
 ON_CAN: Mapping[str, frames.Make] = {**frames.KINDS, **drives.KINDS}

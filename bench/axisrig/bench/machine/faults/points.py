@@ -1,9 +1,9 @@
 """Every place of a machine where a fault can act."""
 
-from axisrig.bench.machine.faults import clock, drives, frames, plc, sensors, wires
+from axisrig.bench.machine.faults import clock, drives, frames, plants, plc, sensors, wires
 from axisrig.bench.machine.faults.point import Equipped, FaultPoint, Points
 
-ROOMS = (frames, drives, wires, sensors, plc, clock)
+ROOMS = (frames, drives, wires, sensors, plants, plc, clock)
 """Modules of the rooms of `faults.csv`: each has `KINDS` and `points`."""
 
 
@@ -11,7 +11,7 @@ def points(machine: Equipped) -> Points:
     """Return the fault points of a machine, by target; a target of several rooms has all kinds.
 
     What a plan refuses is not in it: telegrams on a carrier without faults, heartbeats that nobody
-    sends.
+    sends, inputs of plants that something is wired to.
     """
     found: Points = {}
     for room in ROOMS:

@@ -12,11 +12,20 @@ TERMINAL, TERMINAL_TELEGRAMS = "terminal", ("TPDO1", "SDO", "HEARTBEAT")
 """The node that is the terminal of the PLC, and what it sends."""
 PLC = "plc"
 """The task of the PLC."""
+INPUT = "input"
+"""Word for an input of a plant, `probe.switched_on`: which ones there are its FMU knows."""
 
 
 def targets(words: Iterable[str], rig: RigFile) -> list[str]:
     """Return everything that the words of a column `target` stand for in a rig."""
     return [name for word, names in _NAMES.items() if word in words for name in names(rig)]
+
+
+def is_target(name: str, words: Iterable[str], rig: RigFile) -> bool:
+    """Whether the words of a column `target` stand for a name in a rig, as far as it knows."""
+    plant, _, variable = name.partition(".")
+    is_input = INPUT in words and plant in rig.plant and variable != ""
+    return is_input or name in targets(words, rig)
 
 
 def place_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, str, str]:
@@ -43,7 +52,9 @@ def axes_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, ...]:
     if segment:
         found = [name for name, table in rig.axis.items() if table.segment == segment]
     else:
-        found = [n for n, a in rig.axis.items() if target in (*a.signals.values(), a.encoder_2)]
+        plant = target.partition(".")[0] if INPUT in words else target
+        wired = {n: (*a.signals.values(), a.encoder_2, a.plant) for n, a in rig.axis.items()}
+        found = [name for name, plants in wired.items() if plant in plants]
     return tuple(found or rig.axis)
 
 
@@ -88,4 +99,5 @@ _NAMES: Mapping[str, Callable[[RigFile], Iterable[str]]] = {
     "sensor": _sensors,
     "plc": lambda rig: [] if rig.plc_task is None else [PLC],
     "terminal": _clocks,
+    INPUT: lambda rig: [f"{plant}.INPUT" for plant in rig.plant],
 }

@@ -23,6 +23,7 @@ from axisrig.bench.rig.reading.fault_targets import (
     BUS_TELEGRAMS,
     TERMINAL,
     TERMINAL_TELEGRAMS,
+    is_target,
     place_of,
     targets,
 )
@@ -38,7 +39,7 @@ _TIME = re.compile(r"(\d+(?:\.\d*)?|\.\d+)(ns|us|ms|s)")
 class FaultKind:
     """One row of `faults.csv`: the kind, its room, its targets and its keys.
 
-    room: where it acts. targets: telegram, axis, bus, signal, sensor, plc, terminal.
+    room: where it acts. targets: telegram, axis, bus, signal, sensor, plc, terminal, input.
     defaults: of keys that have one of their own in this kind, as it would do nothing without.
     """
 
@@ -165,7 +166,7 @@ def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
 
 def _fault(kind: FaultKind, target: str, values: Mapping[str, Any], rig: RigFile) -> Fault:
     allowed = targets(kind.targets, rig)
-    if target not in allowed:
+    if not is_target(target, kind.targets, rig):
         what = "no such telegram" if kind.targets == ("telegram",) else "no such place of a fault"
         place = target.partition(".")[0]
         same_place = [name for name in allowed if name.startswith(f"{place}.")]

@@ -71,7 +71,8 @@ class PlantProbe(ABC):
     roles: what its FMU gives. sources: coordinate of the FMU (`x`) -> the axis whose load position
     it reads. edge_uncertainty_ns: how well the instants of edges and contacts are known.
     free_until_ns: no edge before. hold_ns: for how long after an edge the motion is needed in fine
-    steps, because a drive latches then; look_back_ns: how long before.
+    steps, because a drive latches then; look_back_ns: how long before. is_switched_on: as the PLC
+    has ordered it last, at the start as its FMU has it.
     """
 
     edge_uncertainty_ns: float
@@ -92,7 +93,7 @@ class PlantProbe(ABC):
         self._clearance_m = self._room_m = self._speed_m_s = 0.0
         self._places_m = [0.0] * len(self.sources)
         self._saved: FmuState | None = None
-        self._is_on = True
+        self.is_switched_on, self.is_supply_held = True, False
 
     # What differs: how the motion is handed over and how edges are found
 
@@ -132,6 +133,8 @@ class PlantProbe(ABC):
         self.slave.initialize(start_ns)
         self._signal.read()
         self.signal.level = bool(self._signal.values[0])
+        if self.can_be_switched():
+            self.is_switched_on = bool(self.slave.get(SUPPLY))
         self._read_start()
         self._look()
 
@@ -205,15 +208,24 @@ class PlantProbe(ABC):
         return SUPPLY in self.slave.names("input")
 
     def switch(self, is_on: bool, now_ns: TimeNs) -> None:
-        """Switch its supply; the plants are at `now_ns`. It is followed until its output rests."""
-        if self._is_on is is_on:
+        """Switch its supply; the plants are at `now_ns`. It is followed until its output rests.
+
+        While the supply is held (`is_supply_held`) the order is kept in `is_switched_on` alone.
+        """
+        if self.is_switched_on is is_on:
             return
-        if self.slave.time_ns < now_ns:
-            self._catch_up(now_ns)
-        self._is_on = is_on
+        self.is_switched_on = is_on
+        if self.is_supply_held:
+            return
+        self.wake(now_ns)
         supply = Exchange(self.slave, [SUPPLY])
         supply.values[0] = is_on
         supply.write()
+
+    def wake(self, now_ns: TimeNs) -> None:
+        """Follow it from now on: an input changes. The plants are at `now_ns`."""
+        if self.slave.time_ns < now_ns:
+            self._catch_up(now_ns)
         self.free_until_ns, self._hold_until_ns = now_ns, now_ns + SWITCHING_NS
 
     # Where an edge can be
