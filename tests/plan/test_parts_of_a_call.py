@@ -1,0 +1,299 @@
+"""Parts of a call of `axisrig run`: which runs, how many processes, what is written and shown."""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign import campaign
+from axisrig.bench.campaign.campaign import Campaign, Choice, plans_in, show_campaign
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.resuming import CHANGED
+from axisrig.bench.campaign.sharing import Shard
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
+from axisrig.kernel.errors import UserError
+
+PASS, MARGINAL, FAIL, ERROR, ABORTED = (
+    Verdict.PASS, Verdict.MARGINAL, Verdict.FAIL, Verdict.ERROR, Verdict.ABORTED,
+)  # fmt: skip
+
+
+def case_of(run: str, runs: tuple[str, ...] = (), rig: str = "r.toml") -> Case:
+    return Case("p", run, run, 0, Path("a.nc"), Path(rig), {}, (), "", (), "", 1, 0,
+                Path("p.csv"), 2, {}, runs=runs)  # fmt: skip
+
+
+def result(verdict: Verdict, run: str = "a", **more: Any) -> CaseResult:
+    return CaseResult(case_of(run), verdict, [], **more)
+
+
+@pytest.mark.parametrize(
+    ("results", "kept", "planned", "failure", "word"),
+    [
+        ([PASS], [], 1, None, PASS),
+        ([PASS, MARGINAL], [], 2, None, MARGINAL),
+        ([PASS], [FAIL], 1, None, FAIL),
+        ([PASS], [], 2, None, ABORTED),
+        ([PASS], [], 1, OSError("full"), ABORTED),
+        ([ERROR], [], 2, None, max(ERROR, ABORTED)),
+        ([], [PASS], 0, None, PASS),
+    ],
+)
+def test_a_campaign_ends_by_its_worst_verdict_and_by_what_is_missing(
+    results: list[Verdict], kept: list[Verdict], planned: int, failure: OSError | None,
+    word: Verdict,
+) -> None:  # fmt: skip
+    left = Campaign(Path(), [result(one) for one in results], planned, failure, kept=kept)
+    assert left.exit_code == campaign.exit_code(word)
+    assert left.is_interrupted is (len(results) < planned or failure is not None)
+
+
+def test_what_went_wrong_goes_to_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
+    done = Campaign(Path("out"), [result(PASS)], 1, report=Path("out/report.html"))
+    show_campaign(done)
+    out, err = capsys.readouterr()
+    assert out.splitlines()[-1] == str(Path("out/report.html"))
+    assert err == ""
+    for statistics, word in ((0, "runs"), (1, "rows")):
+        show_campaign(
+            Campaign(Path("out"), [result(PASS)], 3, OSError(28, "No space left", "out/x"),
+                     kept=[FAIL, PASS], statistics=statistics, altered=["a run was changed"])
+        )  # fmt: skip
+        out, err = capsys.readouterr()
+        lines = err.splitlines()
+        assert lines[:2] == ["a run was changed; it was run again", "kept 2 runs, ran 1"]
+        assert lines[2].startswith("error: ")
+        assert "No space left" in lines[2]
+        assert lines[3] == f"interrupted: 1 of 3 {word} are in out"
+        assert "report" not in out
+    show_campaign(Campaign(Path("out"), [], 0))
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_plans_of_a_folder_are_its_own_tables_by_name(tmp_path: Path) -> None:
+    for name in ("b.csv", "a.XLSX", "notes.txt", "sub/c.csv"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    assert [path.name for path in plans_in(tmp_path)] == ["a.XLSX", "b.csv"]
+    (tmp_path / "empty").mkdir()
+    for folder, message in (("empty", "the folder holds no plan"), ("gone", "no folder with")):
+        with pytest.raises(UserError, match=message):
+            plans_in(tmp_path / folder)
+
+
+# Which runs
+
+
+def plan_of(*runs: str) -> Any:
+    return SimpleNamespace(cases=tuple(case_of(run) for run in runs), name=runs[0])
+
+
+def test_a_call_runs_what_fits_and_a_share_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign, "replace", lambda plan, **new: SimpleNamespace(**new))
+    monkeypatch.setattr(
+        campaign, "chosen", lambda cases, word: tuple(c for c in cases if word in c.run)
+    )
+    plans = [plan_of("a1", "a2", "b1"), plan_of("b2", "a3")]
+
+    def found(choice: Choice) -> tuple[list[list[str]], list[str]]:
+        parts, cases = campaign._chosen(plans, choice)
+        return [[case.run for case in part.cases] for part in parts], [case.run for case in cases]
+
+    assert found(Choice()) == ([["a1", "a2", "b1"], ["b2", "a3"]], ["a1", "a2", "b1", "b2", "a3"])
+    assert found(Choice("a")) == ([["a1", "a2"], ["a3"]], ["a1", "a2", "a3"])
+    assert found(Choice("a", Shard(2, 3))) == ([["a2"], []], ["a2"])
+    for choice, message in (
+        (Choice("z"), "no case fits"), (Choice("b2", Shard(2, 2)), "more shares than runs"),
+    ):  # fmt: skip
+        with pytest.raises(UserError, match=message):
+            found(choice)
+
+
+def test_a_row_of_statistics_comes_after_the_last_of_its_runs() -> None:
+    places = {"a": 0, "b": 1, "c": 2}
+    rows = [("s", ("a", "c")), ("c", ()), ("t", ("a",)), ("u", ("gone",)), ("b", ()), ("a", ())]
+    results = [CaseResult(case_of(run, runs), PASS, []) for run, runs in rows]
+    results.sort(key=lambda one: campaign._place(places, one))
+    assert [one.case.run for one in results] == ["u", "a", "t", "b", "c", "s"]
+
+
+def test_how_many_processes_run_cases(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign, "usable_cores", lambda: 4)
+    monkeypatch.setattr(sys, "gettrace", lambda: None)
+    cases = [case_of(f"{n}") for n in range(9)]
+
+    def jobs(number: int | None, count: int = 9, real: bool = False, is_apart: bool = False) -> int:
+        return campaign._jobs(number, cases[:count], ["rig"] * real, is_apart=is_apart)
+
+    assert [jobs(None), jobs(None, 3), jobs(2), jobs(1), jobs(7)] == [4, 3, 2, 1, 7]
+    assert jobs(None, real=True) == 1
+    monkeypatch.setattr(sys, "gettrace", lambda: print)
+    assert (jobs(None), jobs(3)) == (1, 3)  # under a debugger
+    for number, is_apart in ((2, False), (1, True), (None, True)):
+        with pytest.raises(UserError, match="driven from this process"):
+            jobs(number, real=True, is_apart=is_apart)
+    assert [campaign._one_at_a_time(number, None) for number in (None, 1)] == [1, 1]
+    for number, scheduler in ((2, None), (None, "tcp://x"), (1, "tcp://x")):
+        with pytest.raises(UserError, match="one run at a time"):
+            campaign._one_at_a_time(number, scheduler)
+
+
+@pytest.mark.parametrize(
+    ("assignments", "folder"),
+    [
+        ([], "out/one-two"),
+        ([FORCED], "out/one-two"),
+        ([AS_CANOPEN, FORCED], "out/one-two"),
+        (["plc:V.E.A=1"], "out/one-two-set"),
+        ([FORCED, "plc:V.E.A=1"], "out/one-two-set"),
+    ],
+)
+def test_changed_inputs_have_a_folder_of_their_own(assignments: list[str], folder: str) -> None:
+    plans: Any = [SimpleNamespace(name=name) for name in ("one", "two")]
+    assert campaign._default_folder(plans, assignments) == Path(folder)
+
+
+def test_rigs_that_are_foreign_run_apart_and_notes_of_plans_are_warnings(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: dict[str, Any] = {}
+
+    def prepare_all(cases: Any, **given: Any) -> list[str]:
+        asked.update(given)
+        return ["of a cell"]
+
+    monkeypatch.setattr(campaign, "prepare_all", prepare_all)
+    monkeypatch.setattr(campaign, "foreign_rigs", lambda rigs: {r for r in rigs if r.stem == "f"})
+    cases = [case_of("a"), case_of("b", rig="f.toml"), case_of("c")]
+    plan: Any = SimpleNamespace(path=Path("p.csv"), notes=["odd"], cases=cases)
+    apart, warnings = campaign._prepared([plan], cases[:2], False, 5.0, 3)
+    assert set(apart) == {Path("f.toml")}
+    assert warnings == ["of a cell", "p.csv: odd"]
+    assert (asked["call_limit_s"], asked["jobs"], asked["apart"]) == (5.0, 3, apart)
+    assert [case.run for case in asked["beside"]] == ["c"]
+    apart, _ = campaign._prepared([plan], cases, True, 5.0, 3)
+    assert set(apart) == {Path("r.toml"), Path("f.toml")}
+
+
+# What comes of them
+
+
+def test_a_run_whose_files_changed_meanwhile_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = {"a": "1", "b": "2"}
+    monkeypatch.setattr(campaign, "depends_sha256", lambda case: now[case.run])
+
+    def running() -> Iterator[CaseResult]:
+        yield result(PASS, "a", wall_s=1.0)
+        yield result(PASS, "b", wall_s=2.0)
+
+    first, second = campaign._dated(running(), {"a": "1", "b": "other"})
+    assert (first.verdict, first.depends_sha256) == (PASS, "1")
+    assert (second.verdict, second.error, second.wall_s) == (ERROR, CHANGED, 2.0)
+    assert second.depends_sha256 == "2"
+
+
+def test_statistics_come_with_their_hash_those_that_stay_first() -> None:
+    def row(run: str) -> CaseResult:
+        return CaseResult(case_of(run), PASS, [])
+
+    statistics: Any = SimpleNamespace(
+        kept=lambda: iter([row("s0")]),
+        after=lambda one: iter([row("s1")] if one.case.run == "b" else []),
+    )
+    running = (row(run) for run in "abc")
+    hashes = {"s0": "h0", "s1": "h1"}
+    found = list(campaign._with_statistics(running, statistics, hashes))
+    assert [(one.case.run, one.depends_sha256) for one in found] == [
+        ("s0", "h0"), ("a", ""), ("b", ""), ("s1", "h1"), ("c", ""),
+    ]  # fmt: skip
+
+
+class Beside:
+    """Something that is open while results are written."""
+
+    def __init__(self) -> None:
+        self.is_open = False
+
+    def __enter__(self) -> "Beside":
+        self.is_open = True
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.is_open = False
+
+
+@pytest.mark.parametrize("fails_at", [None, 1])
+def test_results_are_written_as_they_come_until_a_disk_is_full(fails_at: int | None) -> None:
+    results: list[CaseResult] = []
+    written: list[str] = []
+    shown: list[str] = []
+    closed: list[bool] = []
+
+    class Writer(Beside):
+        def add(self, one: CaseResult) -> None:
+            if len(written) == fails_at:
+                raise OSError("full")
+            written.append(one.case.run)
+
+    class Progress(Beside):
+        def show(self, one: CaseResult) -> None:
+            shown.append(one.case.run)
+
+    def running() -> Iterator[CaseResult]:
+        try:
+            yield from (result(PASS, run) for run in "abc")
+        finally:
+            closed.append(True)
+
+    watch: Any = SimpleNamespace(beside=lambda _: Beside())
+    error = campaign._write(running(), Writer(), results, Progress(), watch)  # type: ignore[arg-type]
+    done = ["a", "b", "c"][:fails_at]
+    assert written == shown == [one.case.run for one in results] == done
+    assert closed == [True]
+    assert (str(error) == "full") is (fails_at is not None)
+
+
+def test_the_first_that_went_wrong_is_the_failure() -> None:
+    full, other = OSError("full"), OSError("other")
+
+    def breaks(error: Exception) -> Any:
+        def build(_: Path) -> Path:
+            raise error
+
+        return build
+
+    def good(folder: Path) -> Path:
+        return folder / "r"
+
+    assert campaign._report(good, Path("o"), None) == (Path("o/r"), None)
+    assert campaign._report(good, Path("o"), full) == (Path("o/r"), full)
+    assert campaign._report(None, Path("o"), full) == (None, full)
+    assert campaign._report(breaks(other), Path("o"), None) == (None, other)
+    assert campaign._report(breaks(other), Path("o"), full) == (None, full)
+    assert campaign._report(breaks(UserError("gone")), Path("o"), full) == (None, full)
+    with pytest.raises(UserError, match="gone"):
+        campaign._report(breaks(UserError("gone")), Path("o"), None)
+
+
+def test_a_cluster_runs_cases_where_one_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign, "run_on_cluster", lambda *given: ("cluster", given[2]))
+    monkeypatch.setattr(campaign, "run_cases", lambda *given, **more: ("here", given[2], more))
+    how: Any = (3, None, None, "hardware", "progress")
+    files: Any = None
+    assert campaign._running([], files, "tcp://x", *how) == ("cluster", "tcp://x")
+    assert campaign._running([], files, None, *how) == (
+        "here", 3, {"hardware": "hardware", "follower": "progress"},
+    )  # fmt: skip
+
+
+def test_hashes_are_of_runs_and_of_rows_of_statistics(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign, "depends_sha256", lambda case: f"h{case.run}")
+    plan: Any = SimpleNamespace(statistics=[case_of("s", ("a",))])
+    found = campaign._hashes([plan], [replace(case_of("a"), title="t"), case_of("b")])
+    assert found == {"a": "ha", "b": "hb", "s": "hs"}
