@@ -20,14 +20,20 @@ def rows_until(out: Any, end_ns: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("more", "alarms"), [("", []), pytest.param("\nN20 M0", [900170], marks=pytest.mark.long)]
+    ("more", "plc", "alarms"),
+    [
+        ("", "plc:feedhold=at=50ms for=20ms; at=400ms for=20ms", []),  # the second is after the end
+        pytest.param("\nN20 M0", "plc:start_ms=500", [], marks=pytest.mark.long),
+        pytest.param("\nN20 M0", "plc:optional_stop=1", [900170], marks=pytest.mark.long),
+        pytest.param("", "plc:V.E.A=0; 1 at=30ms; 2 at=600ms", [], marks=pytest.mark.long),
+    ],
 )
 def test_a_run_goes_on_and_what_was_before_stays(
-    run_nc: RunNc, more: str, alarms: list[int]
+    run_nc: RunNc, more: str, plc: str, alarms: list[int]
 ) -> None:
     """SYNC by SYNC, at least so long; the end of the program is where it was."""
-    plain = run_nc(DOWN + more, "", base="probe-z.toml")
-    out = run_nc(DOWN + more, "", f"plc:after_end_ms={AFTER_MS}", base="probe-z.toml")
+    plain = run_nc(DOWN + more, "", plc, base="probe-z.toml")
+    out = run_nc(DOWN + more, "", plc, f"plc:after_end_ms={AFTER_MS}", base="probe-z.toml")
     assert plain.alarms == out.alarms == alarms
     end_ns = plain.facts.end_ns
     assert out.facts.end_ns == end_ns

@@ -246,7 +246,7 @@ class Channel(ChannelView):
             observer(self)
         if was_stopping and self._has_stopped():
             self._stand_behind_alarm()
-        elif self.state in AT_REST and self.plc.is_idle():
+        elif self.state in AT_REST and (not self.plc.outlives_program or self.plc.is_idle()):
             self.end_ns = self.end_ns or self._clock.now_ns
             if self._mechanics.has_come_to_rest():
                 self.state = ChannelState.ENDED
@@ -379,10 +379,12 @@ class Channel(ChannelView):
 
     def _end(self, command: canon.EndOfProgram) -> None:
         self.program_ends_ns.append(self._clock.now_ns)
-        if self.plc.outlives_program or self._mechanics.goes_on:
+        if self.plc.outlives_program:
             self.state = ChannelState.READY
         else:
-            self.state, self.end_ns = ChannelState.ENDED, self._clock.now_ns
+            goes_on = self._mechanics.goes_on
+            self.state = ChannelState.READY if goes_on else ChannelState.ENDED
+            self.end_ns = self._clock.now_ns
         self.measurement.end_program()
         self.path.end_program()
         self.distance.end_program(command.block.place)
