@@ -140,11 +140,13 @@ def test_motor_load_and_second_encoder_are_told_apart() -> None:
 
 @pytest.mark.interpreted
 def test_a_latch_whose_instant_the_run_does_not_reach_has_no_place() -> None:
-    bench = Bench({"Z": Axis(even(0.0, 0.01))}, {"probe": [watcher("Z", 500)]})
+    late = Watcher("Z", LatchTimes(delay_ns=500 * US, jitter_ns=900))
+    bench = Bench({"Z": Axis(even(0.0, 0.01))}, {"probe": [late]})
     bench.at(1 * MS, probe=(800_000, True))
     (before,) = bench.log.rows()
     assert before.load_mm == pytest.approx(0.008, abs=1e-9)
     assert (before.latch_ns, before.latch_motor_mm) == (1_300_000, None)
+    assert before.latch_jitter_ns == 900
     bench.at(1_299_999)
     assert bench.log.rows() == (before,)
     bench.at(1_300_000)

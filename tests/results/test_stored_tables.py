@@ -11,6 +11,7 @@ from tests.recordings import Step, alarm, block_trace, facts, kept
 from axisrig.bench.record.axes import AxisRecord, DriveState
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.distance import ChannelDistanceRecord, Diagnosis
+from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.facts import Facts, run_text
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
@@ -34,6 +35,10 @@ def left() -> Facts:
         alarms=(alarm(50052, 2 * MS, axis="Z"),),
         distance_3d=ChannelDistanceRecord(diagnosis=diagnosis),
         channel={"configuration.decoder.a": 1, "other": 2, "dist_ctrl[0].kp": 3},
+        edges=(
+            EdgeTruth("probe", "Z", True, 1 * MS, 5.0, 4.5, 1 * MS + 400, 5.1, 4.6),
+            EdgeTruth("cam", "C", False, 2 * MS, -31.0, -30.0, 9 * MS, None, None, -30.5),
+        ),
         buses=tuple(BusFigures(name, 1_000_000, 0, 0, 0, 0, 0, "", (), ()) for name in ("a", "b")),
     )  # fmt: skip
 
@@ -79,6 +84,25 @@ def test_events_are_by_time_with_the_states_of_drives(made: Path) -> None:
     assert found[2] == (3 * MS, "state", "Z", "FAULT")
     assert events.attrs["units"] == {"time_ns": "ns"}
     assert load(made).events("r2").empty  # it has left no facts
+
+
+def test_edges_have_their_places_and_units(made: Path) -> None:
+    """A latch that the run did not reach, or an axis without a second encoder, has no number."""
+    table = load(made).edges("r1")
+    assert list(table["axis"]) == ["Z", "C"]
+    assert list(table["level"]) == [True, False]
+    assert list(table["edge_ns"]) == [1 * MS, 2 * MS]
+    assert list(table["load_mm"]) == [4.5, -30.0]
+    assert list(np.isnan(table["latch_motor_mm"])) == [False, True]
+    assert list(np.isnan(table["second_mm"])) == [True, False]
+    assert str(table["latch_ns"].dtype) == "int64"
+    lengths = ("motor_mm", "load_mm", "second_mm")
+    assert table.attrs["units"] == {
+        **dict.fromkeys(("edge_ns", "latch_ns", "latch_jitter_ns"), "ns"),
+        **dict.fromkeys((*lengths, *(f"latch_{name}" for name in lengths)), "mm"),
+    }
+    with pytest.raises(UserError, match="no places of edges"):
+        load(made).edges("r2")
 
 
 def test_blocks_have_their_waits_and_holds(made: Path) -> None:

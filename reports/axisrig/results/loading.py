@@ -10,6 +10,7 @@
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
 
@@ -28,7 +29,8 @@ from axisrig.bench.judge.topics import events
 from axisrig.bench.plan.assignment import find_form, parse_column
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.blocks import STATES, block_kinds, held_ns
-from axisrig.bench.record.series import Series
+from axisrig.bench.record.edges import EdgeTruth
+from axisrig.bench.record.series import Series, units_of
 from axisrig.bench.tools.bus_log.bus_log import logs_of, messages_of
 from axisrig.kernel.errors import UserError, nearest
 
@@ -171,6 +173,23 @@ class Results:
             **{"feed_mm_min": "mm/min", "path_mm": "mm", "travelled_mm": "mm"},
         }
         return table.astype({"held_ns": "int64"})
+
+    def edges(self, run: str) -> pd.DataFrame:
+        """Where each axis was at each edge that it watches, and at the latch of that edge.
+
+        A row for each `EdgeTruth`, columns as its fields (docs/recording.md); no place is NaN. Rows
+        of axes that turn have degrees. Raises as `signals`, also for a recording of versions 1 to
+        4, which has none.
+        """
+        facts = self._run(run).recording.facts
+        if facts is None or facts.edges is None:
+            raise UserError("the run left no places of edges", file=self.folder, value=run)
+        names = [each.name for each in fields(EdgeTruth)]
+        columns = {name: [getattr(row, name) for row in facts.edges] for name in names}
+        table = pd.DataFrame(columns)
+        table.attrs["units"] = units_of(names)
+        kinds = {"_mm": "float64", "_ns": "int64"}
+        return table.astype({name: kinds[name[-3:]] for name in table.attrs["units"]})
 
     def frames(self, run: str) -> pd.DataFrame:
         """Every frame of a run: `time_ns`, `segment`, `id`, `data` (hex) and what kind it is.

@@ -34,8 +34,8 @@ class EdgeTruth(Frozen):
     probe: plant whose signal it is. level: after the edge. read_by: an input of a drive, or the
     terminal of the PLC, whose signals are those of every axis. latch_ns: instant whose position
     belongs to the edge, by delay, filter, compensation and samples of that drive, or by the stamp
-    of the terminal, without jitter (`bench.oracles.latch.instant`). A slave has rows beside its
-    master, at the instants of the master's drive.
+    of the terminal, without jitter (`bench.oracles.latch.instant`). latch_jitter_ns: it may be so
+    much later. A slave has rows beside its master, at the instants of the master's drive.
     motor_mm, load_mm: in coordinates of the plant, as `Contact.position_mm`; degrees of an axis
     that turns. second_mm: what its second encoder saw, None without one. Places are None as well
     where the run ended before that instant, or the motion was not kept any more.
@@ -53,6 +53,7 @@ class EdgeTruth(Frozen):
     second_mm: float | None = None
     latch_second_mm: float | None = None
     read_by: ReadBy = "drive"
+    latch_jitter_ns: TimeNs = 0
 
 
 def edges_of(

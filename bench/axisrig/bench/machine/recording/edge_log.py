@@ -45,8 +45,7 @@ class _Edge:
     """An edge that came. latch: None while its instant has not come."""
 
     probe: str
-    axis: str
-    read_by: ReadBy
+    watcher: Watcher
     level: bool
     edge_ns: TimeNs
     at_edge: Places
@@ -93,7 +92,10 @@ class EdgeLog:
         """Return all edges until now, by instant, signal and the order of the axes."""
         self.look()
         order = {axis: number for number, axis in enumerate(self._axes)}
-        found = sorted(self._edges, key=lambda e: (e.edge_ns, e.probe, order[e.axis], e.read_by))
+        found = sorted(
+            self._edges,
+            key=lambda e: (e.edge_ns, e.probe, order[e.watcher.axis], e.watcher.read_by),
+        )
         return tuple(_row(edge) for edge in found)
 
     def _take(self, number: int, edges: Sequence[tuple[TimeNs, bool]]) -> None:
@@ -107,15 +109,7 @@ class EdgeLog:
             for watcher in watchers:
                 place = self._places_at(watcher.axis, edge_ns)
                 latch_ns = watcher.times.instant_ns(edge_ns)
-                edge = _Edge(
-                    self._names[number],
-                    watcher.axis,
-                    watcher.read_by,
-                    level,
-                    edge_ns,
-                    place,
-                    latch_ns,
-                )
+                edge = _Edge(self._names[number], watcher, level, edge_ns, place, latch_ns)
                 self._edges.append(edge)
                 self._open.append(edge)
 
@@ -124,7 +118,7 @@ class EdgeLog:
         now_ns, still = self._plant.now_ns, []
         for edge in self._open:
             if edge.latch_ns <= now_ns:
-                edge.latch = self._places_at(edge.axis, edge.latch_ns)
+                edge.latch = self._places_at(edge.watcher.axis, edge.latch_ns)
             else:
                 still.append(edge)
         self._open = still
@@ -167,7 +161,7 @@ def _row(edge: _Edge) -> EdgeTruth:
     latch = edge.latch or Places()
     return EdgeTruth(
         probe=edge.probe,
-        axis=edge.axis,
+        axis=edge.watcher.axis,
         level=edge.level,
         edge_ns=edge.edge_ns,
         motor_mm=edge.at_edge.motor_mm,
@@ -177,7 +171,8 @@ def _row(edge: _Edge) -> EdgeTruth:
         latch_load_mm=latch.load_mm,
         second_mm=edge.at_edge.second_mm,
         latch_second_mm=latch.second_mm,
-        read_by=edge.read_by,
+        read_by=edge.watcher.read_by,
+        latch_jitter_ns=edge.watcher.times.jitter_ns,
     )
 
 
