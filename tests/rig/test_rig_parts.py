@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.rig import contents
+from axisrig.bench.rig.contents import contents_text
 from axisrig.bench.rig.reading import foreign
 from axisrig.bench.rig.reading.faults import TERMINAL_TELEGRAMS, read_faults
 from axisrig.bench.rig.reading.file import read_rig
@@ -279,3 +281,61 @@ def test_a_terminal_that_a_rig_does_not_have_cannot_be_changed(
     assert "terminal" not in text.partition("[")[2]
     with pytest.raises(UserError, match="the PLC of this rig has no terminal"):
         settings_of(RIGS / "plc-drive-input.toml", "plc:terminal.filter_us=5")
+
+
+# What a list says, as text
+
+
+def test_a_list_of_tools_is_told_in_mm_where_it_is_not_in_inch(tmp_path: Path) -> None:
+    """0.1 um; of a tool in inch only what is written."""
+    path = tmp_path / "tools.lst"
+    path.write_text(
+        "wz[2].gueltig 1\nwz[2].laenge 800000\nwz[3].gueltig 1\nwz[3].mass_einheit 1\n"
+        "wz[3].laenge 10000\nwz[4].laenge 5\n",
+        encoding="utf-8",
+    )
+    lines = [line.strip() for line in contents_text(path).splitlines() if line.strip()]
+    assert lines[0] == "tools"
+    assert "wz[2].laenge 800000 x 0.1 um = 80 mm  tools.lst:2" in lines
+    assert any(line.startswith("wz[3].laenge 10000  ") for line in lines)
+    assert "wz[2].gueltig 1  tools.lst:1" in lines
+    assert lines[-1].startswith("note: tools: wz[4].laenge 5 (tools.lst:6): the list has no")
+
+
+def test_values_of_a_rig_are_chosen_by_all_words_or_by_one_parameter() -> None:
+    settings = contents.settings_of(RIGS / "probe-z.toml", ["set:Z.getriebe[0].vb_eilgang=77000"])
+    parts = contents.parts_of(settings, None)
+    assert list(parts) == ["channel", "Z"]
+    assert list(contents.parts_of(settings, "Z")) == ["Z"]
+    with pytest.raises(UserError, match="the rig has no such axis"):
+        contents.parts_of(settings, "Q")
+    (one,) = contents.blocks_text(parts, ["P-AXIS-00209"])
+    title, line = one.splitlines()
+    assert title == "axis Z"
+    assert "vb_eilgang" in line
+    assert "77000" in line
+    both = "\n".join(contents.blocks_text(parts, ["p-axis-00209", "rapid"]))
+    assert "vb_eilgang" in both
+    assert contents.blocks_text(parts, ["rapid", "zebra"]) == []
+    # Without words what is set alone
+    of_set = "\n".join(contents.blocks_text(parts, None))
+    assert "vb_eilgang" in of_set
+    every = "\n".join(contents.blocks_text(parts, []))
+    assert len(every.splitlines()) > len(of_set.splitlines())
+
+
+def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path: Path) -> None:
+    for text, kind in (
+        ("kopf.log_achs_name Z\ngetriebe[0].vb_eilgang 5\n", "Z"),
+        ("messtyp 1\nmittelpkt_diff 5\n", "channel"),
+        ("kopf.log_achs_name Z\nmesstyp 1\ngetriebe[0].vb_eilgang 5\n", "Z"),
+    ):
+        path = tmp_path / "own.lst"
+        path.write_text(text, encoding="utf-8")
+        if "messtyp" in text and "kopf" in text:
+            with pytest.raises(UserError, match="messtyp"):
+                contents.read_parts(path)
+        else:
+            assert list(contents.read_parts(path)) == [kind]
+    with pytest.raises(UserError, match=r"gone\.lst"):
+        contents.read_parts(tmp_path / "gone.lst")
