@@ -1,0 +1,227 @@
+"""Parts of `run --live` by themselves: what is sent when, what is drawn how, what is open when."""
+
+import io
+import json
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from rich.console import Console
+from rich.text import Text
+from tests.live_states import AXIS, DISTANCE, SEGMENT, state
+
+from axisrig.bench.cli.beside import server, showing, terminal, ticking
+from axisrig.bench.cli.beside.feed import Look
+from axisrig.bench.cli.beside.server import PAUSES_MAX
+from axisrig.bench.cli.beside.terminal import OLD_S, drawing
+
+# What is sent
+
+
+class Feed:
+    """Looks with these numbers, one for each pause; then the end."""
+
+    def __init__(self, *numbers: int) -> None:
+        self._numbers = list(numbers)
+        self.pauses = 0
+
+    @property
+    def has_ended(self) -> bool:
+        return self.pauses == len(self._numbers)
+
+    def look(self) -> Any:
+        number = self._numbers[min(self.pauses, len(self._numbers) - 1)]
+        return SimpleNamespace(number=number, as_json=lambda: f"{number}")
+
+    def pause(self) -> None:
+        self.pauses += 1
+
+
+def sent(*numbers: int) -> list[tuple[str, str]]:
+    found: list[tuple[str, str]] = []
+    handler: Any = SimpleNamespace(
+        server=SimpleNamespace(feed=Feed(*numbers), followers=[]),
+        _begin=lambda kind: found.append(("begin", kind)),
+        _send=lambda event, data: found.append((event, data)),
+    )
+    server._Handler._send_states(handler)
+    assert len(handler.server.followers) == 1
+    return found
+
+
+def test_a_look_is_sent_with_each_new_state_and_the_end_is_the_last() -> None:
+    assert sent(0, 0, 1, 1, 3) == [
+        ("begin", "text/event-stream"), ("look", "0"), ("look", "1"), ("look", "3"), ("end", "3"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("pauses", "looks"), [(0, 1), (1, 2), (PAUSES_MAX, 2),
+                                               (PAUSES_MAX + 1, 3)])  # fmt: skip
+def test_without_a_new_state_a_look_is_sent_after_so_many_pauses(pauses: int, looks: int) -> None:
+    """The first one at once; the campaign may have gone on meanwhile."""
+    numbers = [4] * (PAUSES_MAX + pauses)
+    assert [event for event, _ in sent(*numbers)].count("look") == looks
+
+
+def test_an_event_has_the_form_of_its_chapter_and_an_answer_its_headers() -> None:
+    written = io.BytesIO()
+    headers: dict[str, str] = {}
+    handler: Any = SimpleNamespace(
+        wfile=written, send_response=lambda code: headers.update(code=str(int(code))),
+        send_header=headers.__setitem__, end_headers=lambda: headers.update(end=""),
+    )  # fmt: skip
+    server._Handler._send(handler, "look", '{"a": 1}')
+    assert written.getvalue() == b'event: look\ndata: {"a": 1}\n\n'
+    server._Handler._begin(handler, "text/html", 5)
+    assert (headers["code"], headers["Content-Type"], headers["Content-Length"]) == (
+        "200", "text/html", "5",
+    )  # fmt: skip
+    assert headers["Cache-Control"] == "no-store"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    headers.clear()
+    server._Handler._begin(handler, "text/event-stream")
+    assert "Content-Length" not in headers
+
+
+def test_a_look_is_one_line_of_json() -> None:
+    for text, shown in (("", None), ('{"run": "p-a"}', {"run": "p-a"})):
+        line = Look(3, None, text, 0.5, 2.5, {"done": 1}).as_json()
+        assert "\n" not in line
+        assert json.loads(line) == {
+            "state": shown, "age_s": 0.5, "factor": 2.5, "progress": {"done": 1},
+        }  # fmt: skip
+
+
+# What is drawn
+
+
+def look(age_s: float = 0.0, factor: float | None = None, **changes: Any) -> Look:
+    return Look(1, state(**changes), "", age_s, factor, {})
+
+
+def drawn(shown: Look) -> list[str]:
+    text = io.StringIO()
+    Console(file=text, width=150, force_terminal=False).print(drawing(shown))
+    return text.getvalue().splitlines()
+
+
+def test_a_state_is_old_when_it_has_not_come_for_long() -> None:
+    for age_s, is_old in ((OLD_S, False), (OLD_S + 0.01, True)):
+        assert any("no new state" in line for line in drawn(look(age_s))) is is_old
+
+
+def test_what_is_not_known_is_left_out() -> None:
+    lines = drawn(look(block=None, waits_for="the start", is_held=True, messages=list("abc")))
+    assert lines[1] == "2.000 s simulated; channel running, feedhold"
+    assert lines[2] == "the start"
+    assert lines[-2:] == ["b", "c"]  # the last two
+    assert not any("real time" in line or "distance control" in line for line in lines)
+    assert "12.3 times real time" in drawn(look(factor=12.345))[1]
+
+
+@pytest.mark.parametrize(
+    ("word", "style"),
+    [("fault", "red"), ("quick stop active", "red"), ("error", "red"),
+     ("fault reaction active", "red"), ("operation enabled", "green"), ("active", "green"),
+     ("active const dist", "green"), ("switched on", ""), ("inactive", "")],
+)  # fmt: skip
+def test_a_state_has_the_colour_of_what_it_means(word: str, style: str) -> None:
+    assert terminal._word(word) == Text(word, style=style)
+
+
+def test_numbers_are_right_and_words_left() -> None:
+    first = {**AXIS, "axis": "Z", "actual": 1.5, "drive": "fault", "latch": None}
+    second = {**AXIS, "axis": "LONG", "actual": -1000.25, "measuring": None}
+    lines = drawn(look(axes=[first, second], distance=[DISTANCE]))
+    head = next(n for n, line in enumerate(lines) if line.startswith("axis "))
+    top, one, two = lines[head : head + 3]
+    end = top.index("actual") + len("actual")
+    assert one[:end].endswith(" 1.5000")
+    assert two[:end].endswith("-1000.2500")
+    assert (one[0], two[:4]) == ("Z", "LONG")
+    assert one.index("fault") == two.index("operation enabled") == top.index("drive")
+    assert one.rstrip().endswith("none")
+    assert " no " in two
+    assert terminal._number(-0.00001) == "0.0000"  # no minus of nothing
+
+
+def test_probes_and_buses_have_a_line_each() -> None:
+    probes = [{"probe": "a", "level": True}, {"probe": "b", "level": False}]
+    buses = [{**SEGMENT, "segment": "x", "lost": None}, {**SEGMENT, "segment": "y", "lost": "out"}]
+    found = [text.plain for text in terminal._probes_and_buses({"probes": probes, "bus": buses})]
+    assert found == [
+        "probe a on", "probe b off",
+        "bus x 41.2 %, 12345 frames, 3 error frames",
+        "bus y 41.2 %, 12345 frames, 3 error frames, lost",
+    ]  # fmt: skip
+
+
+# What is open
+
+
+@pytest.mark.parametrize("on_page", [True, False])
+@pytest.mark.parametrize("in_terminal", [True, False])
+def test_what_is_shown_is_open_as_long_as_the_campaign(
+    on_page: bool, in_terminal: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    news: list[str] = []
+
+    def opening(name: str, value: Any = None) -> Any:
+        @contextmanager
+        def open_(*_: object) -> Any:
+            news.append(f"+{name}")
+            yield value
+            news.append(f"-{name}")
+
+        return open_
+
+    beneath: list[Any] = []
+    progress: Any = SimpleNamespace(as_data=dict, show_beneath=beneath.append)
+    monkeypatch.setattr(showing, "session_folder", lambda: tmp_path)
+    monkeypatch.setattr(showing, "ticking", opening("ticking"))
+    monkeypatch.setattr(showing, "serving", opening("page", "http://127.0.0.1:1/"))
+    monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: True))
+    said: list[str] = []
+    watch = showing.showing(lambda: 0.0, said.append, on_page=on_page, in_terminal=in_terminal)
+    assert watch.live == tmp_path / "live"
+    with watch.beside(progress):
+        news.append("run")
+        assert bool(beneath) is in_terminal
+        drawn_now = [draw() for draw in beneath]
+    page = ["+page", "run", "-page"] if on_page else ["run"]
+    assert news == ["+ticking", *page, "-ticking"]
+    assert said == (["live: http://127.0.0.1:1/"] if on_page else [])
+    if in_terminal:
+        assert beneath[-1] is None  # it goes with the campaign
+        assert [text.plain for text in drawn_now] == ["waiting for a run"]
+
+
+def test_threads_beside_take_little_time_and_all_is_as_before_then(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before_s = sys.getswitchinterval()
+    ticks: list[float] = []
+    progress: Any = SimpleNamespace(tick=lambda: ticks.append(sys.getswitchinterval()))
+    monkeypatch.setattr(ticking, "TICK_S", 0.001)
+
+    def run() -> None:
+        with ticking.ticking(progress):
+            while len(ticks) < 2:
+                time.sleep(0.001)
+            raise ValueError("odd")
+
+    with pytest.raises(ValueError, match="odd"):
+        run()
+    assert sys.getswitchinterval() == before_s
+    assert ticks[0] == pytest.approx(ticking.SWITCH_S)
+    count = len(ticks)
+
+    def gone() -> None:
+        raise OSError("the reader has gone")
+
+    ticking._tick(SimpleNamespace(tick=gone))  # type: ignore[arg-type]
+    assert len(ticks) == count
