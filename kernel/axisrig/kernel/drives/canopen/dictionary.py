@@ -133,8 +133,13 @@ def check_mapping(od: ObjectDictionary, telegrams: Iterable[Telegram]) -> None:
         for place in ((index, 1), (index, 2), (index + MAPPING_OF_PDO, 0)):
             if variable(od, *place) is None:
                 raise UserError(f"the drive has no {telegram.name}", value=object_name(*place))
-        for mapped in telegram.objects:
-            _check_object(od, telegram, mapped)
+        check_objects(od, telegram)
+
+
+def check_objects(od: ObjectDictionary, telegram: Telegram) -> None:
+    """Check what a telegram carries; raises UserError for the first object that differs."""
+    for mapped in telegram.objects:
+        _check_object(od, telegram, mapped)
 
 
 def _check_object(od: ObjectDictionary, telegram: Telegram, mapped: Any) -> None:

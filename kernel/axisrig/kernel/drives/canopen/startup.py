@@ -43,7 +43,8 @@ class DriveAddress:
 class StartUp:
     """The start-up of one node. `step` shows where it is.
 
-    keep(index, sub, value): takes the values of objects that RPDOs will carry for drive functions.
+    network: None where no NMT is among the steps. keep(index, sub, value): takes the values of
+    objects that RPDOs will carry for drive functions.
 
     Raises nothing; `ended` gets Alarm 900011 (an object was not taken), 900020 (no boot-up),
     900021 (another device) or 900022 (another scaling).
@@ -52,7 +53,7 @@ class StartUp:
     def __init__(
         self,
         drive: DriveAddress,
-        network: Network,
+        network: Network | None,
         clock: Clock,
         sdo: ObjectAccess,
         steps: Sequence[Step],
@@ -68,7 +69,8 @@ class StartUp:
         self._keep = keep
         self._read: dict[tuple[int, int], int] = {}
         self._ended: Ended | None = None
-        network.subscribe(ERROR_CONTROL_BASE + drive.node_id, self._on_heartbeat)
+        if network is not None:
+            network.subscribe(ERROR_CONTROL_BASE + drive.node_id, self._on_heartbeat)
 
     def begin(self, ended: Ended) -> None:
         """Start with the first step, anew where one is under way; `ended`: called at its end."""
@@ -112,6 +114,7 @@ class StartUp:
             ended(alarm)
 
     def _command(self, command: int) -> None:
+        assert self._network is not None, "its steps need NMT"
         self._network.send_message(NMT_ID, bytes((command, self.drive.node_id)))
 
     # Boot-up

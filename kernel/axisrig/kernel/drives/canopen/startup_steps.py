@@ -14,6 +14,7 @@ from canopen.objectdictionary import ObjectDictionary
 from axisrig.kernel.drives.canopen.dictionary import (
     allowed_values,
     check_mapping,
+    check_objects,
     encode,
     variable,
 )
@@ -186,14 +187,47 @@ def _steps(
 ) -> Iterator[Step]:
     if settings.boot != "none":
         yield BootUp("boot-up", _BOOT_COMMAND[settings.boot])
-    if settings.device_type is not None:
-        yield Check("0x1000:0 device type", 0x1000, 0, settings.device_type, PROFILE_MASK)
-    for sub, value in settings.identity.items():
-        yield Check(f"{object_name(0x1018, sub)} identity", 0x1018, sub, value)
+    yield from _identity(settings)
     yield from _sync(settings, bus, od)
     yield from _left_out(telegrams, node_id, od)
     for telegram in telegrams.values():
         yield from _telegram(telegram, node_id, od, settings.rpdo_timeout_ms)
+    yield from _behaviour(settings, scaling, od)
+    yield from _kept(telegrams)
+    yield from _guarding(settings, bus, od)
+    yield Nmt("NMT start", NMT_START)
+
+
+def object_steps(
+    settings: StartUpSettings,
+    period_us: int,
+    telegrams: Mapping[str, Telegram],
+    scaling: Scaling,
+    od: ObjectDictionary,
+) -> tuple[Step, ...]:
+    """Return the steps that are about objects alone, for a carrier without NMT and COB-IDs.
+
+    telegrams: what is mapped. Raises UserError for an object or type that the drive does not have.
+    """
+    for telegram in telegrams.values():
+        check_objects(od, telegram)
+    return (
+        *_identity(settings),
+        *_interpolation(period_us, od),
+        *_behaviour(settings, scaling, od),
+        *_kept(telegrams),
+    )
+
+
+def _identity(settings: StartUpSettings) -> Iterator[Step]:
+    if settings.device_type is not None:
+        yield Check("0x1000:0 device type", 0x1000, 0, settings.device_type, PROFILE_MASK)
+    for sub, value in settings.identity.items():
+        yield Check(f"{object_name(0x1018, sub)} identity", 0x1018, sub, value)
+
+
+def _behaviour(settings: StartUpSettings, scaling: Scaling, od: ObjectDictionary) -> Iterator[Step]:
+    """Mode, scaling, reactions, and what the rig writes besides."""
     yield _write(od, 0x6060, 0, settings.mode)
     if settings.scaling_check and all(variable(od, *place) for place in SCALING):
         yield CheckScaling("scaling", scaling)
@@ -201,13 +235,15 @@ def _steps(
         yield _write(od, index, 0, value)
     for index, sub, value in settings.writes:
         yield _write(od, index, sub, value)
+
+
+def _kept(telegrams: Mapping[str, Telegram]) -> Iterator[Step]:
+    """Objects that are sent in each cycle for drive functions: the first one changes nothing."""
     for telegram in telegrams.values():
         for mapped in telegram.objects if telegram.is_received else ():
             if not mapped.field:
                 name = f"{object_name(mapped.index, mapped.sub)} as it is"
                 yield Keep(name, mapped.index, mapped.sub, mapped.signed)
-    yield from _guarding(settings, bus, od)
-    yield Nmt("NMT start", NMT_START)
 
 
 def _write(

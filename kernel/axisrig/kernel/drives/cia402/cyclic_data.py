@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
+from axisrig.kernel.errors import Alarm
+
 # The fields that `take` gives, in this order
 TAKEN: Final = (
     "statusword", "actual", "probe_status", "latch", "latch_count", "inputs", "second", "stamp",
@@ -38,6 +40,11 @@ class CyclicData:
     def take(self) -> Sequence[int | None]:
         """Take what the last cycle delivered: the values of `TAKEN`, None for what is missing."""
         raise NotImplementedError
+
+    def missing_alarm(self, axis: str, slot: int) -> Alarm:
+        """Return the alarm of what has stayed out too often, `slot`: which of `names`."""
+        cause, name = self.causes[slot], self.names[slot]
+        return Alarm(cause, axis=axis, pdo=name, cycles=self.missing[slot])
 
     def choose_latch(self, latch_object: int, counter_object: int) -> bool:
         """Take the latched position and its counter from these objects from now on.

@@ -202,9 +202,9 @@ class Cia402Drive(Drive):
 
     def _judge_missing(self) -> None:
         data = self._data
-        for name, missing, cause in zip(data.names, data.missing, data.causes, strict=True):
+        for slot, missing in enumerate(data.missing):
             if missing > self._of_drive.missing_cycles:
-                raise Alarm(cause, axis=self.name, pdo=name, cycles=missing)
+                raise data.missing_alarm(self.name, slot)
 
     def get_object(self, index: int, sub: int) -> int:
         """Return the value that an RPDO carries for an object; KeyError when none carries it."""

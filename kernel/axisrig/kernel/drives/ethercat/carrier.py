@@ -1,0 +1,85 @@
+"""EtherCAT as it carries the cycles of the control: one frame for all drives of a segment."""
+
+from collections.abc import Sequence
+
+from axisrig.kernel.drives.carrier import Carrier
+from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_station
+from axisrig.kernel.drives.ethercat.link import EthercatLink
+from axisrig.kernel.drives.ethercat.master import NEVER, Master
+from axisrig.kernel.drives.ethercat.settings import STATION_BASE
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.ethercat.tables import AlState, Command, address_of
+from axisrig.kernel.time.clock import TimeNs
+
+STATUS_BYTES = 6  # AL status, two reserved, AL status code
+
+
+class EthercatCarrier(Carrier):
+    """One segment. links: of its drives, in their order on the line."""
+
+    def __init__(self, master: Master, links: Sequence[EthercatLink]) -> None:
+        self._master, self._links = master, list(links)
+        self.name = master.line.name
+        self._is_watched = self._is_asking = False
+        master.falls.append(self._ask)
+
+    def begin_cycle(self) -> None:
+        """Send the frame of this cycle."""
+        self._master.cycle()
+
+    @property
+    def holds_back(self) -> bool:
+        """A frame leaves at once: nobody else sends."""
+        return False
+
+    def late(self) -> Alarm:
+        """Return the alarm of a frame that could not leave; there is none such."""
+        raise AssertionError("a frame leaves at once")
+
+    def check(self) -> Alarm | None:
+        """What is wrong with a segment shows at its drives."""
+        return None
+
+    def watch(self) -> None:
+        """Ask for the state of slaves when not all are in OP, from now on."""
+        self._is_watched = True
+
+    def watch_no_more(self) -> None:
+        """Ask no more."""
+        self._is_watched = False
+
+    def _ask(self) -> None:
+        """Ask each slave for its state."""
+        if not self._is_watched or self._is_asking:
+            return
+        self._is_asking = True
+        register = address_of("AL_STATUS")
+        stations = [STATION_BASE + link.node_id for link in self._links]
+        self._master.transactions.ask(
+            [
+                Datagram(Command.FPRD, at_station(station, register), bytes(STATUS_BYTES))
+                for station in stations
+            ],
+            self._note,
+        )
+
+    def _note(self, answers: list[Answer] | None) -> None:
+        self._is_asking = False
+        for link, answer in zip(self._links, answers or [], strict=False):
+            if answer.counter == 1:
+                link.al_status = answer.data[0]
+                link.al_code = int.from_bytes(answer.data[4:6], "little")
+                if link.al_status == AlState.OP:
+                    link.al_status = None
+
+    def sampled_ns(self, axis: str) -> TimeNs:
+        """Return when the control assumes that the last actual position was sampled.
+
+        With SYNC0 the last one before the frame that brought it, and `sample_ns` after that.
+        """
+        master, line = self._master, self._master.line
+        if master.taken_ns == NEVER or not line.has_clocks:
+            return max(master.taken_ns - line.period_ns, 0)
+        assumed_ns = line.shift_ns + line.sample_ns.get(axis, 0)
+        behind_ns = (master.taken_ns - assumed_ns) % line.period_ns
+        return master.taken_ns - (behind_ns or line.period_ns)

@@ -1,0 +1,42 @@
+"""Watches over a drive on EtherCAT while a program runs: the state of its slave and its words."""
+
+from axisrig.kernel.drives.cia402.watch import Cia402Watch
+from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
+from axisrig.kernel.drives.ethercat.line_start import state_name
+from axisrig.kernel.drives.ethercat.link import EthercatLink
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.ethercat.tables import AlState, al_status_text
+
+
+class EthercatWatch(Cia402Watch):
+    """The watch over one drive; begins with `begin`, asked once per cycle."""
+
+    def __init__(self, link: EthercatLink, carrier: EthercatCarrier) -> None:
+        super().__init__(link)
+        self._link, self._carrier = link, carrier
+
+    def begin(self) -> None:
+        """Watch from now on; what came during the start-up does not count."""
+        self._link.begin()
+        self._link.al_status = None
+        self._carrier.watch()
+
+    def end(self) -> None:
+        """Ask no more."""
+        self._carrier.watch_no_more()
+
+    def communication(self) -> Alarm | None:
+        """Return what is wrong with the connection, None when nothing is.
+
+        Alarm 900732 (its slave is not in OP), 900029 (its position has jumped).
+        """
+        link = self._link
+        if link.al_status is not None and link.al_status != AlState.OP:
+            return Alarm(
+                900732,
+                axis=link.name,
+                position=link.node_id,
+                state=state_name(link.al_status),
+                code=al_status_text(link.al_code),
+            )
+        return self._jump() if link.jump_mm is not None else None
