@@ -28,6 +28,7 @@ from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
 from axisrig.kernel.drives.carrier import Carrier, Presence
 from axisrig.kernel.drives.interface import Drive, DriveAccesses, DriveStart, DriveWatch
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 
@@ -107,6 +108,14 @@ class Installed:
         numbers: of this fault alone. record: gets which frames are hit.
         """
         return None
+
+    def sampled_ns(self, axis: str) -> TimeNs | None:
+        """Return when the last actual position of an axis was sampled, as the control knows it.
+
+        None: nothing says so.
+        """
+        drive = self.drives.get(axis)
+        return None if drive is None else drive.sync_ns
 
     def look(self) -> Iterator[Alarm]:
         """Return what has gone wrong with segments outside since the last look."""

@@ -217,8 +217,8 @@ class Machine:
                 switched.switch(is_on, clock.now_ns)
 
         def sync_ns(axis: str) -> TimeNs:
-            drive = self.drives.get(axis)
-            return channel.sync_ns if drive is None else drive.sync_ns
+            known_ns = self.part_of[axis].sampled_ns(axis)
+            return channel.sync_ns if known_ns is None else known_ns
 
         return PlcTaskRunner(
             table,

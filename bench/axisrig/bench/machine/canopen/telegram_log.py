@@ -6,34 +6,21 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from axisrig.bench.bus.journal import Entry, Journal
-from axisrig.bench.record.series import (
-    ACTUAL,
-    FRAME_NS,
-    INCREMENTS,
-    INPUTS,
-    SECOND,
-    TARGET,
-    Times,
-    column_of,
+from axisrig.bench.machine.recording.cyclic_values import (
+    FIELDS,
+    CyclicValues,
+    FieldValues,
+    lists_of,
+    offsets_of,
 )
+from axisrig.bench.record.series import FRAME_NS, INPUTS, Times
 from axisrig.kernel.drives.canopen.link import AxisLink
 
-FIELDS = (TARGET, ACTUAL, SECOND)
 
-
-class _Values:
-    """Values of a field that no block of the trace has yet: ends of their frames, increments."""
-
-    def __init__(self) -> None:
-        self.frame_ns: list[int] = []
-        self.increments: list[int] = []
-
-
-class TelegramLog:
+class TelegramLog(CyclicValues):
     """Notes 607A, 6064 and 60E4:1 of some axes, from the journal of their segments.
 
     links: of these axes, each with the name of its segment. terminal: segment and COB-ID of the
@@ -46,12 +33,12 @@ class TelegramLog:
         journal: Journal,
         terminal: tuple[str, int] | None = None,
     ) -> None:
-        self._wanted: dict[tuple[str, int], tuple[Any, list[tuple[int, _Values]]]] = {}
-        self._values: dict[tuple[str, str], _Values] = {}
+        super().__init__()
+        self._wanted: dict[tuple[str, int], tuple[Any, list[tuple[int, FieldValues]]]] = {}
         for segment, link in links:
             for telegram in link.telegrams.values():
                 places = [
-                    (place, self._values.setdefault((link.name, mapped.field), _Values()))
+                    (place, self.of(link.name, mapped.field))
                     for place, mapped in enumerate(telegram.objects)
                     if mapped.field in FIELDS
                 ]
@@ -84,31 +71,10 @@ class TelegramLog:
         times_ns: of the rows, shape (n,). is_last: what came after them belongs to the last row.
         """
         self._journal.drain()
-        columns: dict[str, pa.Array] = {}
-        for (axis, field), values in self._values.items():
-            frames = np.array(values.frame_ns, dtype=np.int64)
-            increments = np.array(values.increments, dtype=np.int64)
-            offsets = _offsets(frames, times_ns, is_last=is_last)
-            taken = int(offsets[-1])
-            del values.frame_ns[:taken], values.increments[:taken]
-            for part, numbers in ((FRAME_NS, frames), (INCREMENTS, increments)):
-                columns[f"{axis}.{field}_{part}"] = _lists(offsets, numbers)
+        columns = super().take_columns(times_ns, is_last=is_last)
         if self._terminal is not None:
             ends = np.array(self._ends_ns, dtype=np.int64)
-            offsets = _offsets(ends, times_ns, is_last=is_last)
+            offsets = offsets_of(ends, times_ns, is_last=is_last)
             del self._ends_ns[: int(offsets[-1])]
-            columns[f"{INPUTS}_{FRAME_NS}"] = _lists(offsets, ends)
+            columns[f"{INPUTS}_{FRAME_NS}"] = lists_of(offsets, ends)
         return columns
-
-
-def _offsets(frames: Times, times_ns: Times, *, is_last: bool) -> npt.NDArray[np.int32]:
-    """Return where the list of each row begins, and where the last one ends."""
-    offsets = np.zeros(len(times_ns) + 1, dtype=np.int32)
-    offsets[1:] = np.searchsorted(frames, times_ns, side="right")
-    if is_last and len(times_ns):
-        offsets[-1] = len(frames)
-    return offsets
-
-
-def _lists(offsets: npt.NDArray[np.int32], numbers: Times) -> pa.ListArray:
-    return pa.ListArray.from_arrays(column_of(offsets), column_of(numbers[: int(offsets[-1])]))

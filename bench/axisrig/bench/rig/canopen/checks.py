@@ -1,5 +1,7 @@
 """Checks of the CANopen drives of a rig: node ids, what drives have, whether the cycle fits."""
 
+from collections.abc import Mapping
+
 from axisrig.bench.drive.cia402.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.canopen.io_node import check_terminal
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
@@ -11,6 +13,7 @@ from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.dictionary import check_functions
 from axisrig.kernel.drives.canopen.functions import read_functions
+from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.canopen.startup_steps import BusSettings, Step
 from axisrig.kernel.errors import UserError
 
@@ -89,14 +92,14 @@ def _check_start_up(settings: Settings) -> None:
             raise rig_error(
                 settings.files,
                 ("drive", axis.drive),
-                f"drive {axis.drive} of axis {name}{_of_profile(settings, name)}: {error.message}",
+                f"drive {axis.drive} of axis {name}{of_profile(settings, name)}: {error.message}",
                 value=error.value,
                 allowed=error.allowed,
                 hint=error.hint,
             ) from error
 
 
-def _of_profile(settings: Settings, name: str) -> str:
+def of_profile(settings: Settings, name: str) -> str:
     """Name the profile that says what the drive of an axis has, where the rig names one."""
     drive = drive_of(settings, name)
     return (
@@ -109,45 +112,56 @@ def _of_profile(settings: Settings, name: str) -> str:
 def _check_functions(settings: Settings) -> None:
     """Check the drive functions of every axis against its drive and its telegrams."""
     for name in can_axes(settings):
-        axis = settings.rig.axis[name]
-        keys = drive_of(settings, name)
-        od = drive_dictionary(keys, axis.node_id, keys.make())
-        try:
-            functions, _ = read_functions(name, settings.axis[name])
-            check_functions(name, functions, od, axis_telegrams(settings, name))
-        except UserError as error:
-            raise rig_error(
-                settings.files,
-                ("axis", name, "list"),
-                error.message,
-                value=error.value,
-                allowed=error.allowed,
-                hint=error.hint,
-            ) from error
+        node_id = settings.rig.axis[name].node_id
+        check_functions_of(settings, name, node_id, axis_telegrams(settings, name))
+
+
+def check_functions_of(
+    settings: Settings, name: str, node_id: int, mapped: Mapping[str, Telegram]
+) -> None:
+    """Check the drive functions of an axis; mapped: its telegrams. Raises UserError."""
+    keys = drive_of(settings, name)
+    od = drive_dictionary(keys, node_id, keys.make())
+    try:
+        functions, _ = read_functions(name, settings.axis[name])
+        check_functions(name, functions, od, mapped)
+    except UserError as error:
+        raise rig_error(
+            settings.files,
+            ("axis", name, "list"),
+            error.message,
+            value=error.value,
+            allowed=error.allowed,
+            hint=error.hint,
+        ) from error
 
 
 def _check_latches(settings: Settings) -> None:
-    """Refuse an encoder or a trigger source that the drive of an axis does not have."""
     for name in can_axes(settings):
-        axis = settings.rig.axis[name]
-        parameters, profile = settings.axis[name], drive_of(settings, name).make()
-        if profile.latch_encoder == "second" and axis.encoder_2 is None:
-            raise rig_error(
-                settings.files,
-                ("drive", axis.drive, "latch_encoder"),
-                f"drive {axis.drive} latches its second encoder and axis {name} has none",
-                value=profile.latch_encoder,
-                hint='give the axis one: encoder_2 = "load", or a distance sensor',
-            )
-        number = drive_input(parameters)
-        is_drive_defined = parameters.word(TRIGGER_SOURCE) == "DRIVE_DEFINED"
-        has_source = profile.source_bits == "ignored" or profile.has_object(0x60D0, number)
-        if is_drive_defined and not has_source:
-            raise rig_error(
-                settings.files,
-                ("axis", name, "drive"),
-                f"axis {name}: {TRIGGER_SOURCE} (P-AXIS-00702) asks for object 60D0:{number} and"
-                " the drive does not have it",
-                value="DRIVE_DEFINED",
-                allowed="CNC_DEFINED",
-            )
+        check_latch_of(settings, name)
+
+
+def check_latch_of(settings: Settings, name: str) -> None:
+    """Refuse an encoder or a trigger source that the drive of an axis does not have."""
+    axis = settings.rig.axis[name]
+    parameters, profile = settings.axis[name], drive_of(settings, name).make()
+    if profile.latch_encoder == "second" and axis.encoder_2 is None:
+        raise rig_error(
+            settings.files,
+            ("drive", axis.drive, "latch_encoder"),
+            f"drive {axis.drive} latches its second encoder and axis {name} has none",
+            value=profile.latch_encoder,
+            hint='give the axis one: encoder_2 = "load", or a distance sensor',
+        )
+    number = drive_input(parameters)
+    is_drive_defined = parameters.word(TRIGGER_SOURCE) == "DRIVE_DEFINED"
+    has_source = profile.source_bits == "ignored" or profile.has_object(0x60D0, number)
+    if is_drive_defined and not has_source:
+        raise rig_error(
+            settings.files,
+            ("axis", name, "drive"),
+            f"axis {name}: {TRIGGER_SOURCE} (P-AXIS-00702) asks for object 60D0:{number} and"
+            " the drive does not have it",
+            value="DRIVE_DEFINED",
+            allowed="CNC_DEFINED",
+        )

@@ -44,7 +44,8 @@ def _has_object(settings: Settings, name: str, index: int) -> bool:
     return found is not None and bool(found.pdo_mappable)
 
 
-def _knows_counter(settings: Settings, name: str) -> bool:
+def knows_counter(settings: Settings, name: str) -> bool:
+    """Whether the drive of an axis has the counter of its latch."""
     return _has_object(settings, name, latch_object_of(settings, name) + FROM_LATCH_TO_COUNTER)
 
 
@@ -56,7 +57,7 @@ def has_latch_counter(settings: Settings, name: str) -> bool:
     drives of the segment.
     """
     segment = settings.rig.axis[name].segment
-    return _knows_counter(settings, name) and schedule_of(settings, segment, counters=True).fits
+    return knows_counter(settings, name) and schedule_of(settings, segment, counters=True).fits
 
 
 def has_inputs(settings: Settings, name: str) -> bool:
@@ -120,7 +121,7 @@ def schedule_of(
     for name, axis in settings.rig.axis.items():
         if axis.segment != segment:
             continue
-        counter = counters and _knows_counter(settings, name)
+        counter = counters and knows_counter(settings, name)
         for telegram in _telegrams(settings, name, counter=counter).values():
             kind = telegram.name[:4] if telegram.is_cyclic else "event"
             frames[kind].append(

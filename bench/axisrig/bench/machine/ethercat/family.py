@@ -1,0 +1,187 @@
+"""CiA 402 on EtherCAT in a machine."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import pyarrow as pa
+
+from axisrig.bench.bus.ethercat.frame_hash import FrameHash
+from axisrig.bench.bus.journal import Journal
+from axisrig.bench.machine.ethercat.line import Line, driven
+from axisrig.bench.machine.ethercat.value_log import ValueLog
+from axisrig.bench.machine.families import Bench, Installed
+from axisrig.bench.record.axes import DriveState, Telegram
+from axisrig.bench.record.bus import BusFigures
+from axisrig.bench.record.series import Times
+from axisrig.bench.rig.ethercat.members import ec_segments
+from axisrig.bench.rig.ethercat.schedule import overloads, schedule_of
+from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.drives.canopen.functions import read_functions
+from axisrig.kernel.drives.ethercat.image import objects_of
+from axisrig.kernel.drives.ethercat.line_start import SlaveStart, state_name
+from axisrig.kernel.drives.ethercat.link import EthercatLink
+from axisrig.kernel.drives.ethercat.settings import Pdo
+from axisrig.kernel.drives.ethercat.watch import EthercatWatch
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import TimeNs
+
+BIT_RATE = 100_000_000
+_OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
+_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
+
+
+class EthercatLines(Installed):
+    """The EtherCAT lines of a machine with all that is on them; lines: by name."""
+
+    links: Mapping[str, EthercatLink]
+    states: Mapping[str, list[DriveState]]
+
+    def __init__(self, bench: Bench) -> None:
+        super().__init__()
+        settings = bench.settings
+        self._bench = bench
+        journal = Journal()
+        self._hash = FrameHash(journal)
+        bench.opened.callback(journal.drain)
+        # A slave may take a state while it is built
+        self.states = {axis: [] for axis in settings.rig.axis}
+        self.lines = {
+            name: Line(
+                settings,
+                name,
+                bench.scheduler,
+                journal,
+                bench.beside,
+                bench.seed,
+                self._note_state,
+            )
+            for name in ec_segments(settings)
+        }
+        self.links = driven(self.lines)
+        self.states = {axis: self.states[axis] for axis in self.links}
+        self.nodes = {a: node for line in self.lines.values() for a, node in line.nodes.items()}
+        self.drives = {axis: node.servo for axis, node in self.nodes.items()}
+        self.carriers = {name: line.carrier for name, line in self.lines.items()}
+        controlled = {
+            axis for axis in self.links if settings.axis[axis].flag("lr_param.distance_control_on")
+        }
+        self._values = ValueLog(self.lines, controlled, journal)
+        self._accesses, self._warnings = self._read_functions()
+
+    def _note_state(self, axis: str, state: State) -> None:
+        now_ns = self._bench.scheduler.now_ns
+        self.states[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
+
+    def _read_functions(self) -> tuple[dict[str, DriveAccess], list[Alarm]]:
+        """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
+        accesses, warnings = dict[str, DriveAccess](), list[Alarm]()
+        for axis, link in self.links.items():
+            functions, found = read_functions(axis, self._bench.settings.axis[axis])
+            warnings += found
+            accesses[axis] = DriveAccess(link, link.mailbox, functions)
+        return accesses, warnings
+
+    def _line_of(self, axis: str) -> Line:
+        return self.lines[self._bench.settings.rig.axis[axis].segment]
+
+    # The control's side
+
+    def watch(self, axis: str) -> EthercatWatch:
+        """Make the watch over one drive."""
+        return EthercatWatch(self.links[axis], self._line_of(axis).carrier)
+
+    def start_up(self, axis: str) -> SlaveStart:
+        """Make the start-up of one drive, which is a part of that of its line."""
+        line = self._line_of(axis)
+        return SlaveStart(line.start, line.axes.index(axis))
+
+    def functions(self) -> DriveFunctions | None:
+        """Return what #DRIVE acts on."""
+        return DriveFunctions(self._accesses) if self._accesses else None
+
+    @property
+    def accesses(self) -> Mapping[str, DriveAccess]:
+        """The ways to objects of drives, by axis."""
+        return self._accesses
+
+    @property
+    def warnings(self) -> Sequence[Alarm]:
+        """Limits of drive functions that were corrected."""
+        return self._warnings
+
+    # The machine's side
+
+    def sampled_ns(self, axis: str) -> TimeNs:
+        """Return when the control assumes that the last position was sampled."""
+        return self._line_of(axis).carrier.sampled_ns(axis)
+
+    def is_off(self, axis: str) -> bool:
+        """Whether the drive of an axis has left operation."""
+        return self.links[axis].state in _OFF
+
+    # What a run leaves
+
+    def hexdigest(self) -> str:
+        """Return the hash over every frame."""
+        return self._hash.hexdigest()
+
+    def take_columns(self, times_ns: Times, *, is_last: bool) -> Mapping[str, pa.Array]:
+        """Return columns of cyclic values up to each instant."""
+        return self._values.take_columns(times_ns, is_last=is_last)
+
+    def figures(self) -> list[BusFigures]:
+        """Return what each line has carried."""
+        over, settings = overloads(self._bench.settings), self._bench.settings
+        found = []
+        for name, line in self.lines.items():
+            schedule = schedule_of(settings, name)
+            load_pct = 100.0 * schedule.wire_ns / schedule.period_ns
+            found.append(
+                BusFigures(
+                    segment=name,
+                    bitrate=BIT_RATE,
+                    load_pct=load_pct,
+                    load_100ms_pct=load_pct,
+                    load_1ms_pct=load_pct,
+                    frames=line.segment.frames,
+                    error_frames=line.segment.lost,
+                    overload=over.get(name, ""),
+                    counters=(),
+                    waiting=(),
+                )
+            )
+        return found
+
+    def telegrams(self, axis: str) -> list[Telegram]:
+        """Return what the process image of an axis carries."""
+        settings = self.links[axis].settings
+        slave = next(s for s in self._line_of(axis).master.slaves if s.axis == settings.axis)
+        return [_telegram("RxPDO1", slave.outputs), _telegram("TxPDO1", slave.inputs)]
+
+    def shown(self) -> list[dict[str, Any]]:
+        """Return load, working counters and states of each line."""
+        return [self._shown(name, line) for name, line in self.lines.items()]
+
+    def _shown(self, name: str, line: Line) -> dict[str, Any]:
+        schedule = schedule_of(self._bench.settings, name)
+        return {
+            "segment": name,
+            "bitrate": BIT_RATE,
+            "is_outside": False,
+            "lost": None,
+            "frames": line.segment.frames,
+            "error_frames": line.segment.lost,
+            "load_pct": 100.0 * schedule.wire_ns / schedule.period_ns,
+            "counters": [],
+            "states": {axis: state_name(node.al_state) for axis, node in line.nodes.items()},
+        }
+
+
+def _telegram(name: str, pdos: Iterable[Pdo]) -> Telegram:
+    return Telegram(name, 1, tuple(mapped.field for mapped in objects_of(list(pdos))))
+
+
+def install(bench: Bench) -> EthercatLines:
+    """Install the EtherCAT lines of a rig."""
+    return EthercatLines(bench)

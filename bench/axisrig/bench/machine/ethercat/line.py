@@ -1,0 +1,200 @@
+"""One EtherCAT line of a machine: its slaves, and the control as its master."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link
+from axisrig.bench.bus.journal import Journal
+from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
+from axisrig.bench.drive.ethercat.node import EthercatDrive
+from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
+from axisrig.bench.machine.faults.beside import Beside
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.startup import start_up_settings
+from axisrig.bench.rig.ethercat.keys import SegmentTable
+from axisrig.bench.rig.ethercat.members import axes_on, axis_pdos, position_of, segment_of
+from axisrig.bench.rig.ethercat.startup import axis_steps
+from axisrig.bench.rig.reading.lists import drive_input
+from axisrig.bench.rig.settings import Settings, once
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
+from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
+from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
+from axisrig.kernel.drives.ethercat.mailbox import Mailbox
+from axisrig.kernel.drives.ethercat.master import Master
+from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings, station_of
+from axisrig.kernel.measuring.latest_edge import StampClock
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
+from axisrig.kernel.time.scheduler import Scheduler
+
+SWITCH_KEYS = {"limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME}
+DRIVE_SEED_STRIDE = 1_000_003
+
+Entered = Callable[[str, State], None]
+
+
+class Line:
+    """A line: segment, virtual drives and the control's ends by axis, carrier and start-up."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        name: str,
+        scheduler: Scheduler,
+        journal: Journal,
+        beside: Beside,
+        seed: int,
+        entered: Entered,
+    ) -> None:
+        table, self.axes = segment_of(settings, name), axes_on(settings, name)
+        first = list(settings.rig.axis)
+        self.nodes = {
+            axis: _node(
+                settings,
+                axis,
+                scheduler,
+                beside,
+                seed + DRIVE_SEED_STRIDE * first.index(axis),
+                entered,
+            )
+            for axis in self.axes
+        }
+        self.segment = EthercatSegment(
+            scheduler,
+            list(self.nodes.values()),
+            [_link(table, axis) for axis in self.axes],
+            name=name,
+            journal=journal,
+        )
+        known = [slave_settings(settings, axis) for axis in self.axes]
+        data = [make_data(each) for each in known]
+        self.master = Master(self.segment, scheduler, line_settings(settings, name), known, data)
+        self.segment.receivers.append(self.master.received)
+        self.links: dict[str, EthercatLink] = {}
+        starting = []
+        for axis, slave, values in zip(self.axes, known, data, strict=True):
+            declared = start_up_settings(drive_of(settings, axis))
+            mailbox = Mailbox(
+                self.master.transactions,
+                scheduler,
+                station_of(slave),
+                declared.sdo_timeout_ns,
+                declared.sdo_attempts,
+            )
+            self.master.mailboxes.append(mailbox)
+            link = EthercatLink(
+                slave,
+                values,
+                mailbox,
+                proves_latches=drive_of(settings, axis).latch_check,
+            )
+            self.links[axis] = link
+            starting.append(Starting(slave, mailbox, _objects(settings, axis, link, scheduler)))
+        self.start = LineStart(self.master, scheduler, starting)
+        self.carrier = EthercatCarrier(self.master, list(self.links.values()))
+
+
+def _node(
+    settings: Settings,
+    axis: str,
+    scheduler: Scheduler,
+    beside: Beside,
+    seed: int,
+    entered: Entered,
+) -> EthercatDrive:
+    table = settings.rig.axis[axis]
+    line, wired = segment_of(settings, table.segment), table.signals
+    slave: dict[str, Any] = {
+        "serial": position_of(settings, axis),
+        "start_ns": round(line.of("clock_start_us", axis) * US),
+        "drift_ppm": line.of("drift_ppm", axis),
+    }
+    return EthercatDrive(
+        axis,
+        scheduler,
+        beside.axis(axis),
+        beside.probes(axis),
+        drive_of(settings, axis).make(),
+        OfSlave(**slave),
+        seed,
+        switches={
+            switch: beside.signal(wired[key]) for key, switch in SWITCH_KEYS.items() if key in wired
+        },
+        entered=partial(entered, axis),
+    )
+
+
+def _link(table: SegmentTable, axis: str) -> Link:
+    slave_ns = round(table.of("slave_ns", axis))
+    return Link(round(table.of("wire_ns", axis)), slave_ns, slave_ns)
+
+
+def _objects(settings: Settings, axis: str, link: EthercatLink, clock: Clock) -> StartUp:
+    """Make the part of the start-up that is about objects."""
+    declared = start_up_settings(drive_of(settings, axis))
+    address = DriveAddress(axis, link.node_id)
+    steps = axis_steps(settings, axis)
+    return StartUp(address, None, clock, link.mailbox, steps, declared, keep=link.set_object)
+
+
+@once
+def line_settings(settings: Settings, name: str) -> LineSettings:
+    """Return what the master knows of a line."""
+    table = segment_of(settings, name)
+    assumed = {
+        axis: round(table.of("assumed_sample_us", axis) * US) for axis in axes_on(settings, name)
+    }
+    return LineSettings(
+        name=name,
+        period_ns=settings.rig.cycle.period_us * US,
+        frame_ns=table.frame_ns,
+        shift_ns=table.shift_ns,
+        has_clocks=table.dc,
+        compensates_drift=table.drift_compensation,
+        compensates_delay=table.delay_compensation,
+        sample_ns=assumed,
+    )
+
+
+@once
+def slave_settings(settings: Settings, name: str) -> SlaveSettings:
+    """Return what the control knows of the drive of an axis."""
+    axis, parameters = settings.rig.axis[name], settings.axis[name]
+    drive = drive_of(settings, name)
+    made, declared = drive.make(), start_up_settings(drive)
+    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
+    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
+    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
+    outputs, inputs = axis_pdos(settings, name)
+    return SlaveSettings(
+        axis=name,
+        node_id=position_of(settings, name),
+        increments_per_mm=float(made.units_per_mm),
+        probe_input=drive_input(parameters),
+        edge=parameters.word("kenngr.measure.edge"),
+        lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+        missing_cycles=drive.missing_cycles,
+        lag_limit_mm=drive.lag_limit_mm or float("inf"),
+        fault_reset=drive.fault_reset,
+        jump_mm=jump_mm or float("inf"),
+        status_delay_cycles=made.status_delay_cycles,
+        stamps=_stamps(settings, name),
+        trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
+        sensor_age_limit_ms=axis.sensor_age_limit_ms,
+        outputs=(outputs,),
+        inputs=(inputs,),
+        identity=declared.identity,
+    )
+
+
+def _stamps(settings: Settings, name: str) -> StampClock | None:
+    """Return the clock of the stamps: system time, which the master hands out; none without it."""
+    table = segment_of(settings, settings.rig.axis[name].segment)
+    return StampClock(1, 0, table.shift_ns) if table.dc else None
+
+
+def driven(lines: Mapping[str, Line]) -> dict[str, EthercatLink]:
+    """Return the control's ends of all lines by axis."""
+    return {axis: link for line in lines.values() for axis, link in line.links.items()}

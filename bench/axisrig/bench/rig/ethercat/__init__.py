@@ -1,0 +1,1 @@
+"""Drives on EtherCAT on paper: keys, checks, the arithmetic of a cycle."""

@@ -1,0 +1,157 @@
+"""Checks of EtherCAT lines: keys, what drives have, whether the cycle fits."""
+
+from collections.abc import Mapping
+
+from axisrig.bench.rig.canopen.checks import (
+    check_functions_of,
+    check_latch_of,
+    of_profile,
+)
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.ethercat.keys import EACH
+from axisrig.bench.rig.ethercat.members import (
+    axes_on,
+    axis_telegrams,
+    ec_axes,
+    ec_segments,
+    position_of,
+    segment_of,
+)
+from axisrig.bench.rig.ethercat.schedule import schedule_of
+from axisrig.bench.rig.ethercat.startup import BOOT_ONLY, CAN_ONLY, axis_steps
+from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import US
+
+ENTRIES_MAX = 16
+"""Objects in a PDO of our own drive."""
+
+
+def check_lines(settings: Settings) -> None:
+    """Check all lines. Raises UserError with file, line and key of the rig."""
+    for name in ec_segments(settings):
+        _check_keys(settings, name)
+    for name in ec_axes(settings):
+        _check_can_keys(settings, name)
+        check_latch_of(settings, name)
+        _check_start_up(settings, name)
+        check_functions_of(
+            settings, name, position_of(settings, name), axis_telegrams(settings, name)
+        )
+    for name in ec_segments(settings):
+        _check_cycle(settings, name)
+
+
+def _check_keys(settings: Settings, segment: str) -> None:
+    """Refuse axes that a key names and the line has not, and instants outside of the cycle."""
+    table, axes = segment_of(settings, segment), axes_on(settings, segment)
+    if not axes:
+        raise rig_error(
+            settings.files,
+            ("segment", segment),
+            f"no axis is on segment {segment}: a line needs one",
+        )
+    for key in EACH:
+        value = getattr(table, key)
+        unknown = [axis for axis in value if axis not in axes] if isinstance(value, Mapping) else []
+        if unknown:
+            raise rig_error(
+                settings.files,
+                ("segment", segment, key),
+                f"segment {segment}: {key} names no axis of it",
+                value=unknown[0],
+                allowed=axes,
+            )
+    cycle = settings.rig.cycle
+    for key, at_us in (("frame_us", table.frame_us), ("shift_us", table.shift_us)):
+        if at_us >= cycle.period_us:
+            raise rig_error(
+                settings.files,
+                ("segment", segment, key),
+                f"segment {segment}: {key} is after the end of the cycle",
+                value=at_us,
+                allowed=f"0 .. {cycle.period_us - 1} us",
+            )
+    if cycle.sync_counter or cycle.heartbeat_ms:
+        key = "sync_counter" if cycle.sync_counter else "heartbeat_ms"
+        if len(ec_segments(settings)) == len(settings.segment):
+            raise rig_error(
+                settings.files,
+                ("cycle", key),
+                f"{key} is about CAN and no segment of this rig is a CAN bus",
+                value=getattr(cycle, key),
+            )
+
+
+def _check_can_keys(settings: Settings, name: str) -> None:
+    """Refuse keys of the drive that mean nothing on EtherCAT."""
+    axis, drive = settings.rig.axis[name], drive_of(settings, name)
+    given = {key: why for key, why in CAN_ONLY.items() if getattr(drive, key)}
+    if drive.boot not in BOOT_ONLY:
+        given["boot"] = "there is no NMT: the start-up goes through the states of the slave"
+    for key, why in given.items():
+        raise rig_error(
+            settings.files,
+            ("drive", axis.drive, key),
+            f"drive {axis.drive} of axis {name} is on EtherCAT: {why}",
+            value=getattr(drive, key),
+            hint=f"leave {key} out, or give the axis a drive of its own",
+        )
+    for telegram in axis_telegrams(settings, name).values():
+        if telegram.is_cyclic and telegram.transmission != 1:
+            raise rig_error(
+                settings.files,
+                ("drive", axis.drive, "pdo_map"),
+                f"drive {axis.drive} of axis {name}: {telegram.name} comes with every"
+                f" {telegram.transmission}. SYNC only, and the process image carries all values in"
+                " each cycle",
+                value=telegram.transmission,
+                allowed="1, 254, 255",
+            )
+
+
+def _check_start_up(settings: Settings, name: str) -> None:
+    axis = settings.rig.axis[name]
+    try:
+        axis_steps(settings, name)
+    except UserError as error:
+        if error.file is not None:
+            raise
+        raise rig_error(
+            settings.files,
+            ("drive", axis.drive),
+            f"drive {axis.drive} of axis {name}{of_profile(settings, name)}: {error.message}",
+            value=error.value,
+            allowed=error.allowed,
+            hint=error.hint,
+        ) from error
+
+
+def _check_cycle(settings: Settings, segment: str) -> None:
+    """Refuse a cycle that does not fit, with the arithmetic."""
+    schedule, table = schedule_of(settings, segment), segment_of(settings, segment)
+    if not schedule.fits_frame:
+        raise rig_error(
+            settings.files,
+            ("segment", segment),
+            f"the process image does not fit into one frame on segment {segment}:\n"
+            f"{schedule.table()}\n",
+            hint="use another segment for some of its axes",
+        )
+    if not schedule.fits and table.overload == "refuse":
+        raise rig_error(
+            settings.files,
+            ("segment", segment),
+            f"the cycle does not fit on segment {segment}:\n{schedule.table()}\n",
+            hint="use a longer period_us, another cycle_offset_us or frame_us;"
+            " --force runs it all the same and reports the overload",
+        )
+    if schedule.frame_ns == schedule.offset_ns:
+        raise rig_error(
+            settings.files,
+            ("segment", segment, "frame_us"),
+            f"segment {segment}: the frame leaves at the instant of the NC cycle",
+            value=schedule.frame_ns / US,
+            allowed="an instant before or after cycle_offset_us",
+        )

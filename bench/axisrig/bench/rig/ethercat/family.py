@@ -1,0 +1,76 @@
+"""CiA 402 on EtherCAT, as a rig asks for it."""
+
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.describe import WHAT_PASSES
+from axisrig.bench.rig.ethercat.checks import check_lines
+from axisrig.bench.rig.ethercat.members import axis_pdos, ec_axes, ec_segments, segment_of
+from axisrig.bench.rig.ethercat.schedule import schedule_of
+from axisrig.bench.rig.ethercat.timing import phases_of
+from axisrig.bench.rig.families import RigFamily, SecondEncoder
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.time.clock import US
+
+
+class Cia402OnEthercat(RigFamily):
+    """Drives of CiA 402 on EtherCAT lines."""
+
+    has_objects = True
+
+    def check(self, settings: Settings) -> None:
+        """Check keys, objects, latches and the cycle of each line.
+
+        Raises UserError with file, line and key of the rig.
+        """
+        check_lines(settings)
+
+    def describe(self, settings: Settings) -> list[str]:
+        """Say how latches are proved, and when values act and are seen."""
+        lines = []
+        for name in ec_axes(settings):
+            lines += [*_latches(settings, name), *_times(settings, name)]
+        return lines
+
+    def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:
+        """Return how 60E4:1 of an axis comes, None where no PDO carries it."""
+        _, inputs = axis_pdos(settings, axis)
+        if not any(mapped.field == "second" for mapped in inputs.objects):
+            return None
+        period_ns = settings.rig.cycle.period_us * US
+        return SecondEncoder("60E4:1, in the process image of each cycle", 1, period_ns)
+
+    def tables(self, settings: Settings) -> list[str]:
+        """Show the arithmetic of every line."""
+        return [
+            f"segment {name}, EtherCAT, one cycle\n{schedule_of(settings, name).table()}"
+            for name in ec_segments(settings)
+        ]
+
+
+def _latches(settings: Settings, name: str) -> list[str]:
+    """Say how the latches of an axis are proved, and warn where they are not."""
+    if not settings.axis[name].flag("kenngr.messachse"):
+        return []
+    if drive_of(settings, name).latch_check:
+        return [f"axis {name}: SDO proves its latches; the mailbox has room in every cycle"]
+    drive = settings.rig.axis[name].drive
+    return [
+        f"warning: axis {name}: its latches are unproved: latch_check of drive {drive} is false;"
+        f" {WHAT_PASSES}"
+    ]
+
+
+def _times(settings: Settings, name: str) -> list[str]:
+    """Say when set values act and when positions are sampled."""
+    table = segment_of(settings, settings.rig.axis[name].segment)
+    phases = phases_of(settings, name)
+    clock = "SYNC0" if table.dc else "the outputs"
+    after = phases.late_cycles
+    more = "as on CAN" if not after else f"{after} cycle{'s' if after > 1 else ''} more than on CAN"
+    return [
+        f"axis {name}: frame at {phases.frame_ns / US:g} us, {clock} at {phases.sync_ns / US:g} us,"
+        f" positions sampled at {phases.sample_ns / US:g} us of the cycle",
+        f"  what an NC cycle sends is seen {phases.way} cycles later, {more}",
+    ]
+
+
+FAMILY = Cia402OnEthercat()

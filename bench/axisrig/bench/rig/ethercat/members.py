@@ -1,0 +1,68 @@
+"""Which axes and segments of a rig are EtherCAT's, with their tables and telegrams."""
+
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.schedule import (
+    has_inputs,
+    has_second,
+    knows_counter,
+    latch_object_of,
+)
+from axisrig.bench.rig.ethercat.keys import SegmentTable
+from axisrig.bench.rig.settings import Settings, once
+from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
+from axisrig.kernel.drives.ethercat.settings import Pdo
+
+OUTPUTS, INPUTS = 0x1600, 0x1A00
+
+
+def ec_segments(settings: Settings) -> list[str]:
+    """Return the segments that are EtherCAT lines, in the order of the rig."""
+    return [name for name, table in settings.segment.items() if isinstance(table, SegmentTable)]
+
+
+def segment_of(settings: Settings, name: str) -> SegmentTable:
+    """Return `[segment.S]` of an EtherCAT line."""
+    table = settings.segment[name]
+    assert isinstance(table, SegmentTable), name
+    return table
+
+
+def axes_on(settings: Settings, segment: str) -> list[str]:
+    """Return the axes of a line, in the order of their slaves."""
+    return [name for name, axis in settings.rig.axis.items() if axis.segment == segment]
+
+
+def ec_axes(settings: Settings) -> list[str]:
+    """Return the axes on EtherCAT lines, in the order of the rig."""
+    lines = ec_segments(settings)
+    return [name for name, axis in settings.rig.axis.items() if axis.segment in lines]
+
+
+def position_of(settings: Settings, name: str) -> int:
+    """Return the position of the slave of an axis on its line, from 1 on."""
+    return axes_on(settings, settings.rig.axis[name].segment).index(name) + 1
+
+
+@once
+def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
+    """Return what is mapped, as the mapping table of CANopen has it."""
+    return telegrams(
+        latch_object_of(settings, name),
+        drive_of(settings, name).pdo_map,
+        counter=knows_counter(settings, name),
+        inputs=has_inputs(settings, name),
+        second=has_second(settings, name),
+    )
+
+
+@once
+def axis_pdos(settings: Settings, name: str) -> tuple[Pdo, Pdo]:
+    """Return the PDO of the outputs and that of the inputs.
+
+    A PDO of EtherCAT is not bound to eight bytes: the objects of all RPDOs are in the first one,
+    those of all TPDOs in the other.
+    """
+    sent, taken = list[MappedObject](), list[MappedObject]()
+    for telegram in axis_telegrams(settings, name).values():
+        (sent if telegram.is_received else taken).extend(telegram.objects)
+    return Pdo(OUTPUTS, tuple(sent)), Pdo(INPUTS, tuple(taken))
