@@ -1,0 +1,211 @@
+"""A case on its way to a worker of a cluster and back, in this process: nothing is run."""
+
+import pickle
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import platformdirs
+import pytest
+
+from axisrig.bench.campaign import cluster
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
+from axisrig.bench.campaign.runner import Limits, no_stopwatch
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.kernel.errors import UserError
+
+FILES = {"plans/p.csv": "plan", "plans/part.nc": "program", "plans/rigs/r.toml": "rig",
+         "lists/a.lst": "list", "lists/b.lst": "list"}  # fmt: skip
+
+
+@pytest.fixture
+def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Case:
+    here = tmp_path / "here"
+    for name, text in FILES.items():
+        (here / name).parent.mkdir(parents=True, exist_ok=True)
+        (here / name).write_text(text, encoding="utf-8")
+    plans = here / "plans"
+    monkeypatch.setattr(cluster, "files_of_case", lambda _: [here / name for name in FILES])
+    monkeypatch.setattr(platformdirs, "user_cache_dir", lambda _: str(tmp_path / "cache"))
+    return Case("p", "a", "p-a", 0, plans / "part.nc", plans / "rigs" / "r.toml", {}, (), "", (),
+                "", 1, 0, plans / "p.csv", 2, {}, folder=plans)  # fmt: skip
+
+
+def packed(case: Case, out: Path, limits: Limits | None = None, probes: int = 0) -> Any:
+    places = [RunFiles([], out / f"p-a-s0{n + 1}.parquet") for n in range(probes)]
+    files = RunFiles([out / "p-a.blf", out / "p-a.asc"], out / "p-a.parquet", places)
+    return cluster._packed(case, files, limits or Limits(), no_stopwatch)
+
+
+def test_files_travel_once_by_their_content_and_names_are_below_one_folder(
+    case: Case, tmp_path: Path
+) -> None:
+    parcel, contents = packed(case, tmp_path, probes=2)
+    assert sorted(contents.values()) == sorted({text.encode() for text in FILES.values()})
+    assert set(parcel.names) == set(FILES)
+    for name, (key, path) in parcel.names.items():
+        assert contents[key] == FILES[name].encode()
+        assert Path(path) == tmp_path / "here" / name
+    assert (str(parcel.case.program), str(parcel.case.rig)) == (
+        "plans/part.nc",
+        "plans/rigs/r.toml",
+    )
+    assert (str(parcel.case.file), str(parcel.case.folder)) == ("plans/p.csv", "plans")
+    assert parcel.suffixes == (".blf", ".asc")
+    assert parcel.probes == ("p-a-s01", "p-a-s02")
+    assert (parcel.rig, list(parcel.limits.apart)) == ("rigs/r.toml", [])
+    apart, _ = packed(case, tmp_path, Limits(5.0, [case.rig, Path("other")], 7.0))
+    assert list(apart.limits.apart) == [Path("plans/rigs/r.toml")]
+    assert (apart.limits.timeout_s, apart.limits.call_limit_s) == (5.0, 7.0)
+    other, _ = packed(case, tmp_path, Limits(apart=[Path("other")]))
+    assert list(other.limits.apart) == []
+
+
+def worked(parcel: Any, contents: Mapping[str, bytes], patch: pytest.MonkeyPatch) -> Any:
+    """What a worker gives back; its run writes its files and names them in what it says."""
+    orders: list[Any] = []
+
+    def run(order: Any) -> CaseResult:
+        orders.append(order)
+        result = CaseResult(order.case, Verdict.FAIL, [], error=f"see {order.case.program}")
+        result.log = [f"{order.case.rig} is odd"]
+        places = [order.files, *order.files.probes]
+        for place in places:
+            place.trace.write_bytes(b"trace")
+        order.files.bus_logs[0].write_bytes(b"log")
+        return result
+
+    patch.setattr(cluster, "_run", run)
+    patch.setattr(cluster, "_run_beside", run)
+    content = cluster._work(pickle.dumps(parcel), contents)
+    return content, orders[0]
+
+
+def test_a_worker_has_the_files_and_what_it_says_names_those_here(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parcel, contents = packed(case, tmp_path, Limits(call_limit_s=7.0), probes=1)
+    content, order = worked(parcel, contents, monkeypatch)
+    tree = order.case.program.parents[1]
+    assert tree.parent == tmp_path / "cache" / "cluster"
+    assert {path.relative_to(tree).as_posix(): path.read_text(encoding="utf-8")
+            for path in tree.rglob("*") if path.is_file()} == FILES  # fmt: skip
+    assert (order.case.rig, order.case.folder) == (tree / "plans/rigs/r.toml", tree / "plans")
+    assert (order.files.rig, order.limits.call_limit_s) == ("rigs/r.toml", 7.0)
+    assert [path.name for path in order.files.bus_logs] == ["p-a.blf", "p-a.asc"]
+    assert [place.trace.name for place in order.files.probes] == ["p-a-s01.parquet"]
+    out = tmp_path / "out"
+    out.mkdir()
+    files = RunFiles([out / "p-a.blf", out / "p-a.asc"], out / "p-a.parquet")
+    result = cluster._unpacked(case, content, lambda _: files)
+    assert result.case is case
+    assert result.error == f"see {tmp_path / 'here' / 'plans' / 'part.nc'}"
+    assert result.log == [f"{tmp_path / 'here' / 'plans' / 'rigs' / 'r.toml'} is odd"]
+    assert (out / "p-a.blf").read_bytes() == b"log"
+    assert not (out / "p-a.asc").exists()  # none was written
+    assert (out / "p-a.parquet").read_bytes() == b"trace"
+    assert result.series is not None
+
+
+def test_a_tree_is_made_once_and_for_each_content(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parcel, contents = packed(case, tmp_path)
+    _, first = worked(parcel, contents, monkeypatch)
+    (first.case.program.parent / "kept").touch()
+    _, again = worked(parcel, {}, monkeypatch)  # nothing is needed of what is there
+    assert again.case.program == first.case.program
+    case.program.write_text("changed", encoding="utf-8")
+    changed, more = packed(case, tmp_path)
+    _, other = worked(changed, more, monkeypatch)
+    assert other.case.program != first.case.program
+    assert len(list((tmp_path / "cache" / "cluster").iterdir())) == 2
+
+
+@pytest.mark.parametrize("is_apart", [True, False])
+def test_a_foreign_rig_runs_beside_the_worker(
+    is_apart: bool, case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parcel, contents = packed(case, tmp_path, Limits(apart=[case.rig] if is_apart else []))
+    ran: list[str] = []
+
+    def run(way: str) -> Any:
+        def made(order: Any) -> CaseResult:
+            ran.append(way)
+            assert order.limits.is_apart(order.case) is is_apart
+            return CaseResult(order.case, Verdict.PASS, [])
+
+        return made
+
+    monkeypatch.setattr(cluster, "_run", run("here"))
+    monkeypatch.setattr(cluster, "_run_beside", run("beside"))
+    cluster._work(pickle.dumps(parcel), contents)
+    assert ran == ["beside" if is_apart else "here"]
+
+
+def test_a_worker_with_other_sources_runs_nothing(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parcel, contents = packed(case, tmp_path)
+    monkeypatch.setattr(cluster, "sources_sha256", lambda: "other")
+    content = cluster._work(pickle.dumps(parcel), contents)
+    result = cluster._unpacked(case, content, lambda _: RunFiles())
+    assert (result.verdict, result.error) == (Verdict.ERROR, "the worker has another axisrig")
+    lost = cluster._unpacked(case, "no worker could run it: odd", lambda _: RunFiles())
+    assert (lost.verdict, lost.error) == (Verdict.ERROR, "no worker could run it: odd")
+
+
+def test_probes_of_a_search_get_their_files_and_the_names_of_here(
+    case: Case, tmp_path: Path
+) -> None:
+    there = replace(case, program=Path("/there/part.nc"), file=Path("/there/p.csv"))
+    probe = CaseResult(replace(there, run="p-a-s01"), Verdict.PASS, [])
+    found = CaseResult(there, Verdict.PASS, [])
+    found.probes = [probe]
+    files = {"p-a-s01.parquet": b"of the probe"}
+    out = tmp_path / "out"
+    out.mkdir()
+    places = RunFiles([], out / "p-a.parquet", [RunFiles([], out / "p-a-s01.parquet")])
+    content = pickle.dumps(cluster._Returned(found, files))
+    result = cluster._unpacked(case, content, lambda _: places)
+    (one,) = result.probes
+    assert (one.case.run, one.case.program, one.case.file) == ("p-a-s01", case.program, case.file)
+    assert (out / "p-a-s01.parquet").read_bytes() == b"of the probe"
+    assert one.series is not None
+    assert result.series is None
+
+
+def test_a_lost_scheduler_is_named_and_a_lost_worker_is_a_reason() -> None:
+    def future(status: str, value: Any = None) -> Any:
+        return SimpleNamespace(
+            status=status, result=lambda: value, exception=lambda: ValueError("a\n  b")
+        )
+
+    assert cluster._content(future("finished", b"x"), "tcp://s") == b"x"
+    assert cluster._content(future("error"), "tcp://s") == "no worker could run it: a b"
+    for status in ("lost", "cancelled"):
+        with pytest.raises(ConnectionError, match="scheduler tcp://s is lost"):
+            cluster._content(future(status), "tcp://s")
+
+    class FutureCancelledError(Exception):
+        pass
+
+    for error, is_lost in ((OSError("x"), True), (FutureCancelledError(), True),
+                           (UserError("y"), False)):  # fmt: skip
+        with pytest.raises(ConnectionError if is_lost else UserError):
+            raise_within(error)
+
+
+def raise_within(error: Exception) -> None:
+    with cluster._naming_lost("tcp://s"):
+        raise error
+
+
+def test_names_are_replaced_wherever_a_text_has_them(case: Case) -> None:
+    here = {"/there/a.nc": "here.nc"}
+    value = {"k": ["see /there/a.nc:3", ("/there/a.nc", 5, None)], "n": 1.5}
+    assert cluster._renamed(value, here) == {"k": ["see here.nc:3", ("here.nc", 5, None)], "n": 1.5}
+    assert cluster._renamed(case, {"p-a": "other"}) is case
