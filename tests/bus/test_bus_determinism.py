@@ -13,6 +13,7 @@ from pathlib import Path
 import can
 import canopen
 from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
+from axisrig.bench.bus.hits import Hits
 from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.can.faults import FrameFault, ErrorAtBit
 from axisrig.bench.bus.can.logs import open_log
@@ -36,7 +37,7 @@ for name in ("x", "y"):
     segment.observe(digest)
     for log in logs:
         segment.observe(log)
-    segment.add_fault(FrameFault(0x181, share=0.2, numbers=random.Random(1)))
+    segment.add_fault(FrameFault(0x181, hits=Hits(numbers=random.Random(1), share=0.2)))
     def destroy(frame, port, attempt):
         return ErrorAtBit(numbers.randint(1, 60)) if numbers.random() < 0.01 else None
     segment.add_fault(destroy)

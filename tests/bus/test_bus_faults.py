@@ -18,6 +18,7 @@ from axisrig.bench.bus.can.faults import (
 from axisrig.bench.bus.can.frame import Frame, frame_bits
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.bus.hits import Hits
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -165,7 +166,9 @@ def test_swapped_frames_change_places(scheduler: Scheduler, segment: Segment, wa
 
 def test_which_frames_are_hit_is_seeded(scheduler: Scheduler, segment: Segment) -> None:
     """The i-th frame of the identifier meets the i-th number of random.Random(seed)."""
-    segment.add_fault(FrameFault(0x281, share=0.5, skip=3, count=4, numbers=random.Random(9)))
+    segment.add_fault(
+        FrameFault(0x281, hits=Hits(numbers=random.Random(9), share=0.5, skip=3, count=4))
+    )
     sender, receiver = segment.port("sender"), segment.port("receiver")
     for value in range(40):
         sender.send_raw(0x281, bytes([value]))

@@ -28,6 +28,7 @@ from axisrig.bench.bus.can.faults import FrameFault
 from axisrig.bench.bus.can.frame import Frame, data_frame
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.bus.hits import Hits
 from axisrig.kernel.time.clock import MS, Phase, S
 
 Bits = Callable[[Frame], int]
@@ -131,7 +132,7 @@ def test_abort_carries_its_code(pair: Pair) -> None:
 
 
 def test_lost_answer_times_out_after_its_simulated_time(pair: Pair, naive_bits: Bits) -> None:
-    pair.segment.add_fault(FrameFault(0x583, count=1))
+    pair.segment.add_fault(FrameFault(0x583, hits=Hits(count=1)))
     with pytest.raises(SdoCommunicationError):
         pair.remote.sdo.upload(TARGET, 0)
     assert pair.segment.now_ns == 300 * MS

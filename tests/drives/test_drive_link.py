@@ -8,6 +8,7 @@ import pytest
 from axisrig.bench.bus.can.faults import Drop, ErrorAtBit, FaultAction, FrameFault
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.bus.hits import Hits
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import Alarm
@@ -88,7 +89,7 @@ def test_a_value_needs_status_and_position_of_one_cycle(link_bench: Make, lost: 
     _armed(bench)
     while bench.scheduler.now_ns < 60 * MS:
         bench.cycle()
-    bench.segment.add_fault(FrameFault(lost, count=1))
+    bench.segment.add_fault(FrameFault(lost, hits=Hits(count=1)))
     bench.cycle()
     assert bench.link.latched_mm is None
     assert bench.link.has_latched is (lost == TPDO2)
@@ -227,7 +228,7 @@ def test_three_missing_telegrams_are_forgiven_again_and_again(link_bench: Make) 
     bench.commission()
     for _ in range(3):
         bench.cycle(3.0)
-        bench.segment.add_fault(FrameFault(TPDO1, count=3))
+        bench.segment.add_fault(FrameFault(TPDO1, hits=Hits(count=3)))
         for _ in range(3):
             bench.cycle(3.0)
             # What came last

@@ -235,29 +235,57 @@ def test_what_only_canopen_has_is_refused_for_others(folder: Path, change: str, 
     assert f"--set {change}" in str(caught.value)  # the place of what was wrong
 
 
-MEASURED = [  # fault, um beside the surface, the alarm
-    ("fault:probe_late=probe by=2ms", -10.0, None),  # v t at 5 mm/s
-    ("fault:probe_late=probe by=2ms at=armed", -10.0, None),
-    ("fault:probe_late=probe by=2ms at=latched", 0.0, None),  # the edge is past
-    ("fault:probe_stick=probe at=edge for=5ms", 0.0, None),
-    ("fault:probe_stick=probe at=armed", None, 900101),
+PLC = f"""
+[plc]
+period_us = 1000
+offset_us = 300
+program = "{Path(__file__).parents[2] / "testplans" / "plc" / "probe_timestamp.py"}"
+[plc.terminal]
+input_1 = "probe"
+"""
+SENSOR = """
+[plc]
+"V.E.GAP" = { sensor = "gap", period_ms = 1 }
+[plant.gap]
+fmu = "AxisRig.Sensors.DistanceSensor"
+start = { "workpiece.plane.level_mm" = -2, range_mm = 10, order = 0 }
+wire = { z = "z" }
+"""
+AT_PLC = "set:Z.kenngr.measure.signal=PLC_TIMESTAMP"
+MEASURED = [  # changes, um beside the surface, the alarm
+    (("fault:probe_late=probe by=2ms at=armed",), -10.0, None),  # v t at 5 mm/s
+    ((AT_PLC, "fault:clock_off=terminal by=100us at=motion"), -0.5, None),  # v t
     # Of 10 000 in a mm; after a way up, so that less is counted
-    ("fault:encoder_loss=Z increments=300 at=armed", -30.0, None),
-    ("fault:encoder_loss=Z increments=300 at=seen", 0.0, None),
+    (("fault:encoder_loss=Z increments=300 at=armed",), -30.0, None),
+    (("fault:encoder_loss=Z increments=300 at=seen",), 0.0, None),
+    (("fault:probe_late=probe by=2ms",), -10.0, None),
+    (("fault:probe_late=probe by=2ms at=latched",), 0.0, None),  # the edge is past
+    (("fault:probe_stick=probe at=edge for=5ms",), 0.0, None),
+    (("fault:probe_stick=probe at=armed",), None, 900101),
+    ((AT_PLC, "fault:clock_off=terminal by=100us at=motion for=1ms"), 0.0, None),
+    ((AT_PLC, "fault:plc_lost=plc at=motion nth=2"), None, 900402),
 ]
 
 
-@pytest.mark.parametrize(("fault", "off_um", "alarm"), MEASURED)
+def without_frames(folder: Path, *changes: str, plc: str = PLC) -> Machine:
+    """Build the rig with the drive on the wire alone, and a PLC."""
+    begin, end = RIG.index("[axis.X]"), RIG.index("[plant.z]")
+    alone = (RIG[:begin] + RIG[end:]).replace("[segment.can1]\n", "") + plc
+    program = PROGRAM.replace("X2", "Z0.6").replace("X3 ", "")
+    if plc == SENSOR:
+        program = program.replace("N40", 'N35 #MSG SYN["gap=%f", V.E.GAP]\nN40')
+    (folder / "wire.nc").write_text(program, encoding="utf-8")
+    settings = settings_of(folder, *changes, rig=alone)
+    return Machine(settings, read_program(folder / "wire.nc", ("Z",)))
+
+
+@pytest.mark.long(but=3)
+@pytest.mark.parametrize(("changes", "off_um", "alarm"), MEASURED)
 def test_faults_beside_the_frames_need_no_frames(
-    folder: Path, fault: str, off_um: float | None, alarm: int | None
+    folder: Path, changes: tuple[str, ...], off_um: float | None, alarm: int | None
 ) -> None:
     """No segment of this rig has any: moments come from channel, drive and plant."""
-    begin, end = RIG.index("[axis.X]"), RIG.index("[plant.z]")
-    alone = (RIG[:begin] + RIG[end:]).replace("[segment.can1]\n", "")
-    program = (folder / "wire.nc").read_text(encoding="utf-8")
-    (folder / "wire.nc").write_text(program.replace("X2", "Z0.6").replace("X3 ", ""))
-    settings = settings_of(folder, fault, rig=alone)
-    machine = Machine(settings, read_program(folder / "wire.nc", ("Z",)))
+    machine = without_frames(folder, *changes)
     try:
         machine.run()
     finally:
@@ -265,10 +293,21 @@ def test_faults_beside_the_frames_need_no_frames(
     assert [known.id for known in machine.channel.alarms] == ([] if alarm is None else [alarm])
     assert machine.faults[0].begin_ns is not None
     if off_um is not None:
-        (line,) = [message.shown for message in machine.messages]
+        line = machine.messages[0].shown
         expected_mm = SURFACE_MM + off_um * 1e-3
         tolerance_mm = 2.0 / INCREMENTS_PER_MM
         assert float(line.partition("=")[2]) == pytest.approx(expected_mm, abs=tolerance_mm)
+
+
+@pytest.mark.long
+def test_faults_of_sensors_need_no_frames(folder: Path) -> None:
+    """In 0.1 um; without the fault it is the way to the surface of its plane, 1.5 to 2.6 mm."""
+    machine = without_frames(folder, "fault:sensor_full=gap um=4321 at=motion nth=2", plc=SENSOR)
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    assert float(machine.messages[1].shown.partition("=")[2]) == 43_210.0
 
 
 @pytest.mark.parametrize(

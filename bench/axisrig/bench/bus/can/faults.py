@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from axisrig.bench.bus.can.controller import Controller
 from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.hits import Hits
 from axisrig.kernel.time.clock import TimeNs
 
 
@@ -75,53 +76,23 @@ FaultAction = Drop | ErrorAtBit | Alter | Delay | Duplicate | Swap
 FaultHook = Callable[[Frame, Controller, int], FaultAction | None]
 
 
-class Window:
-    """Whether a fault acts now; `begin` and `end` are called by the code that has the moment."""
-
-    def __init__(self, is_open: bool = True) -> None:
-        self.is_open = is_open
-
-    def begin(self) -> None:
-        """Let the fault act from now on."""
-        self.is_open = True
-
-    def end(self) -> None:
-        """Let it act no more."""
-        self.is_open = False
-
-
 @dataclass
 class FrameFault:
     """Fault hook for the frames of one standard identifier; by itself it drops them all.
 
-    act: makes the action for a frame that is hit. window: while it is open, and counting goes by
-    it. share: probability 0..1 per frame. skip: so many frames pass first. count: at most so many
-    are hit, None = no limit. is_each_attempt: also asked about the repetitions of a frame.
-    numbers: the random numbers of this fault alone.
+    act: makes the action for a frame that is hit. hits: which ones are. is_each_attempt: also asked
+    about the repetitions of a frame.
     """
 
     cob_id: int
     act: Callable[[Frame, random.Random], FaultAction] = lambda _frame, _numbers: Drop()
-    window: Window = field(default_factory=Window)
-    numbers: random.Random = field(default_factory=lambda: random.Random(0))
-    share: float = 1.0
-    skip: int = 0
-    count: int | None = None
+    hits: Hits = field(default_factory=Hits)
     is_each_attempt: bool = False
 
     def __call__(self, frame: Frame, port: Controller, attempt: int) -> FaultAction | None:
         """Decide about one attempt."""
-        if frame.arbitration_id != self.cob_id or frame.is_extended_id or not self.window.is_open:
+        if frame.arbitration_id != self.cob_id or frame.is_extended_id:
             return None
-        if (attempt and not self.is_each_attempt) or self.count == 0:
+        if (attempt and not self.is_each_attempt) or not self.hits.falls():
             return None
-        # Drawn even when not needed: the choice hangs on a frame's place in the sequence only
-        is_hit = self.numbers.random() < self.share
-        if self.skip:
-            self.skip -= 1
-            return None
-        if not is_hit:
-            return None
-        if self.count is not None:
-            self.count -= 1
-        return self.act(frame, self.numbers)
+        return self.act(frame, self.hits.numbers)

@@ -4,8 +4,8 @@ import random
 from collections.abc import Callable
 from functools import partial
 
-from axisrig.bench.bus.can.faults import Window
 from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.hits import Hits, Window
 from axisrig.kernel.time.clock import Phase, TimeNs
 
 
@@ -36,42 +36,29 @@ class SecondSender:
     """A node that sends a telegram of another: after each frame of the real sender one of its own.
 
     content(last, random): what it sends; last: what the real sender sent one frame before.
-    share, skip, count: as in `FrameFault`.
+    hits: which frames of the real sender are followed by one.
     """
 
-    def __init__(  # noqa: PLR0913
+    def __init__(
         self,
         segment: Segment,
         cob_id: int,
         content: Callable[[bytes, random.Random], bytes],
         after_ns: TimeNs,
-        window: Window,
-        numbers: random.Random,
-        *,
-        share: float = 1.0,
-        skip: int = 0,
-        count: int | None = None,
+        hits: Hits,
     ) -> None:
         self._port = segment.port("second sender")
         self._port.attach_data(self._on_frame)
         self._clock = segment.scheduler
         self._cob_id, self._content, self._after_ns = cob_id, content, after_ns
-        self._window, self._random = window, numbers
-        self._share, self._skip, self._count = share, skip, count
+        self._hits = hits
         self._last: bytes | None = None
 
     def _on_frame(self, cob_id: int, data: bytes, _time: float) -> None:
         if cob_id != self._cob_id:
             return
         last, self._last = self._last, data
-        if last is None or not self._window.is_open or self._count == 0:
-            return
-        is_hit = self._random.random() < self._share
-        if self._skip:
-            self._skip -= 1
-        elif is_hit:
-            if self._count is not None:
-                self._count -= 1
-            send = partial(self._port.send_raw, cob_id, self._content(last, self._random))
+        if last is not None and self._hits.falls():
+            send = partial(self._port.send_raw, cob_id, self._content(last, self._hits.numbers))
             time_ns = self._clock.now_ns + self._after_ns
             self._clock.call_at(time_ns, Phase.APPLICATION, send)

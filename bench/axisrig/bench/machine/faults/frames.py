@@ -4,7 +4,6 @@ import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 from axisrig.bench.bus.can.faults import (
     Alter,
@@ -15,14 +14,15 @@ from axisrig.bench.bus.can.faults import (
     FaultAction,
     FrameFault,
     Swap,
-    Window,
 )
 from axisrig.bench.bus.can.frame import IFS_BITS, Frame, frame_bits
 from axisrig.bench.bus.can.intruders import Babbler, SecondSender
 from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.hits import Window
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.faults.acts import Act, Injected, nothing
 from axisrig.bench.machine.faults.point import Equipped, Points, points_of
+from axisrig.bench.machine.faults.when import hits_of, windowed
 from axisrig.bench.rig.reading.faults import Fault
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.profiles.canopen.identifiers import (
@@ -120,62 +120,38 @@ _ACTIONS: Mapping[str, _Action] = {
 # How a fault gets onto the wire
 
 
-def _hits(keys: Mapping[str, Any]) -> dict[str, Any]:
-    """Return which frames are hit while the window is open."""
-    return {"share": keys["p"], "skip": keys["skip"], "count": keys["count"]}
-
-
-def _of_window(window: Window) -> Act:
-    return Act(window.begin, window.end, is_early=True)
-
-
 def _frame_fault(
     action: _Action, on: OnCan, fault: Fault, numbers: random.Random, record: Injected
 ) -> Act:
-    window, record.hits = Window(is_open=False), 0
+    hits, record.hits = hits_of(fault, numbers), 0
 
     def counted(frame: Frame, numbers: random.Random) -> FaultAction:
         record.hits, record.last_hit_ns = (record.hits or 0) + 1, on.clock.now_ns
         return action(fault, frame, numbers)
 
     on.segment(fault).add_fault(
-        FrameFault(
-            on.cob_id(fault),
-            counted,
-            window,
-            numbers,
-            **_hits(fault.values),
-            is_each_attempt=fault.kind == "corrupt",
-        )
+        FrameFault(on.cob_id(fault), counted, hits, is_each_attempt=fault.kind == "corrupt")
     )
-    return _of_window(window)
+    return windowed(hits.window)
 
 
 def _babble(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
     window, values = Window(is_open=False), fault.values
     Babbler(on.segment(fault), values["id"], bytes(values["bytes"]), values["period"], window)
-    return _of_window(window)
+    return windowed(window)
 
 
 def _second_sender(on: OnCan, fault: Fault, numbers: random.Random, _record: Injected) -> Act:
-    window, values = Window(is_open=False), fault.values
-    wanted = values["data"]
+    hits, wanted = hits_of(fault, numbers), fault.values["data"]
 
     def content(last: bytes, numbers: random.Random) -> bytes:
         if isinstance(wanted, bytes):
             return wanted
         return last if wanted == "last" else numbers.randbytes(len(last))
 
-    SecondSender(
-        on.segment(fault),
-        on.cob_id(fault),
-        content,
-        values["after"],
-        window,
-        numbers,
-        **_hits(values),
-    )
-    return _of_window(window)
+    after_ns = fault.values["after"]
+    SecondSender(on.segment(fault), on.cob_id(fault), content, after_ns, hits)
+    return windowed(hits.window)
 
 
 def _reset(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:

@@ -1,13 +1,14 @@
-"""When faults act: moments of a run, each noticed where it comes up, and how long a fault lasts.
+"""When faults act: from which moment (`at`, `nth`), how long (`for`), which hits (`p`, `count`).
 
-Which frames are hit within that time (`p`, `skip`, `count`) the hook of a segment counts
-(`bench.bus.can.faults`), in the window that is opened and closed here.
+Each moment is noticed where it comes up. Which frames are hit meanwhile `bench.bus.hits` counts.
 """
 
+import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from axisrig.bench.bus.hits import Hits, Window
 from axisrig.bench.drive.axis.drive import DriveLatch, VirtualDrive
 from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.rig.reading.faults import Fault, Moment
@@ -20,6 +21,18 @@ from axisrig.kernel.time.clock import Phase, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 Level = Callable[[], bool]
+
+
+def hits_of(fault: Fault, numbers: random.Random) -> Hits:
+    """Return which frames a fault hits, in a window that `windowed` opens."""
+    keys = fault.values
+    window = Window(is_open=False)
+    return Hits(window, numbers, share=keys["p"], skip=keys["skip"], count=keys["count"])
+
+
+def windowed(window: Window) -> Act:
+    """Return the act of what acts while a window is open."""
+    return Act(window.begin, window.end, is_early=True)
 
 
 @dataclass(frozen=True)
