@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from axisrig.bench.oracles.fixed_stop.pressing import Stop
 from axisrig.fmus import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import load_fmu
 from axisrig.kernel.cosim.fmi.roles import map_roles
@@ -87,6 +88,22 @@ def test_peak_is_the_same_whatever_the_steps_are(make) -> None:
         run(axis, step_ns)
         peaks.add(axis.stop_force_peak_n(0, 120 * MS))
     assert len(peaks) == 1
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [(20e6, 60.0), (20e6, 0.0), (500e6, 20.0)])
+def test_peak_between_two_steps_is_off_by_no_more_than_its_bound(make, stiffness, damping) -> None:
+    """Witness: the same contact in steps of 5 us, which is off by 1e-5 of the bound."""
+    stop = Stop(1, stiffness, damping_s_m=damping)
+    peaks = []
+    for fine_ns in (50 * US, 5 * US):
+        axis = make(stop_stiffness=stiffness, stop_damping=damping)
+        axis.fine_ns = fine_ns
+        run(axis, 10 * MS, 80 * MS)
+        peaks.append(axis.stop_force_peak_n(0, 80 * MS))
+    # Other steps of the integration may move a position by 0.1 nm
+    bound_n = stop.summit_doubt_n(peaks[1], MASS, 50e-6) + stop.doubt_n(peaks[1], 1e-7)
+    assert bound_n < 1e-4 * peaks[1]
+    assert peaks[0] == pytest.approx(peaks[1], abs=bound_n)
 
 
 def test_no_contact_no_fine_steps(make) -> None:

@@ -176,4 +176,15 @@ def _columns(
             yield f"{name}.stop_{unit}", values[:, 7] * 1e3
         yield f"{name}.force_n", values[:, 5]
         yield f"{name}.stop_force_n", values[:, 6]
-        yield f"{name}.stop_force_peak_n", values[:, 6]
+        yield f"{name}.stop_force_peak_n", _summits(values[:, 6])
+
+
+def _summits(force_n: Any) -> Any:
+    """Return the summit of the parabola around each instant, which misses 0.064 h^3 f'''."""
+    found = force_n.copy()
+    before, at, after = force_n[:-2], force_n[1:-1], force_n[2:]
+    bend = before - 2.0 * at + after
+    is_summit = (at >= before) & (at > after) & (before > 0.0) & (after > 0.0)
+    shift = np.where(is_summit, (after - before) ** 2 / np.where(is_summit, -8.0 * bend, 1.0), 0.0)
+    found[1:-1] += shift
+    return found

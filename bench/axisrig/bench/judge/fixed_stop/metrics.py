@@ -112,7 +112,7 @@ def _force(run: StopRun, axis: str | None, rows_of: Callable[[AxisTruth], slice]
     largest_n, truth = max(known, key=lambda each: each[0])
     beside_n = truth.force_beside_n(rows_of(truth))
     words = BESIDE if beside_n > 0.0 else INTEGRATED if largest_n > 0.0 else ""
-    return Observation(largest_n, truth.force_doubt_n(largest_n) + beside_n, words)
+    return Observation(largest_n, truth.peak_doubt_n(largest_n) + beside_n, words)
 
 
 def _known_force(truth: AxisTruth, force_n: float) -> Observation:

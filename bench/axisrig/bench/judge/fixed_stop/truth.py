@@ -14,7 +14,7 @@ from axisrig.bench.oracles.fixed_stop.lists import Written
 from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop, drive_limit_n
 from axisrig.bench.record.axes import AxisRecord, PlantRecord
 from axisrig.bench.record.series import Signal, Times
-from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 FAR_AWAY_MM = 100_000.0
 """A stop as far away as this counts as none."""
@@ -30,7 +30,7 @@ class AxisTruth:
 
     syncs_ns: instants of `course`, the SYNCs of its own segment. zero_mm: place of the plant that
     the positions of the machine count from. peak_n: largest force at the stop since the row before.
-    force_n: of the motor. None where the plant does not give it.
+    force_n: of the motor. None where the plant does not give it. fine_s: its steps in contact.
     """
 
     name: str
@@ -48,6 +48,7 @@ class AxisTruth:
     peak_n: Signal | None
     force_n: Signal | None
     stop_face_mm: Signal | None
+    fine_s: float
 
     @cached_property
     def written(self) -> Written:
@@ -173,6 +174,13 @@ class AxisTruth:
         """Return how well a force at the stop is known; 0 where its stiffness is not known."""
         return 0.0 if self.stop is None else self.stop.doubt_n(force_n, PLANT_MM)
 
+    def peak_doubt_n(self, force_n: float) -> float:
+        """Return how well the largest force at a stop is known, which lies between two steps."""
+        doubt_n = self.force_doubt_n(force_n)
+        if self.stop is None or self.axis is None or self.peak_n is None:
+            return doubt_n
+        return doubt_n + self.stop.summit_doubt_n(force_n, self.axis.mass_kg, self.fine_s)
+
     def pressing(self, time_ns: TimeNs) -> Pressing | None:
         """Return axis against stop with the force limit that acts at an instant."""
         if self.stop is None or self.axis is None:
@@ -222,4 +230,5 @@ def axis_truth(observed: Observed, axis: str, zero_mm: float) -> AxisTruth:
         peak_n=column("stop_force_peak_n"),
         force_n=column("force_n"),
         stop_face_mm=column("stop_mm"),
+        fine_s=observed.facts.fine_ns / S,
     )

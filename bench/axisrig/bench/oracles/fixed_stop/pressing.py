@@ -14,6 +14,8 @@ UM = 1e-3
 # Up to this product of damping share and speed a damped stop never presses harder than one
 # without damping: its smaller penetration weighs more than the damping force
 DAMPED_MAX = 1.0
+OF_SUMMIT = 0.0303
+"""Largest of |u (u - 1) (u - 2) (u - 3) (u - 4)| from 0 to 4, 3.632, over 5!."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,20 @@ class Stop:
         """Return what a penetration that is known to off_mm says of a force: dF = n F dp/p."""
         deep_mm = self.penetration_mm(force_n)
         return self.exponent * force_n * off_mm / deep_mm if deep_mm > 0.0 else 0.0
+
+    def summit_doubt_n(self, force_n: float, mass_kg: float, step_s: float) -> float:
+        """Return how far a polynomial through five forces, step_s apart, misses the largest one.
+
+        At most 0.03 h^5 |d^5F/dt^5| (interpolation of degree 4). What m s^2 + d s + k = 0 gives
+        for a mass on a stop is at most L = d/m + sqrt(k/m), with k = n F/p and d = a F at the
+        force F. It is the product of the force of a spring and 1 + a dp/dt: (2 L)^5 F.
+        """
+        deep_m = self.penetration_mm(force_n) * UM
+        if deep_m <= 0.0:
+            return 0.0
+        rate = self.damping_s_m * force_n / mass_kg
+        rate += math.sqrt(self.exponent * force_n / deep_m / mass_kg)
+        return OF_SUMMIT * force_n * (2.0 * rate * step_s) ** 5
 
 
 def drive_limit_n(rated_torque_mnm: int, lead_um: float, per_mille: Sequence[int]) -> float:
