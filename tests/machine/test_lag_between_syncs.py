@@ -28,6 +28,26 @@ def test_a_tick_longer_than_the_period_sees_the_rows_only() -> None:
     assert largest_lag(times[:1], (zero := np.zeros(1), zero, zero), 250_000) == pytest.approx([0])
 
 
+@pytest.mark.parametrize("period_us", [2000, 4000])
+@pytest.mark.parametrize("window_mm", [0.71, 0.73])
+def test_a_drive_that_ends_its_demand_at_a_tick_has_the_lag_of_that_tick(
+    run_nc: Any, period_us: int, window_mm: float
+) -> None:
+    """Against a stop the lag grows by v 0.25 ms from tick to tick, until it passes the window."""
+    speed_mm_s, tick_s = 20.0, 250e-6
+    words = f'["0x6065:0", {round(window_mm * 104857.6)}], ["0x6066:0", 0]'
+    out = run_nc(
+        "N10 G1 Z133 F1200",
+        f"[cycle]\nperiod_us = {period_us}\n[drive.servo]\nsdo = [{words}]",
+        "plant:z.stop_position_mm=131",
+        base="probe-z.toml",
+    )
+    assert out.facts.alarms
+    peak, rows = out.column("Z.drive_lag_peak_mm"), np.abs(out.column("Z.drive_lag_mm"))
+    assert window_mm < np.max(peak) <= window_mm + speed_mm_s * tick_s + 1e-6
+    assert np.max(rows) < window_mm, "the rows are before and behind it"
+
+
 @pytest.mark.long
 @pytest.mark.interpreted
 @pytest.mark.parametrize("period_us", [1000, 4000])

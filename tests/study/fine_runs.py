@@ -152,7 +152,11 @@ def _peaks(
         found = np.zeros(len(syncs))
         for row, (begin_ns, end_ns) in enumerate(pairwise(syncs.tolist()), start=1):
             at_ns = np.arange(begin_ns + tick_ns, end_ns, tick_ns)
-            found[row] = np.max(np.abs(np.interp(at_ns, seen, lag_mm)), initial=0.0)
+            # Before a tick, which may change the demand, it goes on as in the 10 us before
+            last = np.searchsorted(seen, at_ns) - 1
+            share = (at_ns - seen[last]) / (seen[last] - seen[last - 1])
+            before_mm = lag_mm[last] + share * (lag_mm[last] - lag_mm[last - 1])
+            found[row] = np.max(np.abs(before_mm), initial=0.0)
         yield f"{name}.drive_lag_peak_mm", found
         yield f"{name}.drive_lag_peak_deg", found
 

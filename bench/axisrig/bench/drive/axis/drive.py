@@ -3,10 +3,13 @@
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
+from axisrig.bench.drive.axis.ports import AxisPort
 from axisrig.kernel.time.clock import TimeNs
 
 NEVER: Final = -1
 """Value of `sync_ns` until the first cycle."""
+NO_TICK: Final = -1.0
+"""Value of `lag_peak_m` where the drive has not looked between its last two cycles."""
 
 
 class DriveLatch(Protocol):
@@ -26,9 +29,11 @@ class VirtualDrive:
     """A drive at an axis of the plant; a family derives its own from it.
 
     sync_ns: instant of the last cycle that it took part in, NEVER before the first one. tick_ns: of
-    its own cycle, in which it gives the axis its demand. latches: of its probing inputs 1 and 2.
-    latch_watches: called when one may have been enabled, switched off, or may have stored a
-    position; they change nothing.
+    its own cycle, in which it gives the axis its demand. lag_peak_m: largest magnitude of demand -
+    motor position at the ticks between the last two cycles, NO_TICK where it needed none: then the
+    demand is straight between them. latches: of its probing inputs 1 and 2. latch_watches: called
+    when one may have been enabled, switched off, or may have stored a position; they change
+    nothing.
     """
 
     def __init__(self, tick_ns: TimeNs) -> None:
@@ -36,6 +41,16 @@ class VirtualDrive:
         self.tick_ns = tick_ns
         self.latches: Sequence[DriveLatch] = ()
         self.latch_watches: list[Callable[[], None]] = []
+        self.lag_peak_m, self._lag_m = NO_TICK, NO_TICK
+
+    def begin_cycle(self, now_ns: TimeNs) -> None:
+        """Take part in a cycle: what was noted before belongs to the one that is over."""
+        self.sync_ns = now_ns
+        self.lag_peak_m, self._lag_m = self._lag_m, NO_TICK
+
+    def note_lag(self, axis: AxisPort) -> None:
+        """Note the lag at a tick, before anything acts there."""
+        self._lag_m = max(self._lag_m, abs(axis.demand_position_m() - axis.motor_position_m()))
 
     @property
     def torque_limits(self) -> tuple[int, int, int] | None:

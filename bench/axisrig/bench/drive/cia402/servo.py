@@ -162,7 +162,7 @@ class Servo(VirtualDrive):
 
     def cycle(self, now_ns: TimeNs) -> None:
         """Act on the object values, give the axis its demand of this SYNC period, sample."""
-        self.sync_ns = now_ns
+        self.begin_cycle(now_ns)
         self._step(now_ns, at_sync=True)
         self._ticker.lock()
 
@@ -222,6 +222,7 @@ class Servo(VirtualDrive):
     def _tick(self) -> None:
         now_ns = self._clock.now_ns
         self.begin(now_ns)
+        self.note_lag(self.axis)
         before = self.image.statusword
         self._step(now_ns, at_sync=False)
         if self.image.statusword != before:
@@ -411,6 +412,7 @@ class Servo(VirtualDrive):
         else:
             is_needed = self._is_under_way()
         if is_needed is not self._ticker.is_running:
+            self.note_lag(self.axis)
             self._ticker.need(is_needed)
 
     def _is_under_way(self) -> bool:
@@ -420,10 +422,8 @@ class Servo(VirtualDrive):
             return True
         if machine.state is State.QUICK_STOP_ACTIVE and machine.option.then is not machine.state:
             return True
-        if stop is None:
-            return False
         is_awaited = machine.waiting is not None or self.axis_state in AWAITS_MODE
-        return not stop.is_done or is_awaited
+        return stop is not None and (is_awaited or not stop.is_done)
 
     def _sample(self) -> None:
         self._sampler.sample()

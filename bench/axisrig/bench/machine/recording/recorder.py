@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from axisrig.bench.drive.axis.drive import VirtualDrive
+from axisrig.bench.drive.axis.drive import NO_TICK, VirtualDrive
 from axisrig.bench.machine.recording.distance_trace import DistanceTrace
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.recording.rows import Rows
@@ -81,9 +81,9 @@ TOOL_COLUMNS = (
 Floats = npt.NDArray[np.float64]
 BLOCK_ROWS = 4096
 """Rows that are written at once: 4 s of 1 ms cycles."""
-# What a row keeps of an axis with a plant: its motion, the peak of the stop force, and how much
-# later than the row its own SYNC was. Motor and demand are of that, the others of the row
-TOLD = len(AXIS_OUTPUTS) + 2
+# What a row keeps of an axis with a plant: its motion, the peak of the stop force, the lag that its
+# drive has noted, and how much later than the row its own SYNC was. Motor and demand are of that
+TOLD = len(AXIS_OUTPUTS) + 3
 _OF_DRIVE = slice(MOTOR_POSITION, DEMAND_POSITION + 1)
 
 
@@ -129,18 +129,17 @@ class Passing(Protocol):
 class Recorder:
     """Collects the time series of one run and writes them in blocks of BLOCK_ROWS.
 
-    probes: instance name -> plant. telegrams: cyclic values that belong into the series.
-    segments: how many there are; with more than one each axis has SYNC_AFTER. wires: of probes,
-    where a fault bends what comes; `passed` of such a probe is beside its `signal`.
-    drive_lag_peak_mm is the largest magnitude of the lag at the ticks of the drive since the row
-    before, stop_force_peak_n the largest force of the stop since then
-    (`PlantAxis.stop_force_peak_n`). Columns: `time_ns` (int64, the first SYNC), per axis
+    probes: instance name -> plant. telegrams: cyclic values that belong into the series. segments:
+    how many there are; with more than one each axis has SYNC_AFTER. wires: of probes, where a fault
+    bends what comes; `passed` of such a probe is beside its `signal`. drive_lag_peak_mm is the
+    largest magnitude of the lag at the ticks of the drive since the row before, noted by the drive
+    where it needs them (`VirtualDrive`); stop_force_peak_n is the largest force of the stop since
+    then (`PlantAxis.stop_force_peak_n`). Columns: `time_ns` (int64, the first SYNC), per axis
     AXIS_COLUMNS (float64; KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU
     has (no stop farther away than NO_STOP_M when the program begins), per probe its signal, per
     axis with distance control DISTANCE_CONTROL_COLUMNS (`distance_trace`) and per distance sensor
     those of DISTANCE_COLUMNS that its FMU has (TOOL_COLUMNS too at an inclined tool). Those of axes
-    that turn have the names of
-    `record.series`.
+    that turn have the names of `record.series`.
     """
 
     def __init__(
@@ -183,12 +182,14 @@ class Recorder:
             row += (link.set_mm, link.actual_mm, link.lag_mm)
             if axis is None or servo is None:
                 continue
-            motion, after_ns = self._motion(axis, time_ns), 0
+            motion, after_ns, lag_m = self._motion(axis, time_ns), 0, NO_TICK
+            if servo.sync_ns >= time_ns:
+                lag_m = servo.lag_peak_m
             if servo.sync_ns > time_ns:
                 motion, after_ns = motion[:], servo.sync_ns - time_ns
                 motion[_OF_DRIVE] = self._motion(axis, servo.sync_ns)[_OF_DRIVE]
             peak_n = axis.stop_force_peak_n(self._last_ns(time_ns), time_ns)
-            row += (*motion, peak_n, after_ns)
+            row += (*motion, peak_n, lag_m, after_ns)
         reported: list[float] = []
         for _, sensor in self._sensors:
             reported += self._reported(sensor, time_ns)
@@ -300,7 +301,7 @@ class Recorder:
 
         first: where these are in a row.
         """
-        position, velocity, motor, motor_velocity, demand, force, stop_force, face = told[:-2]
+        position, velocity, motor, motor_velocity, demand, force, stop_force, face = told[:-3]
         syncs_ns = np.array(self._times, dtype=np.int64) + told[-1].astype(np.int64)
         motion = (demand, motor, motor_velocity)
         if self._before is None:
@@ -313,6 +314,8 @@ class Recorder:
             before_ns += int(row[first + TOLD - 1])
             at_ns = np.concatenate([np.array([before_ns], dtype=np.int64), syncs_ns])
             lag = largest_lag(at_ns, (whole[0], whole[1], whole[2]), servo.tick_ns)[1:]
+        noted_m = told[-2]
+        lag = np.where(noted_m >= 0.0, np.maximum(np.abs(demand - motor), noted_m), lag)
         return {
             "truth_mm": position * 1e3,
             "velocity_mm_s": velocity * 1e3,
@@ -320,7 +323,7 @@ class Recorder:
             "drive_lag_peak_mm": 1e3 * lag,
             "force_n": force,
             "stop_force_n": stop_force,
-            "stop_force_peak_n": told[-2],
+            "stop_force_peak_n": told[-3],
             "stop_mm": face * 1e3,
         }
 
