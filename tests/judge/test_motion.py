@@ -12,15 +12,17 @@ from axisrig.bench.judge.observed.motion import (
     farthest,
     fastest,
     motion,
+    state_ahead,
     state_at,
 )
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.axes import AxisRecord, PlantRecord, PlantValue
 from axisrig.bench.record.facts import Facts, Timing
 from axisrig.bench.record.series import Series
 from axisrig.kernel.time.clock import MS
 
-Curve = Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]
+Floats = npt.NDArray[np.float64]
+Curve = Callable[[Floats], Floats]
 STEP_NS = 8 * MS
 VARIES = 1.25
 """The fourth derivative of half a radian in a step is not the same in two steps."""
@@ -226,3 +228,67 @@ def test_a_long_time_is_looked_at_in_parts() -> None:
     found = farthest(Observed(facts, Series(table)), "Z", 0.0, 0, rows * STEP_NS)
     assert found is not None
     assert found.value == pytest.approx(1000.0 * 8e-3 / 4)
+
+
+INCREMENT_MM = 1e-5
+
+
+def driven(kv_per_s: float | None, share: float, set_mm: Floats) -> tuple[Observed, Floats]:
+    """Return an axis x' = kv (d - x) + f d', and its speeds 100 us apart behind its last row.
+
+    d is straight between the SYNCs and in whole increments; without a gain x = d. A row has the set
+    position that d reaches two SYNCs later.
+    """
+    demand = np.round(set_mm[:-1] / INCREMENT_MM) * INCREMENT_MM
+    rates, part_s = np.diff(demand) / 1e-3, np.arange(1, 11) * 1e-4
+    x, v = [float(demand[0])], [0.0]
+    inside = np.zeros(0)
+    for begin, rate in zip(demand, rates, strict=False):
+        if kv_per_s is None:
+            inside = np.full(len(part_s), rate)
+            places = begin + rate * part_s
+        else:
+            lag = (1.0 - share) * rate / kv_per_s
+            left = (x[-1] - begin + lag) * np.exp(-kv_per_s * part_s)
+            places = begin + rate * part_s - lag + left
+            inside = rate - kv_per_s * left
+        x.append(float(places[-1]))
+        v.append(float(inside[-1]))
+    columns = {"truth_mm": x[:-1], "velocity_mm_s": v[:-1], "set_mm": set_mm[2:]}
+    table = {f"Z.{name}": values for name, values in columns.items()}
+    values = {"feed_forward": PlantValue(share)}
+    facts = Facts(
+        *(Timing(MS, 0, 0), len(x) * MS, 0, len(x) * MS, ""),
+        axes={"Z": AxisRecord("can1", 1, 1.0 / INCREMENT_MM, plant="z")},
+        plants={"z": PlantRecord(kv_per_s=kv_per_s, values=values)},
+    )
+    times = np.arange(len(x) - 1) * MS
+    return Observed(facts, Series(pa.table({"time_ns": times, **table}))), inside
+
+
+@pytest.mark.parametrize(("kv_per_s", "share"), [(40.0, 0.0), (40.0, 0.5), (None, 0.0)])
+@pytest.mark.parametrize("slip", range(-3, 4))
+def test_the_speed_ahead_is_known_to_what_a_drive_makes_of_an_increment(
+    kv_per_s: float | None, share: float, slip: int
+) -> None:
+    """A steady feed of 49.97 increments in a cycle: one of 33 is shorter, in whichever step."""
+    rows = 400 + slip
+    observed, speeds = driven(kv_per_s, share, (np.arange(rows) * 49.97 + 0.4) * INCREMENT_MM)
+    last_ns = int(observed.times_ns[-1])
+    for part, speed in enumerate(speeds.tolist(), start=1):
+        ahead = state_ahead(observed, "Z", last_ns + part * MS // 10)
+        assert ahead is not None
+        assert abs(ahead.speed_mm_s - speed) <= ahead.doubt_mm_s + 1e-9
+    gain = 1e3 if kv_per_s is None else kv_per_s + share * 1e3
+    assert ahead.doubt_mm_s < 5.0 * gain * INCREMENT_MM
+
+
+@pytest.mark.parametrize("gain_mm_s2", [300.0, -300.0])
+def test_the_speed_ahead_counts_a_slope_that_begins_there(gain_mm_s2: float) -> None:
+    """The feed changes with the step of the contact: of that no row before shows anything."""
+    steps_mm = np.full(400, 0.05)
+    steps_mm[-2:] += gain_mm_s2 * 1e-6
+    observed, speeds = driven(40.0, 0.0, np.cumsum(steps_mm))
+    ahead = state_ahead(observed, "Z", int(observed.times_ns[-1]) + 9 * MS // 10)
+    assert ahead is not None
+    assert 0.005 < abs(ahead.speed_mm_s - speeds[8]) <= ahead.doubt_mm_s < 0.02

@@ -39,6 +39,7 @@ import numpy as np
 import numpy.typing as npt
 
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.interpolation import coefficients
 from axisrig.bench.record.series import Signal, Times
 from axisrig.kernel.time.clock import TimeNs
@@ -54,6 +55,9 @@ _EXACT = 1e-9
 """Of a speed, and mm/s: so far the speed of a straight step is off by rounding at most."""
 _PADDING = 2
 """Rows before and behind the ones that are looked at: neighbours of their neighbours."""
+_ON_THE_WAY = 5
+"""Cycles before a SYNC whose set positions may be new to the drive there (inferred: three to tell a
+change of the acceleration, and two on the way)."""
 _ROWS = 4096
 """So many are looked at together."""
 
@@ -282,14 +286,34 @@ def state_ahead(observed: Observed, axis: str, time_ns: TimeNs) -> State | None:
     step_s, on_s = (times_ns[-1] - times_ns[-2]) * 1e-9, (time_ns - int(times_ns[-1])) * 1e-9
     _, _, square, cube = coefficients(step_s, (x[-2], v[-2], x[-1], v[-1]))
     gain_mm_s2 = float(2.0 * square + 6.0 * cube * step_s)
-    # Nothing is known of what comes: the speed may change as it did from step to step before
+    # Of what comes the set positions are known; else the speed may change as it did before
     bend_mm_s = float(np.max(np.abs(np.diff(v, 2)), initial=0.0))
+    bend_mm_s += _answer_mm_s(observed, axis, row)
     return State(
         float(x[-1] + on_s * (v[-1] + 0.5 * on_s * gain_mm_s2)),
         float(v[-1] + on_s * gain_mm_s2),
         float(whole.doubts_mm[-1]) + bend_mm_s * on_s,
         float(whole.doubts_mm_s[-1]) + bend_mm_s,
     )
+
+
+def _answer_mm_s(observed: Observed, axis: str, row: int) -> float:
+    """Return how much the speed may change in the step after a row by a new slope of the demand.
+
+    A demand that is d further at the end of the step than by the slope before makes kv d of speed
+    in the position loop, and f d/T by the feed-forward; one that follows at once d/T. Set positions
+    of the cycles before say what of d is new, and their rounding to increments brings one of these.
+    """
+    first = max(row - _ON_THE_WAY - observed.facts.timing.buffer_cycles, 0)
+    times_ns = observed.instants(slice(row - 1, row + 1))
+    set_mm = observed.column(axis, "set_mm", slice(first, row + 1))
+    new_mm = float(np.max(np.abs(np.diff(set_mm, 3)), initial=0.0))
+    further_mm = new_mm + 1.0 / observed.axes[axis].increments_per_mm
+    plant, at_once_per_s = observed.plant_of(axis), 1e9 / float(times_ns[1] - times_ns[0])
+    if plant is None or not plant.kv_per_s:
+        return further_mm * at_once_per_s
+    share = PlantValues(plant).number("feed_forward")
+    return further_mm * (plant.kv_per_s + share * at_once_per_s)
 
 
 def farthest(
