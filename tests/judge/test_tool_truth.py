@@ -24,6 +24,7 @@ from axisrig.bench.judge.distance.tool import (
     distance_truths,
     first_row,
 )
+from axisrig.bench.judge.distance.truth import ACTIVE
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.lists import CHANNEL
@@ -256,3 +257,24 @@ def test_the_control_of_the_channel_counts_where_it_was_on() -> None:
     both = observed(True, {"Z": 4.0})
     named = [distance_truth(both, axis) for axis in ("Z", "X", CHANNEL)]
     assert [None if one is None else one.axis for one in named] == ["Z", None, CHANNEL]
+
+
+def test_of_an_inclined_tool_a_constant_distance_is_shorter() -> None:
+    """A tool of 80 mm on the surface is 80 cos 35 above it: SET_DIST (1 - cos 35) less."""
+    at = np.arange(ROWS)
+    table = tilted.trace()
+    own = {"set_dist_mm": 60.0 + 0 * at, "sensor_mm": 5.0 + 0 * at, "distance_cnc_mm": 7.0 + 0 * at}
+    for name, values in own.items():
+        table = table.append_column(f"channel.{name}", pa.array(values))
+    seen = ToolTruth(CHANNEL, Observed(left(), kept(table)))
+    less_mm = 60.0 * (1.0 - math.cos(math.radians(35.0)))
+    rows = slice(ON, OFF)
+    assert seen.shorter_mm[rows] == pytest.approx(less_mm)
+    assert seen.read_mm("SET_POS")[rows] == pytest.approx(-5.0)
+    assert seen.read_mm("CONST_DIST")[rows] == pytest.approx(-5.0 - less_mm)
+    assert seen["distance_cnc_mm"][rows] == pytest.approx(7.0 + less_mm)
+    state = np.where((at >= ON) & (at < OFF), float(ACTIVE), 0.0)
+    name = "channel.distance_state"
+    by_surface = table.set_column(table.column_names.index(name), name, pa.array(state))
+    other = ToolTruth(CHANNEL, Observed(left(), kept(by_surface)))
+    assert other.shorter_mm[rows] == pytest.approx(0.0)
