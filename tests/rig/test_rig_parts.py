@@ -10,7 +10,14 @@ import pytest
 from axisrig.bench.rig import contents
 from axisrig.bench.rig.contents import contents_text
 from axisrig.bench.rig.reading import foreign
-from axisrig.bench.rig.reading.faults import TERMINAL_TELEGRAMS, read_faults
+from axisrig.bench.rig.reading.faults import (
+    TERMINAL_TELEGRAMS,
+    fault_keys,
+    fault_kinds,
+    fault_moments,
+    faults_table,
+    read_faults,
+)
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.foreign import foreign_plants, foreign_rigs
 from axisrig.bench.rig.reading.lists import offset_notes, stop_notes
@@ -339,3 +346,24 @@ def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path
             assert list(contents.read_parts(path)) == [kind]
     with pytest.raises(UserError, match=r"gone\.lst"):
         contents.read_parts(tmp_path / "gone.lst")
+
+
+def test_what_a_key_of_a_fault_may_have_is_told_for_its_kind() -> None:
+    rig = read_rig(RIGS / "probe-z.toml")[0]
+    for text, has_moments in (("at=soon", True), ("for=soon", False), ("p=2", False)):
+        with pytest.raises(UserError) as caught:
+            read_faults("drop", f"Z.TPDO1 {text}", rig)
+        assert ("motion" in str(caught.value.allowed)) is has_moments, text
+        assert caught.value.value == text.partition("=")[2]
+
+
+def test_the_table_of_faults_has_every_kind_with_its_targets_and_keys() -> None:
+    lines = faults_table().splitlines()
+    for kind in fault_kinds().values():
+        keys = " ".join(
+            f"{key}={kind.defaults[key]}" if key in kind.defaults else key for key in kind.keys
+        )
+        at = lines.index(f"{kind.name}  ({' or '.join(kind.targets)})  {keys}")
+        assert lines[at + 1] == f"    {kind.meaning}"
+    for name in (*fault_keys(), *fault_moments()):
+        assert any(line.startswith(f"  {name}  ") for line in lines), name

@@ -300,13 +300,14 @@ def faults_table(kind: str | None = None) -> str:
         keys = [f"{k}={known.defaults[k]}" if k in known.defaults else k for k in known.keys]
         lines.append(f"{known.name}  ({' or '.join(known.targets)})  {' '.join(keys)}")
         lines.append(f"    {known.meaning}")
+    width = 2 + max(map(len, (*fault_keys(), *fault_moments())))
     lines += ["", "Keys"]
     for key in fault_keys().values():
         default = f", default {key.default}" if key.default else ""
         allowed = f" ({key.allowed}{default})" if key.allowed else ""
-        lines.append(f"  {key.name:<8}{key.meaning}{allowed}")
+        lines.append(f"  {key.name:<{width}}{key.meaning}{allowed}")
     lines += ["", "Moments of at"]
-    lines += [f"  {name:<10}{meaning}" for name, meaning in fault_moments().items()]
+    lines += [f"  {name:<{width}}{meaning}" for name, meaning in fault_moments().items()]
     lines += ["", "Telegrams: " + " ".join(f"AXIS.{name}" for name in AXIS_TELEGRAMS)]
     lines += ["           " + " ".join(f"BUS.{name}" for name in BUS_TELEGRAMS)]
     lines += ["           " + " ".join(f"{TERMINAL}.{name}" for name in TERMINAL_TELEGRAMS)]
