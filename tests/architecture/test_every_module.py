@@ -13,6 +13,7 @@ MAY_READ_WALL_CLOCK = (
     "axisrig.bench.cli.data_commands",
     "axisrig.bench.cli.perf_command",
     "axisrig.bench.cli.pytest_results",
+    "axisrig.bench.cli.scenario_command",
     "axisrig.bench.campaign.processes",
 )
 # Progress and the page of a run, beside the runs

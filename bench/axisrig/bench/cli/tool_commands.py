@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from axisrig.bench.cli.options import JOBS_AUTO, JobsOption, SetOption, rejecting
+from axisrig.bench.cli.scenario_command import scenarios
 
 
 @rejecting
@@ -42,24 +43,6 @@ def bus(
     words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
     for line in tell_log(paths, settings, Selection(words, from_ms, to_ms, is_all)):
         print(line)
-
-
-@rejecting
-def scenarios(
-    count: Annotated[int, typer.Option("--count", min=1, help="How many.")] = 200,
-    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the campaign.")] = 1,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Processes.")] = 1,
-) -> None:
-    """Run random faults on a small machine and judge every reported value by the plant's truth."""
-    from axisrig.bench.tools.scenarios.campaign import Tally, run_scenarios
-
-    tally = Tally()
-    for scenario, judgement in run_scenarios(seed, first, count, jobs):
-        tally.add(scenario, judgement)
-    print(tally.table())
-    if tally.defects:
-        raise typer.Exit(1)
 
 
 @rejecting

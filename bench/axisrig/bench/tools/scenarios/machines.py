@@ -5,16 +5,19 @@ which the command runs, as with `axisrig demo`).
 """
 
 import csv
+import random
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
 
+from axisrig.bench.machine.faults.points import points
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.canopen.keys import DriveTable
-from axisrig.bench.rig.faults import open_targets
-from axisrig.bench.rig.reading.faults import fault_kinds
 from axisrig.bench.rig.reading.file import RigFile, read_rig
-from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.bench.tools.scenarios.drawing import draw_inputs
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc.syntax import Program
 from axisrig.kernel.nc.text.parser import read_program
@@ -134,11 +137,18 @@ def program_of(machine: str) -> Program:
 
 @cache
 def places_of(machine: str, kind: str) -> tuple[str, ...]:
-    """Return everything that a kind of fault can be done to in a machine, by its fault points."""
-    return tuple(open_targets(fault_kinds()[kind], _settings_of(machine)))
+    """Return every fault point of a machine that a kind of fault can be done to."""
+    return tuple(target for target, kinds in _points_of(machine).items() if kind in kinds)
 
 
 @cache
-def _settings_of(machine: str) -> Settings:
+def _points_of(machine: str) -> dict[str, tuple[str, ...]]:
+    """Return the fault points of a machine: target -> kinds; inputs decide nothing about them."""
     rig, files = rig_of(machine)
-    return read_settings(rig, files, [])
+    inputs = draw_inputs(machines()[machine].inputs, random.Random(0))
+    settings = read_settings(rig, files, [(parse_assignment(text), as_written) for text in inputs])
+    built = Machine(settings, program_of(machine))
+    try:
+        return {target: point.kinds for target, point in points(built).items()}
+    finally:
+        built.close()

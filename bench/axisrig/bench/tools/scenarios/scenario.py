@@ -206,4 +206,5 @@ _KEYS: dict[str, tuple[float, Draw]] = {
     "um_s": (0.9, _size(10, 20_000)),
     "um": (0.9, _size(10, 12_000)),
     "ppm": (0.9, _size(10, 10_000)),
+    "value": (1.0, lambda n: n.randint(0, 1)),
 }  # fmt: skip

@@ -1,0 +1,219 @@
+"""`axisrig scenarios`: a log goes on where it ends, options that exclude each other, the smallest
+scenario of a finding. No machine runs here, apart from one row.
+"""
+
+import csv
+import json
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from axisrig.bench.cli.main import app
+from axisrig.bench.rig.reading.faults import read_time
+from axisrig.bench.tools.scenarios.campaign import Tally, compared
+from axisrig.bench.tools.scenarios.drawing import draw_inputs
+from axisrig.bench.tools.scenarios.log import ScenarioLog, line_of
+from axisrig.bench.tools.scenarios.machines import machines, machines_named, path_of
+from axisrig.bench.tools.scenarios.minimise import faults_of, is_same, minimised
+from axisrig.bench.tools.scenarios.oracle import Judgement, Result
+from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_scenario
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import US
+
+ROOT = Path(__file__).parents[2]
+GOOD = Judgement(Result.GOOD, right=4, frames="f")
+
+
+def call(*words: str) -> tuple[int, str]:
+    found = CliRunner().invoke(app, ["scenarios", *words])
+    return found.exit_code, found.output
+
+
+# --- the log
+
+
+def test_a_log_goes_on_where_it_ends(tmp_path: Path) -> None:
+    path = tmp_path / "log.jsonl"
+    for words in (("--count", "1"), ("--count", "2")):
+        code, output = call(*words, "--log", str(path))
+        assert code == 0, output
+    assert [json.loads(line)["number"] for line in path.read_text().splitlines()] == [0, 1, 2]
+    assert "3 scenarios" in output  # those of before count too
+    code, output = call("--for", "0s", "--log", str(path))
+    assert (code, "3 scenarios" in output) == (0, True)
+
+
+def test_a_log_keeps_machines_and_seeds_apart(tmp_path: Path) -> None:
+    path = tmp_path / "log.jsonl"
+    found = [(1, "one-axis", 4), (2, "one-axis", 9)]
+    path.write_text("".join(line_of(s, Scenario(n, 1, (), "", m), GOOD) for s, m, n in found))
+    log = ScenarioLog(path, 1)
+    assert (log.first_of("one-axis"), log.first_of("gantry")) == (5, 0)
+    assert ScenarioLog(path, 2).first_of("one-axis") == 10
+    ((scenario, judgement),) = log.of("one-axis")
+    assert (scenario, judgement) == (make_scenario(1, 4), GOOD)
+
+
+def test_a_line_that_was_not_written_to_its_end_runs_again(tmp_path: Path) -> None:
+    path = tmp_path / "log.jsonl"
+    line = line_of(1, Scenario(0, 1, ()), GOOD)
+    path.write_text(line + line[:30])
+    assert ScenarioLog(path, 1).first_of("one-axis") == 1
+    assert path.read_text() == line
+
+
+def test_another_file_is_no_log(tmp_path: Path) -> None:
+    path = tmp_path / "plan.csv"
+    path.write_text(line_of(1, Scenario(0, 1, ()), GOOD) + "case,title\n")
+    with pytest.raises(UserError, match=r"2.*no line of a log of scenarios"):
+        ScenarioLog(path, 1)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--machine", "gantri"), "gantry"),
+        (("--for", "30"), "30m"),
+        (("--for", "30m", "--count", "2"), "exclude each other"),
+        (("--log", "x", "--first", "2"), "exclude each other"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_what_is_allowed(words: tuple[str, ...], said: str) -> None:
+    code, output = call(*words)
+    assert code == 2
+    assert said in output
+
+
+# --- machines and drawing
+
+
+def test_all_machines_are_there_with_their_files() -> None:
+    assert machines_named("all") == list(machines().values())
+    assert [row.name for row in machines_named("gantry")] == ["gantry"]
+    for row in machines().values():
+        assert path_of(row.rig).is_file()
+        assert path_of(row.program).is_file()
+
+
+def test_a_shipped_rig_asks_for_the_folder_of_the_plans(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match="testplans"):
+        path_of(machines()["gantry"].rig)
+
+
+def test_places_are_drawn_as_the_cell_writes_them() -> None:
+    cell = "a=5 ;; plc:F={10..20} ;; w={0.10..0.40} {x | y} ;; g={0..100 step 50 off 60 F}"
+    for seed in range(20):
+        fixed, number, text, far = draw_inputs(cell, random.Random(seed))
+        assert fixed == "a=5"
+        assert 10 <= int(number.removeprefix("plc:F=")) <= 20
+        value, word = text.removeprefix("w=").split()
+        assert len(value) == 4
+        assert 0.1 <= float(value) <= 0.4
+        assert word in ("x", "y")
+        assert far == "g=100"  # 0 and 50 are nearer than 60
+
+
+def test_what_is_behind_a_question_mark_is_drawn_with_its_share() -> None:
+    found = [draw_inputs("a=1 ?0.25 b=2 ;; c=3", random.Random(seed)) for seed in range(400)]
+    with_both = [inputs for inputs in found if inputs == ["a=1", "b=2", "c=3"]]
+    assert all(inputs in (["a=1"], ["a=1", "b=2", "c=3"]) for inputs in found)
+    assert 60 < len(with_both) < 140
+
+
+def test_a_place_of_no_form_is_refused() -> None:
+    with pytest.raises(UserError, match="no such form"):
+        draw_inputs("a={1 to 2}", random.Random(1))
+
+
+def test_the_first_machine_draws_kinds_of_frames_and_drives_alone() -> None:
+    """A kind that is added has the weight 0 there, so that old seeds stay."""
+    rows = list(drawn_kinds().values())
+    assert [kind.weights["frames"] for kind in rows] == [1] * 15 + [0] * (len(rows) - 15)
+    assert make_scenario(1, 0).assignments == (
+        "plc:V.E.FEED1=502",
+        "plc:V.E.FEED2=1680",
+        "plc:V.E.RETRACT=0.132",
+        "plant:z.position_start_mm=0.3912",
+        "fault:heartbeat_loss=Z p=0.0224 at=124.427ms for=3.297ms",
+        "fault:bus_off=Z at=motion",
+    )
+
+
+def test_what_nobody_can_know_hides_the_value() -> None:
+    known = replace(make_scenario(1, 0), assignments=("fault:drop=Z.TPDO1",))
+    assert known.hidden == frozenset()
+    late = replace(known, assignments=("fault:probe_late=probe by=1ms", *known.assignments))
+    assert late.hidden == {"value"}
+
+
+# --- the same scenario in another process
+
+
+def test_other_frames_in_another_process_are_a_finding() -> None:
+    assert compared(GOOD, "f") is GOOD
+    found = compared(GOOD, "g")
+    assert (found.result, found.broken) == (Result.BROKEN, ("repeats",))
+    tally = Tally()
+    tally.add(Scenario(100, 1, ()), found)
+    assert "other frames" in tally.table()
+
+
+# --- the smallest scenario
+
+WRONG = Judgement(Result.BROKEN, note="value: run 1", broken=("value",))
+
+
+def run_with(needed: str, window_us: int) -> "list[Scenario]":
+    """Minimise a finding that stays while one fault is there, for at least a window."""
+    tried: list[Scenario] = []
+
+    def run(scenario: Scenario) -> Judgement:
+        tried.append(scenario)
+        for kind, cell in faults_of(scenario):
+            if kind == needed:
+                words = cell.partition("for=")[2]
+                if not words or read_time(words) >= window_us * US:
+                    return WRONG
+        return GOOD
+
+    given = Scenario(
+        3, 1, ("plc:V.E.X=1", "fault:drop=Z.SDO; Z.EMCY", "fault:delay=Z.TPDO1 by=1ms for=8ms")
+    )
+    smallest, judgement = minimised(given, WRONG, run)
+    assert judgement is WRONG
+    return [smallest, *tried]
+
+
+def test_faults_are_dropped_and_windows_shortened_while_the_finding_stays() -> None:
+    smallest, *tried = run_with("delay", 1500)
+    assert smallest.assignments == ("plc:V.E.X=1", "fault:delay=Z.TPDO1 by=1ms for=2000us")
+    assert run_with("delay", 1500)[1:] == tried  # the same way each time
+    without_end, *_ = run_with("drop", 100_000)
+    assert without_end.assignments == ("plc:V.E.X=1", "fault:drop=Z.EMCY for=128000us")
+
+
+def test_another_finding_is_not_the_same() -> None:
+    assert is_same(WRONG, replace(WRONG, note="value: run 2"))
+    assert not is_same(WRONG, replace(WRONG, broken=("value", "rest")))
+    assert not is_same(WRONG, GOOD)
+    raised = Judgement(Result.EXCEPTION, note="KeyError: 'a'")
+    assert is_same(raised, replace(raised, note="KeyError: 'b'"))
+    assert not is_same(raised, replace(raised, note="ValueError: 1"))
+
+
+# --- the page
+
+
+@pytest.mark.parametrize("table", ["machines.csv", "invariants.csv"])
+def test_the_page_has_every_row_of_the_tables(table: str) -> None:
+    page = (ROOT / "docs" / "reliability.md").read_text("utf-8")
+    folder = ROOT / "bench" / "axisrig" / "bench" / "tools" / "scenarios"
+    rows = list(csv.reader((folder / table).read_text("utf-8").splitlines()))[1:]
+    for name, what, *_ in rows:
+        assert f"| `{name}` | {what} |" in page
