@@ -265,6 +265,28 @@ def test_two_rigs_differ_in_keys_of_either_and_files_count_by_their_content(
     assert turned == f"{key}: {after} -> {before}"
 
 
+def test_a_key_of_one_rig_alone_and_a_list_of_another_content_are_differences(
+    tmp_path: Path,
+) -> None:
+    """Lists of parameters are compared by their values, those of tools by their bytes."""
+    for name, tool in (("a", "1"), ("b", "2")):
+        shutil.copytree(RIG / "lists", tmp_path / name / "lists")
+        (tmp_path / name / "t.lst").write_text(f"wz[{tool}].gueltig 1\n", encoding="utf-8")
+        text = (RIG / "probe-z.toml").read_text(encoding="utf-8")
+        text = text.replace("[channel]", '[channel]\ntools = "t.lst"')
+        (tmp_path / name / "r.toml").write_text(text, encoding="utf-8")
+    left, right = (tmp_path / name / "r.toml" for name in ("a", "b"))
+    (line,) = difference_text(left, right)[0].splitlines()[2:]
+    assert line.startswith("channel.tools: t.lst (SHA-256 ")
+    (tmp_path / "b" / "t.lst").write_text("wz[1].gueltig 1\n", encoding="utf-8")
+    assert difference_text(left, right) == ("no difference", False)
+    text = right.read_text(encoding="utf-8").replace('tools = "t.lst"', "")
+    right.write_text(text, encoding="utf-8")
+    found = [difference_text(*pair)[0].splitlines()[2:] for pair in ((left, right), (right, left))]
+    assert [line for (line,) in found if line.endswith(" -> not set")]
+    assert [line for (line,) in found if line.startswith("channel.tools: not set -> t.lst")]
+
+
 def test_lists_of_a_rig_name_the_axis_that_a_list_does_not(tmp_path: Path) -> None:
     rig = RIG / "probe-z.toml"
     text = written_lists(rig, None, [])

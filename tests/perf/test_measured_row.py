@@ -1,0 +1,237 @@
+"""What `axisrig perf` makes of clocks and calls, from a clock that the test sets: nothing runs."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.tools.perf import perf, profile, stages
+from axisrig.bench.tools.perf.perf import Row, Stack, Timed, counters, measure, show
+from axisrig.kernel.errors import UserError
+
+PLAN = Path(__file__).parents[2] / "testplans" / "latch_accuracy.csv"
+
+
+class Clock:
+    """Seconds of CPU; wall time goes twice as fast."""
+
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def cpu_s(self) -> float:
+        return self.now_s
+
+    def cpu_ns(self) -> int:
+        return round(self.now_s * 1e9)
+
+    def wall_ns(self) -> int:
+        return round(self.now_s * 2e9)
+
+    def spend(self, seconds: float) -> None:
+        self.now_s += seconds
+
+
+def test_time_of_a_call_counts_once_for_the_innermost_part() -> None:
+    clock = Clock()
+
+    class Own:
+        def outer(self) -> str:
+            clock.spend(1.0)
+            self.inner()
+            clock.spend(2.0)
+            self.inner()
+            return "done"
+
+        def inner(self) -> None:
+            clock.spend(10.0)
+
+        def breaks(self) -> None:
+            clock.spend(5.0)
+            raise ValueError("odd")
+
+    before = (Own.outer, Own.inner)
+    parts = {"a": [(Own, "outer")], "b": [(Own, "inner"), (Own, "breaks")], "c": []}
+
+    def broken(own: Own) -> None:
+        with counters(clock.cpu_ns, parts):
+            own.breaks()
+
+    with counters(clock.cpu_ns, parts) as stack:
+        assert Own().outer() == "done"
+        with pytest.raises(ValueError, match="odd"):
+            Own().breaks()
+        Own().inner()
+    assert {part: ns / 1e9 for part, ns in stack.self_ns.items()} == {"a": 3.0, "b": 35.0, "c": 0.0}
+    assert (Own.outer, Own.inner) == before
+    with pytest.raises(ValueError, match="odd"):
+        broken(Own())
+    assert (Own.outer, Own.inner) == before
+    assert Stack(clock.cpu_ns, {"x": []}).self_ns == {"x": 0}
+
+
+class Folder:
+    """Takes 0.1 s to open, 0.2 s for a row, 0.4 s to close."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+
+    def __enter__(self) -> "Folder":
+        self._clock.spend(0.1)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._clock.spend(0.4)
+
+    def files_of(self, run: str) -> str:
+        return f"files of {run}"
+
+    def add(self, _result: object) -> None:
+        self._clock.spend(0.2)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """A check takes 1 s, a run 8 s, of which the loop 6 s; it simulates 20 s in 4 cycles."""
+    clock = Clock()
+
+    def run_case(_case: Any, _files: Any, *_: Any) -> Any:
+        clock.spend(8.0)
+        return SimpleNamespace(error=None, sim_s=20.0, loop_s=6.0, frame_log_sha256="ab",
+                               series=SimpleNamespace(column=lambda _: range(4)))  # fmt: skip
+
+    monkeypatch.setattr(perf, "prepare", lambda _: clock.spend(1.0))
+    monkeypatch.setattr(perf, "run_case", run_case)
+    monkeypatch.setattr(profile, "run_case", run_case)
+    monkeypatch.setattr(perf, "ResultsWriter", lambda *_, **__: Folder(clock))
+    monkeypatch.setattr(perf, "build_manifest", lambda *_, **__: {})
+    monkeypatch.setattr(perf, "is_compiled", lambda: True)
+    return clock
+
+
+def test_each_part_of_a_run_is_timed_by_itself(clock: Clock, tmp_path: Path) -> None:
+    row = Row(PLAN, "f600", tmp_path, clock)  # type: ignore[arg-type]
+    assert row.case.case == "f600"
+    found = row.run()
+    assert found.prepared_cpu_s == pytest.approx(1.0)
+    assert found.cpu_s == pytest.approx(8.7)
+    assert found.wall_s == pytest.approx(2 * 8.7)
+    assert found.folder_cpu_s == pytest.approx(0.5)
+    assert found.factor == pytest.approx(20.0 / 8.7)
+    assert found.beyond_simulation_ms == pytest.approx(1e3 * (1.0 + 8.7 - 6.0))
+    assert found.next_row_ms == pytest.approx(1e3 * (1.0 + 8.2 - 6.0))
+    assert Row(PLAN, None, tmp_path, clock).case.run.startswith("latch_accuracy-")  # type: ignore[arg-type]
+    with pytest.raises(UserError, match="no such case") as caught:
+        Row(PLAN, "f601", tmp_path, clock)  # type: ignore[arg-type]
+    assert "f600" in str(caught.value.allowed)
+
+
+def test_a_run_in_error_is_not_timed(
+    clock: Clock, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(perf, "run_case", lambda *_: SimpleNamespace(error="it broke"))
+    with pytest.raises(UserError, match="the case cannot be timed: it broke"):
+        Row(PLAN, "f600", tmp_path, clock).run()  # type: ignore[arg-type]
+
+
+def test_a_measurement_is_of_the_middle_run_and_warm_ones(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first run takes 9 s more; a report 3 s, twice as long by the wall."""
+    waits = iter([9.0, 0.0, 3.0])
+    monkeypatch.setattr(perf, "prepare", lambda _: clock.spend(1.0 + next(waits)))
+    found = measure(PLAN, "f600", 3, clock, lambda _: clock.spend(3.0))  # type: ignore[arg-type]
+    assert (found["case"], found["repeats"], found["cycles"]) == ("latch_accuracy-f600", 3, 4)
+    assert found["wall_s"] == found["wall_s_min"] == pytest.approx(2 * 8.7)
+    assert found["real_time_factor"] == pytest.approx(20.0 / 17.4)
+    assert found["cpu_factor"] == pytest.approx(20.0 / 8.7)
+    assert found["beyond_simulation_ms"] == pytest.approx(1e3 * (1.0 + 1.5 + 2.7))
+    assert found["report_s"] == pytest.approx(6.0)
+    assert found["cycle_us"] == {"rest": pytest.approx(16e6 / 4)}
+    waits = iter([9.0])
+    once = measure(PLAN, "f600", 1, clock, lambda _: None)  # type: ignore[arg-type, return-value]
+    assert once["beyond_simulation_ms"] == pytest.approx(1e3 * (1.0 + 9.0 + 2.7))
+
+
+def test_a_measurement_is_shown_with_shares_of_a_cycle() -> None:
+    result: dict[str, Any] = {
+        "case": "p-a", "simulated_s": 2.0, "wall_s": 0.5, "wall_s_min": 0.4, "wall_s_max": 0.7,
+        "repeats": 3, "real_time_factor": 4.0, "cpu_s": 0.25, "cpu_factor": 8.0,
+        "beyond_simulation_ms": 12.5, "report_s": 1.25, "compiled": False, "cycles": 2000,
+        "cycle_us": {"kernel": 30.0, "rest": 10.0}, "frame_log_sha256": "ab",
+        "sources_sha256": "cd",
+    }  # fmt: skip
+    assert json.loads(show(result, True)) == result
+    lines = show(result, False).splitlines()
+    assert lines[0].startswith("p-a: 2.000 s simulated in 0.500 s (min 0.400, max 0.700, 3 runs")
+    assert lines[1] == "real time factor 4.0"
+    assert "CPU time 0.250 s: 8.0 times real time" in lines[2]
+    assert "read the shares" in lines[5]
+    assert lines[6:8] == ["  kernel        30.0    75 %", "  rest          10.0    25 %"]
+    assert lines[-1] == "axisrig interpreted, sources cd"
+    compiled = show({**result, "compiled": True}, False).splitlines()
+    assert "only on interpreted modules" in compiled[5]
+    assert compiled[-1].startswith("axisrig compiled")
+
+
+def test_stages_add_up_to_what_is_beside_the_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 10 and 30 ms: half of it one stage, the simulation beside it, the rest what is left."""
+    first, second = [stage for stage in stages.STAGES if stage != stages.SIMULATION][:2]
+    made = []
+
+    class OwnRow:
+        case = SimpleNamespace(run="p-a")
+
+        def __init__(self, *_: object) -> None:
+            self.count = 0
+            made.append(self)
+
+        def run(self) -> Timed:
+            self.count += 1
+            beyond_s = (99.0, 0.01, 0.03)[self.count - 1]
+            return Timed(SimpleNamespace(loop_s=0.0), beyond_s, 0.0, 0.0, 0.0)  # type: ignore[arg-type]
+
+    @contextmanager
+    def own_counters(_clock: object, parts: Any) -> Iterator[Any]:
+        stack = SimpleNamespace(self_ns=dict.fromkeys(parts, 0))
+        yield stack
+        ms = (0.01, 0.03)[made[0].count - 2] * 1e3
+        stack.self_ns |= {first: ms * 0.5e6, second: 1e6, stages.SIMULATION: 500e6}
+
+    monkeypatch.setattr(stages, "Row", OwnRow)
+    monkeypatch.setattr(stages, "counters", own_counters)
+    found = stages.measure_stages(PLAN, "f600", 2, Clock())  # type: ignore[arg-type]
+    assert found["beyond_simulation_ms"] == pytest.approx(20.0)
+    assert found["stages_ms"][first] == pytest.approx(10.0)
+    assert found["stages_ms"][second] == pytest.approx(1.0)
+    assert found["stages_ms"][stages.REST] == pytest.approx(9.0)
+    assert stages.SIMULATION not in found["stages_ms"]
+    assert made[0].count == 3  # the first one warms
+    lines = stages.show_stages(found).splitlines()
+    assert f"| {first} | 10.00 |" in lines
+    assert "| all of it | 20.00 |" in lines
+
+
+def test_a_profile_is_for_each_cycle_the_longest_first(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def entry(code: Any, own_s: float, calls: int) -> Any:
+        return SimpleNamespace(code=code, inlinetime=own_s, callcount=calls)
+
+    own = compile("def f(): pass", "/x/axisrig/kernel/channel/a.py", "exec").co_consts[0]
+    other = compile("def g(): pass", "/lib/json/decoder.py", "exec").co_consts[0]
+    stats = [entry(other, 1e-6, 4), entry(own, 6e-6, 8), entry("<built-in len>", 1e-6, 2)]
+    made: Any = SimpleNamespace(
+        runcall=lambda function, *given: function(*given), getstats=lambda: stats
+    )
+    text = profile.profile_row(PLAN, "f600", clock, lambda: made)  # type: ignore[arg-type]
+    lines = text.splitlines()
+    assert lines[0].startswith("latch_accuracy-f600: 4 cycles, 2.0 us each under the profile")
+    assert lines[2].split() == ["1.50", "75.0", "%", "2.00", "kernel.channel.a.f"]
+    assert lines[3].split()[0] == "0.25"
+    assert {line.split()[-1] for line in lines[3:5]} == {"json.decoder.g", "len"}
+    monkeypatch.setattr(profile, "SHOWN", 1)
+    assert len(profile.profile_row(PLAN, "f600", clock, lambda: made).splitlines()) == 4  # type: ignore[arg-type]
