@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.bench.drive.axis.drive import NO_TICK
 from axisrig.bench.machine import facts
 from axisrig.bench.machine.recording import recorder
 from axisrig.bench.machine.recording.lag import largest_lag
@@ -234,7 +235,9 @@ def written(rows: int, block_rows: int, late_ns: int, patch: pytest.MonkeyPatch)
     """X with a stop, C that turns, and Z outside; C gets its SYNC later."""
     patch.setattr(recorder, "BLOCK_ROWS", block_rows)
     plants = {"X": Plant("X", "force stop_force stop_face"), "C": Plant("C", "stop_force stop_fac")}
-    servos: Any = {name: SimpleNamespace(tick_ns=250 * US, sync_ns=0) for name in plants}
+    servos: Any = {
+        name: SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
+    }
     axes = [
         RecordedAxis("X", plants["X"], servos["X"]),  # type: ignore[arg-type]
         RecordedAxis("Z", None, None),
