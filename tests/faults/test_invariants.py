@@ -136,27 +136,39 @@ def at_stop(force_n: float) -> Left:
     )
 
 
-def at_plc(value_mm: float, edge_ms: int = 30) -> Left:
-    """A PLC of 1 ms at a terminal of 1 ms: the position of the SYNC before the cycle that sees."""
+def at_plc(value_mm: float, edge_ms: int = 30, passed_ms: int | None = None) -> Left:
+    """A PLC of 1 ms at a terminal of 1 ms: the position of the SYNC before the cycle that sees.
+
+    The axis is at 1 mm until row 32, then at 2 mm. passed_ms: of the edge that the wire has passed.
+    """
     task = PlcTaskRecord(MS, 0, 0, MS, 0, probes=("probe",))
-    place_mm = [1.0] * 100
-    found = left(
+    passed = None if passed_ms is None else (Edge(passed_ms * MS + 7, True),)
+    probe = ProbeRecord(True, 0.0, edges=(Edge(edge_ms * MS + 7, True),), passed=passed)
+    return left(
         "source-plc",
-        place_mm,
         runs=(replace(run(25, 40, value_mm), sources={"Z": "PLC"}, signal_ns=32 * MS),),
-        probes={"probe": ProbeRecord(True, 0.0, edges=(Edge(edge_ms * MS + 7, True),))},
+        probes={"probe": probe},
         plc_task=task,
+        columns={"Z.truth_mm": [1.0] * 33 + [2.0] * 67},
     )
-    return found
 
 
-def offset(course_mm: Sequence[float], sensor_mm: Sequence[float] | float = -2.0) -> Left:
+def stopping() -> list[float]:
+    """Offset with 9 mm/s that stands from row 50 on: 9000 mm/s2, 5000 allowed."""
+    return [min(row, 50) * 0.009 for row in range(100)]
+
+
+def offset(
+    course_mm: Sequence[float],
+    sensor_mm: Sequence[float] | float = -2.0,
+    state: Sequence[float] = (4.0,) * 100,
+) -> Left:
     sensor = [sensor_mm] * len(course_mm) if isinstance(sensor_mm, float) else sensor_mm
     return left(
         "distance",
         [1.0 + each for each in course_mm],
         {**LISTS, **OF_CONTROL},
-        columns={"Z.offset_mm": course_mm, "Z.sensor_mm": sensor},
+        columns={"Z.offset_mm": course_mm, "Z.sensor_mm": sensor, "Z.distance_state": state},
         control=("INACTIVE", "ACTIVE"),
     )
 
@@ -188,6 +200,11 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
     ("value", at_plc(1.0), at_plc(1.0 + 2 * STEP_MM)),
     ("value", at_plc(1.0), at_plc(1.0, edge_ms=45)),
     (
+        "value",
+        at_plc(2.0, passed_ms=33),
+        at_plc(1.0, passed_ms=33),
+    ),  # of the wire
+    (
         "stop",
         left(set_mm=moving_until(80), alarms=(alarm(50),)),
         left(set_mm=moving_until(81), alarms=(alarm(50),)),
@@ -200,6 +217,11 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
     ("rest", left(crept_mm={"Z": 0.0099}), left(crept_mm={"Z": 0.0101})),
     ("speed", left(set_mm=ramp(100.0, 4000.0)), left(set_mm=ramp(100.02, 4000.0))),
     ("acceleration", left(set_mm=ramp(50.0, 4000.0)), left(set_mm=ramp(50.0, 4100.0))),
+    (
+        "acceleration",  # what holds the offset holds it at once, the axis itself may not stop so
+        offset(stopping(), state=[4] * 49 + [2] * 51),
+        offset(stopping(), state=[4] * 100),
+    ),
     ("deviation", offset([0.5] * 100), offset([0.501] * 100)),
     ("deviation", offset([-0.5] * 100), offset([-0.501] * 100)),
     ("blind", offset(braking(1000.0), BLIND), offset(braking(200.0), BLIND)),

@@ -7,7 +7,7 @@ channel, motion or drives is asked.
 
 import csv
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 
@@ -146,8 +146,16 @@ def wrong_value(left: Left, number: int, axis: str, value_mm: float) -> str:
 
 
 def _wrong_at_plc(left: Left, number: int, axis: str) -> str:
-    """Compare with the closed form of the chain; one that gives no value only asks for an edge."""
-    observed = Observed(left.facts, left.series).until_run(number)
+    """Compare with the closed form of the chain; one that gives no value only asks for an edge.
+
+    The edges are those that a wire has passed: what a PLC samples or stamps is what comes of it.
+    """
+    probes = {
+        name: probe if probe.passed is None else replace(probe, edges=probe.passed)
+        for name, probe in left.facts.probes.items()
+    }
+    facts = replace(left.facts, probes=probes)
+    observed = Observed(facts, left.series).until_run(number)
     seen = touch(observed, axis)
     if seen is None or seen.edge_ns is None:
         return "without an edge of the probe"
@@ -222,6 +230,8 @@ def _beyond(left: Left, derivative: int, what: str, unit: str) -> str:
         rate = np.abs(np.diff(set_mm, derivative)) / period_s**derivative
         if allowed is None or not len(rate):
             continue
+        if derivative == 2:
+            rate[_held(left, axis)] = 0.0
         allowed += sum(each or 0.0 for each in beside)
         worst = int(np.argmax(rate))
         slack_mm = derivative / record.increments_per_mm + ROUNDING_MM
@@ -229,6 +239,24 @@ def _beyond(left: Left, derivative: int, what: str, unit: str) -> str:
             at_ms = times_ns[worst] / 1e6
             return f"axis {axis}: {what} {rate[worst]:.6g} {unit} at {at_ms:.3f} ms, {allowed:g}"
     return ""
+
+
+def _held(left: Left, axis: str) -> npt.NDArray[np.bool_]:
+    """Return which second differences of an axis lie where distance control holds its offset.
+
+    FREEZE, a feedhold of the axis and an alarm do so from a cycle on (docs/ambiguities.md): its
+    state, or whether it is held, is another one within the three rows or in the one before, which
+    is still sent. Shape (n - 2,).
+    """
+    found = np.zeros(max(len(_led(left, axis)[1]) - 2, 0), np.bool_)
+    for name in (axis, CHANNEL):
+        for column in ("distance_state", "distance_held"):
+            _, values = _led(left, name, column)
+            if len(values):
+                changes = np.diff(values) != 0
+                found |= changes[1:] | changes[:-1]
+                found[1:] |= changes[:-2]
+    return found
 
 
 def speed(left: Left) -> str:
