@@ -1,8 +1,10 @@
 """Who runs a case, what is kept of it, how a process ended: with stand-ins for runs and clocks."""
 
+import hashlib
 import os
 import signal
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -17,12 +19,14 @@ from axisrig.bench.campaign import (
     processes,
     replay,
     runner,
+    single,
     worker,
 )
 from axisrig.bench.campaign.channel import ChannelError
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
 from axisrig.bench.campaign.preparing import Prepared, forget, recall
 from axisrig.bench.campaign.processes import Died, do_apart
+from axisrig.bench.campaign.results import manifest
 from axisrig.bench.campaign.results.build_info import hash_of_sources
 from axisrig.bench.campaign.results.manifest import other_files
 from axisrig.bench.campaign.runner import Limits, run_case, run_cases
@@ -525,8 +529,8 @@ def test_a_recorded_case_comes_with_the_inputs_of_its_recording(
         stored_run("q-b", plan="q"),
         stored_run("p-gone"),
     ]
-    manifest = {"plans": [{"name": "p", "path": str(path)}, {"name": "q", "path": "/none/q.csv"}]}
-    stored = SimpleNamespace(runs=runs, manifest=manifest)
+    listed = {"plans": [{"name": "p", "path": str(path)}, {"name": "q", "path": "/none/q.csv"}]}
+    stored = SimpleNamespace(runs=runs, manifest=listed)
     search = SimpleNamespace(checks=("asked",))
     cases = (case_of("a", inputs={"plc:V.E.A": "1"}), case_of("s", search=search))
     monkeypatch.setattr(replay, "read_results", lambda _: stored)
@@ -602,3 +606,54 @@ def test_files_that_the_plc_starts_count_and_metrics_of_the_user() -> None:
     found = other_files(replace(base, inputs={"plc:program_start": started}, module=module))
     assert found == [Path("/n/a.nc"), Path("/n/sub/b.nc"), Path("/n/c.nc"), Path("/m/own.py")]
     assert other_files(replace(base, inputs={"plc:V.E.A": "file=x.nc"}, module=own)) == []
+
+
+# Hashes of files, and a program on real axes
+
+
+def test_files_of_cases_are_hashed_once_by_their_names_from_the_plan(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Program, rig with what it is made from, and a table that the plan takes rows from."""
+    for name in ("p.csv", "rows.csv", "b.nc", "a.nc", "lists/z.lst", "r.toml"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(name, encoding="utf-8")
+    monkeypatch.setattr(manifest, "rig_files", lambda rig: [rig, tmp_path / "lists" / "z.lst"])
+    own = {"folder": tmp_path, "rig": tmp_path / "r.toml", "file": tmp_path / "p.csv"}
+    cases = [
+        case_of("a", program=tmp_path / "b.nc", **own),
+        case_of("b", program=tmp_path / "a.nc", **own),
+        case_of("c", program=tmp_path / "a.nc", **{**own, "file": tmp_path / "rows.csv"}),
+    ]  # fmt: skip
+    found = manifest.file_hashes(cases)
+    assert list(found) == ["a.nc", "b.nc", "lists/z.lst", "r.toml", "rows.csv"]
+    for name, digest in found.items():
+        assert digest == hashlib.sha256(name.encode()).hexdigest()
+    assert "rows.csv" not in manifest.file_hashes(cases[:2])
+
+
+@pytest.mark.parametrize("is_real", [True, False])
+def test_a_program_goes_to_real_axes_only_with_all_checks(
+    is_real: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    news: list[Any] = []
+    table = SimpleNamespace(axis={"Z": None}, segment={"can1": None})
+    monkeypatch.setattr(single, "read_rig", lambda _: (table, []))
+    monkeypatch.setattr(single, "read_settings", lambda *given: ("settings", len(given[2])))
+    monkeypatch.setattr(single, "is_paced", lambda _: is_real)
+    monkeypatch.setattr(single, "refuse_processes", lambda *given: news.append(given))
+    monkeypatch.setattr(single, "read_program", lambda *given: news.append(given))
+    monkeypatch.setattr(single, "check_plant", lambda _: news.append("plant"))
+    monkeypatch.setattr(single, "allow", lambda *_: news.append("allowed"))
+    monkeypatch.setattr(single, "run_program", lambda *given: given)
+    on = outside([], interface="slcan")
+    object.__setattr__(on, "open_hardware", lambda: nullcontext("hardware"))
+    found = single.run_outside(
+        on, Path("a.nc"), RIG, ["plc:V.E.A=1"], [Path("x.blf")], print, is_apart=False
+    )
+    if not is_real:
+        assert (found, news) == (None, [])
+        return
+    assert news == [(1, False), (Path("a.nc"), ("Z",)), "plant", "allowed"]
+    changes = ["plc:V.E.A=1", "bus:can1.interface=slcan"]
+    assert found == (Path("a.nc"), RIG, changes, [Path("x.blf")], print, "hardware")
