@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 from rich.console import Console
-from rich.text import Text
 from tests.live_states import AXIS, DISTANCE, SEGMENT, state
 
 from axisrig.bench.cli.beside import server, showing, terminal, ticking
+from axisrig.bench.cli.beside.feed import Feed as LiveFeed
 from axisrig.bench.cli.beside.feed import Look
 from axisrig.bench.cli.beside.server import PAUSES_MAX
 from axisrig.bench.cli.beside.terminal import OLD_S, drawing
@@ -96,6 +96,23 @@ def test_a_look_is_one_line_of_json() -> None:
         }  # fmt: skip
 
 
+def test_the_factor_is_known_from_the_second_state_on() -> None:
+    """0.3 s in 0.1 s; the states of another run begin anew."""
+    now_s, states = [100.0], [b""]
+    inlet: Any = SimpleNamespace(take=lambda: states[0] or None, ask=lambda: None)
+    feed = LiveFeed(inlet, lambda: now_s[0], dict)
+    found = []
+    for run, time_ms in (("a", 0), ("a", 300), ("a", 400), ("b", 0), ("b", 900), ("b", 100)):
+        feed.look()
+        now_s[0] += 0.1
+        states[0] = json.dumps({"run": run, "time_ns": time_ms * 1_000_000}).encode()
+        found.append(feed.look().factor)
+        states[0] = b""
+        feed.look()
+    # The last one goes back in time, as a run that begins again
+    assert found == [None, pytest.approx(3.0), pytest.approx(2.0), None, pytest.approx(9.0), None]
+
+
 # What is drawn
 
 
@@ -130,7 +147,8 @@ def test_what_is_not_known_is_left_out() -> None:
      ("active const dist", "green"), ("switched on", ""), ("inactive", "")],
 )  # fmt: skip
 def test_a_state_has_the_colour_of_what_it_means(word: str, style: str) -> None:
-    assert terminal._word(word) == Text(word, style=style)
+    found = terminal._word(word)
+    assert (found.plain, found.style) == (word, style)
 
 
 def test_numbers_are_right_and_words_left() -> None:

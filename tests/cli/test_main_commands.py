@@ -310,12 +310,13 @@ def test_an_interrupt_that_python_drops_comes_once_more(monkeypatch: pytest.Monk
         start.end_on_signals()
         assert sys.unraisablehook is first
         assert signal.getsignal(signal.SIGTERM) is signal.default_int_handler
-        odd: Any = SimpleNamespace(exc_type=ValueError)
-        first(odd)
-        assert (hooks, timers) == ([odd], [])
+        odd: list[Any] = [SimpleNamespace(exc_type=kind) for kind in (ValueError, BaseException)]
+        for one in odd:
+            first(one)
+        assert (hooks, timers) == (odd, [])
         stop: Any = SimpleNamespace(exc_type=KeyboardInterrupt)
         first(stop)
-        assert (hooks, len(timers)) == ([odd], 1)
+        assert (hooks, len(timers)) == (odd, 1)
         assert timers[0][0] == signal.ITIMER_REAL
         assert signal.getsignal(signal.SIGALRM) is signal.default_int_handler
     finally:
