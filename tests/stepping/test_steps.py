@@ -62,6 +62,29 @@ def test_steps_are_long_far_away_and_fine_near(plant: Make) -> None:
 
 
 @pytest.mark.interpreted
+def test_a_probe_is_asked_again_only_where_its_answer_could_free_a_step(plant: Make) -> None:
+    """The load falls 1 mm at 20 mm/s; below 270 um a millisecond is not free: v t + A t^2/2.
+
+    From a look with the clearance c on, the next one is of use when the way since then is 270 um - c:
+    all of it may have led away. SYNCs are 20 um apart: after 260 um ways of 10, 30 and 70 um are due.
+    """
+    start = {"acceleration_then": 0.0, "position_start": 0.001}
+    made = plant(BENT, axis_start=start, probe_start={"surface": 0.0})
+    probe = made.probes["probe"]
+    places_m: list[float] = []
+    catch_up = probe._catch_up
+
+    def noted(now_ns: int) -> None:
+        places_m.append(probe.sources[0].motion[0])
+        catch_up(now_ns)
+
+    probe._catch_up = noted
+    assert edges_of(made, 60 * MS) == [(50 * MS, True)]
+    looks_um = [place_m * 1e6 for place_m in places_m if place_m > 1e-4]
+    assert looks_um == pytest.approx([260, 240, 200, 120], abs=1e-6)
+
+
+@pytest.mark.interpreted
 def test_probe_without_clearance_is_followed_all_the_time(plant: Make) -> None:
     start = {"acceleration_then": 0.0, "position_start": 0.001}
     made = plant(BENT, axis_start=start, probe_start={"surface": 0.0}, without=("clearance",))

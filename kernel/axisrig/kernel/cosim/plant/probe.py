@@ -90,7 +90,7 @@ class PlantProbe(ABC):
         self._gain_m_s2 = SPEED_GAIN_M_S2 * sqrt(len(self.sources))
         # As they were when free_until_ns was found
         self._seen_ns: TimeNs = 0
-        self._clearance_m = self._room_m = self._speed_m_s = 0.0
+        self._clearance_m = self._room_m = self._moved_m = self._speed_m_s = 0.0
         self._places_m = [0.0] * len(self.sources)
         self._saved: FmuState | None = None
         self.is_switched_on, self.is_supply_held = True, False
@@ -154,7 +154,7 @@ class PlantProbe(ABC):
             self.free_until_ns = now_ns
             if self._has_clearance and now_ns >= self._hold_until_ns:
                 free_ns = self._free_ns(now_ns)
-                if free_ns < wanted_ns and self.slave.time_ns < now_ns:
+                if free_ns < wanted_ns <= self._hoped_ns() and self.slave.time_ns < now_ns:
                     self._catch_up(now_ns)
                     free_ns = self._free_ns(now_ns)
                 self.free_until_ns += max(free_ns, 0)
@@ -164,12 +164,17 @@ class PlantProbe(ABC):
         moved = [
             axis.motion[POSITION] - x for axis, x in zip(self.sources, self._places_m, strict=True)
         ]
-        self._seen_ns = now_ns
-        self._room_m = self._clearance_m - hypot(*moved)
+        self._seen_ns, self._moved_m = now_ns, hypot(*moved)
+        self._room_m = self._clearance_m - self._moved_m
         self._speed_m_s = hypot(*[axis.motion[VELOCITY] for axis in self.sources])
         if self._room_m < 0.0:
             self._bound_is_broken(now_ns)
         return int(free_s(self._room_m, self._speed_m_s, self._gain_m_s2) * S) - self.look_back_ns
+
+    def _hoped_ns(self) -> TimeNs:
+        """Return what `_free_ns` would be if all of the way since the last look led away."""
+        room_m = self._clearance_m + self._moved_m
+        return int(free_s(room_m, self._speed_m_s, self._gain_m_s2) * S) - self.look_back_ns
 
     def _catch_up(self, now_ns: TimeNs) -> None:
         """Advance the FMU to now, at rest where the axes are: no edge is between."""
