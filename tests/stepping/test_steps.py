@@ -65,8 +65,9 @@ def test_steps_are_long_far_away_and_fine_near(plant: Make) -> None:
 def test_a_probe_is_asked_again_only_where_its_answer_could_free_a_step(plant: Make) -> None:
     """The load falls 1 mm at 20 mm/s; below 270 um a millisecond is not free: v t + A t^2/2.
 
-    From a look with the clearance c on, the next one is of use when the way since then is 270 um - c:
-    all of it may have led away. SYNCs are 20 um apart: after 260 um ways of 10, 30 and 70 um are due.
+    After a look with the clearance c the next one is of use where the way since then is 270 um - c:
+    all of it may have led away. SYNCs are 20 um apart, so 260 um are followed by 240, 200 and 120;
+    or where twice the time may be free.
     """
     start = {"acceleration_then": 0.0, "position_start": 0.001}
     made = plant(BENT, axis_start=start, probe_start={"surface": 0.0})

@@ -20,6 +20,8 @@ SPEED_GAIN_M_S2 = 500.0
 collision brakes harder, but only drives speed an axis up."""
 
 
+WORTH = 2
+"""How many times longer a step must be able to become, for a probe to be asked for it."""
 SUPPLY = "switched_on"
 SWITCHING_NS = MS
 """For how long a probe is followed after it was switched; from then on its clearance decides."""
@@ -154,7 +156,8 @@ class PlantProbe(ABC):
             self.free_until_ns = now_ns
             if self._has_clearance and now_ns >= self._hold_until_ns:
                 free_ns = self._free_ns(now_ns)
-                if free_ns < wanted_ns <= self._hoped_ns() and self.slave.time_ns < now_ns:
+                is_behind = free_ns < wanted_ns and self.slave.time_ns < now_ns
+                if is_behind and self._hoped_ns() >= min(wanted_ns, WORTH * free_ns):
                     self._catch_up(now_ns)
                     free_ns = self._free_ns(now_ns)
                 self.free_until_ns += max(free_ns, 0)
