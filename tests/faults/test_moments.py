@@ -6,6 +6,8 @@ with `p=0` change nothing, so that one run has them all.
 
 from functools import cache
 
+import pytest
+
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.tools.scenarios.campaign import examine
@@ -66,6 +68,7 @@ def test_an_offset_counts_from_the_edge_itself() -> None:
     assert begins["edge+2ms nth=2"] == edges[1] + 2 * MS
 
 
+@pytest.mark.long
 def test_an_inverted_probe_has_its_edge_where_it_falls() -> None:
     """Its level at rest is no edge."""
     facts, begins, _ = ran("set:Z.kenngr.measure.edge=NEG", "plant:probe.inverted=1")

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from axisrig.bench.judge.latch.findings import latch_events
 from axisrig.bench.judge.observed.observed import Observed
@@ -60,6 +61,7 @@ def test_a_late_wire_of_two_runs_is_beside_the_truth(tmp_path: Path) -> None:
     assert again.probes["probe"].passed == probe.passed
 
 
+@pytest.mark.long
 def test_a_stuck_wire_has_passed_nothing_and_of_two_late_ones_the_last_counts() -> None:
     probe = ran("fault:probe_stick=probe at=armed").facts.probes["probe"]
     assert probe.edges
