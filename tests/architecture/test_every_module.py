@@ -11,6 +11,7 @@ WALL_CLOCK = {"time", "datetime"}
 MAY_READ_WALL_CLOCK = (
     "axisrig.bench.cli.main",
     "axisrig.bench.cli.data_commands",
+    "axisrig.bench.cli.outside",
     "axisrig.bench.cli.perf_command",
     "axisrig.bench.cli.pytest_results",
     "axisrig.bench.cli.scenario_command",

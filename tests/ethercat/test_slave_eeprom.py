@@ -4,10 +4,12 @@ import struct
 from collections.abc import Iterator
 
 import pytest
+from tests.ethercat.esi_rules import eeprom_of
 from tests.ethercat.line import Line
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.ethercat.description import describe
+from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import SlaveSettings
 from axisrig.bench.drive.ethercat.sii import sii_content
 
@@ -127,3 +129,12 @@ def test_a_check_sum_that_is_wrong_is_said_and_gives_no_alias() -> None:
     line.one(2, 0, 0x0502, struct.pack("<HIH", 0x0201, 4, 0x2002))
     line.one(2, 0, 0x0502, struct.pack("<H", 0x0400))
     assert (line.read(0x0502, 2), line.read(0x0012, 2)) == (0x0840, 0)
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [DriveProfile(), DriveProfile(lacks="60B8 60B9 60BA 60D1"), DriveProfile(lacks="60FD")],
+)
+def test_the_eeprom_made_from_the_esi_file_is_ours(profile: DriveProfile) -> None:
+    description = describe(profile, serial=3)
+    assert eeprom_of(esi_text(description), serial=3) == sii_content(description)

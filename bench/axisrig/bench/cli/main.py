@@ -1,4 +1,4 @@
-"""The command line: `axisrig <command>`. Here and in `perf_command` clocks are read, nowhere else.
+"""The command line: `axisrig <command>`. Here, in `outside` and `perf_command` clocks are read.
 
 Heavy modules are imported inside the commands, so that `axisrig --help` answers at once
 (PLC0415 is switched off for this file).
@@ -10,7 +10,6 @@ import io
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -20,6 +19,7 @@ import typer
 
 from axisrig.bench.cli.data_commands import DATA
 from axisrig.bench.cli.distance_commands import distance_app
+from axisrig.bench.cli.drive_command import drive
 from axisrig.bench.cli.fmu_commands import build_library, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
@@ -54,6 +54,7 @@ from axisrig.bench.cli.options import (
     on_engine,
     rejecting,
 )
+from axisrig.bench.cli.outside import hardware, to_stderr
 from axisrig.bench.cli.perf_command import perf
 from axisrig.bench.cli.rig_commands import rig_app
 from axisrig.bench.cli.start import Whole, end_on_signals, start_lightly
@@ -63,7 +64,6 @@ from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
     from axisrig.bench.campaign.shown import Watch
-    from axisrig.bench.machine.pacing import Hardware
 
 DEMO = "demo"
 """Tag of the rows that `axisrig demo` runs."""
@@ -80,7 +80,7 @@ app.add_typer(tune_app, name="tune")
 app.add_typer(distance_app, name="distance")
 app.add_typer(plan_app, name="plan")
 app.add_typer(rig_app, name="rig")
-for command in (*LISTINGS, *TOOLS, *DATA, perf):
+for command in (drive, *LISTINGS, *TOOLS, *DATA, perf):
     app.command()(command)
 
 
@@ -89,25 +89,13 @@ def options(_is_asked: VersionOption = False) -> None:
     """Co-simulation test bench for measurement runs and distance control of CNC machines."""
 
 
-def _hardware() -> AbstractContextManager["Hardware"]:
-    """Give real time to a run with a real bus."""
-    from axisrig.bench.bus.paced import RealTime
-    from axisrig.bench.campaign.hardware_runs import stoppable
-
-    return stoppable(RealTime(time.monotonic_ns, time.sleep), _to_stderr)
-
-
 def _warn(warnings: Sequence[str], *, is_strict: bool) -> None:
     if is_strict:
         from axisrig.bench.campaign.cell_warnings import refuse_warnings
 
         refuse_warnings(warnings)
     for text in warnings:
-        _to_stderr(f"warning: {text}")
-
-
-def _to_stderr(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+        to_stderr(f"warning: {text}")
 
 
 def _inputs(assignments: list[str] | None, is_forced: bool, as_canopen: bool) -> list[str]:
@@ -149,7 +137,7 @@ def _watch(on_page: bool, in_terminal: bool) -> "Watch":
     if on_page or in_terminal:
         from axisrig.bench.cli.beside.showing import showing
 
-        return showing(time.monotonic, _to_stderr, on_page=on_page, in_terminal=in_terminal)
+        return showing(time.monotonic, to_stderr, on_page=on_page, in_terminal=in_terminal)
     from axisrig.bench.campaign.shown import Watch
     from axisrig.bench.cli.beside.ticking import ticking
 
@@ -205,7 +193,7 @@ def run(
     going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
     if not plans:
         _go_on(context, out, going_on.option)
-    said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
+    said = (may_move, to_stderr, interface, channel, options, bitrate, segment)
     campaign = run_campaign(
         plans,
         out=out,
@@ -218,7 +206,7 @@ def run(
         stopwatch=time.perf_counter,
         is_isolated=is_isolated or call_limit_s is not None,
         call_limit_s=call_limit_s or CALL_LIMIT_S,
-        outside=Outside(_hardware, *said),
+        outside=Outside(hardware, *said),
         bus_logs=log_kinds(bus_logs),
         is_fresh=is_fresh,
         going_on=going_on,
@@ -324,64 +312,15 @@ def nc(
     from axisrig.bench.campaign.worker import say
 
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
-    said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
+    said = (may_move, to_stderr, interface, channel, options, bitrate, segment)
     is_apart = is_isolated or bool(call_limit_s)
-    alarms = run_outside(Outside(_hardware, *said), *inputs, is_apart=is_apart)
+    alarms = run_outside(Outside(hardware, *said), *inputs, is_apart=is_apart)
     if alarms is None:
         limits = (is_isolated, call_limit_s)
         alarms = do_apart(run_program, *inputs, rigs=[rig], file=program, limits=limits)
     for alarm in alarms:
         print(alarm.text, file=sys.stderr)
     raise typer.Exit(1 if any(alarm.ends_program for alarm in alarms) else 0)
-
-
-@app.command()
-@rejecting
-def drive(
-    rig: Annotated[Path, typer.Argument(help="Rig file (TOML).")],
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    options: BusOption = None,
-    bitrate: BitrateOption = None,
-    segment: SegmentOption = None,
-    axes: Annotated[
-        list[str] | None, typer.Option("--axis", help="Only this axis; several allowed.")
-    ] = None,
-    for_s: Annotated[
-        float | None, typer.Option("--for", min=0.0, help="End after so many seconds.")
-    ] = None,
-    by_sync: Annotated[
-        bool,
-        typer.Option(
-            "--by-sync",
-            help="Time of the drives goes on by one period with each SYNC, however late it is.",
-        ),
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="Folder for bus log, events, latches and trace."),
-    ] = None,
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", help="File that keeps the parameters stored by 1010."),
-    ] = None,
-    eds: Annotated[
-        Path | None, typer.Option("--eds", help="Write the EDS of the drive there, and end.")
-    ] = None,
-    assignments: SetOption = None,
-) -> None:
-    """Run the virtual drives of a rig for the master of somebody else, until Ctrl-C."""
-    from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.tools.virtual_drive.serve import drive_settings, serve, whose_eds, write_eds
-
-    said = Outside(_hardware, True, _to_stderr, interface, channel, options, bitrate, segment)
-    settings = drive_settings(rig, said, axes or [], assignments or [])
-    if eds is not None:
-        print(write_eds(settings, eds))
-        print(f"the drive of {whose_eds(settings)}", file=sys.stderr)
-        return
-    files = {"folder": out, "store": store}
-    serve(settings, said, partial(print, flush=True), by_sync=by_sync, for_s=for_s, **files)
 
 
 @app.command()
@@ -425,7 +364,7 @@ def replay(
     logs, limits = _logs(bus_log), (is_isolated, call_limit_s)
     case, row = recorded_case(folder, run_id)
     if words := altered_words(folder, run_id):
-        _to_stderr(f"{run_id}: {words}")
+        to_stderr(f"{run_id}: {words}")
     what = (run_again, case, row, logs)
     again = do_apart(*what, rigs=[case.rig], file=folder, limits=limits)
     show_verdicts([again.result])

@@ -19,7 +19,8 @@ FORWARD_NS: Final[TimeNs] = 300
 """Delay of a slave from its port 0 to its port 1, where none is given (inferred: docs)."""
 LOCAL_BIT: Final = 0x02
 """Bit of the first byte of the source address, which the first slave sets."""
-_SOURCE: Final = 6
+SOURCE: Final = 6
+"""Where the source address of a frame is."""
 
 
 class Slave(Protocol):
@@ -142,7 +143,7 @@ class EthercatSegment:
         passage = Passage(begin_ns + there_ns, None if is_last else begin_ns + back_ns)
         self.slaves[number].process(frame, passage)
         if number == 0:
-            frame[_SOURCE] |= LOCAL_BIT
+            frame[SOURCE] |= LOCAL_BIT
         if not is_last:
             self._plan(frame, begin_ns, number + 1, places)
             return

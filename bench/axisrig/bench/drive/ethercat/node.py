@@ -72,7 +72,8 @@ class EthercatDrive:
     """One drive on the line: it moves an axis and has up to two probe signals.
 
     probes: the signals wired to probe input 1 and 2, None for an open input; they are the latch
-    inputs of its slave controller too. switches, entered, seed: as those of `Servo`.
+    inputs of its slave controller too. switches, entered, seed: as those of `Servo`. It boots at
+    the present instant, that is with the first event the clock runs.
     """
 
     def __init__(  # noqa: PLR0913
@@ -112,7 +113,7 @@ class EthercatDrive:
         )
         self._build_controller()
         self._build_objects()
-        self._boot()
+        clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
 
     def _build_controller(self) -> None:
         clock = self._clock
@@ -208,6 +209,10 @@ class EthercatDrive:
         """Give the power back: the slave begins in INIT with its stored parameters."""
         if not self.controller.is_on:
             self.controller.is_on = True
+            self._boot()
+
+    def _switched_on(self) -> None:
+        if self.controller.is_on:
             self._boot()
 
     def _boot(self) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.cia402.dictionary.storage import ParameterStorage
 from axisrig.kernel.errors import UserError
 
 
@@ -15,20 +15,20 @@ class ParameterFile:
     Raises UserError when the file is none of ours.
     """
 
-    def __init__(self, path: Path, nodes: Mapping[str, DriveNode]) -> None:
-        self._path, self._nodes = path, nodes
+    def __init__(self, path: Path, memories: Mapping[str, ParameterStorage]) -> None:
+        self._path, self._memories = path, memories
         self._others: dict[str, Any] = {}
         if path.exists():
             self._load()
-        self._kept = {name: node.slave.storage.stored for name, node in nodes.items()}
+        self._kept = {name: memory.stored for name, memory in memories.items()}
 
     def _load(self) -> None:
         try:
             content = json.loads(self._path.read_text(encoding="utf-8"))
             self._others = {name: dict(values) for name, values in content.items()}
-            for name, node in self._nodes.items():
+            for name, memory in self._memories.items():
                 values = self._others.pop(name, {}).items()
-                node.slave.storage.load({_key(text): int(value) for text, value in values})
+                memory.load({_key(text): int(value) for text, value in values})
         except (ValueError, TypeError, AttributeError) as error:
             raise UserError(
                 "no file of stored parameters", file=self._path, hint="name a new file"
@@ -36,7 +36,7 @@ class ParameterFile:
 
     def look(self) -> bool:
         """Write the file when a drive has stored something; return whether it has."""
-        stored = {name: node.slave.storage.stored for name, node in self._nodes.items()}
+        stored = {name: memory.stored for name, memory in self._memories.items()}
         if stored == self._kept:
             return False
         self._kept = stored

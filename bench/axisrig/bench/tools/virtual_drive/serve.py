@@ -175,7 +175,8 @@ class DriveServer:
             )
             beside = Beside(settings, self.plant, self.scheduler)
             self.nodes = build_nodes(settings, self.scheduler, self.segments, beside, 0)
-            self._parameters = ParameterFile(store, self.nodes) if store is not None else None
+            memories = {name: node.slave.storage for name, node in self.nodes.items()}
+            self._parameters = ParameterFile(store, memories) if store is not None else None
             self._watcher = Watcher(settings, self.nodes, self.plant, put_out, folder, self._open)
             self._trace = Trace(
                 {name: self.plant.axes[settings.rig.axis[name].plant] for name in self.nodes}

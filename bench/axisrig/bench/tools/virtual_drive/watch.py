@@ -1,6 +1,6 @@
 """Reports what a master outside does to the drives of a rig, one line for each thing that happens.
 
-It looks at every frame and at the nodes after it; it changes nothing. Lines go to `put_out`, and
+It looks at the nodes, on CAN at every frame too; it changes nothing. Lines go to `put_out`, and
 to `events.csv` and `latches.csv` where a folder is given.
 """
 
@@ -9,16 +9,18 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Generic, TypeVar
 
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE, SDO_ANSWER_BASE, SYNC_ID
+from axisrig.kernel.profiles.ethercat.tables import al_status_text
 from axisrig.kernel.time.clock import S, TimeNs
 
 NMT_COMMANDS = {
@@ -45,17 +47,108 @@ _LATCHES = (
 class _Seen:
     """What was seen of a node last."""
 
-    nmt: str
+    communication: str
     state: str
     mode: int
     counts: tuple[int, ...]
 
 
-class Watcher:
-    """Watches the nodes of a rig and the frames of its segments.
+N = TypeVar("N", DriveNode, EthercatDrive)
+
+
+class NodeWatcher(Generic[N]):
+    """Watches the drives of a rig.
 
     put_out: takes each line. folder: where events.csv and latches.csv go, or None.
     """
+
+    LABEL: ClassVar[str]
+
+    def __init__(
+        self,
+        settings: Settings,
+        nodes: Mapping[str, N],
+        plant: Plant,
+        put_out: Callable[[str], None],
+        folder: Path | None,
+        opened: ExitStack,
+    ) -> None:
+        self._settings, self._plant, self._put_out = settings, plant, put_out
+        self._nodes: Mapping[str, N] = nodes
+        self._seen = {name: self._look_at(node) for name, node in nodes.items()}
+        self._events: Any = _table(folder, "events.csv", EVENT_COLUMNS, opened)
+        self._latches: Any = _table(folder, "latches.csv", LATCH_COLUMNS, opened)
+
+    def tell(self, time_ns: TimeNs, axis: str, kind: str, text: str) -> None:
+        """Put one line out."""
+        self._put_out(f"{time_ns / S:12.6f} s  {axis:<4} {kind:<7} {text}")
+        if self._events:
+            self._events([time_ns, axis, kind, text])
+
+    def look(self, time_ns: TimeNs) -> None:
+        """Report what has changed in the nodes since the last look."""
+        for name, node in self._nodes.items():
+            seen, now = self._seen[name], self._look_at(node)
+            if now == seen:
+                continue
+            self._seen[name] = now
+            if now.communication != seen.communication:
+                text = f"{seen.communication} -> {now.communication}"
+                self.tell(time_ns, name, self.LABEL, text)
+            if now.mode != seen.mode:
+                self.tell(time_ns, name, "mode", f"{seen.mode} -> {now.mode} (6060)")
+            if now.state != seen.state:
+                word = f"(6040 = 0x{node.image.controlword:04X})"
+                self.tell(time_ns, name, "state", f"{seen.state} -> {now.state} {word}")
+            if now.counts != seen.counts:
+                self._tell_latches(name, node, seen, now)
+
+    def _communication(self, node: N) -> str:
+        """Return the state of what a drive has of its carrier."""
+        raise NotImplementedError
+
+    def _look_at(self, node: N) -> _Seen:
+        return _Seen(
+            self._communication(node),
+            node.state.name,
+            node.image.mode,
+            tuple([getattr(node.image, count) for *_, count in _LATCHES]),
+        )
+
+    def _tell_latches(self, name: str, node: N, seen: _Seen, now: _Seen) -> None:
+        per_mm = float(node.profile.units_per_mm)
+        for latch, old, count in zip(_LATCHES, seen.counts, now.counts, strict=True):
+            if count in (0, old):
+                continue
+            probe, index, field, _ = latch
+            units = getattr(node.image, field)
+            latch_ns = node.servo.touch_probe.probes[probe - 1].latch_instants_ns[-1]
+            text = f"probe {probe}, 0x{index:04X} = {units} = {units / per_mm:.6f} mm"
+            row = [latch_ns, name, probe, f"0x{index:04X}", units, units / per_mm, "", ""]
+            contact = self._contact(name, probe, latch_ns)
+            plant = self._settings.rig.axis[name].plant
+            if contact is not None and plant in contact.position_mm:
+                truth_mm = contact.position_mm[plant]
+                row[-2:] = [contact.time_ns, truth_mm]
+                text += f"; contact was at {truth_mm:.6f} mm"
+            self.tell(latch_ns, name, "latch", text)
+            if self._latches:
+                self._latches(row)
+
+    def _contact(self, name: str, probe: int, latch_ns: TimeNs) -> Contact | None:
+        """Return the last contact before a latch, of the probe at this input."""
+        axis = self._settings.rig.axis[name]
+        instance = axis.probe_1 if probe == 1 else axis.probe_2
+        contacts = self._plant.probes[instance].contacts if instance else []
+        return max(
+            (c for c in contacts if c.time_ns <= latch_ns), key=lambda c: c.time_ns, default=None
+        )
+
+
+class Watcher(NodeWatcher[DriveNode]):
+    """Watches the nodes of a rig and the frames of its segments."""
+
+    LABEL = "NMT"
 
     def __init__(
         self,
@@ -66,20 +159,14 @@ class Watcher:
         folder: Path | None,
         opened: ExitStack,
     ) -> None:
-        self._settings, self._nodes, self._plant, self._put_out = settings, nodes, plant, put_out
+        super().__init__(settings, nodes, plant, put_out, folder, opened)
         self._names = {
             (settings.rig.axis[name].segment, node.node_id): name for name, node in nodes.items()
         }
-        self._seen = {name: self._look_at(node) for name, node in nodes.items()}
         self._syncs: dict[str, TimeNs] = {}
-        self._events: Any = _table(folder, "events.csv", EVENT_COLUMNS, opened)
-        self._latches: Any = _table(folder, "latches.csv", LATCH_COLUMNS, opened)
 
-    def tell(self, time_ns: TimeNs, axis: str, kind: str, text: str) -> None:
-        """Put one line out."""
-        self._put_out(f"{time_ns / S:12.6f} s  {axis:<4} {kind:<7} {text}")
-        if self._events:
-            self._events([time_ns, axis, kind, text])
+    def _communication(self, node: DriveNode) -> str:
+        return node.nmt_state.name
 
     def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
         """Look at one frame; the nodes have not acted on it yet."""
@@ -117,63 +204,22 @@ class Watcher:
             self.tell(time_ns, name, "SDO", f"abort of {what} with {text}")
 
     def look(self, time_ns: TimeNs) -> None:
-        """Report what has changed in the nodes since the last look."""
-        for name, node in self._nodes.items():
-            seen, now = self._seen[name], self._look_at(node)
-            if now == seen:
-                continue
-            self._seen[name] = now
-            if now.nmt != seen.nmt:
-                self.tell(time_ns, name, "NMT", f"{seen.nmt} -> {now.nmt}")
-            if now.mode != seen.mode:
-                self.tell(time_ns, name, "mode", f"{seen.mode} -> {now.mode} (6060)")
-            if now.state != seen.state:
-                word = f"(6040 = 0x{node.image.controlword:04X})"
-                self.tell(time_ns, name, "state", f"{seen.state} -> {now.state} {word}")
-            if now.counts != seen.counts:
-                self._tell_latches(name, node, seen, now)
+        """Report what has changed in the nodes since the last look, and a SYNC that stays away."""
+        super().look(time_ns)
         for segment, sync_ns in list(self._syncs.items()):
             if time_ns - sync_ns > SYNC_LOST_NS:
                 del self._syncs[segment]
                 self.tell(time_ns, "", "SYNC", f"none on {segment} since {sync_ns / S:.6f} s")
 
-    @staticmethod
-    def _look_at(node: DriveNode) -> _Seen:
-        return _Seen(
-            node.nmt_state.name,
-            node.state.name,
-            node.image.mode,
-            tuple([getattr(node.image, count) for *_, count in _LATCHES]),
-        )
 
-    def _tell_latches(self, name: str, node: DriveNode, seen: _Seen, now: _Seen) -> None:
-        per_mm = float(node.profile.units_per_mm)
-        for latch, old, count in zip(_LATCHES, seen.counts, now.counts, strict=True):
-            if count in (0, old):
-                continue
-            probe, index, field, _ = latch
-            units = getattr(node.image, field)
-            latch_ns = node.servo.touch_probe.probes[probe - 1].latch_instants_ns[-1]
-            text = f"probe {probe}, 0x{index:04X} = {units} = {units / per_mm:.6f} mm"
-            row = [latch_ns, name, probe, f"0x{index:04X}", units, units / per_mm, "", ""]
-            contact = self._contact(name, probe, latch_ns)
-            plant = self._settings.rig.axis[name].plant
-            if contact is not None and plant in contact.position_mm:
-                truth_mm = contact.position_mm[plant]
-                row[-2:] = [contact.time_ns, truth_mm]
-                text += f"; contact was at {truth_mm:.6f} mm"
-            self.tell(latch_ns, name, "latch", text)
-            if self._latches:
-                self._latches(row)
+class EthercatWatcher(NodeWatcher[EthercatDrive]):
+    """Watches the drives of a line of EtherCAT."""
 
-    def _contact(self, name: str, probe: int, latch_ns: TimeNs) -> Contact | None:
-        """Return the last contact before a latch, of the probe at this input."""
-        axis = self._settings.rig.axis[name]
-        instance = axis.probe_1 if probe == 1 else axis.probe_2
-        contacts = self._plant.probes[instance].contacts if instance else []
-        return max(
-            (c for c in contacts if c.time_ns <= latch_ns), key=lambda c: c.time_ns, default=None
-        )
+    LABEL = "AL"
+
+    def _communication(self, node: EthercatDrive) -> str:
+        code = node.al_status_code
+        return node.al_state.name + (f" with {al_status_text(code)}" if code else "")
 
 
 def _table(folder: Path | None, name: str, columns: tuple[str, ...], opened: ExitStack) -> Any:
