@@ -397,6 +397,22 @@ def test_in_free_run_the_drive_has_its_own_cycle_of_60c2() -> None:
     assert line.sdo_read(0x1C32, 2) == struct.pack("<I", 4 * MS)
 
 
+@pytest.mark.parametrize("sample_ns", [0, 250_000, -300_000])
+def test_inputs_are_those_of_the_instant_at_which_they_are_sampled(sample_ns: int) -> None:
+    """50 mm/s: 250 us after SYNC0 are 12.5 um, 300 us before the next one 35.0 um."""
+    line = in_sync(
+        motion=lambda time_s: 0.05 * time_s,
+        settings=[SlaveSettings(drift_ppm=0.0, sample_ns=sample_ns)],
+    )
+    line.wait(10 * MS)
+    pulse_ns = line.drive.sync.next0
+    line.clock.run_until(pulse_ns + MS - 10 * US)  # just before the next SYNC0
+    position = line.cycle()[1]
+    after_ns = sample_ns % MS
+    per_mm = float(line.drive.profile.units_per_mm)
+    assert position == pytest.approx(0.05e-6 * (pulse_ns + after_ns) * per_mm, abs=0.51)
+
+
 def test_a_time_stamp_is_the_system_time_of_the_edge() -> None:
     """60D1 in ns of the slave's copy, 32 bits of it; the latch is where the axis was there."""
     edge_ns = 30 * MS + 123_456

@@ -11,10 +11,13 @@ from pathlib import Path
 
 import pytest
 from tests.ethercat.line import OP, SAFEOP, Line, physical
+from typer.testing import CliRunner
 
 from axisrig.bench.bus.ethercat.frame import datagrams, working_counter
-from axisrig.bench.bus.ethercat.records import EthercatHash, PcapngLog
+from axisrig.bench.bus.ethercat.frame_hash import FrameHash
+from axisrig.bench.bus.ethercat.pcapng import PcapngFile
 from axisrig.bench.bus.journal import Journal
+from axisrig.bench.cli.main import app
 from axisrig.kernel.time.clock import MS, US
 
 TSHARK = shutil.which("tshark")
@@ -59,11 +62,13 @@ def recorded(path: Path, cycles: int) -> tuple[list[tuple[int, bytes]], str]:
     """Frames of a line, in a file too, and their hash."""
     line = Line()
     journal = line.segment._journal = Journal()
-    found = EthercatHash(journal)
-    with PcapngLog(path, ["ecat"], journal):
+    found = FrameHash(journal)
+    with PcapngFile(path, ["ecat"]) as file:
+        journal.add(file.take)
         traffic(line, cycles)
+        digest = found.hexdigest()
     assert found.frames == len(line.back)
-    return line.back, found.hexdigest()
+    return line.back, digest
 
 
 @pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (Debian package tshark)")
@@ -109,7 +114,25 @@ def test_the_hash_is_that_of_its_definition_and_the_same_each_time(tmp_path: Pat
     frames, digest = recorded(tmp_path / "a.pcapng", 20)
     expected = hashlib.sha256()
     for time_ns, frame in frames:
-        expected.update(struct.pack("<qB4sI", time_ns, 4, b"ecat", len(frame)) + frame)
+        expected.update(struct.pack("<qB4sH", time_ns, 4, b"ecat", len(frame)) + frame)
     assert digest == expected.hexdigest()
     assert recorded(tmp_path / "b.pcapng", 20)[1] == digest
     assert (tmp_path / "a.pcapng").read_bytes() == (tmp_path / "b.pcapng").read_bytes()
+
+
+@pytest.mark.long
+@pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (Debian package tshark)")
+def test_a_run_leaves_a_file_of_each_line_that_tshark_reads(tmp_path: Path) -> None:
+    program = tmp_path / "way.nc"
+    program.write_text("G0 Z120\nM30\n")
+    rig = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-ethercat.toml"
+    log = tmp_path / "bus.pcap"
+    got = CliRunner().invoke(app, ["nc", str(program), "--rig", str(rig), "--bus-log", str(log)])
+    assert got.exit_code == 0, got.output
+    rows = tshark(tmp_path / "bus.ec1.pcapng", FIELDS)
+    assert len(rows) > 300
+    assert {row["_ws.malformed"] for row in rows} == {""}
+    # FPWR, FRMW, LRW and BRD of one slave in each cycle
+    cyclic = [row for row in rows if numbers(row["ecat.cmd"]) == [5, 14, 12, 7]]
+    assert len(cyclic) > 200
+    assert {row["ecat.cnt"] for row in cyclic} == {"1;1;3;1"}

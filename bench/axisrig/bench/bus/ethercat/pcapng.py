@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from axisrig.bench.bus.journal import Entry
 from axisrig.kernel.time.clock import TimeNs
 
 _SECTION: Final = 0x0A0D0D0A
@@ -20,13 +21,14 @@ _NANOSECONDS: Final = 9
 
 
 class PcapngFile:
-    """Frames of one or more segments; a context manager that closes the file.
+    """Frames of one or more segments, one by one or in blocks of a journal; a context manager.
 
     interfaces: their names, by the numbers that `add` takes.
     """
 
     def __init__(self, path: Path, interfaces: Sequence[str]) -> None:
         self._file = path.open("wb")
+        self._places = {name: place for place, name in enumerate(interfaces)}
         self._file.write(_block(_SECTION, struct.pack("<IHHq", _BYTE_ORDER, 1, 0, -1)))
         for name in interfaces:
             options = _option(_NAME, name.encode()) + _option(_RESOLUTION, bytes((_NANOSECONDS,)))
@@ -37,7 +39,18 @@ class PcapngFile:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """Close the file."""
         self._file.close()
+
+    def take(self, block: list[Entry]) -> None:
+        """Add the frames of a block of a journal that belong to one of the segments."""
+        for time_ns, segment, frame, _ in block:
+            place = self._places.get(segment)
+            if place is not None:
+                self.add(time_ns, place, frame)
 
     def add(self, time_ns: TimeNs, interface: int, frame: bytes) -> None:
         """Add a frame of an interface."""

@@ -91,6 +91,11 @@ class CycleClock(Owner):
         return self.timing is not Timing.SYNC0 or self._sync.pulses > 0
 
     @property
+    def cycle_ns(self) -> TimeNs:
+        """Time from one cycle to the next."""
+        return self._sync.cycle0 if self.timing is Timing.SYNC0 else self._period_ns()
+
+    @property
     def has_clock(self) -> bool:
         """Whether SYNC0 is active, where it is the clock."""
         return self.timing is not Timing.SYNC0 or self._sync.has_sync0
@@ -133,8 +138,7 @@ class CycleClock(Owner):
             is_input = index == INPUT_SYNC and self.timing is Timing.OUTPUTS
             return _INPUT_WITH_OUTPUTS if is_input else int(self.timing)
         if sub == _CYCLE:
-            is_clocked = self.timing is Timing.SYNC0
-            return self._sync.cycle0 if is_clocked else self._period_ns()
+            return self.cycle_ns
         if sub == _LEAST:
             return self._least_ns
         if sub == _MISSED:

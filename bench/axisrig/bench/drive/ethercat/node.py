@@ -6,6 +6,7 @@ on any carrier; here is when its cycle comes, and what the states of EtherCAT me
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from axisrig.bench.bus.ethercat.segment import Passage
@@ -60,12 +61,15 @@ class SlaveSettings:
     """What differs from slave to slave.
 
     serial: of the identity. mailbox_bytes: of each mailbox. start_ns, drift_ppm: of its clock.
+    sample_ns: when it samples its inputs, after what gives the clock of its cycle; below 0 = before
+    the next one, 0 = in the cycle itself.
     """
 
     serial: int = 0
     mailbox_bytes: int = MAILBOX_BYTES
     start_ns: TimeNs = 0
     drift_ppm: float = 0.0
+    sample_ns: TimeNs = 0
 
 
 class EthercatDrive:
@@ -94,6 +98,7 @@ class EthercatDrive:
         self.settings = settings or SlaveSettings()
         self._clock, self._probes = clock, probes
         self._outputs = 0  # how often they came since SAFEOP
+        self._samples = 0
         self._no_sync = Timer(clock, self._sync_stays_away)
         self.time = DistributedClock(LocalClock(self.settings.start_ns, self.settings.drift_ppm))
         self.servo = Servo(
@@ -380,10 +385,26 @@ class EthercatDrive:
         if self.states.state is AlState.OP and self._outputs:
             self.process_data.outputs.store(servo.image, self.managers[OUTPUTS].latest)
         servo.cycle(now_ns)
-        self._show_inputs()
+        if self.settings.sample_ns:
+            self._plan_sample(now_ns)
+        else:
+            self._show_inputs()
         limit = self.profile.sync_loss_periods
         if limit and self.cycle_clock.missing >= limit and self.states.state is AlState.OP:
             self.states.fall(AlState.SAFEOP, "SYNC_ERROR")
+
+    def _plan_sample(self, now_ns: TimeNs) -> None:
+        """Sample apart from the cycle, at an instant of the slave's own clock."""
+        self._samples += 1
+        after_ns = self.settings.sample_ns % self.cycle_clock.cycle_ns
+        at_ns = self.time.instant_ns(self.time.system_ns(now_ns) + after_ns, now_ns)
+        self._clock.call_at(at_ns, Phase.APPLICATION, partial(self._sample, self._samples))
+
+    def _sample(self, number: int) -> None:
+        """Sample, unless the next cycle has come before."""
+        if number == self._samples and self.cycle_clock.is_running:
+            self.servo.refresh(self._clock.now_ns)
+            self._show_inputs()
 
     def _show_inputs(self) -> None:
         if self.process_data.inputs.fields:

@@ -1,11 +1,13 @@
 """CiA 402 on EtherCAT in a machine."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
 from axisrig.bench.bus.ethercat.frame_hash import FrameHash
+from axisrig.bench.bus.ethercat.pcapng import PcapngFile
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.ethercat.line import Line, driven
 from axisrig.bench.machine.ethercat.value_log import ValueLog
@@ -43,6 +45,10 @@ class EthercatLines(Installed):
         self._bench = bench
         journal = Journal()
         self._hash = FrameHash(journal)
+        for name, path in _files(bench.bus_logs, ec_segments(settings)):
+            log = PcapngFile(path, [name])
+            bench.opened.callback(log.stop)
+            journal.add(log.take)
         bench.opened.callback(journal.drain)
         # A slave may take a state while it is built
         self.states = {axis: [] for axis in settings.rig.axis}
@@ -176,6 +182,16 @@ class EthercatLines(Installed):
             "counters": [],
             "states": {axis: state_name(node.al_state) for axis, node in line.nodes.items()},
         }
+
+
+def _files(bus_logs: Sequence[Path], segments: Sequence[str]) -> list[tuple[str, Path]]:
+    """Return the file of each line, whatever kinds of logs are asked for: `<run>.<segment>.pcapng`.
+
+    The other kinds hold frames of CAN.
+    """
+    if not bus_logs:
+        return []
+    return [(name, bus_logs[0].with_suffix(f".{name}.pcapng")) for name in segments]
 
 
 def _telegram(name: str, pdos: Iterable[Pdo]) -> Telegram:
