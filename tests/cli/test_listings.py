@@ -9,7 +9,7 @@ import pytest
 
 from axisrig.bench.plan.checks import known_metrics
 from axisrig.bench.plan.statistic_checks import known_statistics
-from axisrig.bench.tools.listings import doctor
+from axisrig.bench.tools.listings import alarms, doctor
 from axisrig.bench.tools.listings import language as words
 from axisrig.bench.tools.listings import oracles as closed_forms
 from axisrig.bench.tools.listings.alarms import alarm_listing
@@ -146,6 +146,15 @@ def test_ids_that_are_near_are_few_and_say_what_they_are() -> None:
     near = str(caught.value.allowed)
     assert f"{gap + 1} (" in near
     assert 1 <= sum(f"{i} (" in near for i in ids) <= 4
+
+
+def test_of_ids_beside_one_the_two_nearest_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    texts = {i: SimpleNamespace(text=f"says {i}") for i in (10_000, 10_003, 10_004, 10_006, 50_000)}
+    monkeypatch.setattr(alarms, "catalogue", lambda: texts)
+    monkeypatch.setattr(alarms, "nearest", lambda *_: [])
+    assert list(alarms._near(10_005)) == ["10004 (says 10004)", "10006 (says 10006)"]
+    assert list(alarms._near(50_001)) == ["50000 (says 50000)"]  # the other one is far away
+    assert list(alarms._near(90_000)) == []
 
 
 def test_a_legend_counts_what_is_listed() -> None:
@@ -328,6 +337,8 @@ def test_gains_are_of_one_row_and_each_number_has_its_direction() -> None:
     assert "frames differ" not in show_gains(
         now, {key: value for key, value in before.items() if key != "frame_log_sha256"}
     )
+    told = show_gains(now, {**before, "compiled": True, "sources_sha256": "cd"})
+    assert "the file: axisrig compiled, sources cd" in told.splitlines()
     lines = gains_table({"long name": 2.0, "x": None}, {}, ["r"]).splitlines()
     assert lines[1:3] == ["  long name  2.00", "  x          -"]
     assert lines[-1] == "frames differ: r"

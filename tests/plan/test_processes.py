@@ -211,6 +211,13 @@ def _lives(pid: int) -> bool:
     return state != "Z"
 
 
+def test_a_task_that_needs_a_new_process_shares_it_with_nobody() -> None:
+    """Between two that may share one."""
+    fresh = [False, False, True, False, False]
+    done = list(run_apart(os.getpid, [[] for _ in fresh], jobs=1, is_fresh=fresh))
+    assert [done.index(process) for process in done] == [0, 0, 2, 3, 3]
+
+
 class End:
     """An end of a channel, as `multiprocessing` has it."""
 
