@@ -13,7 +13,13 @@ from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
 from axisrig.bench.rig.reading.faults import read_time
-from axisrig.bench.tools.scenarios.campaign import Tally, compared
+from axisrig.bench.tools.scenarios.campaign import (
+    SAMPLE,
+    Tally,
+    compared,
+    repeated,
+    run_scenario,
+)
 from axisrig.bench.tools.scenarios.drawing import draw_inputs
 from axisrig.bench.tools.scenarios.log import ScenarioLog, line_of
 from axisrig.bench.tools.scenarios.machines import machines, machines_named, path_of
@@ -162,6 +168,26 @@ def test_other_frames_in_another_process_are_a_finding() -> None:
     tally = Tally()
     tally.add(Scenario(100, 1, ()), found)
     assert "other frames" in tally.table()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("machine", ["one-axis", "three-axes", "distance-3d", "source-stamp"])
+def test_a_scenario_sends_the_same_frames_in_another_process(machine: str) -> None:
+    """One that shares neither memory layout nor hashes of words with this one."""
+    scenario = make_scenario(1, SAMPLE - 1, machine)
+    judgement = run_scenario(scenario)
+    assert judgement.frames
+    assert repeated((scenario, judgement)) == (scenario, judgement)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("machine", list(machines()))
+def test_a_machine_without_faults_gives_its_values_and_no_finding(machine: str) -> None:
+    drawn = make_scenario(2, 0, machine)
+    inputs = tuple(text for text in drawn.assignments if not text.startswith("fault:"))
+    judgement = run_scenario(replace(drawn, assignments=inputs))
+    assert judgement.result is Result.GOOD, judgement.note
+    assert judgement.right >= bool(machines()[machine].source)
 
 
 # --- the smallest scenario
