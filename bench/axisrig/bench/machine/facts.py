@@ -36,7 +36,7 @@ from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.distance.loops import unstable
 from axisrig.bench.rig.distance.sensors import sensors_of
-from axisrig.bench.rig.families import TerminalGrid, rig_families
+from axisrig.bench.rig.families import TerminalGrid, family_of, rig_families
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
@@ -159,6 +159,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         rated_torque_mnm=drive.rated_torque_mnm,
         lead_um=float(round(drive.lead_mm * 1000)),
         second_delay_cycles=drive.second_delay_cycles,
+        late_cycles=family_of(machine.settings, name).late_cycles(machine.settings, name),
         latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
         torque_limits=machine.torque_limits.of(name),
         states=tuple(part.states.get(name, ())),

@@ -35,10 +35,12 @@ class RigFamily:
     """What is on the segments of one carrier, with drives of any family that it carries.
 
     The module that `rig` of a row names has one as `FAMILY`. This base checks and describes
-    nothing. has_faults: of frames and drives. has_objects: columns and programs may write to them.
+    nothing. fault_rooms: rooms of `faults.csv` whose kinds act on its segments and their drives.
+    has_objects: columns and programs may write to them.
     """
 
-    has_faults = has_objects = False
+    fault_rooms: tuple[str, ...] = ()
+    has_objects = False
 
     def check_addresses(self, settings: Settings) -> None:
         """Check addresses. Raises UserError with file, line and key of the rig."""
@@ -60,6 +62,10 @@ class RigFamily:
     def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:
         """Return how the second encoder of an axis comes, None where it does not."""
         return None
+
+    def late_cycles(self, settings: Settings, axis: str) -> int:
+        """Return by how many cycles more than 2 an NC cycle sees what its set values do."""
+        return 0
 
     def terminal_grid(self, settings: Settings) -> TerminalGrid | None:
         """Return the instants of the terminal of the PLC, where it is on such a segment."""

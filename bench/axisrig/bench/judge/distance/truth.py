@@ -352,6 +352,7 @@ class DistanceTruth:
             is_optimized=self.listed.is_optimized,
             sensor_age_cycles=self.sensor_age_cycles,
             every=self.every,
+            late_cycles=0 if self.variable is not None else self.record.late_cycles,
         )
 
     @cached_property

@@ -36,15 +36,18 @@ class DeadCycles:
         return self.reaction + self.way - 1
 
 
-def predicted(*, is_optimized: bool, sensor_age_cycles: int = 0, every: int = 1) -> DeadCycles:
+def predicted(
+    *, is_optimized: bool, sensor_age_cycles: int = 0, every: int = 1, late_cycles: int = 0
+) -> DeadCycles:
     """Return the dead cycles of a rig.
 
+    late_cycles: that the carrier adds to the way (`bench.oracles.phases`).
     sensor_age_cycles: of 60E4 or of the variable on its way. every: 60E4 comes with every so many
     SYNCs only (transmission type 2 to 240); what a value has set off is then shown by the first
     later value that can.
     """
     reaction = 0 if is_optimized else 1
-    whole = reaction + WAY_CYCLES + sensor_age_cycles
+    whole = reaction + WAY_CYCLES + sensor_age_cycles + late_cycles
     whole = -(-whole // every) * every
     return DeadCycles(reaction, whole - reaction, sensor_age_cycles)
 

@@ -33,7 +33,9 @@ AT_LIMIT = 1e-6
 
 def dead_cycles(listed: Listed, sensor: Sensor) -> DeadCycles:
     """Return the dead cycles of a fresh sensor value."""
-    return predicted(is_optimized=listed.is_optimized, sensor_age_cycles=sensor.age)
+    return predicted(
+        is_optimized=listed.is_optimized, sensor_age_cycles=sensor.age, late_cycles=sensor.late
+    )
 
 
 def loop_of(
@@ -221,6 +223,7 @@ def dead_line(settings: Settings, name: str, sensor: Sensor) -> str:
         f"  dead cycles  {dead_words(dead_cycles(listed, sensor), sensor)}: the offset is sent in"
         f" {goes} cycle ({parameter} = {int(listed.is_optimized)}) and is reached at the 2nd SYNC"
         f" after it; the sensor value is {sensor.age} cycles old"
+        f"{f', and the carrier adds {sensor.late}' if sensor.late else ''}"
     )
 
 

@@ -34,6 +34,7 @@ class Sensor:
     every: int
     sign: Literal[-1, 0, 1]
     promised_ns: TimeNs | None
+    late: int = 0
 
 
 def sensors_of(settings: Settings, name: str) -> list[Sensor]:
@@ -57,6 +58,7 @@ def sensors_of(settings: Settings, name: str) -> list[Sensor]:
                 way.every,
                 _sign(_grows_with(settings, str(axis.encoder_2), [axis.plant]), inverts=inverts),
                 way.promised_ns,
+                family_of(settings, name).late_cycles(settings, name),
             )
         )
     return [*found, *_variables(settings, [axis.plant])]

@@ -14,6 +14,7 @@ from axisrig.kernel.time.clock import US
 class Cia402OnEthercat(RigFamily):
     """Drives of CiA 402 on EtherCAT lines."""
 
+    fault_rooms = ("lines",)
     has_objects = True
 
     def check(self, settings: Settings) -> None:
@@ -37,6 +38,10 @@ class Cia402OnEthercat(RigFamily):
             return None
         period_ns = settings.rig.cycle.period_us * US
         return SecondEncoder("60E4:1, in the process image of each cycle", 1, period_ns)
+
+    def late_cycles(self, settings: Settings, axis: str) -> int:
+        """Return by how many cycles more than 2 an NC cycle sees what its set values do."""
+        return phases_of(settings, axis).late_cycles
 
     def tables(self, settings: Settings) -> list[str]:
         """Show the arithmetic of every line."""
