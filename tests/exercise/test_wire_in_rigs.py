@@ -223,8 +223,11 @@ def test_a_segment_carries_drives_of_two_families_and_a_family_is_on_two_carrier
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ("fault:drop=Z.TPDO1 at=1ms", "there are no faults of segments of the kind wire"),
-        ("fault:babble=bundle id=0x1 at=1ms", "there are no faults of segments of the kind wire"),
+        ("fault:drop=Z.TPDO1 at=1ms", "there are no such faults of segments of the kind wire"),
+        (
+            "fault:babble=bundle id=0x1 at=1ms",
+            "there are no such faults of segments of the kind wire",
+        ),
         ("plc:Z.6072=300", "drive wired of axis Z has no objects"),
     ],
 )

@@ -69,12 +69,13 @@ def test_the_axis_is_stopped_within_the_configured_cycles(fault: str, alarm_id: 
 
 
 def test_every_kind_of_fault_has_a_reaction() -> None:
-    """Of what that machine has not (sensors, inputs, PLC, clock), rows of `wires.csv` are that."""
-    text = (ROOT / "testplans" / "wires.csv").read_text(encoding="utf-8")
+    """Of what that machine has not (sensors, PLC, lines, ...), rows of two plans are that."""
+    plans = [ROOT / "testplans" / name for name in ("wires.csv", "ethercat.csv")]
+    text = "".join(path.read_text(encoding="utf-8") for path in plans)
     kinds = {row["kind"] for row in ROWS}
     for kind in fault_kinds().values():
         assert kind.name in kinds or f"fault:{kind.name}" in text, kind.name
-        assert kind.name in kinds or kind.room in ("sensors", "plants", "plc", "clock")
+        assert kind.name in kinds or kind.room in ("sensors", "plants", "plc", "clock", "lines")
 
 
 def test_the_document_shows_the_table() -> None:

@@ -6,8 +6,8 @@ from axisrig.bench.rig.reading.faults import FaultKind, fault_kinds, misses_hear
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
 
-ON_SEGMENTS = ("frames", "drives")
-"""Rooms of `faults.csv` whose kinds need a carrier that has faults."""
+ON_SEGMENTS = ("frames", "drives", "lines")
+"""Rooms of `faults.csv` whose kinds need a carrier that has them."""
 
 
 def open_targets(kind: FaultKind, settings: Settings) -> list[str]:
@@ -17,7 +17,7 @@ def open_targets(kind: FaultKind, settings: Settings) -> list[str]:
     for target in targets(kind.targets, rig):
         axis, segment, _ = place_of(target, kind.targets, rig)
         on = rig.axis[axis].segment if axis else segment
-        if kind.room in ON_SEGMENTS and not family_on(settings, on).has_faults:
+        if kind.room in ON_SEGMENTS and kind.room not in family_on(settings, on).fault_rooms:
             continue
         if not (axis and misses_heartbeats(kind.name, axis, rig)):
             found.append(target)
@@ -29,16 +29,18 @@ def check_faults(settings: Settings) -> None:
 
     Raises UserError with file, line and key of the rig.
     """
-    with_faults = [n for n in settings.segment if family_on(settings, n).has_faults]
+    rooms = {name: family_on(settings, name).fault_rooms for name in settings.segment}
     for fault in settings.faults:
-        if fault_kinds()[fault.kind].room not in ON_SEGMENTS:
+        room = fault_kinds()[fault.kind].room
+        if room not in ON_SEGMENTS:
             continue
+        with_faults = [name for name, of in rooms.items() if room in of]
         on = settings.rig.axis[fault.axis].segment if fault.axis else fault.segment
         if on not in with_faults:
             raise rig_error(
                 settings.files,
                 ("axis", fault.axis) if fault.axis else ("segment", fault.segment),
-                f"fault {fault.kind}: there are no faults of segments of the kind"
+                f"fault {fault.kind}: there are no such faults of segments of the kind"
                 f" {settings.segment[on].carrier}, nor of their drives",
                 value=fault.target,
                 allowed=with_faults or "none",

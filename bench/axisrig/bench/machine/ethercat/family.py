@@ -1,5 +1,6 @@
 """CiA 402 on EtherCAT in a machine."""
 
+import random
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,14 @@ from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.ethercat.line import Line, driven
 from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.families import Bench, Installed
+from axisrig.bench.machine.faults.acts import Act, Injected
+from axisrig.bench.machine.faults.lines import KINDS, OnLine
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
 from axisrig.bench.rig.ethercat.members import ec_segments
 from axisrig.bench.rig.ethercat.schedule import overloads, schedule_of
+from axisrig.bench.rig.reading.faults import Fault
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.ethercat.image import objects_of
@@ -121,6 +125,15 @@ class EthercatLines(Installed):
     def sampled_ns(self, axis: str) -> TimeNs:
         """Return when the control assumes that the last position was sampled."""
         return self._line_of(axis).carrier.sampled_ns(axis)
+
+    def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
+        """Build in a fault of frames on a line, or of a slave there; None for others."""
+        on = fault.segment or self._bench.settings.rig.axis[fault.axis].segment
+        if on not in self.lines:
+            return None
+        return KINDS[fault.kind](
+            OnLine(self._bench.scheduler, self.lines[on]), fault, numbers, record
+        )
 
     def is_off(self, axis: str) -> bool:
         """Whether the drive of an axis has left operation."""

@@ -17,7 +17,8 @@ from axisrig.kernel.time.clock import US
 class CanopenOnCan(RigFamily):
     """CANopen drives on CAN buses."""
 
-    has_faults = has_objects = True
+    fault_rooms = ("frames", "drives")
+    has_objects = True
 
     def check_addresses(self, settings: Settings) -> None:
         """Check node ids. Raises UserError with file, line and key of the rig."""

@@ -82,6 +82,11 @@ class SegmentTable(SegmentKeys):
     assumed_sample_us: EachShift | None = None
 
     @property
+    def is_line(self) -> bool:
+        """One frame passes all of its slaves."""
+        return True
+
+    @property
     def frame_ns(self) -> TimeNs:
         """When the cyclic frame leaves."""
         return round(self.frame_us * US)

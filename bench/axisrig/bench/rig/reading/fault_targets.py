@@ -34,9 +34,9 @@ def place_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, str,
     words: of the column `target` of its kind.
     """
     place, _, telegram = target.partition(".")
-    if place in rig.axis and {"telegram", "axis"} & set(words):
+    if place in rig.axis and {"telegram", "axis", "slave"} & set(words):
         return place, "", telegram
-    if {"telegram", "bus"} & set(words):
+    if {"telegram", "bus", "line"} & set(words):
         return "", terminal_segment(rig) if place == TERMINAL else place, telegram
     return "", "", ""
 
@@ -91,10 +91,17 @@ def _clocks(rig: RigFile) -> list[str]:
     return [TERMINAL] if terminal is not None and not terminal.is_on_can else []
 
 
+def _is_on_line(axis: str, rig: RigFile) -> bool:
+    segment = rig.segment.get(rig.axis[axis].segment)
+    return segment is not None and segment.is_line
+
+
 _NAMES: Mapping[str, Callable[[RigFile], Iterable[str]]] = {
     "telegram": _telegrams,
     "bus": lambda rig: rig.segment,
     "axis": lambda rig: rig.axis,
+    "line": lambda rig: [name for name, table in rig.segment.items() if table.is_line],
+    "slave": lambda rig: [name for name in rig.axis if _is_on_line(name, rig)],
     "signal": _signals,
     "sensor": _sensors,
     "plc": lambda rig: [] if rig.plc_task is None else [PLC],

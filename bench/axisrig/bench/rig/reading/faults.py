@@ -39,7 +39,8 @@ _TIME = re.compile(r"(\d+(?:\.\d*)?|\.\d+)(ns|us|ms|s)")
 class FaultKind:
     """One row of `faults.csv`: the kind, its room, its targets and its keys.
 
-    room: where it acts. targets: telegram, axis, bus, signal, sensor, plc, terminal, input.
+    room: where it acts. targets: telegram, axis, bus, line, slave, signal, sensor, plc,
+    terminal, input.
     defaults: of keys that have one of their own in this kind, as it would do nothing without.
     """
 

@@ -99,6 +99,11 @@ class SegmentKeys(Table):
         return False
 
     @property
+    def is_line(self) -> bool:
+        """Whether its drives are slaves that one frame passes in each cycle."""
+        return False
+
+    @property
     def answer_wait_ns(self) -> TimeNs:
         """How long a cycle waits for answers, where it is outside this process."""
         return 0
