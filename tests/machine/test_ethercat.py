@@ -232,3 +232,36 @@ def test_a_slave_that_falls_is_an_alarm_with_its_code(make: Make) -> None:
     machine.run()
     assert alarms_of(machine)[0] == 900732
     assert "0x001B" in str(machine.channel.alarms[0])
+
+
+STAMPS = RIG.parent / "lists" / "pdo-stamps.csv"
+
+
+def stamp_error_ns(make: Make, *changes: str) -> tuple[int, int]:
+    """How far 60D1 is from the true instant of the latch, and that instant."""
+    machine, _ = make(*changes, drive=f'pdo_map = "{STAMPS.as_posix()}"')
+    machine.run()
+    assert alarms_of(machine) == []
+    (instant_ns,) = machine.drives["Z"].latch_instants_ns[0]
+    stamp = machine.links["Z"].arrival.stamp
+    assert stamp is not None
+    return stamp - instant_ns, instant_ns
+
+
+@pytest.mark.long
+def test_a_stamp_is_system_time_of_a_clock_that_drifts_and_follows(make: Make) -> None:
+    """Settled within 10 ns and what 100 ppm make of the time between two frames, 100 ns.
+
+    The 50 ns of the wire to the slave are not in the time that it gets.
+    """
+    error_ns, _ = stamp_error_ns(make, "bus:ec1.drift_ppm=100", "bus:ec1.clock_start_us=50")
+    assert -50 - 10 - 100 <= error_ns <= 10 + 100
+
+
+@pytest.mark.long
+def test_a_clock_that_nobody_leads_drifts_away(make: Make) -> None:
+    """100 ppm of the time since its offset was set, which is within the start-up."""
+    changes = ("bus:ec1.drift_ppm=100", "bus:ec1.drift_compensation=false")
+    error_ns, instant_ns = stamp_error_ns(make, *changes)
+    start_up_ns = 100 * MS
+    assert 100e-6 * (instant_ns - start_up_ns) - 60 <= error_ns <= 100e-6 * instant_ns + 60
