@@ -136,6 +136,7 @@ def _node(
         "serial": position_of(settings, axis),
         "start_ns": round(line.of("clock_start_us", axis) * US),
         "drift_ppm": line.of("drift_ppm", axis),
+        "sample_ns": round(line.of("sample_us", axis) * US),
     }
     return EthercatDrive(
         axis,
