@@ -1,5 +1,6 @@
 """Rows as pytest items, in this process: what a row hands over to the results folder."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -233,3 +234,43 @@ def test_a_warning_of_a_cell_is_one_of_pytest_unless_another_row_may_use_it(
 
     monkeypatch.setattr(pytest_plugin, "look_at", lambda case, _: broken(case))
     assert CaseItem._warnings(item) == []  # the run reports it
+
+
+# Options, tags
+
+
+def test_the_first_conftest_adds_the_option_where_no_entry_point_has() -> None:
+    for known, is_added in (((), True), (("axisrig",), False), (("axisrig plans",), False)):
+        added: list[Any] = []
+        registered: list[str] = []
+        group = SimpleNamespace(addoption=lambda *words, **more: added.append((words, more)))  # noqa: B023
+        manager: Any = SimpleNamespace(
+            has_plugin=known.__contains__,
+            register=lambda _, name: registered.append(name),  # noqa: B023
+        )
+        parser: Any = SimpleNamespace(getgroup=lambda _: group)  # noqa: B023
+        pytest_plugin.pytest_addoption(parser, manager)
+        assert (len(added), registered) == (is_added, ["axisrig plans"] * is_added)
+        for words, more in added:
+            assert (words, more["type"], more["metavar"]) == (
+                ("--axisrig-call-timeout",),
+                float,
+                "S",
+            )
+
+
+def test_a_tag_chooses_rows_and_is_no_mark_that_does_something(
+    request: pytest.FixtureRequest,
+) -> None:
+    """`skip` of pytest, `long` of this project; a tag that is no name is a keyword alone."""
+    tags = ("own_tag_of_a_plan", "skip", "long", "not-a-name")
+    case = replace(CASE, tags=tags)
+    item = CaseItem.from_parent(request.session, name="p-a", case=case, sampled={})
+    assert item.case is case
+    assert [mark.name for mark in item.iter_markers()] == ["own_tag_of_a_plan"]
+    assert all(tag in item.keywords for tag in tags)
+    others = pytest_plugin._marks_of_others(request.config)
+    assert {"skip", "long", "provokes"} <= others
+    assert "own_tag_of_a_plan" not in others
+    again = CaseItem.from_parent(request.session, name="p-b", case=case, sampled={})
+    assert [mark.name for mark in again.iter_markers()] == ["own_tag_of_a_plan"]
