@@ -44,6 +44,8 @@ def words(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(facts, "arm_m", lambda *_: 0.5)
     monkeypatch.setattr(facts, "torque_arm_m", lambda *_: 0.75)
     monkeypatch.setattr(facts, "_written", lambda *_: {"kp": 1})
+    family = SimpleNamespace(late_cycles=lambda _, name: {"Z": 2}[name])
+    monkeypatch.setattr(facts, "family_of", lambda *_: family)
 
 
 @pytest.mark.usefixtures("words")
@@ -54,7 +56,7 @@ def test_an_axis_keeps_every_field_of_its_own() -> None:
         "is_rotary": True, "arm_m": 0.5, "torque_arm_m": 0.75, "plant": "z",
         "signals": {"probe_1": "p"}, "sensor": "gap", "telegrams": ("telegram of Z",),
         "written": {"kp": 1}, "origin_mm": 0.5, "homed_ns": (9, 11), "doubt_mm": 0.25,
-        "unproved_latches": 4, "second_delay_cycles": 2, "rated_torque_mnm": 1270,
+        "unproved_latches": 4, "second_delay_cycles": 2, "late_cycles": 2, "rated_torque_mnm": 1270,
         "lead_um": 10000.0, "torque_limits": ("limit of Z",), "states": ("state",),
         # In the order of their instants, each with the number of its probe
         "latches": (Latch(3, 1), Latch(5, 2), Latch(7, 1)),
