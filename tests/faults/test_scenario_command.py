@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.rig.reading.faults import read_time
 from axisrig.bench.tools.scenarios.campaign import (
     SAMPLE,
@@ -24,10 +25,11 @@ from axisrig.bench.tools.scenarios.drawing import draw_inputs
 from axisrig.bench.tools.scenarios.log import ScenarioLog, line_of
 from axisrig.bench.tools.scenarios.machines import machines, machines_named, path_of
 from axisrig.bench.tools.scenarios.minimise import faults_of, is_same, minimised
-from axisrig.bench.tools.scenarios.oracle import Judgement, Result
+from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_scenario
+from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.clock import MS, US
 
 ROOT = Path(__file__).parents[2]
 GOOD = Judgement(Result.GOOD, right=4, frames="f")
@@ -188,6 +190,21 @@ def test_a_machine_without_faults_gives_its_values_and_no_finding(machine: str) 
     judgement = run_scenario(replace(drawn, assignments=inputs))
     assert judgement.result is Result.GOOD, judgement.note
     assert judgement.right >= bool(machines()[machine].source)
+
+
+def test_a_plant_that_cannot_say_what_happened_is_counted_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An axis that follows its demand exactly jumps with a bit of it: no edge can be proved."""
+
+    def refuse(_machine: Machine) -> None:
+        raise PlantError("probe", MS, "an edge may be lost")
+
+    monkeypatch.setattr(Machine, "run", refuse)
+    judgement = run_scenario(make_scenario(1, 0))
+    assert judgement.result is Result.NO_TRUTH
+    assert judgement.note.endswith("an edge may be lost")
+    assert judgement.result not in DEFECTS
 
 
 # --- the smallest scenario

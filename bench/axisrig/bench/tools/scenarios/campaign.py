@@ -14,6 +14,7 @@ from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm
 from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines, program_of, rig_of
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, judge
 from axisrig.bench.tools.scenarios.scenario import Scenario, make_scenario
+from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import S
 
@@ -54,6 +55,9 @@ def examine(
         if look is not None:
             look(machine)
         return judge(_left_by(scenario, machine, states)), machine
+    except PlantError as error:  # such as an ideal axis that jumps: an edge may be lost
+        alarms = [alarm.id for alarm in machine.channel.alarms]
+        return Judgement(Result.NO_TRUTH, alarms, note=str(error)), machine
     except SimulatedTimeoutError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
         return Judgement(Result.HANG, alarms, note=str(error)), machine

@@ -12,6 +12,7 @@ class Result(StrEnum):
 
     GOOD = "every value right, no alarm above a warning"
     ALARM = "alarm"
+    NO_TRUTH = "the plant cannot say what happened"
     BROKEN = "AN INVARIANT DOES NOT HOLD"
     HANG = "program does not end"
     EXCEPTION = "exception"
