@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.drive.cia402.dictionary.objects import object_rows
+from axisrig.bench.drive.ethercat.objects import rows as ethercat_rows
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
@@ -70,8 +71,9 @@ def test_every_term_is_explained_in_both_languages(row: dict[str, str]) -> None:
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["term"])
 def test_objects_and_parameters_exist(row: dict[str, str]) -> None:
-    objects = {f"{entry.index:04X}" for entry in object_rows()} | {
-        f"{entry.index:04X}:{entry.sub}" for entry in object_rows() if entry.sub is not None
+    entries = (*object_rows(), *ethercat_rows())
+    objects = {f"{entry.index:04X}" for entry in entries} | {
+        f"{entry.index:04X}:{entry.sub}" for entry in entries if entry.sub is not None
     }
     texts = "".join(path.read_text("utf-8") for path in TABLES.glob("*.csv"))
     known = objects | set(re.findall(r"^P-\w+-\d+", texts, re.MULTILINE))
