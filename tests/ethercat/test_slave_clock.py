@@ -192,6 +192,22 @@ def test_sync0_follows_a_clock_that_is_corrected() -> None:
     assert all(abs(at - (first + n * MS)) <= 3 for n, at in enumerate(shown))
 
 
+def test_a_clock_that_is_put_forward_has_no_pulses_of_what_it_left_out() -> None:
+    line = Line()
+    seen: list[int] = []
+    line.drive.sync._sync0 = lambda: seen.append(line.clock.now_ns)
+    start_sync(line, MS)
+    line.wait(10 * MS)
+    count = len(seen)
+    line.one(APWR, 0, 0x0920, struct.pack("<Q", 3600 * S + 400_000))
+    line.wait(10 * MS)
+    assert 10 <= len(seen) - count <= 11
+    assert {b - a for a, b in pairwise(seen[count + 1 :])} == {MS}
+    # Still on its grid
+    first, last = line.drive.time.system_ns(seen[0]), line.drive.time.system_ns(seen[-1])
+    assert (last - first - 3600 * S) % MS in (0, 400_000, 600_000)
+
+
 def test_sync1_comes_its_time_after_sync0() -> None:
     line = Line()
     seen: list[tuple[int, int]] = []

@@ -90,6 +90,19 @@ def test_process_data_that_does_not_fit_what_is_assigned(
     assert line.ask(SAFEOP) == ((SAFEOP, 0) if not code else (PREOP | 0x10, code))
 
 
+@pytest.mark.parametrize("state", [SAFEOP, OP])
+@pytest.mark.parametrize(
+    ("manager", "after", "code"),
+    [(0, INIT, 0x16), (1, INIT, 0x16), (2, PREOP, 0x1D), (3, PREOP, 0x1E)],
+)
+def test_a_sync_manager_that_is_changed_under_a_state_ends_it(
+    state: int, manager: int, after: int, code: int
+) -> None:
+    line = line_in(state)
+    line.write(0x0800 + 8 * manager + 2, 5, 2)
+    assert line.al() == (after | 0x10, code)
+
+
 def test_the_watchdog_takes_a_slave_without_outputs_to_safeop_and_inputs_go_on() -> None:
     line = Line(motion=lambda time_s: 0.010 * time_s)
     line.op()

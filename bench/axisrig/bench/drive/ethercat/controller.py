@@ -7,7 +7,7 @@ from typing import Final
 
 from axisrig.bench.bus.ethercat.frame import Datagram, datagrams, is_ethercat
 from axisrig.bench.bus.ethercat.segment import Passage
-from axisrig.bench.drive.ethercat.registers import RAM_END, RAM_START, Registers
+from axisrig.bench.drive.ethercat.registers import Registers
 from axisrig.kernel.profiles.ethercat.layouts import DATAGRAM, WORKING_COUNTER
 from axisrig.kernel.profiles.ethercat.tables import Command, commands
 
@@ -88,8 +88,6 @@ class SlaveController:
             return 0
         at, end = datagram.data_start, datagram.counter_start
         address, length = datagram.address >> 16, datagram.length
-        if address < RAM_END < address + length or address < RAM_START < address + length:
-            return 0
         sent = bytes(frame[at:end])
         held = self.registers.read(address, length) if reads else None
         was_written = writes and self.registers.write(address, sent)

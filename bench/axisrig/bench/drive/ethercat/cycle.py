@@ -93,7 +93,9 @@ class CycleClock(Owner):
     @property
     def cycle_ns(self) -> TimeNs:
         """Time from one cycle to the next."""
-        return self._sync.cycle0 if self.timing is Timing.SYNC0 else self._period_ns()
+        if self.timing is Timing.SYNC0:
+            return self._sync.cycle0
+        return max(self._period_ns(), self._least_ns)
 
     @property
     def has_clock(self) -> bool:
@@ -122,7 +124,7 @@ class CycleClock(Owner):
             self._cycle()
 
     def _next(self, train: int) -> None:
-        at_ns = self._clock.now_ns + self._period_ns()
+        at_ns = self._clock.now_ns + self.cycle_ns
         self._clock.call_at(at_ns, Phase.APPLICATION, partial(self._run, train))
 
     def _run(self, train: int) -> None:

@@ -41,7 +41,18 @@ def read_fmmus(registers: bytes) -> list[Fmmu]:
     for number in range(COUNT):
         *parts, active = FMMU.unpack_from(registers, FMMU.size * number)
         if active & 1 and parts[1]:
-            found.append(Fmmu(*parts))
+            logical, length, first, last, physical, bit, kind = parts
+            found.append(
+                Fmmu(
+                    logical,
+                    length,
+                    first & _LAST_BIT,
+                    last & _LAST_BIT,
+                    physical,
+                    bit & _LAST_BIT,
+                    kind,
+                )
+            )
     return found
 
 
@@ -79,6 +90,8 @@ class Mapping:
                 frame[base + begin : base + end] = data
             return data is not None
         first, last = _bits(fmmu, begin, end)
+        if last < first:
+            return False  # none of its bits is in these bytes
         from_bit = first - fmmu.first_bit + fmmu.physical_bit
         to_bit = last - fmmu.first_bit + fmmu.physical_bit
         data = self._read(fmmu.physical + from_bit // 8, to_bit // 8 - from_bit // 8 + 1)
@@ -97,6 +110,8 @@ class Mapping:
         if fmmu.is_whole:
             return self._write(fmmu.physical + begin - fmmu.logical, data)
         first, last = _bits(fmmu, begin, end)
+        if last < first:
+            return False
         mask = (1 << last - first + 1) - 1
         bits = int.from_bytes(data, "little") >> first - 8 * (begin - fmmu.logical) & mask
         to_bit = first - fmmu.first_bit + fmmu.physical_bit

@@ -26,6 +26,7 @@ from axisrig.bench.drive.ethercat.cycle import CycleClock
 from axisrig.bench.drive.ethercat.description import MAILBOX_BYTES, Description, describe
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.eeprom import Eeprom
+from axisrig.bench.drive.ethercat.fitting import Fitting
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
 from axisrig.bench.drive.ethercat.mailbox import Mailbox
 from axisrig.bench.drive.ethercat.objects import described, ethercat_table
@@ -53,7 +54,6 @@ NO_SYNC_NS: Final[TimeNs] = S
 """So long may the first SYNC0 be away when OP is asked for; outputs may be for ever."""
 _SYNC_CODES: Final = ("SYNC_ERROR", "FATAL_SYNC")
 _EVERYTHING: Final = (0x1000, 0xFFFF)
-_MODE_BITS: Final = 0x0F
 
 
 @dataclass(frozen=True)
@@ -122,11 +122,14 @@ class EthercatDrive:
 
     def _build_controller(self) -> None:
         clock = self._clock
-        self.managers = SyncManagers(self._written, self._taken, self._repeat)
+        self.managers = SyncManagers(
+            self._written, self._taken, self._repeat, self._managers_changed
+        )
         self.sync = SyncUnit(clock, self.time, self._sync0, _nothing)
         self.watchdog = Watchdog(clock, self._outputs_stay_away)
         self.latches = LatchUnit(self.time, self._edges)
         self.eeprom = Eeprom(sii_content(self.description))
+        self.states = AlStateMachine(self, self._show_state)
         parts = Parts(
             clock,
             self.eeprom,
@@ -138,7 +141,6 @@ class EthercatDrive:
         )
         self.registers = Registers(parts, self)
         self.controller = SlaveController(self.registers)
-        self.states = AlStateMachine(self, self.registers.show_state)
 
     def _build_objects(self) -> None:
         clock, servo, profile = self._clock, self.servo, self.profile
@@ -155,6 +157,7 @@ class EthercatDrive:
             self._may_change,
         )
         self.objects.own(ProfileObjects(servo, profile, clock, self._changed), PROFILE_OBJECTS)
+        self._fitting = Fitting(self.description, self.managers, self.process_data)
         for part in (self.storage, self.process_data, self.cycle_clock):
             self.objects.own(part, part.objects)
         self.coe = CoeServer(
@@ -256,6 +259,9 @@ class EthercatDrive:
         if self.controller.is_on:
             self.states.control(value)
 
+    def _show_state(self, status: int, code: int) -> None:
+        self.registers.show_state(status, code)
+
     def _edges(self, number: int) -> Sequence[tuple[TimeNs, bool]]:
         signal = self._probes[number]
         return () if signal is None else signal.edges
@@ -279,6 +285,14 @@ class EthercatDrive:
         if number == MAILBOX_IN:
             self.mailbox.repeat()
 
+    def _managers_changed(self) -> None:
+        """Leave a state whose SyncManagers a master has changed under it."""
+        state = self.states.state
+        if state >= AlState.PREOP and not self._fitting.has_mailbox():
+            self.states.fall(AlState.INIT, "INVALID_MAILBOX")
+        elif state >= AlState.SAFEOP and (refused := self._fitting.wrong()) is not None:
+            self.states.fall(AlState.PREOP, refused)
+
     # States
 
     def enter(self, state: AlState) -> str | None:
@@ -290,7 +304,7 @@ class EthercatDrive:
         return self._enter_op()
 
     def _enter_preop(self) -> str | None:
-        if not all(self._fits(number) for number in (MAILBOX_OUT, MAILBOX_IN)):
+        if not self._fitting.has_mailbox():
             return "INVALID_MAILBOX"
         self.coe.reset()
         self.mailbox.open()
@@ -299,11 +313,8 @@ class EthercatDrive:
     def _enter_safeop(self) -> str | None:
         now_ns = self._clock.now_ns
         carried = self.process_data.compile()
-        data = self.process_data
-        if not self._carries(OUTPUTS, data.outputs.codec.size):
-            return "INVALID_OUTPUTS"
-        if not self._carries(INPUTS, data.inputs.codec.size):
-            return "INVALID_INPUTS"
+        if (refused := self._fitting.wrong()) is not None:
+            return refused
         refused = self.cycle_clock.start()
         if refused is not None:
             self.cycle_clock.stop()
@@ -351,26 +362,6 @@ class EthercatDrive:
             lost = SYNC_LOST if code in _SYNC_CODES else OUTPUTS_LOST
             self.servo.connection_lost(self._clock.now_ns, lost)
 
-    def _fits(self, number: int) -> bool:
-        wanted, manager = self.description.managers[number], self.managers[number]
-        return (
-            manager.is_enabled
-            and (manager.start, manager.length) == (wanted.start, wanted.length)
-            and manager.control & _MODE_BITS == wanted.control & _MODE_BITS
-        )
-
-    def _carries(self, number: int, size: int) -> bool:
-        """Whether a SyncManager is as what it carries needs it."""
-        manager = self.managers[number]
-        if size == 0:
-            return not manager.is_enabled
-        wanted = self.description.managers[number]
-        return (
-            manager.is_enabled
-            and manager.length == size
-            and manager.control & _MODE_BITS == wanted.control & _MODE_BITS
-        )
-
     def _may_change(self) -> bool:
         return self.states.state is AlState.PREOP
 
@@ -396,7 +387,7 @@ class EthercatDrive:
     def _plan_sample(self, now_ns: TimeNs) -> None:
         """Sample apart from the cycle, at an instant of the slave's own clock."""
         self._samples += 1
-        after_ns = self.settings.sample_ns % self.cycle_clock.cycle_ns
+        after_ns = self.settings.sample_ns % max(self.cycle_clock.cycle_ns, 1)
         at_ns = self.time.instant_ns(self.time.system_ns(now_ns) + after_ns, now_ns)
         self._clock.call_at(at_ns, Phase.APPLICATION, partial(self._sample, self._samples))
 

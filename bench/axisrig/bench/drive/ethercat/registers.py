@@ -161,6 +161,8 @@ class Registers:
             if address + length > RAM_END:
                 return None
             return self._parts.managers.read(address, length, self._memory)
+        if address + length > RAM_START:
+            return None  # half of it is no register
         self._before_read(address, address + length)
         data = bytes(self._memory[address : address + length])
         self._after_read(address, address + length)
@@ -171,6 +173,8 @@ class Registers:
         end = address + len(data)
         if address >= RAM_START:
             return end <= RAM_END and self._parts.managers.write(address, data, self._memory)
+        if end > RAM_START:
+            return False
         before = bytes(self._memory[address:end])
         allowed = self._may_write[address:end]
         self._memory[address:end] = bytes(

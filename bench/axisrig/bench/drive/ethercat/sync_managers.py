@@ -36,16 +36,18 @@ class SyncManager:
         self.latest = b""
         self._buffer = bytearray()
 
-    def configure(self, registers: bytes) -> None:
-        """Take the registers that a master has written: 8 bytes."""
+    def configure(self, registers: bytes) -> bool:
+        """Take the registers that a master has written, 8 bytes; return whether it is another."""
         before = (self.start, self.length, self.control, self.activation & SM_ENABLE)
         self.start, self.length, self.control, _, self.activation, _ = SYNC_MANAGER.unpack(
             registers
         )
-        if before != (self.start, self.length, self.control, self.activation & SM_ENABLE):
-            self.is_full = False
-            self.latest = bytes(self.length)
-            self._buffer = bytearray(self.length)
+        if before == (self.start, self.length, self.control, self.activation & SM_ENABLE):
+            return False
+        self.is_full = False
+        self.latest = bytes(self.length)
+        self._buffer = bytearray(self.length)
+        return True
 
     @property
     def is_enabled(self) -> bool:
@@ -113,7 +115,7 @@ class SyncManagers:
     """All of them, with the RAM outside.
 
     written(n): a buffer of n is whole. taken(n): the master has read the mailbox n. repeat(n): the
-    master asks n for its last message once more.
+    master asks n for its last message once more. changed(): one of them is now another.
     """
 
     def __init__(
@@ -121,7 +123,9 @@ class SyncManagers:
         written: Callable[[int], None],
         taken: Callable[[int], None],
         repeat: Callable[[int], None],
+        changed: Callable[[], None],
     ) -> None:
+        self._changed = changed
         self.all = [SyncManager(number) for number in range(COUNT)]
         self._written, self._taken, self._repeat = written, taken, repeat
         self._enabled: list[SyncManager] = []
@@ -131,10 +135,13 @@ class SyncManagers:
 
     def configure(self, registers: bytes) -> None:
         """Take the registers of all, 8 bytes each."""
+        is_other = False
         for manager in self.all:
             at = SYNC_MANAGER.size * manager.number
-            manager.configure(registers[at : at + SYNC_MANAGER.size])
+            is_other |= manager.configure(registers[at : at + SYNC_MANAGER.size])
         self._enabled = [manager for manager in self.all if manager.is_enabled]
+        if is_other:
+            self._changed()
         for manager in self._enabled:
             if manager.is_mailbox and manager.wants_repeat:
                 self._repeat(manager.number)

@@ -6,13 +6,15 @@ from functools import partial
 from typing import Final
 
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
-from axisrig.kernel.time.clock import Clock, Phase, TimeNs
+from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 CYCLIC, SYNC0, SYNC1 = 1, 2, 4
 PENDING_0: Final = 1
 PENDING_1: Final = 2
 OUT_OF_RANGE: Final = 4
 """Bits of the activation status 0984."""
+CYCLE_MIN_NS: Final[TimeNs] = 10 * US
+"""A shorter cycle of SYNC0 gives no pulse (chosen here)."""
 _HALF: Final = 1 << 63
 
 
@@ -44,7 +46,7 @@ class SyncUnit:
         return self.activation & (CYCLIC | SYNC0) == CYCLIC | SYNC0
 
     def activate(self, activation: int) -> None:
-        """Take register 0981. A start time that has passed gives no pulse (inferred)."""
+        """Take register 0981. No pulse comes for a start time that has passed (inferred)."""
         if activation == self.activation:
             return
         had = self.has_sync0
@@ -56,7 +58,7 @@ class SyncUnit:
         if self.has_sync0:
             self.next0 = self.start
             is_past = self.start - self._time.system_ns(self._clock.now_ns) & (2 * _HALF - 1)
-            if is_past >= _HALF:
+            if is_past >= _HALF or 0 < self.cycle0 < CYCLE_MIN_NS:
                 self.status = OUT_OF_RANGE
                 return
             self.status = PENDING_0 | (PENDING_1 if activation & SYNC1 else 0)
@@ -70,6 +72,11 @@ class SyncUnit:
 
     def _plan(self) -> None:
         self._steps = self._time.steps
+        if self.cycle0 >= CYCLE_MIN_NS:
+            # A clock that was put forward by cycles has no pulses of these
+            behind = self._time.system_ns(self._clock.now_ns) - self.next0 & 2 * _HALF - 1
+            if self.cycle0 <= behind < _HALF:
+                self.next0 = self.next0 + behind // self.cycle0 * self.cycle0 & 2 * _HALF - 1
         time_ns = self._time.instant_ns(self.next0, self._clock.now_ns)
         self._clock.call_at(time_ns, Phase.APPLICATION, partial(self._pulse, self._train))
 
@@ -78,7 +85,7 @@ class SyncUnit:
             return
         self.pulses += 1
         self.status &= ~PENDING_0
-        if self.cycle0:
+        if self.cycle0 >= CYCLE_MIN_NS:
             self.next0 = self.next0 + self.cycle0 & (2 * _HALF - 1)
             self._plan()
         if self.activation & SYNC1:
