@@ -265,3 +265,60 @@ def test_a_clock_that_nobody_leads_drifts_away(make: Make) -> None:
     error_ns, instant_ns = stamp_error_ns(make, *changes)
     start_up_ns = 100 * MS
     assert 100e-6 * (instant_ns - start_up_ns) - 60 <= error_ns <= 100e-6 * instant_ns + 60
+
+
+LINE_OF_THREE, BESIDE_CAN = "probe-xyz-ethercat.toml", "probe-xyz-mixed.toml"
+THREE_AXES = """%three
+N10 G90 G01 X2 Y-1 Z102 F6000
+N20 G100 Z98 F600
+N30 #MSG SYN["z=%f", V.A.MEAS.ACS.VALUE.Z]
+N40 M30
+"""
+
+
+def three_axes(tmp_path: Path, rig: str, *changes: str) -> Machine:
+    """A machine of three axes that has run a measuring program."""
+    (tmp_path / "three.nc").write_text(THREE_AXES, encoding="utf-8")
+    words = (*changes, "plant:z.position_start_mm=102")
+    assigned = [(parse_assignment(text), as_written) for text in words]
+    settings = read_settings(*read_rig(RIG.parent / rig), assigned)
+    machine = Machine(settings, read_program(tmp_path / "three.nc", ("X", "Y", "Z")))
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    assert alarms_of(machine) == []
+    return machine
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("rig", [LINE_OF_THREE, BESIDE_CAN])
+def test_several_drives_on_a_line_and_beside_can_move_and_measure(tmp_path: Path, rig: str) -> None:
+    """No input delay in these rigs: Z of the edge is the surface."""
+    machine = three_axes(tmp_path, rig)
+    (shown,) = [message.shown for message in machine.messages]
+    assert float(shown.partition("=")[2]) == pytest.approx(SURFACE_MM, abs=INCREMENT_MM + 1e-6)
+    ends = [machine.links[axis].actual_mm for axis in "XY"]
+    assert ends == pytest.approx([2.0, -1.0], abs=0.02)
+
+
+def ahead_of_first_ns(machine: Machine, axis: str) -> int:
+    """How far the clock of a slave is ahead of that of X, the reference, now."""
+    part: Any = machine.installed[0]
+    nodes, now_ns = part.lines["ec1"].nodes, machine.scheduler.now_ns
+    return int(nodes[axis].time.system_ns(now_ns) - nodes["X"].time.system_ns(now_ns))
+
+
+@pytest.mark.long
+def test_clocks_of_a_line_show_one_time_behind_a_long_wire(tmp_path: Path) -> None:
+    """X 20, Y -35, Z 100 ppm; Y is 10 us behind X: each within 10 ns and its drift in a cycle."""
+    machine = three_axes(tmp_path, LINE_OF_THREE)
+    for axis, ppm in (("Y", 35), ("Z", 100)):
+        assert abs(ahead_of_first_ns(machine, axis)) <= 10 + ppm + 20
+
+
+@pytest.mark.long
+def test_a_delay_that_is_not_written_makes_clocks_late_by_it(tmp_path: Path) -> None:
+    """The wire of 10 us and the slave before it of 300 ns: 0.5 um at 50 mm/s."""
+    machine = three_axes(tmp_path, LINE_OF_THREE, "bus:ec1.delay_compensation=false")
+    assert ahead_of_first_ns(machine, "Y") == pytest.approx(-10_300, abs=10 + 35 + 20)
