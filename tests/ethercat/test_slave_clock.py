@@ -220,12 +220,16 @@ def test_sync1_comes_its_time_after_sync0() -> None:
     assert seen[1][1] - seen[0][1] == 300_000
 
 
-def test_a_start_time_that_has_passed_gives_no_pulse_and_says_so() -> None:
+@pytest.mark.parametrize(("cycle_ns", "after_ns"), [(MS, -5 * MS), (9_999, MS)])
+def test_a_start_time_that_has_passed_gives_no_pulse_and_says_so(
+    cycle_ns: int, after_ns: int
+) -> None:
+    """A cycle that is too short as well."""
     line = Line()
     seen: list[int] = []
     line.drive.sync._sync0 = lambda: seen.append(line.clock.now_ns)
     line.wait(10 * MS)
-    start_sync(line, MS, after_ns=-5 * MS)
+    start_sync(line, cycle_ns, after_ns=after_ns)
     line.wait(10 * MS)
     assert (seen, line.read(0x0984, 1)) == ([], 4)
 
