@@ -95,7 +95,7 @@ def test_the_same_run_sends_the_same_frames(make: Make) -> None:
 
 
 def drop_all(line: Line) -> None:
-    line.segment.passes = lambda _: None
+    line.segment.passes[:] = [lambda _: None]
 
 
 @pytest.mark.long
@@ -118,7 +118,7 @@ def test_a_slave_too_many_is_an_alarm(make: Make) -> None:
             frame[27] = 1
         return 0
 
-    line.segment.passes = count
+    line.segment.passes[:] = [count]
     machine.run()
     assert alarms_of(machine) == [900701]
 
@@ -154,7 +154,7 @@ def without_changes_of_state(frame: bytearray) -> int:
 @pytest.mark.provokes(900704, 7, axis="Z", state="PREOP", found="INIT", ms=2000)
 def test_a_slave_that_hangs_is_an_alarm(make: Make) -> None:
     machine, line = make()
-    line.segment.passes = without_changes_of_state
+    line.segment.passes[:] = [without_changes_of_state]
     machine.run()
     assert alarms_of(machine) == [900704]
 
@@ -190,7 +190,7 @@ def test_a_clock_that_does_not_follow_is_an_alarm(make: Make) -> None:
             clock.jump(200 * US)
         return 0
 
-    line.segment.passes = jump
+    line.segment.passes[:] = [jump]
     machine.run()
     assert alarms_of(machine) == [900707]
 
@@ -217,7 +217,7 @@ def test_a_wrong_working_counter_is_an_alarm_after_the_stated_number(make: Make)
         return 0
 
     def begin() -> None:
-        line.segment.passes = spoil
+        line.segment.passes[:] = [spoil]
 
     in_state(machine, begin)
     machine.run()

@@ -92,7 +92,7 @@ def test_other_start_values_of_the_run_before_are_forgotten(tmp_path: Path) -> N
 def test_a_run_that_was_broken_off_leaves_nothing(tmp_path: Path) -> None:
     case = case_of("latch_accuracy.csv", "latch-pdo-lost")
     fresh = left(case, tmp_path)
-    short = case_of("latch_accuracy.csv", "latch-pdo-lost", "plc:limit_s=0.02")
+    short = case_of("latch_accuracy.csv", "latch-pdo-lost", "plc:limit_s=0.01")
     assert "did not end" in (run_case(short, RunFiles()).error or "")
     assert left(case, tmp_path) == fresh
 

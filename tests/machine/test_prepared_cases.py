@@ -185,9 +185,9 @@ def test_several_processes_prepare_every_case(
         return prepare(case)
 
     monkeypatch.setattr(runner, "prepare", prepared)
-    told: list[list[object]] = []
+    told: list[tuple[object, list[Case]]] = []
 
-    def noted(_function: object, tasks: list[list[Case]], **_: object):  # type: ignore[no-untyped-def]
+    def noted(_function: object, tasks: list[tuple[object, list[Case]]], **_: object):  # type: ignore[no-untyped-def]
         told.extend(tasks)
         yield from ([] for _ in tasks)
 
@@ -195,4 +195,4 @@ def test_several_processes_prepare_every_case(
     monkeypatch.setattr(runner, "FEW", 0)
     prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=2)
     assert here == ["one"]
-    assert [case.case for _, case in told] == ["two", "three"]  # type: ignore[attr-defined]
+    assert [[case.case for case in some] for _, some in told] == [["two"], ["three"]]

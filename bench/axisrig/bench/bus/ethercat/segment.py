@@ -64,7 +64,7 @@ Place = tuple[TimeNs, TimeNs, TimeNs]
 class EthercatSegment:
     """The master's port with the slaves behind it.
 
-    links: of each slave, in its order on the line; missing = default delays. passes(frame): called
+    links: of each slave, in its order on the line; missing = default delays. passes: each is called
     with each frame that is sent; returns how much later it goes, None = it is lost. receivers:
     called in the event when a frame is back at the master. journal: gets each frame that is back,
     as an entry with its name and the bytes.
@@ -81,8 +81,8 @@ class EthercatSegment:
     ) -> None:
         self.name, self.slaves = name, slaves
         self._clock, self._journal = clock, journal
+        self.passes: list[Callable[[bytearray], TimeNs | None]] = []
         self.receivers: list[Callable[[bytes], None]] = []
-        self.passes: Callable[[bytearray], TimeNs | None] | None = None
         self.frames = self.lost = 0
         self._free_ns: TimeNs = 0
         given = list(links or [Link() for _ in slaves])
@@ -111,12 +111,12 @@ class EthercatSegment:
         delay_ns = 0
         sent = bytearray(frame)
         self.frames += 1
-        if self.passes is not None:
-            late_ns = self.passes(sent)
+        for passes in self.passes:
+            late_ns = passes(sent)
             if late_ns is None:
                 self.lost += 1
                 return
-            delay_ns = late_ns
+            delay_ns += late_ns
         begin_ns = max(self._clock.now_ns + delay_ns, self._free_ns)
         self._free_ns = begin_ns + time_on_wire_ns(len(sent))
         count = self.reached

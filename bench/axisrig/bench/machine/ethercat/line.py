@@ -64,6 +64,7 @@ class Line:
             )
             for axis in self.axes
         }
+        self._passings: list[Passing] = []
         self.segment = EthercatSegment(
             scheduler,
             list(self.nodes.values()),
@@ -75,8 +76,7 @@ class Line:
         data = [make_data(each) for each in known]
         self.master = Master(self.segment, scheduler, line_settings(settings, name), known, data)
         self.segment.receivers.append(self.master.received)
-        self.segment.passes = self._pass
-        self._passings: list[Passing] = []
+        self.segment.passes.append(self._pass)
         self.links: dict[str, EthercatLink] = {}
         starting = []
         for axis, slave, values in zip(self.axes, known, data, strict=True):
