@@ -173,7 +173,13 @@ def test_a_cycle_that_the_drive_does_not_take_is_an_alarm(make: Make) -> None:
 @pytest.mark.provokes(900706, 7, axis="Z", position=1)
 def test_a_slave_without_a_clock_is_an_alarm(make: Make) -> None:
     machine, line = make()
-    line.nodes["Z"].registers.put("FEATURES", 0)
+    registers = line.nodes["Z"].registers
+
+    def without_clock(_frame: bytearray) -> int:
+        registers.put("FEATURES", 0)
+        return 0
+
+    line.segment.passes[:] = [without_clock]
     machine.run()
     assert alarms_of(machine) == [900706]
 
