@@ -129,7 +129,7 @@ def test_a_run_leaves_a_file_of_each_line_that_tshark_reads(tmp_path: Path) -> N
     log = tmp_path / "bus.pcap"
     got = CliRunner().invoke(app, ["nc", str(program), "--rig", str(rig), "--bus-log", str(log)])
     assert got.exit_code == 0, got.output
-    rows = tshark(tmp_path / "bus.ec1.pcapng", FIELDS)
+    rows = tshark(tmp_path / "bus@ec1.pcapng", FIELDS)
     assert len(rows) > 300
     assert {row["_ws.malformed"] for row in rows} == {""}
     # FPWR, FRMW, LRW and BRD of one slave in each cycle

@@ -13,11 +13,12 @@ from axisrig.bench.bus.can.dissect import dissect
 from axisrig.bench.bus.can.frame import data_frame
 from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, logs_of, tell_log
+from axisrig.bench.tools.bus_log.bus_log import find_log, logs_of, tell_log
 from axisrig.bench.tools.bus_log.canopen.bus_words import Names
 from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos
 from axisrig.bench.tools.bus_log.canopen.object_words import number_of, value_words
 from axisrig.bench.tools.bus_log.canopen.transfers import Transfers, Value
+from axisrig.bench.tools.bus_log.choice.selection import Selection
 from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).resolve().parents[2] / "testplans" / "rigs"

@@ -13,8 +13,9 @@ from axisrig.bench.bus.can.dissect import dissect
 from axisrig.bench.bus.can.frame import data_frame
 from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.bus_log.bus_log import Selection, tell_log
+from axisrig.bench.tools.bus_log.bus_log import tell_log
 from axisrig.bench.tools.bus_log.canopen.transfers import Transfers, Value
+from axisrig.bench.tools.bus_log.choice.selection import Selection
 
 RIGS = Path(__file__).resolve().parents[2] / "testplans" / "rigs"
 Sdo = tuple[str, bytes]

@@ -35,7 +35,8 @@ def bus(
     """Show a bus log in words: services, states, aborts, emergencies, values of PDOs."""
     from axisrig.bench.rig.reading.file import read_rig
     from axisrig.bench.rig.settings import read_settings
-    from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, tell_log
+    from axisrig.bench.tools.bus_log.bus_log import find_log, tell_log
+    from axisrig.bench.tools.bus_log.choice.selection import Selection
 
     paths, settings = find_log(place, run_id)
     if rig is not None:

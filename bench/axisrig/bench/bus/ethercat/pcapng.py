@@ -11,6 +11,9 @@ from typing import Final
 from axisrig.bench.bus.journal import Entry
 from axisrig.kernel.time.clock import TimeNs
 
+SUFFIX: Final = ".pcapng"
+"""Of the file of a line, whose name has the segment after a mark, as pcap logs of CAN have."""
+
 _SECTION: Final = 0x0A0D0D0A
 _BYTE_ORDER: Final = 0x1A2B3C4D
 _INTERFACE: Final = 1

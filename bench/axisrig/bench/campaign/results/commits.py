@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
 from axisrig.bench.campaign.results.layout import BUS, COMMIT, RECORDINGS_OF, TRACES
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
@@ -17,7 +18,7 @@ from axisrig.bench.campaign.results.stored import (
 )
 from axisrig.bench.files import json_text
 
-_LOG = "|".join(re.escape(suffix) for suffix in LOG_SUFFIXES.values())
+_LOG = "|".join(re.escape(suffix) for suffix in (*LOG_SUFFIXES.values(), PCAPNG))
 _ENDINGS = {
     TRACES: re.compile(r"\.parquet"),
     RECORDINGS_OF: re.compile(r"\.json"),

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
 from axisrig.bench.campaign.results.layout import BUS, RECORDINGS_OF, TRACES
 from axisrig.bench.files import sha256_of
 
@@ -13,7 +14,7 @@ SUMS = (TRACE_SUM, RECORDING_SUM, BUS_LOG_SUM)
 """Columns of `cases.csv`; of bus logs `.blf:<sha>`, one word for each file. An asc log has a date
 in its head, and another sum each time."""
 _SUM = re.compile(r"([0-9a-f]{64})?")
-_ENDINGS = "|".join(re.escape(suffix) for suffix in LOG_SUFFIXES.values())
+_ENDINGS = "|".join(re.escape(suffix) for suffix in (*LOG_SUFFIXES.values(), PCAPNG))
 _LOG = rf"((?:{SEGMENT_MARK}[^/\\\x00:]+)?(?:{_ENDINGS})):([0-9a-f]{{64}})"
 _LOGS = re.compile(rf"(?:{_LOG}(?: {_LOG})*)?")
 _ONE_LOG = re.compile(rf"(?:^| ){_LOG}")

@@ -7,8 +7,9 @@ from typing import Any
 
 import pyarrow as pa
 
+from axisrig.bench.bus.can.logs import SEGMENT_MARK
 from axisrig.bench.bus.ethercat.frame_hash import FrameHash
-from axisrig.bench.bus.ethercat.pcapng import PcapngFile
+from axisrig.bench.bus.ethercat.pcapng import SUFFIX, PcapngFile
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.ethercat.line import Line, driven
 from axisrig.bench.machine.ethercat.value_log import ValueLog
@@ -198,13 +199,14 @@ class EthercatLines(Installed):
 
 
 def _files(bus_logs: Sequence[Path], segments: Sequence[str]) -> list[tuple[str, Path]]:
-    """Return the file of each line, whatever kinds of logs are asked for: `<run>.<segment>.pcapng`.
+    """Return the file of each line, whatever kinds of logs are asked for: `<run>@<segment>.pcapng`.
 
     The other kinds hold frames of CAN.
     """
     if not bus_logs:
         return []
-    return [(name, bus_logs[0].with_suffix(f".{name}.pcapng")) for name in segments]
+    stem, folder = bus_logs[0].stem, bus_logs[0].parent
+    return [(name, folder / f"{stem}{SEGMENT_MARK}{name}{SUFFIX}") for name in segments]
 
 
 def _telegram(name: str, pdos: Iterable[Pdo]) -> Telegram:

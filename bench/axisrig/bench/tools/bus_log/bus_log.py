@@ -15,16 +15,19 @@ from axisrig.bench.bus.can.dissect import Dissected, dissect
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.bus.can.pcap import read_pcap
+from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.replay import recorded_case
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.candump import read_candump
 from axisrig.bench.tools.bus_log.canopen.bus_words import Names, is_boot_up
+from axisrig.bench.tools.bus_log.choice.selection import Selection
+from axisrig.bench.tools.bus_log.ethercat.log import tell_lines
 from axisrig.kernel.errors import UserError, printable
 from axisrig.kernel.profiles.canopen.identifiers import services
 
-READABLE = list(LOG_SUFFIXES.values())
+READABLE = [*LOG_SUFFIXES.values(), PCAPNG]
 PCAP, CANDUMP = LOG_SUFFIXES["pcap"], LOG_SUFFIXES["candump"]
 DRIVES_LOG = "bus.blf"
 """What `axisrig drive -o DIR` writes."""
@@ -37,20 +40,6 @@ GROUPS = ("SDO", "LSS", "PDO", "TPDO", "RPDO", "boot-up", "abort", "error")
 
 _PDO = re.compile(r"[rt]pdo\d{1,3}")
 _OBJECT = re.compile(r"(?:0x)?([0-9a-f]{4})(?::([0-9a-f]{1,2}))?")
-
-
-@dataclass(frozen=True)
-class Selection:
-    """Which frames are shown.
-
-    only: services, axes, telegrams, objects, of which one must fit; every frame if empty.
-    from_ms, to_ms: since the start of the log. is_all: also SYNCs, and PDOs with nothing new.
-    """
-
-    only: tuple[str, ...] = ()
-    from_ms: float = 0.0
-    to_ms: float = float("inf")
-    is_all: bool = False
 
 
 @dataclass(frozen=True)
@@ -85,9 +74,12 @@ def logs_of(place: Path, run: str) -> list[Path]:
     folder = place / "bus"
     found = [folder / f"{run}{suffix}" for suffix in READABLE]
     several = sorted(p for p in folder.glob("*.pcap") if p.stem.startswith(run + SEGMENT_MARK))
+    lines = sorted(p for p in folder.glob(f"*{PCAPNG}") if p.stem.startswith(run + SEGMENT_MARK))
     for files in [*([path] for path in found if path.is_file()), several]:
         if files:
-            return files
+            return [*files, *lines]
+    if lines:
+        return lines
     raise UserError("the run left no bus log that can be read", file=folder, allowed=READABLE)
 
 
@@ -96,8 +88,30 @@ def tell_log(
 ) -> Iterator[str]:
     """Yield the lines for the frames of a log, and one that says so when there are none.
 
-    Error frames in a row are one line. Raises UserError for a damaged log or an unknown word.
+    Error frames in a row are one line; EtherCAT lines come behind the CAN buses of a run. Raises
+    UserError for a damaged log or an unknown word.
     """
+    lines = [path for path in paths if path.suffix.lower() == PCAPNG]
+    buses = [path for path in paths if path not in lines]
+    if buses:
+        yield from _tell_buses(buses, settings, selection)
+    if lines:
+        is_empty = True
+        for text in tell_lines(lines, settings, selection):
+            is_empty = False
+            yield text
+        if is_empty:
+            yield _nothing(lines, selection)
+
+
+def _nothing(paths: Sequence[Path], selection: Selection) -> str:
+    words = f" for {', '.join(selection.only)}" if selection.only else ""
+    return f"no frame{words} among those of {paths[0]} that are shown (see --all)"
+
+
+def _tell_buses(
+    paths: Sequence[Path], settings: Settings | None, selection: Selection
+) -> Iterator[str]:
     names = Names(settings)
     wanted = _wanted(selection.only, names.axes)
     is_empty, row, count, last_ms = True, None, 0, 0.0
@@ -112,8 +126,7 @@ def tell_log(
             yield line.text
     yield from _folded(row, count, last_ms)
     if is_empty:
-        words = f" for {', '.join(selection.only)}" if selection.only else ""
-        yield f"no frame{words} among those of {paths[0]} that are shown (see --all)"
+        yield _nothing(paths, selection)
 
 
 def _folded(row: _Line | None, count: int, last_ms: float) -> Iterator[str]:

@@ -1,0 +1,75 @@
+"""`axisrig bus` on EtherCAT: frames of a run in words, and files that are none."""
+
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.bus.ethercat.pcapng import PcapngFile
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.bench.tools.bus_log.bus_log import tell_log
+from axisrig.bench.tools.bus_log.choice.selection import Selection
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
+
+RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-ethercat.toml"
+PROGRAM = "%moves\nN10 G01 G90 Z129.9 F6000\nN20 M30\n"
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Settings]:
+    """The file of a short run, and the settings of the run."""
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "moves.nc").write_text(PROGRAM, encoding="utf-8")
+    settings = read_settings(*read_rig(RIG), [])
+    program = read_program(folder / "moves.nc", ("Z",))
+    machine = Machine(settings, program, bus_logs=[folder / "run.blf"])
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    return folder / "run@ec1.pcapng", settings
+
+
+def said(log: tuple[Path, Settings], *only: str, to_ms: float = 1e9) -> list[str]:
+    path, settings = log
+    return list(tell_log([path], settings, Selection(only, to_ms=to_ms)))
+
+
+def test_the_start_up_is_said_by_registers_objects_and_states(log: tuple[Path, Settings]) -> None:
+    lines = said(log, "al_control", "al_status")
+    asked = [line.split("AL_CONTROL ")[1] for line in lines if "AL_CONTROL" in line]
+    assert asked == ["INIT, acknowledges an error", "PREOP", "SAFEOP", "OP"]
+    assert "Z.FPRD           WKC 1  AL_STATUS OP" in lines[-1]
+    assert any("SDO write 0x6060:0 Modes of operation = 8" in line for line in said(log, "6060"))
+
+
+def test_values_of_the_image_are_said_with_their_objects(log: tuple[Path, Settings]) -> None:
+    lines = said(log, "Z.inputs")
+    assert "Position actual value" in lines[-1]
+    assert "(operation enabled)" in lines[-1]
+    assert "mm)" in lines[-1]
+    assert all("WKC 3  " in line for line in lines[1:])
+    assert len(said(log, "Z.inputs", to_ms=1.0)) <= 1
+
+
+def test_what_each_cycle_has_needs_all(log: tuple[Path, Settings]) -> None:
+    path, settings = log
+    usual = list(tell_log([path], settings, Selection(("FRMW",), to_ms=20.0)))
+    everything = list(tell_log([path], settings, Selection(("FRMW",), to_ms=20.0, is_all=True)))
+    assert "no frame for FRMW" in usual[0]
+    assert len(everything) > 5
+
+
+def test_a_damaged_file_is_an_error_of_its_user(tmp_path: Path) -> None:
+    path = tmp_path / "run@ec1.pcapng"
+    path.write_bytes(b"no file of frames")
+    with pytest.raises(UserError, match="no pcapng file"):
+        list(tell_log([path], None, Selection()))
+    file = PcapngFile(path, ["ec1"])
+    file.add(5, 0, bytes(60))
+    file.stop()
+    path.write_bytes(path.read_bytes()[:-3])
+    with pytest.raises(UserError, match="a block is cut off"):
+        list(tell_log([path], None, Selection()))
