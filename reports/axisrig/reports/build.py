@@ -21,6 +21,7 @@ from urllib.parse import quote
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
+from axisrig.bench.campaign.results.layout import run_of_log
 from axisrig.bench.campaign.results.stored import (
     PROBE,
     RECORDED_IN,
@@ -248,7 +249,7 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
     logs: dict[str, list[str]] = {}
     folder = None if results.place is None else results.place / "bus"
     for log in sorted(folder.iterdir()) if folder is not None and folder.is_dir() else []:
-        logs.setdefault(log.stem, []).append(log.name)
+        logs.setdefault(run_of_log(log.name), []).append(log.name)
 
     def links(run: StoredRun) -> list[tuple[str, str, str]]:
         found = []

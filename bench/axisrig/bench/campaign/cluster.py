@@ -23,6 +23,7 @@ from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any
 
 from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.layout import logs_beside
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.resuming import files_of_case
 from axisrig.bench.campaign.runner import Limits, Stopwatch, run_cases
@@ -322,8 +323,14 @@ def _unpacked(case: Case, content: bytes | str, files_of: Callable[[str], RunFil
     files = files_of(case.run)
     for one, place in zip((result, *result.probes), (files, *files.probes), strict=False):
         run = one.case.run
-        for path in (*place.bus_logs, *([] if place.trace is None else [place.trace])):
-            written = returned.files.get(f"{run}{path.suffix}")
+        several = logs_beside(run, returned.files) if place.bus_logs else []
+        for path in (
+            *place.bus_logs,
+            *(place.bus_logs[0].with_name(name) for name in several),
+            *([] if place.trace is None else [place.trace]),
+        ):
+            name = path.name if path.name in several else f"{run}{path.suffix}"
+            written = returned.files.get(name)
             if written is not None:
                 path.write_bytes(written)
                 if path == place.trace:

@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.campaign.pytest_plugin import STORED, Outcome, RowItem
+from axisrig.bench.campaign.results.layout import logs_beside
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
@@ -66,8 +67,10 @@ class Staging:
         files = {}
         for one in (result, *result.probes):
             one.series = None
-            for suffix in (_TRACE, _BUS):
-                path = self._folder / f"{one.case.run}{suffix}"
+            run = one.case.run
+            beside = logs_beside(run, [each.name for each in self._folder.iterdir()])
+            for name in (f"{run}{_TRACE}", f"{run}{_BUS}", *beside):
+                path = self._folder / name
                 if path.is_file():
                     files[path.name] = path.read_bytes()
                     path.unlink()
@@ -176,3 +179,5 @@ def _write(result: CaseResult, place: RunFiles, files: Mapping[str, bytes]) -> N
     log = files.get(f"{result.case.run}{_BUS}")
     for path in place.bus_logs if log is not None else ():
         path.write_bytes(log or b"")
+    for name in logs_beside(result.case.run, files) if place.bus_logs else ():
+        place.bus_logs[0].with_name(name).write_bytes(files[name])

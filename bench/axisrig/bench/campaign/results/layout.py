@@ -5,9 +5,12 @@ is no part of it: a command that followed one would read, write or remove files 
 """
 
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
 from axisrig.bench.files import beside
 from axisrig.kernel.errors import UserError
 
@@ -15,6 +18,10 @@ LOCK = ".lock"
 TRACES, RECORDINGS_OF, BUS = "traces", "runs", "bus"
 FOLDERS = (TRACES, RECORDINGS_OF, BUS)
 """Folders with the files of runs."""
+_ENDINGS = "|".join(re.escape(suffix) for suffix in (*LOG_SUFFIXES.values(), PCAPNG))
+_LOG = re.compile(
+    rf"(?P<run>[^{SEGMENT_MARK}]+?)(?P<one>{SEGMENT_MARK}[^/\\\x00:]+)?(?:{_ENDINGS})"
+)
 PLANS = "plans"
 """Folder for the plans as they were meant, a row for each run."""
 JUDGED = "judged"
@@ -32,6 +39,18 @@ FILES = (*TABLES, *MADE, MANIFEST)
 BESIDE = tuple(beside(Path(name)).name for name in FILES)
 """What a process that was killed while it wrote one of these leaves."""
 _OWN = frozenset({LOCK, *FOLDERS, PLANS, JUDGED, BUDGETS, EXPORT, NEW, *FILES, *BESIDE})
+
+
+def run_of_log(name: str) -> str:
+    """Return the id of the run whose bus log has this name, empty for the name of no log."""
+    found = _LOG.fullmatch(name)
+    return found["run"] if found else ""
+
+
+def logs_beside(run: str, names: Iterable[str]) -> list[str]:
+    """Return the names among these of a run's bus logs of single segments."""
+    found = ((name, _LOG.fullmatch(name)) for name in names)
+    return [name for name, log in found if log and log["one"] and log["run"] == run]
 
 
 def refuse_links(folder: Path) -> None:
