@@ -40,6 +40,7 @@ BUS_LOG = "bus log"
 # What comes up where a part of a recording lacks what another part has
 _UNREADABLE = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, AssertionError)
 _WHOLE, _TINY = 1e15, 1e-3
+MBIT_S = 1_000_000
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 _GOOD = (Verdict.PASS, Verdict.MARGINAL)
 
@@ -131,6 +132,7 @@ def _view(
         "blocks": blocks,
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
+        "waits": any(bus["waiting"] for bus in info.get("bus", [])),
         "commands": [shlex.join(["axisrig", *words]) for words in commands],
         "chart": drawn[0],
         "data": drawn[1],
@@ -386,7 +388,7 @@ def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
     """The figures of a segment as the table prints them."""
     return {
         "segment": bus["segment"],
-        "bitrate": f"{bus['bitrate'] / 1000:g} kbit/s",
+        "bitrate": _bit_rate(bus["bitrate"]),
         "loads": [f"{bus[key]:.1f}" for key in ("load_pct", "load_100ms_pct", "load_1ms_pct")],
         "frames": bus["frames"],
         "error_frames": bus["error_frames"],
@@ -399,7 +401,26 @@ def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
             {"name": wait["name"], "id": f"{wait['can_id']:03X}", "us": f"{wait['worst_us']:.1f}"}
             for wait in bus["waiting"]
         ],
+        "line": _line(bus["line"]) if bus.get("line") else [],
     }
+
+
+def _bit_rate(bits_s: int) -> str:
+    return f"{bits_s / 1e6:g} Mbit/s" if bits_s > MBIT_S else f"{bits_s / 1000:g} kbit/s"
+
+
+def _line(line: Mapping[str, Any]) -> list[tuple[str, str, bool]]:
+    """Cycle, working counters and states of an EtherCAT line: name, text, whether it is wrong."""
+    lost = line["sent"] - line["back"]
+    wrong = f"{line['counter']}, another one in {line['wrong']} frames"
+    if line["wrong_in_a_row"] > 1:
+        wrong += f", {line['wrong_in_a_row']} in a row"
+    return [
+        ("cycle", f"{line['period_us']:g} µs, of it the frame {line['wire_us']:.2f} µs", False),
+        ("cyclic frames", f"{line['sent']}, not back {lost}", lost > 0),
+        ("working counter", wrong, line["wrong"] > 0),
+        *((f"{axis}: AL state", state, state != "OP") for axis, state in line["slaves"]),
+    ]
 
 
 def event_rows(info: Mapping[str, Any]) -> list[dict[str, str]]:

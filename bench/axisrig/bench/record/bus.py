@@ -32,12 +32,35 @@ class BusChange(Frozen):
 
 
 @dataclass(frozen=True)
+class LineFigures(Frozen):
+    """What an EtherCAT line does in each cycle; frames here are the cyclic ones.
+
+    period_us: of the cycle. wire_us: how long its frame has the wire. sent, back: how many left,
+    and came back. counter: the right working counter of the process image. wrong: how many frames
+    came back with another one, since the first right one; wrong_in_a_row: at most without a right
+    one between. slaves: (axis, AL state at the end, with its code) in the order of the line.
+    """
+
+    period_us: float
+    wire_us: float
+    sent: int
+    back: int
+    counter: int
+    wrong: int
+    wrong_in_a_row: int
+    slaves: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
 class BusFigures(Frozen):
     """One segment in one run; busy counts from SOF to the end of the intermission.
 
-    load_pct: over the whole run. load_100ms_pct, load_1ms_pct: in the worst window. counters: per
-    port (name, TEC, REC, state) where something was wrong. overload: what does not fit in the worst
-    case, empty when all does. waiting: the longest first.
+    On EtherCAT it counts the time on the wire of the frames that come back, and error frames are
+    those that do not; nothing waits there. load_pct: over the whole run. load_100ms_pct,
+    load_1ms_pct: in the worst window. counters: per port (name, TEC, REC, state) where something
+    was wrong. overload: what does not fit in the worst case, empty when all does. waiting: the
+    longest first. changes: of the error states of ports; on EtherCAT of AL states, once a slave was
+    in OP. line: of EtherCAT alone.
     """
 
     segment: str
@@ -51,6 +74,7 @@ class BusFigures(Frozen):
     counters: tuple[tuple[str, int, int, str], ...]
     waiting: tuple[Waiting, ...]
     changes: tuple[BusChange, ...] = ()
+    line: LineFigures | None = None
 
 
 @dataclass(frozen=True)

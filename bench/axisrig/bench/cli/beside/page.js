@@ -205,12 +205,19 @@
     bar.append(filled);
     return make("div", percent > 90 ? "load full" : "load", bar, `${number(percent, 1)} %`);
   };
+  // Cycle, working counter and states of an EtherCAT line
+  const lineWords = (line) => [
+    `cycle ${line.period_us} µs, frame ${number(line.wire_us, 2)} µs`,
+    `working counter ${line.counter}, wrong in ${whole(line.wrong)} of ${whole(line.back)}`,
+    ...line.slaves.map(([axis, state]) => `${axis} ${state}`),
+  ];
   const drawBus = (bus) => {
     at("bus").replaceChildren(
       ...bus.map((one) => {
         const name = make("th", "", one.segment + (one.is_outside ? ", real bus" : ""));
         const nodes = one.counters.map((c) => `${c.node}: ${c.state}, TEC ${c.tec}, REC ${c.rec}`);
         if (one.lost) nodes.unshift(`lost: ${one.lost}`);
+        if (one.line) nodes.push(...lineWords(one.line));
         return make(
           "tr", "", name, make("td", "", load(one.load_pct)), cell(whole(one.frames), "right"),
           cell(whole(one.error_frames), "right"), cell(nodes.join("; ") || "none"),

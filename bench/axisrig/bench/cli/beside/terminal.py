@@ -100,6 +100,15 @@ def _probes_and_buses(state: Mapping[str, Any]) -> list[Text]:
     buses = [
         f"bus {one['segment']} {one['load_pct']:.1f} %, {one['frames']} frames,"
         f" {one['error_frames']} error frames{', lost' if one['lost'] else ''}"
+        f"{_line_words(one.get('line'))}"
         for one in state["bus"]
     ]
     return [Text(line) for line in (*probes, *buses)]
+
+
+def _line_words(line: Mapping[str, Any] | None) -> str:
+    """Say working counter and AL states of an EtherCAT line."""
+    if line is None:
+        return ""
+    states = ", ".join(f"{axis} {state}" for axis, state in line["slaves"])
+    return f", working counter {line['counter']}, wrong in {line['wrong']}; {states}"

@@ -36,10 +36,14 @@ class Behaviour(Protocol):
 
 
 class AlStateMachine:
-    """State, error and what is under way. show(status, code): of the registers."""
+    """State, error and what is under way. show(status, code): of the registers.
+
+    observers: called with state and AL status code whenever the slave shows them.
+    """
 
     def __init__(self, behaviour: Behaviour, show: Callable[[int, int], None]) -> None:
         self._behaviour, self._show = behaviour, show
+        self.observers: list[Callable[[AlState, int], None]] = []
         self.state = AlState.INIT
         self.code = 0
         self.is_waiting = False
@@ -111,3 +115,5 @@ class AlStateMachine:
 
     def _tell(self) -> None:
         self._show(self.state | (AL_ERROR if self.code else 0), self.code)
+        for observer in self.observers:
+            observer(self.state, self.code)

@@ -101,7 +101,9 @@ def queueing_us_max(observed: Observed, axis: str | None) -> Observation:
     """Longest wait of a frame for the bus, of one axis or of all."""
     waits = [w for bus in observed.facts.buses for w in bus.waiting if axis in (None, w.axis)]
     if not waits:
-        return Observation(None, note="nothing was sent")
+        lines = ", ".join(bus.segment for bus in observed.facts.buses if bus.line is not None)
+        note = f"nothing waits on EtherCAT ({lines}): its master alone sends" if lines else ""
+        return Observation(None, note=note or "nothing was sent")
     longest = max(waits, key=lambda wait: wait.worst_us)
     return Observation(longest.worst_us, note=longest.name)
 

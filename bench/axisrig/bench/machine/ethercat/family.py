@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,13 @@ from axisrig.bench.bus.ethercat.frame_hash import FrameHash
 from axisrig.bench.bus.ethercat.pcapng import SUFFIX, PcapngFile
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.ethercat.line import Line, driven
+from axisrig.bench.machine.ethercat.line_meter import LineMeters, al_words
 from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.families import Bench, Installed
 from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.lines import KINDS, OnLine
 from axisrig.bench.record.axes import DriveState, Telegram
-from axisrig.bench.record.bus import BusFigures
+from axisrig.bench.record.bus import BusFigures, LineFigures
 from axisrig.bench.record.series import Times
 from axisrig.bench.rig.ethercat.members import ec_segments
 from axisrig.bench.rig.ethercat.schedule import overloads, schedule_of
@@ -25,15 +27,17 @@ from axisrig.bench.rig.reading.faults import Fault
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.ethercat.image import objects_of
-from axisrig.kernel.drives.ethercat.line_start import SlaveStart, state_name
+from axisrig.kernel.drives.ethercat.line_start import SlaveStart
 from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.watch import EthercatWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.clock import MS, US, TimeNs
 
 BIT_RATE = 100_000_000
+LOAD_SPAN_NS = 100 * MS
+"""The load that is shown is that of so much time."""
 _OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
@@ -69,6 +73,7 @@ class EthercatLines(Installed):
             )
             for name in ec_segments(settings)
         }
+        self._meters = LineMeters(self.lines.values(), bench.scheduler, journal)
         self.links = driven(self.lines)
         self.states = {axis: self.states[axis] for axis in self.links}
         self.nodes = {a: node for line in self.lines.values() for a, node in line.nodes.items()}
@@ -152,26 +157,43 @@ class EthercatLines(Installed):
 
     def figures(self) -> list[BusFigures]:
         """Return what each line has carried."""
-        over, settings = overloads(self._bench.settings), self._bench.settings
-        found = []
-        for name, line in self.lines.items():
-            schedule = schedule_of(settings, name)
-            load_pct = 100.0 * schedule.wire_ns / schedule.period_ns
-            found.append(
-                BusFigures(
-                    segment=name,
-                    bitrate=BIT_RATE,
-                    load_pct=load_pct,
-                    load_100ms_pct=load_pct,
-                    load_1ms_pct=load_pct,
-                    frames=line.segment.frames,
-                    error_frames=line.segment.lost,
-                    overload=over.get(name, ""),
-                    counters=(),
-                    waiting=(),
-                )
-            )
-        return found
+        over = overloads(self._bench.settings)
+        return [self._figures(name, over.get(name, "")) for name in self.lines]
+
+    def _figures(self, name: str, overload: str) -> BusFigures:
+        meter, now_ns = self._meters[name], self._bench.scheduler.now_ns
+        segment = self.lines[name].segment
+        return BusFigures(
+            segment=name,
+            bitrate=BIT_RATE,
+            load_pct=meter.load_pct(now_ns),
+            load_100ms_pct=meter.worst_pct(100 * MS, now_ns),
+            load_1ms_pct=meter.worst_pct(MS, now_ns),
+            frames=segment.frames,
+            error_frames=segment.lost,
+            overload=overload,
+            counters=(),
+            waiting=(),
+            changes=tuple(meter.changes),
+            line=self._line_figures(name),
+        )
+
+    def _line_figures(self, name: str) -> LineFigures:
+        line, meter = self.lines[name], self._meters[name]
+        schedule = schedule_of(self._bench.settings, name)
+        return LineFigures(
+            period_us=schedule.period_ns / US,
+            wire_us=schedule.wire_ns / US,
+            sent=line.master.frames,
+            back=meter.back,
+            counter=line.master.image.counter,
+            wrong=meter.wrong,
+            wrong_in_a_row=meter.wrong_in_a_row,
+            slaves=tuple(
+                (axis, al_words(node.al_state, node.al_status_code))
+                for axis, node in line.nodes.items()
+            ),
+        )
 
     def telegrams(self, axis: str) -> list[Telegram]:
         """Return what the process image of an axis carries."""
@@ -184,7 +206,7 @@ class EthercatLines(Installed):
         return [self._shown(name, line) for name, line in self.lines.items()]
 
     def _shown(self, name: str, line: Line) -> dict[str, Any]:
-        schedule = schedule_of(self._bench.settings, name)
+        meter, now_ns = self._meters[name], self._bench.scheduler.now_ns
         return {
             "segment": name,
             "bitrate": BIT_RATE,
@@ -192,9 +214,9 @@ class EthercatLines(Installed):
             "lost": None,
             "frames": line.segment.frames,
             "error_frames": line.segment.lost,
-            "load_pct": 100.0 * schedule.wire_ns / schedule.period_ns,
+            "load_pct": meter.recent_pct(now_ns, LOAD_SPAN_NS),
             "counters": [],
-            "states": {axis: state_name(node.al_state) for axis, node in line.nodes.items()},
+            "line": asdict(self._line_figures(name)),
         }
 
 

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from axisrig.bench.bus.can.line import BusLine
 from axisrig.bench.bus.can.simbus import SimBus
+from axisrig.bench.bus.ethercat.segment import EthercatSegment
 from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.campaign.results.manifest import build_manifest
@@ -25,6 +26,7 @@ from axisrig.bench.campaign.results.writer import (
 )
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.drive.canopen.slave import CanopenSlave
+from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.machine.recording.recorder import Recorder
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.record.series import TIME
@@ -32,6 +34,7 @@ from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.canopen.link import AxisLink
+from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.errors import UserError
 
 # Part -> the calls that make it up, each by its class or module and its name. Inner calls are taken
@@ -39,8 +42,10 @@ from axisrig.kernel.errors import UserError
 Parts = Mapping[str, Sequence[tuple[type | ModuleType, str]]]
 PARTS: Parts = {
     "kernel": [(Channel, "cycle")],
-    "codec": [(AxisLink, "take"), (AxisLink, "send"), (CanopenSlave, "_cycle")],
-    "bus": [(BusLine, "arbitrate"), (BusLine, "end_of_frame"), (SimBus, "send_raw")],
+    "codec": [(AxisLink, "take"), (AxisLink, "send"), (CanopenSlave, "_cycle"),
+              (Master, "_send"), (Master, "_take"), (EthercatDrive, "process")],
+    "bus": [(BusLine, "arbitrate"), (BusLine, "end_of_frame"), (SimBus, "send_raw"),
+            (EthercatSegment, "send"), (EthercatSegment, "_pass"), (EthercatSegment, "_deliver")],
     "fmu": [(Plant, "_step")],
     "recording": [(Recorder, "__call__")],
 }  # fmt: skip
