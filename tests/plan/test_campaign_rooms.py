@@ -32,6 +32,7 @@ from axisrig.bench.campaign.results.manifest import other_files
 from axisrig.bench.campaign.runner import Limits, run_case, run_cases
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.rig.reading.families import read_segment
 from axisrig.kernel.cosim.fmi.journal import LastCall
 from axisrig.kernel.errors import UserError
 
@@ -371,19 +372,21 @@ def outside(said: list[str], **options: Any) -> Outside:
 
 
 def test_an_interface_goes_onto_the_segment_that_is_meant() -> None:
-    assert outside([]).changes(["a", "b"], RIG) == []
+    buses = {name: read_segment({}) for name in "ab"}
+    assert outside([]).changes(buses, RIG) == []
     assert not outside([], segment="a").says_anything
+    one = {"a": buses["a"]}
     words = {"interface": "slcan", "channel": "/dev/x", "bitrate": 500_000,
              "options": ["a=1", "b=2"]}  # fmt: skip
-    found = [f"{item.column}={item.value}" for item in outside([], **words).changes(["a"], RIG)]
+    found = [f"{item.column}={item.value}" for item in outside([], **words).changes(one, RIG)]
     assert found == ["bus:a.interface=slcan", "bus:a.channel=/dev/x", "bus:a.bitrate=500000",
                      "bus:a.options=a=1 b=2"]  # fmt: skip
-    named = outside([], interface="slcan", segment="b").changes(["a", "b"], RIG)
+    named = outside([], interface="slcan", segment="b").changes(buses, RIG)
     assert [item.column for item in named] == ["bus:b.interface"]
     for options, segments, message in (
-        ({"interface": "slcan"}, ["a", "b"], "the rig has several segments"),
-        ({"interface": "slcan"}, [], "the rig has several segments"),
-        ({"interface": "slcan", "segment": "c"}, ["a", "b"], "the rig has no such segment"),
+        ({"interface": "slcan"}, buses, "the rig has several segments"),
+        ({"interface": "slcan"}, {}, "the rig has several segments"),
+        ({"interface": "slcan", "segment": "c"}, buses, "the rig has no such segment"),
     ):
         with pytest.raises(UserError, match=message):
             outside([], **options).changes(segments, RIG)
@@ -393,8 +396,9 @@ def test_an_interface_goes_onto_the_segment_that_is_meant() -> None:
 
 def test_rigs_of_a_plan_name_their_segment_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     segments = {RIG: ["a"], OTHER: ["b"], Path("third.toml"): ["a"]}
+    buses = {rig: {name: read_segment({}) for name in names} for rig, names in segments.items()}
     monkeypatch.setattr(
-        hardware_runs, "read_rig", lambda rig: (SimpleNamespace(segment=segments[rig]), [])
+        hardware_runs, "read_rig", lambda rig: (SimpleNamespace(segment=buses[rig]), [])
     )
     on = outside([], interface="slcan")
     alike: Any = SimpleNamespace(cases=[case_of("a"), case_of("b", Path("third.toml"))])
@@ -637,7 +641,7 @@ def test_a_program_goes_to_real_axes_only_with_all_checks(
     is_real: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     news: list[Any] = []
-    table = SimpleNamespace(axis={"Z": None}, segment={"can1": None})
+    table = SimpleNamespace(axis={"Z": None}, segment={"can1": read_segment({})})
     monkeypatch.setattr(single, "read_rig", lambda _: (table, []))
     monkeypatch.setattr(single, "read_settings", lambda *given: ("settings", len(given[2])))
     monkeypatch.setattr(single, "is_paced", lambda _: is_real)

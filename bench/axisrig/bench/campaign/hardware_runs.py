@@ -1,7 +1,7 @@
 """Runs whose drives are real: which interface, what may not be, and who allows the motion."""
 
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
@@ -14,8 +14,10 @@ from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import Plan
 from axisrig.bench.rig.families import family_of
+from axisrig.bench.rig.reading.carriers import refusal
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.foreign import foreign_plants
+from axisrig.bench.rig.reading.tables import SegmentKeys
 from axisrig.bench.rig.real_axes import is_paced, outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
@@ -44,7 +46,7 @@ class Outside:
         """Whether the command line says anything of an interface."""
         return any((self.interface, self.channel, self.bitrate, self.options))
 
-    def changes(self, segments: Sequence[str], file: Path) -> list[Assignment]:
+    def changes(self, segments: Mapping[str, SegmentKeys], file: Path) -> list[Assignment]:
         """Return the assignments that put the interface onto a segment of a rig.
 
         Raises UserError when it is not clear onto which one.
@@ -58,26 +60,37 @@ class Outside:
         if not self.says_anything:
             return []
         parse_options(said["options"] or "")
-        if self.segment is not None and self.segment not in segments:
-            raise UserError("the rig has no such segment", value=self.segment, allowed=segments)
-        if self.segment is None and len(segments) != 1:
+        buses = self._buses(segments, file)
+        if self.segment is None and len(buses) != 1:
             raise UserError(
                 "the rig has several segments: say which one the interface is for",
                 file=file,
-                allowed=segments,
+                allowed=buses,
                 hint="--segment NAME, or interface and channel in the rig",
             )
-        name = self.segment or segments[0]
+        name = self.segment or buses[0]
         return [
             parse_assignment(f"bus:{name}.{key}={value}") for key, value in said.items() if value
         ]
+
+    def _buses(self, segments: Mapping[str, SegmentKeys], file: Path) -> list[str]:
+        """Return the segments that an interface can be for: their carrier has this key."""
+        if self.segment is not None and self.segment not in segments:
+            raise UserError("the rig has no such segment", value=self.segment, allowed=segments)
+        buses = [
+            name for name, table in segments.items() if "interface" in type(table).model_fields
+        ]
+        if segments and (self.segment or "") not in buses and (self.segment or not buses):
+            name = self.segment or next(iter(segments))
+            raise refusal("run --interface", name, file=file)
+        return buses
 
     def changes_of(self, plan: Plan) -> list[Assignment]:
         """Return the assignments for the cases of a plan. Raises UserError as `changes`."""
         if not self.says_anything:
             return []
         by_rig = {
-            tuple(self.changes(list(read_rig(rig)[0].segment), rig))
+            tuple(self.changes(read_rig(rig)[0].segment, rig))
             for rig in dict.fromkeys(case.rig for case in plan.cases)
         }
         if len(by_rig) > 1:

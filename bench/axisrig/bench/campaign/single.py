@@ -41,7 +41,7 @@ def run_outside(
     """Run a program on axes outside, as `run_program`; None when the rig has no real bus."""
     table, files = read_rig(rig)
     changes = [*assignments]
-    changes += [f"{item.column}={item.value}" for item in outside.changes([*table.segment], rig)]
+    changes += [f"{item.column}={item.value}" for item in outside.changes(table.segment, rig)]
     assigned = [(parse_assignment(text), as_written) for text in changes]
     settings = read_settings(table, files, assigned)
     if not is_paced(settings):

@@ -23,6 +23,7 @@ from axisrig.bench.cli.drive_command import drive
 from axisrig.bench.cli.fmu_commands import build_library, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
+    BUS_LOG_HELP,
     CALL_LIMIT_S,
     EXIT_REJECTED,
     JOBS_AUTO,
@@ -114,7 +115,8 @@ def _logs(path: Path | None) -> list[Path]:
 
     suffixes = list(LOG_SUFFIXES.values())
     if path is not None and path.suffix.lower() not in suffixes:
-        raise UserError("no kind of bus log", value=str(path), allowed=suffixes)
+        hint = "an EtherCAT line writes NAME@SEGMENT.pcapng beside it, whatever is named"
+        raise UserError("no kind of bus log", value=str(path), allowed=suffixes, hint=hint)
     return [] if path is None else [path]
 
 
@@ -280,9 +282,7 @@ def nc(
     is_check: Annotated[
         bool, typer.Option("--check", help="Read and check the program; run nothing.")
     ] = False,
-    bus_log: Annotated[
-        Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
-    ] = None,
+    bus_log: Annotated[Path | None, typer.Option("--bus-log", help=BUS_LOG_HELP)] = None,
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
@@ -345,9 +345,7 @@ def check(
 def replay(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
     run_id: Annotated[str, typer.Argument(metavar="RUN", help="Run id, as in cases.csv.")],
-    bus_log: Annotated[
-        Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
-    ] = None,
+    bus_log: Annotated[Path | None, typer.Option("--bus-log", help=BUS_LOG_HELP)] = None,
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
 ) -> None:

@@ -39,8 +39,14 @@ AsCanopenOption = Annotated[
 ]
 BusLogsOption = Annotated[
     str,
-    typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
+    typer.Option(
+        "--bus-log",
+        help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none. EtherCAT: pcapng.",
+    ),
 ]
+BUS_LOG_HELP = (
+    "Write every frame: .blf, .log, .asc or .pcap; of EtherCAT NAME@SEGMENT.pcapng beside it."
+)
 ShardOption = Annotated[
     str | None,
     typer.Option(

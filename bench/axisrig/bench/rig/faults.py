@@ -1,5 +1,7 @@
 """Where a fault of a kind can act in a rig, and what is refused."""
 
+from collections.abc import Collection
+
 from axisrig.bench.rig.families import family_on
 from axisrig.bench.rig.reading.fault_targets import place_of, targets
 from axisrig.bench.rig.reading.faults import FaultKind, fault_kinds, misses_heartbeats
@@ -44,4 +46,11 @@ def check_faults(settings: Settings) -> None:
                 f" {settings.segment[on].carrier}, nor of their drives",
                 value=fault.target,
                 allowed=with_faults or "none",
+                hint=_kinds_on(on, rooms[on]),
             )
+
+
+def _kinds_on(segment: str, rooms: Collection[str]) -> str | None:
+    """Say which kinds there are on a segment, None where it has none."""
+    kinds = [kind.name for kind in fault_kinds().values() if kind.room in rooms]
+    return f"on {segment} there are {', '.join(kinds)}" if kinds else None

@@ -147,7 +147,10 @@ def read_faults(kind: str, text: str, rig: RigFile) -> list[Fault]:
 
 def misses_heartbeats(kind: str, axis: str, rig: RigFile) -> bool:
     """Whether a fault of a kind would lose heartbeats that the drive of an axis does not send."""
-    return kind == "heartbeat_loss" and not rig.drive[rig.axis[axis].drive].shows_life
+    table = rig.axis[axis]
+    segment = rig.segment.get(table.segment)
+    is_line = segment is not None and segment.is_line  # has no such faults at all
+    return kind == "heartbeat_loss" and not is_line and not rig.drive[table.drive].shows_life
 
 
 def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
@@ -171,6 +174,9 @@ def _fault(kind: FaultKind, target: str, values: Mapping[str, Any], rig: RigFile
         what = "no such telegram" if kind.targets == ("telegram",) else "no such place of a fault"
         place = target.partition(".")[0]
         same_place = [name for name in allowed if name.startswith(f"{place}.")]
+        if not allowed:
+            what = f"{what}: the rig has no {' and no '.join(kind.targets)}"
+            raise UserError(what, value=target, hint=f"axisrig faults {kind.name}")
         raise UserError(what, value=target, allowed=same_place or allowed)
     return Fault(kind.name, target, *place_of(target, kind.targets, rig), values)
 

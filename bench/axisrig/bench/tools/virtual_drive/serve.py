@@ -31,6 +31,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.record.series import SeriesWriter, column_of
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.carriers import refusal
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
@@ -78,7 +79,7 @@ def drive_settings(
     """Read a rig for its drives alone, with the interface and changes of the command line."""
     table, files = read_rig(rig)
     changes = [parse_assignment(text) for text in assignments]
-    changes += outside.changes(list(table.segment), rig)
+    changes += outside.changes(table.segment, rig)
     settings = read_settings(table, files, [(item, as_written) for item in changes])
     settings.has_kernel = False
     return only_axes(settings, axes)
@@ -89,6 +90,9 @@ def write_eds(settings: Settings, path: Path) -> Path:
 
     Raises UserError when its axes have different drives.
     """
+    for axis in settings.rig.axis.values():
+        if settings.segment[axis.segment].is_line:
+            raise refusal("drive --eds", axis.segment)
     profiles = {drive_of(settings, name).make() for name in settings.rig.axis}
     if len(profiles) != 1:
         raise UserError(
@@ -151,9 +155,13 @@ class DriveServer:
         check_rig(settings)
         for name in settings.segment:
             if not is_real(settings, name):
+                table = settings.segment[name]
                 raise UserError(
                     f"segment {name} is simulated: no master can reach its drives",
-                    hint="name a CAN interface, e.g. --interface socketcan --channel can0",
+                    hint="--interface ecat --channel IF for a master of EtherCAT, on CAN an"
+                    " --axis that is there"
+                    if table.is_line
+                    else "name a CAN interface, e.g. --interface socketcan --channel can0",
                 )
         self._hardware, self._put_out, self._folder = hardware, put_out, folder
         self._open = ExitStack()
