@@ -137,3 +137,18 @@ def test_the_report_marks_what_went_wrong_on_a_line() -> None:
     assert bad["working counter"] == ("6, another one in 3 frames, 2 in a row", True)
     assert bad["Z: AL state"] == ("SAFEOP, 0x001B, x", True)
     assert not bad["X: AL state"][1]
+
+
+def test_a_new_project_goes_to_ethercat_as_its_rig_says(
+    axisrig: Callable[..., tuple[int, str, str]], place: Path
+) -> None:
+    """What the comment of the rig asks for is all that there is to do."""
+    assert axisrig("new", "mine")[0] == 0
+    rig = place / "mine" / "testplans" / "rigs" / "bench.toml"
+    text = rig.read_text("utf-8")
+    assert 'carrier = "ethercat"' in text
+    changed = text.replace("bitrate = 1_000_000", 'carrier = "ethercat"').replace("node = 3\n", "")
+    rig.write_text(changed.replace("mo/MyAxis.mo", "AxisRig.Drives.ServoAxis"), "utf-8")
+    code, out, err = axisrig("check", rig)
+    assert (code, err) == (0, "")
+    assert "segment can1, EtherCAT, one cycle" in out
