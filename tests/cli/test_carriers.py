@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -11,7 +12,9 @@ from axisrig.bench.campaign.results.layout import logs_beside, run_of_log
 from axisrig.bench.campaign.results.sums import is_log_sums, sums_of
 from axisrig.bench.record.bus import LineFigures
 from axisrig.bench.rig.reading.carriers import on_carriers
+from axisrig.kernel.errors import UserError
 from axisrig.reports.run import _line
+from axisrig.results.loading import Results
 
 ROOT = Path(__file__).parents[2]
 RIGS = ROOT / "testplans" / "rigs"
@@ -152,3 +155,16 @@ def test_a_new_project_goes_to_ethercat_as_its_rig_says(
     code, out, err = axisrig("check", rig)
     assert (code, err) == (0, "")
     assert "segment can1, EtherCAT, one cycle" in out
+
+
+def test_the_table_of_frames_is_of_can(tmp_path: Path) -> None:
+    """Files of lines beside it are left out, and where there are only these it says so."""
+    stored = SimpleNamespace(recording=SimpleNamespace(facts=None), recorded="p-a")
+    results: Any = SimpleNamespace(_run=lambda _: stored, folder=tmp_path)
+    bus = tmp_path / "bus"
+    bus.mkdir()
+    (bus / "p-a@ec1.pcapng").touch()
+    with pytest.raises(UserError, match="frames of EtherCAT alone"):
+        Results.frames(results, "p-a")
+    (bus / "p-a.log").write_text("(0.001000) can1 080#\n", "ascii")
+    assert list(Results.frames(results, "p-a")["id"]) == [0x80]

@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
+from axisrig.bench.campaign.results.layout import BUS
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     NOTE,
@@ -31,6 +33,7 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.blocks import STATES, block_kinds, held_ns
 from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.series import Series, units_of
+from axisrig.bench.rig.reading.carriers import refusal
 from axisrig.bench.tools.bus_log.bus_log import logs_of, messages_of
 from axisrig.kernel.errors import UserError, nearest
 
@@ -192,12 +195,15 @@ class Results:
         return table.astype({name: kinds[name[-3:]] for name in table.attrs["units"]})
 
     def frames(self, run: str) -> pd.DataFrame:
-        """Every frame of a run: `time_ns`, `segment`, `id`, `data` (hex) and what kind it is.
+        """Every frame of the CAN buses of a run: `time_ns`, `segment`, `id`, `data` (hex), kind.
 
         Times are those of the log: of BLF 1 ns early at most. Raises as `signals`, also for a run
         without a bus log.
         """
         stored = self._run(run)
+        logs = [path for path in logs_of(self.folder, stored.recorded) if path.suffix != PCAPNG]
+        if not logs:
+            raise refusal("results.frames", file=self.folder / BUS)
         facts = stored.recording.facts
         segments = [] if facts is None else [bus.segment for bus in facts.buses]
         rows = [
@@ -210,7 +216,7 @@ class Results:
                 message.is_remote_frame,
                 message.is_error_frame,
             )
-            for message in messages_of(logs_of(self.folder, stored.recorded))
+            for message in messages_of(logs)
         ]
         columns = ["time_ns", "segment", "id", "data", "is_extended", "is_remote", "is_error"]
         table = pd.DataFrame(rows, columns=columns)
