@@ -23,6 +23,11 @@ SEGMENT = {
     "error_frames": 3, "load_pct": 41.25,
     "counters": [{"node": "cnc", "tec": 136, "rec": 0, "state": "error passive"}],
 }  # fmt: skip
+LINE = {
+    "period_us": 1000.0, "wire_us": 10.08, "sent": 2000, "back": 1998, "counter": 6, "wrong": 2,
+    "wrong_in_a_row": 1, "slaves": [["X", "OP"], ["Z", "SAFEOP, 0x001B, x"]],
+}  # fmt: skip
+"""Of a segment on EtherCAT, its `line`."""
 REAL_TIME = {
     "syncs": 900, "looked_at": 500, "late": 7, "late_us": 100.0, "worst_us": 812.4,
     "slipped_ms": 1.5, "send_errors": 0,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.live_states import AXIS, DISTANCE, REAL_TIME, SEGMENT, state
+from tests.live_states import AXIS, DISTANCE, LINE, REAL_TIME, SEGMENT, state
 from tests.tools.chromium import MISSING, Browser, chromium
 
 from axisrig.bench.cli.beside.feed import Look
@@ -122,7 +122,11 @@ def test_what_a_commissioning_engineer_looks_for_is_there(page: Browser, shown: 
         real_time=REAL_TIME,
         alarms=["alarm 50052: ..."],
         messages=["V.A.MESS.Z=100.0"],
-        bus=[SEGMENT, {**SEGMENT, "segment": "can2", "is_outside": True, "lost": "cable out"}],
+        bus=[
+            SEGMENT,
+            {**SEGMENT, "segment": "can2", "is_outside": True, "lost": "cable out"},
+            {**SEGMENT, "segment": "ec1", "counters": [], "line": LINE},
+        ],  # fmt: skip
     )
     wait(page, SEEN, "plan-a")
     seen = text(page, "body")
@@ -135,6 +139,7 @@ def test_what_a_commissioning_engineer_looks_for_is_there(page: Browser, shown: 
         *("99.7503 °", "−250.3 m°", "fault, real drive"),
         *("active const dist, dry run", "0.1250 mm offset", "SET_DIST 1.2500 mm", "−1.5000 mm"),
         *("41.3 %", "12 345", "cnc: error passive, TEC 136, REC 0", "can2, real bus"),
+        "cycle 1000 µs, frame 10.08 µs; working counter 6, wrong in 2 of 1 998; X OP; Z SAFEOP",
         *("lost: cable out", "1.769448", "alarm 50052: ...", "V.A.MESS.Z=100.0"),
         "real time: 7 of the last 500 SYNCs more than 100 us late, 812 us at most",
         *("✔ pass plan-x", "✘ fail plan-y"),

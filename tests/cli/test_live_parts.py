@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from rich.console import Console
-from tests.live_states import AXIS, DISTANCE, SEGMENT, state
+from tests.live_states import AXIS, DISTANCE, LINE, SEGMENT, state
 
 from axisrig.bench.cli.beside import server, showing, terminal, ticking
 from axisrig.bench.cli.beside.feed import Feed as LiveFeed
@@ -169,12 +169,15 @@ def test_numbers_are_right_and_words_left() -> None:
 
 def test_probes_and_buses_have_a_line_each() -> None:
     probes = [{"probe": "a", "level": True}, {"probe": "b", "level": False}]
-    buses = [{**SEGMENT, "segment": "x", "lost": None}, {**SEGMENT, "segment": "y", "lost": "out"}]
+    buses = [{**SEGMENT, "segment": "x", "lost": None}, {**SEGMENT, "segment": "y", "lost": "out"},
+             {**SEGMENT, "segment": "z", "line": LINE}]  # fmt: skip
     found = [text.plain for text in terminal._probes_and_buses({"probes": probes, "bus": buses})]
     assert found == [
         "probe a on", "probe b off",
         "bus x 41.2 %, 12345 frames, 3 error frames",
         "bus y 41.2 %, 12345 frames, 3 error frames, lost",
+        "bus z 41.2 %, 12345 frames, 3 error frames, working counter 6, wrong in 2;"
+        " X OP, Z SAFEOP, 0x001B, x",
     ]  # fmt: skip
 
 
