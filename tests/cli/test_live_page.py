@@ -126,7 +126,7 @@ def test_what_a_commissioning_engineer_looks_for_is_there(page: Browser, shown: 
             SEGMENT,
             {**SEGMENT, "segment": "can2", "is_outside": True, "lost": "cable out"},
             {**SEGMENT, "segment": "ec1", "counters": [], "line": LINE},
-        ],  # fmt: skip
+        ],
     )
     wait(page, SEEN, "plan-a")
     seen = text(page, "body")
