@@ -68,6 +68,12 @@ def test_rows_of_an_instant_and_of_a_kinematic() -> None:
     assert found == [(51, 60, 4), (80, ROWS, 4)]
 
 
+def test_a_variable_that_nobody_has_written_comes_as_late_as_one_without_delay() -> None:
+    """It is in no telegram of a drive: carriers add nothing."""
+    assert truth().dead == truth(sensor=PlcSensor("gap", 1, 0)).dead
+    assert truth(sensor=PlcSensor("gap", 1, 3)).dead.dead == truth().dead.dead + 3
+
+
 def test_where_an_offset_acts_holds_until_the_next_choice() -> None:
     guides = [
         GuideChange(0),  # nothing says it yet

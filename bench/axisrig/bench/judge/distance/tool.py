@@ -231,6 +231,11 @@ class ToolTruth(DistanceTruth):
         return 0 if self.variable is None else self.variable.delay_cycles
 
     @property
+    def late_cycles(self) -> int:
+        """A V.E. variable comes on no carrier of drives, also while nobody has written it."""
+        return 0
+
+    @property
     def every(self) -> int:
         """A V.E. variable is there in every cycle."""
         return 1
