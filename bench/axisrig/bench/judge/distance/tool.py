@@ -23,10 +23,12 @@ from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.judge.observed.tool import chain_of
 from axisrig.bench.oracles.distance.cycles import (
     QUIET_CYCLES,
+    DeadCycles,
     Measured,
     NotMeasurableError,
     Sent,
     measured,
+    predicted,
 )
 from axisrig.bench.oracles.distance.lists import (
     CHANNEL,
@@ -230,10 +232,11 @@ class ToolTruth(DistanceTruth):
         """Cycles by which the value of the PLC is older than the actual positions."""
         return 0 if self.variable is None else self.variable.delay_cycles
 
-    @property
-    def late_cycles(self) -> int:
-        """A V.E. variable comes on no carrier of drives, also while nobody has written it."""
-        return 0
+    @cached_property
+    def dead(self) -> DeadCycles:
+        """Dead cycles of a V.E. variable, also while nobody has written it: no carrier adds any."""
+        age = self.sensor_age_cycles
+        return predicted(is_optimized=self.listed.is_optimized, sensor_age_cycles=age)
 
     @property
     def every(self) -> int:

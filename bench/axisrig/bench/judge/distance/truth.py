@@ -352,13 +352,8 @@ class DistanceTruth:
             is_optimized=self.listed.is_optimized,
             sensor_age_cycles=self.sensor_age_cycles,
             every=self.every,
-            late_cycles=self.late_cycles,
+            late_cycles=0 if self.variable is not None else self.record.late_cycles,
         )
-
-    @property
-    def late_cycles(self) -> int:
-        """Cycles that the carrier of the drive adds to the way; the PLC has its own times."""
-        return 0 if self.variable is not None else self.record.late_cycles
 
     @cached_property
     def every(self) -> int:
