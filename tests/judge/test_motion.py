@@ -1,6 +1,7 @@
 """True motion between two SYNCs: what a cubic finds, and how well it says that it knows it."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -292,3 +293,45 @@ def test_the_speed_ahead_counts_a_slope_that_begins_there(gain_mm_s2: float) -> 
     ahead = state_ahead(observed, "Z", int(observed.times_ns[-1]) + 9 * MS // 10)
     assert ahead is not None
     assert 0.005 < abs(ahead.speed_mm_s - speeds[8]) <= ahead.doubt_mm_s < 0.02
+
+
+@pytest.mark.parametrize("gain_mm_s2", [1000.0, -1000.0, 250.0])
+def test_the_corners_of_a_demand_that_a_velocity_loop_rounds_are_within_three_doubts(
+    gain_mm_s2: float,
+) -> None:
+    """Steps of 8 ms, kv 40/s, a velocity loop of 60 Hz: alike in each, at no SYNC to be seen."""
+    kv_per_s, loop_s, part_s, parts, steps = 40.0, 1.0 / (2.0 * np.pi * 60.0), 2e-5, 400, 40
+    times_s = np.arange(steps + 1) * 8e-3
+    demand = 100.0 * times_s + gain_mm_s2 * times_s**2 / 2.0
+    x, v, seen = 0.0, 0.0, []
+
+    def slope(x: float, v: float, d: float) -> tuple[float, float]:
+        return v, (kv_per_s * (d - x) - v) / loop_s
+
+    for begin, end in pairwise(demand.tolist()):
+        for part in range(parts):
+            seen.append((x, v))
+            d = begin + (end - begin) * (part + 0.5) / parts
+            half = slope(x, v, d)
+            ahead = slope(x + half[0] * part_s / 2.0, v + half[1] * part_s / 2.0, d)
+            x, v = x + ahead[0] * part_s, v + ahead[1] * part_s
+    known = np.array(seen)
+    syncs = known[::parts]
+    columns = {"truth_mm": syncs[:, 0], "velocity_mm_s": syncs[:, 1], "set_mm": demand[:-1]}
+    facts = Facts(
+        *(Timing(8 * MS, 0, 0), 0, 0, 0, ""),
+        axes={"Z": AxisRecord("can1", 1, 1000.0, plant="z")},
+        plants={"z": PlantRecord(kv_per_s=kv_per_s)},
+    )
+    table = {f"Z.{name}": values for name, values in columns.items()}
+    times = np.arange(steps) * 8 * MS
+    observed = Observed(facts, Series(pa.table({"time_ns": times, **table})))
+    shares = []
+    for part in range(parts * (steps - 3), parts * (steps - 2), 7):
+        state = state_at(observed, "Z", round(part * part_s * 1e9))
+        assert state is not None
+        off = abs(state.position_mm - known[part, 0]), abs(state.speed_mm_s - known[part, 1])
+        assert off <= (3.0 * state.doubt_mm + 1e-12, 3.0 * state.doubt_mm_s + 1e-12)
+        assert off[1] <= 3.0 * state.doubt_mm_s + 1e-12
+        shares.append(off[1] / max(state.doubt_mm_s, 1e-12))
+    assert max(shares) > 0.3

@@ -234,22 +234,24 @@ def test_what_the_encoder_does_around_a_step_puts_its_lag_in_doubt(row: int, wei
     """1/16 of the fourth difference, of five rows: one that is off by e makes 1, 4 or 6 e of it.
 
     The step into row 10 is in the four differences that have rows 9 and 10 in them: those that
-    begin in rows 6 to 9.
+    begin in rows 6 to 9. Each is of positions in whole increments, 1 um: sqrt(1 + 16 + 36 + 16 + 1)
+    times the 1/sqrt(12) of one.
     """
     actual = PLACE_MM.copy()
     actual[row] += 0.016
     found = seen(driven(peaks((10, 0.5)), actual), "drive_lag_mm_max:Z")
     assert found.value == 0.5
-    assert found.uncertainty == pytest.approx(0.001 * weight, abs=1e-12)
+    rounding = 0.001 * (70 / 12) ** 0.5 / 16 if weight else 0.0
+    assert found.uncertainty == pytest.approx(0.001 * weight + rounding, abs=1e-12)
 
 
 def test_a_smaller_lag_in_more_doubt_may_be_the_largest() -> None:
-    """0.49 mm known to 0.06: up to 0.55."""
+    """0.49 mm known to 0.06 and 1/16 of 2.415 increments of 1 um: up to 0.55."""
     actual = PLACE_MM.copy()
     actual[15] += 0.16
     found = seen(driven(peaks((5, 0.5), (15, 0.49)), actual), "drive_lag_mm_max:Z")
     assert found.value == 0.5
-    assert found.uncertainty == pytest.approx(0.05)
+    assert found.uncertainty == pytest.approx(0.05 + 0.002415 / 16, abs=1e-6)
     assert found.note == "what a cubic between two SYNCs does not see"
 
 

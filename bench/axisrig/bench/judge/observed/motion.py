@@ -26,6 +26,11 @@ larger one of both, or than the jump at the begin leaves:
 - the row at its begin, whose neighbours leave less of a jump unexplained the later it comes, down
   to W h: all of 4/27 and of 1 of it.
 
+What the corners of the demand make within a step, alike in each while it gets faster evenly, shows
+at no SYNC either once a velocity loop rounds it. The set positions say how much that may be: a
+corner of d lies d/8 beside a smooth demand, of which the position loop makes kv d/8 of speed and in
+a step kv d/8 h/2 pi of way. A third of both counts at an instant (`state_at`), where it is more.
+
 An axis that follows its demand exactly goes straight from SYNC to SYNC, and its speed jumps there.
 Such a step shows: its way is the speed at one of its ends times its length.
 """
@@ -268,7 +273,15 @@ def _unexplained_mm(steps_s: Signal, x: Signal, v: Signal) -> Signal:
 def state_at(observed: Observed, axis: str, time_ns: TimeNs) -> State | None:
     """Return the true state of an axis at an instant, None outside of the recorded time."""
     row = observed.index_at(time_ns)
-    return _motion(observed, axis, row, row + 1).at(time_ns)
+    there = _motion(observed, axis, row, row + 1).at(time_ns)
+    if there is None or there.doubt_mm_s == 0.0:  # at a SYNC, or straight: no corner is rounded
+        return there
+    rounded_mm_s = _rounded_mm_s(observed, axis, row)
+    step_s = float(np.diff(observed.instants(slice(row, row + 2)))[0]) * 1e-9
+    return there._replace(
+        doubt_mm=max(there.doubt_mm, rounded_mm_s * step_s / (2.0 * np.pi)),
+        doubt_mm_s=max(there.doubt_mm_s, rounded_mm_s),
+    )
 
 
 def state_ahead(observed: Observed, axis: str, time_ns: TimeNs) -> State | None:
@@ -359,3 +372,13 @@ def _motion(observed: Observed, axis: str, first: int, last: int) -> Motion:
     whole, own = motion(times_ns, x, v), slice(first - around.start, last + 1 - around.start)
     steps = slice(own.start, own.stop - 1)
     return Motion(times_ns[own], x[own], v[own], whole.doubts_mm[steps], whole.doubts_mm_s[steps])
+
+
+def _rounded_mm_s(observed: Observed, axis: str, row: int) -> float:
+    """Return a third of what the corners of the demand make of speed in the step after a row."""
+    plant = observed.plant_of(axis)
+    if plant is None or not plant.kv_per_s or not observed.has(axis, "set_mm"):
+        return 0.0
+    begin = max(row - _ON_THE_WAY - observed.facts.timing.buffer_cycles - 2, 0)
+    corners_mm = np.diff(observed.column(axis, "set_mm", slice(begin, row + 1)), 2)
+    return plant.kv_per_s * float(np.max(np.abs(corners_mm), initial=0.0)) / 8.0 / 3.0

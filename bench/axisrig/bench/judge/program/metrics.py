@@ -144,13 +144,17 @@ def _cnc_lag(observed: Observed, axis: str) -> Largest | None:
     return Largest(max(found), 0.0)
 
 
+_OF_ROUNDING = (70.0 / 12.0) ** 0.5
+"""Standard deviation of a fourth difference of whole increments: weights 1, 4, 6, 4, 1 of 1/12."""
+
+
 def _drive_lag(observed: Observed, axis: str) -> Largest | None:
     """Return the largest lag in the drive; between two SYNCs the motor is a cubic (`lag.py`).
 
     Its doubt is read from the positions of the encoder around each step: 1/16 of their fourth
-    difference. A jump of the acceleration puts it off by 0.4 of that at most, a vibration of up to
-    half a period in a step by 0.9; a screw that swings faster by more (`tests/study`). What its
-    demand does at every SYNC is in the load as well.
+    difference and of what rounding makes of that. A jump of the acceleration puts it off by 0.4 of
+    that at most, a vibration of up to half a period in a step by 0.9; a screw that swings faster by
+    more (`tests/study`). What its demand does at every SYNC is in the load as well.
     """
     found = []
     for part in observed.parts(_rows(observed)):
@@ -158,6 +162,7 @@ def _drive_lag(observed: Observed, axis: str) -> Largest | None:
         first, last = part.begin, part.begin + len(values)
         around = slice(max(first - 3, 0), min(last + 3, len(observed)))
         fourth = np.abs(np.diff(observed.column(axis, "actual_mm", around), 4))
+        fourth[fourth > 0.0] += _OF_ROUNDING / observed.axes[axis].increments_per_mm
         # Each is of five rows; the four that have both ends of a step count for it
         of_steps = sliding_window_view(np.pad(fourth, 4), 4).max(axis=1)[first - around.start :]
         doubts_mm = np.maximum(
