@@ -335,3 +335,35 @@ def test_the_corners_of_a_demand_that_a_velocity_loop_rounds_are_within_three_do
         assert off[1] <= 3.0 * state.doubt_mm_s + 1e-12
         shares.append(off[1] / max(state.doubt_mm_s, 1e-12))
     assert max(shares) > 0.3
+
+
+@pytest.mark.parametrize(("late", "is_known"), [(0, True), (1, False)])
+def test_a_corner_that_is_not_on_its_way_yet_puts_nothing_in_doubt(
+    late: int, is_known: bool
+) -> None:
+    """Braking that the CNC sends in the cycle of the step acts at the next SYNC at the earliest.
+
+    At 3 mm/s a corner d of 0.375 um, kv 100/s: kv d/24 = 0.0015625 mm/s. The axis trembles by
+    1 nm/s, so that it does not go straight.
+    """
+    row, rows = 20, 24
+    way_mm = np.full(rows, 0.003)
+    way_mm[row - late] -= 0.000375
+    set_mm = np.cumsum(way_mm)
+    syncs = 0.003 * np.arange(rows)
+    speed_mm_s = 3.0 + 1e-6 * (-1.0) ** np.arange(rows)
+    columns = {"truth_mm": syncs, "velocity_mm_s": speed_mm_s, "set_mm": set_mm}
+    facts = Facts(
+        *(Timing(MS, 0, 0), 0, 0, 0, ""),
+        axes={"Z": AxisRecord("can1", 1, 1000.0, plant="z")},
+        plants={"z": PlantRecord(kv_per_s=100.0)},
+    )
+    table = {f"Z.{name}": values for name, values in columns.items()}
+    observed = Observed(facts, Series(pa.table({"time_ns": np.arange(rows) * MS, **table})))
+    state = state_at(observed, "Z", row * MS + MS // 3)
+    assert state is not None
+    corner_mm_s = 100.0 * 0.000375 / 24.0
+    if is_known:
+        assert 0.0 < state.doubt_mm_s < 0.01 * corner_mm_s
+    else:
+        assert state.doubt_mm_s == pytest.approx(corner_mm_s)

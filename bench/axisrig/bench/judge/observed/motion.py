@@ -30,6 +30,7 @@ What the corners of the demand make within a step, alike in each while it gets f
 at no SYNC either once a velocity loop rounds it. The set positions say how much that may be: a
 corner of d lies d/8 beside a smooth demand, of which the position loop makes kv d/8 of speed and in
 a step kv d/8 h/2 pi of way. A third of both counts at an instant (`state_at`), where it is more.
+The set position of a row is sent in its cycle and acts from the next SYNC on: no corner yet.
 
 An axis that follows its demand exactly goes straight from SYNC to SYNC, and its speed jumps there.
 Such a step shows: its way is the speed at one of its ends times its length.
@@ -375,10 +376,13 @@ def _motion(observed: Observed, axis: str, first: int, last: int) -> Motion:
 
 
 def _rounded_mm_s(observed: Observed, axis: str, row: int) -> float:
-    """Return a third of what the corners of the demand make of speed in the step after a row."""
+    """Return a third of what the corners of the demand make of speed in the step after a row.
+
+    Of the set positions before the one of that row, which acts from the next SYNC on.
+    """
     plant = observed.plant_of(axis)
     if plant is None or not plant.kv_per_s or not observed.has(axis, "set_mm"):
         return 0.0
     begin = max(row - _ON_THE_WAY - observed.facts.timing.buffer_cycles - 2, 0)
-    corners_mm = np.diff(observed.column(axis, "set_mm", slice(begin, row + 1)), 2)
+    corners_mm = np.diff(observed.column(axis, "set_mm", slice(begin, row)), 2)
     return plant.kv_per_s * float(np.max(np.abs(corners_mm), initial=0.0)) / 8.0 / 3.0
