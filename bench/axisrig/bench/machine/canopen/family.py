@@ -14,18 +14,18 @@ from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.machine.canopen.bus_figures import bus_figures
 from axisrig.bench.machine.canopen.io_terminal import IoTerminal
 from axisrig.bench.machine.canopen.links import (
-    build_accesses,
     build_carriers,
     build_links,
     build_start_up,
 )
 from axisrig.bench.machine.canopen.nodes import build_nodes, build_segments
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
-from axisrig.bench.machine.families import Bench, Installed
+from axisrig.bench.machine.cia402 import LOAD_SPAN_NS, Cia402Segments
+from axisrig.bench.machine.families import Bench
 from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.frames import OnCan
 from axisrig.bench.machine.faults.injection import ON_CAN
-from axisrig.bench.record.axes import DriveState, Telegram
+from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
 from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
@@ -34,35 +34,28 @@ from axisrig.bench.rig.canopen.startup import watch_settings
 from axisrig.bench.rig.reading.faults import Fault
 from axisrig.bench.rig.real_axes import outside_axes
 from axisrig.kernel.drives.canopen.carrier import HeartbeatProducer
-from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.startup import StartUp
 from axisrig.kernel.drives.canopen.watch import LinkWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import NMT_ID
-from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.time.clock import MS, US, TimeNs
+from axisrig.kernel.time.clock import US, TimeNs
 
-LOAD_SPAN_NS = 100 * MS
-"""The load that is shown is that of so much time."""
 NMT_PRE_OPERATIONAL = 0x80
-_OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
-_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 
-class CanBuses(Installed):
+class CanBuses(Cia402Segments):
     """The CAN buses of a machine with all that is on them.
 
     segments: by name. nodes: of virtual drives, by axis.
     """
 
     links: Mapping[str, AxisLink]
-    states: Mapping[str, list[DriveState]]
 
     def __init__(self, bench: Bench) -> None:
-        super().__init__()
+        super().__init__(bench)
         settings, clock = bench.settings, bench.scheduler
-        self._bench, self._lost = bench, set[str]()
+        self._lost = set[str]()
         # In real time no block may hold a cycle up
         journal = Journal(1 if bench.hardware else BLOCK_FRAMES)
         self._hash = FrameHash(journal)
@@ -95,11 +88,7 @@ class CanBuses(Installed):
         used = synced_segments(settings)
         self._synced = {name: n for name, n in self._networks.items() if name in used}
         self.carriers = build_carriers(settings, self._synced)
-        self._accesses, self._warnings = build_accesses(settings, self.links)
-
-    def _note_state(self, axis: str, state: State) -> None:
-        now_ns = self._bench.scheduler.now_ns
-        self.states[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
+        self._open_ways()
 
     def _expect_answers(self) -> None:
         """Give real segments the telegrams their drives answer a SYNC with."""
@@ -132,20 +121,6 @@ class CanBuses(Installed):
         return HeartbeatProducer(
             networks, self._bench.scheduler, cycle.master_node, cycle.heartbeat_ms
         )
-
-    def functions(self) -> DriveFunctions | None:
-        """Return what #DRIVE acts on."""
-        return DriveFunctions(self._accesses) if self._accesses else None
-
-    @property
-    def accesses(self) -> Mapping[str, DriveAccess]:
-        """The ways to objects of drives, by axis."""
-        return self._accesses
-
-    @property
-    def warnings(self) -> Sequence[Alarm]:
-        """Limits of drive functions that were corrected."""
-        return self._warnings
 
     # The machine's side
 
@@ -182,10 +157,6 @@ class CanBuses(Installed):
             if isinstance(segment, OutsideSegment) and segment.lost and name not in self._lost:
                 self._lost.add(name)
                 yield Alarm(900071, segment=name, reason=segment.lost)
-
-    def is_off(self, axis: str) -> bool:
-        """Whether the drive of an axis has left operation."""
-        return self.links[axis].state in _OFF
 
     def let_go(self, axes: Sequence[str]) -> None:
         """Lead real drives to NMT pre-operational."""

@@ -12,14 +12,11 @@ from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.carrier import CanCarrier
-from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
-from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
-from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 
 
@@ -86,20 +83,6 @@ def build_carriers(settings: Settings, networks: Mapping[str, Any]) -> dict[str,
     """Make what begins the cycles, by segment."""
     overflow = settings.rig.cycle.sync_counter
     return {name: CanCarrier(network, overflow) for name, network in networks.items()}
-
-
-def build_accesses(
-    settings: Settings, links: Mapping[str, AxisLink]
-) -> tuple[dict[str, DriveAccess], list[Alarm]]:
-    """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
-    accesses: dict[str, DriveAccess] = {}
-    warnings: list[Alarm] = []
-    for name, link in links.items():
-        functions, found = read_functions(name, settings.axis[name])
-        warnings += found
-        assert link.sdo is not None, "made with it"
-        accesses[name] = DriveAccess(link, link.sdo, functions)
-    return accesses, warnings
 
 
 def build_start_up(settings: Settings, name: str, link: AxisLink, clock: Clock) -> StartUp:

@@ -12,46 +12,37 @@ from axisrig.bench.bus.can.logs import SEGMENT_MARK
 from axisrig.bench.bus.ethercat.frame_hash import FrameHash
 from axisrig.bench.bus.ethercat.pcapng import SUFFIX, PcapngFile
 from axisrig.bench.bus.journal import Journal
+from axisrig.bench.machine.cia402 import LOAD_SPAN_NS, Cia402Segments
 from axisrig.bench.machine.ethercat.line import Line, driven
 from axisrig.bench.machine.ethercat.line_meter import LineMeters, al_words
 from axisrig.bench.machine.ethercat.value_log import ValueLog
-from axisrig.bench.machine.families import Bench, Installed
+from axisrig.bench.machine.families import Bench
 from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.lines import KINDS, OnLine
-from axisrig.bench.record.axes import DriveState, Telegram
+from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.bus import BusFigures, LineFigures
 from axisrig.bench.record.series import Times
 from axisrig.bench.rig.ethercat.members import ec_segments
 from axisrig.bench.rig.ethercat.schedule import overloads, schedule_of
 from axisrig.bench.rig.reading.faults import Fault
-from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
-from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.ethercat.image import objects_of
 from axisrig.kernel.drives.ethercat.line_start import SlaveStart
 from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.watch import EthercatWatch
-from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 BIT_RATE = 100_000_000
-LOAD_SPAN_NS = 100 * MS
-"""The load that is shown is that of so much time."""
-_OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
-_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 
-class EthercatLines(Installed):
+class EthercatLines(Cia402Segments):
     """The EtherCAT lines of a machine with all that is on them; lines: by name."""
 
     links: Mapping[str, EthercatLink]
-    states: Mapping[str, list[DriveState]]
 
     def __init__(self, bench: Bench) -> None:
-        super().__init__()
+        super().__init__(bench)
         settings = bench.settings
-        self._bench = bench
         journal = Journal()
         self._hash = FrameHash(journal)
         for name, path in _files(bench.bus_logs, ec_segments(settings)):
@@ -83,20 +74,7 @@ class EthercatLines(Installed):
             axis for axis in self.links if settings.axis[axis].flag("lr_param.distance_control_on")
         }
         self._values = ValueLog(self.lines, controlled, journal)
-        self._accesses, self._warnings = self._read_functions()
-
-    def _note_state(self, axis: str, state: State) -> None:
-        now_ns = self._bench.scheduler.now_ns
-        self.states[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
-
-    def _read_functions(self) -> tuple[dict[str, DriveAccess], list[Alarm]]:
-        """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
-        accesses, warnings = dict[str, DriveAccess](), list[Alarm]()
-        for axis, link in self.links.items():
-            functions, found = read_functions(axis, self._bench.settings.axis[axis])
-            warnings += found
-            accesses[axis] = DriveAccess(link, link.mailbox, functions)
-        return accesses, warnings
+        self._open_ways()
 
     def _line_of(self, axis: str) -> Line:
         return self.lines[self._bench.settings.rig.axis[axis].segment]
@@ -112,20 +90,6 @@ class EthercatLines(Installed):
         line = self._line_of(axis)
         return SlaveStart(line.start, line.axes.index(axis))
 
-    def functions(self) -> DriveFunctions | None:
-        """Return what #DRIVE acts on."""
-        return DriveFunctions(self._accesses) if self._accesses else None
-
-    @property
-    def accesses(self) -> Mapping[str, DriveAccess]:
-        """The ways to objects of drives, by axis."""
-        return self._accesses
-
-    @property
-    def warnings(self) -> Sequence[Alarm]:
-        """Limits of drive functions that were corrected."""
-        return self._warnings
-
     # The machine's side
 
     def sampled_ns(self, axis: str) -> TimeNs:
@@ -140,10 +104,6 @@ class EthercatLines(Installed):
         return KINDS[fault.kind](
             OnLine(self._bench.scheduler, self.lines[on]), fault, numbers, record
         )
-
-    def is_off(self, axis: str) -> bool:
-        """Whether the drive of an axis has left operation."""
-        return self.links[axis].state in _OFF
 
     # What a run leaves
 
