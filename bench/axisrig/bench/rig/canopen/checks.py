@@ -1,6 +1,6 @@
 """Checks of the CANopen drives of a rig: node ids, what drives have, whether the cycle fits."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from axisrig.bench.drive.cia402.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.canopen.io_node import check_terminal
@@ -41,9 +41,11 @@ def check_drives(settings: Settings) -> None:
 
     Raises UserError with file, line and key of the rig.
     """
-    _check_latches(settings)
-    _check_start_up(settings)
-    _check_functions(settings)
+    for name in can_axes(settings):
+        check_latch_of(settings, name)
+        check_steps_of(settings, name, axis_steps)
+        node_id = settings.rig.axis[name].node_id
+        check_functions_of(settings, name, node_id, axis_telegrams(settings, name))
     for segment, schedule in segment_schedules(settings).items():
         if not schedule.fits and segment_of(settings, segment).overload == "refuse":
             raise rig_error(
@@ -80,26 +82,30 @@ def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
     )
 
 
-def _check_start_up(settings: Settings) -> None:
-    """Check what the kernel sends to the drives against what they have."""
-    for name in can_axes(settings):
-        axis = settings.rig.axis[name]
-        try:
-            axis_steps(settings, name)
-        except UserError as error:
-            if error.file is not None:
-                raise
-            raise rig_error(
-                settings.files,
-                ("drive", axis.drive),
-                f"drive {axis.drive} of axis {name}{of_profile(settings, name)}: {error.message}",
-                value=error.value,
-                allowed=error.allowed,
-                hint=error.hint,
-            ) from error
+def check_steps_of(
+    settings: Settings, name: str, make: Callable[[Settings, str], Sequence[object]]
+) -> None:
+    """Check what the kernel sends to the drive of an axis against what it has. Raises UserError.
+
+    make: the steps that start it.
+    """
+    axis = settings.rig.axis[name]
+    try:
+        make(settings, name)
+    except UserError as error:
+        if error.file is not None:
+            raise
+        raise rig_error(
+            settings.files,
+            ("drive", axis.drive),
+            f"drive {axis.drive} of axis {name}{_of_profile(settings, name)}: {error.message}",
+            value=error.value,
+            allowed=error.allowed,
+            hint=error.hint,
+        ) from error
 
 
-def of_profile(settings: Settings, name: str) -> str:
+def _of_profile(settings: Settings, name: str) -> str:
     """Name the profile that says what the drive of an axis has, where the rig names one."""
     drive = drive_of(settings, name)
     return (
@@ -107,13 +113,6 @@ def of_profile(settings: Settings, name: str) -> str:
         if drive.profile != DEFAULT_PROFILE and drive.eds is None
         else ""
     )
-
-
-def _check_functions(settings: Settings) -> None:
-    """Check the drive functions of every axis against its drive and its telegrams."""
-    for name in can_axes(settings):
-        node_id = settings.rig.axis[name].node_id
-        check_functions_of(settings, name, node_id, axis_telegrams(settings, name))
 
 
 def check_functions_of(
@@ -134,11 +133,6 @@ def check_functions_of(
             allowed=error.allowed,
             hint=error.hint,
         ) from error
-
-
-def _check_latches(settings: Settings) -> None:
-    for name in can_axes(settings):
-        check_latch_of(settings, name)
 
 
 def check_latch_of(settings: Settings, name: str) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from axisrig.bench.rig.canopen.checks import (
     check_functions_of,
     check_latch_of,
-    of_profile,
+    check_steps_of,
 )
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.keys import EACH
@@ -21,7 +21,6 @@ from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.startup import BOOT_ONLY, CAN_ONLY, axis_steps
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import US
 
 ENTRIES_MAX = 16
@@ -35,7 +34,7 @@ def check_lines(settings: Settings) -> None:
     for name in ec_axes(settings):
         _check_can_keys(settings, name)
         check_latch_of(settings, name)
-        _check_start_up(settings, name)
+        check_steps_of(settings, name, axis_steps)
         check_functions_of(
             settings, name, position_of(settings, name), axis_telegrams(settings, name)
         )
@@ -109,23 +108,6 @@ def _check_can_keys(settings: Settings, name: str) -> None:
                 value=telegram.transmission,
                 allowed="1, 254, 255",
             )
-
-
-def _check_start_up(settings: Settings, name: str) -> None:
-    axis = settings.rig.axis[name]
-    try:
-        axis_steps(settings, name)
-    except UserError as error:
-        if error.file is not None:
-            raise
-        raise rig_error(
-            settings.files,
-            ("drive", axis.drive),
-            f"drive {axis.drive} of axis {name}{of_profile(settings, name)}: {error.message}",
-            value=error.value,
-            allowed=error.allowed,
-            hint=error.hint,
-        ) from error
 
 
 def _check_cycle(settings: Settings, segment: str) -> None:
