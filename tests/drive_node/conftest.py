@@ -8,6 +8,7 @@ from itertools import count
 from typing import Any
 
 import pytest
+from tests.drive_node.profile_drive import Drive
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.can.segment import Segment
@@ -248,3 +249,9 @@ def drive_bench() -> Iterator[Callable[..., DriveBench]]:
             return bench
 
         yield make
+
+
+@pytest.fixture
+def drive(drive_bench: Callable[..., DriveBench]) -> Callable[..., Drive]:
+    """Make a drive in a mode of operation, with values of objects by name (o6081)."""
+    return lambda mode, **objects: Drive(drive_bench(), mode, **objects)

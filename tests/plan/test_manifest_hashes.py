@@ -1,0 +1,69 @@
+"""Hashes in a manifest: of sources and of the files of its cases."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from tests.plan.cases import case_of
+
+from axisrig.bench.campaign.results import manifest
+from axisrig.bench.campaign.results.build_info import hash_of_sources
+from axisrig.bench.campaign.results.manifest import other_files
+
+
+def test_sources_count_by_name_and_content_and_what_was_made_of_them_does_not(
+    tmp_path: Path,
+) -> None:
+    first, second = tmp_path / "a", tmp_path / "b"
+    for folder, name, text in (
+        (first, "one.py", "1"), (first, "deep/two.csv", "2"), (second, "three.py", "3"),
+    ):  # fmt: skip
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    before = hash_of_sources([first, second])
+    assert hash_of_sources([second, first]) == before
+    for name in ("one.so", "deep/x.pyc", "y.pyd"):
+        (first / name).touch()
+    (second / "reports").mkdir()
+    (second / "reports" / "glossary.csv").write_text("of the documents", encoding="utf-8")
+    assert hash_of_sources([first, second]) == before
+    (first / "one.py").write_text("x", encoding="utf-8")
+    changed = hash_of_sources([first, second])
+    (first / "one.py").write_text("1", encoding="utf-8")
+    (first / "one.py").rename(first / "other.py")
+    assert len({before, changed, hash_of_sources([first, second])}) == 3
+
+
+def test_files_that_the_plc_starts_count_and_metrics_of_the_user() -> None:
+    started = "file=a.nc after=5ms; at=motion file=sub/b.nc;file=c.nc"
+    module: Any = SimpleNamespace(path=Path("/m/own.py"))
+    own: Any = SimpleNamespace(path=None)
+    base = case_of("a", program=Path("/n/part.nc"))
+    assert other_files(base) == []
+    found = other_files(replace(base, inputs={"plc:program_start": started}, module=module))
+    assert found == [Path("/n/a.nc"), Path("/n/sub/b.nc"), Path("/n/c.nc"), Path("/m/own.py")]
+    assert other_files(replace(base, inputs={"plc:V.E.A": "file=x.nc"}, module=own)) == []
+
+
+def test_files_of_cases_are_hashed_once_by_their_names_from_the_plan(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Program, rig with what it is made from, and a table that the plan takes rows from."""
+    for name in ("p.csv", "rows.csv", "b.nc", "a.nc", "lists/z.lst", "r.toml"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(name, encoding="utf-8")
+    monkeypatch.setattr(manifest, "rig_files", lambda rig: [rig, tmp_path / "lists" / "z.lst"])
+    own = {"folder": tmp_path, "rig": tmp_path / "r.toml", "file": tmp_path / "p.csv"}
+    cases = [
+        case_of("a", program=tmp_path / "b.nc", **own),
+        case_of("b", program=tmp_path / "a.nc", **own),
+        case_of("c", program=tmp_path / "a.nc", **{**own, "file": tmp_path / "rows.csv"}),
+    ]  # fmt: skip
+    found = manifest.file_hashes(cases)
+    assert list(found) == ["a.nc", "b.nc", "lists/z.lst", "r.toml", "rows.csv"]
+    for name, digest in found.items():
+        assert digest == hashlib.sha256(name.encode()).hexdigest()
+    assert "rows.csv" not in manifest.file_hashes(cases[:2])

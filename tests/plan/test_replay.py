@@ -1,0 +1,72 @@
+"""`axisrig replay`: the case and inputs of a recorded run, and the comparison of its frames."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from tests.plan.cases import case_of
+
+from axisrig.bench.campaign import replay
+from axisrig.bench.plan.case import Case
+from axisrig.kernel.errors import UserError
+
+
+def stored_run(run: str, **case: str) -> Any:
+    row = {"run": run, "plan": "p", "frame_log_sha256": "ab", **case}
+    return SimpleNamespace(run=run, case=row, altered_words=f"of {run}")
+
+
+def test_a_recorded_case_comes_with_the_inputs_of_its_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "p.csv"
+    path.touch()
+    runs = [
+        stored_run("p-a", **{"plc:V.E.A": "7", "plc:V.E.B": "", "check:m": "< 1", "title": "t"}),
+        stored_run("p-s-s02", probe="p-s"),
+        stored_run("p-x", runs="p-x-1 p-x-2"),
+        stored_run("p-x-1"),
+        stored_run("q-b", plan="q"),
+        stored_run("p-gone"),
+    ]
+    listed = {"plans": [{"name": "p", "path": str(path)}, {"name": "q", "path": "/none/q.csv"}]}
+    stored = SimpleNamespace(runs=runs, manifest=listed)
+    search = SimpleNamespace(checks=("asked",))
+    cases = (case_of("a", inputs={"plc:V.E.A": "1"}), case_of("s", search=search))
+    monkeypatch.setattr(replay, "read_results", lambda _: stored)
+    monkeypatch.setattr(replay, "own_plan", lambda _folder, name: Path(name))
+    monkeypatch.setattr(replay, "read_plan", lambda _: SimpleNamespace(cases=cases))
+    case, row = replay.recorded_case(tmp_path, "p-a")
+    assert (case.run, dict(case.inputs), row["title"]) == ("p-a", {"plc:V.E.A": "7"}, "t")
+    probe, _ = replay.recorded_case(tmp_path, "p-s-s02")
+    assert (probe.run, probe.checks, probe.search) == ("p-s-s02", ("asked",), None)
+    assert replay.altered_words(tmp_path, "p-x-1") == "of p-x-1"
+    for run, message in (
+        ("p-b", "the folder has no such run"),
+        ("p-x", "says something over several runs"),
+        ("q-b", "the plan of this run is not there any more"),
+        ("p-gone", "the plan has no such run any more"),
+    ):
+        with pytest.raises(UserError, match=message):
+            replay.recorded_case(tmp_path, run)
+    # What was a probe is none of a row that does not search any more, and the other way round
+    runs.append(stored_run("p-a-s01", probe="p-a"))
+    runs.append(stored_run("p-s"))
+    for run in ("p-a-s01", "p-s"):
+        with pytest.raises(UserError, match="the plan has no such run any more"):
+            replay.recorded_case(tmp_path, run)
+
+
+def test_a_replay_is_the_same_by_its_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+
+    def run(case: Case, files: Any) -> Any:
+        asked.append((case.run, files.bus_logs))
+        return SimpleNamespace(frame_log_sha256="ab")
+
+    monkeypatch.setattr(replay, "run_case", run)
+    for sha, is_same in (("ab", True), ("cd", False)):
+        found = replay.replay(case_of("a"), {"frame_log_sha256": sha}, [Path("x.blf")])
+        assert found.is_same is is_same
+    assert asked == [("p-a", [Path("x.blf")])] * 2
