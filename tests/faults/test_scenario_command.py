@@ -27,7 +27,7 @@ from axisrig.bench.tools.scenarios.machines import machines, machines_named, pat
 from axisrig.bench.tools.scenarios.minimise import faults_of, is_same, minimised
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_scenario
-from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError, PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
 
@@ -192,19 +192,61 @@ def test_a_machine_without_faults_gives_its_values_and_no_finding(machine: str) 
     assert judgement.right >= bool(machines()[machine].source)
 
 
-def test_a_plant_that_cannot_say_what_happened_is_counted_by_itself(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """An axis that follows its demand exactly jumps with a bit of it: no edge can be proved."""
+ALTERED = "fault:alter=Z.RPDO1"
 
-    def refuse(_machine: Machine) -> None:
-        raise PlantError("probe", MS, "an edge may be lost")
+
+@pytest.mark.parametrize(
+    ("fault", "kind", "has_begun", "hits", "found"),
+    [
+        (ALTERED, EdgeMayBeLostError, True, 2, Result.NO_TRUTH),
+        ("fault:drop=can1.SYNC", EdgeMayBeLostError, True, 1, Result.NO_TRUTH),
+        ("fault:bus_off=Z", EdgeMayBeLostError, True, None, Result.NO_TRUTH),
+        (ALTERED, PlantError, True, 2, Result.EXCEPTION),
+        (ALTERED, EdgeMayBeLostError, False, 0, Result.EXCEPTION),
+        (ALTERED, EdgeMayBeLostError, True, 0, Result.EXCEPTION),
+        ("fault:alter=Z.TPDO1", EdgeMayBeLostError, True, 2, Result.EXCEPTION),
+        ("fault:reset=Z", EdgeMayBeLostError, True, None, Result.EXCEPTION),
+        ("", EdgeMayBeLostError, True, None, Result.EXCEPTION),
+    ],
+)
+def test_no_truth_is_an_edge_that_a_jump_of_a_set_position_may_lose_and_nothing_else(
+    monkeypatch: pytest.MonkeyPatch,
+    fault: str,
+    kind: type[PlantError],
+    has_begun: bool,
+    hits: int | None,
+    found: Result,
+) -> None:
+    """Every other failure of a plant is a finding, also that one without a fault that jumps."""
+
+    def refuse(machine: Machine) -> None:
+        for injected in machine.faults:
+            injected.begin_ns, injected.hits = MS if has_begun else None, hits
+        raise kind("probe", MS, "no such step")
 
     monkeypatch.setattr(Machine, "run", refuse)
-    judgement = run_scenario(make_scenario(1, 0))
+    drawn = make_scenario(1, 0)
+    inputs = tuple(text for text in drawn.assignments if not text.startswith("fault:"))
+    judgement = run_scenario(replace(drawn, assignments=(*inputs, *([fault] if fault else []))))
+    assert judgement.result is found
+    assert judgement.note.endswith("no such step")
+    assert (judgement.result in DEFECTS) is (found is Result.EXCEPTION)
+
+
+@pytest.mark.long
+def test_an_axis_that_follows_its_demand_exactly_jumps_with_a_turned_bit_of_it() -> None:
+    judgement = run_scenario(make_scenario(1, 78, "kinematics"))
     assert judgement.result is Result.NO_TRUTH
-    assert judgement.note.endswith("an edge may be lost")
-    assert judgement.result not in DEFECTS
+
+
+def test_a_machine_that_cannot_be_built_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PlantError("probe", 0, "its start is outside")
+
+    monkeypatch.setattr(Machine, "__init__", refuse)
+    judgement = run_scenario(make_scenario(1, 0))
+    assert judgement.result is Result.EXCEPTION
+    assert judgement.note.endswith("its start is outside")
 
 
 # --- the smallest scenario

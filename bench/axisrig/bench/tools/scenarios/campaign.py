@@ -13,8 +13,8 @@ from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm
 from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines, program_of, rig_of
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, judge
-from axisrig.bench.tools.scenarios.scenario import Scenario, make_scenario
-from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_scenario
+from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import S
 
@@ -46,8 +46,8 @@ def examine(
         settings = read_settings(rig, files, changes)
         program = program_of(scenario.machine)
         machine = Machine(settings, program, seed=scenario.seed, limit_ns=SIMULATED_LIMIT_NS)
-    except UserError as error:
-        return Judgement(Result.EXCEPTION, note=str(error)), None
+    except Exception as error:  # a machine has to be built from what was drawn
+        return Judgement(Result.EXCEPTION, note=_in_words(error)), None
     try:
         states = StatesSeen()
         machine.channel.observers.append(states)
@@ -55,17 +55,33 @@ def examine(
         if look is not None:
             look(machine)
         return judge(_left_by(scenario, machine, states)), machine
-    except PlantError as error:  # such as an ideal axis that jumps: an edge may be lost
+    except EdgeMayBeLostError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
-        return Judgement(Result.NO_TRUTH, alarms, note=str(error)), machine
+        result = Result.NO_TRUTH if _has_jumped(machine) else Result.EXCEPTION
+        return Judgement(result, alarms, note=str(error)), machine
     except SimulatedTimeoutError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
         return Judgement(Result.HANG, alarms, note=str(error)), machine
     except Exception as error:  # every one is a finding
         alarms = [alarm.id for alarm in machine.channel.alarms]
-        return Judgement(Result.EXCEPTION, alarms, note=f"{type(error).__name__}: {error}"), machine
+        return Judgement(Result.EXCEPTION, alarms, note=_in_words(error)), machine
     finally:
         machine.close()
+
+
+def _in_words(error: Exception) -> str:
+    return str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"
+
+
+def _has_jumped(machine: Machine) -> bool:
+    """Return whether a fault has changed what set position a drive took, or when."""
+    known = drawn_kinds()
+    for fault in machine.faults:
+        kind, _, target = fault.label.partition(" ")
+        has_acted = fault.begin_ns is not None and fault.hits != 0
+        if has_acted and kind in known and known[kind].lets_jump(target):
+            return True
+    return False
 
 
 def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen) -> Left:

@@ -25,7 +25,7 @@ from axisrig.bench.record.series import Signal
 from axisrig.bench.record.signal_sources import AT_SIGNAL, HELD, STAMPED
 from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.limits import lists_of, offset_lists_of
-from axisrig.bench.tools.scenarios.machines import machines
+from axisrig.bench.tools.scenarios.machines import EVERY, machines
 from axisrig.bench.tools.scenarios.states import wrong_steps
 from axisrig.kernel.time.clock import S
 
@@ -35,7 +35,6 @@ REST_MM = 0.01
 """How far a load may creep in 50 ms: friction lets it creep by a micrometre, while the lowest feed
 goes 0.25 mm."""
 ROUNDING_MM = 1e-9
-EVERY = "every"
 
 
 @dataclass(frozen=True)

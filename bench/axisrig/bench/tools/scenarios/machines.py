@@ -28,6 +28,8 @@ SHIPPED = "testplans"
 ONE_AXIS = "one-axis"
 """The first row: what runs without a choice."""
 ALL = "all"
+EVERY = "every"
+"""In a cell: all of its kind."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from importlib import resources
 from typing import TypeVar
 
 from axisrig.bench.tools.scenarios.drawing import draw_inputs
-from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines, places_of, rig_of
+from axisrig.bench.tools.scenarios.machines import EVERY, ONE_AXIS, machines, places_of, rig_of
 
 _TELEGRAMS = {
     "TPDO1": 5, "TPDO2": 5, "RPDO1": 5, "TPDO3": 1, "SDO": 2, "SYNC": 3, "EMCY": 1, "NMT": 1,
@@ -32,7 +32,8 @@ class Kind:
     """A row of `kinds.csv`: a kind of fault, how often it is drawn, its targets and keys.
 
     weights: by column. hides: invariants that cannot be decided with it, as nothing in control or
-    drive could know.
+    drive could know. jumps: telegrams (`every`: all targets) with which it changes what set
+    position a drive takes, or when.
     """
 
     name: str
@@ -40,13 +41,19 @@ class Kind:
     targets: tuple[str, ...]
     keys: tuple[str, ...]
     hides: tuple[str, ...]
+    jumps: tuple[str, ...]
+
+    def lets_jump(self, target: str) -> bool:
+        """Return whether an axis that follows its demand exactly may jump after it."""
+        telegram = target.rpartition(".")[2].rstrip("0123456789")
+        return EVERY in self.jumps or telegram in self.jumps
 
 
 @cache
 def drawn_kinds() -> dict[str, Kind]:
     """Read the table, in its order."""
     text = resources.files(__package__).joinpath("kinds.csv").read_text(encoding="utf-8")
-    words = ("kind", "targets", "keys", "hides")
+    words = ("kind", "targets", "keys", "hides", "jumps")
     return {
         row["kind"]: Kind(
             row["kind"],

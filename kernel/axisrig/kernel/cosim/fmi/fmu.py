@@ -10,12 +10,19 @@ from fmpy.model_description import ModelDescription, ValidationError
 from axisrig.kernel.cosim.fmi.archive import unpack
 from axisrig.kernel.cosim.fmi.fmi2 import Fmi2Slave
 from axisrig.kernel.cosim.fmi.fmi3 import Fmi3Slave
-from axisrig.kernel.cosim.fmi.library import Capabilities, EndedError, FmuState, PlantError
+from axisrig.kernel.cosim.fmi.library import (
+    Capabilities,
+    EdgeMayBeLostError,
+    EndedError,
+    FmuState,
+    PlantError,
+)
 from axisrig.kernel.cosim.fmi.slave import Exchange, FmuSlave
 from axisrig.kernel.errors import UserError
 
 __all__ = [
     "Capabilities",
+    "EdgeMayBeLostError",
     "EndedError",
     "Exchange",
     "FmuSlave",

@@ -27,6 +27,13 @@ class EndedError(PlantError):
     """An FMU ended the simulation by itself, as a model may by `terminate`."""
 
 
+class EdgeMayBeLostError(PlantError):
+    """An axis gained speed faster than a probe reckons with: nobody knows whether it has touched.
+
+    No fault of a model: an axis that follows its demand exactly jumps as its demand does.
+    """
+
+
 class FmuState:
     """A saved state of one instance; filled again by saving into it."""
 

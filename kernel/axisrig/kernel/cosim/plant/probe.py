@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import hypot, sqrt
 
-from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
+from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError, FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.slave import Exchange
 from axisrig.kernel.cosim.plant.axis import POSITION, VELOCITY, PlantAxis
@@ -150,7 +150,7 @@ class PlantProbe(ABC):
     def look_ahead(self, now_ns: TimeNs, wanted_ns: TimeNs) -> TimeNs:
         """Return `free_until_ns`, at least `wanted_ns` later if that can be known.
 
-        Raises PlantError when an axis has gained speed faster than SPEED_GAIN_M_S2.
+        Raises EdgeMayBeLostError when an axis has gained speed faster than SPEED_GAIN_M_S2.
         """
         if self.free_until_ns < now_ns + wanted_ns:
             self.free_until_ns = now_ns
@@ -202,7 +202,7 @@ class PlantProbe(ABC):
 
     def _bound_is_broken(self, now_ns: TimeNs) -> None:
         names = ", ".join(axis.slave.name for axis in self.sources)
-        raise PlantError(
+        raise EdgeMayBeLostError(
             self.slave.name,
             now_ns,
             f"an edge may be lost: {names} gained more speed than {SPEED_GAIN_M_S2:g} m/s2 near an"
