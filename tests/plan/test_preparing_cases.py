@@ -1,65 +1,20 @@
-"""The runner of cases: what dies, what is prepared where, and probes of a search."""
+"""Cases are prepared in this process or in others; every mistake of them is named."""
 
-import signal
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign import runner, worker
+from axisrig.bench.campaign import runner
 from axisrig.bench.campaign.processes import Died
-from axisrig.bench.campaign.results.writer import RunFiles
-from axisrig.bench.campaign.runner import Limits, prepare_all, run_case, run_cases
+from axisrig.bench.campaign.runner import prepare_all
 from axisrig.bench.plan.case import Case
-from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 
 
 def case_of(run: str, rig: str = "r.toml", line: int = 2, **more: Any) -> Case:
     return Case("p", run, f"p-{run}", 0, Path("a.nc"), Path(rig), {}, (), "", (), "", 1, 0,
                 Path("p.csv"), line, {}, **more)  # fmt: skip
-
-
-def test_what_dies_is_an_error_of_its_row_with_the_time_of_a_limit(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def run_as_they_end(_function: object, _tasks: object, **_: object) -> Any:
-        yield 1, Died("it hung", is_timeout=True, log=["a line"])
-        yield 0, Died("it crashed")
-        yield 2, "a result"
-
-    monkeypatch.setattr(runner, "run_as_they_end", run_as_they_end)
-    cases = [case_of(run) for run in "abc"]
-    hung, crashed, good = run_cases(cases, lambda _: RunFiles(), 2, Limits(timeout_s=7.0))
-    assert (hung.case.run, hung.verdict, hung.error, hung.wall_s, hung.log) == (
-        "p-b", Verdict.ERROR, "it hung", 7.0, ["a line"],
-    )  # fmt: skip
-    assert (crashed.case.run, crashed.error, crashed.wall_s) == ("p-a", "it crashed", 0.0)
-    assert good == "a result"
-
-
-def test_probes_of_a_search_get_their_own_files(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One more than there are places runs without."""
-    ran: list[Any] = []
-    times = iter([1.0, 2.0, 3.0, 4.0, 9.0])
-
-    def run_search(case: Case, run: Any) -> Any:
-        for number in (1, 2, 3):
-            run(case_of(f"{case.case}-s0{number}"))
-        return SimpleNamespace(wall_s=0.0)
-
-    monkeypatch.setattr(runner, "run_search", run_search)
-    monkeypatch.setattr(
-        runner, "_run_case", lambda case, files, *_: ran.append((case.run, files.trace))
-    )
-    places = [RunFiles(trace=Path(f"{n}.parquet")) for n in (1, 2)]
-    search: Any = SimpleNamespace()
-    result = run_case(case_of("s", search=search), RunFiles(probes=places), lambda: next(times))
-    assert ran == [("p-s-s01", Path("1.parquet")), ("p-s-s02", Path("2.parquet")),
-                   ("p-s-s03", None)]  # fmt: skip
-    assert result.wall_s == 8.0
 
 
 class Prepared:
@@ -169,64 +124,3 @@ def test_every_mistake_is_named_wherever_it_was_found(monkeypatch: pytest.Monkey
         error = caught.value
         assert [one.message for one in (error, *error.further)] == ["odd e", "odd c", "odd a"]
     assert prepare_all([], apart=(), call_limit_s=5.0) == []
-
-
-# A process apart
-
-
-def answered(
-    function: Any, patch: pytest.MonkeyPatch, refused: Exception | None = None
-) -> list[worker.Answer]:
-    """What is sent for an order; refused: what the first sending raises."""
-    sent: list[worker.Answer] = []
-    refusals = [] if refused is None else [refused]
-
-    def send(_pipe: object, answer: worker.Answer) -> None:
-        if refusals:
-            raise refusals.pop()
-        sent.append(answer)
-
-    patch.setattr(worker, "send", send)
-    patch.setattr(worker, "divert", lambda _: None)
-    patch.setattr(worker.journal, "begin", lambda _: None)
-    limits = iter([{"A": 5, "B": 7}, {"A": 5, "B": 6}])
-    patch.setattr(worker, "_limits", lambda: next(limits, {"A": 5, "B": 6}))
-    worker._answer(None, worker.Order(Path("note"), function, (2, 5)))  # type: ignore[arg-type]
-    return sent
-
-
-def test_an_answer_has_the_value_or_the_error_and_lowered_limits_of_a_full_disk(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    assert answered(pow, monkeypatch) == [worker.Answer(32)]
-
-    def breaks(number: int) -> Any:
-        def function(*_: object) -> None:
-            raise OSError(number, "odd")
-
-        return function
-
-    for number, lowered in ((28, "B to 6"), (2, "")):
-        (answer,) = answered(breaks(number), monkeypatch)
-        assert (answer.value, type(answer.error), answer.lowered) == (
-            None, FileNotFoundError if number == 2 else OSError, lowered,
-        )  # fmt: skip
-    (answer,) = answered(pow, monkeypatch, ValueError("too large"))  # nothing that can be sent
-    assert (answer.value, type(answer.error)) == (None, ValueError)
-    with pytest.raises(BrokenPipeError):
-        answered(pow, monkeypatch, BrokenPipeError())
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="a call of Linux")
-def test_a_process_ends_with_the_one_that_has_started_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One whose parent has gone before it asked ends at once."""
-    called: list[Any] = []
-    library = SimpleNamespace(prctl=lambda *given: called.append(given))
-    monkeypatch.setitem(sys.modules, "ctypes", SimpleNamespace(CDLL=lambda _: library))
-    monkeypatch.setattr(worker.os, "_exit", called.append)
-    monkeypatch.setattr(worker.os, "getppid", lambda: 77)
-    worker.end_with(77)
-    asked = (1, signal.SIGKILL, 0, 0, 0)  # PR_SET_PDEATHSIG
-    assert called == [asked]
-    worker.end_with(78)
-    assert called == [asked, asked, 1]

@@ -1,0 +1,167 @@
+"""Rows that a recorder writes, changes of a torque limit, and the largest lag between two rows."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axisrig.bench.drive.axis.drive import NO_TICK
+from axisrig.bench.machine.recording import recorder
+from axisrig.bench.machine.recording.lag import largest_lag
+from axisrig.bench.machine.recording.limit_log import LimitLog
+from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
+from axisrig.bench.record.series import SeriesWriter
+from axisrig.kernel.time.clock import MS, US
+
+MOTION = {
+    "X": [0.001, 0.002, 0.003, 0.004, 0.005, 6.0, 7.0, 0.008],
+    "C": [0.011, 0.012, 0.013, 0.014, 0.015, 16.0, 17.0, 200.0],
+}
+"""Position, velocity, motor, its velocity, demand, force, force and face of the stop; m, N."""
+
+
+class Plant:
+    """An axis of the plant with the roles that it fills; moves by 1 mm/s."""
+
+    def __init__(self, name: str, roles: str) -> None:
+        self._start = MOTION[name]
+        self.roles: Any = SimpleNamespace(has=roles.split().__contains__)
+        self.asked: list[tuple[int, int]] = []
+
+    def motion_at(self, time_ns: int) -> list[float]:
+        moved = time_ns / MS * 1e-6
+        return [value + moved * (place in (0, 2, 4)) for place, value in enumerate(self._start)]
+
+    def stop_force_peak_n(self, since_ns: int, time_ns: int) -> float:
+        self.asked.append((since_ns, time_ns))
+        return 100.0 + time_ns / MS
+
+
+class Cycle:
+    """A channel in one of its cycles; links have other values than the plant."""
+
+    def __init__(self, number: int) -> None:
+        self.sync_ns = number * MS
+        self.links = [
+            SimpleNamespace(set_mm=10.0 * k + number, actual_mm=20.0 * k + number,
+                            lag_mm=30.0 * k + number)
+            for k in (1, 2, 3)
+        ]  # fmt: skip
+        self.distance = SimpleNamespace(axes={}, channel=None)
+
+
+def written(rows: int, block_rows: int, late_ns: int, patch: pytest.MonkeyPatch) -> Any:
+    """X with a stop, C that turns, and Z outside; C gets its SYNC later."""
+    patch.setattr(recorder, "BLOCK_ROWS", block_rows)
+    plants = {"X": Plant("X", "force stop_force stop_face"), "C": Plant("C", "stop_force stop_fac")}
+    servos: Any = {
+        name: SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
+    }
+    axes = [
+        RecordedAxis("X", plants["X"], servos["X"]),  # type: ignore[arg-type]
+        RecordedAxis("Z", None, None),
+        RecordedAxis("C", plants["C"], servos["C"], is_rotary=True, torque_arm_m=0.5),  # type: ignore[arg-type]
+    ]
+    signal = SimpleNamespace(level=False)
+    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    made = Recorder(whole, axes, {"p": SimpleNamespace(signal=signal)}, (), SeriesWriter(None),  # type: ignore[dict-item]
+                    segments=2 if late_ns else 1)  # fmt: skip
+    for number in range(1, rows + 1):
+        servos["X"].sync_ns = number * MS
+        servos["C"].sync_ns = number * MS + late_ns
+        whole.now_ns = number * MS + late_ns + 1
+        signal.level = number % 2 == 0
+        made(Cycle(number))  # type: ignore[arg-type]
+    return made.table(), plants
+
+
+@pytest.mark.interpreted
+def test_a_row_has_what_belongs_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    table, plants = written(3, 100, 0, monkeypatch)
+    at = np.array([1.0, 2.0, 3.0])
+    columns = {name: table[name].to_numpy() for name in table.column_names}
+    assert columns["time_ns"].tolist() == [MS, 2 * MS, 3 * MS]
+    found = {name: values for name, values in columns.items() if name != "time_ns"}
+    expected = {
+        "X.set_mm": 10 + at, "X.actual_mm": 20 + at, "X.cnc_lag_mm": 30 + at,
+        "Z.set_mm": 20 + at, "Z.actual_mm": 40 + at, "Z.cnc_lag_mm": 60 + at,
+        "C.set_deg": 30 + at, "C.actual_deg": 60 + at, "C.cnc_lag_deg": 90 + at,
+        "X.truth_mm": 1 + 1e-3 * at, "X.velocity_mm_s": 2 + 0 * at, "X.drive_lag_mm": 2 + 0 * at,
+        "X.force_n": 6 + 0 * at, "X.stop_force_n": 7 + 0 * at, "X.stop_force_peak_n": 100 + at,
+        "X.stop_mm": 8 + 0 * at,
+        "C.truth_deg": 11 + 1e-3 * at, "C.velocity_deg_s": 12 + 0 * at,
+        "C.drive_lag_deg": 2 + 0 * at, "C.stop_torque_nm": 8.5 + 0 * at,
+        "C.stop_torque_peak_nm": 50 + at / 2,
+        "p.signal": np.array([0, 1, 0]),
+    }  # fmt: skip
+    for name in ("X.drive_lag_peak_mm", "C.drive_lag_peak_deg"):
+        assert np.all(found.pop(name) >= 2.0 - 1e-9)
+    assert set(found) == set(expected)
+    for name, values in expected.items():
+        assert found[name] == pytest.approx(values), name
+    # The largest force since the row before
+    assert plants["X"].asked == [(MS, MS), (MS, 2 * MS), (2 * MS, 3 * MS)]
+
+
+@pytest.mark.interpreted
+def test_blocks_of_any_size_give_the_same_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    for late_ns in (0, 300 * US):
+        whole, _ = written(7, 100, late_ns, monkeypatch)
+        for block_rows in (1, 2, 3, 7):
+            parts, _ = written(7, block_rows, late_ns, monkeypatch)
+            assert parts.column_names == whole.column_names
+            for name in whole.column_names:
+                assert parts[name].to_numpy().tolist() == whole[name].to_numpy().tolist(), name
+
+
+@pytest.mark.interpreted
+def test_truth_is_of_the_first_sync_and_what_a_drive_has_sampled_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Demand and motor of C 0.3 ms later; both move by 1 mm/s."""
+    table, _ = written(2, 100, 300 * US, monkeypatch)
+    at = np.array([1.0, 2.0])
+    columns = {name: table[name].to_numpy() for name in table.column_names}
+    assert columns["time_ns"].tolist() == [MS, 2 * MS]
+    assert columns["C.truth_deg"] == pytest.approx(11 + 1e-3 * at)
+    assert columns["C.drive_lag_deg"] == pytest.approx(2.0 + 0 * at)
+    late = {name: values for name, values in columns.items() if "after" in name}
+    assert sorted(values.tolist() for values in late.values()) == [[0, 0], [300 * US] * 2]
+
+
+@pytest.mark.interpreted
+def test_a_stop_that_is_out_of_reach_when_the_program_begins_is_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    face = MOTION["X"][7]
+    for face_m, has_stop in ((99.9, True), (-99.9, True), (100.0, False), (1e6, False)):
+        monkeypatch.setitem(MOTION, "X", [*MOTION["X"][:7], face_m])
+        table, _ = written(2, 1, 0, monkeypatch)
+        assert ("X.stop_mm" in table.column_names) is has_stop
+        assert ("X.stop_force_n" in table.column_names) is has_stop
+        assert "X.force_n" in table.column_names
+    assert face == 0.008
+
+
+@pytest.mark.interpreted
+def test_a_torque_limit_is_noted_when_it_changes() -> None:
+    drive: Any = SimpleNamespace(torque_limits=None)
+    log = LimitLog({"Z": drive})
+    limits = [None, (1000, 500, 400), (1000, 500, 400), (1000, 500, 300), (1000, 500, 400)]
+    for number, now in enumerate(limits):
+        drive.torque_limits = now
+        log(SimpleNamespace(sync_ns=number * MS))  # type: ignore[arg-type]
+    found = [(one.since_ns // MS, one.most, one.negative, one.positive) for one in log.of("Z")]
+    assert found == [(1, 1000, 500, 400), (3, 1000, 500, 300), (4, 1000, 500, 400)]
+    assert log.of("X") == ()
+
+
+def test_the_lag_is_looked_at_at_the_ticks_between_two_rows() -> None:
+    """The demand jumps back: x = u (1 - u) has its top of 1/4 half way, at a tick or beside it."""
+    times = np.array([0, MS], dtype=np.int64)
+    demand, motor = np.zeros(2), np.zeros(2)
+    velocity = np.array([1.0, -1.0]) / 1e-3  # of the cubic u (1 - u), which is a parabola
+    for tick_ns, top in ((500 * US, 0.25), (250 * US, 0.25), (400 * US, 0.24), (MS, 0.0)):
+        found = largest_lag(times, (demand, motor, velocity), tick_ns)
+        assert found.tolist() == pytest.approx([0.0, top])

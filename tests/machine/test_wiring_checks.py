@@ -1,0 +1,75 @@
+"""What a rig may not wire: a probe, a sensor or a switch to what is of another kind."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.machine import plants
+from axisrig.bench.machine.plants import check_plants
+from axisrig.kernel.errors import UserError
+
+
+def rig(tmp_path: Path, **changes: Any) -> Any:
+    path = tmp_path / "r.toml"
+    path.write_text("[axis.Z]\nplant = 'z'\n", encoding="utf-8")
+    axis = {"plant": "z", "signals": {}, "encoder_2": None}
+    axis |= {key: value for key, value in changes.items() if key in axis}
+    own = SimpleNamespace(
+        axis={"Z": SimpleNamespace(**axis)}, plc=changes.get("plc", {}),
+        plc_task=changes.get("task"),
+    )  # fmt: skip
+    return SimpleNamespace(rig=own, files=[path])
+
+
+def probe(can_be_switched: bool = True) -> Any:
+    return SimpleNamespace(can_be_switched=lambda: can_be_switched)
+
+
+PLANT: Any = SimpleNamespace(
+    axes={"z": None}, probes={"p": probe(), "fixed": probe(False)}, distances={"gap": None}
+)
+
+
+def task(switches: str | None = None, **inputs: str) -> Any:
+    wired = {int(key[-1]): name for key, name in inputs.items()}
+    return SimpleNamespace(terminal=SimpleNamespace(inputs=wired), switches=switches)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, None),
+        ({"plant": "p"}, "axis Z: plant must name an axis plant of this rig"),
+        ({"signals": {"probe_1": "p", "home": "fixed"}}, None),
+        ({"signals": {"probe_1": "p", "probe_2": "gap"}}, "axis Z: probe_2 must name a probe"),
+        ({"encoder_2": "gap"}, None),
+        ({"encoder_2": plants.LOAD}, None),
+        ({"encoder_2": "z"}, "axis Z: encoder_2 must name a distance sensor"),
+        ({"plc": {"V.E.S": SimpleNamespace(sensor="gap")}}, None),
+        ({"plc": {"V.E.S": SimpleNamespace(sensor="p")}}, "V.E.S: sensor must name a distance"),
+        ({"task": task(input_1="p", input_2="fixed")}, None),
+        ({"task": task(input_2="gap")}, "plc.terminal.input_2 must name a probe or a switch"),
+        ({"task": task(switches="p")}, None),
+        ({"task": task(switches="fixed")}, "plc.switches must name a probe that can be switched"),
+        ({"task": task(switches="gap")}, "plc.switches must name a probe that can be switched"),
+        ({"task": SimpleNamespace(terminal=None, switches=None)}, None),
+    ],
+)
+def test_what_is_wired_is_of_its_kind(
+    tmp_path: Path, changes: dict[str, Any], words: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plants, "check_strokes", lambda *_: None)
+    monkeypatch.setattr(plants, "outside_axes", lambda _: frozenset())
+    settings = rig(tmp_path, **changes)
+    if words is None:
+        check_plants(settings, PLANT)
+        return
+    with pytest.raises(UserError) as caught:
+        check_plants(settings, PLANT)
+    assert caught.value.message.startswith(words)
+    assert caught.value.file == str(tmp_path / "r.toml")
+    if "plc" not in words and "V.E." not in words:
+        monkeypatch.setattr(plants, "outside_axes", lambda _: frozenset({"Z"}))
+        check_plants(settings, PLANT)  # nothing of an axis outside is simulated

@@ -1,0 +1,59 @@
+"""Results of a runner where a process has died, and the files of the probes of a search."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign import runner
+from axisrig.bench.campaign.processes import Died
+from axisrig.bench.campaign.results.writer import RunFiles
+from axisrig.bench.campaign.runner import Limits, run_case, run_cases
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.verdict import Verdict
+
+
+def case_of(run: str, rig: str = "r.toml", line: int = 2, **more: Any) -> Case:
+    return Case("p", run, f"p-{run}", 0, Path("a.nc"), Path(rig), {}, (), "", (), "", 1, 0,
+                Path("p.csv"), line, {}, **more)  # fmt: skip
+
+
+def test_what_dies_is_an_error_of_its_row_with_the_time_of_a_limit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def run_as_they_end(_function: object, _tasks: object, **_: object) -> Any:
+        yield 1, Died("it hung", is_timeout=True, log=["a line"])
+        yield 0, Died("it crashed")
+        yield 2, "a result"
+
+    monkeypatch.setattr(runner, "run_as_they_end", run_as_they_end)
+    cases = [case_of(run) for run in "abc"]
+    hung, crashed, good = run_cases(cases, lambda _: RunFiles(), 2, Limits(timeout_s=7.0))
+    assert (hung.case.run, hung.verdict, hung.error, hung.wall_s, hung.log) == (
+        "p-b", Verdict.ERROR, "it hung", 7.0, ["a line"],
+    )  # fmt: skip
+    assert (crashed.case.run, crashed.error, crashed.wall_s) == ("p-a", "it crashed", 0.0)
+    assert good == "a result"
+
+
+def test_probes_of_a_search_get_their_own_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One more than there are places runs without."""
+    ran: list[Any] = []
+    times = iter([1.0, 2.0, 3.0, 4.0, 9.0])
+
+    def run_search(case: Case, run: Any) -> Any:
+        for number in (1, 2, 3):
+            run(case_of(f"{case.case}-s0{number}"))
+        return SimpleNamespace(wall_s=0.0)
+
+    monkeypatch.setattr(runner, "run_search", run_search)
+    monkeypatch.setattr(
+        runner, "_run_case", lambda case, files, *_: ran.append((case.run, files.trace))
+    )
+    places = [RunFiles(trace=Path(f"{n}.parquet")) for n in (1, 2)]
+    search: Any = SimpleNamespace()
+    result = run_case(case_of("s", search=search), RunFiles(probes=places), lambda: next(times))
+    assert ran == [("p-s-s01", Path("1.parquet")), ("p-s-s02", Path("2.parquet")),
+                   ("p-s-s03", None)]  # fmt: skip
+    assert result.wall_s == 8.0

@@ -1,0 +1,49 @@
+"""Families of drives and their carriers, and the family that a list of an axis names."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from axisrig.bench.rig.reading import families, file
+
+ROWS = [SimpleNamespace(family=family, carrier=carrier) for family, carrier in
+        (("a", "x"), ("a", "y"), ("b", "y"), ("b", "z"))]  # fmt: skip
+
+
+def test_a_family_has_its_carriers_and_both_together_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(families, "FAMILIES", ROWS)
+    assert [families.carriers_of(name) for name in "abc"] == [["x", "y"], ["y", "z"], []]
+    assert [families.joined(*pair) for pair in (("a", "y"), ("b", "y"), ("a", "z"))] == [
+        ROWS[1], ROWS[2], None,
+    ]  # fmt: skip
+    by_carrier = [row.carrier for row in ROWS]
+    for values, row in (({"carrier": "y"}, ROWS[1]), ({}, ROWS[0]), (None, ROWS[0])):
+        assert families._row(values, "carrier", by_carrier) is row
+    with pytest.raises(ValidationError) as caught:
+        families._row({"carrier": "w"}, "carrier", by_carrier)
+    (error,) = caught.value.errors()
+    assert (error["loc"], error["input"]) == (("carrier",), "w")
+    assert error["msg"].startswith("there is no such carrier; allowed: ")
+
+
+def test_a_drive_takes_the_family_that_a_list_of_its_axes_names(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A family that the rig itself names stays, and where there is one only nothing is chosen."""
+    listed = {"x.lst": "", "y.lst": "b", "z.lst": "a"}
+    monkeypatch.setattr(file, "_listed_family", lambda path: listed.get(str(path), ""))
+    wired = (("x", "one"), ("y", "one"), ("z", "two"), ("w", "three"))
+    axes = {name: {"drive": drive, "list": f"{name}.lst"} for name, drive in wired}
+
+    def named(rows: Any) -> dict[str, str | None]:
+        monkeypatch.setattr(file, "FAMILIES", rows)
+        drives: dict[str, Any] = {name: {} for name in ("one", "two", "three")}
+        drives["own"] = {"family": "b"}
+        table = {"drive": drives, "axis": {**axes, "v": {"drive": "own", "list": "z.lst"}}}
+        file._name_families(table)
+        return {name: drive.get("family") for name, drive in drives.items()}
+
+    assert named(ROWS) == {"one": "b", "two": "a", "three": None, "own": "b"}
+    assert named(ROWS[:2]) == {"one": None, "two": None, "three": None, "own": "b"}

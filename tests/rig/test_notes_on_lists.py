@@ -1,0 +1,135 @@
+"""Notes on parameter and offset lists, the kind of a list, and the values that `params` shows."""
+
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.rig import contents
+from axisrig.bench.rig.contents import contents_text
+from axisrig.bench.rig.reading.lists import offset_notes, stop_notes
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.coordinates.tables import Lists
+from axisrig.kernel.parameters import Origin, ParameterSet
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+
+def axis(**values: int) -> ParameterSet:
+    found = ParameterSet("axis")
+    for name, value in values.items():
+        path = "kenngr.measure." + name.replace("__", ".")
+        found.load(path, str(value) if name != "signal" else "FIXED_STOP", Origin("z.lst", 1))
+    return found
+
+
+STOP = "fixed_stop_detect__"
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({}, None),  # another source
+        ({"signal": 1}, "set a lag limit (P-AXIS-00774"),
+        ({"signal": 1, STOP + "pos_lag_limit": 5000}, None),
+        ({"signal": 1, STOP + "max_delta_position_window": 1500}, "no minimum time: set min_time"),
+        ({"signal": 1, STOP + "max_delta_position_window": 1500, STOP + "min_time": 20_000}, None),
+        ({STOP + "max_delta_position_window": 1500}, None),
+    ],
+)
+def test_a_stop_that_nothing_can_find_is_said(values: dict[str, int], words: str | None) -> None:
+    notes = stop_notes({"X": axis(), "Z": axis(**values)})
+    if words is None:
+        assert notes == []
+        return
+    (note,) = notes
+    assert note.startswith("axis Z: as listed no stop can be found")
+    assert words in note
+
+
+def offsets(tmp_path: Path, name: str, *lines: str) -> Lists:
+    path = tmp_path / f"{name}.lst"
+    path.write_text("\n".join(["# a list", *lines, ""]), encoding="utf-8")
+    lists = Lists()
+    lists.read(name, path)
+    return lists
+
+
+@pytest.mark.parametrize(
+    ("lines", "notes"),
+    [
+        (["wz[2].gueltig 1", "wz[2].radius 0", "wz[2].laenge 800000"], []),
+        (["wz[2].gueltig 1", "wz[2].radius -1"], ["a radius below 0"]),
+        (["wz[2].laenge 800000"], ["the list has no `wz[2].gueltig 1`, so D2 is refused"]),
+        (["wz[2].gueltig 0", "wz[2].laenge 1"], ["no `wz[2].gueltig 1`"]),
+        (["wz[2].laenge 1", "wz[2].radius 5"], ["no `wz[2].gueltig 1`"]),  # once for each tool
+        (["wz[2].laenge 1", "wz[3].laenge 1", "wz[3].gueltig 1"], ["no `wz[2].gueltig 1`"]),
+        (["wz[0].gueltig 1"], ["D0 is no tool, its data never act"]),
+        (["wz[2].gueltig 1", "wz[2].ax_versatz[1] 10"], []),
+        (["wz[2].gueltig 1", "wz[2].ax_versatz[2] 10"], ["the rig has no axis 2, it has 0 = X"]),
+    ],
+)
+def test_what_cannot_be_meant_in_a_list_of_tools_is_said(
+    tmp_path: Path, lines: list[str], notes: list[str]
+) -> None:
+    found = offset_notes(offsets(tmp_path, "tools", *lines), ("X", "Z"))
+    assert len(found) == len(notes), found
+    for note, words in zip(found, notes, strict=True):
+        assert note.startswith("tools: wz[")
+        assert words in note
+    beside = offset_notes(offsets(tmp_path, "tools", "wz[2].gueltig 1", "wz[2].ax_versatz[7] 1"))
+    assert beside == []  # without a rig nobody knows its axes
+
+
+def test_a_list_of_tools_is_told_in_mm_where_it_is_not_in_inch(tmp_path: Path) -> None:
+    """0.1 um; of a tool in inch only what is written."""
+    path = tmp_path / "tools.lst"
+    path.write_text(
+        "wz[2].gueltig 1\nwz[2].laenge 800000\nwz[3].gueltig 1\nwz[3].mass_einheit 1\n"
+        "wz[3].laenge 10000\nwz[4].laenge 5\n",
+        encoding="utf-8",
+    )
+    lines = [line.strip() for line in contents_text(path).splitlines() if line.strip()]
+    assert lines[0] == "tools"
+    assert "wz[2].laenge 800000 x 0.1 um = 80 mm  tools.lst:2" in lines
+    assert any(line.startswith("wz[3].laenge 10000  ") for line in lines)
+    assert "wz[2].gueltig 1  tools.lst:1" in lines
+    assert lines[-1].startswith("note: tools: wz[4].laenge 5 (tools.lst:6): the list has no")
+
+
+def test_values_of_a_rig_are_chosen_by_all_words_or_by_one_parameter() -> None:
+    settings = contents.settings_of(RIGS / "probe-z.toml", ["set:Z.getriebe[0].vb_eilgang=77000"])
+    parts = contents.parts_of(settings, None)
+    assert list(parts) == ["channel", "Z"]
+    assert list(contents.parts_of(settings, "Z")) == ["Z"]
+    with pytest.raises(UserError, match="the rig has no such axis"):
+        contents.parts_of(settings, "Q")
+    (one,) = contents.blocks_text(parts, ["P-AXIS-00209"])
+    title, line = one.splitlines()
+    assert title == "axis Z"
+    assert "vb_eilgang" in line
+    assert "77000" in line
+    both = "\n".join(contents.blocks_text(parts, ["p-axis-00209", "rapid"]))
+    assert "vb_eilgang" in both
+    assert contents.blocks_text(parts, ["rapid", "zebra"]) == []
+    # Without words what is set alone
+    of_set = "\n".join(contents.blocks_text(parts, None))
+    assert "vb_eilgang" in of_set
+    every = "\n".join(contents.blocks_text(parts, []))
+    assert len(every.splitlines()) > len(of_set.splitlines())
+
+
+def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path: Path) -> None:
+    for text, kind in (
+        ("kopf.log_achs_name Z\ngetriebe[0].vb_eilgang 5\n", "Z"),
+        ("messtyp 1\nmittelpkt_diff 5\n", "channel"),
+        ("kopf.log_achs_name Z\nmesstyp 1\ngetriebe[0].vb_eilgang 5\n", "Z"),
+    ):
+        path = tmp_path / "own.lst"
+        path.write_text(text, encoding="utf-8")
+        if "messtyp" in text and "kopf" in text:
+            with pytest.raises(UserError, match="messtyp"):
+                contents.read_parts(path)
+        else:
+            assert list(contents.read_parts(path)) == [kind]
+    with pytest.raises(UserError, match=r"gone\.lst"):
+        contents.read_parts(tmp_path / "gone.lst")
