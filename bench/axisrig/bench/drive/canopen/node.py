@@ -13,11 +13,10 @@ from axisrig.bench.drive.canopen.nmt import NmtState
 from axisrig.bench.drive.canopen.slave import CanopenSlave, Needs, SlaveHabits
 from axisrig.bench.drive.cia402.dictionary.defaults import drive_table
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.store import Owner
+from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.drive.cia402.profile_objects import PROFILE_OBJECTS, ProfileObjects
-from axisrig.bench.drive.cia402.servo import Servo
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import Clock, Phase
 
@@ -26,7 +25,7 @@ MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
 STORE_EDS = 0x1021
 
 
-class DriveNode:
+class DriveNode(Cia402Node):
     """One drive: a CANopen slave that moves an axis and up to two probe signals.
 
     node_id: 1 to 127, or 255 for a node that gets its number by LSS. network: a connected network
@@ -50,27 +49,18 @@ class DriveNode:
         switches: Mapping[str, SignalPort] | None = None,
         entered: Callable[[State], None] | None = None,
     ) -> None:
-        self.name = name
-        self.profile = profile or DriveProfile()
-        self.is_on = True
-        self._network, self._clock = network, clock
-        servo = self.servo = Servo(
-            axis,
-            probes,
-            self.profile,
-            self._send_emergency,
-            clock,
-            self._send_changes,
-            seed,
-            switches,
-            entered=entered,
+        profile = profile or DriveProfile()
+        super().__init__(
+            name, clock, axis, probes, profile, seed, switches=switches, entered=entered
         )
+        self._network = network
+        servo = self.servo
         self.slave = CanopenSlave(
             node_id,
             network,
             clock,
-            drive_table(self.profile),
-            SlaveHabits(self.profile.sync_loss_periods, self.profile.sdo_answer_ns),
+            drive_table(profile),
+            SlaveHabits(profile.sync_loss_periods, profile.sdo_answer_ns),
             servo,
             Needs(
                 lambda: servo.state in MOVING,
@@ -80,25 +70,15 @@ class DriveNode:
                 ),
             ),
         )
-        objects = ProfileObjects(servo, self.profile, clock, self._send_changes)
+        objects = ProfileObjects(servo, profile, clock, self._changed)
         self.slave.objects.own(objects, PROFILE_OBJECTS)
-        self.slave.objects.own(_Document(self.profile), (STORE_EDS,))
-        clock.call_at(clock.now_ns, Phase.APPLICATION, self._boot)
+        self.slave.objects.own(_Document(profile), (STORE_EDS,))
+        clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
 
     @property
     def node_id(self) -> int:
         """The present node number; 255 while it has none."""
         return self.slave.node_id
-
-    @property
-    def image(self) -> ProcessImage:
-        """The object values that change while the drive runs."""
-        return self.servo.image
-
-    @property
-    def state(self) -> State:
-        """State of the power drive system."""
-        return self.servo.state
 
     @property
     def nmt_state(self) -> NmtState:
@@ -108,37 +88,17 @@ class DriveNode:
     def _send_emergency(self, code: int, register: int, info: int) -> None:
         self.slave.emergencies.send(code, register, info)
 
-    def _send_changes(self) -> None:
+    def _changed(self) -> None:
         self.slave.exchange.send_events()
 
     def _boot(self) -> None:
-        if self.is_on:
-            self.slave.boot()
+        self.slave.boot()
 
-    # Faults
-
-    def power_off(self) -> None:
-        """Take the power away: the axis is free, the node leaves the bus, a frame breaks off.
-
-        Stored parameters and LSS settings stay. To be called from an event.
-        """
-        if self.is_on:
-            self.is_on = False
-            self.slave.stop()
-            self.servo.reset(self._clock.now_ns)
-            if isinstance(self._network.bus, SimBus):
-                self._network.bus.power_off()
-
-    def power_on(self) -> None:
-        """Give the power back: the drive boots with its stored parameters."""
-        if not self.is_on:
-            self.is_on = True
-            self._boot()
-
-    def restart(self) -> None:
-        """Reset the drive as its watchdog would: power off and on at once."""
-        self.power_off()
-        self.power_on()
+    def _stop(self) -> None:
+        """Leave the bus; a frame that is on it breaks off."""
+        self.slave.stop()
+        if isinstance(self._network.bus, SimBus):
+            self._network.bus.power_off()
 
 
 class _Document(Owner):

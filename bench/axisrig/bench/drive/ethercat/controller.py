@@ -34,11 +34,10 @@ class SlaveController:
         self.registers = registers
         self._commands = _table()
         self._distributes = (int(Command.ARMW), int(Command.FRMW))
-        self.is_on = True
 
     def process(self, frame: bytearray, passage: Passage) -> None:
         """Act on each datagram of a frame, and change the frame as a slave does."""
-        if not self.is_on or not is_ethercat(frame):
+        if not is_ethercat(frame):
             return
         registers = self.registers
         registers.passes(passage.arrival_ns, passage.return_ns)

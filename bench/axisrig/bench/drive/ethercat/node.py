@@ -12,13 +12,12 @@ from typing import Final
 from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.drive.axis.timer import Timer
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.storage import ParameterStorage
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
+from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.drive.cia402.profile_objects import PROFILE_OBJECTS, ProfileObjects
-from axisrig.bench.drive.cia402.servo import Servo
 from axisrig.bench.drive.ethercat.al_states import WAITS, AlStateMachine
 from axisrig.bench.drive.ethercat.coe_server import CoeServer
 from axisrig.bench.drive.ethercat.controller import SlaveController
@@ -72,7 +71,7 @@ class SlaveSettings:
     sample_ns: TimeNs = 0
 
 
-class EthercatDrive:
+class EthercatDrive(Cia402Node):
     """One drive on the line: it moves an axis and has up to two probe signals.
 
     probes: the signals wired to probe input 1 and 2, None for an open input; they are the latch
@@ -93,26 +92,23 @@ class EthercatDrive:
         switches: Mapping[str, SignalPort] | None = None,
         entered: Callable[[State], None] | None = None,
     ) -> None:
-        self.name = name
-        self.profile = profile or DriveProfile()
         self.settings = settings or SlaveSettings()
-        self._clock, self._probes = clock, probes
-        self._outputs = 0  # how often they came since SAFEOP
-        self._samples = 0
-        self._no_sync = Timer(clock, self._sync_stays_away)
         self.time = DistributedClock(LocalClock(self.settings.start_ns, self.settings.drift_ppm))
-        self.servo = Servo(
+        super().__init__(
+            name,
+            clock,
             axis,
             probes,
-            self.profile,
-            self._send_emergency,
-            clock,
-            self._changed,
+            profile or DriveProfile(),
             seed,
-            switches,
+            switches=switches,
             entered=entered,
             device_time=self.time.system_ns,
         )
+        self._probes = probes
+        self._outputs = 0  # how often they came since SAFEOP
+        self._samples = 0
+        self._no_sync = Timer(clock, self._sync_stays_away)
         self.description: Description = describe(
             self.profile, self.settings.serial, self.settings.mailbox_bytes
         )
@@ -170,26 +166,12 @@ class EthercatDrive:
 
     # As a slave on the line
 
-    @property
-    def is_on(self) -> bool:
-        """Whether frames pass it."""
-        return self.controller.is_on
-
     def process(self, frame: bytearray, passage: Passage) -> None:
         """Act on each datagram of a frame that has passed, and change the frame."""
-        self.controller.process(frame, passage)
+        if self.is_on:
+            self.controller.process(frame, passage)
 
     # What is seen from outside
-
-    @property
-    def image(self) -> ProcessImage:
-        """The object values that change while the drive runs."""
-        return self.servo.image
-
-    @property
-    def state(self) -> State:
-        """State of the power drive system."""
-        return self.servo.state
 
     @property
     def al_state(self) -> AlState:
@@ -202,26 +184,6 @@ class EthercatDrive:
         return self.states.code
 
     # Power
-
-    def power_off(self) -> None:
-        """Take the power away: the axis is free, frames go no further than the slave before.
-
-        Stored parameters stay. To be called from an event.
-        """
-        if self.controller.is_on:
-            self.controller.is_on = False
-            self._stop()
-            self.servo.reset(self._clock.now_ns)
-
-    def power_on(self) -> None:
-        """Give the power back: the slave begins in INIT with its stored parameters."""
-        if not self.controller.is_on:
-            self.controller.is_on = True
-            self._boot()
-
-    def _switched_on(self) -> None:
-        if self.controller.is_on:
-            self._boot()
 
     def _boot(self) -> None:
         self._stop()
@@ -256,7 +218,7 @@ class EthercatDrive:
         self.latches.look()
 
     def _follow_master(self, value: int) -> None:
-        if self.controller.is_on:
+        if self.is_on:
             self.states.control(value)
 
     def _show_state(self, status: int, code: int) -> None:
