@@ -9,7 +9,6 @@ from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.logs import open_log
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import Journal
-from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.canopen.outside import open_segment
 from axisrig.bench.machine.faults.beside import Beside
@@ -55,9 +54,6 @@ def build_segments(
     return segments
 
 
-SWITCH_KEYS = {"limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME}
-
-
 def build_nodes(
     settings: Settings,
     scheduler: Scheduler,
@@ -80,7 +76,6 @@ def build_nodes(
         queue = segment_of(settings, axis.segment).drive_queue
         network = SimNetwork(segments[axis.segment].port(name, queue))
         network.connect()
-        wired = axis.signals
         nodes[name] = DriveNode(
             name,
             axis.node_id,
@@ -90,11 +85,7 @@ def build_nodes(
             beside.probes(name),
             drive_of(settings, name).make(),
             seed + DRIVE_SEED_STRIDE * len(nodes),
-            switches={
-                switch: beside.signal(wired[key])
-                for key, switch in SWITCH_KEYS.items()
-                if key in wired
-            },
+            switches=beside.switches(name),
             entered=None if entered is None else partial(entered, name),
         )
     return nodes

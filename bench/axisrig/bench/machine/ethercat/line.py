@@ -6,7 +6,6 @@ from typing import Any
 
 from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link
 from axisrig.bench.bus.journal import Journal
-from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
 from axisrig.bench.machine.faults.beside import Beside
@@ -32,7 +31,6 @@ from axisrig.kernel.profiles.ethercat.tables import AlState
 from axisrig.kernel.time.clock import US, Clock, TimeNs, ns_to_seconds
 from axisrig.kernel.time.scheduler import Scheduler
 
-SWITCH_KEYS = {"limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME}
 DRIVE_SEED_STRIDE = 1_000_003
 
 Entered = Callable[[str, State], None]
@@ -130,8 +128,7 @@ def _node(
     seed: int,
     entered: Entered,
 ) -> EthercatDrive:
-    table = settings.rig.axis[axis]
-    line, wired = segment_of(settings, table.segment), table.signals
+    line = segment_of(settings, settings.rig.axis[axis].segment)
     slave: dict[str, Any] = {
         "serial": position_of(settings, axis),
         "start_ns": round(line.of("clock_start_us", axis) * US),
@@ -146,9 +143,7 @@ def _node(
         drive_of(settings, axis).make(),
         OfSlave(**slave),
         seed,
-        switches={
-            switch: beside.signal(wired[key]) for key, switch in SWITCH_KEYS.items() if key in wired
-        },
+        switches=beside.switches(axis),
         entered=partial(entered, axis),
     )
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
+from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.machine.faults.acts import Act
 from axisrig.bench.machine.wiring.distances import DistanceWire
 from axisrig.bench.machine.wiring.encoders import EncoderWire
@@ -18,6 +19,9 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.distance import PlantDistance
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import Clock, TimeNs
+
+SWITCH_KEYS = {"limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME}
+"""Keys of `[axis.A]` and what each is to the drive."""
 
 
 class Beside:
@@ -68,6 +72,13 @@ class Beside:
             None if name is None else self._signals[name] for name in (table.probe_1, table.probe_2)
         )
         return (second, first) if axis in self._crossed else (first, second)
+
+    def switches(self, axis: str) -> dict[str, SignalPort]:
+        """Return what comes of the limit and home switches of a drive, by the names of `Servo`."""
+        wired = self.settings.rig.axis[axis].signals
+        return {
+            switch: self._signals[wired[key]] for key, switch in SWITCH_KEYS.items() if key in wired
+        }
 
     # Where faults are built in
 

@@ -17,7 +17,6 @@ from axisrig.bench.bus.ethercat.pcapng import PcapngFile
 from axisrig.bench.bus.ethercat.raw import RawPort
 from axisrig.bench.bus.ethercat.segment import LOCAL_BIT, SOURCE, Passage
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
-from axisrig.bench.drive.axis.switches import HOME, NEGATIVE, POSITIVE
 from axisrig.bench.drive.ethercat.description import describe
 from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import EthercatDrive, SlaveSettings
@@ -39,9 +38,6 @@ from axisrig.kernel.time.clock import MS, US, S, TimeNs
 INTERFACE: Final = "ecat"
 """What --interface says for it."""
 KEEP_UP_NS: Final[TimeNs] = 20 * MS
-_SWITCH_KEYS: Final = {
-    "limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME,
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -140,8 +136,7 @@ class LineServer:
     def _build(self, settings: Settings) -> dict[str, EthercatDrive]:
         beside = Beside(settings, self.plant, self.scheduler)
         drives: dict[str, EthercatDrive] = {}
-        for name, axis in settings.rig.axis.items():
-            wired = axis.signals
+        for name in settings.rig.axis:
             drives[name] = EthercatDrive(
                 name,
                 self.scheduler,
@@ -150,11 +145,7 @@ class LineServer:
                 drive_of(settings, name).make(),
                 SlaveSettings(serial=len(drives) + 1),
                 len(drives),
-                switches={
-                    switch: beside.signal(wired[key])
-                    for key, switch in _SWITCH_KEYS.items()
-                    if key in wired
-                },
+                switches=beside.switches(name),
             )
         return drives
 
