@@ -324,7 +324,7 @@ LISTS = [
 ]
 
 
-def test_every_mistake_of_a_list_is_told_at_once(
+def test_every_mistake_of_a_list_is_reported_at_once(
     place: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:
     path = place / "lists/axis-z.lst"

@@ -101,7 +101,7 @@ def test_the_demo_runs_its_rows_of_every_plan(
     assert ("rows tagged demo" in capsys.readouterr().err) is (select == "demo")
 
 
-def test_warnings_are_told_and_refused_where_asked(capsys: pytest.CaptureFixture[str]) -> None:
+def test_warnings_are_shown_and_refused_where_asked(capsys: pytest.CaptureFixture[str]) -> None:
     command_line._warn(["one", "two"], is_strict=False)
     assert capsys.readouterr().err == "warning: one\nwarning: two\n"
     command_line._warn([], is_strict=True)
@@ -136,7 +136,7 @@ Ended = SimpleNamespace
 
 @pytest.fixture
 def ran(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """What runs a program, and what it is told; `real` and `ended` are what comes of it."""
+    """What runs a program, and its arguments; `real` and `ended` are what it returns."""
     found: dict[str, Any] = {"real": None, "ended": []}
 
     def run_outside(outside: Any, *given: Any, is_apart: bool) -> Any:

@@ -139,7 +139,7 @@ def test_what_is_worse_than_marginal_fails(verdict: Verdict) -> None:
     assert over.user_properties == [("verdict", "pass"), ("runs", "2")]
 
 
-def test_a_failure_is_told_in_the_words_of_its_checks() -> None:
+def test_a_failure_is_reported_in_the_words_of_its_checks() -> None:
     item: Any = SimpleNamespace(case=CASE)
     result = result_of(Verdict.FAIL, *CHECKS, error="it broke")
     result.log = ["a line of its log"]

@@ -183,7 +183,7 @@ def test_halt_in_pp_stops_and_the_set_point_goes_on_afterwards(
 def test_speed_of_a_profile_is_limited_by_607f_and_6080(
     drive: Callable[..., Drive], limit: str, value: float, speed_m_s: float
 ) -> None:
-    """300 rev/min of a 10 mm screw are 50 mm/s; bit 11 tells of the limit."""
+    """300 rev/min of a 10 mm screw are 50 mm/s; bit 11 reports the limit."""
     one = drive(1, **PROFILE, **{limit: value}, o607A=0.05 * PER_M)
     start_ns = one.word(0x0F | NEW)
     expected = trapezoid(0.15, 0.05, speed_m_s, *RATES[1:])

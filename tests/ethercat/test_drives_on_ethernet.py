@@ -1,4 +1,4 @@
-"""`axisrig drive` as EtherCAT slaves: what of it needs no interface."""
+"""`axisrig drive` as EtherCAT slaves: the parts that need no interface."""
 
 import struct
 from collections.abc import Callable

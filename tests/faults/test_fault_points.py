@@ -20,7 +20,7 @@ from axisrig.kernel.errors import UserError
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
 PLANT = SimpleNamespace(axes={}, probes={}, distances={})
-"""Without FMUs: what of them can be held is in `test_plant_inputs.py`."""
+"""Without FMUs: their inputs that can be held are in `test_plant_inputs.py`."""
 
 
 def settings_of(rig: str, *changes: str) -> Settings:

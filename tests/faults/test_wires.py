@@ -178,7 +178,7 @@ def test_faults_of_a_distance_sensor_in_closed_form() -> None:
     """The distance is 1 mm + 1 mm/s; the fault acts from 10 to 20 ms. The others stay the truth."""
     clock: Any = SimpleNamespace(now_ns=0)
     sensor: Any = SimpleNamespace(
-        told_at=lambda at_ns: (1e-3 + 1e-3 * at_ns / S, 7e-3, True, False)
+        reported_at=lambda at_ns: (1e-3 + 1e-3 * at_ns / S, 7e-3, True, False)
     )
     made = {
         "drift": Drift(clock, -500.0),
@@ -191,13 +191,13 @@ def test_faults_of_a_distance_sensor_in_closed_form() -> None:
         clock.now_ns = 10 * MS
         wire = DistanceWire(sensor, clock)
         wire.faults.append(fault)
-        before = wire.told_at(9 * MS)
+        before = wire.reported_at(9 * MS)
         fault.begin()
-        inside = wire.told_at(14 * MS)
-        assert wire.told_at(14 * MS) == inside  # whoever asks again gets the same
+        inside = wire.reported_at(14 * MS)
+        assert wire.reported_at(14 * MS) == inside  # whoever asks again gets the same
         clock.now_ns = 20 * MS
         fault.end()
-        seen[name] = before[0], inside[0], wire.told_at(21 * MS)[0]
+        seen[name] = before[0], inside[0], wire.reported_at(21 * MS)[0]
         assert inside[1:] == (7e-3, True, False)
     for before_m, _, after_m in seen.values():
         assert (before_m, after_m) == (1e-3 + 1e-3 * 0.009, 1e-3 + 1e-3 * 0.021)

@@ -1,4 +1,4 @@
-"""FMUs to hand on, and what is said of descriptions and libraries: from stand-ins."""
+"""FMUs to hand on, and findings on descriptions and libraries: from stand-ins."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -160,7 +160,7 @@ def test_all_models_are_released_and_the_sums_come_last(
 
 
 @pytest.mark.parametrize(("refused", "doubtful"), [(0, 0), (2, 0), (0, 2), (8, 9), (1, 1)])
-def test_problems_of_a_description_are_counted_and_the_first_six_are_told(
+def test_problems_of_a_description_are_counted_and_the_first_six_are_named(
     refused: int, doubtful: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bad = [f"bad {n}" for n in range(refused)]
@@ -232,11 +232,11 @@ def test_clocks_are_named_and_an_fmu_without_outputs_too() -> None:
 
 def test_an_error_is_a_finding_in_its_own_words(monkeypatch: pytest.MonkeyPatch) -> None:
     error = UserError("odd", value="x", allowed="y", hint="mend it")
-    found = examine._told("archive", error)
+    found = examine._failure("archive", error)
     assert (found.text, found.remedy, found.level) == (
         "odd; found x; allowed: y", "mend it", "FAIL",
     )  # fmt: skip
-    plain = examine._told("archive", UserError("odd"))
+    plain = examine._failure("archive", UserError("odd"))
     assert (plain.text, plain.remedy) == ("odd", "")
     there = Path(__file__)
 

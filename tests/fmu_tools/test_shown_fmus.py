@@ -19,7 +19,7 @@ def unknown(name: str, *on: tuple[str, str], given: bool = True, kinds: bool = T
     )
 
 
-def test_what_an_output_depends_on_is_told_with_its_kind() -> None:
+def test_what_an_output_depends_on_is_shown_with_its_kind() -> None:
     for one, text in (
         (unknown("y", ("a", "dependent"), ("b", "constant")), "y: depends on a, b (constant)"),
         (unknown("y", ("a", "fixed"), kinds=False), "y: depends on a"),
@@ -44,14 +44,14 @@ def test_what_an_output_depends_on_is_told_with_its_kind() -> None:
         (("0", "1", "2"), "start 0 s, stop 1 s, step 2 s"),
     ],
 )  # fmt: skip
-def test_an_experiment_is_told_as_far_as_it_is_given(values: Any, text: str | None) -> None:
+def test_an_experiment_is_shown_as_far_as_it_is_given(values: Any, text: str | None) -> None:
     keys = ("startTime", "stopTime", "stepSize")
     given = None if values is None else SimpleNamespace(**dict(zip(keys, values, strict=True)))
     found = list(show._experiment(SimpleNamespace(defaultExperiment=given)))  # type: ignore[arg-type]
     assert found == ([] if text is None else [("experiment", text)])
 
 
-def test_promises_are_told_one_by_one() -> None:
+def test_promises_are_shown_one_by_one() -> None:
     can = {"can_vary_step": True, "can_save_state": False, "can_serialize_state": True,
            "can_return_early": False, "fixed_step_s": None, "once_per_process": False,
            "needs_tool": False}  # fmt: skip

@@ -141,7 +141,7 @@ def found(slave: Any) -> list[tuple[str, str]]:
     return [(one.level, one.text) for one in roles.role_findings(slave)]
 
 
-def test_a_kind_that_fits_by_its_own_names_is_told_with_its_notes(
+def test_a_kind_that_fits_by_its_own_names_is_named_with_its_notes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     Kinds(monkeypatch, axis=["no kv", "no force"], probe=[])
@@ -185,7 +185,7 @@ def test_what_fits_nothing_may_fit_with_a_map_the_plainest_way_first(
     assert found(slave) == [("ok", "nothing in it can be an axis or a sensor of a rig")]
 
 
-def test_with_a_kind_that_fits_nobody_is_told_of_maps(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_with_a_kind_that_fits_no_map_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     kinds = Kinds(monkeypatch, probe=[])
     kinds.roles["axis"] = {}
     assert found(SimpleNamespace(description=SimpleNamespace(modelVariables=[]))) == [

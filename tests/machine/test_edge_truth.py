@@ -125,7 +125,7 @@ def test_each_axis_has_its_own_place_speed_and_direction() -> None:
 
 
 @pytest.mark.interpreted
-def test_motor_load_and_second_encoder_are_told_apart() -> None:
+def test_motor_load_and_second_encoder_are_distinguished() -> None:
     """An elastic axis: the motor is ahead, the scale is 30 um off."""
     axis = Axis(even(0.0, 0.01), accelerated(0.001, 0.01, 4.0), off_m=30e-6)
     bench = Bench({"Z": axis}, {"probe": [watcher("Z", 200)]})

@@ -15,7 +15,7 @@ from axisrig.bench.machine.live.pipe import CAPACITY, Inlet, Outlet
     [(True, True, True, "edge stored"), (False, True, True, "armed"),
      (False, False, True, "ordered"), (False, False, False, "off")],
 )  # fmt: skip
-def test_a_touch_probe_is_told_by_the_farthest_that_it_has_come(
+def test_a_touch_probe_is_shown_with_its_last_stage(
     has_latched: bool, is_armed: bool, is_probing: bool, word: str
 ) -> None:
     link: Any = SimpleNamespace(has_latched=has_latched, is_armed=is_armed, is_probing=is_probing)
@@ -38,7 +38,7 @@ def test_the_last_run_of_an_axis_that_has_a_value_counts() -> None:
     assert states._last_latch(machine, "Z") is not None
 
 
-def test_a_distance_control_is_told_with_its_own_set_value(
+def test_a_distance_control_is_shown_with_its_own_set_value(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(states, "is_rotary", lambda _settings, name: name in ("C", "channel"))

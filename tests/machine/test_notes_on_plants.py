@@ -21,7 +21,7 @@ def slave(name: str, messages: int = 0, version: str = "3.0") -> Any:
     return Slave(name=name, messages=lines, description=description)
 
 
-def test_edges_that_are_not_well_known_and_warnings_of_fmus_are_told(
+def test_edges_that_are_not_well_known_and_warnings_of_fmus_are_named(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(plants, "WARNINGS_SHOWN_MAX", 2)

@@ -19,7 +19,7 @@ class Sensor:
     def __init__(self, value_m: float) -> None:
         self.value_m = value_m
 
-    def told_at(self, _time_ns: int) -> tuple[float, float | None, bool, bool]:
+    def reported_at(self, _time_ns: int) -> tuple[float, float | None, bool, bool]:
         """The value."""
         return self.value_m, None, True, False
 

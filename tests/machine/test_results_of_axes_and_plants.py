@@ -164,7 +164,7 @@ class Sensor:
         self.roles: Any = SimpleNamespace(has=roles.split().__contains__)
         self.has_tool, self._true_m = has_tool, true_m
 
-    def told_at(self, time_ns: int) -> tuple[float, float | None, bool, bool]:
+    def reported_at(self, time_ns: int) -> tuple[float, float | None, bool, bool]:
         return 0.002 + time_ns / MS * 1e-6, self._true_m, True, False
 
     def tool_at(self, _time_ns: int) -> list[float]:

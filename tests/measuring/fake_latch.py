@@ -56,7 +56,7 @@ class Stage:
         return (len(self.orders) + 1) * MS
 
     def cycle(self, standing: bool = False, resting: bool | None = None) -> RunState:
-        """Standing axes rest, unless it is said that they creep inside their windows."""
+        """Standing axes rest, unless `resting` is False: they creep inside their windows."""
         is_resting = standing if resting is None else resting
         has_moved = self.run.state in (RunState.MOVING, RunState.COLLECTING)
         if is_resting and self.rest_ns is None and has_moved:

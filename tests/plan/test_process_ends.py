@@ -48,7 +48,7 @@ OUTSIDE = replace(INSIDE, is_inside=False)
         (-126, None, "signal 126"),
     ],
 )
-def test_the_end_of_a_process_is_told_with_its_last_call(
+def test_the_end_of_a_process_is_reported_with_its_last_call(
     code: int | None, call: LastCall | None, words: str
 ) -> None:
     assert words in processes._in_words(code, call)

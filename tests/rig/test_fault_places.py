@@ -62,7 +62,7 @@ def test_a_fault_knows_axis_and_bus_of_its_place() -> None:
         assert (fault.axis, fault.segment, fault.telegram) == place, target
 
 
-def test_what_a_key_of_a_fault_may_have_is_told_for_its_kind() -> None:
+def test_what_a_key_of_a_fault_may_have_is_named_for_its_kind() -> None:
     rig = read_rig(RIGS / "probe-z.toml")[0]
     for text, has_moments in (("at=soon", True), ("for=soon", False), ("p=2", False)):
         with pytest.raises(UserError) as caught:

@@ -80,7 +80,7 @@ def test_what_cannot_be_meant_in_a_list_of_tools_is_said(
     assert beside == []  # without a rig nobody knows its axes
 
 
-def test_a_list_of_tools_is_told_in_mm_where_it_is_not_in_inch(tmp_path: Path) -> None:
+def test_a_list_of_tools_is_shown_in_mm_where_it_is_not_in_inch(tmp_path: Path) -> None:
     """0.1 um; of a tool in inch only what is written."""
     path = tmp_path / "tools.lst"
     path.write_text(

@@ -47,7 +47,7 @@ def test_each_role_is_its_own_and_one_that_is_missing_has_its_usual_value(
     )
     found = (made.distance_m, made.distance_true_m, made.is_valid, made.is_touching)
     assert found == expected
-    assert made.told_at(0) == expected
+    assert made.reported_at(0) == expected
 
 
 def test_levels_that_go_come_back() -> None:
@@ -60,7 +60,7 @@ def test_levels_that_go_come_back() -> None:
         made.look()
         seen.append((number * 0.1, 0.5, bool(valid), bool(touching)))
         assert (made.is_valid, made.is_touching) == (bool(valid), bool(touching))
-    assert [made.told_at(at_ns) for at_ns in (0, 10, 20, 30, 40)] == seen
-    assert made.told_at(29) == seen[2]
+    assert [made.reported_at(at_ns) for at_ns in (0, 10, 20, 30, 40)] == seen
+    assert made.reported_at(29) == seen[2]
     with pytest.raises(PlantError, match="no distance is kept"):
-        made.told_at(-1)
+        made.reported_at(-1)

@@ -311,7 +311,7 @@ def test_wrong_steps_of_a_block_download(stranger: Make, frames: list[str], code
     assert drive.read(0x1017) == 0
 
 
-def test_lost_segment_of_a_block_is_told_at_its_end(stranger: Make) -> None:
+def test_lost_segment_of_a_block_is_reported_at_its_end(stranger: Make) -> None:
     """The last segment has number 2; number 1 never came: 0 are acknowledged."""
     drive = stranger()
     drive.sdo("c217100002000000")

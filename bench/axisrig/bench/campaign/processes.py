@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 from axisrig.bench.campaign.channel import ChannelError, Inbox
 from axisrig.bench.campaign.worker import PARENT_ENDS, Answer, Line, Order, output_of, say, work
-from axisrig.bench.rig.printed import cut, lines_in, told
+from axisrig.bench.rig.printed import cut, lines_in, output_lines
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.kernel.cosim.fmi import journal
 from axisrig.kernel.cosim.fmi.session import session_folder
@@ -360,7 +360,7 @@ def _no_answer(worker: _Worker, error: Exception) -> Died:
 
 
 def _printed(worker: _Worker) -> list[str]:
-    return told("the process", lines_in(output_of(worker.note)))
+    return output_lines("the process", lines_in(output_of(worker.note)))
 
 
 def _was_in(call: journal.LastCall | None) -> str:

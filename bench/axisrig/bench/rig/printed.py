@@ -51,10 +51,10 @@ def printed_log(settings: Settings) -> list[str]:
     plants = simulated_plants(settings).items()
     names = [name for name, table in plants if table.fmu.endswith(".fmu")]
     who = f"plant{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else "a plant"
-    return told(who, printed_lines())
+    return output_lines(who, printed_lines())
 
 
-def told(who: str, lines: Sequence[str]) -> list[str]:
+def output_lines(who: str, lines: Sequence[str]) -> list[str]:
     """Say what was written to standard output, the first 20 lines of it."""
     more = len(lines) - _LINES_MAX
     rest = [f"{who} wrote {more} more lines to standard output"] if more > 0 else []

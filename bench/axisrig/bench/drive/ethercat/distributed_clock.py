@@ -1,6 +1,6 @@
 """The distributed clock of one slave: local copy of the system time, and how it follows.
 
-Source: docs/ethercat.md, which also says what of the control loop is inferred. The local copy is
+Source: docs/ethercat.md, which also lists what is inferred in the control loop. The local copy is
 local time + offset + correction. Each time that the reference clock's frame brings is compared
 with it, and the correction follows: half of the difference at once, and its rate by an eighth of
 what that came to for each ns since the time before. A real controller counts 9, 10 or 11 for each

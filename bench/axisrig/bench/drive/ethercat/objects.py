@@ -81,7 +81,7 @@ def _defaults(profile: DriveProfile, serial: int) -> Mapping[Key, int | bytes]:
 
 
 def default_entries(index: int, profile: DriveProfile) -> list[int]:
-    """Return what a PDO carries at power on: what of the table the drive has."""
+    """Return the entries of a PDO at power on: those of the table whose objects the drive has."""
     known = _variables()
     count = int(known[index, 0].default, 0)
     entries = [int(known[index, sub].default, 0) for sub in range(1, count + 1)]

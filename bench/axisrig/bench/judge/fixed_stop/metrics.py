@@ -141,12 +141,12 @@ def contact_to_detection_ms(run: StopRun, axis: str | None) -> Observation:
         return Observation(None, note=f"axis {name} had no contact before")
     contact = lasting.contact
     if contact is None:
-        return Observation(None, note=f"axis {name} had lost its contact: {lasting.told}")
+        return Observation(None, note=f"axis {name} had lost its contact: {lasting.lost_text}")
     known = "location of the contact between two SYNCs"
     return Observation(
         (run.stop.detected_ns - contact.time_ns) / 1e6,
         contact.uncertainty_ns / 1e6,
-        f"{lasting.told}; {known}" if lasting.told else known,
+        f"{lasting.lost_text}; {known}" if lasting.lost_text else known,
     )
 
 

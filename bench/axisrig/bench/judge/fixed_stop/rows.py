@@ -43,7 +43,7 @@ class Lasting:
     lost_ns: float
 
     @property
-    def told(self) -> str:
+    def lost_text(self) -> str:
         """That the contact was lost in between, empty when it was not."""
         if not self.lost_ns:
             return ""

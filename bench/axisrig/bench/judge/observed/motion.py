@@ -62,8 +62,8 @@ _EXACT = 1e-9
 _PADDING = 2
 """Rows before and behind the ones that are looked at: neighbours of their neighbours."""
 _ON_THE_WAY = 5
-"""Cycles before a SYNC whose set positions may be new to the drive there (inferred: three to tell a
-change of the acceleration, and two on the way)."""
+"""Cycles before a SYNC whose set positions may be new to the drive there (inferred: three that show
+a change of the acceleration, and two on the way)."""
 _ROWS = 4096
 """So many are looked at together."""
 
@@ -315,8 +315,8 @@ def _answer_mm_s(observed: Observed, axis: str, row: int) -> float:
     """Return how much the speed may change in the step after a row by a new slope of the demand.
 
     A demand that is d further at the end of the step than by the slope before makes kv d of speed
-    in the position loop, and f d/T by the feed-forward; one that follows at once d/T. Set positions
-    of the cycles before say what of d is new, and their rounding to increments brings one of these.
+    in the position loop, and f d/T by the feed-forward; one that follows at once d/T. The new
+    part of d comes from the set positions of the cycles before, within one increment (rounding).
     """
     first = max(row - _ON_THE_WAY - observed.facts.timing.buffer_cycles, 0)
     times_ns = observed.instants(slice(row - 1, row + 1))

@@ -22,7 +22,7 @@ LEVEL_DEG = 89.9
 class DistanceReader(Protocol):
     """A distance sensor, or the wire after it."""
 
-    def told_at(self, time_ns: TimeNs) -> Reported:
+    def reported_at(self, time_ns: TimeNs) -> Reported:
         """Return distance, true distance, validity and touch at an instant."""
         ...
 
@@ -69,7 +69,7 @@ class PlcSensors:
             if promised is not None:
                 promised.age_cycles = 0
             at_ns = self._syncs[max(0, len(self._syncs) - 1 - table.delay_cycles)]
-            distance_um = self._ideal_m(table, sensor.told_at(at_ns)[0]) * 1e6
+            distance_um = self._ideal_m(table, sensor.reported_at(at_ns)[0]) * 1e6
             self._values[name] = float(table.sign * round(distance_um / table.unit_um))
         self._cycles += 1
 

@@ -83,14 +83,16 @@ BLOCK_ROWS = 4096
 """Rows that are written at once: 4 s of 1 ms cycles."""
 # What a row keeps of an axis with a plant: its motion, the peak of the stop force, the lag that its
 # drive has noted, and how much later than the row its own SYNC was. Motor and demand are of that
-TOLD = len(AXIS_OUTPUTS) + 3
+PLANT_COLUMNS = len(AXIS_OUTPUTS) + 3
 _OF_DRIVE = slice(MOTOR_POSITION, DEMAND_POSITION + 1)
 
 
-def _columns(roles: Roles, told: Mapping[str, Floats]) -> list[str]:
+def _columns(roles: Roles, found: Mapping[str, Floats]) -> list[str]:
     """Return the columns of an axis with a plant, in their order."""
     names = [*AXIS_COLUMNS, *(name for name, role in FORCE_ROLES.items() if roles.has(role))]
-    has_stop = not roles.has("stop_face") or bool(np.any(np.abs(told["stop_mm"]) < NO_STOP_M * 1e3))
+    has_stop = not roles.has("stop_face") or bool(
+        np.any(np.abs(found["stop_mm"]) < NO_STOP_M * 1e3)
+    )
     if has_stop:
         names += [name for name, role in STOP_ROLES.items() if roles.has(role)]
     return names
@@ -162,7 +164,9 @@ class Recorder:
         self._level_names = [f"{name}.signal" for name in probes]
         self._level_names += [f"{name}.passed" for name in self._wires]
         self._has_plant = any(axis is not None for axis in self._axes)
-        self._widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
+        self._widths = [
+            len(KERNEL_COLUMNS) + (0 if axis is None else PLANT_COLUMNS) for axis in self._axes
+        ]
         self._sensors = list(plant.distances.items())
         self._times: list[int] = []
         self._rows = Rows(sum(self._widths))
@@ -232,7 +236,7 @@ class Recorder:
     @staticmethod
     def _reported(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
         """Return the values of DISTANCE_COLUMNS at the SYNC, and those of TOOL_COLUMNS."""
-        distance_m, true_m, is_valid, is_touching = sensor.told_at(time_ns)
+        distance_m, true_m, is_valid, is_touching = sensor.reported_at(time_ns)
         true_m = math.nan if true_m is None else true_m
         reported = (distance_m * 1e3, true_m * 1e3, is_valid, is_touching)
         if not sensor.has_tool:
@@ -281,13 +285,13 @@ class Recorder:
         found = dict(zip(KERNEL_COLUMNS, place, strict=False))
         if axis.plant is not None and axis.servo is not None:
             first = begin + len(KERNEL_COLUMNS)
-            told = place[len(KERNEL_COLUMNS) :]
-            found |= self._of_plant(told, first, axis.servo)
+            of_plant = place[len(KERNEL_COLUMNS) :]
+            found |= self._of_plant(of_plant, first, axis.servo)
             # What the first block has, all have
             names = self._columns.setdefault(axis.name, _columns(axis.plant.roles, found))
             found = {name: found[name] for name in names}
             if self._has_segments:
-                found[SYNC_AFTER] = told[-1].astype(np.int64)
+                found[SYNC_AFTER] = of_plant[-1].astype(np.int64)
         turned: dict[str, str] = {}
         if axis.is_rotary:
             turned = LENGTH_COLUMNS
@@ -296,13 +300,13 @@ class Recorder:
                 found |= {n: found[n] * axis.torque_arm_m for n in FORCE_COLUMNS if n in found}
         return {f"{axis.name}.{turned.get(n, n)}": column_of(v) for n, v in found.items()}
 
-    def _of_plant(self, told: Floats, first: int, servo: VirtualDrive) -> dict[str, Floats]:
-        """Return the columns that come from a plant; told: what a row keeps (TOLD), by rows.
+    def _of_plant(self, of_plant: Floats, first: int, servo: VirtualDrive) -> dict[str, Floats]:
+        """Return the columns that come from a plant; of_plant: PLANT_COLUMNS of rows.
 
         first: where these are in a row.
         """
-        position, velocity, motor, motor_velocity, demand, force, stop_force, face = told[:-3]
-        syncs_ns = np.array(self._times, dtype=np.int64) + told[-1].astype(np.int64)
+        position, velocity, motor, motor_velocity, demand, force, stop_force, face = of_plant[:-3]
+        syncs_ns = np.array(self._times, dtype=np.int64) + of_plant[-1].astype(np.int64)
         motion = (demand, motor, motor_velocity)
         if self._before is None:
             lag = largest_lag(syncs_ns, motion, servo.tick_ns)
@@ -311,10 +315,10 @@ class Recorder:
             # Demand, motor position, motor velocity of the row before, in the order of `motion`
             last = (row[first + 4], row[first + 2], row[first + 3])
             whole = [np.concatenate([[b], m]) for b, m in zip(last, motion, strict=True)]
-            before_ns += int(row[first + TOLD - 1])
+            before_ns += int(row[first + PLANT_COLUMNS - 1])
             at_ns = np.concatenate([np.array([before_ns], dtype=np.int64), syncs_ns])
             lag = largest_lag(at_ns, (whole[0], whole[1], whole[2]), servo.tick_ns)[1:]
-        noted_m = told[-2]
+        noted_m = of_plant[-2]
         lag = np.where(noted_m >= 0.0, np.maximum(np.abs(demand - motor), noted_m), lag)
         return {
             "truth_mm": position * 1e3,
@@ -323,7 +327,7 @@ class Recorder:
             "drive_lag_peak_mm": 1e3 * lag,
             "force_n": force,
             "stop_force_n": stop_force,
-            "stop_force_peak_n": told[-3],
+            "stop_force_peak_n": of_plant[-3],
             "stop_mm": face * 1e3,
         }
 

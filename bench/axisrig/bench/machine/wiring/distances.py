@@ -97,9 +97,9 @@ class DistanceWire:
         self._sensor, self._clock = sensor, clock
         self.faults: list[DistanceFault] = []
 
-    def told_at(self, time_ns: TimeNs) -> Reported:
+    def reported_at(self, time_ns: TimeNs) -> Reported:
         """Return distance, true distance, validity and touch at an instant, as the sensor does."""
-        distance_m, *others = self._sensor.told_at(time_ns)
+        distance_m, *others = self._sensor.reported_at(time_ns)
         return (self.seen_m(time_ns, distance_m), *others)  # type: ignore[return-value]
 
     def seen_m(self, time_ns: TimeNs, distance_m: float) -> float:

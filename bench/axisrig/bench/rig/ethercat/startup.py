@@ -1,4 +1,4 @@
-"""How the drives of an EtherCAT line are started: what of `[drive.D]` counts there."""
+"""How the drives of an EtherCAT line are started: the keys of `[drive.D]` that count there."""
 
 from fractions import Fraction
 

@@ -182,7 +182,7 @@ def _lines(
             last[key] = content
         if is_old and not selection.is_all:
             continue
-        said = names.tell(segment, frame, told)
+        said = names.describe(segment, frame, told)
         if wanted and not wanted & said.tags:
             continue
         can_id = "   " if message.is_error_frame else f"{frame.arbitration_id:03X}"

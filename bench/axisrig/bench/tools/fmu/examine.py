@@ -39,7 +39,7 @@ def examine(path: Path) -> Examined:
     try:
         archive = inspect(path)
     except UserError as error:
-        return Examined([_told("archive", error)], "", False)
+        return Examined([_failure("archive", error)], "", False)
     size = sum(entry.size for entry in archive.entries)
     text = f"{len(archive.entries)} entries, {size / MIB:.2f} MiB, nothing leaves its folder"
     findings = [ok("archive", text)]
@@ -54,7 +54,7 @@ def examine(path: Path) -> Examined:
     return Examined(findings, archive.sha256, not has_failed(findings))
 
 
-def _told(area: str, error: UserError) -> Finding:
+def _failure(area: str, error: UserError) -> Finding:
     """A FAIL in the words of an error; the reader of the table has its file."""
     parts = [error.message]
     if error.value is not None:
@@ -71,7 +71,7 @@ def load_description_findings(
     try:
         description, folder = load_description(path)
     except UserError as error:
-        findings.append(_told("usable here", error))
+        findings.append(_failure("usable here", error))
         return None, path
     return description, Path(folder)
 

@@ -173,7 +173,7 @@ class LineServer:
                 self._keep_up(self.scheduler.now_ns)
                 self._watcher.look(self.scheduler.now_ns)
                 if self._parameters is not None and self._parameters.look():
-                    self._watcher.tell(self.scheduler.now_ns, "", "store", "parameters written")
+                    self._watcher.report(self.scheduler.now_ns, "", "store", "parameters written")
         finally:
             gc.enable()
             gc.unfreeze()

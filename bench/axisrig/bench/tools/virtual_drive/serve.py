@@ -219,7 +219,7 @@ class DriveServer:
                 self.scheduler.run_until(self.scheduler.now_ns + SLICE_NS)
                 self._watcher.look(self.scheduler.now_ns)
                 if self._parameters is not None and self._parameters.look():
-                    self._watcher.tell(self.scheduler.now_ns, "", "store", "parameters written")
+                    self._watcher.report(self.scheduler.now_ns, "", "store", "parameters written")
                 self._mend(clock())
         finally:
             gc.unfreeze()
@@ -255,7 +255,7 @@ class DriveServer:
             if segment.lost is None:
                 continue
             if name not in self._tried_ns:
-                self._watcher.tell(
+                self._watcher.report(
                     self.scheduler.now_ns, "", "bus", f"{name} is lost: {segment.lost}"
                 )
             elif real_ns - self._tried_ns[name] < REOPEN_NS:
@@ -263,7 +263,7 @@ class DriveServer:
             self._tried_ns[name] = real_ns
             if segment.reopen():
                 del self._tried_ns[name]
-                self._watcher.tell(self.scheduler.now_ns, "", "bus", f"{name} is there again")
+                self._watcher.report(self.scheduler.now_ns, "", "bus", f"{name} is there again")
 
 
 def _sync_period_ns(node: DriveNode) -> TimeNs:

@@ -79,7 +79,7 @@ class NodeWatcher(Generic[N]):
         self._events: Any = _table(folder, "events.csv", EVENT_COLUMNS, opened)
         self._latches: Any = _table(folder, "latches.csv", LATCH_COLUMNS, opened)
 
-    def tell(self, time_ns: TimeNs, axis: str, kind: str, text: str) -> None:
+    def report(self, time_ns: TimeNs, axis: str, kind: str, text: str) -> None:
         """Put one line out."""
         self._put_out(f"{time_ns / S:12.6f} s  {axis:<4} {kind:<7} {text}")
         if self._events:
@@ -94,12 +94,12 @@ class NodeWatcher(Generic[N]):
             self._seen[name] = now
             if now.communication != seen.communication:
                 text = f"{seen.communication} -> {now.communication}"
-                self.tell(time_ns, name, self.LABEL, text)
+                self.report(time_ns, name, self.LABEL, text)
             if now.mode != seen.mode:
-                self.tell(time_ns, name, "mode", f"{seen.mode} -> {now.mode} (6060)")
+                self.report(time_ns, name, "mode", f"{seen.mode} -> {now.mode} (6060)")
             if now.state != seen.state:
                 word = f"(6040 = 0x{node.image.controlword:04X})"
-                self.tell(time_ns, name, "state", f"{seen.state} -> {now.state} {word}")
+                self.report(time_ns, name, "state", f"{seen.state} -> {now.state} {word}")
             if now.counts != seen.counts:
                 self._tell_latches(name, node, seen, now)
 
@@ -131,7 +131,7 @@ class NodeWatcher(Generic[N]):
                 truth_mm = contact.position_mm[plant]
                 row[-2:] = [contact.time_ns, truth_mm]
                 text += f"; contact was at {truth_mm:.6f} mm"
-            self.tell(latch_ns, name, "latch", text)
+            self.report(latch_ns, name, "latch", text)
             if self._latches:
                 self._latches(row)
 
@@ -173,17 +173,17 @@ class Watcher(NodeWatcher[DriveNode]):
         self.look(time_ns)
         can_id, data = frame.arbitration_id, frame.data
         if is_error:
-            self.tell(time_ns, "", "bus", f"error frame on {segment}")
+            self.report(time_ns, "", "bus", f"error frame on {segment}")
         elif frame.is_extended_id or frame.is_remote_frame:
             return
         elif can_id == SYNC_ID:
             if segment not in self._syncs:
-                self.tell(time_ns, "", "SYNC", f"begins on {segment}")
+                self.report(time_ns, "", "SYNC", f"begins on {segment}")
             self._syncs[segment] = time_ns
         elif can_id == 0 and len(data) == 2:
             what = NMT_COMMANDS.get(data[0], f"unknown command {data[0]}")
             who = f"node {data[1]}" if data[1] else "all nodes"
-            self.tell(time_ns, self._names.get((segment, data[1]), ""), "NMT", f"{what}, {who}")
+            self.report(time_ns, self._names.get((segment, data[1]), ""), "NMT", f"{what}, {who}")
         else:
             self._answer(time_ns, segment, can_id, data)
 
@@ -194,14 +194,14 @@ class Watcher(NodeWatcher[DriveNode]):
         if can_id & 0x780 == EMERGENCY_BASE and len(data) == 8:
             emergency = Emergency.read(data)
             register = f"error register 0x{emergency.register:02X}"
-            self.tell(
+            self.report(
                 time_ns, name, "EMCY", str(emergency) if emergency.code else f"reset, {register}"
             )
         elif can_id & 0x780 == SDO_ANSWER_BASE and len(data) == 8 and data[0] == SDO_ABORT:
             what = f"0x{data[2]:02X}{data[1]:02X}:{data[3]:02X}"
             code = int.from_bytes(data[4:], "little")
             text = abort_text(code).removeprefix("abort ")
-            self.tell(time_ns, name, "SDO", f"abort of {what} with {text}")
+            self.report(time_ns, name, "SDO", f"abort of {what} with {text}")
 
     def look(self, time_ns: TimeNs) -> None:
         """Report what has changed in the nodes since the last look, and a SYNC that stays away."""
@@ -209,7 +209,7 @@ class Watcher(NodeWatcher[DriveNode]):
         for segment, sync_ns in list(self._syncs.items()):
             if time_ns - sync_ns > SYNC_LOST_NS:
                 del self._syncs[segment]
-                self.tell(time_ns, "", "SYNC", f"none on {segment} since {sync_ns / S:.6f} s")
+                self.report(time_ns, "", "SYNC", f"none on {segment} since {sync_ns / S:.6f} s")
 
 
 class EthercatWatcher(NodeWatcher[EthercatDrive]):

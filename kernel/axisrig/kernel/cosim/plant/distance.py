@@ -98,7 +98,7 @@ class PlantDistance:
         """Whether the FMU can take several steps in one call."""
         return self._many is not None
 
-    def told_at(self, time_ns: TimeNs) -> Reported:
+    def reported_at(self, time_ns: TimeNs) -> Reported:
         """Return distance, true distance, validity and touch at an instant at which `look` was."""
         for end_ns, report in reversed(self._past):
             if end_ns <= time_ns:
@@ -122,7 +122,7 @@ class PlantDistance:
         self._positions.write()
 
     def look(self) -> None:
-        """Read what the sensor reports now; for `told_at` too."""
+        """Read what the sensor reports now; for `reported_at` too."""
         row, self._row = self._row, None
         if row is None:
             self._lengths.read()

@@ -98,7 +98,7 @@ class Names:
         found = self._pdos.find(segment, frame.arbitration_id, frame.is_extended_id)
         return None if is_error else found
 
-    def tell(self, segment: str, frame: Frame, told: Dissected) -> Told:
+    def describe(self, segment: str, frame: Frame, told: Dissected) -> Told:
         """Return the name of a frame, what it says and what it can be asked for by.
 
         told: from `follow`.

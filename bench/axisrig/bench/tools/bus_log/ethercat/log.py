@@ -24,7 +24,7 @@ def tell_lines(
         time_ms = time_ns / MS
         if time_ms > selection.to_ms:
             return
-        for said in names.tell(segment, frame):
+        for said in names.describe(segment, frame):
             is_old = said.is_usual or last.get((segment, said.name)) == said.text
             last[segment, said.name] = said.text
             if time_ms < selection.from_ms or (is_old and not selection.is_all):

@@ -52,7 +52,7 @@ class LineNames:
         """Axes on lines."""
         return [axis for axes in self._axes.values() for axis in axes]
 
-    def tell(self, segment: str, frame: bytes) -> Iterator[Said]:
+    def describe(self, segment: str, frame: bytes) -> Iterator[Said]:
         """Say each datagram of a frame; one for each axis of a process image."""
         for datagram in datagrams(frame):
             data = frame[datagram.data_start : datagram.data_start + datagram.length]
