@@ -22,16 +22,22 @@ from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.limits import lists_of
 from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.bench.tools.scenarios.oracle import Result, judge
+from axisrig.bench.tools.scenarios.stopping import stop_ns
 from axisrig.kernel.time.clock import MS
 
 PER_MM = 100_000.0
 STEP_MM = 1.0 / PER_MM
+STEPS = ("stufe_1", "stufe_2", "grenz_stufe_1", "grenz_stufe_2")
 LISTS = {
     "getriebe[0].dynamik.vb_max": 100_000,  # 100 mm/s
     "getriebe[0].lslope_profil.a_stufe_1": 2000,
     "getriebe[0].lslope_profil.a_feedh": 4000,
     "kenngr.hub_messtaster": 10_000,  # 1 mm
     "kenngr.measure.edge": "POS",
+}
+BRAKES = {
+    **LISTS,
+    **{f"getriebe[0].lslope_profil.a_{step}": 2000 for step in STEPS},
 }
 OF_CONTROL = {
     "kenngr.dist_ctrl[0].v_max": 50_000,  # 50 mm/s
@@ -111,8 +117,37 @@ def alarm(at_ms: int, ends: bool = True, number: int = 1) -> AlarmRecord:
     return AlarmRecord(at_ms * MS, number, 7 if ends else 1, ends, "")
 
 
-def moving_until(last_ms: int) -> list[float]:
-    return [min(row, last_ms) * 1e-3 for row in range(100)]
+def braked(a_mm_s2: float, dead: int = 2) -> list[float]:
+    """Set positions with 60 mm/s until row 30 and `dead` more, then braked."""
+    speeds = [60.0] * (31 + dead)
+    speeds += [max(0.0, 60.0 - a_mm_s2 * 1e-3 * n) for n in range(1, 100 - len(speeds) + 1)]
+    return [float(place) for place in np.cumsum(speeds) * 1e-3]
+
+
+FEED_BRAKE = {"getriebe[0].lslope_profil.d_stufe_2": 1500}
+EMERGENCY = {"getriebe[0].dynamik.a_emergency": 1000}
+
+
+def stopped(
+    a_mm_s2: float,
+    dead: int = 2,
+    lists: Mapping[str, Any] | None = None,
+    beside: Mapping[str, Any] | None = None,
+) -> Left:
+    """Z brakes after an alarm at row 30; lists: added to its own. beside: of an X like it."""
+    course = braked(a_mm_s2, dead)
+    made = left(
+        "gantry",
+        course,
+        {**BRAKES, **(lists or {})},
+        columns={} if beside is None else {"X.set_mm": course},
+        alarms=(alarm(30),),
+    )
+    if beside is None:
+        return made
+    axes = dict(made.facts.axes)
+    axes["X"] = replace(axes["Z"], written={**BRAKES, **beside})
+    return replace(made, facts=replace(made.facts, axes=axes))
 
 
 EDGES = (edge(30, 10.0), edge(50, 20.0), edge(30, -1.0, "X"), edge(29, -2.0, level=False))
@@ -204,15 +239,19 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
         at_plc(2.0, passed_ms=33),
         at_plc(1.0, passed_ms=33),
     ),  # of the wire
+    ("stop", stopped(2000.0), stopped(1850.0)),
+    ("stop", stopped(2000.0, dead=4), stopped(2000.0, dead=5)),
+    ("stop", stopped(1000.0, lists=EMERGENCY), stopped(950.0, lists=EMERGENCY)),
+    ("stop", stopped(1500.0, lists=FEED_BRAKE), stopped(1400.0, lists=FEED_BRAKE)),
     (
-        "stop",
-        left(set_mm=moving_until(80), alarms=(alarm(50),)),
-        left(set_mm=moving_until(81), alarms=(alarm(50),)),
+        "stop",  # the slowest axis decides, by its own list
+        stopped(1000.0, beside={"getriebe[0].lslope_profil.d_stufe_1": 1000}),
+        stopped(950.0, beside={"getriebe[0].lslope_profil.d_stufe_1": 1000}),
     ),
     (
         "stop",  # the first that ends the program counts, not a warning before it
-        left(set_mm=moving_until(80), alarms=(alarm(10, ends=False), alarm(60))),
-        left(set_mm=moving_until(80), alarms=(alarm(40), alarm(60))),
+        left(set_mm=braked(2000.0), lists=BRAKES, alarms=(alarm(10, ends=False), alarm(30))),
+        left(set_mm=braked(2000.0), lists=BRAKES, alarms=(alarm(25), alarm(30))),
     ),
     ("rest", left(crept_mm={"Z": 0.0099}), left(crept_mm={"Z": 0.0101})),
     ("speed", left(set_mm=ramp(100.0, 4000.0)), left(set_mm=ramp(100.02, 4000.0))),
@@ -269,6 +308,59 @@ def test_a_run_of_type_4_stops_within_its_stroke(
     made = left("overrides", places, lists, runs=(signalled,))
     made = replace(made, facts=replace(made.facts, channel={"messtyp": kind}))
     assert [name for name, _ in broken(made)] == found
+
+
+RAMPED = {
+    **LISTS,
+    "getriebe[0].dynamik.tr_min": 0,
+    "getriebe[0].slope_profil.a_beschl": 1000,
+    "getriebe[0].slope_profil.a_brems": 2000,
+    "getriebe[0].slope_profil.a_grenz": 4000,
+    "getriebe[0].slope_profil.a_feedh": 500,
+    **{f"getriebe[0].slope_profil.tr_{name}": 10_000 for name in ("grenz", "feedh")},
+    **{f"getriebe[0].slope_profil.tr_beschl_{name}": 5000 for name in ("zu", "ab")},
+    "getriebe[0].slope_profil.tr_brems_zu": 10_000,
+    "getriebe[0].slope_profil.tr_brems_ab": 30_000,
+}
+
+
+@pytest.mark.parametrize(
+    ("channel", "lists", "expected_ms"),
+    [
+        # 60 / 2000
+        ({}, BRAKES, 30.0),
+        # Under a kinematic its ramps have half of it: 60 / 1000
+        ({"kinematic": True}, BRAKES, 60.0),
+        # P-AXIS-00024 acts with P-CHAN-00097: 60 / 500
+        ({}, {**BRAKES, "getriebe[0].lslope_profil.a_feedh": 500}, 30.0),
+        (
+            {"use_drive_curr_limit": 1},
+            {**BRAKES, "getriebe[0].lslope_profil.a_feedh": 500},
+            120.0,
+        ),
+        # G0 that builds up: 2 x 10 ms, in which 60 grow by 4000 x 0.02 / 2; feed that brakes:
+        # 100 / 2000 and (10 + 30) / 2 ms
+        ({"prog_start.slope.profile": 1}, RAMPED, 20.0 + 50.0 + 20.0),
+        # and with P-AXIS-00053: 100 / 500 and 10 ms
+        ({"prog_start.slope.profile": 2, "use_drive_curr_limit": 1}, RAMPED, 20.0 + 200.0 + 10.0),
+        # P-AXIS-00008 limits G0 to 1000: 20 ms, 60 + 10; then by feed or by G0 70 / 1000
+        (
+            {"prog_start.slope.profile": 1},
+            {**RAMPED, "getriebe[0].dynamik.a_max": 1000},
+            20.0 + 70.0 + 20.0,
+        ),
+    ],
+)
+def test_how_long_a_speed_takes_by_the_lists(
+    channel: dict[str, Any], lists: Mapping[str, Any], expected_ms: float
+) -> None:
+    """From 60 mm/s; three NC cycles of 1 ms are on top."""
+    given = dict(channel)
+    kinematics = (object(),) if given.pop("kinematic", False) else ()
+    made = left(set_mm=braked(2000.0), lists=lists, alarms=(alarm(30),))
+    facts = replace(made.facts, channel=given, kinematics=kinematics)
+    places = {"Z": (np.arange(100.0) * MS, np.array(braked(2000.0)))}
+    assert stop_ns(facts, 30 * MS, places) == pytest.approx((expected_ms + 3.0) * MS)
 
 
 def test_every_invariant_of_the_table_is_broken_somewhere_here() -> None:

@@ -27,7 +27,8 @@ from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.limits import lists_of, offset_lists_of
 from axisrig.bench.tools.scenarios.machines import EVERY, machines
 from axisrig.bench.tools.scenarios.states import wrong_steps
-from axisrig.kernel.time.clock import S
+from axisrig.bench.tools.scenarios.stopping import stop_ns
+from axisrig.kernel.time.clock import MS, S
 
 INCREMENTS_MAX = 1.0
 """Rounding of the encoder and of the published number."""
@@ -183,17 +184,19 @@ def _wrong_at_stop(left: Left, run: MeasurementRun, axis: str) -> str:
 
 
 def stops(left: Left) -> str:
-    """The set positions stand within `stop_ns` after the alarm that ends the program."""
+    """The set positions stand as soon as the lists let them after what ends the program."""
     alarm = ending(left)
     if alarm is None:
         return ""
+    places = {axis: _led(left, axis) for axis in left.facts.axes}
     stood_ns = alarm.time_ns
-    for axis in left.facts.axes:
-        times_ns, set_mm = _led(left, axis)
+    for times_ns, set_mm in places.values():
         moving = times_ns[1:][np.diff(set_mm) != 0.0]
         stood_ns = max(stood_ns, int(moving[-1]) if len(moving) else 0)
-    if stood_ns - alarm.time_ns > left.machine.stop_ns:
-        return f"{(stood_ns - alarm.time_ns) / 1e6:.1f} ms after alarm {alarm.id}"
+    took_ns, allowed_ns = stood_ns - alarm.time_ns, stop_ns(left.facts, alarm.time_ns, places)
+    if took_ns > allowed_ns:
+        took, allowed = (f"{each / MS:.1f} ms" for each in (took_ns, allowed_ns))
+        return f"{took} after alarm {alarm.id}, {allowed} allowed"
     return ""
 
 

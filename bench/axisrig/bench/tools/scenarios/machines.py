@@ -21,7 +21,6 @@ from axisrig.bench.tools.scenarios.drawing import draw_inputs
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc.syntax import Program
 from axisrig.kernel.nc.text.parser import read_program
-from axisrig.kernel.time.clock import MS, TimeNs
 
 FOLDER = Path(__file__).parent
 SHIPPED = "testplans"
@@ -39,8 +38,7 @@ class MachineRow:
     inputs: as `drawing` reads them. profiles: of its drives, one is drawn; none: as the rig has it.
     weights: column of `kinds.csv`. source: of its signals, P-AXIS-00516, empty without a run.
     prints: blocks that print the value of the first run, of the second .. still: axes that the
-    program does not move. stop_ns: from an alarm until the set positions stand, twice what the
-    fastest motion takes by P-AXIS-00024 or 00053.
+    program does not move.
     """
 
     name: str
@@ -53,7 +51,6 @@ class MachineRow:
     source: str
     prints: tuple[int, ...]
     still: tuple[str, ...]
-    stop_ns: TimeNs
 
     def values_of(self, right: int) -> int:
         """Return how many values were measured of what is printed and published."""
@@ -76,7 +73,6 @@ def machines() -> dict[str, MachineRow]:
             source=row["source"],
             prints=tuple(int(block[1:]) for block in row["prints"].split()),
             still=tuple(row["still"].split()),
-            stop_ns=int(row["stop_ms"]) * MS,
         )
         for row in csv.DictReader(text.splitlines())
     }
