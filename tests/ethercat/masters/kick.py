@@ -1,11 +1,10 @@
-"""KickCAT as the master of somebody else. Arguments as `soem.py`; the dictionary comes in a file.
+"""KickCAT as the master of somebody else. Arguments as `soem.py`, then a file of the dictionary.
 
 Run by the interpreter that has kickcat; it imports nothing of axisrig. Prints one JSON object.
 The wheel has no distributed clock and no list of objects.
 """
 
 import json
-import statistics
 import struct
 import sys
 import time
@@ -13,8 +12,8 @@ from pathlib import Path
 
 import kickcat
 from kickcat import Access, State
+from probing import Cycle, probed
 
-ARM = 0x0011
 said = {}
 
 
@@ -48,57 +47,6 @@ def read_and_write(bus, slave, objects):
             said["refused"].append(f"{index:04X}:{sub} {error}")
 
 
-class Cycle:
-    def __init__(self, bus, slave, period_s):
-        self.bus, self.slave, self.period_s = bus, slave, period_s
-        self.next_s = time.perf_counter()
-        self.trips, self.wrong = [], 0
-        self.control = self.target = self.probe = 0
-        self.word = self.position = self.status = self.latch = 0
-
-    def __call__(self, count=1):
-        for _ in range(count):
-            sent = struct.pack("<HiH", self.control, self.target, self.probe)
-            self.slave.set_output_bytes(sent)
-            begin = time.perf_counter()
-            try:
-                self.bus.process_data()
-            except Exception:
-                self.wrong += 1
-            self.trips.append(time.perf_counter() - begin)
-            values = struct.unpack("<HiHiI", bytes(self.slave.input_data))
-            self.word, self.position, self.status, self.latch, _ = values
-            self.next_s = max(self.next_s + self.period_s, begin)
-            time.sleep(max(0.0, self.next_s - time.perf_counter()))
-
-    def enable(self):
-        for control in (0x80, 0x06, 0x07, 0x0F):
-            self.control = control
-            for _ in range(200):
-                self.target = self.position
-                self(1)
-        return self.word & 0x6F == 0x27
-
-    def touch(self, step, most):
-        begin = self.position
-        self.probe = ARM
-        self(10)
-        armed = self.status
-        self.target = self.position
-        for _ in range(most):
-            if self.status & 0x02:
-                break
-            self.target += step
-            self(1)
-        found = [armed, self.status, self.latch]
-        while abs(self.target - begin) > abs(step):
-            self.target -= step
-            self(1)
-        self.probe = 0
-        self(20)
-        return [*found, self.status]
-
-
 def main():
     interface, period_us, count, step = sys.argv[1], *map(int, sys.argv[2:5])
     objects = json.loads(Path(sys.argv[6]).read_text())
@@ -117,18 +65,21 @@ def main():
     said["image"] = slave.input_size + slave.output_size
     bus.request_state(State.SAFE_OP)
     bus.wait_for_state(State.SAFE_OP, 5.0)
-    cycle = Cycle(bus, slave, period_us * 1e-6)
+
+    def exchange(sent):
+        slave.set_output_bytes(sent)
+        try:
+            bus.process_data()
+        except Exception:  # of a working counter
+            return bytes(slave.input_data), False
+        return bytes(slave.input_data), True
+
+    cycle = Cycle(exchange, period_us * 1e-6)
     slave.set_output_bytes(bytes(8))
     bus.request_state(State.OPERATIONAL)
     bus.wait_for_state(State.OPERATIONAL, 5.0, lambda: cycle(1))
     said["op"] = int(bus.get_state(slave).value)
-    said["enabled"] = cycle.enable()
-    said["touches"] = [cycle.touch(step, 5000) for _ in range(2)]
-    cycle(max(0, count - len(cycle.trips)))
-    trips = sorted(cycle.trips)
-    said["cycles"], said["wrong"] = len(trips), cycle.wrong
-    said["median_us"] = statistics.median(trips) * 1e6
-    said["p99_us"], said["max_us"] = trips[int(0.99 * len(trips))] * 1e6, trips[-1] * 1e6
+    said.update(probed(cycle, count, step))
     print(json.dumps(said))
 
 
