@@ -16,7 +16,7 @@ from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.unfinished import at_work, in_words, waited_for
 from axisrig.bench.rig.plc.axis_words import SetCourse, UnitWrite
 from axisrig.bench.rig.plc.courses import Courses
-from axisrig.bench.rig.printed import BYTES_MAX, cut, lines_in, told
+from axisrig.bench.rig.printed import BYTES_MAX, cut, lines_in, output_lines
 from axisrig.kernel.channel import ChannelState
 from axisrig.kernel.cosim.plant.axis import MOTOR_VELOCITY
 from axisrig.kernel.distance import DistanceCommand
@@ -277,10 +277,10 @@ def test_the_command_at_work_is_the_next_one_where_nothing_is_busy() -> None:
 
 
 def test_the_first_20_lines_are_said_and_how_many_more_there_are() -> None:
-    assert told("plant z", []) == []
-    assert told("plant z", ["a"]) == ["plant z wrote to standard output: a"]
-    assert len(told("plant z", ["a"] * 20)) == 20
-    said = told("plant z", [str(n) for n in range(22)])
+    assert output_lines("plant z", []) == []
+    assert output_lines("plant z", ["a"]) == ["plant z wrote to standard output: a"]
+    assert len(output_lines("plant z", ["a"] * 20)) == 20
+    said = output_lines("plant z", [str(n) for n in range(22)])
     assert said[19] == "plant z wrote to standard output: 19"
     assert said[20:] == ["plant z wrote 2 more lines to standard output"]
 
