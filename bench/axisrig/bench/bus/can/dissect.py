@@ -34,8 +34,8 @@ _SDO_COMMANDS = {
 }
 _INITIATE = {"request": (1, 2), "answer": (2, 3)}
 NMT_COMMANDS = {
-    1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node",
-    130: "reset communication",
+    nmt.START: "start", nmt.STOP: "stop", nmt.ENTER_PRE_OPERATIONAL: "enter pre-operational",
+    nmt.RESET_NODE: "reset node", nmt.RESET_COMMUNICATION: "reset communication",
 }  # fmt: skip
 STATES = {
     nmt.BOOT_UP: "boot-up", nmt.STOPPED: "stopped", nmt.OPERATIONAL: "operational",

@@ -19,9 +19,12 @@ class NmtState(IntEnum):
 
 EVERY_NODE: Final = 0
 COMMANDS: Final[Mapping[int, NmtState]] = MappingProxyType(
-    {1: NmtState.OPERATIONAL, 2: NmtState.STOPPED, 128: NmtState.PRE_OPERATIONAL}
+    {
+        nmt.START: NmtState.OPERATIONAL,
+        nmt.STOP: NmtState.STOPPED,
+        nmt.ENTER_PRE_OPERATIONAL: NmtState.PRE_OPERATIONAL,
+    }
 )
-RESET_NODE, RESET_COMMUNICATION = 129, 130
 ERROR_BEHAVIOUR: Final = (0x1029, 1)
 
 

@@ -24,8 +24,6 @@ from axisrig.bench.drive.canopen.nmt import (
     COMMANDS,
     ERROR_BEHAVIOUR,
     EVERY_NODE,
-    RESET_COMMUNICATION,
-    RESET_NODE,
     NmtState,
     after_communication_error,
 )
@@ -45,6 +43,7 @@ from axisrig.kernel.profiles.canopen.identifiers import (
     SDO_ANSWER_BASE,
     SDO_REQUEST_BASE,
 )
+from axisrig.kernel.profiles.canopen.nmt import RESET_COMMUNICATION, RESET_NODE
 from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 EVERYTHING: Final = (0x1000, 0xFFFF)

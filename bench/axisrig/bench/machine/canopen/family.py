@@ -39,9 +39,8 @@ from axisrig.kernel.drives.canopen.startup import StartUp
 from axisrig.kernel.drives.canopen.watch import LinkWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import NMT_ID
+from axisrig.kernel.profiles.canopen.nmt import ENTER_PRE_OPERATIONAL
 from axisrig.kernel.time.clock import US, TimeNs
-
-NMT_PRE_OPERATIONAL = 0x80
 
 
 class CanBuses(Cia402Segments):
@@ -161,7 +160,7 @@ class CanBuses(Cia402Segments):
     def let_go(self, axes: Sequence[str]) -> None:
         """Lead real drives to NMT pre-operational."""
         for link in (self.links[axis] for axis in axes):
-            link.network.send_message(NMT_ID, bytes([NMT_PRE_OPERATIONAL, link.node_id]))
+            link.network.send_message(NMT_ID, bytes([ENTER_PRE_OPERATIONAL, link.node_id]))
 
     # What a run leaves
 

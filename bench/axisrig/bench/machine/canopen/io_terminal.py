@@ -19,7 +19,6 @@ from axisrig.bench.rig.reading.plc_task import TerminalTable, silent_ns
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.canopen.startup_steps import (
-    NMT_START,
     PROFILE_MASK,
     Check,
     Nmt,
@@ -28,7 +27,7 @@ from axisrig.kernel.drives.canopen.startup_steps import (
 )
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, PDO_BASE
-from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL
+from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL, START
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 PROFILE: Final = 401
@@ -71,7 +70,7 @@ class IoTerminal:
             (
                 Check("0x1000:0 device type", 0x1000, 0, PROFILE, PROFILE_MASK),
                 Write("0x1017:0", 0x1017, 0, table.heartbeat_ms.to_bytes(2, "little")),
-                Nmt("NMT start", NMT_START),
+                Nmt("NMT start", START),
             ),
             StartUpSettings(boot="none", device_type=PROFILE),
         )

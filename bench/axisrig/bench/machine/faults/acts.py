@@ -39,6 +39,10 @@ class Injected:
     end_ns: TimeNs | None = None
     last_hit_ns: TimeNs = 0
 
+    def count(self, now_ns: TimeNs) -> None:
+        """Note one more frame that was hit."""
+        self.hits, self.last_hit_ns = (self.hits or 0) + 1, now_ns
+
     def marks(self) -> list[tuple[TimeNs, str]]:
         """Return it as instants with words; nothing when its moment has not come."""
         if self.begin_ns is None:

@@ -33,9 +33,18 @@ from axisrig.kernel.profiles.canopen.identifiers import (
     SDO_ANSWER_BASE,
     SYNC_ID,
 )
+from axisrig.kernel.profiles.canopen.nmt import (
+    ENTER_PRE_OPERATIONAL,
+    RESET_COMMUNICATION,
+    RESET_NODE,
+    STOP,
+)
 from axisrig.kernel.time.scheduler import Scheduler
 
-_COMMANDS = {"reset": 129, "reset_communication": 130, "stop": 2, "pre_operational": 128}
+_COMMANDS = {
+    "reset": RESET_NODE, "reset_communication": RESET_COMMUNICATION,
+    "stop": STOP, "pre_operational": ENTER_PRE_OPERATIONAL,
+}  # fmt: skip
 _AXIS_IDS = {
     "SDO": SDO_ANSWER_BASE, "EMCY": EMERGENCY_BASE, "HEARTBEAT": ERROR_CONTROL_BASE, **PDO_BASE
 }  # fmt: skip
@@ -98,13 +107,17 @@ def _wait(fault: Fault, _frame: Frame, numbers: random.Random) -> FaultAction:
     return Delay(fault.values.get("by", 0) + numbers.randint(0, fault.values["jitter"]))
 
 
+def _lose(_fault: Fault, _frame: Frame, _numbers: random.Random) -> FaultAction:
+    return Drop()
+
+
 def _miss(fault: Fault, _frame: Frame, _numbers: random.Random) -> FaultAction:
     """Lose a frame for one drive, whose port has the name of its axis, or for all."""
     return Drop(frozenset({fault.axis}) if fault.axis else None)
 
 
 _ACTIONS: Mapping[str, _Action] = {
-    "drop": lambda _fault, _frame, _numbers: Drop(),
+    "drop": _lose,
     "duplicate": lambda fault, _frame, _numbers: Duplicate(fault.values["after"]),
     "delay": _wait,
     "corrupt": _destroy,
@@ -113,7 +126,7 @@ _ACTIONS: Mapping[str, _Action] = {
     "sync_loss": _miss,
     "sync_jitter": _wait,
     "slow_sdo": _wait,
-    "heartbeat_loss": lambda _fault, _frame, _numbers: Drop(),
+    "heartbeat_loss": _lose,
 }
 
 
@@ -126,7 +139,7 @@ def _frame_fault(
     hits, record.hits = hits_of(fault, numbers), 0
 
     def counted(frame: Frame, numbers: random.Random) -> FaultAction:
-        record.hits, record.last_hit_ns = (record.hits or 0) + 1, on.clock.now_ns
+        record.count(on.clock.now_ns)
         return action(fault, frame, numbers)
 
     on.segment(fault).add_fault(

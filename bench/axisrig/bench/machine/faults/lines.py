@@ -67,7 +67,7 @@ def _of_frames(
     def passing(frame: bytearray) -> TimeNs | None:
         if not hits.falls():
             return 0
-        record.hits, record.last_hit_ns = (record.hits or 0) + 1, on.clock.now_ns
+        record.count(on.clock.now_ns)
         return action(fault.values, frame, numbers)
 
     on.line.disturb(passing)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
+from axisrig.bench.bus.can.dissect import NMT_COMMANDS
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.drive.ethercat.node import EthercatDrive
@@ -23,10 +24,6 @@ from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE, SDO_ANSW
 from axisrig.kernel.profiles.ethercat.tables import al_status_text
 from axisrig.kernel.time.clock import S, TimeNs
 
-NMT_COMMANDS = {
-    1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node",
-    130: "reset communication",
-}  # fmt: skip
 SDO_ABORT = 0x80
 SYNC_LOST_NS = S // 2
 EVENT_COLUMNS = ("time_ns", "axis", "kind", "text")

@@ -22,6 +22,7 @@ from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO, NOT_VALID, PDO_BASE, SYNC_ID
+from axisrig.kernel.profiles.canopen.nmt import RESET_COMMUNICATION, RESET_NODE, START
 from axisrig.kernel.time.clock import MS, TimeNs
 
 PROFILE_MASK = 0xFFFF  # low word of 1000: number of the device profile
@@ -31,10 +32,9 @@ TPDO_PARAMETERS: Final = range(0x1800, 0x1A00)  # communication parameters, CiA 
 INTERPOLATION: Final = 0x60C2
 INDICES: Final = range(0, -10, -1)  # powers of ten of a second, down to a nanosecond
 
-NMT_START, NMT_RESET_NODE, NMT_RESET_COMMUNICATION = 1, 129, 130
 Boot = Literal["reset_communication", "reset_node", "wait", "none"]
 _BOOT_COMMAND: Mapping[str, int | None] = {
-    "reset_communication": NMT_RESET_COMMUNICATION, "reset_node": NMT_RESET_NODE, "wait": None,
+    "reset_communication": RESET_COMMUNICATION, "reset_node": RESET_NODE, "wait": None,
 }  # fmt: skip
 IDENTITY = {"vendor": 1, "product": 2, "revision": 3, "serial": 4}  # sub-indices of 1018
 OPTIONS = {
@@ -195,7 +195,7 @@ def _steps(
     yield from _behaviour(settings, scaling, od)
     yield from _kept(telegrams)
     yield from _guarding(settings, bus, od)
-    yield Nmt("NMT start", NMT_START)
+    yield Nmt("NMT start", START)
 
 
 def object_steps(
