@@ -44,6 +44,8 @@ def without_spaces(text: str) -> str:
 
 def test_each_metric_has_its_form_its_unit_and_which_run_it_judges() -> None:
     shown = told(metrics_table())
+    assert "latch_mm[:AXIS]  mm" in shown
+    assert "alarms" in shown
     for metric in known_metrics().values():
         form = {"axis": "[:AXIS]", "block": ":N<number>[.<k>]"}.get(metric.scope, "")
         judged = {"last": ". Of several runs: the last", "every": ". Of several runs: the worst",
@@ -68,6 +70,7 @@ def test_a_word_by_its_name_comes_alone_with_its_keywords_and_its_example() -> N
     own = [line.split()[0].partition("=")[0] for line in lines[1:]]
     table = {key: row for key, row in commands()["MEAS"].items() if key}
     assert own[: len(table)] == list(table)
+    assert {"TYPE", "TRIGGER"} <= set(own)  # one that acts and one that does not
     for line, row in zip(lines[1:], table.values(), strict=False):
         assert ("(-) " in line) is not bool(row.acts)
         assert line.endswith(row.meaning)
@@ -112,6 +115,7 @@ def test_the_example_of_a_word_with_two_rows_comes_once(monkeypatch: pytest.Monk
 
 def test_all_closed_forms_have_a_line_with_their_first_words() -> None:
     lines = oracle_listing().splitlines()
+    assert "distance.acting" in lines
     for one in oracles():
         first = " ".join(one.text.partition("\n\n")[0].split())
         assert f"  {one.name:<28} {first}" in lines
@@ -124,6 +128,7 @@ def test_a_closed_form_by_its_name_comes_alone_and_names_its_origin_once(
 ) -> None:
     every = oracles()
     monkeypatch.setattr(closed_forms, "oracles", lambda: every)
+    assert {one.origin in one.text for one in every} == {True, False}
     for one in every:
         shown = oracle_listing(f"{one.place}.{one.name}")
         blocks = shown.count(f"{one.place}.{one.name}\n\n")
@@ -160,6 +165,7 @@ def test_of_ids_beside_one_the_two_nearest_are_named(monkeypatch: pytest.MonkeyP
 def test_a_legend_counts_what_is_listed() -> None:
     lines = alarm_listing(reaction_class=5).splitlines()
     rows = [line for line in lines if line[:6].strip().isdigit()]
+    assert rows
     assert len(rows) == sum(entry.reaction_class == 5 for entry in catalogue().values())
     assert f"{len(rows)} of {len(catalogue())}." in lines[-2]
     for row in rows:
@@ -258,20 +264,15 @@ def test_two_rigs_differ_in_keys_of_either_and_files_count_by_their_content(
         (tmp_path / name / "r.toml").write_text(text, encoding="utf-8")
     left, right = (tmp_path / name / "r.toml" for name in ("a", "b"))
     assert difference_text(left, right) == ("no difference", False)
-    for path, start in ((left, "\n[plant.probe.start]\nsurface_mm = 12\n"),):
-        text = path.read_text(encoding="utf-8")
-        if "[plant.probe.start]" in text or "start = {" in text.partition("[plant.probe]")[2]:
-            text = text.replace("[cycle]", "[realtime]\nlate_us = 7.0\n[cycle]")
-        else:
-            text += start
-        path.write_text(text, encoding="utf-8")
-    found, differs = difference_text(left, right)
-    back, _ = difference_text(right, left)
-    assert differs
-    (line,), (turned,) = (text.splitlines()[2:] for text in (found, back))
-    key, _, values = line.partition(": ")
-    before, _, after = values.partition(" -> ")
-    assert turned == f"{key}: {after} -> {before}"
+    text = left.read_text(encoding="utf-8").replace("surface_mm = 100 ", "surface_mm = 101 ")
+    left.write_text(text.replace("[cycle]", "[realtime]\nlate_us = 7.0\n[cycle]"), encoding="utf-8")
+    for pair, surface, late in (((left, right), "101 -> 100", "7.0 -> 100.0"),
+                                ((right, left), "100 -> 101", "100.0 -> 7.0")):  # fmt: skip
+        found, differs = difference_text(*pair)
+        assert differs is True
+        assert found.splitlines()[2:] == [
+            f"plant.probe.start.surface_mm: {surface}", f"realtime.late_us: {late}",
+        ]  # fmt: skip
 
 
 def test_a_key_of_one_rig_alone_and_a_list_of_another_content_are_differences(

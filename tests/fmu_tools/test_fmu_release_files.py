@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
 from tests.fmu_tools.described import variable
 
 from axisrig.bench.tools.fmu import release
@@ -58,8 +59,18 @@ def test_sums_are_of_every_file_but_themselves(tmp_path: Path) -> None:
     )
 
 
-def test_courses_of_models_are_in_the_order_of_time() -> None:
-    known = release.courses()
-    assert set(known) <= set(MODELS)
-    for changes in known.values():
-        assert [one.at_s for one in changes] == sorted(one.at_s for one in changes)
+def test_courses_of_models_are_in_the_order_of_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = ("L.a,0.5,x,1", "L.b,0,y,2", "L.a,0.25,z,3", "L.a,0,x,4")
+    path = tmp_path / "courses.csv"
+    path.write_text("\n".join(["model,at_s,variable,value", *rows, ""]), encoding="utf-8")
+    monkeypatch.setattr(release, "COURSES_FILE", path)
+    assert release.courses.__wrapped__() == {
+        "L.a": [Change(0.0, "x", 4.0), Change(0.25, "z", 3.0), Change(0.5, "x", 1.0)],
+        "L.b": [Change(0.0, "y", 2.0)],
+    }
+
+
+def test_every_model_of_the_library_has_a_course() -> None:
+    assert set(release.courses()) == set(MODELS)

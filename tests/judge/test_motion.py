@@ -330,10 +330,10 @@ def test_the_corners_of_a_demand_that_a_velocity_loop_rounds_are_within_three_do
     for part in range(parts * (steps - 3), parts * (steps - 2), 7):
         state = state_at(observed, "Z", round(part * part_s * 1e9))
         assert state is not None
-        off = abs(state.position_mm - known[part, 0]), abs(state.speed_mm_s - known[part, 1])
-        assert off <= (3.0 * state.doubt_mm + 1e-12, 3.0 * state.doubt_mm_s + 1e-12)
-        assert off[1] <= 3.0 * state.doubt_mm_s + 1e-12
-        shares.append(off[1] / max(state.doubt_mm_s, 1e-12))
+        off_mm_s = abs(state.speed_mm_s - known[part, 1])
+        assert abs(state.position_mm - known[part, 0]) <= 3.0 * state.doubt_mm + 1e-12
+        assert off_mm_s <= 3.0 * state.doubt_mm_s + 1e-12
+        shares.append(off_mm_s / max(state.doubt_mm_s, 1e-12))
     assert max(shares) > 0.3
 
 

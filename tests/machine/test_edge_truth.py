@@ -237,7 +237,9 @@ def test_an_even_motion_in_inch_down_and_sideways(run_nc: RunNc) -> None:
         assert row.latch_load_mm == pytest.approx(at_mm + speeds_mm_s[axis] * 3e-4, abs=1e-6)
     assert rows["Z"].load_mm == pytest.approx(100.0, abs=1e-8)
     # What the run measured is the truth to its last increment of 9.5 nm
-    for axis, value_mm in out.facts.runs[0].latched_mm.items():
+    latched_mm = out.facts.runs[0].latched_mm
+    assert set(latched_mm) >= {"X", "Z"}
+    for axis, value_mm in latched_mm.items():
         assert value_mm == pytest.approx(rows[axis].latch_motor_mm, abs=10e-6)
 
 
