@@ -72,7 +72,12 @@ def test_an_interface_is_for_the_bus_of_a_mixed_rig(
 @pytest.mark.parametrize(
     ("column", "cell", "rig", "says"),
     [
-        ("fault:drop", "Z.TPDO1", "probe-z-ethercat.toml", "on ec1 there are line_lost"),
+        (
+            "fault:drop",
+            "Z.TPDO1",
+            "probe-z-ethercat.toml",
+            "on ec1 there are power_loss, line_lost",
+        ),
         ("fault:heartbeat_loss", "Z", "probe-z-ethercat.toml", "there are no such faults"),
         ("fault:line_lost", "can1", "probe-z.toml", "the rig has no line"),
         ("bus:ec1.bitrate", "500000", "probe-z-ethercat.toml", "no such key"),

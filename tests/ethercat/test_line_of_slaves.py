@@ -8,7 +8,7 @@ from tests.ethercat.line import OP, Line, frame, physical
 from axisrig.bench.bus.ethercat.frame import datagrams, is_ethercat, time_on_wire_ns
 from axisrig.bench.bus.ethercat.segment import Link
 from axisrig.bench.drive.ethercat.eeprom import check_sum
-from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.clock import MS, US
 
 APRD, APWR, APRW, FPRD, BRD, BRW = 1, 2, 3, 4, 7, 9
 LRD, LWR, LRW, ARMW, FRMW = 10, 11, 12, 13, 14
@@ -187,3 +187,28 @@ def test_events_show_in_each_datagram_that_the_mask_lets_through() -> None:
     assert line.one(BRD, 0, 0, 1).events == 0x0008
     line.read(0x0130, 2)
     assert line.one(BRD, 0, 0, 1).events == 0
+
+
+def test_a_frame_that_breaks_is_none_for_the_slave_there_and_those_behind() -> None:
+    """The slave before it has acted; 0300 counts at the first one, 0308 at the others."""
+    line = Line(3)
+    line.segment.breaks.append(lambda _frame, number: number == 1)
+    line.segment.send(frame(physical(BRW, 0, 0x0F80, b"\x07")))
+    line.wait(100 * US)
+    assert (line.back, line.segment.lost) == ([], 1)
+    line.segment.breaks.clear()
+    assert [line.read(0x0F80, 1, n) for n in range(3)] == [7, 0, 0]
+    assert [line.read(0x0300, 1, n) for n in range(3)] == [0, 1, 0]
+    assert [line.read(0x0308, 1, n) for n in range(3)] == [0, 0, 1]
+    line.write(0x0300, 0, 1, 1)
+    assert line.read(0x0300, 1, 1) == 0
+
+
+def test_the_counter_of_broken_frames_stays_at_its_end() -> None:
+    line = Line()
+    line.segment.breaks.append(lambda _frame, _number: True)
+    for _ in range(300):
+        line.segment.send(frame_of_brd())
+    line.wait(3 * MS)
+    line.segment.breaks.clear()
+    assert line.read(0x0300, 1) == 255

@@ -98,6 +98,20 @@ def test_a_clock_that_follows_is_within_what_it_drifts_between_two_frames(
     assert max(map(abs, errors[400:])) <= 2  # it has learned the rate
 
 
+def test_a_clock_that_jumps_is_led_back_by_a_tenth_of_the_time_at_most() -> None:
+    line = Line(2, [Link(), Link(75)], settings(0.0, 0.0))
+    set_up(line, (0, 375))
+    run(line, 5)
+    line.drives[1].jump(700 * US)
+    errors = run(line, 60)
+    assert errors[0] == 700 * US
+    steps = [before - after for before, after in pairwise(errors)]
+    # The period and, the first time, the frame
+    assert max(steps) <= 101 * US
+    assert steps[1:5] == [100 * US] * 4
+    assert max(map(abs, errors[50:])) <= 10
+
+
 def test_a_clock_that_does_not_follow_drifts() -> None:
     line = Line(2, settings=settings(0.0, 100.0))
     set_up(line, (0, 350))

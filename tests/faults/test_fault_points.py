@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.machine.faults import lines
-from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN
+from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_LINES
 from axisrig.bench.machine.faults.points import ROOMS, points
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
@@ -38,7 +37,8 @@ def points_of(settings: Settings) -> dict[str, tuple[str, ...]]:
 def test_each_kind_of_the_table_is_in_the_module_of_its_room() -> None:
     of_rooms = {kind: room.__name__.rpartition(".")[2] for room in ROOMS for kind in room.KINDS}
     assert of_rooms == {kind.name: kind.room for kind in fault_kinds().values()}
-    assert {*BESIDE, *ON_CAN, *lines.KINDS} == {*fault_kinds()}
+    assert {*BESIDE, *ON_CAN, *ON_LINES} == {*fault_kinds()}
+    assert {*ON_CAN} & {*ON_LINES} == {"power_loss"}
 
 
 def test_names_are_those_of_a_plan() -> None:
@@ -56,7 +56,9 @@ def test_a_line_has_faults_of_its_own() -> None:
     """Kinds of frames on CAN and kinds of lines go by the carrier of the segment."""
     found = points_of(settings_of("probe-z-ethercat.toml"))
     assert found["ec1"] == ("line_lost", "line_late", "line_unanswered")
-    assert found["Z"][0] == "slave_falls"
+    of_slave = ("power_loss", "line_corrupt", "slave_falls", "clock_jump")
+    assert found["Z"][: len(of_slave)] == of_slave
+    assert not {"bus_off", "reset", "slow_sdo"} & {*found["Z"]}
     assert "Z.TPDO1" not in found
     on_can = points_of(settings_of("probe-z.toml"))
     assert not {"line_lost", "slave_falls"} & {kind for kinds in on_can.values() for kind in kinds}

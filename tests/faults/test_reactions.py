@@ -1,6 +1,7 @@
 """Every row of the table of reactions, provoked: what the kernel says and what it publishes.
 
-The table is `bench/axisrig/bench/bus/can/fault_reactions.csv`; docs/faults.md shows it to readers.
+The tables are `fault_reactions.csv` of `bench/axisrig/bench/bus/can` and of
+`bench/axisrig/bench/bus/ethercat`; docs/faults.md shows both to readers.
 """
 
 import csv
@@ -8,17 +9,25 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.checks import parse_condition
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.faults import fault_kinds
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.bench.tools.scenarios.campaign import examine
 from axisrig.bench.tools.scenarios.oracle import Result
 from axisrig.bench.tools.scenarios.scenario import Scenario
 from axisrig.kernel.errors import catalogue
+from axisrig.kernel.nc.text.parser import read_program
 
 ROOT = Path(__file__).parents[2]
-TABLE = ROOT / "bench" / "axisrig" / "bench" / "bus" / "can" / "fault_reactions.csv"
-ROWS = list(csv.DictReader(TABLE.read_text("utf-8").splitlines()))
+BUSES = ROOT / "bench" / "axisrig" / "bench" / "bus"
+ROWS, OF_LINES = (
+    list(csv.DictReader((BUSES / carrier / "fault_reactions.csv").read_text("utf-8").splitlines()))
+    for carrier in ("can", "ethercat")
+)
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 MS = 1_000_000
 MISSING_CYCLES = 3
@@ -68,14 +77,55 @@ def test_the_axis_is_stopped_within_the_configured_cycles(fault: str, alarm_id: 
     assert MISSING_CYCLES < cycles <= MISSING_CYCLES + 2
 
 
+LINE_RIG = ROOT / "testplans" / "rigs" / "probe-z-ethercat.toml"
+TOUCH = """%touch
+N10 G90 G01 Z102 F6000
+N20 G100 Z98 F600
+N30 #MSG SYN["z=%f", V.A.MEAS.ACS.VALUE.Z]
+N40 M30
+"""
+EDGE_MM = 100.0 - 10.0 * 4e-6
+"""The surface, and what the axis moves on at 10 mm/s within the delay of the input."""
+INCREMENT_MM = 10.0 / 2**20
+
+
+def run_on_line(tmp_path: Path, fault: str) -> tuple[list[int], list[float]]:
+    """Alarms and measured values of one touch on EtherCAT with a fault."""
+    (tmp_path / "touch.nc").write_text(TOUCH, encoding="utf-8")
+    assigned = [
+        (parse_assignment(text), as_written)
+        for text in (f"fault:{fault}", "plant:z.position_start_mm=102")
+    ]
+    settings = read_settings(*read_rig(LINE_RIG), assigned)
+    machine = Machine(settings, read_program(tmp_path / "touch.nc", ("Z",)))
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    values = [float(message.shown.partition("=")[2]) for message in machine.messages]
+    return [alarm.id for alarm in machine.channel.alarms], values
+
+
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("row", OF_LINES, ids=lambda row: f"{row['kind']} {row['example']}")
+def test_the_reaction_on_a_line_is_the_documented_one(tmp_path: Path, row: dict[str, str]) -> None:
+    alarms, values = run_on_line(tmp_path, f"{row['kind']}={row['example']}")
+    ending = [i for i in alarms if catalogue()[i].reaction_class > 1]
+    assert parse_condition(row["alarms"], "alarms").judge(ending[:1]) is Verdict.PASS
+    # The printed text has six decimals
+    right = [pytest.approx(EDGE_MM, abs=INCREMENT_MM + 1e-6)]
+    assert values == {"right": right, "none": []}[row["value"]]
+
+
 def test_every_kind_of_fault_has_a_reaction() -> None:
-    """Of what that machine has not (sensors, PLC, lines, ...), rows of two plans are that."""
-    plans = [ROOT / "testplans" / name for name in ("wires.csv", "ethercat.csv")]
-    text = "".join(path.read_text(encoding="utf-8") for path in plans)
-    kinds = {row["kind"] for row in ROWS}
+    """Of what these machines have not (sensors, PLC, ...), rows of a plan are that."""
+    text = (ROOT / "testplans" / "wires.csv").read_text(encoding="utf-8")
+    kinds = {row["kind"] for row in (*ROWS, *OF_LINES)}
     for kind in fault_kinds().values():
         assert kind.name in kinds or f"fault:{kind.name}" in text, kind.name
-        assert kind.name in kinds or kind.room in ("sensors", "plants", "plc", "clock", "lines")
+        assert kind.name in kinds or kind.room in ("sensors", "plants", "plc", "clock")
+    plan = (ROOT / "testplans" / "ethercat.csv").read_text(encoding="utf-8")
+    assert [row["kind"] for row in OF_LINES if f"fault:{row['kind']}" not in plan] == []
 
 
 def test_the_document_shows_the_table() -> None:
@@ -86,10 +136,15 @@ def test_the_document_shows_the_table() -> None:
         if line.startswith("| `fault:")
     ]
     assert shown == [
-        [f"`fault:{row['kind']} = {row['example']}`", *list(row.values())[2:]] for row in ROWS
+        [f"`fault:{row['kind']} = {row['example']}`", *list(row.values())[2:]]
+        for row in (*ROWS, *OF_LINES)
     ]
 
 
 def test_every_alarm_of_the_table_is_in_the_catalogue() -> None:
-    ids = {word for row in ROWS for word in row["alarms"].split()} - {"none", "one", "of"}
+    ids = {word for row in (*ROWS, *OF_LINES) for word in row["alarms"].split()} - {
+        "none",
+        "one",
+        "of",
+    }
     assert {int(word) for word in ids} <= set(catalogue())

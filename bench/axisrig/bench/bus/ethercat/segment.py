@@ -35,6 +35,10 @@ class Slave(Protocol):
         """Act on each datagram of a frame that has passed, and change the frame."""
         ...
 
+    def broken(self, *, is_here: bool) -> None:
+        """Take note of a frame with a wrong FCS. is_here: it broke on the wire before the slave."""
+        ...
+
 
 @dataclass(frozen=True)
 class Passage:
@@ -65,9 +69,11 @@ class EthercatSegment:
     """The master's port with the slaves behind it.
 
     links: of each slave, in its order on the line; missing = default delays. passes: each is called
-    with each frame that is sent; returns how much later it goes, None = it is lost. receivers:
-    called in the event when a frame is back at the master. journal: gets each frame that is back,
-    as an entry with its name and the bytes.
+    with each frame that is sent; returns how much later it goes, None = it is lost. breaks: each is
+    called with a frame and the number of the slave that it comes to; returns whether it breaks
+    before that one: this slave and those behind take it for none. receivers: called in the event
+    when a frame is back at the master. journal: gets each frame that is back, as an entry with its
+    name and the bytes.
     """
 
     def __init__(
@@ -82,6 +88,7 @@ class EthercatSegment:
         self.name, self.slaves = name, slaves
         self._clock, self._journal = clock, journal
         self.passes: list[Callable[[bytearray], TimeNs | None]] = []
+        self.breaks: list[Callable[[bytearray, int], bool]] = []
         self.receivers: list[Callable[[bytes], None]] = []
         self.frames = self.lost = 0
         self._free_ns: TimeNs = 0
@@ -139,6 +146,11 @@ class EthercatSegment:
         self, frame: bytearray, begin_ns: TimeNs, number: int, places: Sequence[Place]
     ) -> None:
         there_ns, back_ns, home_ns = places[number]
+        if self.breaks and any(breaks(frame, number) for breaks in self.breaks):
+            self.lost += 1
+            for behind in range(number, len(places)):
+                self.slaves[behind].broken(is_here=behind == number)
+            return
         is_last = number + 1 == len(places)
         passage = Passage(begin_ns + there_ns, None if is_last else begin_ns + back_ns)
         self.slaves[number].process(frame, passage)

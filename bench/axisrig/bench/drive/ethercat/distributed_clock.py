@@ -44,6 +44,11 @@ class DistributedClock:
         self._correction = 0
         self.steps += 1
 
+    def jump(self, by_ns: TimeNs) -> None:
+        """Let the oscillator show something else from now on."""
+        self.local.jump(by_ns)
+        self.steps += 1
+
     def forget(self, now_ns: TimeNs) -> None:
         """Drop what was learned of the reference's rate, as a write of 0930 does."""
         self._settle(now_ns)
@@ -92,10 +97,11 @@ class DistributedClock:
         self._settle(time_ns)
         most = passed_ns // _SLEW
         wanted = _toward_zero(ahead, _STEP_DIVISOR) or ahead
-        step = max(-most, min(wanted, most))
         # What is cut off says nothing of the rate
-        rate = ahead * S // (passed_ns * _RATE_DIVISOR) if step == wanted else 0
+        rate = ahead * S // (passed_ns * _RATE_DIVISOR) if abs(wanted) <= most else 0
         self._rate = max(-S // _SLEW, min(self._rate - rate, S // _SLEW))
+        most -= abs(self._rate) * passed_ns // S  # until the next time the rate moves it so far
+        step = max(-most, min(wanted, most))
         if step:
             self._correction -= step
         if step or rate:

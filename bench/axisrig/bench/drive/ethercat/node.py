@@ -171,6 +171,16 @@ class EthercatDrive(Cia402Node):
         if self.is_on:
             self.controller.process(frame, passage)
 
+    def broken(self, *, is_here: bool) -> None:
+        """Count a frame with a wrong FCS."""
+        if self.is_on:
+            self.registers.count("RX_ERRORS" if is_here else "FORWARDED_ERRORS")
+
+    def jump(self, by_ns: TimeNs) -> None:
+        """Let its clock show something else from now on."""
+        self.time.jump(by_ns)
+        self.sync.moved()
+
     # What is seen from outside
 
     @property

@@ -28,6 +28,7 @@ _LAST_OF_LINE, _INSIDE_LINE = 0x5611, 0x5A31
 _AL_EVENT: Final = 1 << 3
 _LATCH_EVENT: Final = 1 << 0
 _MASK_32 = 0xFFFF_FFFF
+_COUNT_MAX = 0xFF
 
 
 class Device(Protocol):
@@ -121,6 +122,11 @@ class Registers:
         """Return the value of a register as it was put or written last."""
         row = tables.registers()[name]
         return int.from_bytes(self._memory[row.address : row.address + row.size], "little")
+
+    def count(self, name: str) -> None:
+        """Let the counter of port 0 in a register of errors go on, to its end."""
+        at = self._at[name]
+        self._memory[at] = min(self._memory[at] + 1, _COUNT_MAX)
 
     def show_state(self, status: int, code: int) -> None:
         """Let AL status and its code show this."""

@@ -18,7 +18,8 @@ from axisrig.bench.machine.ethercat.line_meter import LineMeters, al_words
 from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.families import Bench
 from axisrig.bench.machine.faults.acts import Act, Injected
-from axisrig.bench.machine.faults.lines import KINDS, OnLine
+from axisrig.bench.machine.faults.injection import ON_LINES
+from axisrig.bench.machine.faults.lines import OnLine
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.bus import BusFigures, LineFigures
 from axisrig.bench.record.series import Times
@@ -101,9 +102,8 @@ class EthercatLines(Cia402Segments):
         on = fault.segment or self._bench.settings.rig.axis[fault.axis].segment
         if on not in self.lines:
             return None
-        return KINDS[fault.kind](
-            OnLine(self._bench.scheduler, self.lines[on]), fault, numbers, record
-        )
+        line = OnLine(self._bench.scheduler, self.lines[on].faults, self.nodes)
+        return ON_LINES[fault.kind](line, fault, numbers, record)
 
     # What a run leaves
 

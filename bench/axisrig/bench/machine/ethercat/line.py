@@ -8,8 +8,8 @@ from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
+from axisrig.bench.machine.ethercat.line_faults import LineFaults
 from axisrig.bench.machine.faults.beside import Beside
-from axisrig.bench.machine.faults.lines import Passing
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.ethercat.keys import SegmentTable
@@ -19,16 +19,14 @@ from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
-from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE
 from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
 from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
 from axisrig.kernel.drives.ethercat.mailbox import Mailbox
-from axisrig.kernel.drives.ethercat.master import FIRST_INDEX, Master
+from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings, station_of
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.profiles.ethercat.tables import AlState
-from axisrig.kernel.time.clock import US, Clock, TimeNs, ns_to_seconds
+from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
@@ -62,7 +60,6 @@ class Line:
             )
             for axis in self.axes
         }
-        self._passings: list[Passing] = []
         self.segment = EthercatSegment(
             scheduler,
             list(self.nodes.values()),
@@ -74,7 +71,7 @@ class Line:
         data = [make_data(each) for each in known]
         self.master = Master(self.segment, scheduler, line_settings(settings, name), known, data)
         self.segment.receivers.append(self.master.received)
-        self.segment.passes.append(self._pass)
+        self.faults = LineFaults(self.segment, self.nodes)
         self.links: dict[str, EthercatLink] = {}
         starting = []
         for axis, slave, values in zip(self.axes, known, data, strict=True):
@@ -97,27 +94,6 @@ class Line:
             starting.append(Starting(slave, mailbox, _objects(settings, axis, link, scheduler)))
         self.start = LineStart(self.master, scheduler, starting)
         self.carrier = EthercatCarrier(self.master, list(self.links.values()))
-
-    # Faults
-
-    def disturb(self, passing: Passing) -> None:
-        """Let each cyclic frame pass there too."""
-        self._passings.append(passing)
-
-    def fall(self, axis: str, code: str) -> None:
-        """Let the slave of an axis fall to SAFEOP with an AL status code by its name."""
-        self.nodes[axis].states.fall(AlState.SAFEOP, code)
-
-    def _pass(self, frame: bytearray) -> TimeNs | None:
-        late_ns = 0
-        if frame[INDEX_PLACE] < FIRST_INDEX:
-            return late_ns
-        for passing in self._passings:
-            more_ns = passing(frame)
-            if more_ns is None:
-                return None
-            late_ns += more_ns
-        return late_ns
 
 
 def _node(

@@ -1,34 +1,36 @@
-"""Faults of drives and of their controllers on CAN."""
+"""Faults of drives that are none of what carries them: their supply."""
 
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Protocol
 
+from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.machine.faults.acts import Act, Injected
-from axisrig.bench.machine.faults.frames import Make, OnCan
 from axisrig.bench.machine.faults.point import Equipped, Points, points_of
 from axisrig.bench.rig.reading.faults import Fault
 
 
-def _power_loss(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
+class WithDrives(Protocol):
+    """What a fault of a drive acts on: the virtual drives of a carrier by axis."""
+
+    @property
+    def nodes(self) -> Mapping[str, Cia402Node]:
+        """The drives, with their supplies."""
+        ...
+
+
+Make = Callable[[WithDrives, Fault, random.Random, Injected], Act]
+
+
+def _power_loss(on: WithDrives, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
     node = on.nodes[fault.axis]
     return Act(node.power_off, node.power_on)
 
 
-def _bus_off(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
-    port = next(p for p in on.segment(fault).ports if p.port_name == fault.axis)
-
-    def leave() -> None:
-        port.force_bus_off()
-        if fault.values["for"] is not None:  # else it recovers by itself, as the bus has it
-            port.power_off()
-
-    return Act(leave, port.power_on)
-
-
-KINDS: Mapping[str, Make] = {"power_loss": _power_loss, "bus_off": _bus_off}
+KINDS: Mapping[str, Make] = {"power_loss": _power_loss}
 """How each kind of the room `drives` is built in."""
 
 
 def points(machine: Equipped) -> Points:
-    """Return the axes whose drives can fail."""
+    """Return the axes whose drives can lose their supply."""
     return points_of(machine, KINDS)

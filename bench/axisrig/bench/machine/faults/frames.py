@@ -175,11 +175,23 @@ def _reset(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) 
     return Act(partial(port.send_raw, NMT_ID, data), nothing)
 
 
+def _bus_off(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
+    port = next(p for p in on.segment(fault).ports if p.port_name == fault.axis)
+
+    def leave() -> None:
+        port.force_bus_off()
+        if fault.values["for"] is not None:  # else it recovers by itself, as the bus has it
+            port.power_off()
+
+    return Act(leave, port.power_on)
+
+
 KINDS: Mapping[str, Make] = {
     **{kind: partial(_frame_fault, action) for kind, action in _ACTIONS.items()},
     "babble": _babble,
     "second_sender": _second_sender,
     "reset": _reset,
+    "bus_off": _bus_off,
 }
 """How each kind of the room `frames` is built in."""
 

@@ -3,7 +3,7 @@
 import random
 from collections.abc import Callable, Mapping, Sequence
 
-from axisrig.bench.machine.faults import clock, drives, frames, plants, plc, sensors, wires
+from axisrig.bench.machine.faults import clock, drives, frames, lines, plants, plc, sensors, wires
 from axisrig.bench.machine.faults.acts import Act, Injected, drawn
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.faults.beside import Make as MakeBeside
@@ -17,7 +17,9 @@ BESIDE: Mapping[str, MakeBeside] = {
 }  # fmt: skip
 """Kinds of what is between the plant and its readers: built in before these."""
 ON_CAN: Mapping[str, frames.Make] = {**frames.KINDS, **drives.KINDS}
-"""Kinds of frames and drives."""
+"""Kinds of frames on CAN and of drives."""
+ON_LINES: Mapping[str, lines.Make] = {**lines.KINDS, **drives.KINDS}
+"""Kinds of EtherCAT lines and of drives."""
 
 BuildIn = Callable[[Fault, random.Random, Injected], Act]
 

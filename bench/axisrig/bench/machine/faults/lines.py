@@ -1,4 +1,4 @@
-"""Faults of EtherCAT lines: cyclic frames that get lost, come late or are not acted on."""
+"""Faults of EtherCAT lines: their cyclic frames, and the slaves with their clocks."""
 
 import random
 from collections.abc import Callable, Mapping
@@ -7,11 +7,12 @@ from functools import partial
 from typing import Any, Protocol
 
 from axisrig.bench.bus.ethercat.frame import datagrams
+from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.machine.faults.acts import Act, Injected, nothing
 from axisrig.bench.machine.faults.point import Equipped, Points, points_of
 from axisrig.bench.machine.faults.when import hits_of, windowed
 from axisrig.bench.rig.reading.faults import Fault
-from axisrig.kernel.profiles.ethercat.tables import Command
+from axisrig.kernel.profiles.ethercat.tables import AlState, Command
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 Passing = Callable[[bytearray], TimeNs | None]
@@ -25,17 +26,26 @@ class Disturbed(Protocol):
         """Let each cyclic frame pass there too."""
         ...
 
-    def fall(self, axis: str, code: str) -> None:
-        """Let the slave of an axis fall to SAFEOP with an AL status code by its name."""
+    def breaks(self, axis: str, falls: Callable[[], bool]) -> None:
+        """Break each cyclic frame before the slave of an axis for which this returns true."""
+        ...
+
+    def fall(self, axis: str, state: AlState, code: str) -> None:
+        """Let the slave of an axis fall to a state with an AL status code by its name."""
+        ...
+
+    def jump(self, axis: str, by_ns: TimeNs) -> None:
+        """Let the clock of a slave show a later time at once."""
         ...
 
 
 @dataclass(frozen=True)
 class OnLine:
-    """The line that a fault acts on."""
+    """The line that a fault acts on, and the virtual drives on it by axis."""
 
     clock: Clock
     line: Disturbed
+    nodes: Mapping[str, Cia402Node]
 
 
 Make = Callable[[OnLine, Fault, random.Random, Injected], Act]
@@ -74,19 +84,39 @@ def _of_frames(
     return windowed(hits.window)
 
 
+def _corrupt(on: OnLine, fault: Fault, numbers: random.Random, record: Injected) -> Act:
+    hits, record.hits = hits_of(fault, numbers), 0
+
+    def falls() -> bool:
+        is_hit = hits.falls()
+        if is_hit:
+            record.count(on.clock.now_ns)
+        return is_hit
+
+    on.line.breaks(fault.axis, falls)
+    return windowed(hits.window)
+
+
 def _fall(on: OnLine, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
-    return Act(partial(on.line.fall, fault.axis, "WATCHDOG"), nothing)
+    state, code = AlState[fault.values["state"]], fault.values["code"]
+    return Act(partial(on.line.fall, fault.axis, state, code), nothing)
+
+
+def _jump(on: OnLine, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
+    return Act(partial(on.line.jump, fault.axis, fault.values["by"]), nothing)
 
 
 KINDS: Mapping[str, Make] = {
     "line_lost": partial(_of_frames, _lose),
     "line_late": partial(_of_frames, _wait),
     "line_unanswered": partial(_of_frames, _spoil),
+    "line_corrupt": _corrupt,
     "slave_falls": _fall,
+    "clock_jump": _jump,
 }
 """How each kind of the room `lines` is built in."""
 
 
 def points(machine: Equipped) -> Points:
-    """Return lines whose frames can be disturbed, and axes whose slaves can fall."""
+    """Return lines whose frames can be disturbed, and axes whose slaves can fail."""
     return points_of(machine, KINDS)

@@ -14,7 +14,7 @@ from axisrig.kernel.time.clock import US
 class Cia402OnEthercat(RigFamily):
     """Drives of CiA 402 on EtherCAT lines."""
 
-    fault_rooms = ("lines",)
+    fault_rooms = ("lines", "drives")
     has_objects = True
 
     def check(self, settings: Settings) -> None:

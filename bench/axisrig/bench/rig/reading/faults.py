@@ -88,8 +88,12 @@ class Fault:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
-def _rows(name: str) -> list[dict[str, str]]:
-    text = resources.files("axisrig.bench.bus.can").joinpath(name).read_text(encoding="utf-8")
+_REACTIONS = ("axisrig.bench.bus.can", "axisrig.bench.bus.ethercat")
+"""Where the tables of reactions are, `fault_reactions.csv`: those of a carrier."""
+
+
+def _rows(name: str, package: str = "axisrig.bench.bus.can") -> list[dict[str, str]]:
+    text = resources.files(package).joinpath(name).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
 
@@ -328,7 +332,7 @@ def _reactions(kind: str) -> str:
             "unknown kind of fault", value=kind, allowed=nearest(kind, known) or list(known)
         )
     lines = [f"{kind}: {known[kind].meaning}"]
-    for row in _rows("fault_reactions.csv"):
+    for row in (row for package in _REACTIONS for row in _rows("fault_reactions.csv", package)):
         if row["kind"] == kind:
             lines += ["", f"fault:{kind} = {row['example']}"]
             lines += [f"  {name:<7} {row[name]}" for name in list(row)[2:]]
