@@ -1,4 +1,4 @@
-"""Parameters of drives of other families: what their pages print, and that none of them acts yet."""
+"""Parameters of drives of other families: what their pages print; none of them acts yet."""
 
 from collections.abc import Callable
 
