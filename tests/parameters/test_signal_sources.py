@@ -1,7 +1,9 @@
 """The table of signal sources: what FCT-C4 7 and 8.2.2 say of each."""
 
+import pytest
+
 from axisrig.bench.record.signal_sources import AT_PLC, AT_SIGNAL, HELD, STAMPED
-from axisrig.kernel.measuring.rules import OF_PLC, inputs_of
+from axisrig.kernel.measuring.rules import OF_PLC
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES
 from axisrig.kernel.parameters.signal_sources import SOURCES, latched
 
@@ -16,12 +18,27 @@ def test_who_latches() -> None:
     assert latched("none") == ("FIXED_STOP",)
 
 
-def test_inputs_and_drive_types() -> None:
-    """8.2.2: external hardware has inputs up to 255, a drive two; every drive is of the table."""
-    assert {source: inputs_of(source) for source in SOURCES} == {
-        source: 255 if source == "PLC_EXT_LATCH_CONTROL" else 2 for source in SOURCES
+TWO_INPUTS = (2, 3, 8)  # SERCOS, PROFIDRIVE MC, CANopen
+WITHOUT_LATCH = (4, 16)
+TO_A_STOP = (1, 2, 3, 5, 6, 8)  # FCT-C4 8.2.4, P-AXIS-00330
+
+
+@pytest.mark.parametrize("number", DRIVE_TYPES)
+def test_inputs_of_each_drive_type_with_each_source(number: int) -> None:
+    """FCT-C4 8.2.2, the table of P-AXIS-00517: other signals use no input."""
+    kind = DRIVE_TYPES[number]
+    of_drive = 2 if number in TWO_INPUTS else 1
+    assert {source: kind.inputs_of(source) for source in SOURCES} == dict.fromkeys(SOURCES) | {
+        "DRIVE": of_drive,
+        "DRIVE_TYPE_DEFAULT": of_drive,
+        "EXT_PROBE_WITH_DRIVE": 2,
+        "PLC_EXT_LATCH_CONTROL": 255,
     }
-    for source in SOURCES.values():
-        assert set(source.drive_types) <= set(DRIVE_TYPES)
-    without = {name for name, kind in SOURCES.items() if set(kind.drive_types) != set(DRIVE_TYPES)}
-    assert without == {"DRIVE", "EXT_PROBE_WITH_DRIVE", "FIXED_STOP"}
+
+
+@pytest.mark.parametrize("number", DRIVE_TYPES)
+def test_sources_of_each_drive_type(number: int) -> None:
+    lacking = {source for source in SOURCES if not DRIVE_TYPES[number].offers(source)}
+    latch = {"DRIVE", "EXT_PROBE_WITH_DRIVE"} if number in WITHOUT_LATCH else set()
+    stop = set() if number in TO_A_STOP else {"FIXED_STOP"}
+    assert lacking == latch | stop

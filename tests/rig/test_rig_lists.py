@@ -170,7 +170,7 @@ SERCOS = "kopf.log_achs_name Z\nkenngr.antr_typ 2\n"
 def test_a_drive_type_that_is_not_simulated_is_refused(rig_file: Write, settings_of: Read) -> None:
     """In the list with file and line, in a cell with its place; 8 and nothing said are CANopen."""
     rig = listed(rig_file(), SERCOS)
-    with pytest.raises(UserError, match=r"axis Z .* SERCOS \(2\).*only CANopen") as caught:
+    with pytest.raises(UserError, match=r"axis Z .* SERCOS \(2\).*only CANopen.* idents") as caught:
         check_rig(settings_of(rig))
     assert (Path(str(caught.value.file)).name, caught.value.line) == ("axis-z.lst", 2)
     assert "--as-canopen" in str(caught.value)

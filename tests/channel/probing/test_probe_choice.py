@@ -7,10 +7,12 @@ import pytest
 
 from axisrig.kernel.channel.probing.choice import ProbeChoice
 from axisrig.kernel.channel.probing.ports import PlcPorts
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.measuring.rules import EXTERNAL, EXTERNAL_WITH_DRIVE, MeasuringAxis
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.canon import ProbeSettings
+from axisrig.kernel.parameters.drive_types import DRIVE_TYPES
 from axisrig.kernel.plc.probing import LatchTask, PlcTask, ProbingUnit
 
 BLOCK = Block(1, 10, "N10")
@@ -68,6 +70,50 @@ def test_probe_0_and_probe_1_are_inputs_of_the_list():
     assert found.latch("Z")[0] == 2
     found.choose(say(probe=1))
     assert found.latch("Z")[0] == 1
+
+
+@pytest.mark.provokes(70390, 7, axis="Z", drive_type="SERCOS", source="DRIVE", wrong=2, corrected=1)
+def test_the_input_of_a_sercos_drive_stays():
+    found, _ = choice(drive=DRIVE_TYPES[2])
+    with pytest.raises(Alarm):
+        found.choose(say(probe_input=2))
+
+
+SOURCES = ("DRIVE", "DRIVE_TYPE_DEFAULT", EXTERNAL_WITH_DRIVE, EXTERNAL)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("number", DRIVE_TYPES)
+def test_an_input_that_takes_parameters_of_the_drive_is_not_chosen(number, source):
+    """TF5200 diagnosis 260985995: SERCOS; drives with one input have no other (900227)."""
+    drive, of_drive = DRIVE_TYPES[number], source != EXTERNAL
+    found, link = choice(source=source, drive=drive)
+    found.choose(say(probe_input=1))
+    has_two = number in (2, 3, 8) or source in (EXTERNAL, EXTERNAL_WITH_DRIVE)
+    expected = 900227 if not has_two else 70390 if number == 2 and of_drive else None
+    if expected is None:
+        found.choose(say(probe_input=2))
+        assert found.latch("Z")[0] == 2
+        return
+    with pytest.raises(Alarm) as caught:
+        found.choose(say(probe_input=2))
+    assert caught.value.id == expected
+    assert (found.latch("Z")[0], link.probe_input) == (1, 1)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("number", DRIVE_TYPES)
+def test_an_edge_that_the_drive_does_not_latch_is_not_chosen(number, source):
+    """FCT-C4 6.3: an encoder terminal latches at rising edges only."""
+    found, _ = choice(source=source, drive=DRIVE_TYPES[number])
+    found.choose(say(edge="POS"))
+    if number == 6 and source != EXTERNAL:
+        with pytest.raises(Alarm) as caught:
+            found.choose(say(edge="NEG"))
+        assert (caught.value.id, caught.value.values["allowed"]) == (900227, "POS")
+    else:
+        found.choose(say(edge="NEG"))
+        assert found.latch("Z")[1] == "NEG"
 
 
 def ports():

@@ -12,7 +12,9 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc.measuring_types import MeasuringType
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.parameters.drive_types import CANOPEN, DriveType
 from axisrig.kernel.parameters.signal_sources import SOURCES
+from axisrig.kernel.parameters.start_up import drive_type
 from axisrig.kernel.time.clock import TimeNs
 
 SIGNAL = "kenngr.measure.signal"
@@ -34,7 +36,8 @@ class MeasuringAxis:
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
     comes from, P-AXIS-00516 or the older switches. probe_input: P-AXIS-00517 or the older
     one. simulated: mode and the four values of a probe that the CNC simulates, P-AXIS-00112
-    and 00145 to 00148; mode 0: a real one. fixed_stop: of runs to one.
+    and 00145 to 00148; mode 0: a real one. fixed_stop: of runs to one. drive: its type,
+    P-AXIS-00020.
     """
 
     speed_mm_s: float = 16.666
@@ -47,6 +50,7 @@ class MeasuringAxis:
     probe_input: int = 1
     simulated: tuple[int, ...] = (0, 0, 0, 0, 0)
     fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
+    drive: DriveType = CANOPEN
 
     @classmethod
     def read(cls, axis: ParameterSet) -> "MeasuringAxis":
@@ -68,6 +72,7 @@ class MeasuringAxis:
                 *(axis.integer(f"meas_simu.parameter{number}") for number in range(1, 5)),
             ),
             fixed_stop=FixedStopSettings.read(axis),
+            drive=drive_type(axis),
         )
 
     def check(self, axis: str, kind: MeasuringType, source: str, *, is_beside: bool) -> None:
@@ -87,6 +92,10 @@ class MeasuringAxis:
         elif source == FIXED_STOP and not mode:
             raise Alarm(900242, axis=axis, source=source, type=kind.number)
 
+    def inputs_of(self, source: str) -> int:
+        """Return the highest probing input with a source (P-AXIS-00517); others use none."""
+        return self.drive.inputs_of(source) or 2
+
     def needs_plc(self, source: str) -> bool:
         """Return whether a source needs the PLC, which a simulated probe does not."""
         return source in OF_PLC and not self.simulated[0]
@@ -95,11 +104,6 @@ class MeasuringAxis:
         """Return how far the axis may go past its target in a run of a type."""
         known = {"P-AXIS-00467": self.offset_mm, "P-AXIS-00114": self.old_offset_mm}
         return next((known[name] for name in kind.overtravel if known[name]), 0.0)
-
-
-def inputs_of(source: str) -> int:
-    """Return the highest probing input that a source has (P-AXIS-00517); others use none."""
-    return SOURCES[source].inputs or 2
 
 
 def least_stroke_mm(kind: MeasuringType, moving: Sequence[MeasuringAxis]) -> float:

@@ -15,11 +15,10 @@ the PLC; external hardware or else the signal; a fixed stop latches nothing."""
 class SignalSource:
     """A row of the table.
 
-    drive_types: numbers of P-AXIS-00020 that have it. inputs: the highest probing input
-    (P-AXIS-00517), None where it uses none. needs_plc: it needs a task of the PLC.
+    inputs: the highest probing input (P-AXIS-00517), None where it uses none. needs_plc: it needs a
+    task of the PLC. Which drives have it: `drive_types.DriveType.offers`.
     """
 
-    drive_types: tuple[int, ...]
     inputs: int | None
     latched: Latched
     needs_plc: bool
@@ -29,7 +28,6 @@ def _read() -> Mapping[str, SignalSource]:
     text = resources.files(__package__).joinpath("signal_sources.csv").read_text(encoding="utf-8")
     return {
         row["signal"]: SignalSource(
-            tuple(map(int, row["drive_types"].split())),
             int(row["inputs"]) if row["inputs"] else None,
             cast(Latched, row["latched"]),
             row["needs_plc"] == "yes",

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES, DriveType
+from axisrig.kernel.parameters.of_drive_type import INPUT, MEASURES, SIGNAL, of_drive_type
 from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.parameters.relations import corrected
 from axisrig.kernel.parameters.signal_sources import SOURCES
@@ -17,8 +18,7 @@ SERCOS = 2
 DRIVE_TYPE = "kenngr.antr_typ"
 
 OPTIMISED = "lr_param.field_bus_allows_optimized_schedule"
-SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
-MEASURES, ACTUAL_TRANSFORMATION = "kenngr.messachse", "trafo.actual_pos"
+ACTUAL_TRANSFORMATION = "trafo.actual_pos"
 NO_BIT, REALTIME_BITS = -1, (6, 7)
 _CONTROL, _STATUS = ("S-0-0134",), ("S-0-0135", "S-0-135")
 # SERCOS words of a bit, the warning of an unknown process datum and that of an invalid bit
@@ -104,28 +104,8 @@ def _check_input(parameters: ParameterSet) -> None:
 
 def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
     kind = drive_type(parameters)
-    number, drive = kind.number, kind.name
-    on = "lr_param.distance_control_on"
-    if parameters.flag(on) and not kind.distance_control:
-        parameters.correct(on, False)
-        yield Alarm(110547, axis=axis, drive_type=drive)
-    signal = parameters.word(SIGNAL)
-    if parameters.is_set(SIGNAL) and number not in SOURCES[signal].drive_types:
-        parameters.correct(SIGNAL, "PLC")
-        yield Alarm(110586, axis=axis, drive_type=drive, wrong=signal, corrected="PLC")
-    for probe in (0, 1):
-        path = f"kenngr.measure.probe[{probe}].input"
-        wrong = _own(parameters, path)
-        if not 0 <= wrong <= kind.inputs:
-            parameters.correct(path, 0)  # so that its fallback decides
-            corrected = parameters.integer(path)
-            yield Alarm(110622, axis=axis, probe=probe, wrong=wrong, corrected=corrected)
-    edge_banding = "kenngr.measure.input_edge_banding"
-    wrong = _own(parameters, edge_banding)
-    if wrong and not kind.edge_banding:
-        parameters.correct(edge_banding, 0)
-        yield Alarm(110614, axis=axis, drive_type=drive, wrong=wrong)
-    if number == SERCOS:
+    yield from of_drive_type(parameters, axis, kind)
+    if kind.number == SERCOS:
         yield from _sercos(parameters, axis)
     yield from _actual_value_transformation(parameters, axis)
 
@@ -139,12 +119,6 @@ def _actual_value_transformation(parameters: ParameterSet, axis: str) -> Iterato
         parameters.correct(MEASURES, False)
         yield Alarm(110508, axis=axis, id=id_, wrong=1, corrected=0)
     yield Alarm(900640, axis=axis, id=id_)
-
-
-def _own(parameters: ParameterSet, path: str) -> int:
-    """Return what was set for a number whose unset value is 0, without its fallback."""
-    found = parameters.resolve(path)
-    return int(found.value) if found.key == path else 0
 
 
 def _sercos(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:

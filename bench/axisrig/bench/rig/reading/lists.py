@@ -125,7 +125,7 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
         known = " and ".join(row.name for row in DRIVE_TYPES.values() if row.family)
         raise place.error(
             f"axis {name} has a drive of the type {word} (P-AXIS-00020): only {known} drives run"
-            " here",
+            f" here; {kind.why}",
             value=value,
             allowed=f"{', '.join(map(str, SIMULATED))}, or not said",
             hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"

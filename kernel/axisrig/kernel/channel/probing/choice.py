@@ -9,7 +9,6 @@ from axisrig.kernel.measuring.rules import (
     EXTERNAL_WITH_DRIVE,
     OF_PLC,
     MeasuringAxis,
-    inputs_of,
 )
 from axisrig.kernel.nc import canon
 
@@ -36,27 +35,39 @@ class ProbeChoice:
         link, source = self._links[axis], self.source(axis)
         of_list = self._measuring(axis).probe_input if source == EXTERNAL else link.probe_input
         number, edge = self._latches.get(axis, (of_list, link.edge))
-        return (number if number <= inputs_of(source) else link.probe_input), edge
+        most = self._measuring(axis).inputs_of(source)
+        return (number if number <= most else link.probe_input), edge
 
     def needs_plc(self, axis: str) -> bool:
         """Return whether the signal of an axis, or its probe, is at the PLC."""
         return self._measuring(axis).needs_plc(self.source(axis))
 
     def choose(self, command: canon.ProbeSettings) -> None:
-        """Measure with another signal, edge or input; raises Alarm 900223 and 900227."""
-        axis, input_ = command.axis, command.probe_input
+        """Measure with another signal, edge or input; raises Alarm 70390, 900223 and 900227."""
+        axis, input_, edge = command.axis, command.probe_input, command.edge
         if command.source is not None:
             self._sources[axis] = command.source
         if command.probe is not None:
             input_ = self._measuring(axis).probe_inputs[command.probe]
-        source = self.source(axis)
-        most = inputs_of(source)
-        if input_ is not None and input_ > most:
-            place, allowed = command.block.place, f"1 .. {most}"
-            raise Alarm(900227, place=place, keyword="INPUT", value=input_, allowed=allowed)
+        source, drive = self.source(axis), self._measuring(axis).drive
+        most = self._measuring(axis).inputs_of(source)
+        is_of_drive = source not in OF_PLC or source == EXTERNAL_WITH_DRIVE
+        wrong = {
+            "INPUT": (input_, f"1 .. {most}", input_ is not None and input_ > most),
+            "EDGE": (edge, " ".join(drive.edges), bool(edge) and edge not in drive.edges),
+        }
+        for keyword, (value, allowed, is_wrong) in wrong.items():
+            if is_wrong and (is_of_drive or keyword == "INPUT"):
+                place = command.block.place
+                raise Alarm(900227, place=place, keyword=keyword, value=value, allowed=allowed)
         known_input, known_edge = self.latch(axis)
-        self._latches[axis] = input_ or known_input, command.edge or known_edge
-        if source not in OF_PLC or source == EXTERNAL_WITH_DRIVE:
+        if is_of_drive and input_ not in (None, known_input) and not drive.may_change_input:
+            raise Alarm(
+                70390, axis=axis, drive_type=drive.name, source=source, wrong=input_,
+                corrected=known_input,
+            )  # fmt: skip
+        self._latches[axis] = input_ or known_input, edge or known_edge
+        if is_of_drive:
             self._links[axis].choose_latch(*self._latches[axis])
 
     def choose_default(self) -> None:
