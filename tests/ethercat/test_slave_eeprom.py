@@ -133,8 +133,26 @@ def test_a_check_sum_that_is_wrong_is_said_and_gives_no_alias() -> None:
 
 @pytest.mark.parametrize(
     "profile",
-    [DriveProfile(), DriveProfile(lacks="60B8 60B9 60BA 60D1"), DriveProfile(lacks="60FD")],
+    [
+        DriveProfile(),
+        DriveProfile(lacks="60B8 60B9 60BA 60D1"),
+        DriveProfile(lacks="60FD"),
+        DriveProfile(fixed_pdos=True),
+    ],
 )
 def test_the_eeprom_made_from_the_esi_file_is_ours(profile: DriveProfile) -> None:
     description = describe(profile, serial=3)
     assert eeprom_of(esi_text(description), serial=3) == sii_content(description)
+
+
+def test_eeprom_and_esi_of_fixed_pdos_say_so() -> None:
+    fixed = describe(DriveProfile(fixed_pdos=True))
+    details = [
+        next(body for kind, body in categories(sii_content(each)) if kind == 30)[5]
+        for each in (describe(DriveProfile()), fixed)
+    ]
+    assert details == [0x3F, 0x33]
+    text = esi_text(fixed)
+    assert text.count('Fixed="1"') == len(fixed.rxpdos + fixed.txpdos)
+    assert "PdoAssign" not in text
+    assert "Fixed" not in esi_text(describe(DriveProfile()))

@@ -306,6 +306,17 @@ def test_a_mapping_takes_what_a_pdo_of_its_direction_carries(line: Line) -> None
     assert line.drive.process_data.inputs.fields == ("position_actual",)
 
 
+def test_fixed_pdos_take_what_is_there_and_nothing_else() -> None:
+    line = Line(profile=DriveProfile(fixed_pdos=True))
+    line.preop()
+    there = ((0x1C12, 0, 1, 1), (0x1C12, 1, 0x1600, 2), (0x1C13, 1, 0x1A00, 2))
+    for index, sub, value, size in (*there, (0x1600, 1, 0x60400010, 4)):
+        assert line.sdo_write(index, sub, value, size) == 0
+    for index, size in ((0x1C12, 1), (0x1C13, 1), (0x1600, 1), (0x1A01, 1)):
+        assert line.sdo_write(index, 0, 0, size) == 0x06010002
+    assert line.sdo_write(0x1C13, 1, 0x1A01, 2) == 0x06010002
+
+
 def test_mapping_and_timing_stay_outside_preop_but_what_is_there_may_be_written(line: Line) -> None:
     line.map_image()
     line.ask(SAFEOP)

@@ -151,6 +151,15 @@ def test_default_mapping_is_readable(stranger: Make) -> None:
     assert entries == [0x60400010, 0x607A0020, 0x60B80010, 0]
 
 
+def test_fixed_mappings_take_what_is_there_and_nothing_else(stranger: Make) -> None:
+    drive = stranger(profile=DriveProfile(fixed_pdos=True))
+    assert drive.write(0x1600, 0, 3, 1) == 0
+    assert drive.write(0x1600, 1, 0x60400010, 4) == 0
+    assert drive.write(0x1600, 0, 0, 1) == 0x06010002
+    assert drive.write(0x1A00, 1, 0x60640020, 4) == 0x06010002
+    assert drive.write(0x1800, 2, 1, 1) == 0  # how it is sent may change
+
+
 def test_a_drive_may_lack_objects_of_the_communication(stranger: Make) -> None:
     """They cannot be read or written; what they would switch on is off."""
     lacks = "1003 1006 1007 100C 1010 1014 1015 1016 1017 1019 1029 1400.5 1800.5 1802.3"

@@ -19,9 +19,11 @@ from axisrig.bench.drive.canopen.pdo import (
     read_rpdo,
     read_tpdo,
 )
+from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.cia402.error_register import COMMUNICATION_ERROR, ErrorRegister
+from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 from axisrig.kernel.time.clock import Clock, Phase
 
 # Emergency codes of CiA 301
@@ -47,7 +49,10 @@ class ExchangeEvents:
 
 
 class PdoExchange(Owner):
-    """Receives RPDOs and sends TPDOs of one node, from `start` to `stop`."""
+    """Receives RPDOs and sends TPDOs of one node, from `start` to `stop`.
+
+    has_fixed_mappings: what they carry cannot be changed.
+    """
 
     objects: ClassVar[tuple[int, ...]] = PARAMETERS
 
@@ -59,9 +64,12 @@ class PdoExchange(Owner):
         image: DeviceImage,
         emergency: ErrorRegister,
         events: ExchangeEvents,
+        *,
+        has_fixed_mappings: bool = False,
     ) -> None:
         self._network, self._clock, self._image = network, clock, image
         self._store, self._emergency, self._events = store, emergency, events
+        self._has_fixed_mappings = has_fixed_mappings
         self._rpdos: list[_Receiver | None] = [None] * COUNT
         self._tpdos: list[_Sender | None] = [None] * COUNT
         self._active_rpdos: list[Rpdo] = []
@@ -88,6 +96,10 @@ class PdoExchange(Owner):
 
     def check(self, index: int, sub: int, value: int) -> None:
         """Keep the rules of the change of a PDO."""
+        if self._has_fixed_mappings and index & MAPPING_OF_PDO:
+            if value != self._store.value(index, sub):
+                abort(AbortCode.READ_ONLY)
+            return
         check_write(index, sub, value, self._store)
 
     def written(self, index: int, sub: int, value: int) -> None:

@@ -60,7 +60,9 @@ class DriveNode(Cia402Node):
             network,
             clock,
             drive_table(profile),
-            SlaveHabits(profile.sync_loss_periods, profile.sdo_answer_ns),
+            SlaveHabits(
+                profile.sync_loss_periods, profile.sdo_answer_ns, fixed_pdos=profile.fixed_pdos
+            ),
             servo,
             Needs(
                 lambda: servo.state in MOVING,

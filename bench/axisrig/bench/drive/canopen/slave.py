@@ -118,12 +118,13 @@ class SlaveHabits:
 
     sync_loss_periods: so many times 1006 without a SYNC, and it is lost; 0 = never. sdo_answer_ns:
     how long a request of SDO waits to be looked at. beats_first: a write of 1017 is followed by the
-    heartbeat before the answer of SDO.
+    heartbeat before the answer of SDO. fixed_pdos: what its PDOs carry cannot be changed.
     """
 
     sync_loss_periods: int = 0
     sdo_answer_ns: TimeNs = 0
     beats_first: bool = False
+    fixed_pdos: bool = False
 
 
 class CanopenSlave:
@@ -180,6 +181,7 @@ class CanopenSlave:
                 self.sync.is_in_window,
                 application.watch,
             ),
+            has_fixed_mappings=habits.fixed_pdos,
         )
         bus = network.bus
         is_free = (lambda: not bus.pending) if isinstance(bus, SimBus) else (lambda: True)

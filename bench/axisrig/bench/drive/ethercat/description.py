@@ -1,6 +1,6 @@
 """What a drive says of itself before anybody speaks to it: SII and ESI are made of it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from axisrig.bench.drive.cia402.dictionary.mapping import parts_of
@@ -27,6 +27,7 @@ _OUTPUT_START: Final = 0x1800
 _INPUT_START: Final = 0x1C00
 _INTERRUPT: Final = 0x20  # at the slave's processor
 ASSIGN_ACTIVATE: Final = 0x0300
+CHANGES_OF_PDOS: Final = ("PdoAssign", "PdoConfig")
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class Manager:
 
 @dataclass(frozen=True)
 class Description:
-    """One drive as EEPROM and ESI file describe it."""
+    """One drive as EEPROM and ESI file describe it. coe: what its CoE can, the words of an ESI."""
 
     serial: int
     managers: tuple[Manager, ...]
@@ -82,6 +83,7 @@ class Description:
     order: str = "DS402"
     name: str = "axisrig DS402 drive"
     fmmus: tuple[int, ...] = field(default=(1, 2, 3))
+    coe: tuple[str, ...] = ("SdoInfo", *CHANGES_OF_PDOS, "PdoUpload", "CompleteAccess")
 
 
 def describe(
@@ -96,7 +98,10 @@ def describe(
         Manager(_OUTPUT_START, _assigned(rxpdos), SM_WATCHDOG | _INTERRUPT | SM_MASTER_WRITES, 3),
         Manager(_INPUT_START, _assigned(txpdos), _INTERRUPT, 4),
     )
-    return Description(serial, managers, rxpdos, txpdos)
+    usual = Description(serial, managers, rxpdos, txpdos)
+    if not profile.fixed_pdos:
+        return usual
+    return replace(usual, coe=tuple(word for word in usual.coe if word not in CHANGES_OF_PDOS))
 
 
 def _assigned(pdos: tuple[Pdo, ...]) -> int:

@@ -9,7 +9,6 @@ from axisrig.bench.drive.ethercat.sii import CONFIGURATION, SIZE
 _TYPES: Final = {2: "SINT", 3: "INT", 4: "DINT", 5: "USINT", 6: "UINT", 7: "UDINT"}
 _FMMUS: Final = {1: "Outputs", 2: "Inputs", 3: "MBoxState"}
 _MANAGERS: Final = {1: "MBoxOut", 2: "MBoxIn", 3: "Outputs", 4: "Inputs"}
-_COE: Final = "SdoInfo PdoAssign PdoConfig PdoUpload CompleteAccess SegmentedSdo"
 
 
 def esi_text(description: Description) -> str:
@@ -34,9 +33,9 @@ def esi_text(description: Description) -> str:
         _text(device, "Sm", _MANAGERS[manager.kind], **sizes, **place, Enable="1")
     for kind, pdos in (("RxPdo", description.rxpdos), ("TxPdo", description.txpdos)):
         for pdo in pdos:
-            _pdo(device, kind, pdo)
+            _pdo(device, kind, pdo, is_fixed="PdoConfig" not in description.coe)
     mailbox = SubElement(device, "Mailbox", DataLinkLayer="1")
-    SubElement(mailbox, "CoE", dict.fromkeys(_COE.split(), "1"))
+    SubElement(mailbox, "CoE", dict.fromkeys((*description.coe, "SegmentedSdo"), "1"))
     _clock(device)
     eeprom = SubElement(device, "Eeprom")
     _text(eeprom, "ByteSize", str(SIZE))
@@ -56,9 +55,9 @@ def _identity(device: Element, description: Description) -> None:
     _text(SubElement(device, "Profile"), "ProfileNo", "402")
 
 
-def _pdo(device: Element, kind: str, pdo: Pdo) -> None:
+def _pdo(device: Element, kind: str, pdo: Pdo, *, is_fixed: bool) -> None:
     assigned = {} if pdo.manager is None else {"Sm": str(pdo.manager)}
-    element = SubElement(device, kind, assigned)
+    element = SubElement(device, kind, {"Fixed": "1"} | assigned if is_fixed else assigned)
     _text(element, "Index", _hex(pdo.index, 4))
     _text(element, "Name", pdo.name)
     for entry in pdo.entries:

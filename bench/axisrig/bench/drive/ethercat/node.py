@@ -142,7 +142,7 @@ class EthercatDrive(Cia402Node):
         clock, servo, profile = self._clock, self.servo, self.profile
         self.objects = ObjectStore(ethercat_table(profile), servo.image, self._note_change)
         self.storage = ParameterStorage(self.objects)
-        self.process_data = ProcessData(self.objects, self._may_change)
+        self.process_data = ProcessData(self.objects, self._may_change, is_fixed=profile.fixed_pdos)
         self.cycle_clock = CycleClock(
             clock,
             self.objects,

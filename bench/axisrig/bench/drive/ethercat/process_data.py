@@ -1,7 +1,8 @@
 """PDO assignment and mapping of a drive on EtherCAT, and what its SyncManagers carry.
 
 Source: docs/ethercat.md; CiA 301 for mappings. They change in PREOP only: number to 0, entries,
-number. A write of the value that is there changes nothing and is allowed always.
+number; those of a drive with `fixed_pdos` never. A write of the value that is there changes nothing
+and is allowed always.
 """
 
 import struct
@@ -28,14 +29,17 @@ _NOTHING: Final = Layout((), struct.Struct("<"))
 class ProcessData(Owner):
     """Outputs and inputs of one drive.
 
-    may_change(): whether the state allows another mapping. outputs, inputs: what they carry since
+    is_fixed: mapping and assignment are those of power on. may_change(): whether the state allows
+    another one. outputs, inputs: what they carry since
     `read`.
     """
 
     objects: ClassVar[tuple[int, ...]] = (*MAPPINGS, *ASSIGNMENTS)
 
-    def __init__(self, store: ObjectStore, may_change: Callable[[], bool]) -> None:
-        self._store, self._may_change = store, may_change
+    def __init__(
+        self, store: ObjectStore, may_change: Callable[[], bool], *, is_fixed: bool = False
+    ) -> None:
+        self._store, self._may_change, self._is_fixed = store, may_change, is_fixed
         self.outputs = self.inputs = _NOTHING
         self._message: Callable[[DeviceImage], bytes] = _nothing
 
@@ -55,6 +59,8 @@ class ProcessData(Owner):
         store = self._store
         if value == store.value(index, sub):
             return
+        if self._is_fixed:
+            abort(AbortCode.READ_ONLY)
         if not self._may_change():
             abort(AbortCode.DEVICE_STATE)
         if sub and store.value(index):

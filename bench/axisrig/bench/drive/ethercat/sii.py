@@ -22,7 +22,8 @@ SIZE: Final = 2048
 CONFIGURATION: Final = bytes.fromhex("8000000064000000")
 """Words 0 to 3: interface to the processor, its settings, pulses of 1 us, further settings."""
 _COE: Final = 0x04
-_COE_DETAILS: Final = 0x3F  # SDO, information, assignment, mapping, upload, complete access
+_COE_BITS: Final = ("", "SdoInfo", "PdoAssign", "PdoConfig", "PdoUpload", "CompleteAccess")
+"""Bits of the CoE details, the first one: SDO at all."""
 _PORTS_MII: Final = 0x0011
 _NOT_ASSIGNED: Final = 0xFF
 _PDO: Final = struct.Struct("<HBBBBH")
@@ -96,7 +97,9 @@ def _fixed(description: Description) -> bytes:
 def _general(description: Description, texts: _Texts) -> bytes:
     name = texts.number(description.name)  # first, for SOEM takes the first text for it
     group, order = texts.number(description.group), texts.number(description.order)
-    head = (group, 0, order, name, 0, _COE_DETAILS, 0, 0, 0, 1, 0, 0)
+    can = ("", *description.coe)
+    details = sum(1 << bit for bit, word in enumerate(_COE_BITS) if word in can)
+    head = (group, 0, order, name, 0, details, 0, 0, 0, 1, 0, 0)
     return _GENERAL.pack(*head, 0, 0, 0, _PORTS_MII, 0)
 
 

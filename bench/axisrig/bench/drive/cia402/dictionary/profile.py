@@ -57,6 +57,7 @@ class DriveProfile(AxisHabits):
     homing_stop_ms: int = 100
     option_codes: str = ""
     lacks: str = ""
+    fixed_pdos: bool = False
     tick_ns: TimeNs = 250 * US
     rated_torque_mnm: int = 2200
     rated_current_ma: int = 4490
