@@ -18,7 +18,7 @@ import pytest
 from cli_plan import HEADER
 
 from axisrig.bench.cli.main import main
-from axisrig.bench.tools.bus_log.canopen.bus_words import Names
+from axisrig.bench.tools.bus_log.choice.channels import Channels
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -213,13 +213,10 @@ def test_a_table_that_a_spreadsheet_has_saved_is_read(results: Path, tmp_path: P
 
 
 @pytest.mark.parametrize("number", [-1, -2, 1, 7, -40000])
-def test_a_channel_outside_the_rig_names_no_segment_of_it(results: Path, number: int) -> None:
-    from axisrig.bench.rig.reading.file import read_rig  # noqa: PLC0415
-    from axisrig.bench.rig.settings import read_settings  # noqa: PLC0415
-
-    names = Names(read_settings(*read_rig(results.parent / "rig.toml"), []))
-    assert names.segment(0) == "can1"
-    assert names.segment(number) == str(number)
+def test_a_channel_outside_the_rig_names_no_segment_of_it(number: int) -> None:
+    channels = Channels(["can1"], {}, lambda: {0, number})
+    assert channels.segment(0) == "can1"
+    assert channels.segment(number) == str(number)
 
 
 def test_a_frame_of_channel_0_of_a_blf_is_not_put_on_the_last_segment(
@@ -230,7 +227,9 @@ def test_a_frame_of_channel_0_of_a_blf_is_not_put_on_the_last_segment(
     with can.BLFWriter(path) as writer:
         writer.on_message_received(can.Message(arbitration_id=0x183, data=b"12345678", channel=-1))
     code, out, _ = axisrig("bus", path, "--rig", "rig.toml")
-    assert (code, out.split()[1:3]) == (0, ["-1", "183"])
+    note, line = out.splitlines()
+    assert (code, line.split()[1:3]) == (0, ["-1", "183"])
+    assert "channel -1 of the log is no segment of the rig (can1)" in note
     assert "Z.TPDO1" not in out
 
 

@@ -14,10 +14,10 @@ from axisrig.bench.bus.can.frame import data_frame
 from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.bus_log import find_log, logs_of, tell_log
-from axisrig.bench.tools.bus_log.canopen.bus_words import Names
 from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos
 from axisrig.bench.tools.bus_log.canopen.object_words import number_of, value_words
 from axisrig.bench.tools.bus_log.canopen.transfers import Transfers, Value
+from axisrig.bench.tools.bus_log.choice.channels import Channels
 from axisrig.bench.tools.bus_log.choice.selection import Selection
 from axisrig.kernel.errors import UserError
 
@@ -166,14 +166,15 @@ def test_words_that_ask_for_something(
 def test_a_segment_has_the_name_of_the_rig_where_its_number_is_of_it() -> None:
     """Numbers count from 0 in the order of the rig; without one, only a single segment is meant."""
     one, three = (
-        Names(settings_of(RIGS / name, [])) for name in ("probe-z.toml", "distance-5axis.toml")
+        Channels(list(settings_of(RIGS / name, []).segment), {}, lambda: {0, 1, 7})
+        for name in ("probe-z.toml", "distance-5axis.toml")
     )
     channels = (0, 1, 2, 3, -1, None, "can7")
     assert [one.segment(each) for each in channels] == ["can1", "1", "2", "3", "-1", "can1", "can7"]
     assert [three.segment(each) for each in channels] == [
         *("can1", "can2", "can3", "3", "-1", "", "can7")
     ]
-    assert [Names(None).segment(each) for each in (0, None)] == ["0", ""]
+    assert [Channels([], {}, set).segment(each) for each in (0, None)] == ["0", ""]
 
 
 PER_MM = Fraction(1000)

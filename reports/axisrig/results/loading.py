@@ -34,7 +34,8 @@ from axisrig.bench.record.blocks import STATES, block_kinds, held_ns
 from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.series import Series, units_of
 from axisrig.bench.rig.reading.carriers import refusal
-from axisrig.bench.tools.bus_log.bus_log import logs_of, messages_of
+from axisrig.bench.tools.bus_log.bus_log import logs_of
+from axisrig.bench.tools.bus_log.reading.files import messages_of
 from axisrig.kernel.errors import UserError, nearest
 
 DECODER = "configuration.decoder."

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.guard import needs_progress
 from axisrig.bench.cli.options import JOBS_AUTO, JobsOption, SetOption, rejecting
 from axisrig.bench.cli.scenario_command import scenarios
 
@@ -26,7 +27,15 @@ def bus(
         list[str] | None,
         typer.Option("--only", help="Services, axes, telegrams, objects: SDO,Z,Z.TPDO1,6041."),
     ] = None,
-    from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
+    segments: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--segment", metavar="CHANNEL=SEGMENT", help="Which segment a channel of the log is."
+        ),
+    ] = None,
+    from_ms: Annotated[
+        float | None, typer.Option("--from", help="Begin, ms; else that of the log.")
+    ] = None,
     to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
     is_all: Annotated[
         bool, typer.Option("--all", help="Also SYNCs, and PDOs with nothing new.")
@@ -36,14 +45,20 @@ def bus(
     from axisrig.bench.rig.reading.file import read_rig
     from axisrig.bench.rig.settings import read_settings
     from axisrig.bench.tools.bus_log.bus_log import find_log, tell_log
+    from axisrig.bench.tools.bus_log.choice.channels import given_channels
     from axisrig.bench.tools.bus_log.choice.selection import Selection
+    from axisrig.bench.tools.bus_log.reading.progress import Progress
 
     paths, settings = find_log(place, run_id)
     if rig is not None:
         settings = read_settings(*read_rig(rig), [])
     words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
-    for line in tell_log(paths, settings, Selection(words, from_ms, to_ms, is_all)):
-        print(line)
+    begin_ms = float("-inf") if from_ms is None else from_ms
+    selection = Selection(words, begin_ms, to_ms, is_all, given_channels(segments or ()))
+    progress = Progress()
+    with needs_progress(progress, paths[0]):
+        for line in tell_log(paths, settings, selection, progress):
+            print(line)
 
 
 @rejecting

@@ -3,6 +3,7 @@
 Source: tcpdump.org, pcap file format and LINKTYPE_CAN_SOCKETCAN; Linux can.h.
 """
 
+import gzip
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,9 +27,11 @@ _ID_BITS, _HEAD_BYTES, _RECORD_BYTES, _FRAME_BYTES = 0x1FFF_FFFF, 24, 16, 8
 def read_pcap(path: Path) -> Iterator[can.Message]:
     """Yield the frames of a file; times in s, channel: the segment in its name (`run@can1.pcap`).
 
-    Raises UserError when it is no pcap file with SocketCAN frames, or ends within a frame.
+    A `.gz` is unpacked. Raises UserError when it is no pcap file with SocketCAN frames, or ends
+    within a frame.
     """
-    data = path.read_bytes()
+    is_packed = path.suffix.lower() == ".gz"
+    data = gzip.decompress(path.read_bytes()) if is_packed else path.read_bytes()
     for order in "<>":
         if len(data) >= _HEAD_BYTES:
             magic, *_, link = struct.unpack_from(f"{order}IHHiIII", data)
@@ -39,7 +42,8 @@ def read_pcap(path: Path) -> Iterator[can.Message]:
     if link & 0xFFFF != LINKTYPE_CAN_SOCKETCAN:
         allowed = f"{LINKTYPE_CAN_SOCKETCAN} (SocketCAN)"
         raise UserError("pcap file of another link type", file=path, value=link, allowed=allowed)
-    channel = path.stem.partition(SEGMENT_MARK)[2] or None
+    name = path.with_suffix("").stem if is_packed else path.stem
+    channel = name.partition(SEGMENT_MARK)[2] or None
     ticks = 1e9 if magic == PCAP_MAGIC_NS else 1e6
     at = _HEAD_BYTES
     while at < len(data):
@@ -49,16 +53,25 @@ def read_pcap(path: Path) -> Iterator[can.Message]:
             at = body + size
         if body + _FRAME_BYTES > len(data) or at > len(data) or size < _FRAME_BYTES:
             raise UserError("the file ends within a frame", file=path)
-        can_id, length = struct.unpack_from(">IB", data, body)
-        is_remote = bool(can_id & REMOTE_FLAG)
-        payload = data[body + _FRAME_BYTES : min(body + _FRAME_BYTES + length, at)]
-        yield can.Message(
-            timestamp=seconds + rest / ticks,
-            channel=channel,
-            arbitration_id=can_id & _ID_BITS,
-            is_extended_id=bool(can_id & EXTENDED_FLAG),
-            is_remote_frame=is_remote,
-            is_error_frame=bool(can_id & ERROR_FLAG),
-            dlc=length,
-            data=None if is_remote else payload,
-        )
+        yield socketcan_message(data[body:at], seconds + rest / ticks, channel)
+
+
+def socketcan_message(frame: bytes, time_s: float, channel: str | None) -> can.Message:
+    """Return a frame of SocketCAN (struct can_frame, identifier big-endian) as a message.
+
+    Raises UserError when it is shorter than its head.
+    """
+    if len(frame) < _FRAME_BYTES:
+        raise UserError("a packet is shorter than a frame of SocketCAN", value=frame.hex(" "))
+    can_id, length = struct.unpack_from(">IB", frame)
+    is_remote = bool(can_id & REMOTE_FLAG)
+    return can.Message(
+        timestamp=time_s,
+        channel=channel,
+        arbitration_id=can_id & _ID_BITS,
+        is_extended_id=bool(can_id & EXTENDED_FLAG),
+        is_remote_frame=is_remote,
+        is_error_frame=bool(can_id & ERROR_FLAG),
+        dlc=length,
+        data=None if is_remote else frame[_FRAME_BYTES : _FRAME_BYTES + length],
+    )

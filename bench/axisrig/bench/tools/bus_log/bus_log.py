@@ -1,10 +1,7 @@
 """`axisrig bus`: finds a bus log, reads it and chooses the frames that are shown."""
 
-import heapq
-import logging
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -13,22 +10,28 @@ import can
 
 from axisrig.bench.bus.can.dissect import Dissected, dissect
 from axisrig.bench.bus.can.frame import Frame
-from axisrig.bench.bus.can.logs import LOG_SUFFIXES, SEGMENT_MARK
-from axisrig.bench.bus.can.pcap import read_pcap
+from axisrig.bench.bus.can.logs import SEGMENT_MARK
 from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.replay import recorded_case
 from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.rig.canopen.members import can_segments
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.tools.bus_log.candump import read_candump
 from axisrig.bench.tools.bus_log.canopen.bus_words import Names, is_boot_up
+from axisrig.bench.tools.bus_log.choice.channels import Channels
 from axisrig.bench.tools.bus_log.choice.selection import Selection
 from axisrig.bench.tools.bus_log.ethercat.log import tell_lines
-from axisrig.kernel.errors import UserError, printable
+from axisrig.bench.tools.bus_log.reading.files import (
+    READABLE,
+    is_line,
+    is_readable,
+    is_timeless,
+    messages_of,
+)
+from axisrig.bench.tools.bus_log.reading.progress import Progress
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import services
 
-READABLE = [*LOG_SUFFIXES.values(), PCAPNG]
-PCAP, CANDUMP = LOG_SUFFIXES["pcap"], LOG_SUFFIXES["candump"]
 DRIVES_LOG = "bus.blf"
 """What `axisrig drive -o DIR` writes."""
 
@@ -47,7 +50,8 @@ class _Line:
     time_ms: float
     segment: str
     text: str
-    is_error: bool
+    is_error: bool = False
+    is_note: bool = False
 
 
 def find_log(place: Path, run: str | None) -> tuple[list[Path], Settings | None]:
@@ -57,8 +61,9 @@ def find_log(place: Path, run: str | None) -> tuple[list[Path], Settings | None]
     Raises UserError when there is none.
     """
     if not place.is_dir():
-        if not place.is_file() or place.suffix.lower() not in READABLE:
-            raise UserError("no bus log that can be read", value=str(place), allowed=READABLE)
+        if not is_readable(place):
+            allowed = f"{', '.join(READABLE)}, each also with .gz"
+            raise UserError("no bus log that can be read", value=str(place), allowed=allowed)
         return [place], None
     if run is None and (place / DRIVES_LOG).is_file():
         return [place / DRIVES_LOG], None
@@ -84,20 +89,23 @@ def logs_of(place: Path, run: str) -> list[Path]:
 
 
 def tell_log(
-    paths: Sequence[Path], settings: Settings | None, selection: Selection
+    paths: Sequence[Path],
+    settings: Settings | None,
+    selection: Selection,
+    progress: Progress | None = None,
 ) -> Iterator[str]:
     """Yield the lines for the frames of a log, and one that says so when there are none.
 
-    Error frames in a row are one line; EtherCAT lines come behind the CAN buses of a run. Raises
-    UserError for a damaged log or an unknown word.
+    Error frames in a row are one line; EtherCAT lines come behind the CAN buses of a run.
+    progress: counts what was read. Raises UserError for a damaged log or an unknown word.
     """
-    lines = [path for path in paths if path.suffix.lower() == PCAPNG]
+    lines = [path for path in paths if is_line(path)]
     buses = [path for path in paths if path not in lines]
     if buses:
-        yield from _tell_buses(buses, settings, selection)
+        yield from _tell_buses(buses, settings, selection, progress)
     if lines:
         is_empty = True
-        for text in tell_lines(lines, settings, selection):
+        for text in tell_lines(lines, settings, selection, progress):
             is_empty = False
             yield text
         if is_empty:
@@ -110,12 +118,27 @@ def _nothing(paths: Sequence[Path], selection: Selection) -> str:
 
 
 def _tell_buses(
-    paths: Sequence[Path], settings: Settings | None, selection: Selection
+    paths: Sequence[Path],
+    settings: Settings | None,
+    selection: Selection,
+    progress: Progress | None,
 ) -> Iterator[str]:
+    if is_timeless(paths[0]):
+        yield "the log has no times (candump without -l and -t), only the order of its frames"
     names = Names(settings)
     wanted = _wanted(selection.only, names.axes)
+    channels = Channels(
+        can_segments(settings) if settings is not None else [],
+        selection.segments,
+        lambda: {message.channel for message in messages_of(paths, progress)},
+    )
     is_empty, row, count, last_ms = True, None, 0, 0.0
-    for line in _lines(paths, names, selection, wanted):
+    for line in _lines(_times(messages_of(paths, progress)), names, channels, selection, wanted):
+        if line.is_note:
+            yield from _folded(row, count, last_ms)
+            row = None
+            yield line.text
+            continue
         is_empty = False
         if row is not None and line.is_error and line.segment == row.segment:
             count, last_ms = count + 1, line.time_ms
@@ -125,6 +148,8 @@ def _tell_buses(
         if row is None:
             yield line.text
     yield from _folded(row, count, last_ms)
+    if channels.unused:
+        yield f"no frame of channel {', '.join(channels.unused)} is in the log (--segment)"
     if is_empty:
         yield _nothing(paths, selection)
 
@@ -158,13 +183,22 @@ def _wanted(only: Iterable[str], axes: Sequence[str]) -> frozenset[str]:
 
 
 def _lines(
-    paths: Sequence[Path], names: Names, selection: Selection, wanted: frozenset[str]
+    messages: Iterable[tuple[float, can.Message]],
+    names: Names,
+    channels: Channels,
+    selection: Selection,
+    wanted: frozenset[str],
 ) -> Iterator[_Line]:
     last: dict[tuple[str, int], object] = {}
-    for time_ms, message in _times(messages_of(paths)):
-        if time_ms > selection.to_ms:
-            return
-        segment = names.segment(message.channel)
+    before_ms = float("-inf")
+    for time_ms, message in messages:
+        segment = channels.segment(message.channel)
+        for note in channels.notes():
+            yield _Line(time_ms, segment, note, is_note=True)
+        if time_ms < before_ms:
+            text = f"the times of the log go back by {before_ms - time_ms:.3f} ms here"
+            yield _Line(time_ms, segment, text, is_note=True)
+        before_ms = time_ms
         frame = Frame(
             message.arbitration_id,
             bytes(message.data),
@@ -173,7 +207,7 @@ def _lines(
             message.dlc,
         )
         told = names.follow(segment, frame, dissect(frame, is_error=message.is_error_frame))
-        if time_ms < selection.from_ms:
+        if not selection.from_ms <= time_ms <= selection.to_ms:
             continue
         key = (segment, frame.arbitration_id)
         content = _content(told, frame)
@@ -188,41 +222,6 @@ def _lines(
         can_id = "   " if message.is_error_frame else f"{frame.arbitration_id:03X}"
         text = f"{time_ms:10.3f}  {segment:<6} {can_id}  {said.name:<16} {said.text}".rstrip()
         yield _Line(time_ms, segment, text, message.is_error_frame)
-
-
-def messages_of(paths: Sequence[Path]) -> Iterator[can.Message]:
-    """Yield the frames of a log by time. Raises UserError for a damaged one."""
-    if paths[0].suffix.lower() == PCAP:
-        yield from heapq.merge(*map(read_pcap, paths), key=lambda message: message.timestamp)
-        return
-    try:
-        with _complaining(), ExitStack() as opened:
-            is_candump = paths[0].suffix.lower() == CANDUMP
-            yield from (
-                read_candump(paths[0])
-                if is_candump
-                else opened.enter_context(can.LogReader(paths[0]))
-            )
-    except Exception as error:  # the readers of python-can raise whatever comes up
-        what = printable(str(error)) or type(error).__name__
-        raise UserError(f"the log is damaged: {what}", file=paths[0]) from error
-
-
-class _Complaint(logging.Handler):
-    """Makes an error of what a reader of python-can would only warn of, leaving frames out."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        raise ValueError(record.getMessage())
-
-
-@contextmanager
-def _complaining() -> Iterator[None]:
-    reader, complaint = logging.getLogger("can.io"), _Complaint(logging.WARNING)
-    reader.addHandler(complaint)
-    try:
-        yield
-    finally:
-        reader.removeHandler(complaint)
 
 
 def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message]]:

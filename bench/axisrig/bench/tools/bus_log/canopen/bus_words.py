@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from canopen.objectdictionary import ObjectDictionary
+
 from axisrig.bench.bus.can.dissect import (
     BLOCK_END,
     BLOCK_START,
@@ -20,6 +22,7 @@ from axisrig.bench.bus.can.dissect import (
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams
+from axisrig.bench.rig.canopen.startup import drive_dictionary
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.canopen.mapping import LoggedPdos, Pdo
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
@@ -46,12 +49,12 @@ class Told:
 
 
 class Names:
-    """What a rig calls its segments, nodes and telegrams."""
+    """What a rig calls its nodes and telegrams, and the objects of those that have an EDS."""
 
     def __init__(self, settings: Settings | None) -> None:
         self._is_rig = settings is not None
         self._per_mm: dict[str, Fraction] = {}
-        self._segments = list(settings.rig.segment) if settings else []
+        self._dictionaries: dict[tuple[str, int], ObjectDictionary] = {}
         self._nodes: dict[tuple[str, int], str] = {}
         self._transfers = Transfers()
         telegrams = {}
@@ -59,20 +62,13 @@ class Names:
             assert settings is not None
             axis = settings.rig.axis[name]
             self._nodes[axis.segment, axis.node_id] = name
-            self._per_mm[name] = drive_of(settings, name).make().units_per_mm
+            drive = drive_of(settings, name)
+            self._per_mm[name] = drive.make().units_per_mm
+            if drive.eds is not None:
+                od = drive_dictionary(drive, axis.node_id, drive.make())
+                self._dictionaries[axis.segment, axis.node_id] = od
             telegrams[axis.segment, axis.node_id] = axis_telegrams(settings, name)
         self._pdos = LoggedPdos(telegrams)
-
-    def segment(self, channel: object) -> str:
-        """Return the name of a segment; logs with numbers count from 0 in the order of the rig.
-
-        A number outside of it stays one: it is of another rig, or of a tool that counts otherwise.
-        """
-        if isinstance(channel, int) and 0 <= channel < len(self._segments):
-            return self._segments[channel]
-        if channel is None and len(self._segments) == 1:
-            return self._segments[0]
-        return "" if channel is None else str(channel)
 
     @property
     def axes(self) -> list[str]:
@@ -109,7 +105,8 @@ class Names:
         telegram = known.telegram if known is not None else None
         if telegram is not None and told.node is not None and not frame.is_remote_frame:
             axis = self._nodes.get((segment, told.node))
-            text = _pdo_words(telegram, frame.data, self._per_mm.get(axis or ""))
+            od = self._dictionaries.get((segment, told.node))
+            text = _pdo_words(telegram, frame.data, self._per_mm.get(axis or ""), od)
             objects = [(item.index, item.sub) for item in telegram.objects]
             tags = _tags(telegram.name, [*([axis] if axis else []), str(told.node)], told, objects)
             whose = "" if axis or not self._is_rig else f", {NOBODYS}"
@@ -118,7 +115,8 @@ class Names:
         objects = [(_int(fields, "index"), _int(fields, "sub"))] if "index" in fields else []
         node = told.node or (_int(fields, "target") if told.service == "NMT" else 0) or None
         owner = self._nodes.get((segment, node)) if node is not None else None
-        text = _words(told, self._per_mm.get(owner) if owner else None)
+        od = self._dictionaries.get((segment, node)) if node is not None else None
+        text = _words(told, self._per_mm.get(owner) if owner else None, od)
         name = told.service
         if told.node is not None:
             name = f"{owner or told.node}.{told.service}"
@@ -151,25 +149,27 @@ def is_boot_up(told: Dissected) -> bool:
     return told.service == "heartbeat" and told.fields.get("state") == BOOT_UP
 
 
-def _pdo_words(telegram: Telegram, data: bytes, per_mm: Fraction | None) -> str:
+def _pdo_words(
+    telegram: Telegram, data: bytes, per_mm: Fraction | None, od: ObjectDictionary | None
+) -> str:
     """Say the values of a PDO; one of another length is shown as it is."""
     if len(data) != telegram.length:
         return f"{data.hex(' ')} ({len(data)} bytes, {telegram.length} are mapped)"
     values = telegram.codec.unpack(data)
     return ", ".join(
-        f"{name_of(item.index, item.sub)} "
+        f"{name_of(item.index, item.sub, od)} "
         + value_words(item.index, item.sub, item.bits, value, per_mm, hexadecimal=False)
         for item, value in zip(telegram.objects, values, strict=True)
     )
 
 
-def _words(told: Dissected, per_mm: Fraction | None) -> str:
+def _words(told: Dissected, per_mm: Fraction | None, od: ObjectDictionary | None) -> str:
     """Say what a frame carries that is no known PDO."""
     fields, service = told.fields, told.service
     if fields.get("remote"):
         return "remote frame"
     if service.startswith("SDO "):
-        return _sdo_words(service.removeprefix("SDO "), fields, per_mm)
+        return _sdo_words(service.removeprefix("SDO "), fields, per_mm, od)
     text = _bytes(fields, "data").hex(" ")
     if service == "NMT" and "command" in fields:
         command, target = _int(fields, "command"), _int(fields, "target")
@@ -196,17 +196,23 @@ def _int(fields: Mapping[str, int | bytes], name: str) -> int:
     return value if isinstance(value, int) else int.from_bytes(value, "little")
 
 
-def _sdo_words(side: str, fields: Mapping[str, int | bytes], per_mm: Fraction | None) -> str:
+def _sdo_words(
+    side: str,
+    fields: Mapping[str, int | bytes],
+    per_mm: Fraction | None,
+    od: ObjectDictionary | None,
+) -> str:
     text = sdo_words(side, _int(fields, "specifier"))
     if "index" in fields:
         key = (_int(fields, "index"), _int(fields, "sub"))
         text += f" {object_name(*key)}"
-        text += f" {name_of(*key)}" if name_of(*key) != object_name(*key) else ""
+        name = name_of(*key, od)
+        text += f" {name}" if name != object_name(*key) else ""
     if "abort_code" in fields:
         return f"{text}: {abort_text(_int(fields, 'abort_code')).removeprefix('abort ')}"
     value = fields.get("value")
     if isinstance(value, bytes):
-        number, bits = number_of(*key, value), 8 * len(value)
+        number, bits = number_of(*key, value, od), 8 * len(value)
         return f"{text} = {value_words(*key, bits, number, per_mm, hexadecimal=True)}"
     if "size" in fields:
         return f"{text}, {_int(fields, 'size')} bytes follow"

@@ -9,10 +9,14 @@ from fractions import Fraction
 from functools import cache
 from importlib import resources
 
+from canopen.objectdictionary import ObjectDictionary, ODVariable
+
 from axisrig.bench.drive.cia402.dictionary.objects import variables
 from axisrig.bench.drive.cia402.functions.transitions import command_of
+from axisrig.kernel.drives.canopen.dictionary import is_signed, variable
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.drives.cia402.words import find_state
+from axisrig.kernel.errors import printable
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 
 CONTROLWORD, STATUSWORD, ERROR_CODE = 0x6040, 0x6041, 0x603F
@@ -52,10 +56,17 @@ def bits_words(index: int, value: int) -> str:
     return ", ".join(words)
 
 
-def name_of(index: int, sub: int) -> str:
-    """Return the name of an object, its index where the drives here do not have it."""
+def name_of(index: int, sub: int, od: ObjectDictionary | None = None) -> str:
+    """Return the name of an object, its index where neither the drives here nor `od` have it."""
     row = variables().get((index, sub))
-    return row.name if row is not None else object_name(index, sub)
+    if row is not None:
+        return row.name
+    found = variable(od, index, sub) if od is not None else None
+    if od is None or found is None:
+        return object_name(index, sub)
+    whole = od[index]
+    name = found.name if isinstance(whole, ODVariable) else f"{whole.name}, {found.name}"
+    return printable(name)
 
 
 def value_words(
@@ -80,8 +91,11 @@ def value_words(
     return f"{value} ({more})" if more else str(value)
 
 
-def number_of(index: int, sub: int, data: bytes) -> int:
+def number_of(index: int, sub: int, data: bytes, od: ObjectDictionary | None = None) -> int:
     """Return the number in the data of an SDO, signed where the object is."""
     row = variables().get((index, sub))
-    is_signed = row is not None and row.type.startswith("I") and row.type[1:] == str(8 * len(data))
-    return int.from_bytes(data, "little", signed=is_signed)
+    has_sign = row is not None and row.type.startswith("I") and row.type[1:] == str(8 * len(data))
+    found = variable(od, index, sub) if od is not None and row is None else None
+    if found is not None:
+        has_sign = is_signed(found) and len(found) == 8 * len(data)
+    return int.from_bytes(data, "little", signed=has_sign)

@@ -4,30 +4,45 @@ import heapq
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from axisrig.bench.rig.ethercat.members import ec_segments
 from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.bus_log.choice.channels import Channels
 from axisrig.bench.tools.bus_log.choice.selection import Selection
-from axisrig.bench.tools.bus_log.ethercat.pcapng import read_pcapng
 from axisrig.bench.tools.bus_log.ethercat.words import LineNames
+from axisrig.bench.tools.bus_log.reading.pcapng import read_packets
+from axisrig.bench.tools.bus_log.reading.progress import Progress
 from axisrig.kernel.time.clock import MS
 
 
 def tell_lines(
-    paths: Sequence[Path], settings: Settings | None, selection: Selection
+    paths: Sequence[Path],
+    settings: Settings | None,
+    selection: Selection,
+    progress: Progress | None = None,
 ) -> Iterator[str]:
     """Yield a line for each datagram, and for each axis of a process image, that says new things.
 
-    What is the same as the last time, and what each cycle has (times, states), needs `is_all`.
+    progress: counts what was read. What is the same as the last time, and what each cycle has
+    (times, states), needs `is_all`.
     """
+    progress = progress or Progress()
     names, last = LineNames(settings), dict[tuple[str, str], str]()
     wanted = {word.strip().lower() for word in selection.only}
-    for time_ns, segment, frame in heapq.merge(*map(read_pcapng, paths)):
+    channels = Channels(
+        ec_segments(settings) if settings is not None else [],
+        selection.segments,
+        lambda: {packet.interface for path in paths for packet in read_packets(path)},
+    )
+    for time_ns, interface, _, frame in heapq.merge(*map(read_packets, paths)):
+        progress.frames += 1
         time_ms = time_ns / MS
-        if time_ms > selection.to_ms:
-            return
+        segment = channels.segment(interface)
+        yield from channels.notes()
         for said in names.describe(segment, frame):
             is_old = said.is_usual or last.get((segment, said.name)) == said.text
             last[segment, said.name] = said.text
-            if time_ms < selection.from_ms or (is_old and not selection.is_all):
+            is_inside = selection.from_ms <= time_ms <= selection.to_ms
+            if not is_inside or (is_old and not selection.is_all):
                 continue
             if wanted and not wanted & (said.tags | {said.name.lower()}):
                 continue

@@ -1,0 +1,1 @@
+"""Files of frames of this bench and of other tools, read as messages in the order of time."""
