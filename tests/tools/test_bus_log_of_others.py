@@ -119,7 +119,7 @@ TRC = """;$FILEVERSION=1.1
     [
         ("a.log", CANDUMP, "can0"),
         ("a.txt", CANDUMP, "can0"),
-        ("a.log.gz", gzip.compress(CANDUMP.encode()), "can0"),
+        ("a.log.gz", gzip.compress(CANDUMP.encode(), mtime=0), "can0"),
         ("a.LOG", CANDUMP.replace("\n", "\r\n"), "can0"),
         ("screen.log", SCREEN.replace("  can0", " (1760500000.010)  can0", 1)
          .replace("\n  can0", "\n (1760500000.020)  can0"), "can0"),
@@ -127,7 +127,7 @@ TRC = """;$FILEVERSION=1.1
          .replace("\n  can0", "\n (2026-11-02 10:00:00.010100)  can0  TX B -"), "can0"),
         ("a.trc", TRC, "0"),
         ("trc.log", TRC, "0"),
-        ("a.trc.gz", gzip.compress(TRC.encode()), "0"),
+        ("a.trc.gz", gzip.compress(TRC.encode(), mtime=0), "0"),
         ("asc.txt", asc("absolute", f"0.01 1 {RX}", f"0.02 1 {TX}"), "0"),
     ],
 )  # fmt: skip
