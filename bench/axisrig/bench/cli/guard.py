@@ -1,7 +1,6 @@
 """A watch over readers of other makers that could stand still in a damaged file."""
 
 import signal
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,10 +27,6 @@ def needs_progress(progress: Place, file: Path, cpu_s: float = CPU_S) -> Iterato
     Without timers of Unix, and outside the main thread, it watches nothing.
     Raises UserError with the name of the file.
     """
-    can_watch = hasattr(signal, "setitimer")
-    if not can_watch or threading.current_thread() is not threading.main_thread():
-        yield
-        return
     last = progress.place
 
     def look(*_: object) -> None:
@@ -44,7 +39,11 @@ def needs_progress(progress: Place, file: Path, cpu_s: float = CPU_S) -> Iterato
                 file=file,
             )
 
-    handler = signal.signal(signal.SIGVTALRM, look)
+    try:
+        handler = signal.signal(signal.SIGVTALRM, look)
+    except (AttributeError, ValueError):
+        yield
+        return
     signal.setitimer(signal.ITIMER_VIRTUAL, cpu_s, cpu_s)
     try:
         yield
