@@ -3,8 +3,9 @@
 Those of -l are read as python-can does, but error frames keep their interface.
 """
 
+import re
+from calendar import timegm
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from itertools import pairwise
 from typing import Final
 
@@ -18,6 +19,7 @@ _ID_BITS: Final = 0x1FFF_FFFF
 _STANDARD_DIGITS: Final = 3
 _SHORT_TIME: Final = len("000.000000")
 """candump -t d and -t z write three digits of seconds, -t a writes ten."""
+_DATE: Final = re.compile(r"(\d{4})-(\d\d)-(\d\d) (\d\d):(\d\d):(\d\d)(\.\d+)")
 _BACK_AT_MOST: Final = 0.25
 
 
@@ -77,9 +79,10 @@ def read_screen(lines: Lines) -> list[can.Message]:
 def _time_s(text: str) -> float:
     if not text:
         return 0.0
-    if "-" in text:
-        return datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()
-    return float(text)
+    date = _DATE.fullmatch(text)
+    if date is None:
+        return float(text)
+    return timegm(tuple(int(part) for part in date.groups()[:6])) + float(date[7])
 
 
 def _need_times_since_begin(found: list[can.Message], texts: list[str]) -> None:
