@@ -188,28 +188,71 @@ def at_plc(value_mm: float, edge_ms: int = 30, passed_ms: int | None = None) -> 
     )
 
 
-def stopping() -> list[float]:
-    """Offset with 9 mm/s that stands from row 50 on: 9000 mm/s2, 5000 allowed."""
-    return [min(row, 50) * 0.009 for row in range(100)]
+def stopping(speed_mm_s: float = 9.0) -> list[float]:
+    """Offset that stands from row 50 on; 9 mm/s are 9000 mm/s2 then, 5000 allowed."""
+    return [min(row, 50) * speed_mm_s * 1e-3 for row in range(100)]
 
 
 def offset(
     course_mm: Sequence[float],
     sensor_mm: Sequence[float] | float = -2.0,
     state: Sequence[float] = (4.0,) * 100,
+    held: Sequence[float] = (0.0,) * 100,
+    **facts: Any,
 ) -> Left:
     sensor = [sensor_mm] * len(course_mm) if isinstance(sensor_mm, float) else sensor_mm
     return left(
         "distance",
         [1.0 + each for each in course_mm],
         {**LISTS, **OF_CONTROL},
-        columns={"Z.offset_mm": course_mm, "Z.sensor_mm": sensor, "Z.distance_state": state},
+        columns={
+            "Z.offset_mm": course_mm,
+            "Z.sensor_mm": sensor,
+            "Z.distance_state": state,
+            "Z.distance_held": held,
+        },
         control=("INACTIVE", "ACTIVE"),
+        **facts,
     )
 
 
 BLIND = [-2.0] * 50 + [0.0] * 50
 """Sensor values: none that the lists allow from row 50 on."""
+
+
+def held_from(speed_mm_s: float) -> Left:
+    """An offset with this speed that is held from row 8 on; 1 + 4 and 50 mm/s each ms allowed."""
+    course = [(min(row, 8) - 8) * speed_mm_s * 1e-3 for row in range(100)]
+    return offset(course, state=[4] * 8 + [2] * 92)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "held", "alarms_ms", "may_stop"),
+    [
+        (4, 2, 0, (), True),  # FREEZE
+        (1, 5, 0, (), True),  # ERROR
+        (4, 4, 1, (), True),  # feedhold of the axis
+        (1, 0, 0, (), True),  # switched off where it is
+        (3, 0, 0, (50,), True),  # the same while it ran out
+        (3, 0, 0, (), False),  # it came to its end
+        (4, 4, 0, (50,), False),  # an alarm of something else
+        (4, 3, 0, (), False),  # OFF
+        (0, 4, 0, (), False),  # ON
+        (2, 1, 0, (), False),  # on again
+    ],
+)
+def test_only_what_holds_an_offset_lets_it_stop_at_once(
+    before: int, after: int, held: int, alarms_ms: tuple[int, ...], may_stop: bool
+) -> None:
+    """States as their numbers in `DistanceState`; the change is at row 50."""
+    made = offset(
+        stopping(),
+        state=[before] * 50 + [after] * 50,
+        held=[0] * 50 + [held] * 50,
+        alarms=tuple(alarm(each) for each in alarms_ms),
+    )
+    broken_ones = {name for name, _ in broken(made)} - {"stop"}
+    assert broken_ones == (set() if may_stop else {"acceleration"})
 
 
 def braking(a_mm_s2: float) -> list[float]:
@@ -260,6 +303,11 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
         "acceleration",  # what holds the offset holds it at once, the axis itself may not stop so
         offset(stopping(), state=[4] * 49 + [2] * 51),
         offset(stopping(), state=[4] * 100),
+    ),
+    (
+        "acceleration",  # and takes its speed away, P-AXIS-00415 = 50 mm/s; 4000 and 1000 on top
+        held_from(54.9),
+        held_from(55.1),
     ),
     ("deviation", offset([0.5] * 100), offset([0.501] * 100)),
     ("deviation", offset([-0.5] * 100), offset([-0.501] * 100)),

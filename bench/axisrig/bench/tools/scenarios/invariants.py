@@ -14,6 +14,7 @@ from importlib import resources
 import numpy as np
 import numpy.typing as npt
 
+from axisrig.bench.judge.distance.truth import ERROR, FOLLOWING, FREEZE, INACTIVE, TURNING_OFF
 from axisrig.bench.judge.latch.sources import source_error_um
 from axisrig.bench.judge.latch.truth import touch
 from axisrig.bench.judge.observed.observed import Observed
@@ -227,14 +228,15 @@ def _beyond(left: Left, derivative: int, what: str, unit: str) -> str:
     offsets = offset_lists_of(left.facts)
     for axis, record in left.facts.axes.items():
         allowed = lists_of(record).rate(derivative)
-        beside = [offsets[name].rate(derivative) for name in (axis, CHANNEL) if name in offsets]
+        beside = [offsets[name] for name in (axis, CHANNEL) if name in offsets]
         times_ns, set_mm = _led(left, axis)
         rate = np.abs(np.diff(set_mm, derivative)) / period_s**derivative
         if allowed is None or not len(rate):
             continue
         if derivative == 2:
-            rate[_held(left, axis)] = 0.0
-        allowed += sum(each or 0.0 for each in beside)
+            fastest_mm_s = sum(each.speed_mm_s or 0.0 for each in beside)
+            rate = rate - _held(left, axis) * fastest_mm_s / period_s
+        allowed += sum(each.rate(derivative) or 0.0 for each in beside)
         worst = int(np.argmax(rate))
         slack_mm = derivative / record.increments_per_mm + ROUNDING_MM
         if rate[worst] > allowed + slack_mm / period_s**derivative:
@@ -244,20 +246,40 @@ def _beyond(left: Left, derivative: int, what: str, unit: str) -> str:
 
 
 def _held(left: Left, axis: str) -> npt.NDArray[np.bool_]:
-    """Return which second differences of an axis lie where distance control holds its offset.
+    """Return in which second differences of an axis an offset of distance control may stop at once.
 
-    FREEZE, a feedhold of the axis and an alarm do so from a cycle on (docs/ambiguities.md): its
-    state, or whether it is held, is another one within the three rows or in the one before, which
-    is still sent. Shape (n - 2,).
+    FREEZE, ERROR, a feedhold of the axis and what switches off and leaves the offset hold it from
+    a cycle on, from whatever speed (docs/ambiguities.md): within the three rows or in the one
+    before, which is still sent. It loses no more than its speed, P-AXIS-00415. Shape (n - 2,).
     """
     found = np.zeros(max(len(_led(left, axis)[1]) - 2, 0), np.bool_)
     for name in (axis, CHANNEL):
-        for column in ("distance_state", "distance_held"):
-            _, values = _led(left, name, column)
-            if len(values):
-                changes = np.diff(values) != 0
-                found |= changes[1:] | changes[:-1]
-                found[1:] |= changes[:-2]
+        times_ns, state = _led(left, name, "distance_state")
+        if not len(state):
+            continue
+        _, held = _led(left, name, "distance_held")
+        begins = _is_held_from(left, times_ns, state)
+        if len(held):
+            begins |= np.diff(held) > 0
+        found |= begins[1:] | begins[:-1]
+        found[1:] |= begins[:-2]
+    return found
+
+
+def _is_held_from(left: Left, times_ns: Signal, state: Signal) -> npt.NDArray[np.bool_]:
+    """Return after which row of its states a distance control holds its offset, shape (n - 1,).
+
+    What runs out comes to rest by itself: it is held where an alarm switches it off.
+    """
+    before, after = state[:-1], state[1:]
+    begins = np.isin(after, (FREEZE, ERROR)) & (before != after)
+    begins |= np.isin(before, FOLLOWING) & (after == INACTIVE)
+    alarms_ns = np.array([alarm.time_ns for alarm in left.facts.alarms if alarm.ends_program])
+    since = times_ns[1:, None] - alarms_ns[None, :]
+    near = np.any(np.abs(since) <= 2 * left.facts.timing.period_ns, axis=1)
+    found: npt.NDArray[np.bool_] = begins | (
+        (before == TURNING_OFF) & (after == INACTIVE) & near
+    )
     return found
 
 
