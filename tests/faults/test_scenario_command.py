@@ -30,6 +30,7 @@ from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_s
 from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError, PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
+from tests.tools.scenario_counts import PAGE, read_rows, rows_of, table_of
 
 ROOT = Path(__file__).parents[2]
 GOOD = Judgement(Result.GOOD, right=4, frames="f")
@@ -302,3 +303,33 @@ def test_the_page_has_every_row_of_the_tables(table: str) -> None:
     rows = list(csv.reader((folder / table).read_text("utf-8").splitlines()))[1:]
     for name, what, *_ in rows:
         assert f"| `{name}` | {what} |" in page
+
+
+def test_the_counts_of_the_page_are_those_of_its_table() -> None:
+    """docs/reliability.csv, which `python -m tests.tools.scenario_counts` writes from a log."""
+    rows = read_rows()
+    page = PAGE.read_text("utf-8")
+    assert "\n".join(table_of(rows)) in page
+    *each, whole = rows
+    assert [row["machine"] for row in each] == list(machines())
+    for column in ("run", "good", "alarm", "no truth", "findings"):
+        assert sum(int(row[column]) for row in each) == int(whole[column])
+    for row in rows:
+        results = [int(row[name]) for name in ("good", "alarm", "no truth", "findings")]
+        assert sum(results) == int(row["run"])
+
+
+def test_a_row_counts_what_a_log_has_of_a_machine() -> None:
+    found = [
+        (make_scenario(1, 0), GOOD),
+        (make_scenario(1, 1), Judgement(Result.ALARM, [5, 900006])),
+        (make_scenario(1, 2), Judgement(Result.HANG)),
+        (make_scenario(1, 0, "gantry"), Judgement(Result.NO_TRUTH)),
+    ]
+    rows = {row["machine"]: row for row in rows_of(1, found)}
+    assert list(rows) == [*machines(), "all"]
+    assert list(rows["one-axis"].values()) == [
+        "one-axis", "1", "3", "1", "1", "0", "1", "900006 (1)",
+    ]  # fmt: skip
+    assert list(rows["all"].values())[2:7] == ["4", "1", "1", "1", "1"]
+    assert rows["homing"]["run"] == "0"
