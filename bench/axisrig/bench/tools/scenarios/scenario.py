@@ -23,6 +23,8 @@ _TELEGRAMS = {
 _FAULTS_WEIGHTS = {0: 1, 1: 50, 2: 35, 3: 14}
 _MOMENTS = ("start", "motion", "standing", "armed", "edge", "latched", "seen")
 _COMMANDS = ("reset", "reset_communication", "stop", "pre_operational")
+_STATES = ("SAFEOP", "PREOP", "INIT")
+_CODES = ("WATCHDOG", "SYNC_ERROR", "PLL_ERROR", "NO_VALID_INPUTS", "RESTARTED")
 
 Drawn = TypeVar("Drawn")
 
@@ -214,4 +216,6 @@ _KEYS: dict[str, tuple[float, Draw]] = {
     "um": (0.9, _size(10, 12_000)),
     "ppm": (0.9, _size(10, 10_000)),
     "value": (1.0, lambda n: n.randint(0, 1)),
+    "state": (0.5, lambda n: n.choice(_STATES)),
+    "code": (0.5, lambda n: n.choice(_CODES)),
 }  # fmt: skip
