@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.tools.scenario_counts import PAGE, read_rows, rows_of, table_of
 from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
@@ -30,7 +31,6 @@ from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_s
 from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError, PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
-from tests.tools.scenario_counts import PAGE, read_rows, rows_of, table_of
 
 ROOT = Path(__file__).parents[2]
 GOOD = Judgement(Result.GOOD, right=4, frames="f")
@@ -174,7 +174,18 @@ def test_other_frames_in_another_process_are_a_finding() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("machine", ["one-axis", "three-axes", "distance-3d", "source-stamp"])
+@pytest.mark.parametrize(
+    "machine",
+    [
+        "one-axis",
+        "three-axes",
+        "gantry",
+        "distance-3d",
+        "overrides",
+        "source-stamp",
+        "ethercat-axes",
+    ],
+)
 def test_a_scenario_sends_the_same_frames_in_another_process(machine: str) -> None:
     """One that shares neither memory layout nor hashes of words with this one."""
     scenario = make_scenario(1, SAMPLE - 1, machine)

@@ -277,9 +277,7 @@ def _is_held_from(left: Left, times_ns: Signal, state: Signal) -> npt.NDArray[np
     alarms_ns = np.array([alarm.time_ns for alarm in left.facts.alarms if alarm.ends_program])
     since = times_ns[1:, None] - alarms_ns[None, :]
     near = np.any(np.abs(since) <= 2 * left.facts.timing.period_ns, axis=1)
-    found: npt.NDArray[np.bool_] = begins | (
-        (before == TURNING_OFF) & (after == INACTIVE) & near
-    )
+    found: npt.NDArray[np.bool_] = begins | ((before == TURNING_OFF) & (after == INACTIVE) & near)
     return found
 
 
