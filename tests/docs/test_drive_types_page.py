@@ -14,8 +14,8 @@ HEAD = (
 
 def type_table() -> list[str]:
     rows = [
-        f"| {kind.number} {kind.name} | {'yes' if kind.family else f'no: {kind.why}'} | {kind.latch}"
-        f" | {kind.inputs}{'' if kind.may_change_input else ', not by #MEAS'}"
+        f"| {kind.number} {kind.name} | {'yes' if kind.family else f'no: {kind.why}'}"
+        f" | {kind.latch} | {kind.inputs}{'' if kind.may_change_input else ', not by #MEAS'}"
         f" | {' '.join(kind.edges)} | {'yes' if kind.distance_control else 'no'}"
         f" | {' '.join(kind.fixed_stop)} | {', '.join(kind.position_loop)} | {kind.access} |"
         for kind in DRIVE_TYPES.values()

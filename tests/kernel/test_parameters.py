@@ -266,7 +266,7 @@ def test_name_that_stands_twice_names_both_lines(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "allowed"),
     [
-        ("getriebe[0].kv 300", "1000"),
+        ("getriebe[0].multi_gain_z 300", "2000"),
         ("kenngr.measure.input_edge_banding 2", "0"),
         (f"{SLOPE.replace('0', '1')}.a_stufe_1 5000", "1000"),
         ("lr_hw[0].vz_istw 1", "0"),

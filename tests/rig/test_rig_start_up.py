@@ -87,7 +87,7 @@ mode = 8
         ('eds = "none.eds"', "the EDS is no file"),
         ('pdo_map = "none.csv"', "the mapping table cannot be read"),
         ('boot = "perhaps"', "boot"),
-        ("mode = 1", "the kernel sends a set position every cycle"),
+        ("mode = 1", "the kernel sends a set value every cycle"),
         ("options = { brake = 1 }", "options"),
     ],
 )

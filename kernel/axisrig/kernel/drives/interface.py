@@ -29,7 +29,9 @@ class Drive(SetPoints):
     """
 
     def __init__(self, settings: DriveSettings, arrival: Arrival) -> None:
-        super().__init__(settings.increments_per_mm, settings.lag_delay_cycles, settings.jump_mm)
+        super().__init__(
+            settings.increments_per_mm, settings.lag_delay_cycles, settings.jump_mm, settings.loop
+        )
         self.name, self.settings = settings.axis, settings
         self.arrival = arrival
         self.probe_input, self.edge = settings.probe_input, settings.edge

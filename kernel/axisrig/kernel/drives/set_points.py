@@ -3,6 +3,8 @@
 from collections import deque
 from typing import Final
 
+from axisrig.kernel.drives.position_loop import LoopSettings, PositionLoop
+
 POSITION_MAX: Final = 1 << 31  # a signed position of 32 bits, increments
 
 
@@ -13,10 +15,17 @@ class SetPoints:
     largest credible way from one actual position to the next.
     set_mm: sent last. is_still: the last two sent positions were the same. actual_increments: came
     last. jump_mm: a way that cannot be, None while there was none. leads_itself: the drive moves by
-    itself (homing), so that there is no lag and its position may jump to a new reference.
+    itself (homing), so that there is no lag and its position may jump to a new reference. loop: of
+    an axis whose position loop the CNC closes.
     """
 
-    def __init__(self, increments_per_mm: float, lag_delay_cycles: int, jump_mm: float) -> None:
+    def __init__(
+        self,
+        increments_per_mm: float,
+        lag_delay_cycles: int,
+        jump_mm: float,
+        loop: LoopSettings | None = None,
+    ) -> None:
         self._per_mm = increments_per_mm
         self._lag_delay_cycles = lag_delay_cycles
         self._jump_increments = jump_mm * increments_per_mm
@@ -28,6 +37,7 @@ class SetPoints:
         self._actual_age: int | None = None  # cycles since the last actual position
         self.jump_mm: float | None = None
         self.leads_itself = False
+        self.loop: PositionLoop | None = None if loop is None else PositionLoop(loop)
 
     def can_reach(self, position_mm: float) -> bool:
         """Whether a set position fits into 32 bits."""
@@ -47,11 +57,14 @@ class SetPoints:
     def lag_mm(self) -> float:
         """The CNC's position lag e(k) = s(k - d) - x(k), d = P-AXIS-00191.
 
-        Before s(k) is sent, d = 0 has to do with s(k - 1).
+        Before s(k) is sent, d = 0 has to do with s(k - 1). Where the CNC closes the position loop
+        it is what the controller has computed last.
         Source: docs/ambiguities.md, "Two position lags".
         """
         if self.leads_itself:
             return 0.0
+        if self.loop is not None:
+            return self.loop.lag_mm
         history = self._set_history
         older = self._lag_delay_cycles - (not self._has_sent)
         place = len(history) - 1 - max(older, 0)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from axisrig.kernel.drives.position_loop import LoopSettings
+
 
 @dataclass(frozen=True)
 class DriveSettings:
@@ -11,7 +13,8 @@ class DriveSettings:
     edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. jump_mm: largest credible
     motion from one cycle to the next. lag_limit_mm: of the CNC's position lag while a program runs.
     fault_reset: a fault that is active when the drive is switched on is acknowledged.
-    sensor_age_limit_ms: of the sensor of distance control, None = three of its periods.
+    sensor_age_limit_ms: of the sensor of distance control, None = three of its periods. loop: of an
+    axis whose position loop the CNC closes, None where the drive does.
     """
 
     axis: str
@@ -23,3 +26,4 @@ class DriveSettings:
     lag_limit_mm: float = float("inf")
     fault_reset: bool = False
     sensor_age_limit_ms: float | None = None
+    loop: LoopSettings | None = None

@@ -59,6 +59,7 @@ def make_parts(
         profile.homing_torque,
         profile.homing_stop_ms,
         InterpolationTime(image),
+        profile.velocity_demand == "held",
     )
 
 

@@ -129,9 +129,12 @@ def _rows(observed: Observed) -> slice:
 def _cnc_lag(observed: Observed, axis: str) -> Largest | None:
     """Return the largest lag as the CNC judges it: before s(k) is made d = 0 counts as 1.
 
-    The column has s(k) in it then; 0 is the lag of an axis that its drive leads.
+    The column has s(k) in it then; 0 is the lag of an axis that its drive leads. Where the CNC
+    closes the position loop it judges what its controller has computed, with s(k) in it.
     """
-    is_zero = observed.axes[axis].written.get(DELAY) == 0
+    of_axis = observed.axes[axis]
+    is_of_loop = any("speed" in telegram.fields for telegram in of_axis.telegrams)
+    is_zero = of_axis.written.get(DELAY) == 0 and not is_of_loop
     found = [0.0]
     for part in observed.parts(_rows(observed), before=1):
         lag_mm = part.observed.column(axis, "cnc_lag_mm", part.inside)

@@ -6,6 +6,7 @@ from typing import Any
 from axisrig.bench.rig.canopen.arrival import stamp_clock
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.latches import SdoRoom, sdo_room
+from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
 from axisrig.bench.rig.canopen.schedule import has_inputs, has_latch_counter, has_second
 from axisrig.bench.rig.canopen.startup import start_up_settings
@@ -76,6 +77,7 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
         has_inputs=has_inputs(settings, name),
         has_second=has_second(settings, name),
         sensor_age_limit_ms=axis.sensor_age_limit_ms,
+        loop=loop_settings(settings, name),
     )
 
 

@@ -10,6 +10,7 @@ from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
 from axisrig.bench.machine.ethercat.line_faults import LineFaults
 from axisrig.bench.machine.faults.beside import Beside
+from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.ethercat.keys import SegmentTable
@@ -181,6 +182,7 @@ def slave_settings(settings: Settings, name: str) -> SlaveSettings:
         stamps=_stamps(settings, name),
         trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
         sensor_age_limit_ms=axis.sensor_age_limit_ms,
+        loop=loop_settings(settings, name),
         outputs=(outputs,),
         inputs=(inputs,),
         identity=declared.identity,

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from axisrig.bench.drive.cia402.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.canopen.io_node import check_terminal
+from axisrig.bench.rig.canopen.loop import check_loop
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, segment_schedules
 from axisrig.bench.rig.canopen.startup import drive_dictionary, drive_steps
@@ -44,6 +45,7 @@ def check_drives(settings: Settings) -> None:
     for name in can_axes(settings):
         check_latch_of(settings, name)
         check_steps_of(settings, name, axis_steps)
+        check_loop(settings, name, axis_telegrams(settings, name).values(), late_cycles=0)
         node_id = settings.rig.axis[name].node_id
         check_functions_of(settings, name, node_id, axis_telegrams(settings, name))
     for segment, schedule in segment_schedules(settings).items():

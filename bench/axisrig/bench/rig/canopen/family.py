@@ -6,7 +6,8 @@ from axisrig.bench.rig.canopen.arrival import describe_arrival, terminal_grid
 from axisrig.bench.rig.canopen.checks import check_drives, check_nodes
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
 from axisrig.bench.rig.canopen.latches import describe_latches
-from axisrig.bench.rig.canopen.members import drive_of, segment_of
+from axisrig.bench.rig.canopen.loop import describe_loop
+from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, describe_schedules
 from axisrig.bench.rig.families import RigFamily, SecondEncoder, TerminalGrid
 from axisrig.bench.rig.settings import Settings
@@ -32,8 +33,9 @@ class CanopenOnCan(RigFamily):
         check_drives(settings)
 
     def describe(self, settings: Settings) -> list[str]:
-        """Say how latches are proved, and how late their status may be."""
-        return [*describe_latches(settings), *describe_arrival(settings)]
+        """Say where position loops are closed, how latches are proved, how late their status is."""
+        loops = [line for name in can_axes(settings) for line in describe_loop(settings, name, 0)]
+        return [*loops, *describe_latches(settings), *describe_arrival(settings)]
 
     def warn(self, settings: Settings) -> list[str]:
         """Say what EDS and DCF have against the rig."""

@@ -10,6 +10,7 @@ from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.dictionary import variable
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
+from axisrig.kernel.drives.canopen.startup_steps import CSV
 from axisrig.kernel.drives.cia402.words import latch_object
 from axisrig.kernel.profiles.canopen.identifiers import (
     EMERGENCY_BASE,
@@ -86,6 +87,7 @@ def _telegrams(settings: Settings, name: str, *, counter: bool) -> dict[str, Tel
         counter=counter,
         inputs=has_inputs(settings, name),
         second=has_second(settings, name),
+        speed=drive_of(settings, name).mode == CSV,
     )
 
 

@@ -17,6 +17,7 @@ from axisrig.kernel.drives.canopen.dictionary import read_eds
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.canopen.startup_steps import (
     CSP,
+    CSV,
     IDENTITY,
     OPTIONS,
     BusSettings,
@@ -47,9 +48,10 @@ def _write(entry: list[str | int]) -> list[str | int]:
 
 
 def _position_mode(value: int) -> int:
-    if value >= 0 and value != CSP:
+    if value >= 0 and value not in (CSP, CSV):
         raise ValueError(
-            "the kernel sends a set position every cycle: 8 (csp), or a mode of the manufacturer"
+            "the kernel sends a set value every cycle: 8 (csp) follows positions, 9 (csv) speeds;"
+            " a mode of the manufacturer has to follow positions"
         )
     return value
 
@@ -80,6 +82,7 @@ class StartUpKeys(Table):
         default_factory=dict
     )
     mode: Annotated[int, Field(ge=-128, le=127), AfterValidator(_position_mode)] = 8
+    speed_loop_us: Annotated[float, Field(ge=0, le=1_000_000)] = 0.0
     sync_window_us: U32 | None = None
     heartbeat_ms: U16 = 0
     consumer_ms: U16 = 0

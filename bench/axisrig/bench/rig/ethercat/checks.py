@@ -7,6 +7,7 @@ from axisrig.bench.rig.canopen.checks import (
     check_latch_of,
     check_steps_of,
 )
+from axisrig.bench.rig.canopen.loop import check_loop
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.keys import EACH
 from axisrig.bench.rig.ethercat.members import (
@@ -19,6 +20,7 @@ from axisrig.bench.rig.ethercat.members import (
 )
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.startup import BOOT_ONLY, CAN_ONLY, axis_steps
+from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US
@@ -35,6 +37,8 @@ def check_lines(settings: Settings) -> None:
         _check_can_keys(settings, name)
         check_latch_of(settings, name)
         check_steps_of(settings, name, axis_steps)
+        telegrams, phases = axis_telegrams(settings, name), phases_of(settings, name)
+        check_loop(settings, name, telegrams.values(), phases.late_cycles)
         check_functions_of(
             settings, name, position_of(settings, name), axis_telegrams(settings, name)
         )

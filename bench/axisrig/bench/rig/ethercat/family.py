@@ -1,5 +1,6 @@
 """CiA 402 on EtherCAT, as a rig asks for it."""
 
+from axisrig.bench.rig.canopen.loop import describe_loop
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.ethercat.checks import check_lines
@@ -28,6 +29,8 @@ class Cia402OnEthercat(RigFamily):
         """Say how latches are proved, and when values act and are seen."""
         lines = []
         for name in ec_axes(settings):
+            late_cycles = phases_of(settings, name).late_cycles
+            lines += describe_loop(settings, name, late_cycles)
             lines += [*_latches(settings, name), *_times(settings, name)]
         return lines
 

@@ -10,6 +10,7 @@ from axisrig.bench.rig.canopen.schedule import (
 from axisrig.bench.rig.ethercat.keys import SegmentTable
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
+from axisrig.kernel.drives.canopen.startup_steps import CSV
 from axisrig.kernel.drives.ethercat.settings import Pdo
 
 OUTPUTS, INPUTS = 0x1600, 0x1A00
@@ -52,6 +53,7 @@ def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
         counter=knows_counter(settings, name),
         inputs=has_inputs(settings, name),
         second=has_second(settings, name),
+        speed=drive_of(settings, name).mode == CSV,
     )
 
 

@@ -37,6 +37,7 @@ class AxisLink(Cia402Drive):
             counter=settings.has_counter,
             inputs=settings.has_inputs,
             second=settings.has_second,
+            speed=settings.loop is not None,
         )
         pdos = ProcessData(found, settings.node_id, network)
         super().__init__(settings, pdos, sdo, proves_latches=proves_latches, room=room)

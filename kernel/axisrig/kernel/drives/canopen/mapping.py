@@ -25,18 +25,19 @@ FROM_LATCH_TO_COUNTER: Final = 0x60D5 - 0x60BA  # 60BA to 60BD, 60D5 to 60D8
 FROM_LATCH_TO_STAMP: Final = 0x60D1 - 0x60BA  # 60BA to 60BD, 60D1 to 60D4
 _FROM_LATCH: Final = {LATCH: 0, COUNTER: FROM_LATCH_TO_COUNTER, STAMP: FROM_LATCH_TO_STAMP}
 NO_FIELD = ""
-# What the link works with: field -> whether the kernel sends it. The first four must be mapped,
-# the rest is what measuring and distance control need; an object without a field is for drive
-# functions.
+# What the link works with: field -> whether the kernel sends it. The first five must be mapped, but
+# of target (607A) and speed (60FF, the CNC closes the position loop) one only. The rest is what
+# measuring and distance control need; an object without a field is for drive functions.
 FIELDS: Final[Mapping[str, bool]] = {
-    "controlword": True, "target": True, "statusword": False, "actual": False,
+    "controlword": True, "target": True, "speed": True, "statusword": False, "actual": False,
     "probe_function": True, "probe_status": False, "latch": False,
     "latch_count": False, "inputs": False, "second": False,
 }  # fmt: skip
 # Fields that need not come with every SYNC
 DUMMIES: Final = range(0x0001, 0x0008)  # objects that fill a place of an RPDO
 AT_THEIR_TIME: Final = ("inputs", "second")
-NEEDED: Final = ("controlword", "target", "statusword", "actual")
+NEEDED: Final = ("controlword", "statusword", "actual")
+TARGETS: Final = ("target", "speed")
 COLUMNS: Final = (
     "pdo", "transmission", "inhibit_100us", "index", "sub", "bits", "signed", "field",
 )  # fmt: skip
@@ -158,12 +159,14 @@ def telegrams(
     counter: bool = False,
     inputs: bool = True,
     second: bool = False,
+    speed: bool = False,
 ) -> dict[str, Telegram]:
     """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD).
 
     table: path of a mapping table; without one the kernel's own. counter, inputs, second: whether
     the kernel's own has the counter of the latch (60D5 to 60D8), the digital inputs (60FD) and the
-    position of the second encoder (60E4:1).
+    position of the second encoder (60E4:1). speed: it has a set speed (60FF) in place of the set
+    position.
     Raises UserError, with file and line, for a table that is none.
     """
     grouped: dict[str, list[dict[str, str]]] = {}
@@ -173,6 +176,7 @@ def telegrams(
             (row["index"] == COUNTER and not counter)
             or (row["field"] == "inputs" and not inputs)
             or (row["field"] == "second" and not second)
+            or row["field"] == TARGETS[not speed]
         )
         if table is None and is_left_out:
             continue
@@ -317,6 +321,13 @@ def _check_whole(
     for name in NEEDED:
         if name not in fields:
             raise UserError("the mapping table lacks a field", file=table, value=name)
+    if sum(name in fields for name in TARGETS) != 1:
+        both = all(name in fields for name in TARGETS)
+        raise UserError(
+            f"the mapping table {'has both of two fields' if both else 'lacks a field'}: a set"
+            " position leaves the position loop to the drive, a set speed to the CNC",
+            file=table, value=" ".join(TARGETS), allowed="one of them",
+        )  # fmt: skip
     for name, telegram in fields.items():
         if name in AT_THEIR_TIME:
             _check_own_time(name, telegram, table, places[telegram.name])

@@ -27,7 +27,7 @@ from axisrig.kernel.time.clock import MS, TimeNs
 
 PROFILE_MASK = 0xFFFF  # low word of 1000: number of the device profile
 DRIVE_PROFILE = 402
-CSP = 8
+CSP, CSV = 8, 9
 TPDO_PARAMETERS: Final = range(0x1800, 0x1A00)  # communication parameters, CiA 301
 INTERPOLATION: Final = 0x60C2
 INDICES: Final = range(0, -10, -1)  # powers of ten of a second, down to a nanosecond

@@ -25,6 +25,7 @@ from axisrig.kernel.drives.cia402.words import (
     stored_bit,
 )
 from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.position_loop import PositionLoop
 from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
@@ -33,6 +34,7 @@ from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, STATES, Command, Stat
 from axisrig.kernel.time.clock import Clock
 
 RESET = COMMANDS[Command.FAULT_RESET].value
+SPEED_MAX: Final = (1 << 31) - 1  # 60FF is a signed number of 32 bits
 POWER: Final[Mapping[State, Power]] = {state: Power[of.power] for state, of in STATES.items()}
 OPERATING: Final = State.OPERATION_ENABLED
 HOLD_OPERATION: Final = STATES[OPERATING].hold
@@ -88,7 +90,9 @@ class Cia402Drive(Drive):
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
         self._data = data
-        self._control_out, self._target_out = _needed(data, "controlword"), _needed(data, "target")
+        self._control_out = _needed(data, "controlword")
+        self._target_out = _needed(data, "target" if self.loop is None else "speed")
+        self._last_target = 0  # set position in increments
         self._function_out = data.sent_place("probe_function") or ([0], 0)
         self.statusword = 0
         self.state = State.NOT_READY_TO_SWITCH_ON
@@ -375,11 +379,20 @@ class Cia402Drive(Drive):
         values[position] = self.controlword
         values, position = self._target_out
         target = round(set_mm * self._per_mm)
-        self.is_still = target == values[position]
-        values[position] = target
+        self.is_still = target == self._last_target
+        self._last_target = target
+        values[position] = target if self.loop is None else self._set_speed(self.loop, set_mm)
         values, position = self._function_out
         values[position] = self._function_word
         self._data.send()
+
+    def _set_speed(self, loop: PositionLoop, set_mm: float) -> int:
+        """Return 60FF: what the position loop says while the drive follows, else standstill."""
+        if self.state is not OPERATING or self.leads_itself:
+            loop.hold(set_mm, self.actual_mm)
+            return 0
+        speed = round(loop.speed_mm_s(set_mm, self.actual_mm) * self._per_mm)
+        return max(-SPEED_MAX, min(speed, SPEED_MAX))
 
 
 def _needed(data: CyclicData, field: str) -> Values:

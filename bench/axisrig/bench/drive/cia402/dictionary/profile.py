@@ -63,6 +63,7 @@ class DriveProfile(AxisHabits):
     rated_current_ma: int = 4490
     sync_loss_periods: int = 0
     sdo_answer_ns: TimeNs = 0
+    velocity_demand: Literal["interpolated", "held"] = "interpolated"
 
     def __post_init__(self) -> None:
         for name in (

@@ -23,6 +23,7 @@ class Parts:
 
     set_home: makes a place (m) the machine home position. homing_torque: in per mille, with
     which homing presses against a stop; homing_stop_ms: for how long it must be at rest there.
+    holds_velocity: a velocity of csv acts at once, not evenly over a period.
     """
 
     image: ProcessImage
@@ -38,6 +39,7 @@ class Parts:
     homing_torque: int
     homing_stop_ms: int
     interpolation: InterpolationTime
+    holds_velocity: bool
 
 
 class Mode:

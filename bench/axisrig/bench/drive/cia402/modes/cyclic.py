@@ -71,13 +71,13 @@ class CyclicVelocity(Mode):
         self.parts.motion.speed(now_ns, velocity, velocity, now_ns)
 
     def cycle(self, now_ns: TimeNs) -> None:
-        """Lead the velocity demand to the target over one period."""
+        """Lead the velocity demand to the target over one period, or hold it from now on."""
         parts = self.parts
         image, motion = parts.image, parts.motion
         wanted = parts.units.metres(image.target_velocity + image.velocity_offset)
         target = parts.limits.velocity_m_s(wanted)
         self.is_limited = target != wanted
-        end_ns = now_ns + parts.interpolation.period_ns()
+        end_ns = now_ns if parts.holds_velocity else now_ns + parts.interpolation.period_ns()
         motion.speed(now_ns, motion.velocity_m_s(now_ns), target, end_ns)
 
     def status(self) -> int:

@@ -1,0 +1,168 @@
+"""Where the position loop of an axis of CiA 402 is closed, and whether the CNC's is stable.
+
+The telegram decides it: one that carries a set speed (60FF) and no set position (607A) leaves the
+loop to the CNC (TF5200 commissioning 436095115). P-AXIS-00320 must not say otherwise.
+"""
+
+from collections.abc import Iterable
+from typing import Final
+
+from axisrig.bench.oracles.position_loop import dead_cycles, gain_limit, ramp_lag_mm
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.canopen.mapping import Telegram
+from axisrig.kernel.drives.canopen.startup_steps import CSP, CSV
+from axisrig.kernel.drives.position_loop import LoopSettings
+from axisrig.kernel.parameters import Origin
+from axisrig.kernel.parameters.drive_types import CNC_MODE, DRIVE_MODE
+from axisrig.kernel.parameters.of_drive_type import OPERATION_MODE
+from axisrig.kernel.time.clock import US, S
+
+KV: Final = "getriebe[0].kv"
+OF_LOOP: Final = (
+    KV, "vorsteuer.vorsteuerung", "vorsteuer.vs_v_faktor", "vorsteuer.vs_v_nenner",
+    "vorsteuer.default_active", "vorsteuer.global_disable",
+)  # fmt: skip
+"""Parameters of a loop that the CNC closes."""
+_SPEED_FORWARD: Final = 0x001  # of P-AXIS-00223
+SHOWN_MM_S: Final = 10.0
+
+
+def closes_loop(settings: Settings, name: str) -> bool:
+    """Whether the kernel's own telegrams of an axis leave its position loop to the CNC."""
+    return bool(drive_of(settings, name).mode == CSV)
+
+
+def loop_settings(settings: Settings, name: str) -> LoopSettings | None:
+    """Return the loop of an axis in the CNC, None where its drive closes it."""
+    if not closes_loop(settings, name):
+        return None
+    parameters = settings.axis[name]
+    return LoopSettings(
+        kv_per_s=parameters.integer(KV) / 100,
+        period_s=settings.rig.cycle.period_us * US / S,
+        feed_forward=_feed_forward(settings, name),
+    )
+
+
+def _feed_forward(settings: Settings, name: str) -> float:
+    """Return the share of the set speed that is fed forward (P-AXIS-00223, 00228, 00229, 00255).
+
+    G135 to G137 are no words of this version, so that it is on by P-AXIS-00255 only.
+    """
+    parameters = settings.axis[name]
+    is_on = parameters.flag("vorsteuer.default_active") and not parameters.flag(
+        "vorsteuer.global_disable"
+    )
+    if not (is_on and parameters.integer("vorsteuer.vorsteuerung") & _SPEED_FORWARD):
+        return 0.0
+    numerator, denominator = (
+        parameters.integer(f"vorsteuer.vs_v_{part}") for part in ("faktor", "nenner")
+    )
+    return numerator / denominator
+
+
+def check_loop(
+    settings: Settings, name: str, telegrams: Iterable[Telegram], late_cycles: int
+) -> None:
+    """Check where the loop of an axis is closed, and its gain where that is in the CNC.
+
+    telegrams: of the axis. late_cycles: that its carrier adds to the way of a set value.
+    Raises UserError.
+    """
+    fields = {mapped.field for telegram in telegrams for mapped in telegram.objects}
+    _check_telegram(settings, name, has_speed="speed" in fields)
+    _check_place(settings, name)
+    if not closes_loop(settings, name):
+        return
+    parameters, drive = settings.axis[name], settings.rig.axis[name].drive
+    if parameters.flag("lr_param.distance_control_on"):
+        raise rig_error(
+            settings.files,
+            ("drive", drive, "mode"),
+            f"axis {name}: distance control (P-AXIS-00328) needs a drive that closes the position"
+            " loop; here the CNC closes it and its lag would be in the loop of the distance",
+            value=CSV,
+            allowed=str(CSP),
+        )
+    gain, limit = _gain(settings, name), _limit(settings, name, late_cycles)
+    if gain >= limit:
+        place = parameters.origin(KV) or Origin(KV)
+        period_s = settings.rig.cycle.period_us * US / S
+        raise place.error(
+            f"axis {name}: the position loop of the CNC is unstable with Kv ="
+            f" {gain / period_s:g} 1/s (P-AXIS-00099): Kv T is {gain:.4g} and must be below"
+            f" {limit:.4g} with {_dead(settings, name, late_cycles):.4g} dead cycles",
+            value=parameters.integer(KV),
+            allowed=f"below {limit / period_s * 100:.6g} 0.01/s",
+            hint="lower it; a shorter period_us, or a drive with a faster speed loop"
+            " (speed_loop_us), allows more",
+        )
+
+
+def _check_telegram(settings: Settings, name: str, *, has_speed: bool) -> None:
+    drive = drive_of(settings, name)
+    if has_speed is (drive.mode == CSV):
+        return
+    raise rig_error(
+        settings.files,
+        ("drive", settings.rig.axis[name].drive, "mode"),
+        f"axis {name}: the telegrams of its drive carry a set"
+        f" {'speed' if has_speed else 'position'} and mode {drive.mode} follows the other one",
+        value=drive.mode,
+        allowed=str(CSV if has_speed else CSP),
+        hint="or another pdo_map",
+    )
+
+
+def _check_place(settings: Settings, name: str) -> None:
+    """Refuse a P-AXIS-00320 that the telegram contradicts."""
+    parameters = settings.axis[name]
+    word, is_here = parameters.word(OPERATION_MODE), closes_loop(settings, name)
+    if word != (DRIVE_MODE if is_here else CNC_MODE):
+        return
+    place = parameters.origin(OPERATION_MODE) or Origin(OPERATION_MODE)
+    raise place.error(
+        f"axis {name}: its telegrams carry a set {'speed' if is_here else 'position'}, so that the"
+        f" {'CNC' if is_here else 'drive'} closes the position loop (P-AXIS-00320)",
+        value=word,
+        allowed=f"DRIVE_DEFAULT, {CNC_MODE if is_here else DRIVE_MODE}",
+        hint=f"or mode = {CSP if is_here else CSV} of its drive",
+    )
+
+
+def _gain(settings: Settings, name: str) -> float:
+    loop = loop_settings(settings, name)
+    assert loop is not None, name
+    return loop.kv_per_s * loop.period_s
+
+
+def _dead(settings: Settings, name: str, late_cycles: int) -> float:
+    speed_loop_ns = round(drive_of(settings, name).speed_loop_us * US)
+    return dead_cycles(late_cycles, speed_loop_ns, settings.rig.cycle.period_us * US)
+
+
+def _limit(settings: Settings, name: str, late_cycles: int) -> float:
+    is_held = drive_of(settings, name).make().velocity_demand == "held"
+    return gain_limit(_dead(settings, name, late_cycles), is_held=is_held)
+
+
+def describe_loop(settings: Settings, name: str, late_cycles: int) -> list[str]:
+    """Say what a loop in the CNC does, or that parameters of one do not act."""
+    loop, parameters = loop_settings(settings, name), settings.axis[name]
+    if loop is None:
+        given = [path for path in OF_LOOP if parameters.origin(path) is not None]
+        if not given:
+            return []
+        return [
+            f"warning: axis {name}: its drive closes the position loop, so that"
+            f" {', '.join(given)} of its list count for nothing"
+        ]
+    lag_mm = ramp_lag_mm(SHOWN_MM_S, loop.kv_per_s, loop.feed_forward)
+    limit_per_s = _limit(settings, name, late_cycles) / loop.period_s
+    return [
+        f"axis {name}: the CNC closes the position loop: Kv {loop.kv_per_s:g} 1/s, feed-forward"
+        f" {loop.feed_forward:.6g}, lag {lag_mm:.4g} mm at {SHOWN_MM_S:g} mm/s; stable below"
+        f" {limit_per_s:.4g} 1/s with {_dead(settings, name, late_cycles):.4g} dead cycles"
+    ]

@@ -1,0 +1,141 @@
+"""Where a rig closes its position loops, and what `check` refuses of one in the CNC."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.rig.canopen.family import FAMILY
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+CSV = ("lead_mm = 10.0", "lead_mm = 10.0\nmode = 9")
+ON_ETHERCAT = (
+    ("[segment.can1]\nbitrate = 1_000_000", '[segment.can1]\ncarrier = "ethercat"'),
+    ("node = 3\n", ""),
+)
+
+
+@pytest.fixture
+def rig(rig_file: Write) -> Write:
+    """Write a rig with further lines in the list of Z."""
+
+    def write(*changes: tuple[str, str], lines: str = "") -> Path:
+        path = rig_file(*changes)
+        with (path.parent / "lists" / "axis-z.lst").open("a", encoding="utf-8") as file:
+            file.write(lines)
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("changes", "cell", "limit_per_s"),
+    [
+        # T 1 ms, set speeds interpolated: 2 tan(pi/(4 (n + 1)))/T with n = 1
+        ((), (), 828.427),
+        # held: 2 sin(pi/(2 (2 n + 1)))/T
+        ((), ("drive:servo.velocity_demand=held",), 1000.0),
+        # A speed loop of 1 ms is a dead cycle more
+        ((), ("drive:servo.velocity_demand=held", "drive:servo.speed_loop_us=1000"), 618.034),
+        ((), ("drive:servo.speed_loop_us=500",), 649.839),
+        # On EtherCAT a set value acts one cycle later
+        (ON_ETHERCAT, ("drive:servo.velocity_demand=held",), 618.034),
+    ],
+)
+def test_a_gain_beyond_its_limit_is_refused(
+    rig: Write, settings_of: Read, changes: tuple[tuple[str, str], ...],
+    cell: tuple[str, ...], limit_per_s: float,
+) -> None:  # fmt: skip
+    for share in (0.999, 1.001):
+        kv = round(100 * share * limit_per_s)
+        path = rig(CSV, *changes, lines="")
+        settings = settings_of(path, f"set:Z.getriebe[0].kv={kv}", *cell)
+        if share < 1.0:
+            check_rig(settings)
+            continue
+        with pytest.raises(UserError, match="unstable with Kv") as caught:
+            check_rig(settings)
+        allowed = float(str(caught.value.allowed).split()[1])
+        assert allowed == pytest.approx(100 * limit_per_s, rel=1e-5)
+
+
+def test_a_gain_of_the_list_is_refused_at_its_line(rig: Write, settings_of: Read) -> None:
+    path = rig(CSV, lines="getriebe[0].kv 100000\n")
+    with pytest.raises(UserError, match=r"Kv = 1000 1/s .*below 0.8284 with 1 dead") as caught:
+        check_rig(settings_of(path))
+    assert (Path(str(caught.value.file)).name, caught.value.line) == ("axis-z.lst", 2)
+
+
+@pytest.mark.parametrize(
+    ("mode", "word", "allowed"),
+    [
+        (9, "DRIVE_POSITION_CONTROL", "DRIVE_DEFAULT, CNC_POSITION_CONTROL"),
+        (8, "CNC_POSITION_CONTROL", "DRIVE_DEFAULT, DRIVE_POSITION_CONTROL"),
+    ],
+)
+def test_the_place_of_the_loop_is_that_of_the_telegram(
+    rig: Write, settings_of: Read, mode: int, word: str, allowed: str
+) -> None:
+    """TF5200 commissioning 436095115: with CANopen the telegram decides it."""
+    changed = (CSV[0], f"{CSV[0]}\nmode = {mode}")
+    path = rig(changed, lines=f"antr.operation_mode {word}\n")
+    with pytest.raises(UserError, match="closes the position loop") as caught:
+        check_rig(settings_of(path))
+    assert (caught.value.line, caught.value.allowed) == (2, allowed)
+    for good in allowed.split(", "):
+        check_rig(settings_of(path, f"set:Z.antr.operation_mode={good}"))
+
+
+TABLE = """\
+pdo,transmission,inhibit_100us,index,sub,bits,signed,field
+RPDO1,1,0,0x6040,0,16,no,controlword
+RPDO1,1,0,{target}
+TPDO1,1,0,0x6041,0,16,no,statusword
+TPDO1,1,0,0x6064,0,32,yes,actual
+"""
+POSITION, SPEED = "0x607A,0,32,yes,target", "0x60FF,0,32,yes,speed"
+
+
+@pytest.mark.parametrize(("target", "mode"), [(POSITION, 9), (SPEED, 8)])
+def test_a_mode_that_follows_another_value_than_the_table_carries_is_refused(
+    rig: Write, settings_of: Read, tmp_path: Path, target: str, mode: int
+) -> None:
+    (tmp_path / "own.csv").write_text(TABLE.format(target=target), encoding="utf-8")
+    path = rig((CSV[0], f'{CSV[0]}\nmode = {mode}\npdo_map = "own.csv"'))
+    with pytest.raises(UserError, match="follows the other one") as caught:
+        check_rig(settings_of(path))
+    assert caught.value.allowed == str(17 - mode)
+    check_rig(settings_of(path, f"drive:servo.mode={17 - mode}"))
+
+
+@pytest.mark.parametrize("target", [f"{POSITION}\nRPDO2,1,0,{SPEED}", "0x60FF,0,32,yes,"])
+def test_a_table_has_one_of_set_position_and_set_speed(
+    rig: Write, settings_of: Read, tmp_path: Path, target: str
+) -> None:
+    (tmp_path / "own.csv").write_text(TABLE.format(target=target), encoding="utf-8")
+    path = rig((CSV[0], f'{CSV[0]}\npdo_map = "own.csv"'))
+    with pytest.raises(UserError, match=r"mapping table (has both|lacks a field)") as caught:
+        check_rig(settings_of(path))
+    assert caught.value.allowed == "one of them"
+
+
+def test_distance_control_needs_the_loop_in_the_drive(rig: Write, settings_of: Read) -> None:
+    path = rig(CSV, ('plant = "z"\n', 'plant = "z"\nencoder_2 = "load"\n'),
+               lines="lr_param.distance_control_on 1\n")  # fmt: skip
+    with pytest.raises(UserError, match=r"distance control .* closes the position loop"):
+        check_rig(settings_of(path))
+
+
+def test_check_says_where_a_loop_is_closed(rig: Write, settings_of: Read) -> None:
+    forward = "vorsteuer.default_active 1\nvorsteuer.vorsteuerung 1\nvorsteuer.vs_v_nenner 4\n"
+    settings = settings_of(rig(CSV, lines=f"getriebe[0].kv 2500\n{forward}"))
+    (line,) = [text for text in FAMILY.describe(settings) if "position loop" in text]
+    assert "Kv 25 1/s, feed-forward 0.25, lag 0.3 mm at 10 mm/s; stable below 828.4 1/s" in line
+    settings = settings_of(rig((CSV[0], CSV[0]), lines=""))
+    (line,) = [text for text in FAMILY.describe(settings) if "position loop" in text]
+    assert line.startswith("warning: axis Z: its drive closes the position loop")
+    assert "getriebe[0].kv" in line
