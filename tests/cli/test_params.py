@@ -115,7 +115,8 @@ def test_a_list_is_told_with_what_is_corrected_and_what_does_not_act(
     path = tmp_path / "c.lst"
     path.write_text(
         "kopf.log_achs_name C\nkenngr.achs_typ ACHSTYP_ROTATOR\n"
-        "kenngr.probing_offset 500\nkenngr.distc.kp 7\ngetriebe[0].kv 300\ngetriebe[0].multi_gain_z 300\n"
+        "kenngr.probing_offset 500\nkenngr.distc.kp 7\ngetriebe[0].kv 300\n"
+        "getriebe[0].multi_gain_z 300\n"
     )
     values, notes = said(axisrig, str(path)).split("\n\n")
     assert [" ".join(line.split()) for line in values.splitlines()] == [

@@ -113,7 +113,8 @@ def test_a_file_that_check_does_not_know_names_what_does(tmp_path: Path) -> None
 
 
 def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
-    rig = listed(rig_file(), "getriebe[0].multi_gain_z 300\nkenngr.echtzeit_bit_nr 1\nkenngr.messachse 1\n")
+    inert = "getriebe[0].multi_gain_z 300\nkenngr.echtzeit_bit_nr 1\n"
+    rig = listed(rig_file(), f"{inert}kenngr.messachse 1\n")
     listed(
         rig, "kasto_prog_meas_trigger 1\nconfiguration.decoder.max_cache_size 10\n", "channel.lst"
     )
