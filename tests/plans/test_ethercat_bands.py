@@ -274,3 +274,64 @@ def test_fixed_pdos_are_taken_or_refused() -> None:
     objects = [line.split(",")[3] for line in text]
     assert objects == ["0x6040", "0x607A", "0x60B8", "0x6041", "0x6064", "0x60B9", "0x60BA",
                        "0x60FD"]  # fmt: skip
+
+
+LINE = rig_of(PLANS / "rigs" / "plc-timestamp-line.toml")
+WIRE_S, SLAVE_S = 50e-9, 300e-9  # wire_ns and slave_ns, their defaults
+
+
+def behind_um(case: str) -> float:
+    """What all clocks are behind the master: the wire before the first slave is not in its time."""
+    return speed(case) * WIRE_S * 1e3
+
+
+@pytest.mark.parametrize(
+    "case", ["terminal", "terminal-bounce-single", "terminal-delay-written", "terminal-drift-led"]
+)
+def test_a_stamp_of_the_line_is_the_edge_in_the_time_of_the_master(case: str) -> None:
+    low, high = limits(condition(case, "latch_error_um"))
+    assert (low + high) / 2 == pytest.approx(behind_um(case), abs=1e-6)
+    width_um = INCREMENT_MM * 1e3
+    if case == "terminal-drift-led":
+        # Settled: 10 ns, and what the clock drifts between two frames
+        ppm = float(given(case, "bus:ec1.drift_ppm").removeprefix("terminal="))
+        assert given(case, "bus:ec1.clock_start_us") == "terminal=50"
+        width_um += speed(case) * (10e-9 + ppm * 1e-6 * T) * 1e3
+    assert (high - low) / 2 == pytest.approx(width_um, abs=1e-4)
+
+
+def test_the_last_edge_of_a_bounce_is_so_much_later() -> None:
+    single, continuous = "terminal-bounce-single", "terminal-bounce-continuous"
+    fault = given(continuous, "fault:probe_chatter")
+    assert fault == given(single, "fault:probe_chatter")
+    period_us = float(re.search(r"pulses=1 period=(\d+)us", fault)[1])  # type: ignore[index]
+    assert is_exact(
+        continuous, "latch_error_um", behind_um(single) - speed(continuous) * period_us * 1e-3
+    )
+    assert given(continuous, "plc:terminal.stamp_edge") == "last"
+    assert not given(single, "plc:terminal.stamp_edge")  # "first", the default: single event
+
+
+def test_a_delay_that_is_not_written_is_v_times_it() -> None:
+    case = "terminal-delay-missing"
+    wire_s = float(given(case, "bus:ec1.wire_ns").removeprefix("terminal=")) * 1e-9
+    assert wire_s + SLAVE_S == pytest.approx(10e-6)
+    assert given(case, "bus:ec1.delay_compensation") == "false"
+    late_um = speed(case) * (wire_s + SLAVE_S) * 1e3
+    assert is_exact(case, "latch_error_um", behind_um(case) + late_um)
+
+
+def test_a_clock_that_nobody_leads_is_ahead_by_its_drift_since_the_start() -> None:
+    """The contact is 10 s after the offset was written, which is in the start-up."""
+    case = "terminal-drift"
+    v, ppm = speed(case), float(given(case, "bus:ec1.drift_ppm").removeprefix("terminal="))
+    ways_s = (130 - APPROACH_MM) / 50 + 50 / ACCELERATION
+    ways_s += (APPROACH_MM - SURFACE_MM) / v + v / (2 * ACCELERATION) + 1 / KV
+    contact_s = float(given(case, "plc:V.E.PAUSE")) + ways_s
+    # From there: what the axis needs to be at rest before the pause, and the start-up itself
+    low, high = limits(condition(case, "latch_error_um"))
+    assert high == pytest.approx(-v * ppm * 1e-6 * 10.0 * 1e3)
+    assert contact_s == pytest.approx(10.0)
+    assert low == pytest.approx(high - v * ppm * 1e-6 * 0.22 * 1e3)
+    assert contact_s + START_MAX_S < 10.22
+    assert given(case, "bus:ec1.drift_compensation") == "false"

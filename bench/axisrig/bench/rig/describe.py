@@ -40,7 +40,9 @@ def describe_axes(settings: Settings) -> list[str]:
         read |= {*channels.values(), *([task.switches] if task.switches else [])}
         inputs = ", ".join(f"input {number} = {name}" for number, name in channels.items())
         late_ms = task.late_ns(rig.cycle.period_us * US) / MS
-        if task.terminal is not None and task.terminal.is_on_can:
+        if task.terminal is not None and task.terminal.line:
+            inputs = f"last slave on {task.terminal.line}, {inputs or 'none'}"
+        elif task.terminal is not None and task.terminal.is_on_can:
             inputs = f"node {task.terminal.node} on {task.terminal.segment}, {inputs or 'none'}"
         lines.append(
             f"PLC task: every {task.period_us} us from {task.offset_us} us on,"

@@ -4,7 +4,7 @@ Source: docs/ethercat.md. What the drive does with its object values is `servo.p
 on any carrier; here is when its cycle comes, and what the states of EtherCAT mean for it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -123,7 +123,7 @@ class EthercatDrive(Cia402Node):
         )
         self.sync = SyncUnit(clock, self.time, self._sync0, _nothing)
         self.watchdog = Watchdog(clock, self._outputs_stay_away)
-        self.latches = LatchUnit(self.time, self._edges)
+        self.latches = LatchUnit(self.time, self._probes)
         self.eeprom = Eeprom(sii_content(self.description))
         self.states = AlStateMachine(self, self._show_state)
         parts = Parts(
@@ -233,10 +233,6 @@ class EthercatDrive(Cia402Node):
 
     def _show_state(self, status: int, code: int) -> None:
         self.registers.show_state(status, code)
-
-    def _edges(self, number: int) -> Sequence[tuple[TimeNs, bool]]:
-        signal = self._probes[number]
-        return () if signal is None else signal.edges
 
     def _written(self, number: int) -> None:
         if number == MAILBOX_OUT:

@@ -86,9 +86,10 @@ def _fixed(description: Description) -> bytes:
         description.revision,
         description.serial,
     )
-    out, back = description.managers[:2]
-    words = (out.start, out.length, back.start, back.length, _COE)
-    struct.pack_into("<5H", content, 2 * SII_MAILBOX, *words)
+    if description.managers:
+        out, back = description.managers[:2]
+        words = (out.start, out.length, back.start, back.length, _COE)
+        struct.pack_into("<5H", content, 2 * SII_MAILBOX, *words)
     assert 2 * SII_PROTOCOLS == 2 * SII_MAILBOX + 8
     struct.pack_into("<HH", content, 2 * SII_SIZE, SIZE * 8 // 1024 - 1, 1)
     return bytes(content)
@@ -97,7 +98,7 @@ def _fixed(description: Description) -> bytes:
 def _general(description: Description, texts: _Texts) -> bytes:
     name = texts.number(description.name)  # first, for SOEM takes the first text for it
     group, order = texts.number(description.group), texts.number(description.order)
-    can = ("", *description.coe)
+    can = ("", *description.coe) if description.coe else ()
     details = sum(1 << bit for bit, word in enumerate(_COE_BITS) if word in can)
     head = (group, 0, order, name, 0, details, 0, 0, 0, 1, 0, 0)
     return _GENERAL.pack(*head, 0, 0, 0, _PORTS_MII, 0)

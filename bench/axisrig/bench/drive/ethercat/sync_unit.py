@@ -1,10 +1,11 @@
 """SYNC0 and SYNC1 of a slave, and its latch unit. Source: docs/ethercat.md."""
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from axisrig.bench.drive.axis.ports import SignalPort
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
@@ -102,24 +103,26 @@ class SyncUnit:
 class LatchUnit:
     """Instants of edges at the latch inputs in system time.
 
-    edges(n): those of input n so far, oldest first: instant and new level. Each input keeps the
-    first edge of a direction until it is read (single event), or the last one.
+    signals: at input 0 and 1, None for an open one. Each input keeps the first edge of a direction
+    until it is read (single event), or the last one.
     """
 
     def __init__(
-        self, time: DistributedClock, edges: Callable[[int], Sequence[tuple[TimeNs, bool]]]
+        self, time: DistributedClock, signals: tuple[SignalPort | None, SignalPort | None]
     ) -> None:
-        self._time, self._edges = time, edges
+        self._time, self._signals = time, signals
         self._seen = [0, 0]
-        self._levels = [False, False]
+        self._levels: list[bool | None] = [None, None]  # until it was looked at
         self.control = [0, 0]
         self._stored = [[False, False], [False, False]]
         self._times = [[0, 0], [0, 0]]
 
     def look(self) -> None:
         """Take the edges that have come since."""
-        for number in (0, 1):
-            edges = self._edges(number)
+        for number, signal in enumerate(self._signals):
+            if self._levels[number] is None:
+                self._levels[number] = signal is not None and _first_level(signal)
+            edges = () if signal is None else signal.edges
             for time_ns, level in edges[self._seen[number] :]:
                 self._take(number, time_ns, level)
             self._seen[number] = len(edges)
@@ -136,7 +139,7 @@ class LatchUnit:
     def status(self, number: int) -> int:
         """Return the status of an input: edges kept as single events, and its level."""
         positive, negative = self._stored[number]
-        return positive | negative << 1 | self._levels[number] << 2
+        return positive | negative << 1 | bool(self._levels[number]) << 2
 
     @property
     def has_event(self) -> bool:
@@ -150,3 +153,8 @@ class LatchUnit:
     def taken(self, place: int) -> None:
         """Note that a master has read a time: 0 and 1 of input 0, 2 and 3 of input 1."""
         self._stored[place // 2][place % 2] = False
+
+
+def _first_level(signal: SignalPort) -> bool:
+    """Return the level before the first edge."""
+    return not signal.edges[0][1] if signal.edges else signal.level

@@ -1,7 +1,7 @@
 """CiA 402 on EtherCAT in a machine."""
 
 import random
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.cia402 import LOAD_SPAN_NS, Cia402Segments
 from axisrig.bench.machine.ethercat.line import Line, driven
 from axisrig.bench.machine.ethercat.line_meter import LineMeters, al_words
+from axisrig.bench.machine.ethercat.line_terminal import LineTerminal
 from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.families import Bench
 from axisrig.bench.machine.faults.acts import Act, Injected
@@ -60,6 +61,7 @@ class EthercatLines(Cia402Segments):
                 bench.scheduler,
                 journal,
                 bench.beside,
+                bench.plant.advance_to,
                 bench.seed,
                 self._note_state,
             )
@@ -92,6 +94,11 @@ class EthercatLines(Cia402Segments):
         return SlaveStart(line.start, line.axes.index(axis))
 
     # The machine's side
+
+    def terminal(self, advance: Callable[[TimeNs], None]) -> LineTerminal | None:
+        """Return the terminal of the PLC, where it is the last slave of a line."""
+        found = (line.terminal for line in self.lines.values() if line.terminal is not None)
+        return next(found, None)
 
     def sampled_ns(self, axis: str) -> TimeNs:
         """Return when the control assumes that the last position was sampled."""
@@ -150,8 +157,8 @@ class EthercatLines(Cia402Segments):
             wrong=meter.wrong,
             wrong_in_a_row=meter.wrong_in_a_row,
             slaves=tuple(
-                (axis, al_words(node.al_state, node.al_status_code))
-                for axis, node in line.nodes.items()
+                (name, al_words(slave.al_state, slave.al_status_code))
+                for name, slave in line.slaves.items()
             ),
         )
 

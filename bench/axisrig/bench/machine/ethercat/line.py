@@ -8,15 +8,30 @@ from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
+from axisrig.bench.drive.ethercat.stamping import StampingTerminal
 from axisrig.bench.machine.ethercat.line_faults import LineFaults
+from axisrig.bench.machine.ethercat.line_terminal import (
+    LineTerminal,
+    inputs_of,
+    register_inputs,
+)
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.ethercat.keys import SegmentTable
-from axisrig.bench.rig.ethercat.members import axes_on, axis_pdos, position_of, segment_of
+from axisrig.bench.rig.ethercat.members import (
+    TERMINAL,
+    axes_on,
+    axis_pdos,
+    position_of,
+    segment_of,
+    terminal_on,
+    terminal_position,
+)
 from axisrig.bench.rig.ethercat.startup import axis_steps
 from axisrig.bench.rig.reading.lists import drive_input
+from axisrig.bench.rig.reading.plc_task import silent_ns
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
@@ -27,7 +42,7 @@ from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings, station_of
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
+from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs, ns_to_seconds
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
@@ -45,6 +60,7 @@ class Line:
         scheduler: Scheduler,
         journal: Journal,
         beside: Beside,
+        advance: Callable[[TimeNs], None],
         seed: int,
         entered: Entered,
     ) -> None:
@@ -61,16 +77,27 @@ class Line:
             )
             for axis in self.axes
         }
+        self.terminal = _terminal(settings, name, scheduler, beside, advance)
+        self.slaves: dict[str, EthercatDrive | StampingTerminal] = {**self.nodes}
+        others = []
+        if self.terminal is not None:
+            self.slaves[TERMINAL] = self.terminal.slave
+            wanted = terminal_on(settings, name)
+            assert wanted is not None
+            others.append(register_inputs(settings, name, wanted))
         self.segment = EthercatSegment(
             scheduler,
-            list(self.nodes.values()),
-            [_link(table, axis) for axis in self.axes],
+            list(self.slaves.values()),
+            [_link(table, slave) for slave in self.slaves],
             name=name,
             journal=journal,
         )
         known = [slave_settings(settings, axis) for axis in self.axes]
         data = [make_data(each) for each in known]
-        self.master = Master(self.segment, scheduler, line_settings(settings, name), known, data)
+        line = line_settings(settings, name)
+        self.master = Master(self.segment, scheduler, line, known, data, others)
+        if self.terminal is not None:
+            self.master.others_taken.append(self.terminal.taken)
         self.segment.receivers.append(self.master.received)
         self.faults = LineFaults(self.segment, self.nodes)
         self.links: dict[str, EthercatLink] = {}
@@ -93,6 +120,7 @@ class Line:
             )
             self.links[axis] = link
             starting.append(Starting(slave, mailbox, _objects(settings, axis, link, scheduler)))
+        starting += [Starting(other, None, None) for other in others]
         self.start = LineStart(self.master, scheduler, starting)
         self.carrier = EthercatCarrier(self.master, list(self.links.values()))
 
@@ -123,6 +151,31 @@ def _node(
         switches=beside.switches(axis),
         entered=partial(entered, axis),
     )
+
+
+def _terminal(
+    settings: Settings,
+    name: str,
+    scheduler: Scheduler,
+    beside: Beside,
+    advance: Callable[[TimeNs], None],
+) -> LineTerminal | None:
+    """Make the terminal of the PLC as the last slave of a line, where the rig has it there."""
+    table, line = terminal_on(settings, name), segment_of(settings, name)
+    if table is None:
+        return None
+    slave = StampingTerminal(
+        scheduler,
+        inputs_of(table, dict(beside.signals)),
+        advance,
+        terminal_position(settings, name),
+        round(line.of("clock_start_us", TERMINAL) * US),
+        line.of("drift_ppm", TERMINAL),
+    )
+    off_ns = silent_ns(table.silent_from_ms)
+    if off_ns is not None:
+        scheduler.call_at(off_ns, Phase.APPLICATION, slave.power_off)
+    return LineTerminal(slave, table, scheduler, settings.rig.cycle.period_us * US)
 
 
 def _link(table: SegmentTable, axis: str) -> Link:

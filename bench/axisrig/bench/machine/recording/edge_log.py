@@ -205,7 +205,7 @@ def watchers_of(settings: Settings, axes: Collection[str]) -> dict[str, list[Wat
 
 
 def stamp_times(task: PlcTaskTable) -> LatchTimes:
-    """Return what a terminal makes of an edge; the stamps of one on a segment are none."""
+    """Return what a terminal makes of an edge; a node on a CAN bus has no stamps."""
     table = task.terminal
     assert table is not None
     stamps = Stamps(
@@ -218,5 +218,5 @@ def stamp_times(task: PlcTaskTable) -> LatchTimes:
     return LatchTimes(
         delay_ns=round(table.filter_us * US),
         jitter_ns=table.stamp_jitter_ns,
-        stamps=None if table.segment else stamps,
+        stamps=None if table.is_on_can else stamps,
     )

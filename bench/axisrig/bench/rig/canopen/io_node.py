@@ -60,6 +60,7 @@ def check_terminal(settings: Settings) -> None:
     """
     rig, files, table = settings.rig, settings.files, node_table(settings)
     if table is None:
+        _check_line(settings)
         return
     simulated = [name for name in can_segments(settings) if not is_real(settings, name)]
     if table.segment not in simulated:
@@ -80,4 +81,19 @@ def check_terminal(settings: Settings) -> None:
             ("plc", "terminal", "node"),
             f"the terminal has the node id of {taken[table.node]} on segment {table.segment}",
             value=table.node,
+        )
+
+
+def _check_line(settings: Settings) -> None:
+    """Refuse a terminal without a node whose segment is no EtherCAT line."""
+    task = settings.rig.plc_task
+    line = "" if task is None or task.terminal is None else task.terminal.line
+    lines = [name for name, table in settings.segment.items() if table.is_line]
+    if line and line not in lines:
+        raise rig_error(
+            settings.files,
+            ("plc", "terminal", "segment"),
+            "a terminal on a CAN bus needs a node number; without one it is on an EtherCAT line",
+            value=line,
+            allowed=lines or "no line in this rig: give it a node",
         )

@@ -17,6 +17,8 @@ from axisrig.bench.rig.ethercat.members import (
     ec_segments,
     position_of,
     segment_of,
+    slaves_on,
+    terminal_on,
 )
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.startup import BOOT_ONLY, CAN_ONLY, axis_steps
@@ -33,6 +35,7 @@ def check_lines(settings: Settings) -> None:
     """Check all lines. Raises UserError with file, line and key of the rig."""
     for name in ec_segments(settings):
         _check_keys(settings, name)
+        _check_terminal(settings, name)
     for name in ec_axes(settings):
         _check_can_keys(settings, name)
         check_latch_of(settings, name)
@@ -57,14 +60,17 @@ def _check_keys(settings: Settings, segment: str) -> None:
         )
     for key in EACH:
         value = getattr(table, key)
-        unknown = [axis for axis in value if axis not in axes] if isinstance(value, Mapping) else []
+        names = slaves_on(settings, segment)
+        unknown = (
+            [name for name in value if name not in names] if isinstance(value, Mapping) else []
+        )
         if unknown:
             raise rig_error(
                 settings.files,
                 ("segment", segment, key),
                 f"segment {segment}: {key} names no axis of it",
                 value=unknown[0],
-                allowed=axes,
+                allowed=names,
             )
     cycle = settings.rig.cycle
     for key, at_us in (("frame_us", table.frame_us), ("shift_us", table.shift_us)):
@@ -85,6 +91,29 @@ def _check_keys(settings: Settings, segment: str) -> None:
                 f"{key} is about CAN and no segment of this rig is a CAN bus",
                 value=getattr(cycle, key),
             )
+
+
+def _check_terminal(settings: Settings, segment: str) -> None:
+    """Refuse another clock than that of the line for a terminal on it."""
+    task = settings.rig.plc_task
+    if task is None or terminal_on(settings, segment) is None:
+        return
+    for key, own in (("clock_offset_ns", "clock_start_us"), ("clock_drift_ppm", "drift_ppm")):
+        if getattr(task, key):
+            raise rig_error(
+                settings.files,
+                ("plc", key),
+                f"the terminal is on segment {segment}: its clock is that of its slave controller",
+                value=getattr(task, key),
+                hint=f"[segment.{segment}] {own} = {{ terminal = ... }}",
+            )
+    if not segment_of(settings, segment).dc:
+        raise rig_error(
+            settings.files,
+            ("segment", segment, "dc"),
+            "the terminal stamps in the distributed clock, and the line has none",
+            value=False,
+        )
 
 
 def _check_can_keys(settings: Settings, name: str) -> None:

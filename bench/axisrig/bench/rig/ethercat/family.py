@@ -4,10 +4,16 @@ from axisrig.bench.rig.canopen.loop import describe_loop
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.describe import WHAT_PASSES
 from axisrig.bench.rig.ethercat.checks import check_lines
-from axisrig.bench.rig.ethercat.members import axis_pdos, ec_axes, ec_segments, segment_of
+from axisrig.bench.rig.ethercat.members import (
+    axis_pdos,
+    ec_axes,
+    ec_segments,
+    segment_of,
+    terminal_on,
+)
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.timing import phases_of
-from axisrig.bench.rig.families import RigFamily, SecondEncoder
+from axisrig.bench.rig.families import RigFamily, SecondEncoder, TerminalGrid
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US
 
@@ -45,6 +51,18 @@ class Cia402OnEthercat(RigFamily):
     def late_cycles(self, settings: Settings, axis: str) -> int:
         """Return by how many cycles more than 2 an NC cycle sees what its set values do."""
         return phases_of(settings, axis).late_cycles
+
+    def terminal_grid(self, settings: Settings) -> TerminalGrid | None:
+        """Return when frames pass the terminal of the PLC and are back, where it is on a line."""
+        for name in ec_segments(settings):
+            if terminal_on(settings, name) is not None:
+                cycle = schedule_of(settings, name)
+                return TerminalGrid(
+                    cycle.period_ns,
+                    (cycle.frame_ns + cycle.there_ns) % cycle.period_ns,
+                    cycle.back_ns - cycle.there_ns,
+                )
+        return None
 
     def tables(self, settings: Settings) -> list[str]:
         """Show the arithmetic of every line."""

@@ -8,12 +8,17 @@ from axisrig.bench.rig.canopen.schedule import (
     latch_object_of,
 )
 from axisrig.bench.rig.ethercat.keys import SegmentTable
+from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import CSV
 from axisrig.kernel.drives.ethercat.settings import Pdo
 
 OUTPUTS, INPUTS = 0x1600, 0x1A00
+TERMINAL = "terminal"
+"""Name of the terminal of the PLC in tables by axis, where it is on a line."""
+TERMINAL_BYTES = 34
+"""Of its registers in the process image: 09AE to 09CF."""
 
 
 def ec_segments(settings: Settings) -> list[str]:
@@ -42,6 +47,24 @@ def ec_axes(settings: Settings) -> list[str]:
 def position_of(settings: Settings, name: str) -> int:
     """Return the position of the slave of an axis on its line, from 1 on."""
     return axes_on(settings, settings.rig.axis[name].segment).index(name) + 1
+
+
+def terminal_on(settings: Settings, segment: str) -> TerminalTable | None:
+    """Return the table of the terminal of the PLC where it is the last slave of a line."""
+    task = settings.rig.plc_task
+    table = None if task is None else task.terminal
+    return table if table is not None and table.line == segment else None
+
+
+def terminal_position(settings: Settings, segment: str) -> int:
+    """Return the position of the terminal on its line, behind all drives."""
+    return len(axes_on(settings, segment)) + 1
+
+
+def slaves_on(settings: Settings, segment: str) -> list[str]:
+    """Return the names of the slaves of a line in their order: axes, then the terminal."""
+    has_terminal = terminal_on(settings, segment) is not None
+    return [*axes_on(settings, segment), *([TERMINAL] if has_terminal else [])]
 
 
 @once

@@ -9,7 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axisrig.bench.bus.ethercat.frame import received_after_ns, time_on_wire_ns
-from axisrig.bench.rig.ethercat.members import axes_on, axis_pdos, ec_segments, segment_of
+from axisrig.bench.rig.ethercat.members import (
+    TERMINAL_BYTES,
+    axes_on,
+    axis_pdos,
+    ec_segments,
+    segment_of,
+    slaves_on,
+    terminal_on,
+)
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.ethercat.image import bytes_of
 from axisrig.kernel.profiles.ethercat.layouts import (
@@ -108,7 +116,10 @@ def schedule_of(settings: Settings, segment: str) -> CycleArithmetic:
     for axis in axes:
         outputs, inputs = axis_pdos(settings, axis)
         image += bytes_of([outputs]) + bytes_of([inputs]) + 1
-    parts += [(f"process image of {len(axes)} (LRW)", OVERHEAD + image)]
+    if terminal_on(settings, segment) is not None:
+        image += TERMINAL_BYTES
+    count = len(slaves_on(settings, segment))
+    parts += [(f"process image of {count} (LRW)", OVERHEAD + image)]
     parts += [("states (BRD)", OVERHEAD + 2)]
     length = max(sum(size for _, size in parts), FRAME_MIN)
     there_ns, round_ns = line_delays(settings, segment)
@@ -130,9 +141,9 @@ def line_delays(settings: Settings, segment: str) -> tuple[TimeNs, TimeNs]:
 
     A frame passes each wire twice; each slave but the last one on both ways, the last one once.
     """
-    table, axes = segment_of(settings, segment), axes_on(settings, segment)
-    wires = [round(table.of("wire_ns", axis)) for axis in axes]
-    slaves = [round(table.of("slave_ns", axis)) for axis in axes]
+    table, names = segment_of(settings, segment), slaves_on(settings, segment)
+    wires = [round(table.of("wire_ns", name)) for name in names]
+    slaves = [round(table.of("slave_ns", name)) for name in names]
     there_ns = sum(wires) + sum(slaves[:-1])
     return there_ns, 2 * sum(wires) + 2 * sum(slaves[:-1]) + sum(slaves[-1:])
 

@@ -61,7 +61,7 @@ def axes_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, ...]:
 def terminal_segment(rig: RigFile) -> str:
     """Return the segment of the node that is the terminal of the PLC; empty where it is none."""
     table = None if rig.plc_task is None else rig.plc_task.terminal
-    return "" if table is None else table.segment or ""
+    return table.segment or "" if table is not None and table.is_on_can else ""
 
 
 def _telegrams(rig: RigFile) -> list[str]:
@@ -86,9 +86,9 @@ def _sensors(rig: RigFile) -> list[str]:
 
 
 def _clocks(rig: RigFile) -> list[str]:
-    """Return the terminal of the PLC where it has a clock."""
+    """Return the terminal of the PLC where it has a clock of its own."""
     terminal = None if rig.plc_task is None else rig.plc_task.terminal
-    return [TERMINAL] if terminal is not None and not terminal.is_on_can else []
+    return [TERMINAL] if terminal is not None and terminal.segment is None else []
 
 
 def _is_on_line(axis: str, rig: RigFile) -> bool:

@@ -11,6 +11,8 @@ _PeriodUs = Annotated[int, Field(ge=50, le=1_000_000)]
 _OffsetUs = Annotated[int, Field(ge=0, le=1_000_000)]
 _OF_FIELDBUS = ("cycle_us", "offset_us", "stamp_resolution_ns", "stamp_jitter_ns", "stamp_edge")
 _OF_NODE = ("heartbeat_ms", "missing_cycles")
+_NOT_OF_LINE = ("cycle_us", "offset_us", "filter_us", "stamp_resolution_ns", "stamp_jitter_ns",
+                "heartbeat_ms")  # fmt: skip
 
 
 class TerminalTable(Table):
@@ -24,6 +26,8 @@ class TerminalTable(Table):
     segment, node: a node with digital inputs (CiA 401) on a CAN bus in place of it, sampled at the
     SYNC, without stamps; heartbeat_ms: of this node, 0 = none; missing_cycles: so many SYNCs may be
     without its telegram.
+    segment alone: a terminal with time stamps as the last slave of an EtherCAT line, whose clock is
+    that of its slave controller; missing_cycles: so many frames may be without its inputs.
     """
 
     cycle_us: _PeriodUs | None = None
@@ -43,21 +47,29 @@ class TerminalTable(Table):
     @model_validator(mode="after")
     def _check_kind(self) -> Self:
         """A node on a CAN bus has no cycle and no stamps; only it has a heartbeat."""
-        if (self.segment is None) != (self.node is None):
+        if self.node is not None and self.segment is None:
             raise ValueError("a node on a CAN bus needs both segment and node")
-        own = _OF_FIELDBUS if self.is_on_can else _OF_NODE
-        changed = [key for key in own if getattr(self, key) != type(self).model_fields[key].default]
-        if changed:
-            kind = (
-                "a node on a CAN bus has none" if self.is_on_can else "only with segment and node"
-            )
-            raise ValueError(f"{changed[0]}: {kind}")
+        foreign: tuple[str, ...]
+        if self.is_on_can:
+            foreign, why = _OF_FIELDBUS, "a node on a CAN bus has none"
+        elif self.line:
+            foreign, why = _NOT_OF_LINE, "a terminal on an EtherCAT line has none"
+        else:
+            foreign, why = _OF_NODE, "only with segment and node"
+        for key in foreign:
+            if getattr(self, key) != type(self).model_fields[key].default:
+                raise ValueError(f"{key}: {why}")
         return self
 
     @property
     def is_on_can(self) -> bool:
         """Whether it is a CiA 401 node."""
         return self.node is not None
+
+    @property
+    def line(self) -> str:
+        """The EtherCAT line that it is the last slave of, empty where it is none."""
+        return self.segment if self.segment is not None and self.node is None else ""
 
     def cycle_ns(self, task: "PlcTaskTable") -> TimeNs:
         """From one exchange to the next."""
@@ -112,13 +124,14 @@ class PlcTaskTable(Table):
     def late_ns(self, sync_ns: TimeNs) -> TimeNs:
         """Return how long an edge may take from a probe to the outputs of the task.
 
-        sync_ns: period of the SYNC; the telegram of a node is there before the next one.
+        sync_ns: period of the SYNC; the telegram of a node is there before the next one, as is the
+        frame with the inputs of a terminal on a line.
         """
         periods = max(1, -(-self.busy_us // self.period_us))  # from a cycle to the next that runs
         found = periods * self.period_ns + self.busy_us * US
         if self.terminal is not None:
-            on_can = self.terminal.is_on_can
-            found += 2 * sync_ns if on_can else self.terminal.cycle_ns(self)
+            is_carried = self.terminal.segment is not None
+            found += 2 * sync_ns if is_carried else self.terminal.cycle_ns(self)
             found += round(self.terminal.filter_us * US)
         return found
 

@@ -1,7 +1,8 @@
 """The process image of a segment: where the cyclic values of each drive are in the frame.
 
 One LRW datagram carries the outputs of all drives, then their inputs, then for each a byte that
-shows a full mailbox (status of SyncManager 1), as masters map it.
+shows a full mailbox (status of SyncManager 1), as masters map it, then the registers of slaves
+without a drive.
 """
 
 import struct
@@ -10,12 +11,14 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from axisrig.kernel.drives.canopen.mapping import BitCodec, MappedObject
-from axisrig.kernel.drives.ethercat.settings import Pdo, SlaveSettings
+from axisrig.kernel.drives.ethercat.settings import Pdo, RegisterInputs, SlaveSettings
 
 LOGICAL: Final = 0x10000
 """Logical address of the first byte."""
 WORKING_COUNTER: Final = 3
 """What each drive adds to the counter of a LRW: 1 for its inputs, 2 for its outputs."""
+INPUTS_COUNTER: Final = 1
+"""What a slave adds that has inputs alone."""
 
 _FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
            (32, False): "I", (32, True): "i", (64, False): "Q", (64, True): "q"}  # fmt: skip
@@ -51,9 +54,11 @@ class Place:
 
 
 class Image:
-    """The places of all drives of a segment. size: in bytes."""
+    """The places of all drives of a segment. size: in bytes. registers: begins of `others`."""
 
-    def __init__(self, slaves: Sequence[SlaveSettings]) -> None:
+    def __init__(
+        self, slaves: Sequence[SlaveSettings], others: Sequence[RegisterInputs] = ()
+    ) -> None:
         outputs = [bytes_of(slave.outputs) for slave in slaves]
         inputs = [bytes_of(slave.inputs) for slave in slaves]
         out_at, in_at = 0, sum(outputs)
@@ -63,4 +68,8 @@ class Image:
             self.places.append(Place(out_at, out_bytes, in_at, in_bytes, boxes_at + number))
             out_at, in_at = out_at + out_bytes, in_at + in_bytes
         self.size = boxes_at + len(slaves)
-        self.counter = WORKING_COUNTER * len(slaves)
+        self.registers: list[int] = []
+        for other in others:
+            self.registers.append(self.size)
+            self.size += other.size
+        self.counter = WORKING_COUNTER * len(slaves) + INPUTS_COUNTER * len(others)

@@ -19,7 +19,7 @@ from axisrig.kernel.drives.ethercat.frames import Datagram, at_position
 from axisrig.kernel.drives.ethercat.image import LOGICAL, Place
 from axisrig.kernel.drives.ethercat.mailbox import STATUS, Mailbox
 from axisrig.kernel.drives.ethercat.master import Master
-from axisrig.kernel.drives.ethercat.settings import Pdo, SlaveSettings, station_of
+from axisrig.kernel.drives.ethercat.settings import Pdo, RegisterInputs, SlaveSettings, station_of
 from axisrig.kernel.drives.ethercat.steps import (
     Ask,
     Pause,
@@ -56,15 +56,20 @@ ASSIGN_OUTPUTS, ASSIGN_INPUTS = 0x1C12, 0x1C13
 SYNC_LEAD_CYCLES: Final = 10
 """So many cycles after it is set up SYNC0 begins."""
 FMMU_ALL_BITS: Final = (0, 7)
+MANAGERS: Final = 4
+"""SyncManagers of a slave with a drive: mailboxes, outputs, inputs."""
 
 
 @dataclass
 class Starting:
-    """One slave on its way. objects: the start-up of its drive over SDO."""
+    """One slave on its way. objects: the start-up of its drive over SDO.
 
-    settings: SlaveSettings
-    mailbox: Mailbox
-    objects: StartUp
+    Without a drive it has no mailbox and no objects.
+    """
+
+    settings: SlaveSettings | RegisterInputs
+    mailbox: Mailbox | None
+    objects: StartUp | None
     ended: Ended | None = None
     described: Described | None = None
     has_failed: bool = False
@@ -96,9 +101,13 @@ class LineStart:
         return [slave for slave in self._slaves if not slave.has_failed]
 
     def _fail(self, slave: Starting, alarm: Alarm) -> None:
-        slave.has_failed = True
-        assert slave.ended is not None, "all have begun at the same instant"
-        slave.ended(alarm)
+        """End the start-up of a slave; that of one without a drive is that of the first drive."""
+        owner = self._slaves[0] if slave.objects is None else slave
+        is_new = not owner.has_failed
+        slave.has_failed = owner.has_failed = True
+        if is_new:
+            assert owner.ended is not None, "all have begun at the same instant"
+            owner.ended(alarm)
 
     def _steps(self) -> Steps:
         yield Pause(0)  # until all have begun
@@ -127,11 +136,11 @@ class LineStart:
         self._end()
 
     def _end(self) -> None:
-        if not any(slave for slave in self._alive):
+        drives = [slave.ended for slave in self._alive if slave.ended is not None]
+        if not drives:
             self._master.stop()
-        for slave in self._alive:
-            assert slave.ended is not None
-            slave.ended(None)
+        for ended in drives:
+            ended(None)
 
     def _guarded(self, slave: Starting, steps: Steps) -> Steps:
         """Run the steps of a slave; an alarm ends them for this slave alone."""
@@ -173,6 +182,8 @@ class LineStart:
         settings = slave.settings
         try:
             described = yield from read_eeprom(slave.station)
+            if slave.mailbox is not None and len(described.managers) < MANAGERS:
+                raise EepromError(f"it describes {len(described.managers)} SyncManagers")
         except EepromError as error:
             raise Alarm(
                 900702, axis=settings.axis, position=settings.node_id, reason=error
@@ -189,13 +200,17 @@ class LineStart:
                     expected=f"0x{expected:X}",
                 )
         slave.described = described
-        slave.mailbox.places = box = described.mailbox
+        if slave.mailbox is not None:
+            yield from self._open_mailbox(slave.station, slave.mailbox, described)
+        yield write_register(slave.station, "EEPROM_CONFIGURATION", b"\1")
+        yield from self._change(slave, AlState.PREOP)
+
+    def _open_mailbox(self, station: int, mailbox: Mailbox, described: Described) -> Steps:
+        mailbox.places = box = described.mailbox
         (_, out_control), (_, in_control) = described.managers[:2]
         managers = SYNC_MANAGER.pack(box.out_start, box.out_size, out_control, 0, SM_ENABLE, 0)
         managers += SYNC_MANAGER.pack(box.in_start, box.in_size, in_control, 0, SM_ENABLE, 0)
-        yield write_register(slave.station, "SYNC_MANAGER", managers)
-        yield write_register(slave.station, "EEPROM_CONFIGURATION", b"\1")
-        yield from self._change(slave, AlState.PREOP)
+        yield write_register(station, "SYNC_MANAGER", managers)
 
     def _change(self, slave: Starting, state: AlState) -> Steps:
         yield write_register(slave.station, "AL_CONTROL", bytes((state, 0)))
@@ -235,6 +250,12 @@ class LineStart:
 
     def _set_up_objects(self, slave: Starting) -> Steps:
         """Write the objects of the drive, then which PDOs it has and what they carry."""
+        settings = slave.settings
+        if isinstance(settings, RegisterInputs):
+            for register, data in settings.writes:
+                yield write_register(slave.station, register, data)
+            return
+        assert slave.objects is not None, "each drive has them"
         found: list[Alarm | None] = []
         slave.objects.begin(found.append)
         while not found:
@@ -242,8 +263,8 @@ class LineStart:
         if found[0] is not None:
             raise found[0]
         for assignment, pdos in (
-            (ASSIGN_OUTPUTS, slave.settings.outputs),
-            (ASSIGN_INPUTS, slave.settings.inputs),
+            (ASSIGN_OUTPUTS, settings.outputs),
+            (ASSIGN_INPUTS, settings.inputs),
         ):
             wrong = []
             for pdo in pdos:
@@ -276,6 +297,7 @@ class LineStart:
         yield from self._write(slave, index, 0, len(entries), 1)
 
     def _read(self, slave: Starting, index: int, sub: int) -> Steps:
+        assert slave.mailbox is not None
         answer = yield ReadObject(slave.mailbox, index, sub)
         if isinstance(answer, SdoError):
             raise self._refused(slave, f"the reading of {object_name(index, sub)}", answer)
@@ -283,6 +305,7 @@ class LineStart:
 
     def _write(self, slave: Starting, index: int, sub: int, value: int, size: int) -> Steps:
         data = value.to_bytes(size, "little")
+        assert slave.mailbox is not None
         answer = yield WriteObject(slave.mailbox, index, sub, data)
         if isinstance(answer, SdoError):
             what = f"PDOs: {object_name(index, sub)} = 0x{value:X}"
@@ -297,7 +320,14 @@ class LineStart:
     def _map(self, slave: Starting) -> Steps:
         """Set up SyncManagers and FMMUs of the process data, and of the state of the mailbox."""
         assert slave.described is not None
-        place = self._master.image.places[self._slaves.index(slave)]
+        number, settings = self._slaves.index(slave), slave.settings
+        image = self._master.image
+        if isinstance(settings, RegisterInputs):
+            at = image.registers[number - len(image.places)]
+            part = at, settings.size, settings.first, FMMU_READ
+            yield write_register(slave.station, "FMMU", fmmu_of(*part))
+            return
+        place = image.places[number]
         (out_start, out_control), (in_start, in_control) = slave.described.managers[2:4]
         managers = SYNC_MANAGER.pack(
             out_start, place.output_bytes, out_control, 0, SM_ENABLE, 0
@@ -329,7 +359,7 @@ class LineStart:
         period_ns = self._line.period_ns
         lead_ns = SYNC_LEAD_CYCLES * period_ns
         start_ns = -(-(self._clock.now_ns + lead_ns) // period_ns) * period_ns
-        for slave in self._alive:
+        for slave in (each for each in self._alive if each.objects is not None):
             yield from clocks.begin_sync(slave.station, start_ns + self._line.shift_ns, period_ns)
 
     def _follow(self, reference: int) -> Steps:
@@ -372,10 +402,12 @@ def fmmus_of(place: Place, out_start: int, in_start: int) -> bytes:
         (place.inputs, place.input_bytes, in_start, FMMU_READ),
         (place.mailbox, 1, STATUS, FMMU_READ),
     )
-    return b"".join(
-        FMMU.pack(LOGICAL + at, size, *FMMU_ALL_BITS, start, 0, kind, 1)
-        for at, size, start, kind in parts
-    )
+    return b"".join(fmmu_of(*part) for part in parts)
+
+
+def fmmu_of(at: int, size: int, start: int, kind: int) -> bytes:
+    """Return an FMMU of whole bytes; at: in the process image, start: in the slave."""
+    return FMMU.pack(LOGICAL + at, size, *FMMU_ALL_BITS, start, 0, kind, 1)
 
 
 class SlaveStart:

@@ -14,7 +14,7 @@ from axisrig.kernel.drives.ethercat.image import LOGICAL, Image
 from axisrig.kernel.drives.ethercat.image_data import ImageData
 from axisrig.kernel.drives.ethercat.mailbox import Mailbox
 from axisrig.kernel.drives.ethercat.port import EthercatPort
-from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings
+from axisrig.kernel.drives.ethercat.settings import LineSettings, RegisterInputs, SlaveSettings
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.profiles.ethercat.layouts import (
     DATAGRAM,
@@ -62,7 +62,9 @@ class Cyclic:
 
 
 class Master:
-    """One segment. data, mailboxes: of its drives, in their order on the line.
+    """One segment. data, mailboxes: of its drives, in their order on the line. others: behind them.
+
+    others_taken: called for each of `others` with what a frame has brought of it.
 
     al_states: of all slaves, ORed, as the last frame of a cycle brought it, None when it did not
     or when not each slave has answered. silent_cycles: in a row without a frame that came back.
@@ -77,10 +79,13 @@ class Master:
         line: LineSettings,
         slaves: Sequence[SlaveSettings],
         data: Sequence[ImageData],
+        others: Sequence[RegisterInputs] = (),
     ) -> None:
         self._port, self._clock, self.line, self.slaves = port, clock, line, slaves
         self.transactions = Transactions(port, clock)
-        self.image = Image(slaves)
+        self.others = list(others)
+        self.others_taken: list[Callable[[bytes], None]] = []
+        self.image = Image(slaves, self.others)
         self._data = list(data)
         self.mailboxes: list[Mailbox] = []
         self.frames = 0
@@ -188,13 +193,16 @@ class Master:
             for data, place in zip(self._data, self.image.places, strict=True):
                 begin = image + place.inputs
                 data.arrived(frame[begin : begin + place.input_bytes])
+            for number, taken in enumerate(self.others_taken):
+                begin = image + self.image.registers[number]
+                taken(frame[begin : begin + self.others[number].size])
         else:
             for data in self._data:
                 data.refused(counter, expected)
         answered = int.from_bytes(
             frame[cyclic.states_counter : cyclic.states_counter + 2], "little"
         )
-        if answered == len(self.slaves):
+        if answered == len(self.slaves) + len(self.others):
             self.al_states = frame[cyclic.states]
         if self.al_states != OP:
             for note in self.falls:

@@ -30,6 +30,22 @@ class SlaveSettings(Cia402Settings):
 
 
 @dataclass(frozen=True, kw_only=True)
+class RegisterInputs:
+    """A slave without a drive: the process image takes some of its registers as they are.
+
+    axis: its name in alarms. node_id: its position on the line, behind the drives. first, size: of
+    the registers. writes: what is written to it in PREOP, by the names of the registers.
+    """
+
+    axis: str
+    node_id: int
+    first: int
+    size: int
+    writes: Sequence[tuple[str, bytes]] = ()
+    identity: Mapping[int, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
 class LineSettings:
     """The data of one segment.
 
@@ -58,6 +74,6 @@ STATION_BASE = 1000
 """Station address of the slave at position 1 is one more."""
 
 
-def station_of(settings: SlaveSettings) -> int:
+def station_of(settings: SlaveSettings | RegisterInputs) -> int:
     """Return the station address that the master gives to a slave."""
     return STATION_BASE + settings.node_id

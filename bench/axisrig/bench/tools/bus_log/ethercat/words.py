@@ -5,13 +5,21 @@ from dataclasses import dataclass, field
 
 from axisrig.bench.bus.ethercat.frame import Datagram, datagrams, working_counter
 from axisrig.bench.rig.canopen.members import drive_of
-from axisrig.bench.rig.ethercat.members import axes_on, axis_pdos, ec_segments
+from axisrig.bench.rig.ethercat.members import (
+    TERMINAL,
+    TERMINAL_BYTES,
+    axes_on,
+    axis_pdos,
+    ec_segments,
+    terminal_on,
+    terminal_position,
+)
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.drives.ethercat.image import Image, codec_of
 from axisrig.kernel.drives.ethercat.line_start import state_name
-from axisrig.kernel.drives.ethercat.settings import STATION_BASE, SlaveSettings
+from axisrig.kernel.drives.ethercat.settings import STATION_BASE, RegisterInputs, SlaveSettings
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.ethercat.layouts import MAILBOX, SDO, CoeService, MailboxType
@@ -43,8 +51,9 @@ class LineNames:
         for name in ec_segments(settings) if settings is not None else ():
             assert settings is not None
             self._axes[name] = axes_on(settings, name)
+            others = [_terminal(settings, name)] if terminal_on(settings, name) else []
             self._images[name] = Image(
-                [_layout(settings, axis, n) for n, axis in enumerate(self._axes[name], 1)]
+                [_layout(settings, axis, n) for n, axis in enumerate(self._axes[name], 1)], others
             )
 
     @property
@@ -74,6 +83,10 @@ class LineNames:
         for axis, place in zip(self._axes[segment], image.places, strict=True):
             yield from self._values(axis, data, place.outputs, counter, wrong, is_output=True)
             yield from self._values(axis, data, place.inputs, counter, wrong, is_output=False)
+        for at in image.registers:
+            shown = data[at : at + TERMINAL_BYTES].hex(" ")
+            tags = {f"{TERMINAL}.inputs", TERMINAL, "image"}
+            yield Said(f"{TERMINAL}.inputs", f"WKC {counter}{wrong}  from 09AE on {shown}", tags)
 
     def _values(
         self, axis: str, data: bytes, at: int, counter: int, wrong: str, *, is_output: bool
@@ -124,6 +137,11 @@ def _layout(settings: Settings, axis: str, number: int) -> SlaveSettings:
     return SlaveSettings(
         axis=axis, increments_per_mm=1.0, node_id=number, outputs=(outputs,), inputs=(inputs,)
     )
+
+
+def _terminal(settings: Settings, segment: str) -> RegisterInputs:
+    position = terminal_position(settings, segment)
+    return RegisterInputs(axis=TERMINAL, node_id=position, first=0, size=TERMINAL_BYTES)
 
 
 def _value(register: str, data: bytes) -> str:
