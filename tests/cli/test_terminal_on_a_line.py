@@ -34,3 +34,15 @@ def test_a_terminal_on_can_needs_a_node(place: Path, rejected: Callable[..., str
     rig = place / "plans" / "rigs" / "own.toml"
     rig.write_text('base = "plc-timestamp.toml"\n[plc.terminal]\nsegment = "can1"\n')
     assert "needs a node number" in rejected("check", rig)
+
+
+def test_an_assumed_instant_may_be_given_for_one_axis_of_several(
+    place: Path, axisrig: Callable[..., tuple[int, str, str]]
+) -> None:
+    for folder in ("rigs", "plc"):
+        shutil.copytree(TESTPLANS / folder, place / "plans" / folder)
+    rig = place / "plans" / "rigs" / "own.toml"
+    rig.write_text(
+        'base = "probe-xyz-ethercat.toml"\n[segment.ec1]\nassumed_sample_us = { Z = -20 }\n'
+    )
+    assert axisrig("check", rig)[0] == 0

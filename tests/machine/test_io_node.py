@@ -274,7 +274,7 @@ def test_a_node_that_boots_while_the_plc_starts_it_is_started_anew(bus: Bus) -> 
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"segment": "can1"}, "both segment and node"),
+        ({"node": 3}, "both segment and node"),
         ({"segment": "can1", "node": NODE, "cycle_us": 1000}, "cycle_us"),
         ({"segment": "can1", "node": NODE, "stamp_jitter_ns": 5}, "stamp_jitter_ns"),
         ({"heartbeat_ms": 10}, "heartbeat_ms"),

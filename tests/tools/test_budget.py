@@ -282,6 +282,10 @@ def test_the_way_in_a_ramp_has_its_second_order() -> None:
     [
         # v T of a PLC cycle at most, and the actual value of the SYNC before the cycle of the CNC
         ("plc_sources", "plc-f600", ("PLC cycle", "CNC cycle")),
+        # v times 250 us: 12.5 um at 50 mm/s
+        ("ethercat", "sampling-assumed", ("assumed sampling",)),
+        # v times the 10 us that are not written to the clock of the terminal
+        ("ethercat", "terminal-delay-missing", ("line delay",)),
         # v t: 100 ppm of the time since the start
         ("plc_sources", "stamp-drift", ("clock drift",)),
         # v (1.5 ms + 0.5 ms): the level rests after the last of the edges

@@ -88,6 +88,8 @@ RADIO = Bench("plc-radio", "EXT_PROBE_WITH_DRIVE", NO_DELAY | {"plc:period_us": 
 PLC = Bench("plc-signal", "PLC", QUICK_PLC)
 FIRST = Bench("plc-signal", "PLC_FIRST_EVENT", QUICK_PLC)
 STAMP = Bench("plc-timestamp", "PLC_TIMESTAMP", QUICK_PLC)
+STAMP_ETHERCAT = Bench("plc-timestamp-ethercat", "PLC_TIMESTAMP", QUICK_PLC)
+STAMP_LINE = Bench("plc-timestamp-line", "PLC_TIMESTAMP", QUICK_PLC)
 EXTERNAL = Bench("plc-external", "PLC_EXT_LATCH_CONTROL", QUICK_PLC)
 INPUT = Bench("plc-drive-input", "PLC", QUICK_PLC | NO_DELAY | BETWEEN_SYNCS)
 AT_PLC = (PLC, FIRST, EXTERNAL)
@@ -137,6 +139,24 @@ SEEDED: dict[str, tuple[tuple[Bench, ...], Set]] = {
     "stamp jitter": ((STAMP,), whole("plc:terminal.stamp_jitter_ns", 20_000, 400_000)),
     "clock offset": ((STAMP,), whole("plc:clock_offset_ns", -900_000, -20_000)),
     "clock drift": ((STAMP,), even("plc:clock_drift_ppm", -900, -200)),
+    "assumed sampling": (
+        (STAMP_ETHERCAT, STAMP_LINE),
+        whole("bus:ec1.assumed_sample_us", -400, -20),
+    ),
+    "line delay": (
+        (STAMP_LINE,),
+        lambda draw: (
+            {"bus:ec1.wire_ns": f"terminal={draw.randint(9_000, 90_000)}"}
+            | fixed("bus:ec1.delay_compensation", "false")(draw)
+        ),
+    ),
+    "line drift": (
+        (STAMP_LINE,),
+        lambda draw: (
+            {"bus:ec1.drift_ppm": f"terminal={draw.randint(-900, -200)}"}
+            | fixed("bus:ec1.drift_compensation", "false")(draw)
+        ),
+    ),
     "terminal cycle": (
         AT_PLC,
         lambda draw: (

@@ -99,12 +99,9 @@ class SegmentTable(SegmentKeys):
     def of(self, key: str, axis: str) -> float:
         """Return what a key says of the slave of an axis."""
         value = getattr(self, key)
-        if value is None:
-            return self.of("sample_us", axis)
         if isinstance(value, Mapping):
-            found = value.get(axis)
-            return float(type(self).model_fields[key].default if found is None else found)
-        return float(value)
+            value = value.get(axis, type(self).model_fields[key].default)
+        return self.of("sample_us", axis) if value is None else float(value)
 
 
 EACH = ("wire_ns", "slave_ns", "drift_ppm", "clock_start_us", "sample_us", "assumed_sample_us")

@@ -10,6 +10,7 @@ from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.rig.canopen.keys import ENCODER_RANGE
 from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.ethercat.members import ec_segments, segment_of, terminal_on
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.instants import is_handed
@@ -29,8 +30,9 @@ ASSUMED, ROUNDING = "=", "rounding"
 class Cause:
     """One row of `causes.csv`.
 
-    place: probe, axis (its plant), drive, set (its parameter list), plc (its task), variable
-    (V.E.), fault (the columns `fault:` of the row), or motion (`motion`). needs: drive: the drive
+    place: probe, axis (its plant), drive, set (its parameter list), plc (its task), line (its
+    segment where that is EtherCAT), variable (V.E.), fault (the columns `fault:` of the row), or
+    motion (`motion`). needs: drive: the drive
     latches the value; input: it sees the signal; plc: the signal comes by the PLC; terminal: by a
     terminal of its own; external: PLC_EXT_LATCH_CONTROL; empty: any value. key, unit: what is set
     there, several keys apart by spaces; off: the values that switch the cause off, `=` and a key:
@@ -169,8 +171,8 @@ def motion_causes(
 
 
 def _active(case: Case, settings: Settings, axis: str, cause: Cause) -> Active | None:
-    if cause.place == "motion":
-        return None
+    if cause.place in ("motion", "line"):
+        return _of_line(settings, axis, cause) if cause.place == "line" else None
     if cause.place == "variable":
         value = settings.external.get(cause.key)
         column = f"plc:V.E.{cause.key}"
@@ -201,6 +203,27 @@ def _active(case: Case, settings: Settings, axis: str, cause: Cause) -> Active |
     columns = [_column(settings, axis, cause, key) for key in keys]
     first = next(value for value in values if value is not None)
     return Active(cause, first, ", ".join(shown), dict(zip(columns, offs, strict=True)))
+
+
+def _of_line(settings: Settings, axis: str, cause: Cause) -> Active | None:
+    """Return a cause of the EtherCAT line of an axis; its clocks count where the terminal has one.
+
+    off: a key of the segment for a number, the value itself for a flag.
+    """
+    segment = settings.rig.axis[axis].segment
+    if segment not in ec_segments(settings):
+        return None
+    table = segment_of(settings, segment)
+    if isinstance(getattr(table, cause.key), bool):
+        if getattr(table, cause.key) or terminal_on(settings, segment) is None:
+            return None
+        value, off = "false", cause.off
+    else:
+        value, off = f"{table.of(cause.key, axis):g}", f"{table.of(cause.off, axis):g}"
+    column = f"bus:{segment}.{cause.key}"
+    if value == off:
+        return None
+    return Active(cause, value, f"{cause.key} {value} {cause.unit}".rstrip(), {column: off})
 
 
 def _off(settings: Settings, text: str) -> str:

@@ -4,6 +4,7 @@ from math import copysign, exp
 
 from axisrig.bench.record.signal_sources import STAMPED
 from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.ethercat.members import segment_of, slaves_on
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen
@@ -50,6 +51,8 @@ def expected_um(
             found_um = later.noise * float(active.value) + moved_um
         case "edge":
             found_um = _edge_um(later, without)
+        case "assumed" | "line":
+            found_um = later.moved_um(0.0, line_shift_ms(active, settings, axis))
         case "sampling":
             found_um = _sampled_um(active, settings, axis, later, without.latch_ms or 0.0)
         case "twist" | "viscous":
@@ -71,6 +74,25 @@ def _way_um(active: Active, later: Seen, without: Seen) -> float | None:
         if later.latch_ms is not None:  # the drive has stored it: no telegram changes it
             return 0.0
     return _difference_um(later.way_um, without.way_um)
+
+
+def line_shift_ms(active: Active, settings: Settings, axis: str) -> float:
+    """Return by how much later than its stamp the position is that a value has.
+
+    A clock whose delay was not written is behind by the way from the first slave to the last one. A
+    position is that of the last sample before its frame, whenever the control takes that to be.
+    """
+    segment = settings.rig.axis[axis].segment
+    table, names = segment_of(settings, segment), slaves_on(settings, segment)
+    if active.cause.form == "line":
+        way_ns = sum(table.of("wire_ns", name) for name in names[1:])
+        return -(way_ns + sum(table.of("slave_ns", name) for name in names[:-1])) / MS
+    period_us = settings.rig.cycle.period_us
+    assumed_us, sampled_us = (
+        (table.frame_us - table.shift_us - at_us) % period_us or period_us
+        for at_us in (table.of(active.cause.key, axis), table.of(active.cause.off, axis))
+    )
+    return (assumed_us - sampled_us) * 1e-3
 
 
 def _edge_um(later: Seen, without: Seen) -> float | None:
