@@ -389,7 +389,7 @@ def test_results_may_come_in_any_order() -> None:
 def test_every_cause_has_a_place_and_says_what_it_is() -> None:
     for cause in causes():
         assert cause.place in PLACES
-        assert cause.needs in ("", "drive", "input", "plc", "terminal", "external")
+        assert cause.needs in ("", "drive", "input", "plc", "line", "terminal", "external")
         assert cause.form in FORMS
         assert cause.effect in ("systematic", "random")
         assert (cause.form in ("rounding", "sampling", "jitter")) <= (cause.effect == "random")
