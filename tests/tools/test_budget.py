@@ -42,8 +42,9 @@ FORMS = (
     *("time", "minus_time", "length", "edge", "first", "drift", "drawn", "rest", "source"),
     *("rounding", "sampling", "jitter", "twist", "viscous", "half", "led_back"),
     *("seat", "contact", "noise", "handed", "pdo", "motion"),
+    *("assumed", "line", "drifted"),
 )
-PLACES = ("probe", "axis", "drive", "set", "plc", "variable", "fault", "motion")
+PLACES = ("probe", "axis", "drive", "set", "plc", "line", "variable", "fault", "motion")
 PROBE = {"pretravel_um": "8", "trigger_delay_us": "120"}
 
 

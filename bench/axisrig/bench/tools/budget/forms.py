@@ -4,13 +4,13 @@ from math import copysign, exp
 
 from axisrig.bench.record.signal_sources import STAMPED
 from axisrig.bench.rig.canopen.members import drive_of
-from axisrig.bench.rig.ethercat.members import segment_of, slaves_on
+from axisrig.bench.rig.ethercat.members import TERMINAL, segment_of, slaves_on
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
 from axisrig.bench.tools.budget.seen import Seen
 from axisrig.bench.tools.budget.starts import start_number
 from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, S
 
 BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
@@ -206,4 +206,8 @@ def bound_um(
             return increment_um
         case "jitter":
             return v_um_s * float(active.value) * 1e-9
+        case "drifted" if whole.track is not None:  # since the start-up has written the offset
+            table = segment_of(settings, settings.rig.axis[axis].segment)
+            drift_ppm = abs(table.of("drift_ppm", TERMINAL))
+            return v_um_s * drift_ppm * 1e-6 * whole.track.contact_ns / S
     return None
