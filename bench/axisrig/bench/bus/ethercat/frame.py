@@ -14,7 +14,6 @@ from axisrig.kernel.profiles.ethercat.layouts import (
     ETHERTYPE,
     FCS_BYTES,
     FIRST_DATAGRAM,
-    FRAME_HEADER,
     FRAME_MIN,
     FRAME_TYPE_DATAGRAMS,
     GAP_BYTES,
@@ -25,7 +24,8 @@ from axisrig.kernel.profiles.ethercat.layouts import (
 )
 from axisrig.kernel.time.clock import TimeNs
 
-_OVERHEAD: Final = DATAGRAM.size + WORKING_COUNTER.size
+_OVERHEAD: Final[int] = DATAGRAM.size + WORKING_COUNTER.size
+_ETHERTYPE_PLACE: Final[int] = ETHERNET_HEADER.size - 2
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,9 @@ def is_ethercat(frame: bytes | bytearray) -> bool:
     """Whether slaves act on a frame: its ethertype, and a header that says datagrams."""
     if len(frame) < FIRST_DATAGRAM + _OVERHEAD:
         return False
-    _, _, ethertype = ETHERNET_HEADER.unpack_from(frame)
-    (header,) = FRAME_HEADER.unpack_from(frame, ETHERNET_HEADER.size)
-    return bool(ethertype == ETHERTYPE and header >> 12 == FRAME_TYPE_DATAGRAMS)
+    if frame[_ETHERTYPE_PLACE] != ETHERTYPE >> 8 or frame[_ETHERTYPE_PLACE + 1] != ETHERTYPE & 0xFF:
+        return False
+    return frame[_ETHERTYPE_PLACE + 3] >> 4 == FRAME_TYPE_DATAGRAMS
 
 
 def datagrams(frame: bytes | bytearray) -> Iterator[Datagram]:

@@ -4,7 +4,7 @@ Source: docs/ethercat.md. A datagram of logical addresses counts once for each d
 any FMMU of the slave was hit, whatever their number.
 """
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,8 +13,17 @@ from axisrig.kernel.profiles.ethercat.layouts import FMMU, FMMU_READ, FMMU_WRITE
 COUNT: Final = 8
 _LAST_BIT: Final = 7
 
-Read = Callable[[int, int], bytes | None]
-Write = Callable[[int, bytes], bool]
+
+class Physical(ABC):
+    """The physical memory of a slave, as a frame that passes reads and writes it."""
+
+    @abstractmethod
+    def read(self, address: int, length: int) -> bytes | None:
+        """Return what is there, None where a read is refused."""
+
+    @abstractmethod
+    def write(self, address: int, data: bytes) -> bool:
+        """Write; return whether that is allowed."""
 
 
 @dataclass(frozen=True)
@@ -57,14 +66,14 @@ def read_fmmus(registers: bytes) -> list[Fmmu]:
 
 
 class Mapping:
-    """The logical image of one slave. read, write: of its physical memory."""
+    """The logical image of one slave in its memory."""
 
-    def __init__(self, read: Read, write: Write) -> None:
-        self._read, self._write = read, write
+    def __init__(self, memory: Physical) -> None:
+        self._memory = memory
         self.fmmus: list[Fmmu] = []
 
     def exchange(
-        self, frame: bytearray, at: int, logical: int, length: int, *, reads: bool, writes: bool
+        self, frame: bytearray, at: int, logical: int, length: int, reads: bool, writes: bool
     ) -> tuple[bool, bool]:
         """Act on a datagram whose data is at `at`; return whether it was read, and written.
 
@@ -85,7 +94,7 @@ class Mapping:
 
     def _get(self, fmmu: Fmmu, frame: bytearray, base: int, begin: int, end: int) -> bool:
         if fmmu.is_whole:
-            data = self._read(fmmu.physical + begin - fmmu.logical, end - begin)
+            data = self._memory.read(fmmu.physical + begin - fmmu.logical, end - begin)
             if data is not None:
                 frame[base + begin : base + end] = data
             return data is not None
@@ -94,7 +103,7 @@ class Mapping:
             return False  # none of its bits is in these bytes
         from_bit = first - fmmu.first_bit + fmmu.physical_bit
         to_bit = last - fmmu.first_bit + fmmu.physical_bit
-        data = self._read(fmmu.physical + from_bit // 8, to_bit // 8 - from_bit // 8 + 1)
+        data = self._memory.read(fmmu.physical + from_bit // 8, to_bit // 8 - from_bit // 8 + 1)
         if data is None:
             return False
         bits = int.from_bytes(data, "little") >> from_bit % 8
@@ -108,7 +117,7 @@ class Mapping:
     def _put(self, fmmu: Fmmu, sent: bytes, logical: int, begin: int, end: int) -> bool:
         data = sent[begin - logical : end - logical]
         if fmmu.is_whole:
-            return self._write(fmmu.physical + begin - fmmu.logical, data)
+            return self._memory.write(fmmu.physical + begin - fmmu.logical, data)
         first, last = _bits(fmmu, begin, end)
         if last < first:
             return False
@@ -117,7 +126,7 @@ class Mapping:
         to_bit = first - fmmu.first_bit + fmmu.physical_bit
         size = (to_bit % 8 + last - first) // 8 + 1
         # Bits of the first and last byte that are not mapped are written as 0
-        return self._write(
+        return self._memory.write(
             fmmu.physical + to_bit // 8, (bits << to_bit % 8).to_bytes(size, "little")
         )
 

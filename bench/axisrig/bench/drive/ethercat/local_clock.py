@@ -1,9 +1,11 @@
 """The oscillator of one slave: its local time in ns as a function of simulated time."""
 
+from typing import Final
+
 from axisrig.kernel.time.clock import TimeNs
 
-_PARTS = 1_000_000_000
-MASK_64 = (1 << 64) - 1
+_PARTS: Final = 1_000_000_000
+MASK_64: Final = (1 << 64) - 1
 
 
 class LocalClock:
@@ -23,6 +25,8 @@ class LocalClock:
 
     def at(self, time_ns: TimeNs) -> int:
         """Return the local time at an instant, not wrapped."""
+        if not self._parts:
+            return self._start_ns + time_ns
         return self._start_ns + time_ns + time_ns * self._parts // _PARTS
 
     def jump(self, by_ns: TimeNs) -> None:

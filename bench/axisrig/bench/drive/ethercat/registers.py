@@ -7,10 +7,11 @@ import struct
 from dataclasses import dataclass
 from typing import Final, Protocol
 
+from axisrig.bench.drive.ethercat import register_areas as areas
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.eeprom import Eeprom
 from axisrig.bench.drive.ethercat.fmmu import COUNT as FMMUS
-from axisrig.bench.drive.ethercat.fmmu import Mapping, read_fmmus
+from axisrig.bench.drive.ethercat.fmmu import Mapping, Physical, read_fmmus
 from axisrig.bench.drive.ethercat.sync_managers import COUNT as SYNC_MANAGERS
 from axisrig.bench.drive.ethercat.sync_managers import SyncManagers
 from axisrig.bench.drive.ethercat.sync_unit import LatchUnit, SyncUnit
@@ -29,6 +30,7 @@ _AL_EVENT: Final = 1 << 3
 _LATCH_EVENT: Final = 1 << 0
 _MASK_32 = 0xFFFF_FFFF
 _COUNT_MAX = 0xFF
+_LENGTH_BITS: Final = 12
 
 
 class Device(Protocol):
@@ -60,11 +62,7 @@ class Parts:
     managers: SyncManagers
 
 
-def _addresses() -> dict[str, int]:
-    return {name: row.address for name, row in tables.registers().items()}
-
-
-class Registers:
+class Registers(Physical):
     """The memory of one slave controller as a master sees it, from 0000 to 2FFF.
 
     Reads and writes are those of a frame that passes at `passes`.
@@ -73,12 +71,17 @@ class Registers:
     def __init__(self, parts: Parts, device: Device) -> None:
         self._parts, self._device = parts, device
         self._memory = bytearray(RAM_END)
-        self._at = _addresses()
+        self._at = areas.addresses()
+        self._system_time = self._at["SYSTEM_TIME"]
+        self._event_mask, self._station = self._at["ECAT_EVENT_MASK"], self._at["STATION_ADDRESS"]
+        # What each place and length concerns, by both in one number
+        self._reads: dict[int, int] = {}
+        self._writes: dict[int, int] = {}
         self._may_write = bytearray(RAM_START)
         for row in tables.registers().values():
             if row.master == "rw":
                 self._may_write[row.address : row.address + row.size] = b"\x01" * row.size
-        self.mapping = Mapping(self.read, self.write)
+        self.mapping = Mapping(self)
         self._arrival_ns: TimeNs = 0
         self._return_ns: TimeNs | None = None
         self._event_request = 0
@@ -146,8 +149,7 @@ class Registers:
 
     def answers_to(self, address: int) -> bool:
         """Whether a station address is that of this slave."""
-        at = self._at["STATION_ADDRESS"]
-        memory = self._memory
+        at, memory = self._station, self._memory
         if address == memory[at] | memory[at + 1] << 8:
             return True
         alias = self.get("STATION_ALIAS")
@@ -155,7 +157,7 @@ class Registers:
 
     def events(self) -> int:
         """Return the events that the master wants to see in each datagram."""
-        mask = self._memory[self._at["ECAT_EVENT_MASK"]]
+        mask = self._memory[self._event_mask]
         if not mask:
             return 0
         latch = _LATCH_EVENT if self._parts.latches.has_event else 0
@@ -163,104 +165,108 @@ class Registers:
 
     def read(self, address: int, length: int) -> bytes | None:
         """Return what a master reads, None where it is refused."""
+        end = address + length
         if address >= RAM_START:
-            if address + length > RAM_END:
+            if end > RAM_END:
                 return None
             return self._parts.managers.read(address, length, self._memory)
-        if address + length > RAM_START:
+        if end > RAM_START:
             return None  # half of it is no register
-        self._before_read(address, address + length)
-        data = bytes(self._memory[address : address + length])
-        self._after_read(address, address + length)
+        key = address << _LENGTH_BITS | length
+        concerned = self._reads.get(key)
+        if concerned is None:
+            concerned = self._reads[key] = areas.read_parts(address, end)
+        if concerned:
+            self._before_read(concerned, address, end)
+        data = bytes(self._memory[address:end])
+        if concerned & areas.CLEARED:
+            self._after_read(concerned, address, end)
         return data
 
     def write(self, address: int, data: bytes) -> bool:
         """Take what a master writes; return whether that is allowed."""
-        end = address + len(data)
+        length = len(data)
+        end = address + length
         if address >= RAM_START:
             return end <= RAM_END and self._parts.managers.write(address, data, self._memory)
         if end > RAM_START:
             return False
-        before = bytes(self._memory[address:end])
-        allowed = self._may_write[address:end]
-        self._memory[address:end] = bytes(
-            new if may else old for new, old, may in zip(data, before, allowed, strict=True)
-        )
-        self._written(address, end)
+        key = address << _LENGTH_BITS | length
+        concerned = self._writes.get(key)
+        if concerned is None:
+            concerned = self._writes[key] = areas.written_parts(address, end)
+        if concerned & areas.WRITABLE:
+            self._memory[address:end] = data
+        else:
+            before, allowed = self._memory[address:end], self._may_write[address:end]
+            self._memory[address:end] = bytes(
+                new if may else old for new, old, may in zip(data, before, allowed, strict=True)
+            )
+        if concerned & areas.CLOCK:
+            self._written_clock(concerned)
+        else:
+            self._written(concerned)
         return True
 
     # What reads give
 
-    def _before_read(self, begin: int, end: int) -> None:
-        memory, at, parts = self._memory, self._at, self._parts
-        if begin < at["EEPROM_DATA"] and end > at["EEPROM_CONTROL"]:
+    def _before_read(self, concerned: int, begin: int, end: int) -> None:
+        parts = self._parts
+        if concerned & areas.TIME:
+            system_ns = parts.time.system_ns(self._arrival_ns)
+            at = self._system_time
+            self._memory[at : at + 8] = system_ns.to_bytes(8, "little")
+        if concerned & areas.DIFFERENCE:
+            self.put("SYSTEM_TIME_DIFFERENCE", parts.time.difference)
+        if concerned & areas.MANAGERS:
+            parts.managers.show(self._memory, self._at["SYNC_MANAGER"], begin, end)
+        if concerned & areas.EEPROM:
             self.put("EEPROM_CONTROL", parts.eeprom.status)
-        if begin < at["EEPROM_CONFIGURATION"] and end > at["WATCHDOG_DIVIDER"]:
+        if concerned & areas.WATCHDOG:
             self.put("WATCHDOG_STATUS", int(parts.watchdog.is_healthy))
             self.put("WATCHDOG_COUNT", parts.watchdog.count)
-        first = at["SYNC_MANAGER"]
-        if first <= begin < first + 8 * SYNC_MANAGERS:
-            managers = memoryview(memory)[first : first + 8 * SYNC_MANAGERS]
-            shown = bytearray(managers)
-            parts.managers.show(shown)
-            managers[:] = shown
-        if begin < at["SPEED_COUNTER_START"] and end > at["SYSTEM_TIME"]:
-            self.put("SYSTEM_TIME", parts.time.system_ns(self._arrival_ns))
-            self.put("SYSTEM_TIME_DIFFERENCE", parts.time.difference)
-        if begin < at["USER_RAM"] and end > at["CYCLIC_CONTROL"]:
-            self._before_sync_read(begin, end)
-
-    def _before_sync_read(self, begin: int, end: int) -> None:
-        at, parts = self._at, self._parts
-        self.put("ACTIVATION_STATUS", parts.sync.status)
-        if parts.sync.has_sync0:
-            self.put("START_TIME", parts.sync.next0)
-        if end > at["LATCH0_STATUS"]:
+        if concerned & areas.SYNC:
+            self.put("ACTIVATION_STATUS", parts.sync.status)
+            if parts.sync.has_sync0:
+                self.put("START_TIME", parts.sync.next0)
+        if concerned & areas.LATCHES:
             self._device.before_latches()
             self.put("LATCH0_STATUS", parts.latches.status(0))
             self.put("LATCH1_STATUS", parts.latches.status(1))
-            first = at["LATCH0_POSITIVE"]
+            first = self._at["LATCH0_POSITIVE"]
             self._memory[first : first + 32] = parts.latches.times()
 
-    def _after_read(self, begin: int, end: int) -> None:
-        at = self._at
-        if begin <= at["AL_STATUS"] < end:
+    def _after_read(self, concerned: int, begin: int, end: int) -> None:
+        if concerned & areas.AL_STATUS:
             self._event_request &= ~_AL_EVENT
-        first = at["LATCH0_POSITIVE"]
-        if first < end and begin < first + 32:
+        if concerned & areas.LATCH_TIMES:
+            first = self._at["LATCH0_POSITIVE"]
             for place in range(4):
                 if begin <= first + 8 * place < end:
                     self._parts.latches.taken(place)
 
     # What writes do
 
-    def _written(self, begin: int, end: int) -> None:
-        at, parts = self._at, self._parts
-
-        def has(name: str) -> bool:
-            return begin < at[name] + tables.registers()[name].size and end > at[name]
-
-        if begin >= at["RECEIVE_TIMES"]:
-            self._written_clock(begin, end)
-            return
-        if has("AL_CONTROL"):
+    def _written(self, concerned: int) -> None:
+        parts = self._parts
+        if concerned & areas.AL_CONTROL:
             self._device.al_control(self.get("AL_CONTROL"))
-        if has("WATCHDOG_DIVIDER") or has("WATCHDOG_PROCESS_DATA"):
+        if concerned & areas.WATCHDOG_SETTINGS:
             parts.watchdog.divider = self.get("WATCHDOG_DIVIDER")
             parts.watchdog.time = self.get("WATCHDOG_PROCESS_DATA")
-        if has("WATCHDOG_COUNT") or has("WATCHDOG_PDI_COUNT"):
+        if concerned & areas.WATCHDOG_COUNTS:
             parts.watchdog.count = 0
-        if has("RX_ERRORS") or has("LOST_LINKS"):
+        if concerned & areas.ERROR_COUNTS:
             for name in ("RX_ERRORS", "FORWARDED_ERRORS", "MALFORMED_FRAMES", "LOST_LINKS"):
                 self.put(name, 0)
-        if has("EEPROM_CONTROL"):
+        if concerned & areas.EEPROM:
             self._eeprom_command()
-        if has("FMMU"):
-            first = at["FMMU"]
+        if concerned & areas.FMMUS:
+            first = self._at["FMMU"]
             size = layouts.FMMU.size * FMMUS
             self.mapping.fmmus = read_fmmus(bytes(self._memory[first : first + size]))
-        if has("SYNC_MANAGER"):
-            first = at["SYNC_MANAGER"]
+        if concerned & areas.MANAGERS:
+            first = self._at["SYNC_MANAGER"]
             parts.managers.configure(bytes(self._memory[first : first + 8 * SYNC_MANAGERS]))
 
     def _eeprom_command(self) -> None:
@@ -274,28 +280,28 @@ class Registers:
         self.put("EEPROM_DATA", int.from_bytes(data, "little"))
         self.put("STATION_ALIAS", self._parts.eeprom.alias)
 
-    def _written_clock(self, begin: int, end: int) -> None:
-        at, parts = self._at, self._parts
+    def _written_clock(self, concerned: int) -> None:
+        parts = self._parts
         now_ns = parts.clock.now_ns
-        if begin <= at["RECEIVE_TIMES"] < end:
+        if concerned & areas.RECEIVE_TIMES:
             self._latch_receive_times()
-        first = at["SYSTEM_TIME"]
-        if begin <= first and end >= first + 4:
-            bits = 64 if end >= first + 8 else 32
-            value = self.get("SYSTEM_TIME") & (1 << bits) - 1
-            parts.time.follow(value, bits, self._arrival_ns)
-        if begin < at["SYSTEM_TIME_DIFFERENCE"] and end > at["SYSTEM_TIME_OFFSET"]:
+        if concerned & (areas.FOLLOW_32 | areas.FOLLOW_64):
+            bits = 64 if concerned & areas.FOLLOW_64 else 32
+            at = self._system_time
+            received = int.from_bytes(self._memory[at : at + bits // 8], "little")
+            parts.time.follow(received, bits, self._arrival_ns)
+        if concerned & areas.OFFSET:
             parts.time.delay = self.get("SYSTEM_TIME_DELAY")
             parts.time.set_offset(self.get("SYSTEM_TIME_OFFSET"), now_ns)
-        if begin < at["SPEED_COUNTER_DIFFERENCE"] and end > at["SPEED_COUNTER_START"]:
+        if concerned & areas.FILTERS:
             parts.time.forget(now_ns)
-        if end > at["CYCLIC_CONTROL"]:
+        if concerned & areas.SYNC_SETTINGS:
             sync = parts.sync
             if not sync.has_sync0 or self.get("ACTIVATION") != sync.activation:
                 sync.start = self.get("START_TIME")
             sync.cycle0, sync.cycle1 = self.get("SYNC0_CYCLE"), self.get("SYNC1_CYCLE")
             parts.latches.control = [self.get("LATCH0_CONTROL"), self.get("LATCH1_CONTROL")]
-            if begin <= at["ACTIVATION"] < end:
+            if concerned & areas.ACTIVATION:
                 sync.activate(self.get("ACTIVATION"))
                 self._device.activated()
         parts.sync.moved()

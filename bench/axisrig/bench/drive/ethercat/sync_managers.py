@@ -27,12 +27,17 @@ _PDI: Final = 7
 
 
 class SyncManager:
-    """One of them. latest: what its reader gets. is_full: a mailbox that holds a message."""
+    """One of them. latest: what its reader gets. is_full: a mailbox that holds a message.
+
+    is_enabled: whether it answers for its area, from `start` to before `end`. is_mailbox: otherwise
+    it has three buffers. master_writes: otherwise he reads.
+    """
 
     def __init__(self, number: int) -> None:
         self.number = number
         self.start = self.length = self.control = self.activation = self.acknowledge = 0
-        self.is_full = False
+        self.end = 0
+        self.is_enabled = self.is_mailbox = self.master_writes = self.is_full = False
         self.latest = b""
         self._buffer = bytearray()
 
@@ -44,25 +49,14 @@ class SyncManager:
         )
         if before == (self.start, self.length, self.control, self.activation & SM_ENABLE):
             return False
+        self.end = self.start + self.length
+        self.is_enabled = bool(self.activation & SM_ENABLE) and self.length > 0
+        self.is_mailbox = self.control & SM_MODE_MASK == SM_MAILBOX
+        self.master_writes = self.control & SM_DIRECTION_MASK == SM_MASTER_WRITES
         self.is_full = False
         self.latest = bytes(self.length)
         self._buffer = bytearray(self.length)
         return True
-
-    @property
-    def is_enabled(self) -> bool:
-        """Whether it answers for its area."""
-        return bool(self.activation & SM_ENABLE) and self.length > 0
-
-    @property
-    def is_mailbox(self) -> bool:
-        """Whether it is a mailbox; otherwise it has three buffers."""
-        return self.control & SM_MODE_MASK == SM_MAILBOX
-
-    @property
-    def master_writes(self) -> bool:
-        """Whether the master writes it; otherwise he reads."""
-        return self.control & SM_DIRECTION_MASK == SM_MASTER_WRITES
 
     @property
     def is_watched(self) -> bool:
@@ -80,7 +74,7 @@ class SyncManager:
 
     def holds(self, address: int, length: int) -> bool:
         """Whether an access is within its area."""
-        return self.start <= address and address + length <= self.start + self.length
+        return self.start <= address and address + length <= self.end
 
     # The master's side
 
@@ -146,12 +140,16 @@ class SyncManagers:
             if manager.is_mailbox and manager.wants_repeat:
                 self._repeat(manager.number)
 
-    def show(self, registers: bytearray) -> None:
-        """Write what the slave says into the registers of all."""
-        for manager in self.all:
-            at = SYNC_MANAGER.size * manager.number
-            registers[at + _STATUS] = manager.status()
-            registers[at + _PDI] = manager.acknowledge
+    def show(self, memory: bytearray, first: int, begin: int, end: int) -> None:
+        """Write what the slave says into the registers between two addresses.
+
+        first: address of those of the first one.
+        """
+        size = SYNC_MANAGER.size
+        for number in range((begin - first) // size, min(-(-(end - first) // size), COUNT)):
+            manager, at = self.all[number], first + size * number
+            memory[at + _STATUS] = manager.status()
+            memory[at + _PDI] = manager.acknowledge
 
     def read(self, address: int, length: int, ram: bytearray) -> bytes | None:
         """Return what a master reads from the RAM, None where a SyncManager refuses."""
@@ -181,10 +179,10 @@ class SyncManagers:
 
     @staticmethod
     def _is_end(manager: SyncManager, address: int, length: int) -> bool:
-        return address + length == manager.start + manager.length
+        return address + length == manager.end
 
     def _of(self, address: int, length: int) -> SyncManager | None:
         for manager in self._enabled:
-            if address < manager.start + manager.length and manager.start < address + length:
+            if address < manager.end and manager.start < address + length:
                 return manager
         return None

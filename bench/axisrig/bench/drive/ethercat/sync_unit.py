@@ -6,7 +6,7 @@ from functools import partial
 from typing import Final
 
 from axisrig.bench.drive.axis.ports import SignalPort
-from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
+from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock, signed
 from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 CYCLIC, SYNC0, SYNC1 = 1, 2, 4
@@ -17,6 +17,7 @@ OUT_OF_RANGE: Final = 4
 CYCLE_MIN_NS: Final[TimeNs] = 10 * US
 """A shorter cycle of SYNC0 gives no pulse (chosen here)."""
 _HALF: Final = 1 << 63
+_SHORT: Final = 1 << 62
 
 
 class SyncUnit:
@@ -58,8 +59,8 @@ class SyncUnit:
         self.pulses = self.status = 0
         if self.has_sync0:
             self.next0 = self.start
-            is_past = self.start - self._time.system_ns(self._clock.now_ns) & (2 * _HALF - 1)
-            if is_past >= _HALF or 0 < self.cycle0 < CYCLE_MIN_NS:
+            left = signed(self.start - self._time.system_ns(self._clock.now_ns), 64)
+            if left < 0 or 0 < self.cycle0 < CYCLE_MIN_NS:
                 self.status = OUT_OF_RANGE
                 return
             self.status = PENDING_0 | (PENDING_1 if activation & SYNC1 else 0)
@@ -75,9 +76,9 @@ class SyncUnit:
         self._steps = self._time.steps
         if self.cycle0 >= CYCLE_MIN_NS:
             # A clock that was put forward by cycles has no pulses of these
-            behind = self._time.system_ns(self._clock.now_ns) - self.next0 & 2 * _HALF - 1
-            if self.cycle0 <= behind < _HALF:
-                self.next0 = self.next0 + behind // self.cycle0 * self.cycle0 & 2 * _HALF - 1
+            behind = signed(self._time.system_ns(self._clock.now_ns) - self.next0, 64)
+            if self.cycle0 <= behind:
+                self.next0 = _wrapped(self.next0 + behind // self.cycle0 * self.cycle0)
         time_ns = self._time.instant_ns(self.next0, self._clock.now_ns)
         self._clock.call_at(time_ns, Phase.APPLICATION, partial(self._pulse, self._train))
 
@@ -87,7 +88,7 @@ class SyncUnit:
         self.pulses += 1
         self.status &= ~PENDING_0
         if self.cycle0 >= CYCLE_MIN_NS:
-            self.next0 = self.next0 + self.cycle0 & (2 * _HALF - 1)
+            self.next0 = _wrapped(self.next0 + self.cycle0)
             self._plan()
         if self.activation & SYNC1:
             at_ns = self._clock.now_ns + self.cycle1
@@ -98,6 +99,11 @@ class SyncUnit:
         if train == self._train:
             self.status &= ~PENDING_1
             self._sync1()
+
+
+def _wrapped(system: int) -> int:
+    """Return a system time that is not below 0 as 64 bits have it."""
+    return system if system < _SHORT else system & 2 * _HALF - 1
 
 
 class LatchUnit:

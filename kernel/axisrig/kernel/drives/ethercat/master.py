@@ -86,7 +86,7 @@ class Master:
         self.others = list(others)
         self.others_taken: list[Callable[[bytes], None]] = []
         self.image = Image(slaves, self.others)
-        self._data = list(data)
+        self._parts = list(zip(data, self.image.places, strict=True))
         self.mailboxes: list[Mailbox] = []
         self.frames = 0
         self.silent_cycles = 0
@@ -153,7 +153,7 @@ class Master:
         now_ns = self._clock.now_ns
         if cyclic.time is not None:
             frame[cyclic.time : cyclic.time + 4] = (now_ns & TIME_MASK).to_bytes(4, "little")
-        for data, place in zip(self._data, self.image.places, strict=True):
+        for data, place in self._parts:
             data.forget()
             at = cyclic.image + place.outputs
             frame[at : at + place.output_bytes] = data.outputs
@@ -190,24 +190,23 @@ class Master:
         image, expected = cyclic.image, self.image.counter
         if counter == expected:
             self.taken_ns = self.sent_ns
-            for data, place in zip(self._data, self.image.places, strict=True):
+            for data, place in self._parts:
                 begin = image + place.inputs
                 data.arrived(frame[begin : begin + place.input_bytes])
             for number, taken in enumerate(self.others_taken):
                 begin = image + self.image.registers[number]
                 taken(frame[begin : begin + self.others[number].size])
         else:
-            for data in self._data:
+            for data, _ in self._parts:
                 data.refused(counter, expected)
-        answered = int.from_bytes(
-            frame[cyclic.states_counter : cyclic.states_counter + 2], "little"
-        )
+        at = cyclic.states_counter
+        answered = frame[at] | frame[at + 1] << 8
         if answered == len(self.slaves) + len(self.others):
             self.al_states = frame[cyclic.states]
         if self.al_states != OP:
             for note in self.falls:
                 note()
-        for mailbox, place in zip(self.mailboxes, self.image.places, strict=True):
+        for number, (_, place) in enumerate(self._parts):
             if frame[image + place.mailbox] & SM_FULL:
-                mailbox.note_full()
+                self.mailboxes[number].note_full()
         self.transactions.let_go()
