@@ -28,6 +28,9 @@ from axisrig.kernel.time.clock import S, TimeNs
 LOG_SUFFIXES = {"blf": ".blf", "candump": ".log", "asc": ".asc", "pcap": ".pcap"}
 """Kind of log -> suffix of its file."""
 
+BLF_LEVEL: Final = 2
+"""Level of zlib: a third of the time of its default, for files 1.05 to 1.1 times as large."""
+
 SEGMENT_MARK = "@"
 """Is before the name of a segment in the name of a file; no name of a run has it."""
 
@@ -93,7 +96,7 @@ def blf_writer(path: str | Path) -> can.BLFWriter:
     Times are kept as whole ns, cut off from a float: a frame reads back at most 1 ns early.
     The caller taps it to a segment and calls `stop()` at the end.
     """
-    writer = can.BLFWriter(path)
+    writer = can.BLFWriter(path, compression_level=BLF_LEVEL)
     writer.start_timestamp = 0.0
     return writer
 

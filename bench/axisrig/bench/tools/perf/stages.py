@@ -34,7 +34,7 @@ STAGES: Parts = {
     "machine built besides": [(runner, "Machine")],
     SIMULATION: [(Machine, "run")],
     "facts": [(runner, "facts_of")],
-    "trace: last block (Parquet, zstd)": [(SeriesWriter, "add"), (SeriesWriter, "close")],
+    "trace: last block (Parquet, LZ4)": [(SeriesWriter, "add"), (SeriesWriter, "close")],
     "bus log: last container (zlib), file closed": [(Machine, "close")],
     "machine freed": [(machine, "close_plant"), (gc, "collect")],
     "metrics and verdict": [(runner, "judged"), (runner, "met"), (runner, "sampled")],
