@@ -189,6 +189,7 @@ def read_case(case: Case) -> Prepared:
         read, _ = [read_case(probe) for probe in _ends(case)]
         return read
     settings = settings_of(case)
+    settings.is_settled = True
     axes = tuple(settings.rig.axis)
     program = _program(case.program, axes)
     _check_metrics(case, axes, programs_of(settings, program).values())

@@ -32,7 +32,7 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
     Raises UserError with the place of each value that does not fit.
     """
     key = ("start values", instance)
-    if settings.is_checked and key in settings.known:
+    if settings.is_settled and key in settings.known:
         for name, value in settings.known[key]:
             roles.slave.set_start(name, value)
         return
@@ -64,7 +64,7 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
         except UserError as error:
             mistakes.add(located(error, item))
     mistakes.refuse(settings.files[0])
-    if settings.is_checked:
+    if settings.is_settled:
         settings.known[key] = found
 
 

@@ -102,8 +102,8 @@ class Settings:
     bare: columns of start values that name no unit although there are several -> the unit that
     their values got, and the names of columns that would name one. bare_in_rig: the same of start
     values of the rig.
-    is_checked: a machine was built of them, and nothing is changed any more. known: what `once` has
-    found out of them since.
+    is_settled: nothing is changed any more. is_checked: a machine was built of them, too. known:
+    what `once` has found out of settled ones. A changed copy (`replace`) begins without all three.
     """
 
     rig: RigFile
@@ -124,8 +124,9 @@ class Settings:
     offsets: Lists = field(default_factory=Lists)
     bare: Bare = field(default_factory=dict)
     bare_in_rig: Bare = field(default_factory=dict)
-    is_checked: bool = False
-    known: dict[Hashable, Any] = field(default_factory=dict, repr=False, compare=False)
+    is_settled: bool = field(default=False, init=False, compare=False)
+    is_checked: bool = field(default=False, init=False)
+    known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def offset_tables(self) -> OffsetTables:
@@ -360,13 +361,13 @@ Found = TypeVar("Found")
 def once(
     function: Callable[Concatenate[Settings, Given], Found],
 ) -> Callable[Concatenate[Settings, Given], Found]:
-    """Let a function of settings work only once for each that are checked, and for its arguments.
+    """Let a function of settings work only once for each that are settled, and for its arguments.
 
     Its result is shared: nobody may change it. Other settings may change, so it works anew.
     """
 
     def call(settings: Settings, /, *args: Given.args, **named: Given.kwargs) -> Found:
-        if not settings.is_checked:
+        if not settings.is_settled:
             return function(settings, *args, **named)
         key = (function, args, tuple(named.items()))
         if key not in settings.known:

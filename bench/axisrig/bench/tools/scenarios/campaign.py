@@ -44,6 +44,7 @@ def examine(
         rig, files = rig_of(scenario.machine, scenario.profile)
         changes = [(parse_assignment(text), as_written) for text in scenario.assignments]
         settings = read_settings(rig, files, changes)
+        settings.is_settled = True
         program = program_of(scenario.machine)
         machine = Machine(settings, program, seed=scenario.seed, limit_ns=SIMULATED_LIMIT_NS)
     except Exception as error:  # a machine has to be built from what was drawn
