@@ -47,7 +47,7 @@ def read_parts(begin: int, end: int) -> int:
     return (
         EEPROM * (begin < at["EEPROM_DATA"] and end > at["EEPROM_CONTROL"])
         | WATCHDOG * (begin < at["EEPROM_CONFIGURATION"] and end > at["WATCHDOG_DIVIDER"])
-        | MANAGERS * (first <= begin < first + 8 * SYNC_MANAGERS)
+        | MANAGERS * (begin < first + 8 * SYNC_MANAGERS and end > first)
         | TIME * (begin < at["RECEIVE_TIME"] and end > at["SYSTEM_TIME"])
         | DIFFERENCE * (begin < at["SPEED_COUNTER_START"] and end > at["SYSTEM_TIME_DIFFERENCE"])
         | SYNC * has_sync

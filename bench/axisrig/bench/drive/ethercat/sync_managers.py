@@ -146,7 +146,7 @@ class SyncManagers:
         first: address of those of the first one.
         """
         size = SYNC_MANAGER.size
-        for number in range((begin - first) // size, min(-(-(end - first) // size), COUNT)):
+        for number in range(max(begin - first, 0) // size, min(-(-(end - first) // size), COUNT)):
             manager, at = self.all[number], first + size * number
             memory[at + _STATUS] = manager.status()
             memory[at + _PDI] = manager.acknowledge
