@@ -8,9 +8,12 @@ import pytest
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
+from axisrig.bench.rig.canopen.schedule import describe_schedules, segment_schedules
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
@@ -232,10 +235,79 @@ def test_a_drive_that_nothing_gives_the_period_is_named(
 def test_a_tpdo_that_cannot_be_switched_off_is_named(
     with_eds: Callable[..., Settings], section: str, keys: dict[str, str], is_warned: bool
 ) -> None:
-    """TPDO4 is not in the kernel's mapping; it would be sent and is not in the sum."""
+    """TPDO4 is not in the kernel's mapping; it would be sent, and the sum of the bus has it."""
     settings = with_eds(changed(EDS, section, **keys))
     check_rig(settings)
     assert ["TPDO4" in text for text in eds_warnings(settings)] == [True] * is_warned
+    table = "\n".join(describe_schedules(settings))
+    assert ("Z.TPDO4 (not mapped)" in table) == is_warned
+
+
+def test_bus_time_of_a_tpdo_that_nobody_mapped_is_in_the_sum(
+    with_eds: Callable[..., Settings],
+) -> None:
+    """8 bytes with worst-case stuffing at 1 Mbit/s: 135 us (ISO 11898-1, data frame)."""
+    fixed = {"AccessType": "ro", "DefaultValue": "$NODEID+0x480"}
+    text = changed(changed(EDS, "1803sub1", **fixed), "1803sub2", DefaultValue="1")
+    text = changed(text, "1A03sub0", DefaultValue="2")
+    text = changed(text, "1A03sub1", DefaultValue="0x60640020")
+    text = changed(text, "1A03sub2", DefaultValue="0x606C0020")
+    before, after = (
+        next(iter(segment_schedules(with_eds(each)).values())).last_tpdo_ns for each in (EDS, text)
+    )
+    bits = 8 * 8 + 44 + 3 + (34 + 8 * 8 - 1) // 4  # data, overhead, interval, stuff bits
+    assert after - before == bits * 1000
+
+
+@pytest.mark.parametrize(
+    ("section", "keys", "message"),
+    [
+        ("1400sub1", {"AccessType": "ro"}, None),
+        ("1800sub1", {"AccessType": "const"}, None),
+        ("1800sub1", {"AccessType": "ro", "DefaultValue": "$NODEID+0x40000180"}, None),
+        ("1800sub1", {"AccessType": "ro", "DefaultValue": "0x181"}, "TPDO1 has an identifier"),
+        ("1400sub1", {"AccessType": "ro", "DefaultValue": "0x301"}, "RPDO1 has an identifier"),
+        ("1800sub2", {"AccessType": "ro", "DefaultValue": "1"}, None),
+        ("1800sub2", {"AccessType": "ro", "DefaultValue": "255"}, "does not let the object"),
+    ],
+)
+def test_a_fixed_identifier_is_used_where_it_is_the_one_that_is_wanted(
+    with_eds: Callable[..., Settings], section: str, keys: dict[str, str], message: str | None
+) -> None:
+    settings = with_eds(changed(EDS, section, **keys))
+    if message is not None:
+        with pytest.raises(UserError, match=message):
+            check_rig(settings)
+        return
+    check_rig(settings)
+    index, sub = (int(part, 16) for part in section.split("sub"))
+    writes = [step for step in axis_steps(settings, "Z") if isinstance(step, WriteStep)]
+    assert not [step for step in writes if (step.index, step.sub) == (index, sub)]
+    assert [step for step in writes if (step.index, step.sub) == (0x1A00, 1)]
+
+
+@pytest.mark.parametrize(
+    ("default", "wanted", "is_warned"),
+    [("0x2E1", 0x2E1, False), ("0x2E1", 0x2E2, True), ("0", 0x2E2, False)],
+)
+def test_the_identity_of_the_rig_is_that_of_the_eds(
+    with_eds: Callable[..., Settings], default: str, wanted: int, is_warned: bool
+) -> None:
+    text = changed(EDS, "1018sub1", DefaultValue=default)
+    warnings = eds_warnings(with_eds(text, f"identity = {{ vendor = {wanted} }}"))
+    assert ["the vendor 0x2E1" in each for each in warnings] == [True] * is_warned
+
+
+def test_mends_of_a_file_are_named_with_line_section_and_key(
+    with_eds: Callable[..., Settings],
+) -> None:
+    text = changed(EDS, "6040", ObjectType="")
+    for index in ("6041", "6064", "6060"):
+        text = changed(text, index, ObjectType="")
+    (warning,) = eds_warnings(with_eds(text))
+    line = text.splitlines().index("[6040]") + 3
+    assert f"its EDS, line {line} [6040] ObjectType, " in warning
+    assert "and 1 more: is empty" in warning
 
 
 # Arrays

@@ -1,7 +1,6 @@
 """What the EDS or DCF of a drive says against its rig: warnings, since files may err."""
 
 from collections.abc import Iterator
-from configparser import RawConfigParser
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -10,16 +9,17 @@ from canopen.objectdictionary import ObjectDictionary
 
 from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
-from axisrig.bench.rig.canopen.schedule import axis_telegrams
+from axisrig.bench.rig.canopen.schedule import fixed_frames
 from axisrig.bench.rig.canopen.startup import drive_dictionary
 from axisrig.bench.rig.reading.file import AxisTable
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.drives.canopen.dictionary import variable
-from axisrig.kernel.drives.canopen.startup_steps import PROFILE_MASK, TPDO_PARAMETERS
-from axisrig.kernel.errors import UserError
-from axisrig.kernel.profiles.canopen.identifiers import NOT_VALID
+from axisrig.kernel.drives.canopen.dictionary import eds_notes, variable
+from axisrig.kernel.drives.canopen.eds_file import read_eds_file
+from axisrig.kernel.drives.canopen.eds_text import COMMISSIONING_NAMES
+from axisrig.kernel.drives.canopen.startup_steps import IDENTITY, PROFILE_MASK
 
-COMMISSIONING: Final = "DeviceComissioning"  # CiA 306 spells it so
+PLACES_MAX: Final = 3
+IDENTITY_OBJECT: Final = 0x1018
 DEVICE_TYPE, SUPPORTED_MODES, INTERPOLATION, SYNC_PERIOD = 0x1000, 0x6502, 0x60C2, 0x1006
 RATES: Final = (10_000, 20_000, 50_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
 """Bit rates of CiA 301, bit/s: an EDS says yes or no to each, and nothing of others."""
@@ -40,7 +40,7 @@ def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
         return
     od = drive_dictionary(drive, axis.node_id, drive.make())
     yield from _device(drive, od)
-    yield from _unstoppable(settings, name, od)
+    yield from _unstoppable(settings, name)
     bitrate = segment_of(settings, axis.segment).bitrate
     rates = sorted(od.device_information.allowed_baudrates)
     if rates and bitrate in RATES and bitrate not in rates:
@@ -49,6 +49,8 @@ def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
             f"by its EDS it has no {_rate(bitrate)}, the bit rate of segment {axis.segment}"
             f" (it has {known})"
         )
+    yield from _identity(drive, od)
+    yield from _mends(drive.eds)
     node, dcf_rate = commissioned(drive.eds)
     is_other = node not in (None, axis.node) or dcf_rate not in (None, bitrate)
     if is_other:
@@ -57,6 +59,29 @@ def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
         yield (
             f"its DCF is for {' at '.join(found)}, the rig has node {axis.node} at {_rate(bitrate)}"
         )
+
+
+def _identity(drive: DriveTable, od: ObjectDictionary) -> Iterator[str]:
+    for name, value in drive.identity.items():
+        found = variable(od, IDENTITY_OBJECT, IDENTITY[name])
+        default = found.default if found is not None else None
+        if default and default != value:  # 0: the file leaves it open
+            yield (
+                f"its EDS has the {name} 0x{default:X} (1018:{IDENTITY[name]}), the rig wants"
+                f" 0x{value:X}: the start-up ends with 900021 where the drive says so too"
+            )
+
+
+def _mends(path: str) -> Iterator[str]:
+    """Say what was mended in the file, places of one kind together."""
+    places: dict[str, list[str]] = {}
+    for note in eds_notes(path):
+        where = f"line {note.line} {note.place}" if note.line is not None else note.place
+        places.setdefault(note.text, []).append(where)
+    for text, found in places.items():
+        shown, more = [place for place in found if place][:PLACES_MAX], len(found) - PLACES_MAX
+        where = f"{', '.join(shown)}{f' and {more} more' if more > 0 else ''}: " if shown else ""
+        yield f"its EDS, {where}{text}"
 
 
 def _device(drive: DriveTable, od: ObjectDictionary) -> Iterator[str]:
@@ -80,17 +105,14 @@ def _device(drive: DriveTable, od: ObjectDictionary) -> Iterator[str]:
         )
 
 
-def _unstoppable(settings: Settings, name: str, od: ObjectDictionary) -> Iterator[str]:
+def _unstoppable(settings: Settings, name: str) -> Iterator[str]:
     """Name TPDOs that the drive sends although the mapping leaves them out."""
-    mapped = {telegram.communication_index for telegram in axis_telegrams(settings, name).values()}
-    for index in TPDO_PARAMETERS:
-        found = variable(od, index, 1) if index in od and index not in mapped else None
-        if found is None or found.writable or (found.default or NOT_VALID) & NOT_VALID:
-            continue
+    for kind, frame in fixed_frames(settings, name):
+        when = "with SYNC" if kind == "TPDO" else "by event"
+        title = frame.name.removeprefix(f"{name}.").removesuffix(" (not mapped)")
         yield (
-            f"TPDO{index - TPDO_PARAMETERS[0] + 1} is on by its EDS and cannot be switched off"
-            f" (0x{index:X}:1 is {found.access_type}): it takes bus time that the sums below leave"
-            " out; map it"
+            f"{title} is on by its EDS, comes {when} and cannot be switched off: it takes bus time,"
+            " which the sums below count, and the kernel does not read it"
         )
 
 
@@ -115,15 +137,9 @@ def commissioned(path: str) -> tuple[int | None, int | None]:
 
 @cache
 def _commissioned(path: str, _state: int) -> tuple[int | None, int | None]:
-    parser = RawConfigParser(inline_comment_prefixes=(";",), strict=False)
-    parser.read_string(Path(path).read_text(encoding="utf-8", errors="replace"))
-    node, rate = (_number(parser, path, key) for key in ("NodeID", "Baudrate"))
+    file = read_eds_file(path)
+    found = [file.sections[name] for name in COMMISSIONING_NAMES if name in file.sections]
+    if not found:
+        return None, None
+    node, rate = (file.number(found[0], key) or None for key in ("NodeID", "Baudrate"))
     return node, None if rate is None else rate * 1000
-
-
-def _number(parser: RawConfigParser, path: str, key: str) -> int | None:
-    text = parser.get(COMMISSIONING, key, fallback="")
-    try:
-        return int(text, 0) or None if text else None
-    except ValueError as error:
-        raise UserError(f"[{COMMISSIONING}] {key} is no number", file=path, value=text) from error

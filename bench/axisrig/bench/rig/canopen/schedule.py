@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from canopen.objectdictionary import ObjectDictionary
+
 from axisrig.bench.bus.can.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from axisrig.bench.rig.canopen.io_node import terminal_frames
 from axisrig.bench.rig.canopen.members import can_segments, drive_of, segment_of
@@ -10,11 +12,14 @@ from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.dictionary import variable
 from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
-from axisrig.kernel.drives.canopen.startup_steps import CSV
+from axisrig.kernel.drives.canopen.startup_steps import CSV, TPDO_PARAMETERS
 from axisrig.kernel.drives.cia402.words import latch_object
 from axisrig.kernel.profiles.canopen.identifiers import (
     EMERGENCY_BASE,
     ERROR_CONTROL_BASE,
+    ID_MASK,
+    MAPPING_OF_PDO,
+    NOT_VALID,
     SDO_ANSWER_BASE,
     SDO_REQUEST_BASE,
 )
@@ -26,6 +31,8 @@ _EMCY: Rare = ("EMCY", EMERGENCY_BASE)
 SDO_FRAMES: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER_BASE), ("SDO request", SDO_REQUEST_BASE))
 
 DIGITAL_INPUTS = 0x60FD
+SYNC_LAST = 240
+"""The last transmission type of a TPDO that comes with SYNC (CiA 301)."""
 
 
 def latch_object_of(settings: Settings, name: str) -> int:
@@ -131,6 +138,8 @@ def schedule_of(
                     f"{name}.{telegram.name}", telegram.cob_id(axis.node_id), telegram.length
                 )
             )
+        for kind, frame in fixed_frames(settings, name):
+            frames[kind].append(frame)
         frames["event"] += _event_frames(settings, name, rare)
     sdo = [(what, base) for what, base in rare if (what, base) != _EMCY]
     for kind, frame in terminal_frames(settings, segment, sdo):
@@ -144,6 +153,37 @@ def schedule_of(
         frames["event"],
         PlannedFrame(SYNC.name, SYNC.can_id, 1 if cycle.sync_counter else 0),
     )
+
+
+def fixed_frames(settings: Settings, name: str) -> list[tuple[str, PlannedFrame]]:
+    """Return the TPDOs that a drive sends by its EDS and that the mapping of the rig leaves out.
+
+    They are those that cannot be switched off. With them comes what sends them: "TPDO" with SYNC,
+    "event" at another time; the length is that of their default mapping.
+    """
+    drive, node_id = drive_of(settings, name), settings.rig.axis[name].node_id
+    if drive.eds is None:
+        return []
+    od = drive_dictionary(drive, node_id, drive.make())
+    mapped = {t.communication_index for t in _telegrams(settings, name, counter=False).values()}
+    found = []
+    for index in TPDO_PARAMETERS:
+        entry = variable(od, index, 1) if index in od and index not in mapped else None
+        cob_id = NOT_VALID if entry is None or entry.writable else entry.default or NOT_VALID
+        if cob_id & NOT_VALID:
+            continue
+        count = _default(od, index + MAPPING_OF_PDO, 0)
+        subs = range(1, count + 1)
+        bits = sum(_default(od, index + MAPPING_OF_PDO, sub) & 0xFF for sub in subs)
+        kind = "TPDO" if _default(od, index, 2) <= SYNC_LAST else "event"
+        title = f"{name}.TPDO{index - TPDO_PARAMETERS[0] + 1} (not mapped)"
+        found.append((kind, PlannedFrame(title, cob_id & ID_MASK, min(-(-bits // 8), 8))))
+    return found
+
+
+def _default(od: ObjectDictionary, index: int, sub: int) -> int:
+    entry = variable(od, index, sub)
+    return entry.default if entry is not None and isinstance(entry.default, int) else 0
 
 
 def _event_frames(settings: Settings, name: str, rare: Sequence[Rare]) -> list[PlannedFrame]:

@@ -4,49 +4,58 @@ canopen reads the EDS; here its dictionary is asked for types, and a mapping or 
 drive cannot take is a `UserError` before the machine runs.
 """
 
-import re
+import io
 from collections.abc import Iterable, Mapping
 from copy import copy
 from pathlib import Path
 from typing import Any
 
-from canopen.objectdictionary import ObjectDictionary, ODArray, ODVariable, datatypes, import_od
+from canopen.objectdictionary import ObjectDictionary, ODArray, ODVariable, datatypes
+from canopen.objectdictionary.eds import import_eds
 
+from axisrig.kernel.drives.canopen.eds_file import Note, read_eds_file
+from axisrig.kernel.drives.canopen.eds_text import EdsText, canonical
 from axisrig.kernel.drives.canopen.functions import Functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 
-_SECTION = re.compile(r"^\[([0-9A-Fa-f]{4})\]\s*$(.*?)(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
-_COMPACT = re.compile(r"^CompactSubObj\s*=\s*(0x[0-9A-Fa-f]+|[0-9]+)", re.MULTILINE)
-
 
 def read_eds(path: str, node_id: int) -> ObjectDictionary:
     """Read an EDS or DCF file. Raises UserError when it cannot be read."""
     if not Path(path).is_file():
         raise UserError("the EDS is no file", file=path)
+    text = canonical(read_eds_file(path))
     try:
-        found: ObjectDictionary = import_od(path, node_id)
+        found: ObjectDictionary = import_eds(  # type: ignore[no-untyped-call]
+            io.StringIO(text.text), node_id
+        )
     except Exception as error:
-        # canopen lets through whatever its parser meets: missing keys, numbers that are none
+        # canopen lets through whatever its parser meets
         raise UserError(f"the EDS cannot be read: {error}", file=path) from error
-    _complete_arrays(found, path)
+    _complete_arrays(found, text)
     return found
 
 
-def _complete_arrays(od: ObjectDictionary, path: str) -> None:
+def eds_notes(path: str) -> list[Note]:
+    """Return what `read_eds` mends in a file. Raises UserError when it cannot be read."""
+    file = read_eds_file(path)
+    canonical(file)
+    return file.notes
+
+
+def _complete_arrays(od: ObjectDictionary, text: EdsText) -> None:
     """Give arrays that the EDS has in the short form (CompactSubObj) all their members."""
-    text = Path(path).read_text(encoding="utf-8", errors="replace")
-    for head, body in _SECTION.findall(text):
-        compact = _COMPACT.search(body)
-        array = od.get(int(head, 16)) if compact else None
-        if compact and isinstance(array, ODArray):
-            for sub in range(2, min(int(compact[1], 0), 254) + 1):
-                if sub not in array.subindices:
-                    member = copy(array[1])
-                    member.subindex, member.name = sub, f"{array[1].name} {sub}"
-                    array.add_member(member)
+    for index, count in text.compact.items():
+        array = od[index]
+        assert isinstance(array, ODArray)
+        for sub in range(1, min(count, 254) + 1):
+            if sub not in array.subindices:
+                member = copy(array[1])
+                member.subindex, member.name = sub, f"{array[1].name} {sub}"
+                array.add_member(member)
+            array[sub].name = text.names.get((index, sub), array[sub].name)
 
 
 def variable(od: ObjectDictionary, index: int, sub: int) -> ODVariable | None:

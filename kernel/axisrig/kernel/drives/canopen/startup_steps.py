@@ -21,7 +21,13 @@ from axisrig.kernel.drives.canopen.dictionary import (
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO, NOT_VALID, PDO_BASE, SYNC_ID
+from axisrig.kernel.profiles.canopen.identifiers import (
+    BIT_30,
+    MAPPING_OF_PDO,
+    NOT_VALID,
+    PDO_BASE,
+    SYNC_ID,
+)
 from axisrig.kernel.profiles.canopen.nmt import RESET_COMMUNICATION, RESET_NODE, START
 from axisrig.kernel.time.clock import MS, TimeNs
 
@@ -334,12 +340,17 @@ def _telegram(
     def write(index: int, sub: int, value: int) -> Write:
         return _write(od, index, sub, value, name)
 
-    yield write(communication, 1, cob_id | NOT_VALID)
-    yield write(mapping, 0, 0)
-    for position, mapped in enumerate(telegram.objects, 1):
-        yield write(mapping, position, mapped.entry)
-    yield write(mapping, 0, len(telegram.objects))
-    yield write(communication, 2, telegram.transmission)
+    is_fixed = _has_fixed_identifier(telegram, cob_id, od)
+    if not is_fixed:
+        yield write(communication, 1, cob_id | NOT_VALID)
+    entries = [(0, len(telegram.objects)), *enumerate((o.entry for o in telegram.objects), 1)]
+    if not all(_is_fixed_at(od, mapping, sub, value) for sub, value in entries):
+        yield write(mapping, 0, 0)
+        for position, entry in entries[1:]:
+            yield write(mapping, position, entry)
+        yield write(mapping, 0, len(telegram.objects))
+    if not _is_fixed_at(od, communication, 2, telegram.transmission):
+        yield write(communication, 2, telegram.transmission)
     if telegram.inhibit_100us:
         yield write(communication, 3, telegram.inhibit_100us)
     if telegram.event_ms:
@@ -347,7 +358,35 @@ def _telegram(
     watched = telegram.is_received and telegram.is_cyclic and rpdo_timeout_ms
     if watched and _can_write(od, communication, 5):
         yield write(communication, 5, rpdo_timeout_ms)
-    yield write(communication, 1, cob_id)
+    if not is_fixed:
+        yield write(communication, 1, cob_id)
+
+
+def _is_fixed_at(od: ObjectDictionary, index: int, sub: int, value: int, bits: int = ~0) -> bool:
+    """Whether an object cannot be written and has this value already, in these bits."""
+    found = variable(od, index, sub)
+    if found is None or found.writable or not isinstance(found.default, int):
+        return False
+    return found.default & bits == value
+
+
+def _has_fixed_identifier(telegram: Telegram, cob_id: int, od: ObjectDictionary) -> bool:
+    """Whether a PDO has an identifier that cannot be changed; raises UserError for another one.
+
+    Bit 30 (no remote request) is the drive's own affair.
+    """
+    index = telegram.communication_index
+    found = variable(od, index, 1)
+    if found is None or found.writable or found.default is None:
+        return False
+    if not _is_fixed_at(od, index, 1, cob_id, ~BIT_30):
+        raise UserError(
+            f"{telegram.name} has an identifier that the drive does not let be changed"
+            f" ({object_name(index, 1)} is {found.access_type})",
+            value=f"0x{cob_id:X}",
+            allowed=f"0x{found.default:X}",
+        )
+    return True
 
 
 def _guarding(settings: StartUpSettings, bus: BusSettings, od: ObjectDictionary) -> Iterator[Step]:
