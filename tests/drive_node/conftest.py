@@ -13,7 +13,7 @@ from tests.drive_node.profile_drive import Drive
 from axisrig.bench.bus.can.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.drive.axis.ports import ControlKind
-from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.canopen.node import Document, DriveNode
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.time.clock import MS, US
@@ -222,6 +222,7 @@ def drive_bench() -> Iterator[Callable[..., DriveBench]]:
             inputs: tuple[Any, Any] = (None, None),
             profile: DriveProfile | None = None,
             remote: type[SimRemoteNode] = SimRemoteNode,
+            document: Document | None = None,
         ) -> DriveBench:
             scheduler = new_scheduler()
             name = f"drive bus {next(numbers)}"
@@ -237,12 +238,14 @@ def drive_bench() -> Iterator[Callable[..., DriveBench]]:
                 axis,
                 (signals[0], signals[1]),
                 profile,
+                document=document,
             )
             port = segment.port("master")
             heard: list[tuple[int, int, bytes]] = []
             port.attach(lambda m: heard.append((segment.now_ns, m.arbitration_id, bytes(m.data))))
             master = SimNetwork(port).connect()
-            far = remote(NODE, object_dictionary(NODE, profile))
+            od = object_dictionary(NODE, profile) if document is None else document.dictionary
+            far = remote(NODE, od)
             master.add_node(far)
             bench = DriveBench(scheduler, segment, axis, node, master, far, heard)
             bench.run_to_ms(1)

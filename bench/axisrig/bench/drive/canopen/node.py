@@ -5,6 +5,9 @@ What the node does on its bus is `slave.py`, what it does with its object values
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from canopen.objectdictionary import ObjectDictionary
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.simbus import SimBus
@@ -13,6 +16,7 @@ from axisrig.bench.drive.canopen.nmt import NmtState
 from axisrig.bench.drive.canopen.slave import CanopenSlave, Needs, SlaveHabits
 from axisrig.bench.drive.cia402.dictionary.defaults import drive_table
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.foreign import foreign_table, power_on_values
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.store import Owner
 from axisrig.bench.drive.cia402.node import Cia402Node
@@ -25,14 +29,23 @@ MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
 STORE_EDS = 0x1021
 
 
+@dataclass(frozen=True)
+class Document:
+    """The EDS of the maker: what canopen read of it, and its bytes."""
+
+    dictionary: ObjectDictionary
+    text: bytes
+
+
 class DriveNode(Cia402Node):
     """One drive: a CANopen slave that moves an axis and up to two probe signals.
 
     node_id: 1 to 127, or 255 for a node that gets its number by LSS. network: a connected network
     of its own (one port of the segment). probes: the signals wired to probe input 1 and 2, None
     for an open input. switches: limit and home switches, "negative", "positive", "home". entered:
-    called with each new state of the power drive system. seed: of what is random in the drive. The
-    node boots at the present instant, that is with the first event the clock runs.
+    called with each new state of the power drive system. document: the EDS whose objects it has,
+    None for those of its profile. seed: of what is random in the drive. The node boots at the
+    present instant, that is with the first event the clock runs.
     """
 
     def __init__(  # noqa: PLR0913
@@ -48,6 +61,7 @@ class DriveNode(Cia402Node):
         *,
         switches: Mapping[str, SignalPort] | None = None,
         entered: Callable[[State], None] | None = None,
+        document: Document | None = None,
     ) -> None:
         profile = profile or DriveProfile()
         super().__init__(
@@ -55,11 +69,19 @@ class DriveNode(Cia402Node):
         )
         self._network = network
         servo = self.servo
+        table = drive_table(profile)
+        if document is not None:
+            table = foreign_table(profile, document.dictionary)
+            servo.power_on.own = {
+                name: value
+                for (index, _), name, value in power_on_values(document.dictionary)
+                if servo.refuses(index, value) is None
+            }
         self.slave = CanopenSlave(
             node_id,
             network,
             clock,
-            drive_table(profile),
+            table,
             SlaveHabits(
                 profile.sync_loss_periods, profile.sdo_answer_ns, fixed_pdos=profile.fixed_pdos
             ),
@@ -74,7 +96,8 @@ class DriveNode(Cia402Node):
         )
         objects = ProfileObjects(servo, profile, clock, self._changed)
         self.slave.objects.own(objects, PROFILE_OBJECTS)
-        self.slave.objects.own(_Document(profile), (STORE_EDS,))
+        text = None if document is None else document.text
+        self.slave.objects.own(_Document(profile, text), (STORE_EDS,))
         clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
 
     @property
@@ -104,11 +127,13 @@ class DriveNode(Cia402Node):
 
 
 class _Document(Owner):
-    """1021: the text of the EDS, made when somebody asks for it."""
+    """1021: the text of the EDS, made when somebody asks for it, or that of the maker."""
 
-    def __init__(self, profile: DriveProfile) -> None:
-        self._profile = profile
+    def __init__(self, profile: DriveProfile, text: bytes | None) -> None:
+        self._profile, self._text = profile, text
 
     def read(self, index: int, sub: int) -> bytes:
         """Return the text."""
+        if self._text is not None:
+            return self._text
         return eds_text(self._profile).encode("ascii")

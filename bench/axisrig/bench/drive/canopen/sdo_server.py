@@ -40,8 +40,8 @@ class Objects(Protocol):
         """Return the bytes of an object."""
         ...
 
-    def writable_size(self, index: int, sub: int) -> int:
-        """Return how many bytes a write has."""
+    def writable_size(self, index: int, sub: int) -> int | None:
+        """Return how many bytes a write has, None for any number of them."""
         ...
 
     def download(self, index: int, sub: int, data: bytes) -> None:
@@ -143,6 +143,8 @@ class SdoServer:
             length = self._objects.writable_size(*self._key)
             if size is not None:  # otherwise the client leaves the length to the object
                 length = EXPEDITED_MAX - (first >> 2 & 3)
+            elif length is None:
+                length = EXPEDITED_MAX
             elif length > EXPEDITED_MAX:
                 abort(AbortCode.TOO_SHORT)
             self._objects.download(*self._key, data[4 : 4 + length])
@@ -159,9 +161,11 @@ class SdoServer:
         self._start(BlockUpload(value, block_size, has_crc, outlet))
         self._answer(0xC6, size=len(value))
 
-    def _checked_size(self, announced: int | None) -> int:
+    def _checked_size(self, announced: int | None) -> int | None:
         """Return the size that a write must have; refuse an announced one that is another."""
         size = self._objects.writable_size(*self._key)
+        if size is None:
+            return announced
         if announced is not None and announced != size:
             abort(AbortCode.TOO_LONG if announced > size else AbortCode.TOO_SHORT)
         return size

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.cia402.dictionary.store import BYTES_MAX
 from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
 SEGMENT = 7  # data bytes of a segment
@@ -60,11 +61,11 @@ class SegmentedUpload(Transfer):
 
 
 class SegmentedDownload(Transfer):
-    """Collects `size` bytes."""
+    """Collects `size` bytes, None: as many as come."""
 
     command: ClassVar[int] = 0
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int | None) -> None:
         super().__init__()
         self._size, self._data, self._toggle = size, bytearray(), 0
 
@@ -74,10 +75,10 @@ class SegmentedDownload(Transfer):
         if first & _TOGGLE != self._toggle:
             abort(AbortCode.TOGGLE)
         self._data += data[1 : 1 + SEGMENT - (first >> 1 & 7)]
-        if len(self._data) > self._size:
+        if len(self._data) > (BYTES_MAX if self._size is None else self._size):
             abort(AbortCode.TOO_LONG)
         if first & 1:
-            if len(self._data) != self._size:
+            if self._size is not None and len(self._data) != self._size:
                 abort(AbortCode.LENGTH)
             self.received, self.is_done = bytes(self._data), True
         self._toggle ^= _TOGGLE
@@ -85,7 +86,7 @@ class SegmentedDownload(Transfer):
 
 
 class BlockDownload(Transfer):
-    """Collects `size` bytes in blocks of up to 127 segments.
+    """Collects `size` bytes in blocks of up to 127 segments, None: as many as come.
 
     A block is acknowledged at its end with the number of the last segment that came in order; the
     client repeats what follows.
@@ -94,7 +95,7 @@ class BlockDownload(Transfer):
     command: ClassVar[int] = 6
     block_size: ClassVar[int] = 127
 
-    def __init__(self, size: int, has_crc: bool) -> None:
+    def __init__(self, size: int | None, has_crc: bool) -> None:
         super().__init__()
         self._size, self._has_crc = size, has_crc
         self._data = bytearray()
@@ -111,7 +112,7 @@ class BlockDownload(Transfer):
         if number == self._number + 1:
             self._number = number
             self._data += data[1:]
-            if len(self._data) >= self._size + SEGMENT:
+            if len(self._data) >= (BYTES_MAX if self._size is None else self._size) + SEGMENT:
                 abort(AbortCode.TOO_LONG)
             self._is_complete = is_last
         if number < self.block_size and not is_last:
@@ -129,7 +130,7 @@ class BlockDownload(Transfer):
         value = bytes(self._data[: len(self._data) - unused])
         if self._has_crc and check_sum(value) != int.from_bytes(data[1:3], "little"):
             abort(AbortCode.CRC)
-        if len(value) != self._size:
+        if self._size is not None and len(value) != self._size:
             abort(AbortCode.LENGTH)
         self.received, self.is_done = value, True
         return b"\xa1".ljust(8, b"\x00")

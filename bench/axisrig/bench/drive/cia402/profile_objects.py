@@ -31,7 +31,8 @@ class ProfileObjects(Owner):
 
     def read(self, index: int, sub: int) -> None:
         """Sample, so that the value is that of this instant."""
-        if self._rows[index, sub].value:
+        row = self._rows.get((index, sub))
+        if row is not None and row.value:
             self._servo.refresh(self._clock.now_ns)
 
     def check(self, index: int, sub: int, value: int) -> None:

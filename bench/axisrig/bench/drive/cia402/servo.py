@@ -10,7 +10,7 @@ from axisrig.bench.drive.axis.motion import POSITION
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.drive.axis.ticks import Ticker
 from axisrig.bench.drive.cia402.assembly import make_parts
-from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.image import PowerOnValues, ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.error_register import (
     COMMUNICATION_ERROR,
@@ -75,7 +75,8 @@ class Servo(VirtualDrive):
         super().__init__(profile.tick_ns)
         self.axis, self._profile, self._clock, self._changed = axis, profile, clock, changed
         self.image = image = ProcessImage()
-        image.set_defaults(profile)
+        self.power_on = PowerOnValues(profile)
+        self.power_on.apply(image)
         self.emergency = ErrorRegister(image, send_emergency)
         parts = make_parts(axis, profile, image, signals, switches or {}, seed, device_time)
         self.scaling, self.limits, self.motion = parts.units, parts.limits, parts.motion
@@ -143,7 +144,7 @@ class Servo(VirtualDrive):
         """Do what power off and on does: no torque, no error, default values, probes off."""
         self.axis.advance_to(now_ns)
         self.touch_probe.take_edges(now_ns)
-        self.image.set_defaults(self._profile)
+        self.power_on.apply(self.image)
         self.touch_probe.reset()
         self.emergency.forget()
         self.machine.reset()

@@ -36,7 +36,7 @@ class ObjectAccess:
 
     def writable_size(self, index: int, sub: int) -> int:
         """Return how many bytes a write of this value has; raises SdoAbortedError."""
-        return self._store.writable_size(index, sub)
+        return self._store.writable_size(index, sub) or 0
 
     def check_size(self, index: int, sub: int, size: int, *, complete: bool) -> None:
         """Refuse a write of this size at once; raises SdoAbortedError."""
@@ -46,7 +46,7 @@ class ObjectAccess:
             if size > most + (_COUNT_BYTES if sub == 0 else 0):
                 abort(AbortCode.TOO_LONG)
             return
-        right = self._store.writable_size(index, sub)
+        right = self.writable_size(index, sub)
         if size != right:
             abort(AbortCode.TOO_LONG if size > right else AbortCode.TOO_SHORT)
 

@@ -9,10 +9,11 @@ from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.bus.can.logs import open_log
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.bus.journal import Journal
-from axisrig.bench.drive.canopen.node import DriveNode
+from axisrig.bench.drive.canopen.node import Document, DriveNode
 from axisrig.bench.machine.canopen.outside import open_segment
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.canopen.members import can_axes, can_segments, drive_of, segment_of
+from axisrig.bench.rig.canopen.startup import drive_dictionary
 from axisrig.bench.rig.real_axes import is_real, outside_axes
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.profiles.cia402.ds402 import State
@@ -87,5 +88,15 @@ def build_nodes(
             seed + DRIVE_SEED_STRIDE * len(nodes),
             switches=beside.switches(name),
             entered=None if entered is None else partial(entered, name),
+            document=_document(settings, name),
         )
     return nodes
+
+
+def _document(settings: Settings, name: str) -> Document | None:
+    """Return the EDS of the drive of an axis, None where the rig names none."""
+    drive = drive_of(settings, name)
+    if drive.eds is None:
+        return None
+    od = drive_dictionary(drive, settings.rig.axis[name].node_id, drive.make())
+    return Document(od, Path(drive.eds).read_bytes())

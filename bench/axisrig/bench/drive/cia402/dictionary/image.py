@@ -113,6 +113,20 @@ class ProcessImage(DeviceImage):
                 setattr(self, name, value)
 
 
+class PowerOnValues:
+    """What the process image of a drive has at power on. own: values beside those of the tables."""
+
+    def __init__(self, profile: DriveProfile) -> None:
+        self._profile = profile
+        self.own: dict[str, int] = {}
+
+    def apply(self, image: ProcessImage) -> None:
+        """Give every value what it has at power on."""
+        image.set_defaults(self._profile)
+        for name, value in self.own.items():
+            setattr(image, name, value)
+
+
 # A drive asks at every start, and the next run has the same drives
 @lru_cache(maxsize=64)
 def _defaults(profile: DriveProfile) -> tuple[tuple[int, str, int], ...]:

@@ -29,6 +29,12 @@ DATA_TYPES: Final[Mapping[str, DataType]] = {
     "U32": DataType(0x07, 32, "I"),
     "STRING": DataType(0x09, 0, ""),
     "DOMAIN": DataType(0x0F, 0, ""),
+    # Not of the model's own objects, but of those that the EDS of a maker may have
+    "BOOL": DataType(0x01, 8, "B"),
+    "F32": DataType(0x08, 32, "I"),
+    "F64": DataType(0x11, 64, "Q"),
+    "I64": DataType(0x15, 64, "q"),
+    "U64": DataType(0x1B, 64, "Q"),
 }
 HEADS: Final[Mapping[str, int]] = {"array": 0x8, "record": 0x9}
 """Types of rows that describe a whole object with sub-indices, with their object code."""

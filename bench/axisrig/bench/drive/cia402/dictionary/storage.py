@@ -89,4 +89,5 @@ class ParameterStorage(Owner):
 
 def is_stored(row: ObjectRow) -> bool:
     """Whether 1010 stores an object."""
-    return row.access == "rw" and row.pdo != "rx" and row.index not in _NEVER_STORED
+    is_number = bool(row.data_type.bits)
+    return row.access == "rw" and is_number and row.pdo != "rx" and row.index not in _NEVER_STORED

@@ -11,6 +11,8 @@ from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.objects import Key, ObjectRow, ObjectTable
 
 COMMUNICATION_LAST = 0x1FFF
+BYTES_MAX = 1 << 16
+"""A DOMAIN or text takes so many bytes."""
 
 
 class Owner:
@@ -115,12 +117,15 @@ class ObjectStore:
             row.data_type.bits // 8, "little", signed=self._signed_values[index, sub]
         )
 
-    def writable_size(self, index: int, sub: int) -> int:
-        """Return how many bytes a write of this object has; raises SdoAbortedError."""
+    def writable_size(self, index: int, sub: int) -> int | None:
+        """Return how many bytes a write of this object has, None for any number of them.
+
+        Raises SdoAbortedError.
+        """
         row = self.row(index, sub)
         if row.access not in ("rw", "wo"):
             abort(AbortCode.READ_ONLY)
-        return row.data_type.bits // 8
+        return row.data_type.bits // 8 or None
 
     def download(self, index: int, sub: int, data: bytes) -> None:
         """Check bytes that a client writes, store them, let their owner act.
@@ -128,9 +133,15 @@ class ObjectStore:
         Raises SdoAbortedError, with nothing changed.
         """
         size = self.writable_size(index, sub)
+        row = self._rows[index, sub]
+        if size is None:
+            if len(data) > BYTES_MAX:
+                abort(AbortCode.TOO_LONG)
+            self._set((index, sub), row, data)
+            self._note_change(row)
+            return
         if len(data) != size:
             abort(AbortCode.TOO_LONG if len(data) > size else AbortCode.TOO_SHORT)
-        row = self._rows[index, sub]
         value = int.from_bytes(data, "little", signed=self._signed_values[index, sub])
         self._check(row, value)
         owner = self._owners.get(index, self._default_owner)

@@ -1,0 +1,207 @@
+"""A simulated drive that has the objects of somebody else's EDS (CiA 306-1, CiA 301)."""
+
+import re
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from canopen.sdo.exceptions import SdoAbortedError
+
+from axisrig.bench.drive.canopen.node import Document
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.drives.canopen.dictionary import read_eds
+
+Make = Callable[..., Any]
+NODE = 3
+NO_OBJECT, NO_SUB, READ_ONLY = 0x06020000, 0x06090011, 0x06010002
+TOO_LOW, TOO_HIGH, TOO_LONG, WRITE_ONLY = 0x06090032, 0x06090031, 0x06070012, 0x06010001
+"""Abort codes of CiA 301."""
+
+VENDOR = """
+[2000]
+ParameterName=Gain
+ObjectType=0x7
+DataType=0x0003
+AccessType=rw
+LowLimit=-100
+HighLimit=100
+DefaultValue=-7
+PDOMapping=1
+
+[2001]
+ParameterName=Motor
+ObjectType=0x9
+SubNumber=3
+
+[2001sub0]
+ParameterName=Highest sub-index
+DataType=0x0005
+AccessType=const
+DefaultValue=2
+
+[2001sub1]
+ParameterName=Inductance
+DataType=0x0008
+AccessType=rw
+DefaultValue=1.5
+
+[2001sub2]
+ParameterName=Label
+DataType=0x0009
+AccessType=rw
+DefaultValue=motor A
+
+[2002]
+ParameterName=Firmware
+ObjectType=0x2
+DataType=0x000F
+AccessType=wo
+
+[2003]
+ParameterName=Serial
+DataType=0x001B
+AccessType=ro
+DefaultValue=0x123456789A
+
+[2004]
+ParameterName=COB-ID of its own
+DataType=0x0007
+AccessType=rw
+DefaultValue=$NODEID+0x40
+
+[6F00]
+ParameterName=In the range of the profile
+DataType=0x0006
+AccessType=rw
+DefaultValue=5
+"""
+
+
+def without(text: str, index: str) -> str:
+    """Take an object out."""
+    return re.sub(rf"(?ms)^\[{index}(sub[0-9A-F]+)?\]\n.*?(?=^\[|\Z)", "", text)
+
+
+def changed(text: str, section: str, **keys: str) -> str:
+    """Change keys of a section that are there, or add them."""
+    begin = text.index(f"[{section}]\n")
+    end = text.find("\n[", begin) + 1 or len(text)
+    body = text[begin:end].rstrip("\n")
+    for key, value in keys.items():
+        body, count = re.subn(rf"(?m)^{key}=.*$", f"{key}={value}", body)
+        body += "" if count else f"\n{key}={value}"
+    return f"{text[:begin]}{body}\n\n{text[end:]}"
+
+
+def foreign() -> str:
+    """Return an EDS that differs from that of our model in everything that a drive takes of it."""
+    text = eds_text(DriveProfile()) + VENDOR
+    for index in ("1017", "60E0", "1402", "1602"):
+        text = without(text, index)
+    text = changed(text, "1018sub1", DefaultValue="0x2E1")
+    text = changed(text, "6065", DefaultValue="4711", HighLimit="10000")
+    text = changed(text, "6081", AccessType="ro", DefaultValue="1234")
+    text = changed(text, "1A00sub0", DefaultValue="2")
+    text = changed(text, "1A00sub1", DefaultValue="0x60410010")
+    text = changed(text, "1A00sub2", DefaultValue="0x60640020")
+    text = changed(text, "1A02sub0", DefaultValue="1")
+    return changed(text, "1A02sub1", DefaultValue="0x20000010")
+
+
+@pytest.fixture
+def bench(drive_bench: Make, tmp_path: Path) -> Any:
+    path = tmp_path / "foreign.eds"
+    path.write_text(foreign(), encoding="ascii")
+    return drive_bench(document=Document(read_eds(str(path), NODE), path.read_bytes()))
+
+
+def aborted(call: Callable[[], object]) -> int:
+    with pytest.raises(SdoAbortedError) as error:
+        call()
+    return int(error.value.code)
+
+
+def test_identity_and_objects_are_those_of_the_file(bench: Any) -> None:
+    sdo = bench.remote.sdo
+    assert sdo.upload(0x1018, 1) == struct.pack("<I", 0x2E1)
+    assert aborted(lambda: sdo.upload(0x1017, 0)) == NO_OBJECT
+    assert aborted(lambda: sdo.upload(0x60E0, 0)) == NO_OBJECT
+    assert aborted(lambda: sdo.upload(0x2001, 7)) == NO_SUB
+    assert sdo.upload(0x1021, 0) == foreign().encode("ascii")
+
+
+@pytest.mark.parametrize(
+    ("index", "sub", "data"),
+    [
+        (0x2000, 0, struct.pack("<h", -7)),
+        (0x2001, 0, b"\2"),
+        (0x2001, 1, struct.pack("<f", 1.5)),
+        (0x2001, 2, b"motor A"),
+        (0x2003, 0, struct.pack("<Q", 0x123456789A)),
+        (0x2004, 0, struct.pack("<I", 0x40 + NODE)),
+        (0x6F00, 0, struct.pack("<H", 5)),
+        (0x6065, 0, struct.pack("<I", 4711)),
+    ],
+)
+def test_values_at_power_on_are_those_of_the_file(
+    bench: Any, index: int, sub: int, data: bytes
+) -> None:
+    assert bench.remote.sdo.upload(index, sub) == data
+
+
+def test_limits_and_access_are_those_of_the_file(bench: Any) -> None:
+    sdo = bench.remote.sdo
+    assert aborted(lambda: sdo.download(0x6065, 0, struct.pack("<I", 10001))) == TOO_HIGH
+    assert aborted(lambda: sdo.download(0x2000, 0, struct.pack("<h", -101))) == TOO_LOW
+    assert aborted(lambda: sdo.download(0x6081, 0, bytes(4))) == READ_ONLY
+    assert aborted(lambda: sdo.download(0x2003, 0, bytes(8))) == READ_ONLY
+    assert aborted(lambda: sdo.upload(0x2002, 0)) == WRITE_ONLY
+
+
+def test_objects_of_the_maker_are_memory_until_a_reset(bench: Any) -> None:
+    sdo = bench.remote.sdo
+    for index, sub, data in (
+        (0x2000, 0, struct.pack("<h", 100)),
+        (0x2001, 1, struct.pack("<f", -0.25)),
+        (0x2001, 2, b"a label longer than a segment"),
+        (0x6F00, 0, struct.pack("<H", 77)),
+    ):
+        before = sdo.upload(index, sub)
+        sdo.download(index, sub, data)
+        assert sdo.upload(index, sub) == data != before
+    bench.remote.nmt.send_command(0x81)
+    bench.run_to_ms(bench.scheduler.now_ns / 1e6 + 50)
+    assert sdo.upload(0x2000, 0) == struct.pack("<h", -7)
+    assert sdo.upload(0x2001, 2) == b"motor A"
+    assert sdo.upload(0x6065, 0) == struct.pack("<I", 4711)
+
+
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("block", [True, False])
+def test_a_domain_takes_as_many_bytes_as_come(bench: Any, block: bool) -> None:
+    sdo = bench.remote.sdo
+    for size in (1, 4, 900):
+        data = bytes(number & 0xFF for number in range(size))
+        with sdo.open(0x2002, 0, "wb", size=size, block_transfer=block, buffering=1024) as file:
+            file.write(data)
+        assert bench.node.slave.objects._values[0x2002, 0] == data
+    assert aborted(lambda: sdo.download(0x2002, 0, bytes(70_000))) == TOO_LONG
+
+
+def test_the_default_mapping_is_that_of_the_file(bench: Any) -> None:
+    """TPDO1 carries 6041 and 6064 alone; one with an object that is only memory carries nothing."""
+    bench.operational()
+    bench.sync_at_ms(5)
+    (data,) = bench.frames(0x180 + NODE)
+    assert len(data) == 6
+    assert bench.frames(0x380 + NODE) == []
+
+
+def test_the_drive_runs_with_it(bench: Any) -> None:
+    bench.operational()
+    bench.enable(5)
+    word = struct.unpack_from("<H", bench.frames(0x180 + NODE)[-1])[0]
+    assert word & 0x6F in (0x23, 0x27)
