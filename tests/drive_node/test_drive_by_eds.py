@@ -96,6 +96,49 @@ def changed(text: str, section: str, **keys: str) -> str:
     return f"{text[:begin]}{body}\n\n{text[end:]}"
 
 
+FIFTH = """
+[1804]
+ParameterName=TPDO 5
+ObjectType=0x9
+SubNumber=3
+
+[1804sub0]
+ParameterName=Highest sub-index
+DataType=0x0005
+AccessType=const
+DefaultValue=2
+
+[1804sub1]
+ParameterName=COB-ID
+DataType=0x0007
+AccessType=rw
+DefaultValue=$NODEID+0x1C0
+
+[1804sub2]
+ParameterName=Transmission type
+DataType=0x0005
+AccessType=rw
+DefaultValue=1
+
+[1A04]
+ParameterName=TPDO 5 mapping
+ObjectType=0x9
+SubNumber=2
+
+[1A04sub0]
+ParameterName=Number of mapped objects
+DataType=0x0005
+AccessType=rw
+DefaultValue=1
+
+[1A04sub1]
+ParameterName=Mapped object 1
+DataType=0x0007
+AccessType=rw
+DefaultValue=0x60410010
+"""
+
+
 def foreign() -> str:
     """Return an EDS that differs from that of our model in everything that a drive takes of it."""
     text = eds_text(DriveProfile()) + VENDOR
@@ -108,6 +151,7 @@ def foreign() -> str:
     text = changed(text, "1A00sub1", DefaultValue="0x60410010")
     text = changed(text, "1A00sub2", DefaultValue="0x60640020")
     text = changed(text, "1A02sub0", DefaultValue="1")
+    text += FIFTH
     return changed(text, "1A02sub1", DefaultValue="0x20000010")
 
 
@@ -198,6 +242,20 @@ def test_the_default_mapping_is_that_of_the_file(bench: Any) -> None:
     (data,) = bench.frames(0x180 + NODE)
     assert len(data) == 6
     assert bench.frames(0x380 + NODE) == []
+
+
+def test_a_fifth_pdo_with_an_identifier_of_its_own(bench: Any) -> None:
+    sdo = bench.remote.sdo
+    assert sdo.upload(0x1804, 1) == struct.pack("<I", 0x1C0 + NODE)
+    bench.operational()
+    bench.sync_at_ms(5)
+    (data,) = bench.frames(0x1C0 + NODE)
+    assert data == bench.frames(0x180 + NODE)[0][:2]
+    sdo.download(0x1804, 1, struct.pack("<I", 0x80000000 | 0x1C0 + NODE))
+    sdo.download(0x1804, 1, struct.pack("<I", 0x1D0))
+    bench.sync_at_ms(round(bench.scheduler.now_ns / 1e6) + 5)
+    assert len(bench.frames(0x1C0 + NODE)) == 1
+    assert len(bench.frames(0x1D0)) == 1
 
 
 def test_the_drive_runs_with_it(bench: Any) -> None:

@@ -231,3 +231,45 @@ def test_what_a_telegram_promises(
     second = (MappedObject(0x60E4, 1, 32, True, "second"),)
     promised_ns = Telegram("TPDO4", transmission, 0, second, event_ms).promised_ns(2 * MS)
     assert promised_ns == (None if promised_ms is None else promised_ms * MS)
+
+
+# PDO 5 and up, identifiers of their own
+
+HEAD = "pdo,transmission,inhibit_100us,index,sub,bits,signed,field,cob_id\n"
+NEEDED = (
+    "RPDO1,1,0,0x6040,0,16,no,controlword,\nRPDO1,1,0,0x607A,0,32,yes,target,\n"
+    "TPDO1,1,0,0x6041,0,16,no,statusword,0x1C7\nTPDO1,1,0,0x6064,0,32,yes,actual,0x1C7\n"
+)
+
+
+def test_pdos_with_identifiers_of_their_own(tmp_path: Path) -> None:
+    """RPDO1 has that of the pre-defined connection set, TPDO64 has none there (CiA 301)."""
+    table = tmp_path / "map.csv"
+    table.write_text(f"{HEAD}{NEEDED}TPDO64,1,0,0x60B9,0,16,no,probe_status,0x1D7\n")
+    found = telegrams(0x60BA, str(table))
+    assert {name: t.cob_id(NODE) for name, t in found.items()} == {
+        "RPDO1": 0x203, "TPDO1": 0x1C7, "TPDO64": 0x1D7,
+    }  # fmt: skip
+    assert found["TPDO64"].communication_index == 0x183F
+
+
+@pytest.mark.parametrize(
+    ("pdo", "identifier", "message"),
+    [
+        ("TPDO5", "", "cob_id of the mapping table"),
+        ("TPDO5", "0x80", "cob_id of the mapping table"),  # SYNC
+        ("TPDO5", "0x583", "cob_id of the mapping table"),  # SDO
+        ("TPDO5", "0x800", "cob_id of the mapping table"),
+        ("TPDO5", "x", "cob_id of the mapping table"),
+        ("TPDO0", "0x1D7", "pdo of the mapping table"),
+        ("TPDO513", "0x1D7", "pdo of the mapping table"),
+    ],
+)
+def test_a_pdo_that_cannot_be_is_refused_with_its_line(
+    tmp_path: Path, pdo: str, identifier: str, message: str
+) -> None:
+    table = tmp_path / "map.csv"
+    table.write_text(f"{HEAD}{NEEDED}{pdo},1,0,0x60B9,0,16,no,probe_status,{identifier}\n")
+    with pytest.raises(UserError, match=message) as error:
+        telegrams(0x60BA, str(table))
+    assert error.value.line == 6

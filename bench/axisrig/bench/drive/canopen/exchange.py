@@ -8,14 +8,15 @@ from typing import ClassVar
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.drive.axis.timer import Timer
 from axisrig.bench.drive.canopen.pdo import (
-    COUNT,
     PARAMETERS,
+    PDOS,
     REMOTE,
     REMOTE_AT_SYNC,
     TPDO_COMMUNICATION,
     Rpdo,
     Tpdo,
     check_write,
+    pdo_numbers,
     read_rpdo,
     read_tpdo,
 )
@@ -70,8 +71,9 @@ class PdoExchange(Owner):
         self._network, self._clock, self._image = network, clock, image
         self._store, self._emergency, self._events = store, emergency, events
         self._has_fixed_mappings = has_fixed_mappings
-        self._rpdos: list[_Receiver | None] = [None] * COUNT
-        self._tpdos: list[_Sender | None] = [None] * COUNT
+        self._numbers = pdo_numbers(store)
+        self._rpdos: list[_Receiver | None] = [None] * len(self._numbers)
+        self._tpdos: list[_Sender | None] = [None] * len(self._numbers)
         self._active_rpdos: list[Rpdo] = []
         self._active_tpdos: list[Tpdo] = []
         self.is_running = False
@@ -79,7 +81,7 @@ class PdoExchange(Owner):
     def start(self) -> None:
         """Read every PDO from the dictionary; event-driven TPDOs are sent once."""
         self.is_running = True
-        for number in range(COUNT):
+        for number in self._numbers:
             self._take_rpdo(number)
             self._take_tpdo(number)
         self.send_events()
@@ -87,7 +89,7 @@ class PdoExchange(Owner):
     def stop(self) -> None:
         """Neither send nor receive; what waited for its SYNC is lost."""
         self.is_running = False
-        for number in range(COUNT):
+        for number in self._numbers:
             self._drop_rpdo(number)
             self._drop_tpdo(number)
         self._list_active()
@@ -107,9 +109,9 @@ class PdoExchange(Owner):
         if not self.is_running:
             return
         if index < TPDO_COMMUNICATION:
-            self._take_rpdo(index % COUNT)
+            self._take_rpdo(index % PDOS)
         else:
-            self._take_tpdo(index % COUNT)
+            self._take_tpdo(index % PDOS)
             self.send_events()
 
     # At the SYNC

@@ -15,13 +15,13 @@ from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.kernel.profiles.canopen.identifiers import BIT_30, ID_MASK, MAPPING_OF_PDO, NOT_VALID
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
-COUNT: Final = 4  # RPDOs and TPDOs of a node
+PDOS: Final = 512  # RPDOs, and TPDOs, that a node can have
 RPDO_COMMUNICATION, RPDO_MAPPING = 0x1400, 0x1600
 TPDO_COMMUNICATION, TPDO_MAPPING = 0x1800, 0x1A00
 PARAMETERS: Final = tuple(
     base + number
     for base in (RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING)
-    for number in range(COUNT)
+    for number in range(PDOS)
 )
 # Sub-indices of a communication parameter
 COB_ID, TRANSMISSION, INHIBIT, EVENT_TIMER, SYNC_START = 1, 2, 3, 5, 6
@@ -91,7 +91,7 @@ class Tpdo:
 
 
 def read_rpdo(number: int, store: ObjectStore) -> Rpdo | None:
-    """Compile RPDO `number` (0 to 3) from the dictionary; None when it carries nothing."""
+    """Compile RPDO `number` (from 0) from the dictionary; None when it carries nothing."""
     communication = RPDO_COMMUNICATION + number
     cob_id = store.value(communication, COB_ID)
     layout = read_layout(RPDO_MAPPING + number, store)
@@ -108,7 +108,7 @@ def read_rpdo(number: int, store: ObjectStore) -> Rpdo | None:
 
 
 def read_tpdo(number: int, store: ObjectStore) -> Tpdo | None:
-    """Compile TPDO `number` (0 to 3) from the dictionary; None when it carries nothing."""
+    """Compile TPDO `number` (from 0) from the dictionary; None when it carries nothing."""
     communication = TPDO_COMMUNICATION + number
     cob_id = store.value(communication, COB_ID)
     layout = read_layout(TPDO_MAPPING + number, store)
@@ -129,6 +129,13 @@ def read_tpdo(number: int, store: ObjectStore) -> Tpdo | None:
         layout,
         layout.reader(),
     )
+
+
+def pdo_numbers(store: ObjectStore) -> range:
+    """Return the numbers, from 0, of the PDOs of a node: up to the last one that it has."""
+    bases = (RPDO_COMMUNICATION, TPDO_COMMUNICATION)
+    known = [n for n in range(PDOS) if any(store.holds(base + n, COB_ID) for base in bases)]
+    return range(known[-1] + 1 if known else 0)
 
 
 def check_write(index: int, sub: int, value: int, store: ObjectStore) -> None:

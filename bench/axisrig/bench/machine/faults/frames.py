@@ -23,6 +23,7 @@ from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.machine.faults.acts import Act, Injected, nothing
 from axisrig.bench.machine.faults.point import Equipped, Points, points_of
 from axisrig.bench.machine.faults.when import hits_of, windowed
+from axisrig.bench.rig.canopen.schedule import axis_telegrams
 from axisrig.bench.rig.reading.faults import Fault
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.profiles.canopen.identifiers import (
@@ -75,7 +76,9 @@ class OnCan:
         task = self.settings.rig.plc_task
         if not fault.axis and task is not None and task.terminal is not None:
             return _AXIS_IDS[telegram] + (task.terminal.node or 0)
-        return _AXIS_IDS[telegram] + self.settings.rig.axis[fault.axis].node_id
+        node_id = self.settings.rig.axis[fault.axis].node_id
+        mapped = axis_telegrams(self.settings, fault.axis).get(telegram)
+        return _AXIS_IDS[telegram] + node_id if mapped is None else mapped.cob_id(node_id)
 
 
 Make = Callable[[OnCan, Fault, random.Random, Injected], Act]

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from axisrig.bench.drive.cia402.dictionary.profiles import DEFAULT_PROFILE
+from axisrig.bench.rig.canopen.dcf_words import check_dcf
 from axisrig.bench.rig.canopen.io_node import check_terminal
 from axisrig.bench.rig.canopen.loop import check_loop
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
@@ -74,6 +75,8 @@ def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
         master_node=rig.cycle.master_node,
     )
     keys = drive_of(settings, name)
+    if keys.eds is not None:
+        check_dcf(settings, name, drive_dictionary(keys, axis.node_id, keys.make()))
     return drive_steps(
         keys,
         bus,

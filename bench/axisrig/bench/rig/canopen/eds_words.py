@@ -7,6 +7,7 @@ from typing import Final
 
 from canopen.objectdictionary import ObjectDictionary
 
+from axisrig.bench.rig.canopen.dcf_words import dcf_warnings
 from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import fixed_frames
@@ -51,6 +52,7 @@ def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
         )
     yield from _identity(drive, od)
     yield from _mends(drive.eds)
+    yield from dcf_warnings(settings, name, od)
     node, dcf_rate = commissioned(drive.eds)
     is_other = node not in (None, axis.node) or dcf_rate not in (None, bitrate)
     if is_other:

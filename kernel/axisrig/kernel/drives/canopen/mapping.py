@@ -5,8 +5,9 @@ the drive at start-up and what it packs and unpacks afterwards, so that both can
 """
 
 import csv
+import re
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import resources
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.profiles.canopen.identifiers import PDO_BASE
+from axisrig.kernel.profiles.canopen.identifiers import ID_MASK, PDO_BASE, RESTRICTED, SYNC_ID
 from axisrig.kernel.time.clock import MS, TimeNs
 
 _FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
@@ -44,6 +45,11 @@ COLUMNS: Final = (
 # A column that a table need not have: greatest time between two event-driven TPDOs, 0 = none
 EVENT_TIMER: Final = "event_ms"
 EVENT_DRIVEN: Final = (254, 255)
+# A column that a table need not have: COB-ID of its own, 0 = of the pre-defined connection set
+IDENTIFIER: Final = "cob_id"
+_OPTIONAL: Final = (EVENT_TIMER, IDENTIFIER)
+_PDO: Final = re.compile(r"[RT]PDO([1-9]\d{0,2})")
+PDOS_MAX: Final = 512  # of each direction (CiA 301: 1400 to 15FF, 1800 to 19FF)
 
 
 @dataclass(frozen=True)
@@ -99,7 +105,8 @@ class BitCodec:
 class Telegram:
     """One PDO: name, transmission type, inhibit time (100 us) and what it carries.
 
-    event_ms: event timer of an event-driven TPDO, 0 = none.
+    event_ms: event timer of an event-driven TPDO, 0 = none. identifier: of its own, 0 = that of the
+    pre-defined connection set.
     """
 
     name: str
@@ -107,6 +114,7 @@ class Telegram:
     inhibit_100us: int
     objects: tuple[MappedObject, ...]
     event_ms: int = 0
+    identifier: int = 0
 
     @property
     def is_received(self) -> bool:
@@ -144,11 +152,11 @@ class Telegram:
     @property
     def communication_index(self) -> int:
         """Index of the communication parameter; the mapping is 0x200 after it."""
-        return (0x1400 if self.is_received else 0x1800) + int(self.name[-1]) - 1
+        return (0x1400 if self.is_received else 0x1800) + int(self.name[4:]) - 1
 
     def cob_id(self, node_id: int) -> int:
-        """Return the COB-ID of the pre-defined connection set."""
-        return PDO_BASE[self.name] + node_id
+        """Return its own COB-ID, else that of the pre-defined connection set."""
+        return self.identifier or PDO_BASE[self.name] + node_id
 
 
 @cache
@@ -198,6 +206,7 @@ def telegrams(
                 for row in rows
             ),
             event_ms=int(rows[0][EVENT_TIMER], 0),
+            identifier=int(rows[0][IDENTIFIER], 0),
         )
         for name, rows in grouped.items()
     }
@@ -229,7 +238,7 @@ def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
         (
             reader.line_num,
             {name: (row.get(name) or "").strip() for name in COLUMNS}
-            | {EVENT_TIMER: (row.get(EVENT_TIMER) or "").strip() or "0"},
+            | {name: (row.get(name) or "").strip() or "0" for name in _OPTIONAL},
         )
         for row in reader
     ]
@@ -248,11 +257,12 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
             file=table, line=line, value=row[column], allowed=allowed,
         )  # fmt: skip
 
-    if row["pdo"] not in PDO_BASE:
-        raise wrong("pdo", " ".join(PDO_BASE))
+    pdo = _PDO.fullmatch(row["pdo"])
+    if pdo is None or int(pdo[1]) > PDOS_MAX:
+        raise wrong("pdo", f"RPDO1 to RPDO{PDOS_MAX}, TPDO1 to TPDO{PDOS_MAX}")
     for column, low, high in (
         ("transmission", 0, 255), ("inhibit_100us", 0, 65535), ("sub", 0, 255), ("bits", 1, 64),
-        (EVENT_TIMER, 0, 65535),
+        (EVENT_TIMER, 0, 65535), (IDENTIFIER, 0, ID_MASK),
     ):  # fmt: skip
         try:
             fits = low <= int(row[column], 0) <= high
@@ -268,6 +278,7 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
     is_event = not row["pdo"].startswith("R") and int(row["transmission"], 0) in EVENT_DRIVEN
     if int(row[EVENT_TIMER], 0) and not is_event:
         raise wrong(EVENT_TIMER, "0, or a TPDO of type 254 or 255: its event timer, ms")
+    _check_identifier(row, wrong)
     if row["signed"] not in ("yes", "no"):
         raise wrong("signed", "yes or no")
     if row["field"] not in (NO_FIELD, *FIELDS):
@@ -275,6 +286,18 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
     sends = FIELDS.get(row["field"])
     if sends is not None and sends is not row["pdo"].startswith("R"):
         raise wrong("pdo", f"{'an RPDO' if sends else 'a TPDO'} for {row['field']}")
+
+
+def _check_identifier(row: Mapping[str, str], wrong: Callable[[str, str], UserError]) -> None:
+    """Raise UserError for an identifier that no PDO may have, or that is missing."""
+    identifier = int(row[IDENTIFIER], 0)
+    if identifier and any(identifier in taken for taken in (*RESTRICTED, (SYNC_ID,))):
+        raise wrong(IDENTIFIER, "an identifier that CiA 301 leaves to PDOs, such as 0x1C1")
+    if not identifier and row["pdo"] not in PDO_BASE:
+        raise wrong(
+            IDENTIFIER,
+            f"an identifier such as 0x1C1: the pre-defined set has none for {row['pdo']}",
+        )
 
 
 def _check_once(rows: Sequence[tuple[int, Mapping[str, str]]], table: str | None) -> None:

@@ -11,6 +11,7 @@ from typing import Final, Literal
 
 from canopen.objectdictionary import ObjectDictionary
 
+from axisrig.kernel.drives.canopen.dcf import dcf_values
 from axisrig.kernel.drives.canopen.dictionary import (
     allowed_values,
     check_mapping,
@@ -194,6 +195,9 @@ def _steps(
     if settings.boot != "none":
         yield BootUp("boot-up", _BOOT_COMMAND[settings.boot])
     yield from _identity(settings)
+    for found in dcf_values(od):
+        name = f"DCF: {object_name(found.index, found.sub)} {found.name} = {found.value!r}"
+        yield Write(name, found.index, found.sub, found.data)
     yield from _sync(settings, bus, od)
     yield from _left_out(telegrams, node_id, od)
     for telegram in telegrams.values():
