@@ -168,7 +168,8 @@ def test_a_table_may_order_its_objects_as_it_likes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message", "line"),
     [
-        ("RPDO2", "RPDO9", "pdo of the mapping table", 4),
+        ("RPDO2", "RPDO513", "pdo of the mapping table", 4),
+        ("RPDO2", "RPDO9", "cob_id of the mapping table", 4),
         ("RPDO2,1", "RPDO2,256", "transmission of the mapping table", 4),
         ("0x6072", "torque", "index of the mapping table", 4),
         ("0x6072,0,16", "0x6072,0,65", "bits of the mapping table", 4),
