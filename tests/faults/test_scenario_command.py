@@ -165,12 +165,14 @@ def test_what_nobody_can_know_hides_the_value() -> None:
 
 
 def test_other_frames_in_another_process_are_a_finding() -> None:
-    assert compared(GOOD, "f") is GOOD
-    found = compared(GOOD, "g")
+    assert compared(GOOD, GOOD) is GOOD
+    found = compared(GOOD, replace(GOOD, frames="g"))
     assert (found.result, found.broken) == (Result.BROKEN, ("repeats",))
     tally = Tally()
     tally.add(Scenario(100, 1, ()), found)
     assert "other frames" in tally.table()
+    broken_off = compared(GOOD, Judgement(Result.EXCEPTION, note="OSError: no memory"))
+    assert "OSError: no memory, no for f" in broken_off.note
 
 
 @pytest.mark.long

@@ -136,14 +136,15 @@ def repeated(found: tuple[Scenario, Judgement]) -> tuple[Scenario, Judgement]:
     (again,) = run_apart(run_scenario, [[scenario]], is_unrelated=True)
     if isinstance(again, Died):
         return scenario, Judgement(Result.EXCEPTION, judgement.alarms, note=again.reason)
-    return scenario, compared(judgement, again.frames)
+    return scenario, compared(judgement, again)
 
 
-def compared(judgement: Judgement, frames: str) -> Judgement:
-    """Return the judgement of a run whose scenario has sent `frames` in another process."""
-    if frames == judgement.frames:
+def compared(judgement: Judgement, again: Judgement) -> Judgement:
+    """Return the judgement of a run whose scenario has run once more in another process."""
+    if again.frames == judgement.frames:
         return judgement
-    note = f"{REPEATS}: other frames in another process"
+    there = f"{again.note or again.result}, {again.frames[:8] or 'no'} for {judgement.frames[:8]}"
+    note = f"{REPEATS}: other frames in another process: {there}"
     return replace(judgement, result=Result.BROKEN, note=note, broken=(*judgement.broken, REPEATS))
 
 
