@@ -1,7 +1,8 @@
 """Parameter lists in the manuals' format: one name and one value per line.
 
-`#`, `;` and ` (` begin a comment, texts with blanks are in quotes, BOOL is 0 or 1, whole numbers
-may be hexadecimal. Several axes may be in one list: `kopf.achs_nr` begins the next one.
+`#`, `;` and ` (` begin a comment, `/*` to `*/` is one, a line `Ende` says nothing. Texts with
+blanks are in quotes, BOOL is 0 or 1, whole numbers may be hexadecimal. Several axes may be in one
+list: `kopf.achs_nr` begins the next one.
 """
 
 import re
@@ -24,6 +25,9 @@ _LINE = re.compile(
     r"""\s*(?P<name>[^\s"'#;]\S*)(?:\s+(?P<value>"[^"]*"|'[^']*'|\S+)(?P<rest>.*))?""", re.DOTALL
 )
 _COMMENT = re.compile(r"""("[^"]*"|'[^']*')|[#;].*|\s\(.*""", re.DOTALL)
+_BLOCK = re.compile(r"/\*.*?\*/", re.DOTALL)
+END = "ende"
+"""Closes the lists of some editors."""
 _BLANK = re.compile(r"\s")
 _QUOTES = "\"'"
 
@@ -64,6 +68,7 @@ def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
         raise UserError(message, file=path, hint=error.strerror) from error
     reading = _Reading(str(path), kind)
     errors = []
+    text = _BLOCK.sub(_without, text)
     for number, line in enumerate(text.splitlines(), start=1):
         try:
             reading.take(number, line)
@@ -72,6 +77,11 @@ def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
     if errors:
         raise together(errors)
     return reading.sections
+
+
+def _without(block: re.Match[str]) -> str:
+    """Return a comment of several lines as blanks, so that lines and columns stay."""
+    return re.sub(r"\S", " ", block[0])
 
 
 class _Reading:
@@ -124,6 +134,8 @@ def unit_hint(rest: str, unit: str) -> str | None:
 def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Origin, Origin] | None:
     """Return name and value of a line with their places, None for a line without any."""
     text = _COMMENT.sub(lambda match: match[1] or "", line)
+    if line.lstrip().startswith("(") or text.strip().lower() == END:
+        return None
     match = _LINE.match(text)
     if match is None:
         if not text.strip():

@@ -287,6 +287,7 @@ TOPICS: Mapping[str, str] = {
     "distance_channel.csv": "3D distance control of the channel",
     "external.csv": "External variables (list of V.E. variables)",
     "startup.csv": "Start-up list",
+    "field.csv": "Of lists of real machines, beside the functions of the bench",
 }
 
 

@@ -8,6 +8,7 @@ names file, line and key.
 import difflib
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -70,7 +71,8 @@ class AxisTable(Table):
     to the inputs of the drive. encoder_2: "load", or the distance sensor that its second encoder
     is. outside: whether its drive is real, outside this process; not said = where its segment is
     real. sensor_age_limit_ms: how old the value of the sensor of distance control may be; not said
-    = three of its periods.
+    = three of its periods. accept: parameters of its list that would act on the machine and do not
+    act here, by number or path.
     """
 
     list: str
@@ -86,6 +88,7 @@ class AxisTable(Table):
     encoder_2: Name | None = None
     outside: bool | None = None
     sensor_age_limit_ms: Annotated[float, Field(gt=0, le=600_000)] | None = None
+    accept: Sequence[str] = ()
 
     @property
     def node_id(self) -> int:

@@ -12,9 +12,11 @@ from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import ParameterSet, start_up, written
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES, SIMULATED
+from axisrig.kernel.parameters.influence import group_of
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
 from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type, equal_schedule
+from axisrig.kernel.parameters.table import table
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they name
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
@@ -145,7 +147,9 @@ def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSe
         ("channel", rig.channel.list, channel),
         *((f"axis {name}", rig.axis[name].list, axes[name]) for name in axes),
     ):
-        inert = parameters.inert()
+        inert = [
+            (key, value) for key, value in parameters.inert() if not _has_class(parameters, key)
+        ]
         if inert:
             names = ", ".join(f"{name} = {written(value)}" for name, value in inert)
             what = "1 setting does" if len(inert) == 1 else f"{len(inert)} settings do"
@@ -157,6 +161,12 @@ def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSe
                 f" {written(parameters.get(by))}"
             )
     return notes
+
+
+def _has_class(parameters: ParameterSet, key: str) -> bool:
+    """Whether `influence.csv` says what a setting would change (`influence_notes`)."""
+    path = table(parameters.kind).find(key)[0].path
+    return group_of(parameters.kind, path) is not None
 
 
 def _numbered(parameters: ParameterSet, path: str) -> str:

@@ -1,0 +1,110 @@
+"""Parameters of real lists that do not act: kept, counted, or refused with the reason."""
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from pathlib import Path
+
+from axisrig.bench.rig.reading.file import RigFile, rig_error
+from axisrig.kernel.errors import UserError, nearest, together
+from axisrig.kernel.parameters import ParameterSet, written
+from axisrig.kernel.parameters.influence import Group, group_of
+from axisrig.kernel.parameters.table import Parameter, indices_of, table
+from axisrig.kernel.parameters.types import Value
+
+COUNTS, PATHS = "getriebe[0].wegaufz", "getriebe[0].wegaufn"
+PER_MM = 10_000  # 0.1 um
+
+
+def influence_notes(rig: RigFile, files: list[Path], axes: Mapping[str, ParameterSet]) -> list[str]:
+    """Say of each list what has no influence here, and what was accepted though it would act.
+
+    Raises UserError, for all lists together, for a parameter that would act on the machine, does
+    not act here, is not at its neutral value and is not in `accept` of its axis.
+    """
+    notes, errors = list[str](), list[UserError]()
+    for name, parameters in axes.items():
+        accepted = _accepted(rig, files, name)
+        without = 0
+        for row, key, value, group in classified(parameters):
+            if not group.must_act:
+                without += 1
+            elif _is_as_the_rig(rig, name, key, parameters):
+                continue
+            elif row.path in accepted:
+                notes.append(
+                    f"axis {name}: {_named(row, key)} = {written(value)} is accepted and does not"
+                    f" act: {group.reason}"
+                )
+            else:
+                errors.append(_refused(name, row, key, value, group, parameters))
+        if without:
+            what = "1 setting has" if without == 1 else f"{without} settings have"
+            notes.append(
+                f"axis {name}: {what} no influence here ({Path(rig.axis[name].list).name});"
+                " `axisrig params --rig` lists all that is set"
+            )
+    if errors:
+        raise together(errors)
+    return notes
+
+
+def classified(parameters: ParameterSet) -> Iterator[tuple[Parameter, str, Value, Group]]:
+    """Yield what was set, is not at its neutral value and has a class."""
+    for key, value in parameters.inert():
+        row = table(parameters.kind).find(key)[0]
+        group = group_of(parameters.kind, row.path)
+        if group is not None:
+            yield row, key, value, group
+
+
+def _accepted(rig: RigFile, files: list[Path], name: str) -> set[str]:
+    """Return the paths that an axis accepts by number or path. Raises UserError for none."""
+    found = set()
+    known = table("axis")
+    for word in rig.axis[name].accept:
+        row = known.numbered(word) or known.row(word)
+        group = group_of("axis", row.path) if row is not None else None
+        if row is None or group is None or not group.must_act:
+            must = [r.number or r.path for r in known.parameters if _must(r)]
+            raise rig_error(
+                files,
+                ("axis", name, "accept"),
+                "no parameter that has to be accepted",
+                value=word,
+                allowed=nearest(word, must) or must,
+            )
+        found.add(row.path)
+    return found
+
+
+def _must(row: Parameter) -> bool:
+    group = group_of("axis", row.path)
+    return group is not None and group.must_act
+
+
+def _is_as_the_rig(rig: RigFile, name: str, key: str, parameters: ParameterSet) -> bool:
+    """Whether the resolution of the encoder is that which the drive of the rig has."""
+    if key not in (COUNTS, PATHS):
+        return False
+    counts, path = parameters.integer(COUNTS), parameters.integer(PATHS)
+    drive = rig.drive[rig.axis[name].drive]
+    return bool(path) and Fraction(counts * PER_MM, path) == drive.facts().units_per_mm
+
+
+def _refused(
+    name: str, row: Parameter, key: str, value: Value, group: Group, parameters: ParameterSet
+) -> UserError:
+    place = parameters.origin(key)
+    assert place is not None
+    word = row.number or row.path
+    index = "" if indices_of(key) in ((), (0,)) else f" (index {indices_of(key)[0]})"
+    return place.error(
+        f"{_named(row, key)}{index} does not act here: {group.reason}",
+        value=written(value),
+        allowed=f"{written(row.default)}, its neutral value",
+        hint=f'or accept = ["{word}"] in [axis.{name}]: every run then says so',
+    )
+
+
+def _named(row: Parameter, key: str) -> str:
+    return f"{key} ({row.number})" if row.number else key

@@ -1,0 +1,207 @@
+"""Lists of real machines: their forms, their names, and what does not act here."""
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters.influence import group_of, grouped, groups
+from axisrig.kernel.parameters.lists import read_list
+from axisrig.kernel.parameters.table import table
+
+RIGS = Path(__file__).resolve().parents[2] / "testplans" / "rigs"
+SETTINGS = {
+    "getriebe[i].moduloo": "2", "kenngr.set_refpos_mode": "PLC", "filter[i].prototype": "BESSEL",
+    "kenngr.write_reference_position_to_drive": "ON_CNC_SIDE",
+}  # fmt: skip
+"""Values that are not neutral, where a number other than the default is none."""
+
+
+@pytest.fixture
+def with_list(tmp_path: Path) -> Callable[..., Settings]:
+    """Read the rig of one axis with further lines in its list, and keys of its axis."""
+
+    def make(lines: str, keys: str = "") -> Settings:
+        rig = (RIGS / "probe-z.toml").read_text(encoding="utf-8")
+        own = (RIGS / "lists" / "axis-z-fine.lst").read_text(encoding="utf-8")
+        (tmp_path / "axis.lst").write_text(f"{own}\n{lines}\n", encoding="utf-8")
+        rig = rig.replace("lists/axis-z-fine.lst", "axis.lst").replace('"lists/', f'"{RIGS}/lists/')
+        (tmp_path / "rig.toml").write_text(
+            rig.replace("[axis.Z]", f"[axis.Z]\n{keys}"), encoding="utf-8"
+        )
+        return read_settings(*read_rig(tmp_path / "rig.toml"), [])
+
+    return make
+
+
+def rows(*, must_act: bool) -> list[str]:
+    """Return the paths of one class."""
+    found = [path for kind, path in grouped() if kind == "axis"]
+    return [path for path in found if _group(path).must_act == must_act]
+
+
+def _group(path: str):
+    group = group_of("axis", path)
+    assert group is not None
+    return group
+
+
+def _odd(path: str) -> tuple[str, str]:
+    """Return a written path and a value that is not neutral."""
+    row = table("axis").row(path)
+    assert row is not None
+    default = int(float(row.default)) if not isinstance(row.default, str) else 0
+    value = SETTINGS.get(path) or str(0 if row.default is True else default + 1)
+    return path.replace("[i]", "[0]"), value
+
+
+def test_every_name_of_real_lists_has_a_class_and_does_not_act() -> None:
+    """What has a class is a row of the tables; each group has members and a reason."""
+    field = [row for row in table("axis").parameters if row.topic == "field.csv"]
+    assert len(field) > 35
+    assert [row.path for row in field if group_of("axis", row.path) is None] == []
+    for kind, path in grouped():
+        row = table(kind).row(path)
+        assert row is not None, path
+        assert row.acts == "no"
+    assert {_group(path).name for _, path in grouped()} == set(groups())
+    assert all(group.reason for group in groups().values())
+
+
+@pytest.mark.parametrize("path", rows(must_act=False)[:3])
+def test_what_has_no_influence_is_kept_and_counted(
+    with_list: Callable[..., Settings], path: str
+) -> None:
+    name, value = _odd(path)
+    (note,) = [text for text in with_list(f"{name} {value}").notes if "influence" in text]
+    assert "axis Z: 1 setting has no influence here (axis.lst)" in note
+
+
+def test_all_that_has_no_influence_is_one_line(with_list: Callable[..., Settings]) -> None:
+    paths = [path for path in rows(must_act=False) if _group(path).name != "edge banding"]
+    settings = with_list("\n".join(" ".join(_odd(path)) for path in paths))
+    (note,) = [text for text in settings.notes if "influence" in text]
+    assert f"{len(paths)} settings have no influence here" in note
+    assert not any("not act yet" in text for text in settings.notes)
+
+
+@pytest.mark.long(but=4)
+@pytest.mark.parametrize("path", rows(must_act=True))
+def test_what_would_act_is_refused_unless_it_is_accepted(
+    with_list: Callable[..., Settings], path: str
+) -> None:
+    name, value = _odd(path)
+    row = table("axis").row(path)
+    assert row is not None
+    with pytest.raises(UserError, match="does not act here") as error:
+        with_list(f"{name} {value}")
+    assert _group(path).reason in error.value.message
+    assert error.value.line is not None
+    for word in {row.number or path, path}:
+        settings = with_list(f"{name} {value}", f'accept = ["{word}"]')
+        (note,) = [text for text in settings.notes if "is accepted" in text]
+        assert name in note
+        assert _group(path).reason in note
+
+
+@pytest.mark.parametrize("path", rows(must_act=True)[:3])
+def test_a_neutral_value_says_nothing(with_list: Callable[..., Settings], path: str) -> None:
+    row = table("axis").row(path)
+    assert row is not None
+    name = path.replace("[i]", "[0]")
+    default = int(row.default) if not isinstance(row.default, str) else row.default
+    assert with_list(f"{name} {default}").notes == with_list("").notes
+
+
+def test_all_that_would_act_is_said_at_once(with_list: Callable[..., Settings]) -> None:
+    with pytest.raises(UserError) as error:
+        with_list("getriebe[0].lose 20\nlr_param.ssfk 1\nlr_hw[0].vz_stellgr 1")
+    messages = [error.value, *error.value.further]
+    numbers = ("P-AXIS-00231", "P-AXIS-00103", "P-AXIS-00175")
+    assert [number in str(each) for number, each in zip(numbers, messages, strict=True)] == [
+        True
+    ] * 3
+
+
+@pytest.mark.parametrize(
+    ("counts", "path", "fits"),
+    [(1_048_576, 100_000, True), (2_097_152, 200_000, True), (1_048_576, 50_000, False),
+     (1_048_577, 100_000, False)],
+)  # fmt: skip
+def test_a_resolution_is_that_of_the_encoder_of_the_rig(
+    with_list: Callable[..., Settings], counts: int, path: int, fits: bool
+) -> None:
+    """The drive has 1048576 increments in 10 mm, which are 100000 of 0.1 um."""
+    lines = f"getriebe[0].wegaufz {counts}\ngetriebe[0].wegaufn {path}"
+    if fits:
+        check_rig(with_list(lines))
+        return
+    with pytest.raises(UserError, match="wrong by a factor"):
+        with_list(lines)
+
+
+@pytest.mark.parametrize("word", ["P-AXIS-99999", "getriebe[0].looose", "P-AXIS-00213"])
+def test_only_what_would_act_can_be_accepted(with_list: Callable[..., Settings], word: str) -> None:
+    with pytest.raises(UserError, match="no parameter that has to be accepted"):
+        with_list("", f'accept = ["{word}"]')
+
+
+FORMS = """/* head of the list
+   kenngr.messachse 7
+*/
+( another comment )
+  (and one more
+kopf.achs_nr 3   /* in a line */
+kopf.log_achs_name Z ( name
+kenngr.messachse 1
+Ende
+"""
+
+
+def test_forms_of_lists_of_the_field(tmp_path: Path) -> None:
+    path = tmp_path / "some.lst"
+    path.write_text(FORMS, encoding="utf-8")
+    parameters = read_list(path, "axis")
+    assert parameters.integer("kopf.achs_nr") == 3
+    assert parameters.word("kopf.log_achs_name") == "Z"
+    assert parameters.flag("kenngr.messachse")
+    path.write_text(FORMS + "kenngr.wrong 1\n", encoding="utf-8")
+    with pytest.raises(UserError, match="unknown") as error:
+        read_list(path, "axis")
+    assert error.value.line == FORMS.count("\n") + 1
+
+
+def typo(draw: random.Random) -> tuple[str, str]:
+    """Return a name with one mistake of typing, and the right one."""
+    known = {path for row in table("axis").parameters for path in (row.path, *row.old_paths)}
+    while True:
+        right = draw.choice(sorted(known))
+        stem, dot, word = right.rpartition(".")
+        if len(word) < 6:
+            continue
+        at = draw.randrange(1, len(word) - 1)
+        wrong = draw.choice(
+            (word[:at] + word[at + 1 :], word[:at] + word[at] + word[at:],
+             word[:at] + word[at + 1] + word[at] + word[at + 2 :],
+             word[:at] + draw.choice("abcdefghijklmnopqrstuvwxyz") + word[at + 1 :])
+        )  # fmt: skip
+        name = f"{stem}{dot}{wrong}"
+        if name not in known:
+            return name.replace("[i]", "[0]"), right.replace("[i]", "[0]")
+
+
+def test_of_50_typos_all_are_refused_and_48_have_the_right_proposal(tmp_path: Path) -> None:
+    draw = random.Random(38)
+    path, right = tmp_path / "some.lst", 0
+    for _ in range(50):
+        wrong, meant = typo(draw)
+        path.write_text(f"{wrong} 1\n", encoding="utf-8")
+        with pytest.raises(UserError) as error:
+            read_list(path, "axis")
+        right += meant in str(error.value)
+    assert right >= 48
