@@ -8,12 +8,24 @@ import typer
 
 from axisrig.bench.cli.options import SetOption, rejecting
 
-rig_app = typer.Typer(no_args_is_help=True, help="Rigs for other tools.")
+rig_app = typer.Typer(no_args_is_help=True, help="Rigs from lists, and for other tools.")
 
 
-@rig_app.callback()
-def _group() -> None:
-    """Keep `export` a word of its own while it is the only command."""
+@rig_app.command("from")
+@rejecting
+def from_lists(
+    lists: Annotated[list[Path], typer.Argument(metavar="LIST...", help="Axis and channel lists.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Rig file to write (TOML).")],
+    eds: Annotated[
+        Path | None, typer.Option("--eds", help="EDS or DCF of the drives of all axes.")
+    ] = None,
+) -> None:
+    """Write a rig for the lists of a machine, with what had to be assumed at its top."""
+    from axisrig.bench.tools.project.rig_from import rig_from
+
+    for line in rig_from(lists, eds, output):
+        print(f"assumed: {line}", file=sys.stderr)
+    print(output)
 
 
 @rig_app.command()

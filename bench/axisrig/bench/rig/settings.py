@@ -19,7 +19,7 @@ from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_ru
 from axisrig.bench.rig.reading.families import read_segment
 from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
 from axisrig.bench.rig.reading.file import RigFile
-from axisrig.bench.rig.reading.influence import influence_notes
+from axisrig.bench.rig.reading.influence import assumed_notes, influence_notes
 from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.lists import (
     OFFSET_LISTS,
@@ -335,6 +335,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
     try:
         settings.warnings = take_over(channel, axes)
         settings.notes = inert_notes(rig, channel, axes)
+        settings.notes += assumed_notes(rig)
         settings.notes += influence_notes(rig, files, axes)
         settings.notes += relation_notes(axes)
         settings.notes += stop_notes(axes)

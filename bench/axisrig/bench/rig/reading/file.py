@@ -170,11 +170,13 @@ class RigFile(Table):
     """A whole rig; see docs/rigs.md for every key.
 
     hardware: the axes may move without being asked for each time (`--yes` on the command line).
+    assumed: what `axisrig rig from` took for granted and nobody has confirmed yet.
     plc: variables that show distance sensors; plc_task: the other keys of the table `[plc]`.
     """
 
     title: str
     hardware: bool = False
+    assumed: Sequence[str] = ()
     cycle: CycleTable = CycleTable()
     realtime: RealtimeTable = RealtimeTable()
     distance: DistanceTable = DistanceTable()

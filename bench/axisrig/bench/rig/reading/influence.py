@@ -48,6 +48,15 @@ def influence_notes(rig: RigFile, files: list[Path], axes: Mapping[str, Paramete
     return notes
 
 
+def assumed_notes(rig: RigFile) -> list[str]:
+    """Count what a rig rests on that nobody has confirmed."""
+    count = len(rig.assumed)
+    if not count:
+        return []
+    what = "1 assumption" if count == 1 else f"{count} assumptions"
+    return [f"{what} of the rig not confirmed: delete each line of `assumed` once it is right"]
+
+
 def classified(parameters: ParameterSet) -> Iterator[tuple[Parameter, str, Value, Group]]:
     """Yield what was set, is not at its neutral value and has a class."""
     for key, value in parameters.inert():

@@ -1,0 +1,125 @@
+"""`axisrig rig from`: the rig of a machine's lists, with what had to be assumed."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.tools.project.rig_from import rig_from
+from axisrig.kernel.errors import UserError
+
+Z = """# an axis list of a machine
+kopf.achs_nr 3
+kopf.log_achs_name Z
+kenngr.achs_typ ACHSTYP_TRANSLATOR
+kenngr.messachse 1
+getriebe[0].wegaufz 4096
+getriebe[0].wegaufn 50000
+getriebe[0].lose 20
+getriebe[0].slep_max 100000
+kenngr.swe_pos 900000
+kenngr.swe_neg -100000
+"""
+XY = """kopf.achs_nr 1
+kopf.log_achs_name X
+kopf.achs_nr 2
+kopf.log_achs_name Y
+antr.drive_typ_is_not_said 1
+"""
+
+
+@pytest.fixture
+def listed(tmp_path: Path) -> Callable[..., list[Path]]:
+    """Write lists."""
+
+    def make(**texts: str) -> list[Path]:
+        paths = []
+        for name, text in texts.items():
+            paths.append(tmp_path / f"{name}.lst")
+            paths[-1].write_text(text, encoding="utf-8")
+        return paths
+
+    return make
+
+
+def test_a_rig_is_written_that_check_accepts_and_that_counts_its_assumptions(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """4096 increments in 50000 of 0.1 um are 5 mm; the limits are -10 and 90 mm."""
+    rig = tmp_path / "rigs" / "rig.toml"
+    rig.parent.mkdir()
+    assumed = rig_from(listed(z=Z), None, rig)
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    assert table["assumed"] == assumed
+    assert table["drive"]["z"] == {"encoder_increments": 4096, "lead_mm": 5.0}
+    assert table["axis"]["Z"]["accept"] == ["P-AXIS-00103"]
+    assert table["axis"]["Z"]["list"] == "../z.lst"
+    assert table["plant"]["z"]["start"]["position_start_mm"] == 40
+    for words in ("lose = 20 does not act", "4096 increments and 5 mm", "node 1", "touch probe"):
+        assert any(words in text for text in assumed), words
+    settings = settings_of(rig, [])
+    check_rig(settings)
+    assert f"{len(assumed)} assumptions of the rig not confirmed" in settings.notes[0]
+
+
+def test_confirmed_assumptions_are_not_counted(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    rig = tmp_path / "rig.toml"
+    first, *rest = rig_from(listed(z=Z), None, rig)
+    text = rig.read_text(encoding="utf-8")
+    for line in rest:
+        text = text.replace(f'    "{line}",\n', "")
+    rig.write_text(text, encoding="utf-8")
+    assert "1 assumption of the rig not confirmed" in settings_of(rig, []).notes[0]
+    rig.write_text(text.replace(f'    "{first}",\n', ""), encoding="utf-8")
+    assert not any("assumption" in note for note in settings_of(rig, []).notes)
+
+
+def test_several_axes_a_channel_list_and_an_eds(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """Axes without a resolution get one that is assumed, each with a bus of its own."""
+    axes = XY.replace("antr.drive_typ_is_not_said 1\n", "")
+    eds = tmp_path / "drive.eds"
+    profile = DriveProfile()
+    eds.write_text(eds_text(profile), encoding="ascii")
+    rig = tmp_path / "rig.toml"
+    assumed = rig_from(listed(xy=axes, z=Z, ch="messtyp 1\n"), eds, rig)
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    assert list(table["axis"]) == ["X", "Y", "Z"]
+    assert [axis["segment"] for axis in table["axis"].values()] == ["can1", "can2", "can3"]
+    assert {drive["eds"] for drive in table["drive"].values()} == {"drive.eds"}
+    assert table["channel"]["list"] == "ch.lst"
+    assert sum("since the list does not say" in text for text in assumed) == 2
+    check_rig(settings_of(rig, []))
+
+
+@pytest.mark.parametrize(
+    ("texts", "message"),
+    [
+        ({"ch": "messtyp 1\n"}, "no axis list"),
+        ({"z": Z, "again": Z}, "two lists are of the same axis"),
+        ({"z": "kenngr.messachse 1\n"}, "does not name its axis"),
+        ({"z": XY}, "unknown axis parameter"),
+    ],
+)
+def test_lists_that_make_no_rig_are_refused(
+    listed: Callable[..., list[Path]], tmp_path: Path, texts: dict[str, str], message: str
+) -> None:
+    with pytest.raises(UserError, match=message):
+        rig_from(listed(**texts), None, tmp_path / "rig.toml")
+    assert not (tmp_path / "rig.toml").exists()
+
+
+def test_a_rig_that_is_there_is_not_overwritten(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    (tmp_path / "rig.toml").touch()
+    with pytest.raises(UserError, match="there already"):
+        rig_from(listed(z=Z), None, tmp_path / "rig.toml")
