@@ -253,7 +253,7 @@ def test_a_key_like_no_other_is_told_with_all_that_may_stand_there(rig_file: Wri
     assert error.hint is None
     assert error.allowed == (
         "list, segment, node, drive, plant, probe_1, probe_2, limit_negative, limit_positive,"
-        " home_switch, encoder_2, outside, sensor_age_limit_ms"
+        " home_switch, encoder_2, outside, sensor_age_limit_ms, accept"
     )
 
 
