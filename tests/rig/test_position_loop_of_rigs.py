@@ -123,11 +123,19 @@ def test_a_table_has_one_of_set_position_and_set_speed(
     assert caught.value.allowed == "one of them"
 
 
-def test_distance_control_needs_the_loop_in_the_drive(rig: Write, settings_of: Read) -> None:
+def test_distance_control_needs_the_loop_in_the_drive(
+    rig: Write, settings_of: Read, tmp_path: Path
+) -> None:
     path = rig(CSV, ('plant = "z"\n', 'plant = "z"\nencoder_2 = "load"\n'),
                lines="lr_param.distance_control_on 1\n")  # fmt: skip
     with pytest.raises(UserError, match=r"distance control .* closes the position loop"):
         check_rig(settings_of(path))
+    path.write_text(path.read_text().replace('encoder_2 = "load"\n', ""), encoding="utf-8")
+    check_rig(settings_of(path, "set:Z.lr_param.distance_control_on=0"))
+    with (tmp_path / "lists" / "channel.lst").open("a", encoding="utf-8") as file:
+        file.write("configuration.decoder.function FCT_3D_DIST_CTRL\ndist_ctrl[0].a_max 1000\n")
+    with pytest.raises(UserError, match=r"3D distance control .* closes the position loop"):
+        check_rig(settings_of(path, "set:Z.lr_param.distance_control_on=0"))
 
 
 def test_check_says_where_a_loop_is_closed(rig: Write, settings_of: Read) -> None:

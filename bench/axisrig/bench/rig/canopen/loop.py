@@ -27,6 +27,7 @@ OF_LOOP: Final = (
 """Parameters of a loop that the CNC closes."""
 _SPEED_FORWARD: Final = 0x001  # of P-AXIS-00223
 SHOWN_MM_S: Final = 10.0
+RELEASED_3D: Final = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 
 
 def closes_loop(settings: Settings, name: str) -> bool:
@@ -77,12 +78,14 @@ def check_loop(
     if not closes_loop(settings, name):
         return
     parameters, drive = settings.axis[name], settings.rig.axis[name].drive
-    if parameters.flag("lr_param.distance_control_on"):
+    is_3d = settings.channel.word(RELEASED_3D[0]) == RELEASED_3D[1]
+    if is_3d or parameters.flag("lr_param.distance_control_on"):
+        what = "3D distance control (P-CHAN-00500)" if is_3d else "distance control (P-AXIS-00328)"
         raise rig_error(
             settings.files,
             ("drive", drive, "mode"),
-            f"axis {name}: distance control (P-AXIS-00328) needs a drive that closes the position"
-            " loop; here the CNC closes it and its lag would be in the loop of the distance",
+            f"axis {name}: {what} needs a drive that closes the position loop; here the CNC closes"
+            " it and its lag would be in the loop of the distance",
             value=CSV,
             allowed=str(CSP),
         )
