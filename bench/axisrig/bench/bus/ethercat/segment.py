@@ -99,11 +99,6 @@ class EthercatSegment:
         self._places = [_places(given[:count]) for count in range(len(given) + 1)]
 
     @property
-    def round_trip_ns(self) -> TimeNs:
-        """Time from the begin of a frame at the master until its begin is back, all slaves on."""
-        return self._places[-1][-1][2] if self.slaves else 0
-
-    @property
     def reached(self) -> int:
         """How many slaves frames reach now: those before the first one that is off."""
         count = 0

@@ -17,12 +17,10 @@ FIRST_DATAGRAM: Final = ETHERNET_HEADER.size + FRAME_HEADER.size
 DATAGRAM: Final = Struct("<BBHHHH")
 """Command, index, ADP, ADO (logical: the two halves of one address), length and flags, events."""
 LENGTH_MASK: Final = 0x07FF
-CIRCULATING: Final = 1 << 14
 MORE: Final = 1 << 15
 WORKING_COUNTER: Final = Struct("<H")
 FRAME_MIN: Final = 60
 FRAME_MAX: Final = 1514
-DATAGRAMS_MAX: Final = 15
 DATAGRAM_DATA_MAX: Final = 1486
 
 # On the wire, in bytes beside the frame
@@ -39,7 +37,6 @@ FMMU_WRITE: Final = 2
 SYNC_MANAGER: Final = Struct("<HHBBBB")
 """Start, length, control, status, activation, control by the slave."""
 SM_MODE_MASK: Final = 0x03
-SM_BUFFERED: Final = 0x00
 SM_MAILBOX: Final = 0x02
 SM_MASTER_WRITES: Final = 0x04
 SM_DIRECTION_MASK: Final = 0x0C
@@ -109,10 +106,6 @@ COE_EMERGENCY: Final = Struct("<HB5s")
 SII_ALIAS: Final = 0x04
 SII_CHECKSUM: Final = 0x07
 SII_VENDOR: Final = 0x08
-SII_PRODUCT: Final = 0x0A
-SII_REVISION: Final = 0x0C
-SII_SERIAL: Final = 0x0E
-SII_BOOT_MAILBOX: Final = 0x14
 SII_MAILBOX: Final = 0x18
 """Receive offset, receive size, send offset, send size."""
 SII_PROTOCOLS: Final = 0x1C
