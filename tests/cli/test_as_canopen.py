@@ -49,7 +49,22 @@ def test_results_show_the_substitution_and_replay_repeats_it(place: Path, axisri
     manifest = json.loads((place / "out" / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["drive_substituted"] == {"plan-a": "Z: SERCOS (2)"}
     report = whole(place / "out" / "report.html")
-    assert report.count("CANopen drive in place of") == 2, "heading, and the run"
+    assert report.count("CiA 402 drive in place of") == 2, "heading, and the run"
     assert "Z: SERCOS (2) (1 run)" in report
     code, out, _ = axisrig("replay", "out", "plan-a")
     assert (code, out.splitlines()[-1]) == (0, "frame_log_sha256 equal")
+
+
+def test_on_an_ethercat_line_it_is_the_drive_of_the_line(
+    place: Path, rejected: Callable[..., str], axisrig: Call
+) -> None:
+    rig = place / "ethercat.toml"
+    text = (place / "rig.toml").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith(("bitrate", "node"))]
+    at = next(n for n, line in enumerate(lines) if line.startswith("[segment."))
+    lines.insert(at + 1, 'carrier = "ethercat"')
+    rig.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert "on CAN or EtherCAT" in rejected("check", rig)
+    code, out, _ = axisrig("check", rig, "--as-canopen")
+    assert code == 0
+    assert "EtherCAT, one cycle" in out

@@ -330,7 +330,7 @@ def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
         "axisrig": manifest.get("axisrig"),
         "Python": manifest.get("python"),
         "platform": manifest.get("platform"),
-        "CANopen drive in place of": "; ".join(_substituted(runs)),
+        "CiA 402 drive in place of": "; ".join(_substituted(runs)),
         "simulated": _time_of(made.seconds["sim"]),
         "on a real bus": _time_of(made.seconds["real"]),
         "computed in": f"{wall_s:.1f} s" if wall_s else "",

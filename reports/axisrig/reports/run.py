@@ -186,7 +186,7 @@ def _about(case: Mapping[str, str]) -> list[tuple[str, str]]:
     replaced = case.get("drive_substituted", "")
     return [
         *((n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)),
-        *([("CANopen drive in place of", replaced)] if replaced else []),
+        *([("CiA 402 drive in place of", replaced)] if replaced else []),
     ]
 
 

@@ -34,7 +34,8 @@ AsCanopenOption = Annotated[
     bool,
     typer.Option(
         "--as-canopen",
-        help="Run drives of other types (P-AXIS-00020) on CANopen drives, and say so.",
+        help="Run drives of other types (P-AXIS-00020) on drives of CiA 402, on CAN or EtherCAT as"
+        " their segments are, and say so.",
     ),
 ]
 BusLogsOption = Annotated[

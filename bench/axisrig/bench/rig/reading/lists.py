@@ -100,7 +100,7 @@ def substituted(axes: Mapping[str, ParameterSet]) -> dict[str, str]:
 
 
 def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
-    """Say which axes run on a CANopen drive though their lists name another; empty for none."""
+    """Say which axes run on a drive of CiA 402 though their lists name another type."""
     return ", ".join(f"{name}: {word}" for name, word in substituted(axes).items())
 
 
@@ -130,8 +130,9 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
             f" here; {kind.why}",
             value=value,
             allowed=f"{', '.join(map(str, SIMULATED))}, or not said",
-            hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"
-            " does as_canopen = true of its [drive.D]; the results show it",
+            hint="--as-canopen of run, nc and check runs it all the same on the drive of CiA 402"
+            " that its segment carries, on CAN or EtherCAT, as does as_canopen = true of its"
+            " [drive.D]; the results show it",
         )
 
 
