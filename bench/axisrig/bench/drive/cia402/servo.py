@@ -177,11 +177,11 @@ class Servo(VirtualDrive):
         self._need_ticks()
         self.refresh(now_ns)
 
-    def refresh(self, now_ns: TimeNs) -> None:
-        """Sample now, for who reads values outside a SYNC."""
+    def refresh(self, now_ns: TimeNs, *, is_apart: bool = False) -> None:
+        """Sample now, for who reads values outside a SYNC; is_apart: to send them in each cycle."""
         self.begin(now_ns)
         self._sample()
-        self._sampler.sample_seldom()
+        self._sampler.sample_seldom(is_apart=is_apart)
 
     def refuses(self, index: int, value: int) -> int | None:
         """Return the abort code of a write that this drive or its state does not allow."""

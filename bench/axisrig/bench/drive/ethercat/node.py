@@ -362,7 +362,7 @@ class EthercatDrive(Cia402Node):
     def _sample(self, number: int) -> None:
         """Sample, unless the next cycle has come before."""
         if number == self._samples and self.cycle_clock.is_running:
-            self.servo.refresh(self._clock.now_ns)
+            self.servo.refresh(self._clock.now_ns, is_apart=True)
             self._show_inputs()
 
     def _show_inputs(self) -> None:

@@ -29,7 +29,8 @@ class Sampler:
     """Writes the actual values into the process image.
 
     is_watched: a telegram carries SELDOM. second_delay: the second encoder is shown as it was so
-    many SYNCs ago, where a telegram carries it.
+    many SYNCs ago, where a telegram carries it; that many samples, where they are taken apart from
+    the SYNC.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class Sampler:
         self._limits, self._touch_probe, self._switches = limits, touch_probe, switches
         self._second: deque[int] = deque(maxlen=second_delay + 1)
         self.is_watched = True
+        self._is_apart = False  # until the first such sample
 
     def sample(self) -> None:
         """Sample what usual telegrams carry."""
@@ -59,8 +61,12 @@ class Sampler:
         image.probe_status = probe.status
         image.digital_inputs = probe.inputs << _INPUT_SHIFT | self._switches.word
 
-    def sample_seldom(self, at_sync: bool = False) -> None:
-        """Sample the rest; at_sync: for a telegram that belongs to this SYNC."""
+    def sample_seldom(self, at_sync: bool = False, *, is_apart: bool = False) -> None:
+        """Sample the rest; at_sync: for a telegram that belongs to this SYNC.
+
+        is_apart: for what is sent, at an instant of its own.
+        """
+        self._is_apart |= is_apart
         image, units, motion = self._image, self._units, self._motion
         demand_m = motion.position_m()
         image.position_demand = units.position_units(demand_m)
@@ -70,7 +76,7 @@ class Sampler:
         second_m = motion.axis.second_encoder_m()
         second = 0 if second_m is None else units.second_units(second_m)
         past = self._second
-        if at_sync:
+        if is_apart or (at_sync and not self._is_apart):
             past.append(second)
         is_delayed = past.maxlen != 1 and len(past) > 0
         image.second_position = past[0] if is_delayed else second
