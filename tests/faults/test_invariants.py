@@ -274,7 +274,7 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
         values(None, messages=printed(30, 20.0)),
     ),
     ("value", values(10.0, hidden=("value",)), values(11.0)),
-    ("value", at_stop(12.0), at_stop(0.0)),
+    ("found-stop", at_stop(12.0), at_stop(0.0)),
     ("value", at_plc(1.0), at_plc(1.0 + 2 * STEP_MM)),
     ("value", at_plc(1.0), at_plc(1.0, edge_ms=45)),
     (

@@ -159,6 +159,9 @@ def test_what_nobody_can_know_hides_the_value() -> None:
     assert known.hidden == frozenset()
     late = replace(known, assignments=("fault:probe_late=probe by=1ms", *known.assignments))
     assert late.hidden == {"value"}
+    # What keeps an axis from moving looks like a stop to a control that has its lag alone
+    without_force = replace(known, assignments=("fault:plant_input=z.force_limit value=1",))
+    assert without_force.hidden == {"found-stop"}
 
 
 # --- the same scenario in another process

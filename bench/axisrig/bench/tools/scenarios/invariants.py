@@ -110,10 +110,21 @@ def values_of(left: Left) -> Iterator[tuple[int, str, float]]:
 
 def value(left: Left) -> str:
     """A measured value is the position of an edge within its run; without an edge none is there."""
+    return _wrong(left, at_stop=False)
+
+
+def found_stop(left: Left) -> str:
+    """A run to a fixed stop finds one where the load is at it."""
+    return _wrong(left, at_stop=True)
+
+
+def _wrong(left: Left, *, at_stop: bool) -> str:
+    """Say which value is wrong first, of the runs to a fixed stop or of all others."""
     for number, axis, value_mm in values_of(left):
-        wrong = wrong_value(left, number, axis, value_mm)
-        if wrong:
-            return f"run {number + 1}: axis {axis} {value_mm:.6f} mm {wrong}"
+        if (left.facts.runs[number].fixed_stop is not None) is at_stop:
+            wrong = wrong_value(left, number, axis, value_mm)
+            if wrong:
+                return f"run {number + 1}: axis {axis} {value_mm:.6f} mm {wrong}"
     return ""
 
 
