@@ -69,6 +69,10 @@ TABLES = [
     ("seed below 0", f"{HEADER},seed\n{ROW},-1\n", ["plan.csv:2:5:", "0 to 4294967295"]),
     ("seed of 5000", f"{HEADER},seed\n{ROW},{'9' * 5000}\n", ["plan.csv:2:5:", "0 to 4294967295"]),
     ("no repeats", f"{HEADER},repeats\n{ROW},0\n", ["plan.csv:2:5:", "1 to 999"]),
+    ("backslash", f"{HEADER}\nx,lists\\a.nc,rig.toml,1\n", ["plan.csv:2:2:", "/: lists/a.nc"]),
+    ("tabs", f"{HEADER}\n{ROW}\n".replace(",", "\t"), ["plan.csv:1:", "separated by tabs"]),
+    ("title", f"Plan of May\n{HEADER}\n{ROW}\n", ["plan.csv:1:", "no header", "in row 2"]),
+    ("capitals", f"C{HEADER[1:]}\n{ROW}\n", ["plan.csv:1:1:", "did you mean: case"]),
     ("bad last row", f"{HEADER}\n{ROW}\nb{ROW[1:]}\nc{ROW[1:-4]}fast\n", ["plan.csv:4:4:", "fast"]),
     ("bad last program", f"{HEADER}\n{ROW}\nb,bad.nc,rig.toml,1\n", ["bad.nc:1:4:", "'X'"]),
     ("bad last rig", f"{HEADER}\n{ROW}\nb,part.nc,bad.toml,1\n", ["bad.toml:3", "300"]),
@@ -77,6 +81,7 @@ TABLES = [
 
 @_table("text fragments", TABLES)
 def test_table_is_rejected(place: Path, rejected: Reject, text: str, fragments: list[str]) -> None:
+    (place / "lists" / "a.nc").write_text("M30\n", encoding="utf-8")
     (place / "bad.nc").write_text("N1 X1 F1\n", encoding="utf-8")
     (place / "bad.toml").write_text('base = "rig.toml"\n[axis.Z]\nnode = 300\n', encoding="utf-8")
     (place / "plan.csv").write_text(text, encoding="utf-8")
@@ -129,6 +134,9 @@ CELLS = [
     ("bus:can1.bitrate", "123", ["125000", "'123'"]),
     ("bus:can9.bitrate", "125000", ["'can9'", "allowed: can1"]),
     ("plc:FEED", "1", ["V.E.<NAME>"]),
+    ("plant:probe.surface_inch", "1", ["inch is no unit of surface", "surface_mm, surface_um"]),
+    ("plant:probe.surfase_mm", "1", ["'surfase_mm'", "did you mean: surface_mm"]),
+    ("plc:V.E.FED", "300:3000:300", ["300 .. 3000 step 300"]),
     ("plc:V.E.OTHER", "inf", ["not a number", "'inf'"]),
     ("fault:drop", "Z.TPDO9", ["'Z.TPDO9'", "allowed: Z.TPDO1"]),
     ("fault:drip", "Z.TPDO1", ["'drip'", "did you mean: drop"]),

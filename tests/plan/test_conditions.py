@@ -295,3 +295,29 @@ def test_the_metrics_table_is_sound() -> None:
         assert metric.source
         spelled = metric.unit.replace("/", "_").replace(".", "").lower()
         assert not spelled or f"_{spelled}" in name, "the name ends in the unit"
+
+
+@pytest.mark.parametrize(
+    ("cell", "meant"),
+    [
+        ("≤ 1", "<= 1"),
+        ("≥0.5", ">= 0.5"),
+        ("≠ 3", "!= 3"),
+        ("=< 1", "<= 1"),
+        ("<> 3", "!= 3"),
+        ("-1 ... 1", "-1 .. 1"),
+        ("−1 … 1", "-1 .. 1"),
+        ("True", "== TRUE"),
+    ],
+)
+def test_condition_in_other_signs_shows_those_of_a_plan(cell: str, meant: str) -> None:
+    with pytest.raises(UserError, match="not a condition") as caught:
+        parse_condition(cell, "number")
+    assert caught.value.hint == f"write {meant}"
+    parse_condition(meant, "any")
+
+
+def test_condition_that_is_nothing_known_gets_no_hint() -> None:
+    with pytest.raises(UserError) as caught:
+        parse_condition("about 3", "number")
+    assert caught.value.hint is None

@@ -292,6 +292,10 @@ def test_the_expanded_plan_is_a_plan_with_the_same_runs(write_plan: PlanWriter) 
     [
         ("plant:p.x_um", "600,5", "a decimal point, not a comma: 600.5"),
         ("plant:p.x_um", "[300 600]", r"a list with bars: \[300 \| 600\]"),
+        ("plant:p.x_um", "300:3000:300", "with its step: 300 .. 3000 step 300"),
+        ("plant:p.x_um", "300:300:3000", "with its step: 300 .. 3000 step 300"),
+        ("plant:p.x_um", "3:-1:-1", "with its step: 3 .. -1 step -1"),
+        ("plant:p.x_um", "1:2:0", "with its step: 300 .. 3000 step 300"),
         ("plant:p.x_um", "x1", None),
         ("plant:p.x_um", "100mm", r"write 100, in the unit of the header \(um\)"),
         ("plant:p.x", "100mm", "write 100; the unit ends the header: plant:p.x_mm"),
@@ -331,3 +335,9 @@ def test_the_command_line_sets_what_only_rows_sweep_that_are_not_chosen(
     for select, column in (("swept", a), ("sought or plain", b)):
         with pytest.raises(UserError, match=f"--set {column}: the plan gives this column several"):
             plan.with_inputs(given, select)
+
+
+def test_list_with_semicolons_shows_its_bars(write_plan: PlanWriter) -> None:
+    path = write_plan(f"{HEAD},plc:V.E.FEED\na,{ROW},[300; 600.5; -1]\n")
+    with pytest.raises(UserError, match=r"bars: \[300 \| 600\.5 \| -1\]"):
+        read_plan(path)

@@ -11,8 +11,7 @@ import pytest
 from axisrig.bench.campaign import cell_warnings, checking
 from axisrig.bench.plan import workbook
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.plan.workbook import cell_name
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, cell_name
 
 PlanWriter = Callable[..., Path]
 
@@ -32,8 +31,8 @@ def row(*cells: str) -> str:
     return f"<row>{inside}</row>"
 
 
-def xlsx(path: Path, *sheets: tuple[str, str]) -> Path:
-    """A workbook of sheets with name and rows."""
+def xlsx(path: Path, *sheets: tuple[str, str], after: str = "") -> Path:
+    """A workbook of sheets with name and rows; after: what comes after the rows of each sheet."""
     numbered = list(enumerate(sheets, 1))
     parts = {
         "[Content_Types].xml": f'<Types xmlns="{PACKAGE}/content-types"><Default Extension="rels"'
@@ -52,7 +51,7 @@ def xlsx(path: Path, *sheets: tuple[str, str]) -> Path:
         + "</Relationships>",
     }
     for n, (_, lines) in numbered:
-        sheet = f'<worksheet xmlns="{MAIN}"><sheetData>{lines}</sheetData></worksheet>'
+        sheet = f'<worksheet xmlns="{MAIN}"><sheetData>{lines}</sheetData>{after}</worksheet>'
         parts[f"xl/worksheets/s{n}.xml"] = sheet
     return _zip(path, parts)
 
@@ -296,3 +295,52 @@ def test_an_encoding_that_nobody_knows(place: Path, kind: str, encoding: str) ->
 )
 def test_names_of_cells(where: Sequence[int], name: str) -> None:
     assert cell_name(*where) == name
+
+
+def merged(*references: str) -> str:
+    cells = "".join(f'<mergeCell ref="{one}"/>' for one in references)
+    return f"<mergeCells>{cells}</mergeCells>"
+
+
+@pytest.mark.parametrize(
+    ("references", "message"),
+    [
+        (["A2:A3"], r"p\.xlsx:A2: cells A2:A3 are merged; only the first of them has the value"),
+        (["C1:D1"], r"p\.xlsx:C1: cells C1:D1 are merged"),
+        (["B3:D4"], r"p\.xlsx:B3: cells B3:D4 are merged"),
+    ],
+)
+def test_merged_cells_are_refused_where_the_table_is(
+    place: Path, references: list[str], message: str
+) -> None:
+    lines = row(*HEAD) + 2 * row(*CASE, "1")
+    path = xlsx(place / "p.xlsx", ("plan", lines), after=merged(*references))
+    with pytest.raises(UserError, match=message):
+        read_plan(path)
+
+
+def test_merged_cells_beside_the_table_and_in_comments_are_none_of_its_business(
+    place: Path,
+) -> None:
+    lines = row("# a title over all of it") + row(*HEAD) + row(*CASE, "1")
+    path = xlsx(place / "p.xlsx", ("plan", lines), after=merged("A1:D1", "Z2:Z3", "A9:A10"))
+    assert len(read_plan(path).cases) == 1
+
+
+def test_merged_cells_of_an_ods_are_refused_too(place: Path) -> None:
+    cell = '<table:table-cell office:value-type="string"{}><text:p>{}</text:p></table:table-cell>'
+    covered = "<table:covered-table-cell/>"
+    head = "".join(cell.format("", name) for name in HEAD)
+    first = cell.format(' table:number-rows-spanned="2"', "a")
+    others = "".join(cell.format("", text) for text in (*CASE[1:], "1"))
+    rows = [head, first + others, covered + others]
+    lines = "".join(f"<table:table-row>{one}</table:table-row>" for one in rows)
+    with pytest.raises(UserError, match=r"p\.ods:A2: cells A2:A3 are merged"):
+        read_plan(ods(place / "p.ods", ("plan", lines)))
+
+
+def test_title_above_the_header_is_named(place: Path) -> None:
+    lines = row("Probe plan of Monday") + row("", "v2") + row(*HEAD) + row(*CASE, "1")
+    message = r"p\.xlsx:1: row 1 is no header; that with 'case' is in row 3; found 'Probe plan"
+    with pytest.raises(UserError, match=message):
+        read_plan(xlsx(place / "p.xlsx", ("plan", lines)))

@@ -17,6 +17,8 @@ from importlib import resources
 from pathlib import Path
 
 _VALUE_LENGTH_MAX = 80
+WORKBOOKS = (".xlsx", ".ods")
+"""Suffixes of files whose places are cells of a sheet."""
 
 
 class Guess(list[str]):
@@ -66,7 +68,7 @@ class UserError(Exception):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        place = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
+        place = place_text(self.file, self.line, self.column)
         parts = [f"{place}: {self.message}" if place else self.message]
         if self.value is not None:
             parts.append(f"found {_short(repr(self.value))}")
@@ -76,6 +78,22 @@ class UserError(Exception):
         if self.hint is not None:
             parts.append(self.hint)
         return "; ".join(parts)
+
+
+def cell_name(row: int, column: int) -> str:
+    """Return the name of a cell of a sheet, `A1` for row 1 and column 1."""
+    letters = ""
+    while column:
+        column, digit = divmod(column - 1, 26)
+        letters = chr(ord("A") + digit) + letters
+    return f"{letters}{row}"
+
+
+def place_text(file: str | None, line: int | None, column: int | None) -> str:
+    """Write a place as `plan.csv:3:1`, that of a workbook as its program does, `plan.xlsx:A3`."""
+    if file and line and column and file.lower().endswith(WORKBOOKS):
+        return f"{file}:{cell_name(line, column)}"
+    return ":".join(str(part) for part in (file, line, column) if part is not None)
 
 
 def together(errors: Sequence[UserError]) -> UserError:
@@ -98,6 +116,27 @@ def nearest(word: str, known: Iterable[str], count: int = 3) -> Guess:
     """Return the names of `known` that look most like `word`, best first."""
     names = {name.lower(): name for name in known}
     return Guess(names[hit] for hit in difflib.get_close_matches(word.lower(), names, n=count))
+
+
+def near_files(folder: Path, text: str) -> str:
+    """Return a hint for a path that names no file: what is near it, or where it was looked for.
+
+    folder: what the path is relative to.
+    """
+    forward = text.replace("\\", "/")
+    if forward != text and (folder / forward).is_file():
+        return f"folders are separated by /: {forward}"
+    parent = (folder / forward).parent
+    beside = [item.name for item in parent.iterdir()] if parent.is_dir() else []
+    close = nearest(Path(forward).name, beside)
+    return f"near it: {', '.join(close)}" if close else f"looked in {parent}"
+
+
+def why_unread(path: str | Path, error: OSError) -> str:
+    """Return a hint for a file that cannot be opened: the reason, or what is near its name."""
+    if isinstance(error, FileNotFoundError):
+        return f"there is no such file; {near_files(Path(), str(path))}"
+    return error.strerror or str(error)
 
 
 OF_PARAMETER_LISTS = 2

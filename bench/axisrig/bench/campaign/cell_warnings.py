@@ -82,7 +82,7 @@ class CellWarnings:
                 continue
             if is_unused and place is None:
                 raise UserError(f"--set {text}")
-            where = "" if place is None else f"{place.file}:{place.line}:{place.column}: "
+            where = "" if place is None else f"{place.at}: "
             yield where + text
 
 

@@ -8,7 +8,7 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS, BuildError, ensure_built, ensure_own_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.kernel.errors import UserError, near_files, nearest
 
 
 def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
@@ -19,7 +19,10 @@ def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
     if table.fmu.endswith(MODEL_SUFFIX):
         source = Path(table.fmu)
         if not source.is_file():
-            raise rig_error(settings.files, keys, "there is no such model", value=table.fmu)
+            hint = near_files(Path(), table.fmu)
+            raise rig_error(
+                settings.files, keys, "there is no such model", value=table.fmu, hint=hint
+            )
         return own_fmu(source)
     if table.fmu not in MODELS:
         raise rig_error(

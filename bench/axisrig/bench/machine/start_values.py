@@ -1,6 +1,7 @@
 """Start values of plants: from rig and plan, converted to the units of the FMU's variables."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 from fmpy.model_description import ModelVariable
@@ -18,7 +19,7 @@ from axisrig.bench.rig.settings import Bare, Settings
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.units import Unit, find_unit, known_units, unit_name
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.kernel.errors import Guess, UserError, nearest
 
 _FLAGS = {"true": True, "1": True, "false": False, "0": False}
 _REALS = ("Float64", "Float32", "Real")
@@ -77,11 +78,7 @@ def _set(roles: Roles, item: Assignment) -> Start:
     settable = [*slave.names("parameter"), *roles.spare_inputs()]
     if plain.name not in settable:
         known = "start value that can be set" if slave.has(plain.name) else "variable"
-        raise UserError(
-            f"{slave.name} has no such {known}",
-            value=plain.name,
-            allowed=nearest(plain.name, settable) or settable,
-        )
+        raise _unknown(roles, plain, known, settable)
     variable = slave.variable(plain.name)
     value: float | bool | str = plain.value
     if variable.type == "Boolean":
@@ -98,17 +95,48 @@ def _set(roles: Roles, item: Assignment) -> Start:
     return plain.name, value
 
 
+def _unknown(roles: Roles, item: Assignment, known: str, settable: Sequence[str]) -> UserError:
+    """Make the error of a name that cannot be set: names near it, with their units.
+
+    known: what it is not.
+    """
+    name, unit = item.name, item.unit
+    head = next((head for head in settable if name.startswith(f"{head}_")), "")
+    if head and not unit and (suffixes := _suffixes(roles, head)):
+        written = name.removeprefix(f"{head}_")
+        allowed = [f"{head}_{suffix}" for suffix in suffixes]
+        return UserError(f"{written} is no unit of {head}", value=name, allowed=allowed)
+    near = Guess()
+    for meant in nearest(name, settable):
+        suffixes = _suffixes(roles, meant)
+        fitting = [unit] if unit in suffixes else suffixes
+        near += [f"{meant}_{suffix}" for suffix in fitting] or [meant]
+    message = f"{roles.slave.name} has no such {known}"
+    return UserError(message, value=f"{name}_{unit}" if unit else name, allowed=near or settable)
+
+
+def _suffixes(roles: Roles, name: str) -> list[str]:
+    """Return the units that the name of a start value may end in; none where it counts bare."""
+    unit = _unit_of(roles, name)
+    if unit is None:
+        return []
+    return scaled_suffixes(n for n, u in known_units().items() if u.exponents == unit.exponents)
+
+
+def _unit_of(roles: Roles, name: str) -> Unit | None:
+    """Return the unit of a variable, None where it has none that is defined."""
+    named = unit_name(roles.slave.variable(name))
+    unit = find_unit(roles.slave.description, named) if named else None
+    return unit if unit is not None and unit.exponents else None
+
+
 def _note_bare(bare: Bare, roles: Roles, item: Assignment) -> None:
     """Note a value whose column names no unit where it could have had one of several sizes."""
     head, _, whole = item.column.partition(".")
     if item.unit and not roles.slave.has(whole):
         return
-    name = unit_name(roles.slave.variable(whole))
-    unit = find_unit(roles.slave.description, name) if name else None
-    if unit is None or not unit.exponents:
-        return
-    same = [n for n, known in known_units().items() if known.exponents == unit.exponents]
-    if suffixes := scaled_suffixes(same):
+    unit = _unit_of(roles, whole)
+    if unit is not None and (suffixes := _suffixes(roles, whole)):
         bare[item.column] = unit.name, [f"{head}.{whole}_{end}" for end in suffixes]
 
 

@@ -9,6 +9,7 @@ from decimal import Decimal, InvalidOperation, Overflow
 from functools import cache, lru_cache
 from importlib import resources
 
+from axisrig.bench.plan.hints import several_hint
 from axisrig.kernel.errors import Guess, UserError, nearest
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -104,9 +105,8 @@ def _number_hint(column: str, text: str, unit: str) -> str | None:
     """
     if re.fullmatch(r"[+-]?\d+,\d+", text):
         return f"a decimal point, not a comma: {text.replace(',', '.')}"
-    words = re.split(r"[\s,;/]+", text)
-    if len(words) > 1 and all(re.fullmatch(_NUMBER, word) for word in words):
-        return f"several values are a list with bars: [{' | '.join(words)}]"
+    if (several := several_hint(text)) is not None:
+        return several
     match = re.fullmatch(rf"({_NUMBER})\s*([^\W\d_]\S*|%)", text)
     if match is None:
         return None

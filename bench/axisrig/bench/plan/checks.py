@@ -10,6 +10,7 @@ from functools import cache, lru_cache
 from importlib import resources
 from numbers import Real
 
+from axisrig.bench.plan.hints import condition_hint
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError, catalogue, nearest, same_cause
 
@@ -296,9 +297,7 @@ def _ids_in_text() -> frozenset[str]:
 
 
 def _bad_condition(text: str) -> UserError:
-    hint = None
-    if re.search(r"\d,\d", text):
-        hint = "a decimal point, not a comma"
+    hint = condition_hint(text)
     return UserError("not a condition", value=text, allowed=CONDITION_FORMS, hint=hint)
 
 

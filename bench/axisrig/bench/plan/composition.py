@@ -14,10 +14,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axisrig.bench.plan.assignment import ColumnForm, column_forms, find_form, meant_columns
-from axisrig.bench.plan.table import CASE_COLUMN, Cell, Place, Row, Table, read_table
-from axisrig.kernel.errors import UserError, nearest, together
+from axisrig.bench.plan.table import CASE_COLUMN, DEFAULTS, Cell, Place, Row, Table, read_table
+from axisrig.kernel.errors import UserError, near_files, together
 
-DEFAULTS = "*"
 INCLUDE = "include"
 EMPTY = "-"
 """A cell that is empty although a default or a column gives a value."""
@@ -182,11 +181,14 @@ class _Reader:
         """Find the declaration of each column; keep what is unknown, doubled or missing."""
         included = "".join(f" (included by {row})" for row in via)
         forms: dict[str, ColumnForm] = {}
+        meant: list[str] = []
         for column in dict.fromkeys(table.columns):
             form = find_form(column)
             if form is None:
                 known = [form.column for form in column_forms()]
-                allowed = meant_columns(column, column_forms()) or known
+                near = meant_columns(column, column_forms())
+                meant += near[:1]
+                allowed = near or known
                 self._mistakes.add(
                     table.header_error(f"unknown column{included}", column, allowed=allowed)
                 )
@@ -197,7 +199,7 @@ class _Reader:
             else:
                 forms[column] = form
         for form in column_forms():
-            if form.required and form.column not in table.columns and form.column not in outer:
+            if form.required and form.column not in (*table.columns, *outer, *meant):
                 self._mistakes.add(
                     UserError(
                         f"column {form.column!r} is missing{included}",
@@ -299,13 +301,8 @@ def existing(cell: Cell, word: str) -> Path:
     if cell.place.via:
         path = Path(os.path.normpath(path))  # results name it from the folder of the plan
     if not path.is_file():
-        beside = [item.name for item in path.parent.iterdir()] if path.parent.is_dir() else []
-        close = nearest(path.name, beside)
-        raise cell.place.error(
-            f"there is no such {word} file",
-            value=cell.text,
-            hint=f"near it: {', '.join(close)}" if close else f"looked in {path.parent}",
-        )
+        hint = near_files(folder, cell.text)
+        raise cell.place.error(f"there is no such {word} file", value=cell.text, hint=hint)
     return path
 
 

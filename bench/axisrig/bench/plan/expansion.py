@@ -22,6 +22,7 @@ from itertools import product
 from zlib import crc32
 
 from axisrig.bench.plan.composition import EMPTY, MeantRow
+from axisrig.bench.plan.hints import several_hint
 from axisrig.bench.plan.run_ids import UNSAFE
 from axisrig.bench.plan.table import Cell
 
@@ -139,6 +140,8 @@ def _values(cell: Cell, text: str) -> tuple[str, ...]:
     for value in values:
         if "[" in value or _RANGE_BEGIN.match(value) or _CALL.fullmatch(value):
             raise cell.place.error("a list holds plain values", value=value, allowed=FORMS)
+    if ";" in text and (hint := several_hint(values[0])) is not None:
+        raise cell.place.error("a list has bars between its values", value=cell.text, hint=hint)
     twice = [value for value in values if values.count(value) > 1]
     if twice:
         raise cell.place.error("a value is twice in the list", value=twice[0])

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from axisrig.bench.plan.workbook import Formula, look_through
+from axisrig.bench.plan.workbook import Formula, Sheet, look_through
 from axisrig.kernel.errors import UserError
 
 
-def read_sheets(path: Path) -> tuple[dict[str, list[list[str]]], Sequence[Formula]]:
-    """Read the cells of every sheet of an XLSX or ODS file, by its name, and formulas of the first.
+def read_sheets(path: Path) -> tuple[dict[str, list[list[str]]], Sheet]:
+    """Read the cells of every sheet of an XLSX or ODS file, by its name; of the first what it is.
 
     The first sheet comes first. Cells have no blanks around; what a short row leaves out is empty.
     Raises UserError for a damaged file, or one too large, and for cells whose value is none, or is
@@ -35,7 +35,7 @@ def read_sheets(path: Path) -> tuple[dict[str, list[list[str]]], Sequence[Formul
     grids = {name: _grid(frame) for name, frame in frames.items()}
     if first is not None:
         _reach(grids[next(iter(grids))], first.formulas)
-    return grids, first.formulas if first else ()
+    return grids, first or Sheet("")
 
 
 def _reach(grid: list[list[str]], formulas: Sequence[Formula]) -> None:

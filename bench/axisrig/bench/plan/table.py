@@ -8,10 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from axisrig.kernel.errors import UserError, together
+from axisrig.kernel.errors import UserError, cell_name, near_files, place_text, together
 
 if TYPE_CHECKING:
-    from axisrig.bench.plan.workbook import Formula
+    from axisrig.bench.plan.workbook import Formula, Merged
 
 SUFFIXES = (".csv", ".xlsx", ".ods", ".parquet")
 CHECK = "check:"
@@ -20,6 +20,8 @@ CASE_COLUMN = "case"
 """A column that every plan has: a sheet with it is a plan."""
 
 
+DEFAULTS = "*"
+"""Name of a row that gives defaults to the rows below it."""
 COMMENT = "#"
 """First sign of a row that is a comment."""
 
@@ -39,6 +41,11 @@ class Place:
     header: str
     name: str = ""
     via: tuple[str, ...] = ()
+
+    @property
+    def at(self) -> str:
+        """File and place in it, as messages begin."""
+        return place_text(str(self.file), self.line, self.column)
 
     @property
     def words(self) -> str:
@@ -130,9 +137,11 @@ def read_table(path: Path) -> Table:
     if path.suffix.lower() not in SUFFIXES:
         raise UserError("not a table", file=path, value=path.suffix, allowed=SUFFIXES)
     if not path.is_file():
-        raise UserError("there is no such file", file=path)
+        hint = near_files(path.parent, path.name)
+        raise UserError("there is no such file", file=path, hint=hint)
     notes: list[str] = []
     formulas: Sequence[Formula] = ()
+    merged: Sequence[Merged] = ()
     if path.suffix.lower() == ".csv":
         grid = _read_csv(path)
     elif path.suffix.lower() == ".parquet":
@@ -142,7 +151,8 @@ def read_table(path: Path) -> Table:
     else:
         from axisrig.bench.plan.sheets import read_sheets  # noqa: PLC0415 - takes long to load
 
-        sheets, formulas = read_sheets(path)
+        sheets, looked = read_sheets(path)
+        formulas, merged = looked.formulas, looked.merged
         first = next(iter(sheets))
         grid = sheets.pop(first)
         notes = _further_sheets(path, sheets)
@@ -152,6 +162,7 @@ def read_table(path: Path) -> Table:
     )
     if not filled:
         raise UserError("the table is empty", file=path, line=1)
+    _refuse_title(path, filled)
     header_line, header = filled[0]
     while header and not header[-1]:
         header = header[:-1]
@@ -159,6 +170,7 @@ def read_table(path: Path) -> Table:
         raise UserError(
             "a column has no name", file=path, line=header_line, column=header.index("") + 1
         )
+    _refuse_merged(path, merged, {line for line, _ in filled}, len(header))
     for formula in formulas:
         # Rows of a workbook are lists that the grid and the filled ones share
         if formula.row > header_line and formula.column <= len(header):
@@ -199,6 +211,52 @@ def _formula_text(path: Path, sheet: str, formula: "Formula", column: str) -> st
     raise cell_error(path, sheet, formula.row, formula.column, what)
 
 
+def _refuse_title(path: Path, filled: Sequence[tuple[int, list[str]]]) -> None:
+    """Refuse a table whose header comes after another row: a title, or the name of a sheet.
+
+    filled: lines and cells of the rows with content.
+    """
+    if any(cell.lower() == CASE_COLUMN for cell in filled[0][1]):
+        return
+    below = next((line for line, cells in filled[:_TITLES_MAX] if CASE_COLUMN in cells), None)
+    if below is not None:
+        raise UserError(
+            f"row {filled[0][0]} is no header; that with {CASE_COLUMN!r} is in row {below}",
+            file=path,
+            line=filled[0][0],
+            value=next(filter(None, filled[0][1])),
+            hint=f"delete what is above the header, or let it begin with {COMMENT}",
+        )
+
+
+_TITLES_MAX = 20
+"""Among so many rows with content a header is looked for."""
+
+
+def _refuse_merged(path: Path, merged: "Sequence[Merged]", lines: set[int], columns: int) -> None:
+    """Refuse merged cells in rows of the table: all but the first of them are empty.
+
+    lines: of header and rows. columns: how many the header names.
+    """
+    wrong: list[UserError] = []
+    for cells in merged:
+        inside = lines.intersection(range(cells.row, cells.last_row + 1))
+        if inside and cells.column <= columns:
+            last = cell_name(cells.last_row, cells.last_column)
+            wrong.append(
+                UserError(
+                    f"cells {cell_name(cells.row, cells.column)}:{last} are merged; only the first"
+                    " of them has the value",
+                    file=path,
+                    line=cells.row,
+                    column=cells.column,
+                    hint=f"unmerge them and fill each one; a row {DEFAULTS} gives defaults",
+                )
+            )
+    if wrong:
+        raise together(wrong)
+
+
 def _without_comments(rows: Sequence[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
     """Leave comments out; the first row that is none is the header."""
     kept: list[tuple[int, list[str]]] = []
@@ -235,8 +293,12 @@ def _read_csv(path: Path) -> list[list[str]]:
         ) from None
     if not text:
         raise UserError("the table is empty", file=path, line=1)
-    lines = io.StringIO(text)
-    reader = csv.reader(_ended(lines), delimiter=_separator(text))
+    lines, separator = io.StringIO(text), _separator(text)
+    if separator == "\t":
+        message = "the cells are separated by tabs"
+        hint = "save it with commas or semicolons between them"
+        raise UserError(message, file=path, line=1, hint=hint)
+    reader = csv.reader(_ended(lines), delimiter=separator)
     grid: list[list[str]] = []
     wrong: list[UserError] = []
     begin, width, named = 1, 0, 0
@@ -244,6 +306,7 @@ def _read_csv(path: Path) -> list[list[str]]:
         for cells in reader:
             if cells == [_END]:
                 if wrong:
+                    _refuse_title(path, [(n, c) for n, c in enumerate(grid, 1) if any(c)])
                     raise together(wrong)
                 return grid
             if cells and cells[-1].endswith(_END):
@@ -294,10 +357,10 @@ def _ended(lines: Iterable[str]) -> Iterator[str]:
 
 
 def _separator(text: str) -> str:
-    """Comma or semicolon: the one that splits the first line with content into more cells."""
+    """Comma, semicolon or tab: the one that splits the first line with content into more cells."""
     lines = (line.strip() for line in text.splitlines())
     header = next((line for line in lines if line and line[0] != COMMENT), "")
-    counts = {sep: len(next(csv.reader([header], delimiter=sep), [])) for sep in ",;"}
+    counts = {sep: len(next(csv.reader([header], delimiter=sep), [])) for sep in ",;\t"}
     return max(counts, key=lambda sep: counts[sep])
 
 

@@ -13,11 +13,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from posixpath import normpath
+from typing import NamedTuple
 from xml.parsers import expat
 from zipfile import BadZipFile, ZipFile
 
 from axisrig.bench.plan.number_formats import styles_shown
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, cell_name
 
 CELLS_MAX = 2_000_000
 """Cells of all sheets together, each counted from A1 to its last row and column."""
@@ -44,12 +45,21 @@ class Formula:
     computed: bool
 
 
+class Merged(NamedTuple):
+    """Cells that are shown as one; rows and columns from 1, the last ones are in it."""
+
+    row: int
+    column: int
+    last_row: int
+    last_column: int
+
+
 @dataclass
 class Sheet:
     """What a sheet holds.
 
     rows, columns: last ones with content, from 1. wrong: row, column and text of cells whose value
-    is none, or is not what they show. formulas: cells with one.
+    is none, or is not what they show. formulas: cells with one. merged: cells that are one.
     """
 
     name: str
@@ -57,6 +67,7 @@ class Sheet:
     columns: int = 0
     wrong: list[tuple[int, int, str]] = field(default_factory=list)
     formulas: list[Formula] = field(default_factory=list)
+    merged: list[Merged] = field(default_factory=list)
 
 
 def look_through(path: Path) -> Sheet | None:
@@ -98,15 +109,6 @@ def cell_error(path: Path, sheet: str, row: int, column: int, what: str) -> User
         column=column,
         hint="write the value itself, as a number or as text",
     )
-
-
-def cell_name(row: int, column: int) -> str:
-    """Return the name of a cell, `A1` for row 1 and column 1."""
-    letters = ""
-    while column:
-        column, digit = divmod(column - 1, 26)
-        letters = chr(ord("A") + digit) + letters
-    return f"{letters}{row}"
 
 
 def _unreadable(path: Path, error: Exception) -> UserError:
@@ -225,6 +227,8 @@ class _XlsxSheet(_Reader):
             self._type, self._style = attributes.get("t", "n"), int(attributes.get("s", "0"))
             self._value = self._formula = ""
             self._has_formula = self._has_value = False
+        elif name == "mergeCell":
+            self._merge(attributes.get("ref", ""))
         elif name == "f":
             self._has_formula, self._inside = True, "f"
         elif name in ("v", "is"):
@@ -256,6 +260,14 @@ class _XlsxSheet(_Reader):
                 text = f"={self._formula}"
                 sheet.formulas.append(Formula(*place, text, stored, is_text, computed))
 
+    def _merge(self, reference: str) -> None:
+        """Take the cells of `A2:A3`."""
+        first, _, last = reference.partition(":")
+        ends = [_CELL.fullmatch(name) for name in (first, last or first)]
+        if (begin := ends[0]) and (end := ends[1]):
+            place = (int(begin[2]), _column_number(begin[1]))
+            self.sheet.merged.append(Merged(*place, int(end[2]), _column_number(end[1])))
+
     def _shown_otherwise(self) -> str:
         if self._type != "n" or self._style >= len(self._shown):
             return ""
@@ -283,6 +295,9 @@ def _ods(archive: ZipFile) -> Iterator[Sheet]:
     reader = _OdsSheets()
     _read(archive, "content.xml", reader)
     yield from reader.sheets
+
+
+_SPANNED = ("rows", "columns")
 
 
 class _OdsSheets(_Reader):
@@ -334,6 +349,9 @@ class _OdsSheets(_Reader):
     def _end_cell(self) -> None:
         sheet, row, column = self.sheets[-1], self._row + 1, self._column + 1
         self._column += self._columns
+        down, right = (int(self._cell.get(f"number-{what}-spanned", "1")) for what in _SPANNED)
+        if down > 1 or right > 1:
+            sheet.merged.append(Merged(row, column, row + down - 1, column + right - 1))
         if not self._has_value and "formula" not in self._cell:
             return
         sheet.rows = max(sheet.rows, self._row + self._rows)

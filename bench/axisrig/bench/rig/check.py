@@ -14,7 +14,7 @@ from axisrig.bench.rig.reading.file import LOAD, rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers
 from axisrig.bench.rig.real_axes import check_outside
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, near_files
 
 # The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
 _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
@@ -82,7 +82,8 @@ def _check_references(settings: Settings) -> None:
                 )
     task = rig.plc_task
     if task is not None and not Path(task.program).is_file():
-        raise rig_error(files, ("plc", "program"), "the PLC program is no file", value=task.program)
+        found = {"value": task.program, "hint": near_files(Path(), task.program)}
+        raise rig_error(files, ("plc", "program"), "the PLC program is no file", **found)
     for name, table in rig.plc.items():
         if table.sensor not in rig.plant:
             raise rig_error(

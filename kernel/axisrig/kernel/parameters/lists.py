@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from axisrig.kernel.errors import UserError, together
+from axisrig.kernel.errors import UserError, together, why_unread
 from axisrig.kernel.parameters.errata import damaged_name, damaged_value
 from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.parameters.table import Kind, table
@@ -65,7 +65,7 @@ def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
         text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
         message = "parameter list cannot be read"
-        raise UserError(message, file=path, hint=error.strerror) from error
+        raise UserError(message, file=path, hint=why_unread(path, error)) from error
     reading = _Reading(str(path), kind)
     errors = []
     text = _BLOCK.sub(_without, text)

@@ -42,7 +42,7 @@ from axisrig.bench.rig.reading.tables import (
     Table,
     in_words,
 )
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, near_files
 from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type
 
 StartValue = bool | int | float | str
@@ -210,7 +210,8 @@ def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 def _read_toml(path: Path) -> dict[str, Any]:
     if not path.is_file():
         what = "a folder, not a rig file" if path.is_dir() else "rig file not found"
-        raise UserError(what, file=path)
+        hint = None if path.is_dir() else near_files(path.parent, path.name)
+        raise UserError(what, file=path, hint=hint)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from axisrig.bench.rig.reading.file import RigFile, rig_error
 from axisrig.bench.rig.reading.once import read_once
-from axisrig.kernel.errors import Alarm
+from axisrig.kernel.errors import Alarm, near_files
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.rules import FIXED_STOP
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
@@ -36,9 +36,8 @@ def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str,
     lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
     for keys, path in lists:
         if not Path(path).is_file():
-            raise rig_error(
-                files, keys, f"the parameter list {Path(path).name} is no file", value=path
-            )
+            message = f"the parameter list {Path(path).name} is no file"
+            raise rig_error(files, keys, message, value=path, hint=near_files(Path(), path))
     axes = {name: read_once(axis.list, "axis", name) for name, axis in rig.axis.items()}
     return read_once(rig.channel.list, "channel"), axes
 
@@ -55,7 +54,8 @@ def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
             continue
         if not Path(path).is_file():
             message = f"the list of {name} {Path(path).name} is no file"
-            raise rig_error(files, ("channel", key), message, value=path)
+            hint = near_files(Path(), path)
+            raise rig_error(files, ("channel", key), message, value=path, hint=hint)
         lists.read(name, path)
     return lists
 

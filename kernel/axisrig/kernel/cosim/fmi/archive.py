@@ -27,7 +27,7 @@ from typing import NoReturn
 from xml.parsers import expat
 
 from axisrig.kernel.cosim.fmi.session import session_folder
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, why_unread
 
 DESCRIPTION = "modelDescription.xml"
 # Read with an XML parser later; checked for entities and depth here
@@ -140,7 +140,8 @@ def _opened(path: Path) -> Iterator[tuple[BufferedReader, zipfile.ZipFile]]:
     try:
         file = path.open("rb")
     except OSError as error:
-        raise UserError(f"the FMU cannot be read: {error.strerror}", file=path) from error
+        hint = why_unread(path, error)
+        raise UserError("the FMU cannot be read", file=path, hint=hint) from error
     with file:
         try:
             _check_directory_size(path, file)

@@ -18,14 +18,14 @@ from axisrig.kernel.drives.canopen.eds_text import EdsText, canonical
 from axisrig.kernel.drives.canopen.functions import Functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.cia402.objects import object_name
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, near_files
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 
 
 def read_eds(path: str, node_id: int) -> ObjectDictionary:
     """Read an EDS or DCF file. Raises UserError when it cannot be read."""
     if not Path(path).is_file():
-        raise UserError("the EDS is no file", file=path)
+        raise UserError("the EDS is no file", file=path, hint=near_files(Path(), path))
     text = canonical(read_eds_file(path))
     try:
         found: ObjectDictionary = import_eds(  # type: ignore[no-untyped-call]

@@ -13,7 +13,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from axisrig.kernel.errors import UserError, nearest, together
+from axisrig.kernel.errors import UserError, nearest, together, why_unread
 from axisrig.kernel.parameters import INTEGER_RANGES, Origin, Value, convert, written
 from axisrig.kernel.parameters.lists import NO_SIGN, unit_hint
 
@@ -156,7 +156,7 @@ def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:
         text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
         message = f"the list of {name} cannot be read"
-        raise UserError(message, file=path, hint=error.strerror) from error
+        raise UserError(message, file=path, hint=why_unread(path, error)) from error
     lines: dict[tuple[str, tuple[int, ...]], int] = {}
     found, errors = [], []
     for number, line in enumerate(text.splitlines(), start=1):

@@ -13,7 +13,7 @@ from typing import Any
 from lark import Lark
 from lark.exceptions import UnexpectedInput
 
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, why_unread
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.syntax import (
     Command,
@@ -60,9 +60,8 @@ def read_text(path: str | Path) -> str:
     try:
         data = Path(path).read_bytes()
     except OSError as error:
-        raise UserError(
-            f"NC program cannot be read: {error.strerror or error}", file=path
-        ) from None
+        message = "NC program cannot be read"
+        raise UserError(message, file=path, hint=why_unread(path, error)) from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
