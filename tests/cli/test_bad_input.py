@@ -353,3 +353,50 @@ def test_list_is_rejected(
 def test_list_of_another_axis(place: Path, rejected: Reject) -> None:
     shutil.copy(place / "lists/axis-x.lst", place / "lists/axis-z.lst")
     _holds(rejected("check", "rig.toml"), "axis-z.lst", "'X'", "allowed: Z")
+
+
+def test_all_mistakes_of_a_rig_are_reported_at_once(place: Path, axisrig: Call) -> None:
+    """Keys, values, and names that nothing has; a misspelt key is not missing as well."""
+    rig = place / "rig.toml"
+    text = rig.read_text(encoding="utf-8")
+    for old, new in (
+        ("[cycle]\n", "[cycle]\nperiod_ms = 1\n"),
+        ("encoder_increments", "encoder_incs"),
+        ("node = 3\n", "node = 300\n"),
+        ('plant = "z"', 'plant = "zz"'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    rig.write_text(text, encoding="utf-8")
+    code, _, err = axisrig("check", "rig.toml")
+    assert code == 2
+    errors = err.splitlines()
+    assert len(errors) == 4, err
+    _holds(errors[0], "unknown rig key cycle.period_ms", "did you mean period_us?")
+    _holds(
+        errors[1], "unknown rig key drive.servo.encoder_incs", "did you mean encoder_increments?"
+    )
+    _holds(errors[2], "axis.Z.node", "300")
+    _holds(errors[3], "axis Z: plant names nothing in this rig", "'zz'")
+    lines = [int(line.split(":")[2]) for line in errors]
+    assert [text.splitlines()[line - 1].split(" ")[0] for line in lines] == [
+        "period_ms", "encoder_incs", "node", "plant",
+    ]  # fmt: skip
+
+
+def test_what_a_misspelt_table_holds_is_not_missing_as_well(place: Path, axisrig: Call) -> None:
+    rig = place / "rig.toml"
+    text = rig.read_text(encoding="utf-8").replace("[plant.", "[plants.")
+    rig.write_text(text, encoding="utf-8")
+    code, _, err = axisrig("check", "rig.toml")
+    assert (code, len(err.splitlines())) == (2, 1), err
+    _holds(err, "unknown rig key plants", "did you mean plant?")
+
+
+def test_lists_that_are_no_files_are_reported_together(place: Path, axisrig: Call) -> None:
+    rig = place / "rig.toml"
+    text = rig.read_text(encoding="utf-8").replace('.lst"', '.lts"')
+    rig.write_text(text, encoding="utf-8")
+    code, _, err = axisrig("check", "rig.toml")
+    assert (code, len(err.splitlines())) == (2, 2), err
+    _holds(err, "near it: ", ".lst")

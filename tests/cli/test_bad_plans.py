@@ -340,3 +340,35 @@ def test_every_mistake_of_one_row_is_named(place: Path, axisrig: Call) -> None:
     assert code == 2
     places = [line.split(": ")[1] for line in err.splitlines()]
     assert places == ["plan.csv:2:6", "plan.csv:2:7", "plan.csv:3:4", "plan.csv:3:5"]
+
+
+def test_all_mistakes_of_a_plan_are_reported_at_once(place: Path, axisrig: Call) -> None:
+    """Of the table, of its cells, and of what only the rig knows, whatever else is wrong."""
+    header = f"{HEADER},chek:alarms,check:latch_err,plant:prob.surface_mm,titel"
+    rows = [
+        "a,tuch.nc,no.toml,1,none,1,2,x",
+        "a,part.nc,rig.toml,fast,none,1 ... 2,2,x",
+    ]
+    (place / "plan.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8")
+    for command in (("run", "-o", "out"), ("check",)):
+        code, _, err = axisrig(command[0], "plan.csv", *command[1:])
+        assert code == 2
+        errors = err.splitlines()
+        assert [line.split(" ")[1] for line in errors] == [
+            f"plan.csv:{where}:"
+            for where in ("1:5", "1:8", "2:2", "2:3", "2:6", "3:4", "3:6", "3:6", "3:7")
+        ], err
+        _holds(errors[5], "not a number", "'fast'")
+        _holds(errors[7], "not a condition", "write 1 .. 2")
+        _holds(errors[8], "no such plant", "'prob'")
+
+
+def test_all_that_a_good_rig_refuses_in_a_row_is_reported_at_once(
+    place: Path, axisrig: Call
+) -> None:
+    header = f"{HEADER},plc:V.E.FEDE,check:lag_mm_max:Q,check:msg:N999"
+    (place / "plan.csv").write_text(f"{header}\n{ROW},1,<= 1,== 1\n", encoding="utf-8")
+    code, _, err = axisrig("check", "plan.csv")
+    assert code == 2
+    places = [line.split(" ")[1] for line in err.splitlines()]
+    assert places == [f"plan.csv:2:{column}:" for column in (5, 6, 7)], err

@@ -57,7 +57,9 @@ def test_a_reference_to_nothing_is_refused(
     rig_file: Write, settings_of: Read, key: str, old: str, unknown: str, known: str
 ) -> None:
     path = rig_file((old, f'{key} = "{unknown}"'))
-    error = _refused(settings_of(path))
+    with pytest.raises(UserError) as caught:
+        settings_of(path)
+    error = caught.value
     assert f"axis Z: {key}" in error.message
     assert (error.file, error.line) == (str(path.resolve()), _line(path, f'"{unknown}"'))
     assert (error.value, error.allowed) == (unknown, known)

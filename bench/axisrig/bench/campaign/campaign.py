@@ -9,6 +9,7 @@ from pathlib import Path
 
 from axisrig.bench.campaign.cluster import run_on_cluster
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
+from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.manifest import build_manifest
@@ -343,7 +344,7 @@ def _read(
 ) -> list[Plan]:
     """Read plans with the inputs of the command line."""
     changes = [parse_assignment(text) for text in assignments]
-    plans = [read_plan(path) for path in paths]
+    plans = [read_plan(path, settings_of) for path in paths]
     return [
         plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
         for plan in plans

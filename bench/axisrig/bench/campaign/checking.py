@@ -41,7 +41,7 @@ PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
 def plan_of(path: Path) -> Plan | None:
     """Read a plan; None for another file. Raises UserError for a bad plan."""
     is_plan = path.suffix.lower() in SUFFIXES and not path.is_dir()
-    return read_plan(path) if is_plan else None
+    return read_plan(path, settings_of) if is_plan else None
 
 
 def rigs_of(path: Path, plan: Plan | None) -> list[Path]:
@@ -100,7 +100,7 @@ def check_file(
         allowed = ", ".join([*SUFFIXES, ".toml", *LIST_SUFFIXES])
         value = None if path.is_dir() else path.suffix
         raise UserError(message, file=path, value=value, allowed=allowed)
-    plan = (plan or read_plan(path)).with_inputs(changes)
+    plan = (plan or read_plan(path, settings_of)).with_inputs(changes)
     mistakes, warnings, first = Mistakes(), CellWarnings(), {*built_first(plan.cases)}
     for place, case in enumerate(plan.cases):
         with mistakes.kept():

@@ -6,7 +6,7 @@ that it was made from has another content.
 
 import hashlib
 from collections import OrderedDict
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.rig.programs import programs_of, started_files
 from axisrig.bench.rig.reading.file import MAP_KEYS, RigFile, read_rig
@@ -192,8 +193,12 @@ def read_case(case: Case) -> Prepared:
     settings.is_settled = True
     axes = tuple(settings.rig.axis)
     program = _program(case.program, axes)
-    _check_metrics(case, axes, programs_of(settings, program).values())
-    _check_variables(case, settings, program)
+    mistakes = Mistakes()
+    for error in _wrong_metrics(case, axes, programs_of(settings, program).values()):
+        mistakes.add(error)
+    for error in _wrong_variables(case, settings, program):
+        mistakes.add(error)
+    mistakes.refuse(case.file or case.rig)
     return Prepared(settings, program)
 
 
@@ -227,8 +232,8 @@ def built_first(cases: Sequence[Case]) -> list[int]:
     return sorted(first.values())[:WHOLE_MAX]
 
 
-def _check_variables(case: Case, settings: Settings, program: Program) -> None:
-    """Refuse a V.E. variable in a cell of the row itself that nothing uses; it acts on nothing."""
+def _wrong_variables(case: Case, settings: Settings, program: Program) -> Iterator[UserError]:
+    """Find V.E. variables in cells of the row itself that nothing uses: they act on nothing."""
     used = None
     for item in case.assignments():
         place = case.places.get(item.column)
@@ -237,11 +242,13 @@ def _check_variables(case: Case, settings: Settings, program: Program) -> None:
             used = used or used_variables(settings, case.program, program)
             if not used.has(item.column):
                 error = used.error(item, case.program)
-                raise case.error(error.message, item.column, value=item.value, hint=error.hint)
+                yield case.error(error.message, item.column, value=item.value, hint=error.hint)
 
 
-def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:
-    """Refuse checks of axes that the rig, and of blocks that the programs, do not have."""
+def _wrong_metrics(
+    case: Case, axes: Sequence[str], programs: Iterable[Program]
+) -> Iterator[UserError]:
+    """Find checks of axes that the rig, and of blocks that the programs, do not have."""
     blocks = [
         f"N{part.block.number}"
         for program in programs
@@ -251,9 +258,9 @@ def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program])
     for check in (*case.checks, *case.sampled):
         column = f"check:{check.metric}"
         if check.axis is not None and check.axis not in axes:
-            raise case.error("the rig has no such axis", column, value=check.axis, allowed=axes)
+            yield case.error("the rig has no such axis", column, value=check.axis, allowed=axes)
         if check.block is not None and check.block[0] not in blocks:
-            raise case.error(
+            yield case.error(
                 "the program has no #MSG in such a block",
                 column,
                 value=check.block[0],

@@ -283,12 +283,8 @@ def _known_ids(ids: Iterable[str]) -> None:
     """Raise UserError for an ID that no alarm has: `!=` would hold for ever."""
     for word in ids:
         if word.lstrip("0") not in (known := _ids_in_text()):
-            raise UserError(
-                "no alarm has this ID",
-                value=word,
-                allowed=nearest(word, known) or None,
-                hint="`axisrig errors` lists them all",
-            )
+            allowed, hint = nearest(word, known) or None, "`axisrig errors` lists them all"
+            raise UserError("no alarm has this ID", value=word, allowed=allowed, hint=hint)
 
 
 @cache
@@ -358,19 +354,25 @@ def parse_check(
     known = {**known_metrics(), **own} if own else known_metrics()
     definition = known.get(match["name"] if match else metric)
     if match is None or definition is None:
-        close = nearest(metric.partition(":")[0], known)
-        raise UserError(
-            UNKNOWN_METRIC,
-            value=metric,
-            allowed=close or known,
-            hint="`axisrig metrics` lists them all",
-        )
+        raise _unknown_metric(metric, condition, known)
     axis, block = _subject(metric, definition, match)
     wanted = parse_condition(condition, definition.type)
     if definition.words:
         _check_word(wanted.expected[0], definition)
     defined = definition if own and definition.name in own else None
     return Check(metric, wanted, reference, axis, block, defined)
+
+
+def _unknown_metric(metric: str, condition: str, known: Mapping[str, Metric]) -> UserError:
+    """Make the error of a metric that nobody knows, and of a condition that fits none near it."""
+    close = nearest(metric.partition(":")[0], known)
+    hint = "`axisrig metrics` lists them all"
+    error = UserError(UNKNOWN_METRIC, value=metric, allowed=close or known, hint=hint)
+    try:
+        parse_condition(condition, known[close[0]].type if close else "any")
+    except UserError as further:
+        error.further = (further,)
+    return error
 
 
 def _check_word(word: str, definition: Metric) -> None:

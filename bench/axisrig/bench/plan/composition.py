@@ -37,6 +37,9 @@ class Mistakes:
     def __init__(self) -> None:
         self._found: dict[str, UserError] = {}
 
+    def __bool__(self) -> bool:
+        return bool(self._found)
+
     def add(self, error: UserError) -> None:
         """Keep a mistake."""
         each = (error, *error.further)

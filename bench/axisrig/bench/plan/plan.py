@@ -8,7 +8,7 @@ the case.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -117,9 +117,16 @@ def default_seed(run: str) -> int:
     return crc32(run.encode())
 
 
-def read_plan(path: Path) -> Plan:
+def _nothing_more(_case: Case) -> None:
+    """Look at nothing."""
+
+
+def read_plan(path: Path, look: Callable[[Case], object] = _nothing_more) -> Plan:
     """Read and check a plan.
 
+    look: raises UserError for what is wrong with a run beyond the plan itself. It is called where
+    the plan is refused, so that all is reported at once, for the first run of each row as far as
+    it could be read; its program or some of its checks may be missing.
     Raises UserError, with file, line and column, for everything that is wrong, the first by its
     place with the others in `further`: a table that cannot be read, an unknown or doubled column,
     a missing or bad value, a doubled case, a cell that cannot be expanded.
@@ -136,10 +143,12 @@ def read_plan(path: Path) -> Plan:
         )
     composed = compose(path, mistakes)
     cases: list[Case] = []
+    first_of_rows: list[Case] = []
     places: dict[str, Place] = {}
     for row in composed.rows:
         with mistakes.kept():
-            for case in _Row(path, row, mistakes).cases(len(cases)):
+            read = _Row(path, row, mistakes)
+            for case in read.cases(len(cases), first_of_rows):
                 # File systems that ignore case would let the second one overwrite the first
                 first = places.setdefault(case.run.casefold(), row.place)
                 if first != row.place:
@@ -148,6 +157,9 @@ def read_plan(path: Path) -> Plan:
                     raise row.place.error(f"the case makes the same run as {where}", value=case.run)
                 cases.append(case)
     refuse_ids_of_probes(cases, mistakes)
+    for case in first_of_rows if mistakes else ():
+        with mistakes.kept():
+            look(case)
     mistakes.refuse(path)
     runs, statistics = split_statistics(cases)
     return Plan(path.stem, path, composed.columns, runs, composed.notes, statistics)
@@ -180,8 +192,11 @@ class _Row:
         self._check_of = cache(self._check)
         self._is_value = cache(self._is_number)
 
-    def cases(self, index: int) -> list[Case]:
-        """Make the runs; none where a cell is wrong. index: place of the first in the plan."""
+    def cases(self, index: int, first_of_rows: list[Case]) -> list[Case]:
+        """Make the runs; none where a cell is wrong. index: place of the first in the plan.
+
+        first_of_rows: gets the first of them, also where a cell is wrong.
+        """
         name = self._row.text("case")
         if name and not _NAME.fullmatch(name):
             self._refuse(
@@ -217,6 +232,7 @@ class _Row:
         if search is not None:
             found = [with_search(case, search) for case in found]
         found = [self._expecting(case) for case in found]
+        first_of_rows += found[:1]
         return found if self._is_good else []
 
     def _refuse_two_units(self, searched: Sequence[str]) -> None:
@@ -285,7 +301,7 @@ class _Row:
             self._is_value(column, text)
         read = [self._check_of(c, texts[c]) for c in self._checks if c in texts]
         checks = [check for check in read if check is not None]
-        if not name or None in files or len(checks) < len(read):
+        if not name or files[1] is None:
             return None
         if not any(check.name == "alarms" for check in checks):
             checks.append(parse_check("alarms", "none", "no alarm unless a row expects it"))
@@ -295,7 +311,7 @@ class _Row:
             run=run,
             index=index,
             program=files[0] or Path(),
-            rig=files[1] or Path(),
+            rig=files[1],
             inputs=inputs,
             checks=tuple(checks),
             title=texts.get("title", ""),
@@ -340,8 +356,9 @@ class _Row:
             is_searching = bool(self._searched)
             return parse_row_check(metric, text, reference, own, is_searching=is_searching)
         except UserError as error:
-            if self._has_module or error.message != UNKNOWN_METRIC:
-                self._refuse(place.error_from(error))
+            for one in (error, *error.further):
+                if self._has_module or one.message != UNKNOWN_METRIC:
+                    self._refuse(place.error_from(one))
         return None
 
     def _is_number(self, column: str, text: str) -> None:

@@ -2,7 +2,6 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping
 from pathlib import Path
 
 from axisrig.bench.rig.cause import blamed
@@ -10,7 +9,7 @@ from axisrig.bench.rig.families import family_of, rig_families
 from axisrig.bench.rig.faults import check_faults
 from axisrig.bench.rig.plc.words import ObjectWrite
 from axisrig.bench.rig.reading.families import carriers_of, joined
-from axisrig.bench.rig.reading.file import LOAD, rig_error
+from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers
 from axisrig.bench.rig.real_axes import check_outside
 from axisrig.bench.rig.settings import Settings
@@ -59,40 +58,14 @@ def _check_rig(settings: Settings) -> None:
 
 
 def _check_references(settings: Settings) -> None:
+    """Refuse a rig without an axis, or with a PLC program that is no file."""
     rig, files = settings.rig, settings.files
     if not rig.axis:
         raise rig_error(files, ("axis",), "the rig has no axis")
-    for name, axis in rig.axis.items():
-        wanted: list[tuple[str, str, Mapping[str, object]]] = [
-            ("segment", axis.segment, rig.segment),
-            ("drive", axis.drive, rig.drive),
-            ("plant", axis.plant, rig.plant),
-        ]
-        wanted += [(key, probe, rig.plant) for key, probe in axis.signals.items()]
-        if axis.encoder_2 not in (None, LOAD):
-            wanted.append(("encoder_2", axis.encoder_2, rig.plant))
-        for key, value, known in wanted:
-            if value not in known:
-                raise rig_error(
-                    files,
-                    ("axis", name, key),
-                    f"axis {name}: {key} names nothing in this rig",
-                    value=value,
-                    allowed=known,
-                )
     task = rig.plc_task
     if task is not None and not Path(task.program).is_file():
         found = {"value": task.program, "hint": near_files(Path(), task.program)}
         raise rig_error(files, ("plc", "program"), "the PLC program is no file", **found)
-    for name, table in rig.plc.items():
-        if table.sensor not in rig.plant:
-            raise rig_error(
-                files,
-                ("plc", name),
-                f"{name}: sensor names nothing in this rig",
-                value=table.sensor,
-                allowed=rig.plant,
-            )
 
 
 def _check_carriers(settings: Settings) -> None:

@@ -5,10 +5,10 @@ file may name another as its `base` and change single keys. Every mistake is a `
 names file, line and key.
 """
 
-import difflib
 import re
 import tomllib
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -21,7 +21,9 @@ from pydantic import (
     ValidationError,
     model_validator,
 )
+from pydantic_core import ErrorDetails
 
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.reading.families import (
     FAMILIES,
     drive_table,
@@ -31,8 +33,10 @@ from axisrig.bench.rig.reading.families import (
 )
 from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.once import read_once
+from axisrig.bench.rig.reading.places import locate
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable, VariableName
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, take_apart
+from axisrig.bench.rig.reading.refusals import form_errors, reference_errors
 from axisrig.bench.rig.reading.tables import (
     CycleTable,
     DriveKeys,
@@ -40,7 +44,6 @@ from axisrig.bench.rig.reading.tables import (
     RealtimeTable,
     SegmentKeys,
     Table,
-    in_words,
 )
 from axisrig.kernel.errors import UserError, near_files
 from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type
@@ -61,6 +64,8 @@ class ChannelTable(Table):
 
 
 SIGNAL_KEYS = ("probe_1", "probe_2", "limit_negative", "limit_positive", "home_switch")
+PLANT_KEYS = ("plant", *SIGNAL_KEYS, "encoder_2")
+"""Keys of an axis that name a plant."""
 LOAD = "load"  # encoder_2: an ideal scale at the load
 
 
@@ -280,31 +285,6 @@ def _tables(value: Any) -> list[Any]:
     return list(value.values()) if isinstance(value, dict) else []
 
 
-def _locate(files: list[Path], keys: tuple[str, ...]) -> tuple[Path, int | None]:
-    """Find file and line of a key path: its own line, else the header of its table."""
-    for depth in range(len(keys), 0, -1):
-        table, key = ".".join(keys[: depth - 1]), keys[depth - 1]
-        for file in files:
-            line = _find_key(file.read_text(encoding="utf-8-sig"), table, key)
-            if line is not None:
-                return file, line
-    return files[0], None
-
-
-def _find_key(text: str, table: str, key: str) -> int | None:
-    current = ""
-    wanted = f"{table}.{key}" if table else key
-    for number, line in enumerate(text.splitlines(), 1):
-        header = re.match(r"\s*\[([^\[\]]+)\]", line)
-        if header:
-            current = re.sub(r"[\s\"']", "", header[1])
-            if current == wanted or current.startswith(f"{wanted}."):
-                return number
-        elif current == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*[.=]", line):
-            return number
-    return None
-
-
 def _known_keys(keys: tuple[str, ...], table: dict[str, Any]) -> list[str]:
     """Return the keys that the part of a rig which holds the last of `keys` may have."""
     model: Any = RigFile
@@ -363,39 +343,30 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
     """
     table, files = load_tables(path.resolve())
     _name_families(table)
+    mistakes = Mistakes()
+    top = [*RigFile.model_fields, "base"]
+    for error in reference_errors(table, files, PLANT_KEYS, {"encoder_2": LOAD}, top):
+        mistakes.add(error)
     try:
         rig = RigFile.model_validate(table)
     except ValidationError as error:
-        # A misspelt key is also a missing one; the spelling is what helps
-        first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-        # What follows a start value are the kinds that were tried
-        depth = 6 if first["loc"][2:3] == ("map",) else 4
-        forms = (_TEXT, _TABLE, _NOTHING)
-        keys = tuple(str(part) for part in first["loc"][:depth] if part not in forms)
-        if keys[0] == "plc_task":
-            keys = ("plc", *keys[1:])
-        file, line = _locate(files, keys)
-        place = ".".join(keys)
-        if first["type"] == "extra_forbidden":
-            known = _known_keys(keys, table)
-            near = difflib.get_close_matches(keys[-1], known, n=1)
-            raise UserError(
-                f"unknown rig key {place}",
-                file=file,
-                line=line,
-                allowed=known,
-                hint=f"did you mean {near[0]}?" if near else None,
-            ) from error
-        if first["type"] == "missing":
-            raise UserError(f"the rig lacks the key {place}", file=file, line=line) from error
-        raise UserError(
-            f"{place}: {in_words(first['type'], first['msg'])}",
-            file=file,
-            line=line,
-            value=first.get("input"),
-        ) from error
+        known_keys = partial(_known_keys, table=table)
+        for each in form_errors(error.errors(), files, _keys_of, known_keys):
+            mistakes.add(each)
+        mistakes.refuse(files[0])
+        raise
+    mistakes.refuse(files[0])
     _check_addresses(rig, files)
     return rig, files
+
+
+def _keys_of(detail: ErrorDetails) -> tuple[str, ...]:
+    """Return the keys that an error of the form is about."""
+    # What follows a start value are the kinds that were tried
+    depth = 6 if detail["loc"][2:3] == ("map",) else 4
+    forms = (_TEXT, _TABLE, _NOTHING)
+    keys = tuple(str(part) for part in detail["loc"][:depth] if part not in forms)
+    return ("plc", *keys[1:]) if keys[0] == "plc_task" else keys
 
 
 def _check_addresses(rig: RigFile, files: list[Path]) -> None:
@@ -413,5 +384,5 @@ def _check_addresses(rig: RigFile, files: list[Path]) -> None:
 
 def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details: Any) -> UserError:
     """Make a UserError that points at a key of the rig (for checks after that of the form)."""
-    file, line = _locate(files, keys)
+    file, line = locate(files, keys)
     return UserError(message, file=file, line=line, **details)

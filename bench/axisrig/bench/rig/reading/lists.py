@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.reading.file import RigFile, rig_error
 from axisrig.bench.rig.reading.once import read_once
 from axisrig.kernel.errors import Alarm, near_files
@@ -34,12 +35,21 @@ def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str,
     """
     lists: list[tuple[tuple[str, ...], str]] = [(("channel", "list"), rig.channel.list)]
     lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
+    mistakes = Mistakes()
     for keys, path in lists:
         if not Path(path).is_file():
             message = f"the parameter list {Path(path).name} is no file"
-            raise rig_error(files, keys, message, value=path, hint=near_files(Path(), path))
-    axes = {name: read_once(axis.list, "axis", name) for name, axis in rig.axis.items()}
-    return read_once(rig.channel.list, "channel"), axes
+            hint = near_files(Path(), path)
+            mistakes.add(rig_error(files, keys, message, value=path, hint=hint))
+    mistakes.refuse(files[0])
+    axes = {}
+    for name, axis in rig.axis.items():
+        with mistakes.kept():
+            axes[name] = read_once(axis.list, "axis", name)
+    with mistakes.kept():
+        channel = read_once(rig.channel.list, "channel")
+    mistakes.refuse(files[0])
+    return channel, axes
 
 
 def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
