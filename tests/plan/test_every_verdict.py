@@ -8,7 +8,7 @@ import pytest
 from axisrig.bench.campaign.results.junit import write_junit
 from axisrig.bench.campaign.results.stored import Said, StoredResults, StoredRun
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.campaign.shown import show_verdicts
+from axisrig.bench.campaign.verdict_table import show_verdicts
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, parse_check
 from axisrig.bench.plan.plan import read_plan

@@ -21,7 +21,7 @@ from axisrig.bench.campaign.results.writer import (
     ResultsWriter,
     no_values,
 )
-from axisrig.bench.campaign.shown import show_verdicts
+from axisrig.bench.campaign.verdict_table import show_verdicts
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.verdict import Verdict

@@ -35,6 +35,7 @@ from axisrig.fmus.openmodelica import build_with_omc, omc_identity
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
 from axisrig.fmus.sources import Stamp, files_below, files_named, hash_of
+from axisrig.fmus.watching import building
 
 if TYPE_CHECKING:
     from axisrig.fmus.writing.generate import Generated
@@ -96,7 +97,8 @@ def ensure_built(
     """
     path = place_in_cache(model, cache_dir, fmi, platforms, compiler)
     if not is_ours(path, path.parent):
-        build(model, path, fmi=fmi, platforms=platforms, compiler=compiler)
+        with building(model):
+            build(model, path, fmi=fmi, platforms=platforms, compiler=compiler)
         record = _record(path, path.parent)
         record.parent.mkdir(exist_ok=True)
         record.touch()
@@ -114,7 +116,8 @@ def ensure_own_built(source: Path, cache_dir: Path | None = None) -> Path:
     key = cache_key(source.stem, source)
     path = _cache(cache_dir) / f"{source.stem}-{key[:24]}.fmu"
     if not is_ours(path, path.parent):
-        build(source.stem, path, source)
+        with building(source.name):
+            build(source.stem, path, source)
         record = _record(path, path.parent)
         record.parent.mkdir(exist_ok=True)
         record.touch()

@@ -29,8 +29,9 @@ from axisrig.bench.campaign.resuming import (
 )
 from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.sharing import Shard
-from axisrig.bench.campaign.shown import CampaignProgress, Watch, show_verdicts
+from axisrig.bench.campaign.shown import CampaignProgress, Watch
 from axisrig.bench.campaign.statistics import CaseStatistics
+from axisrig.bench.campaign.verdict_table import counts_line, show_verdicts, shows_all
 from axisrig.bench.files import in_words
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
@@ -48,6 +49,10 @@ _NOBODY = Watch()
 
 def _unheard(_warnings: Sequence[str]) -> None:
     """Take warnings that nobody hears: they are in the manifest."""
+
+
+def _unsaid(_text: str) -> None:
+    """Take what is being done where nobody looks on."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +76,7 @@ class Campaign:
     planned: rows of results, of which `statistics` are over several runs.
     failure: why the rest could not be written, with the name of the file. report: its report.
     altered: what is said of runs of the folder whose files are not those that they have written.
+    spent_s: wall time of the whole.
     """
 
     folder: Path
@@ -81,6 +87,7 @@ class Campaign:
     kept: Sequence[Verdict] = ()
     statistics: int = 0
     altered: Sequence[str] = ()
+    spent_s: float = 0.0
 
     @property
     def is_interrupted(self) -> bool:
@@ -128,6 +135,8 @@ def run_campaign(  # noqa: PLR0913
     build_report: Callable[[Path], Path] | None = None,
     watch: Watch = _NOBODY,
     warn: Callable[[Sequence[str]], None] = _unheard,
+    say: Callable[[str], None] = _unsaid,
+    is_verbose: bool = False,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
@@ -137,11 +146,13 @@ def run_campaign(  # noqa: PLR0913
     interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh: the results
     that the folder has go first. going_on: which runs of the folder stay. build_report: writes the
     report while the folder is still held. watch: what goes on beside. warn: takes what `axisrig
-    check` warns of, before the first run.
+    check` warns of, before the first run. say: takes what is being done. is_verbose: show each run.
     Raises UserError before the folder is touched: everything is checked first.
     """
+    began_s = stopwatch()
     plans = _read(paths, assignments, select.select, outside)
     parts, cases = _chosen(plans, select)
+    say(f"checking {len(cases)} run{'s' if len(cases) != 1 else ''}")
     real = real_cases(cases)
     jobs = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
     jobs = _jobs(jobs, cases, real, is_apart=is_isolated or bool(timeout_s or select.scheduler))
@@ -168,16 +179,22 @@ def run_campaign(  # noqa: PLR0913
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
-            progress = CampaignProgress(len(cases), stopwatch, statistics=len(runs) - len(cases))
+            progress = CampaignProgress(
+                len(cases),
+                stopwatch,
+                statistics=len(runs) - len(cases),
+                shows_all=shows_all(len(runs), is_verbose=is_verbose),
+            )
             how = (jobs, limits, stopwatch, hardware, progress)
             running = _running(order, watch.files_of(writer.files_of), select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, progress, watch)
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
+        say("writing the report")
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     ended = (len(runs), failure, report, stay, len(runs) - len(cases), kept.altered)
-    return Campaign(folder, results, *ended)
+    return Campaign(folder, results, *ended, stopwatch() - began_s)
 
 
 def _running(
@@ -357,14 +374,17 @@ def _selected(plan: Plan, select: str | None) -> Plan:
     return replace(plan, cases=chosen(plan.cases, select))
 
 
-def show_campaign(campaign: Campaign) -> None:
-    """Print the verdicts and the path of the report; what went wrong to standard error."""
+def show_campaign(campaign: Campaign, *, is_verbose: bool = False) -> None:
+    """Print the verdicts and the path of the report; what went wrong to standard error.
+
+    The last line there has the counts and the duration. is_verbose: as `show_verdicts` takes it.
+    """
     for line in campaign.altered:
         print(f"{line}; it was run again", file=sys.stderr)
     if campaign.kept:
         print(f"kept {len(campaign.kept)} runs, ran {len(campaign.results)}", file=sys.stderr)
     if campaign.results:
-        show_verdicts(campaign.results)
+        show_verdicts(campaign.results, is_verbose=is_verbose)
     if campaign.failure is not None:
         print(f"error: {in_words(campaign.failure)}", file=sys.stderr)
     if campaign.is_interrupted:
@@ -372,4 +392,6 @@ def show_campaign(campaign: Campaign) -> None:
         done = f"{len(campaign.results)} of {campaign.planned} {of}"
         print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
     if campaign.report is not None:
-        print(campaign.report)
+        print(campaign.report, flush=True)
+    verdicts = [result.verdict for result in campaign.results]
+    print(counts_line(verdicts, campaign.spent_s), file=sys.stderr)

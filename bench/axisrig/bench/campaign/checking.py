@@ -1,5 +1,6 @@
 """`axisrig check`: plans, rigs and parameter lists, checked and described without a run."""
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,7 @@ from axisrig.bench.campaign.cell_warnings import (
 )
 from axisrig.bench.campaign.preparing import built_first, prepare, read_case, settings_of
 from axisrig.bench.campaign.processes import do_apart
+from axisrig.bench.campaign.verdict_table import FEW
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
@@ -58,17 +60,22 @@ def check_files(
     show: Callable[[str], None],
     *,
     is_strict: bool = False,
+    is_verbose: bool = False,
 ) -> None:
     """Do `check_file` for each file, also after one that is rejected.
 
     limits: as `do_apart` takes them. show: takes what is described. is_strict: a warning rejects a
-    file too. Raises UserError with all that is wrong with any file.
+    file too. is_verbose: name each run. Raises UserError with all that is wrong with any file.
     """
     mistakes = Mistakes()
     for file in files:
         with mistakes.kept():
             plan = plan_of(file)
-            what = (partial(check_file, is_strict=is_strict, plan=plan), file, assignments)
+            what = (
+                partial(check_file, is_strict=is_strict, is_verbose=is_verbose, plan=plan),
+                file,
+                assignments,
+            )
             show(do_apart(*what, rigs=rigs_of(file, plan), file=file, limits=limits))
     mistakes.refuse(files[0])
 
@@ -78,14 +85,15 @@ def check_file(
     assignments: Sequence[str] = (),
     *,
     is_strict: bool = False,
+    is_verbose: bool = False,
     plan: Plan | None = None,
 ) -> str:
     """Check a plan, a rig or a parameter list and describe it.
 
     Raises UserError when it is rejected.
 
-    assignments: texts of `--set`. is_strict: a warning rejects it too. plan: what is in the file,
-    where it is a plan that was read before.
+    assignments: texts of `--set`. is_strict: a warning rejects it too. is_verbose: name each run of
+    a plan, not each case. plan: what is in the file, where it is a plan that was read before.
     """
     changes = [parse_assignment(text) for text in assignments]
     if path.suffix.lower() == ".toml":
@@ -106,7 +114,7 @@ def check_file(
         with mistakes.kept():
             warnings.look(case, (prepare if place in first else read_case)(case))
     mistakes.refuse(path)
-    lines = [f"  {_titled(case)}" for case in plan.cases]
+    lines = [f"  {text}" for text in _described(plan.cases, is_verbose=is_verbose)]
     for row in plan.statistics:
         asked = ", ".join(check.metric for check in row.checks)
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
@@ -136,6 +144,30 @@ def check_inputs(plan: Plan) -> None:
             with mistakes.kept():
                 settings_of(case)
     mistakes.refuse(plan.path)
+
+
+def _described(cases: Sequence[Case], *, is_verbose: bool) -> list[str]:
+    """Name each case with how many runs it stands for; each run of few, or where asked for."""
+    if is_verbose or len(cases) <= FEW:
+        return [_titled(case) for case in cases]
+    by_case: dict[str, list[Case]] = {}
+    for case in cases:
+        by_case.setdefault(case.case, []).append(case)
+    return [_of_case(name, runs) for name, runs in by_case.items()]
+
+
+def _of_case(name: str, runs: Sequence[Case]) -> str:
+    if len(runs) == 1:
+        return _titled(runs[0])
+    return f"{name}: {_size(runs)} runs  {runs[0].title}".rstrip()
+
+
+def _size(runs: Sequence[Case]) -> str:
+    """Write how many runs a case has: `300 x 2` where they are all pairs of 300 and 2 values."""
+    columns = list(runs[0].swept)
+    counts = [len({run.swept.get(column) for run in runs}) for column in columns]
+    counts = [count for count in (*counts, len({run.repeat for run in runs})) if count > 1]
+    return " x ".join(map(str, counts)) if math.prod(counts) == len(runs) else str(len(runs))
 
 
 def _titled(case: Case) -> str:

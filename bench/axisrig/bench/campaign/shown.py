@@ -1,7 +1,7 @@
-"""What a campaign shows: its progress while it lasts, its verdicts and causes at the end."""
+"""What a campaign shows while it lasts: its progress, and what goes on beside it."""
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,13 +10,10 @@ from typing import Self
 
 from rich.console import Console, RenderableType
 from rich.progress import Progress, SpinnerColumn, TextColumn
-from rich.table import Table as RichTable
 
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Stopwatch
-from axisrig.bench.plan.expectation import NOT_MET
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.bus import BusFigures
 
 LINE_EVERY_S = 30.0
 """Without a terminal, the state of the campaign is written as often as this."""
@@ -27,7 +24,7 @@ _NAMED = 3
 
 
 class CampaignProgress:
-    """Writes a line for each run to standard error, and how far the campaign is.
+    """Writes lines of runs to standard error, and how far the campaign is.
 
     On a terminal that is a line at the bottom; else one of its own every 30 s. The runs themselves
     may take longer than that: `tick` has to be called by somebody who does not wait for them, often
@@ -41,8 +38,13 @@ class CampaignProgress:
         console: Console | None = None,
         *,
         statistics: int = 0,
+        shows_all: bool = True,
     ) -> None:
-        """Take the number of runs, of rows of statistics, and what gives seconds of wall time."""
+        """Take the number of runs, of rows of statistics, and what gives seconds of wall time.
+
+        shows_all: a line for each run; else for the first run of a case that did not pass only.
+        """
+        self._shows_all, self._failing = shows_all, set[tuple[str, str, Verdict]]()
         self._count, self._stopwatch = count + statistics, stopwatch
         self._of = "rows" if statistics else "runs"
         self._began_s = self._said_s = stopwatch()
@@ -87,8 +89,16 @@ class CampaignProgress:
         self._running.pop(run, None)
         self._counts[verdict] += 1
         self._ended.append((run, verdict))
-        self._console.print(f"{verdict.glyph} {verdict.word:<12} {run}")
+        if self._shows_all or self._is_first(result):
+            self._console.print(f"{verdict.glyph} {verdict.word:<12} {run}", soft_wrap=True)
         self._bar.update(self._task, description=self.state)
+
+    def _is_first(self, result: CaseResult) -> bool:
+        """Whether it is the first run of its case that did not pass in this way."""
+        key = (result.case.plan, result.case.case, result.verdict)
+        is_first = result.verdict > Verdict.MARGINAL and key not in self._failing
+        self._failing.add(key)
+        return is_first
 
     def tick(self) -> None:
         """Say how far it is, where that is due."""
@@ -109,10 +119,10 @@ class CampaignProgress:
             rate_hz = done / spent_s
             words += [
                 f"{rate_hz:.3g} {self._of}/s",
-                f"{_duration((self._count - done) / rate_hz)} left",
+                f"{duration((self._count - done) / rate_hz)} left",
             ]
         running = sorted(self._running.items(), key=lambda item: item[1])
-        named = [f"{run} for {_duration(now_s - began)}" for run, began in running[:_NAMED]]
+        named = [f"{run} for {duration(now_s - began)}" for run, began in running[:_NAMED]]
         more = [f"{len(running) - _NAMED} more"] if len(running) > _NAMED else []
         return ", ".join(words) + (f"; running: {', '.join([*named, *more])}" if running else "")
 
@@ -161,71 +171,10 @@ class Watch:
         return lambda run: files_of(run).with_live(self.live)
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """Write a time as hours and minutes, minutes and seconds, or seconds."""
     whole = round(seconds)
     hours, minutes = divmod(whole // 60, 60)
     if hours:
         return f"{hours} h {minutes:02} min"
     return f"{minutes} min {whole % 60:02} s" if minutes else f"{whole} s"
-
-
-def show_verdicts(results: Sequence[CaseResult]) -> None:
-    """Print the verdict table: what did not pass with its worst check, the rest in one line."""
-    table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
-    for column in ("verdict", "case", "checks", "what did not pass", "alarms"):
-        table.add_column(column, overflow="fold", no_wrap=column in ("verdict", "case"))
-    for result in results:
-        worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
-        text = ""
-        if worst_check is not None and worst_check.verdict is not Verdict.PASS:
-            text = worst_check.summary
-            if worst_check.note:
-                text += f" ({worst_check.note})"
-        passed = sum(check.verdict is Verdict.PASS for check in result.checks)
-        table.add_row(
-            f"{result.verdict.glyph} {result.verdict.word}",
-            result.case.run,
-            f"{passed}/{len(result.checks)}",
-            result.error or text,
-            " ".join(str(number) for number in result.alarms),
-        )
-    console = Console(highlight=False, markup=False, emoji=False)  # `:X:` and `[..]` are text
-    console.print(table)
-    for result in results:
-        for bus in () if result.facts is None else result.facts.buses:
-            if bus.overload:
-                console.print(_overload(result, bus), soft_wrap=True)
-        for line in _causes(result):
-            console.print(f"{result.case.run}: {line}", soft_wrap=True)
-
-
-def _causes(result: CaseResult) -> list[str]:
-    """Say why a run did not pass: its error and what was printed until then, or its checks."""
-    if result.verdict <= Verdict.MARGINAL:
-        return []
-    log = () if result.facts is not None else result.log
-    if result.error:
-        return [result.error, *log]
-    failed = [check for check in result.checks if check.verdict > Verdict.MARGINAL]
-    notes = [f" ({check.note})" if check.note else "" for check in failed]
-    causes = [
-        f"{check.verdict.word}: {check.summary}{note}"
-        for check, note in zip(failed, notes, strict=True)
-    ]
-    causes += [
-        f"{check.check.metric} {NOT_MET}: {check.summary}"
-        for check in result.checks
-        if check.check.metric in result.case.expected and check.verdict is not Verdict.FAIL
-    ]
-    alarms = () if result.facts is None else result.facts.alarms
-    return [*causes, *log, *(alarm.text for alarm in alarms if not alarm.is_further)]
-
-
-def _overload(result: CaseResult, bus: BusFigures) -> str:
-    """Say what a segment was asked for that it cannot hold, and what came of it."""
-    text = f"{result.case.run}: segment {bus.segment} is overloaded: {bus.overload};"
-    text += f" load {bus.load_pct:.1f} %, worst ms {bus.load_1ms_pct:.1f} %"
-    if bus.waiting:
-        longest = bus.waiting[0]
-        text += f", {longest.name} waited {longest.worst_us:.0f} us"
-    return text

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import FreshOption, FullOption, rejecting
 from axisrig.kernel.errors import UserError
 
@@ -21,11 +22,13 @@ def report(
 
     A folder of another tool needs cases.csv (run, verdict) and results.csv (run, metric, verdict).
     """
-    from axisrig.bench.campaign.results.folder import recover
-    from axisrig.reports.build import build_report
+    with waiting(f"writing the report of {folder}"):
+        from axisrig.bench.campaign.results.folder import recover
+        from axisrig.reports.build import build_report
 
-    recover(folder)
-    print(build_report(folder, is_full=is_full, put_out=_to_stderr))
+        recover(folder)
+        path = build_report(folder, is_full=is_full, put_out=_to_stderr)
+    print(path)
 
 
 @rejecting
@@ -102,12 +105,13 @@ def merge(
     """Join the results of the shares of a campaign (`run --shard`)."""
     from datetime import UTC, datetime
 
-    from axisrig.bench.campaign.sharing import merge as joined
-    from axisrig.bench.plan.plan import counted
-    from axisrig.reports.build import build_report
-
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    made = joined(folders, into, started=started, is_fresh=is_fresh, build_report=build_report)
+    with waiting(f"joining {len(folders)} folders"):
+        from axisrig.bench.campaign.sharing import merge as joined
+        from axisrig.bench.plan.plan import counted
+        from axisrig.reports.build import build_report
+
+        made = joined(folders, into, started=started, is_fresh=is_fresh, build_report=build_report)
     for run in made.doubled:
         print(f"in several folders, with equal results: {run}", file=sys.stderr)
     for run in made.missing:
@@ -128,16 +132,17 @@ def diff(
     ] = None,
 ) -> None:
     """Compare two results folders; exit code 1 when something got worse."""
-    from axisrig.bench.campaign.results.stored import read_results
-    from axisrig.results.compare.pairs import compare
-    from axisrig.results.compare.words import diff_lines
+    with waiting(f"comparing {before} and {after}"):
+        from axisrig.bench.campaign.results.stored import read_results
+        from axisrig.results.compare.pairs import compare
+        from axisrig.results.compare.words import diff_lines
 
-    folders = [read_results(before), read_results(after)]
+        folders = [read_results(before), read_results(after)]
+        found = compare(*folders)
     for one in folders:
         for run in one.runs:
             if run.altered:
                 _to_stderr(f"{one.folder}: {run.run}: {run.altered_words}")
-    found = compare(*folders)
     for line in diff_lines(found):
         print(line)
     if page is not None:
@@ -159,11 +164,12 @@ def trend(
     ] = None,
 ) -> None:
     """Follow a metric over campaigns, in the order of the folders."""
-    from axisrig.bench.campaign.results.stored import read_results
-    from axisrig.results.compare.trend import trend as follow
-    from axisrig.results.compare.words import trend_lines
+    with waiting(f"reading {len(folders)} folders"):
+        from axisrig.bench.campaign.results.stored import read_results
+        from axisrig.results.compare.trend import trend as follow
+        from axisrig.results.compare.words import trend_lines
 
-    found = follow([read_results(folder) for folder in folders], metric, case)
+        found = follow([read_results(folder) for folder in folders], metric, case)
     for line in trend_lines(found):
         print(line)
     if page is not None:

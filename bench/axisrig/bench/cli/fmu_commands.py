@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import CALL_LIMIT_S, CallTimeoutOption, rejecting
+from axisrig.kernel.errors import UserError
 
 fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list, build, show, check.")
 
@@ -33,11 +35,12 @@ def check_fmus(
     """
     import json
 
-    from axisrig.bench.tools.fmu.check import check_fmu
-    from axisrig.bench.tools.fmu.findings import show_findings
-    from axisrig.bench.tools.fmu.place import find_fmu
+    with waiting(f"trying out {', '.join(files)}"):
+        from axisrig.bench.tools.fmu.check import check_fmu
+        from axisrig.bench.tools.fmu.findings import show_findings
+        from axisrig.bench.tools.fmu.place import find_fmu
 
-    checked = [check_fmu(find_fmu(text), call_limit_s or CALL_LIMIT_S) for text in files]
+        checked = [check_fmu(find_fmu(text), call_limit_s or CALL_LIMIT_S) for text in files]
     if as_json:
         print(json.dumps({"fmus": [fmu.as_data() for fmu in checked]}, indent=2))
     else:
@@ -53,17 +56,20 @@ def show(
     is_all: Annotated[bool, typer.Option("--all", help="Local variables too.")] = False,
 ) -> None:
     """Show variables, units, structure, platforms and capabilities; no code of it runs."""
-    from axisrig.bench.tools.fmu.place import find_fmu
-    from axisrig.bench.tools.fmu.show import read_fmu, show_fmu
+    with waiting(f"reading {file}"):
+        from axisrig.bench.tools.fmu.place import find_fmu
+        from axisrig.bench.tools.fmu.show import read_fmu, show_fmu
 
-    show_fmu(read_fmu(find_fmu(file)), is_all=is_all)
+        read = read_fmu(find_fmu(file))
+    show_fmu(read, is_all=is_all)
 
 
 @fmu_app.command("build")
 @rejecting
 def build(
     model: Annotated[
-        str | None, typer.Argument(help="Model; every one by default, as with --all.")
+        str | None,
+        typer.Argument(help="Model, or file of your own (.mo); every one by default, as --all."),
     ] = None,
     is_all: Annotated[bool, typer.Option("--all", help="Every model of the library.")] = False,
     fmi: Annotated[
@@ -90,19 +96,21 @@ def build(
     ] = None,
 ) -> None:
     """Build FMUs that the cache does not have yet; print their paths."""
-    from axisrig.bench.tools.fmu.library import build_models
-    from axisrig.bench.tools.fmu.release import release_models
-    from axisrig.kernel.errors import UserError
-
     if is_all and model is not None:
         raise UserError("--all is every model: leave it out, or the model", value=model)
     versions, platforms = fmi or ("3.0",), platform or ()
     if out is not None:
-        for path in release_models(out, model, versions, platforms, compiler):
-            print(path)
+        with waiting(f"building the release {out}"):
+            from axisrig.bench.tools.fmu.release import release_models
+
+            for path in release_models(out, model, versions, platforms, compiler):
+                print(path, flush=True)
         return
-    for built in build_models(model, versions, platforms, compiler):
-        print(built.path)
+    with waiting(f"looking for {model or 'the models of the library'} in the cache"):
+        from axisrig.bench.tools.fmu.library import build_models
+
+        for built in build_models(model, versions, platforms, compiler):
+            print(built.path, flush=True)
 
 
 def build_library() -> None:

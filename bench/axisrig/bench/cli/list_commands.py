@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import SetOption, rejecting
 from axisrig.bench.cli.params_command import params
 
@@ -108,12 +109,19 @@ def language(
 
 
 @rejecting
-def doctor() -> None:
+def doctor(
+    is_building: Annotated[
+        bool, typer.Option("--build", help="Build the FMUs of the library that are not there.")
+    ] = False,
+) -> None:
     """Say what this installation has, what it lacks, and what to do about it."""
-    from axisrig.bench.tools.listings.doctor import examine
+    with waiting("looking at this installation"):
+        from axisrig.bench.tools.listings.doctor import LACK, examine
 
-    text, is_well = examine()
-    print(text)
+        is_well = True
+        for line in examine(is_building=is_building):
+            is_well = is_well and not line.startswith(LACK)
+            print(line, flush=True)
     raise typer.Exit(0 if is_well else 1)
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import Line, show_waiting, waiting
 from axisrig.bench.cli.data_commands import DATA
 from axisrig.bench.cli.distance_commands import distance_app
 from axisrig.bench.cli.drive_command import drive
@@ -50,6 +51,7 @@ from axisrig.bench.cli.options import (
     ShardOption,
     StrictOption,
     TimeoutOption,
+    VerboseOption,
     VersionOption,
     YesOption,
     on_engine,
@@ -58,7 +60,7 @@ from axisrig.bench.cli.options import (
 from axisrig.bench.cli.outside import hardware, to_stderr
 from axisrig.bench.cli.perf_command import perf
 from axisrig.bench.cli.rig_commands import rig_app
-from axisrig.bench.cli.start import Whole, end_on_signals, start_lightly
+from axisrig.bench.cli.start import Whole, end_on_signals, plain_signs, start_lightly
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
@@ -134,16 +136,20 @@ def _go_on(context: typer.Context, folder: Path | None, option: str) -> NoReturn
     raise typer.Exit
 
 
-def _watch(on_page: bool, in_terminal: bool) -> "Watch":
-    """Return what goes on beside runs: progress, and a live view where one is asked for."""
-    if on_page or in_terminal:
-        from axisrig.bench.cli.beside.showing import showing
+def _watch(line: Line, on_page: bool, in_terminal: bool) -> "Watch":
+    """Return what goes on beside runs: progress, and a live view where one is asked for.
 
-        return showing(time.monotonic, to_stderr, on_page=on_page, in_terminal=in_terminal)
+    line: gives way to it.
+    """
     from axisrig.bench.campaign.shown import Watch
     from axisrig.bench.cli.beside.ticking import ticking
 
-    return Watch(ticking)
+    watch = Watch(ticking)
+    if on_page or in_terminal:
+        from axisrig.bench.cli.beside.showing import showing
+
+        watch = showing(time.monotonic, to_stderr, on_page=on_page, in_terminal=in_terminal)
+    return Watch(partial(line.beside, watch.beside), watch.live)
 
 
 @app.command()
@@ -179,44 +185,51 @@ def run(
     is_live: LiveOption = False,
     in_terminal: LiveTerminalOption = False,
     is_strict: StrictOption = False,
+    is_verbose: VerboseOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
     Results that the folder has of other runs of the plan stay.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
-    from axisrig.bench.bus.can.logs import log_kinds
-    from axisrig.bench.campaign.campaign import Choice, run_campaign, show_campaign
-    from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.campaign.resuming import GoingOn
-    from axisrig.bench.campaign.sharing import Shard
-    from axisrig.reports.build import build_report
-
-    going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
     if not plans:
-        _go_on(context, out, going_on.option)
-    said = (may_move, to_stderr, interface, channel, options, bitrate, segment)
-    campaign = run_campaign(
-        plans,
-        out=out,
-        select=Choice(select, Shard.of(shard) if shard else None, on_engine(engine, scheduler)),
-        jobs=None if jobs == JOBS_AUTO else jobs,
-        timeout_s=timeout_s,
-        assignments=_inputs(assignments, is_forced, as_canopen),
-        command=["axisrig", *sys.argv[1:]],
-        started=datetime.now(UTC).isoformat(timespec="seconds"),
-        stopwatch=time.perf_counter,
-        is_isolated=is_isolated or call_limit_s is not None,
-        call_limit_s=call_limit_s or CALL_LIMIT_S,
-        outside=Outside(hardware, *said),
-        bus_logs=log_kinds(bus_logs),
-        is_fresh=is_fresh,
-        going_on=going_on,
-        build_report=partial(build_report, is_full=is_full),
-        watch=_watch(is_live, in_terminal),
-        warn=partial(_warn, is_strict=is_strict),
-    )
-    show_campaign(campaign)
+        from axisrig.bench.campaign.resuming import GoingOn
+
+        asked = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
+        _go_on(context, out, asked.option)
+    with waiting(f"reading {', '.join(map(str, plans))}") as line:
+        from axisrig.bench.bus.can.logs import log_kinds
+        from axisrig.bench.campaign.campaign import Choice, run_campaign, show_campaign
+        from axisrig.bench.campaign.hardware_runs import Outside
+        from axisrig.bench.campaign.resuming import GoingOn
+        from axisrig.bench.campaign.sharing import Shard
+        from axisrig.reports.build import build_report
+
+        going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
+        said = (may_move, to_stderr, interface, channel, options, bitrate, segment)
+        campaign = run_campaign(
+            plans,
+            out=out,
+            select=Choice(select, Shard.of(shard) if shard else None, on_engine(engine, scheduler)),
+            jobs=None if jobs == JOBS_AUTO else jobs,
+            timeout_s=timeout_s,
+            assignments=_inputs(assignments, is_forced, as_canopen),
+            command=["axisrig", *sys.argv[1:]],
+            started=datetime.now(UTC).isoformat(timespec="seconds"),
+            stopwatch=time.perf_counter,
+            is_isolated=is_isolated or call_limit_s is not None,
+            call_limit_s=call_limit_s or CALL_LIMIT_S,
+            outside=Outside(hardware, *said),
+            bus_logs=log_kinds(bus_logs),
+            is_fresh=is_fresh,
+            going_on=going_on,
+            build_report=partial(build_report, is_full=is_full),
+            watch=_watch(line, is_live, in_terminal),
+            say=line.say,
+            is_verbose=is_verbose,
+            warn=partial(_warn, is_strict=is_strict),
+        )
+    show_campaign(campaign, is_verbose=is_verbose)
     raise typer.Exit(campaign.exit_code)
 
 
@@ -233,9 +246,10 @@ def demo(
     is_fresh: FreshOption = False,
 ) -> None:
     """Build the FMUs, run some rows of every shipped plan, and say where the report is."""
-    from axisrig.bench.campaign.campaign import plans_in
+    with waiting("looking for the models of the library in the cache"):
+        from axisrig.bench.campaign.campaign import plans_in
 
-    build_library()
+        build_library()
     if not is_all:
         print(f"rows tagged {DEMO}; axisrig demo --all runs every row", file=sys.stderr)
     run(context, plans_in(folder), out, None if is_all else DEMO, jobs, None, is_fresh=is_fresh)
@@ -249,28 +263,32 @@ def judge(
     assignments: SetOption = None,
     is_forced: ForceOption = False,
     as_canopen: AsCanopenOption = False,
+    is_verbose: VerboseOption = False,
 ) -> None:
     """Judge the recordings of a results folder by another plan; nothing is simulated.
 
     Results go into DIR/judged/<n>-<plan>, the files of the folder stay. Only checks, title, tags
     and requirement may differ from the run that was recorded.
     """
-    from axisrig.bench.campaign.rejudge import rejudge
-    from axisrig.bench.campaign.shown import show_verdicts
-    from axisrig.reports.build import build_report
+    began_s = time.perf_counter()
+    with waiting(f"judging the recordings of {folder}"):
+        from axisrig.bench.campaign.rejudge import rejudge
+        from axisrig.bench.campaign.verdict_table import counts_line, show_unjudged, show_verdicts
+        from axisrig.reports.build import build_report
 
-    done = rejudge(
-        folder,
-        plan,
-        assignments=_inputs(assignments, is_forced, as_canopen),
-        command=["axisrig", *sys.argv[1:]],
-        started=datetime.now(UTC).isoformat(timespec="seconds"),
-        build_report=build_report,
-    )
-    show_verdicts(done.results)
-    for run in done.left:
-        print(f"no row of the plan judges {run}", file=sys.stderr)
-    print(done.report)
+        done = rejudge(
+            folder,
+            plan,
+            assignments=_inputs(assignments, is_forced, as_canopen),
+            command=["axisrig", *sys.argv[1:]],
+            started=datetime.now(UTC).isoformat(timespec="seconds"),
+            build_report=build_report,
+        )
+    show_verdicts(done.results, is_verbose=is_verbose)
+    show_unjudged(done.left)
+    print(done.report, flush=True)
+    spent_s = time.perf_counter() - began_s
+    print(counts_line((r.verdict for r in done.results), spent_s), file=sys.stderr)
     raise typer.Exit(done.exit_code)
 
 
@@ -332,12 +350,16 @@ def check(
     is_forced: ForceOption = False,
     as_canopen: AsCanopenOption = False,
     is_strict: StrictOption = False,
+    is_verbose: VerboseOption = False,
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
-    from axisrig.bench.campaign.checking import check_files
+    with waiting(f"checking {', '.join(map(str, files))}"):
+        from axisrig.bench.campaign.checking import check_files
 
-    inputs = _inputs(None, is_forced, as_canopen)
-    check_files(files, inputs, (is_isolated, call_limit_s), print, is_strict=is_strict)
+        inputs = _inputs(None, is_forced, as_canopen)
+        limits = (is_isolated, call_limit_s)
+        how = partial(check_files, is_strict=is_strict, is_verbose=is_verbose)
+        how(files, inputs, limits, print)
 
 
 @app.command()
@@ -353,18 +375,19 @@ def replay(
 
     Exit code: that of its verdict, as for run; 1 when a frame differs, whatever the verdict is.
     """
-    from axisrig.bench.campaign.processes import do_apart
-    from axisrig.bench.campaign.replay import altered_words, recorded_case
-    from axisrig.bench.campaign.replay import replay as run_again
-    from axisrig.bench.campaign.shown import show_verdicts
-    from axisrig.bench.plan.verdict import exit_code
+    with waiting(f"running {run_id} again"):
+        from axisrig.bench.campaign.processes import do_apart
+        from axisrig.bench.campaign.replay import altered_words, recorded_case
+        from axisrig.bench.campaign.replay import replay as run_again
+        from axisrig.bench.campaign.verdict_table import show_verdicts
+        from axisrig.bench.plan.verdict import exit_code
 
-    logs, limits = _logs(bus_log), (is_isolated, call_limit_s)
-    case, row = recorded_case(folder, run_id)
-    if words := altered_words(folder, run_id):
-        to_stderr(f"{run_id}: {words}")
-    what = (run_again, case, row, logs)
-    again = do_apart(*what, rigs=[case.rig], file=folder, limits=limits)
+        logs, limits = _logs(bus_log), (is_isolated, call_limit_s)
+        case, row = recorded_case(folder, run_id)
+        if words := altered_words(folder, run_id):
+            to_stderr(f"{run_id}: {words}")
+        what = (run_again, case, row, logs)
+        again = do_apart(*what, rigs=[case.rig], file=folder, limits=limits)
     show_verdicts([again.result])
     print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
     raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)
@@ -377,8 +400,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     if arguments is None:
         start_lightly()
+        show_waiting()
     end_on_signals()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a console that lacks a sign gets a `?`
+            stream.reconfigure(errors=plain_signs())
     app(list(arguments) if arguments is not None else None)

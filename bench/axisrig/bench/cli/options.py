@@ -107,6 +107,9 @@ JobsOption = Annotated[
 FreshOption = Annotated[
     bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
 ]
+VerboseOption = Annotated[
+    bool, typer.Option("-v", "--verbose", help="Show each run, also of very many.")
+]
 StrictOption = Annotated[
     bool, typer.Option("--strict", help="A warning of `axisrig check` is an error.")
 ]

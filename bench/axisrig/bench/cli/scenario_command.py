@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import rejecting
 from axisrig.kernel.errors import UserError
 
@@ -49,29 +50,32 @@ def scenarios(
     ] = False,
 ) -> None:
     """Run random faults on machines and judge what they leave by what holds in every run."""
-    from axisrig.bench.tools.scenarios.campaign import Tally, defect_lines
-    from axisrig.bench.tools.scenarios.log import ScenarioLog
-    from axisrig.bench.tools.scenarios.machines import machines_named
-    from axisrig.bench.tools.scenarios.minimise import minimised
-
     if duration is not None and count is not None:
         raise UserError("--for and --count exclude each other", hint="leave one of them out")
     if log is not None and first is not None:
         raise UserError(
             "--log and --first exclude each other", hint="the log says which is the next one"
         )
-    seconds = None if duration is None else _seconds(duration)
-    rows, kept = machines_named(machine), None if log is None else ScenarioLog(log, seed)
-    tallies = {row.name: Tally() for row in rows}
-    if kept is not None:
-        for row in rows:
-            for entry in kept.of(row.name):
-                tallies[row.name].add(*entry)
-    begins = {row.name: first or 0 if kept is None else kept.first_of(row.name) for row in rows}
-    for scenario, judgement in _run(rows, begins, seed, jobs, count or COUNT, _until(seconds)):
-        tallies[scenario.machine].add(scenario, judgement)
+    with waiting(f"running scenarios of machine {machine}") as line:
+        from axisrig.bench.tools.scenarios.campaign import Tally, defect_lines
+        from axisrig.bench.tools.scenarios.log import ScenarioLog
+        from axisrig.bench.tools.scenarios.machines import machines_named
+        from axisrig.bench.tools.scenarios.minimise import minimised
+
+        seconds = None if duration is None else _seconds(duration)
+        rows, kept = machines_named(machine), None if log is None else ScenarioLog(log, seed)
+        tallies = {row.name: Tally() for row in rows}
         if kept is not None:
-            kept.add(scenario, judgement)
+            for row in rows:
+                for entry in kept.of(row.name):
+                    tallies[row.name].add(*entry)
+        begins = {row.name: first or 0 if kept is None else kept.first_of(row.name) for row in rows}
+        running = _run(rows, begins, seed, jobs, count or COUNT, _until(seconds))
+        for number, (scenario, judgement) in enumerate(running, start=1):
+            tallies[scenario.machine].add(scenario, judgement)
+            if kept is not None:
+                kept.add(scenario, judgement)
+            line.say(f"{number} scenarios run, last one of machine {scenario.machine}")
     for name, tally in tallies.items():
         print(f"machine {name}: {tally.table()}" if len(tallies) > 1 else tally.table())
     defects = [defect for tally in tallies.values() for defect in tally.defects]

@@ -1,6 +1,7 @@
 """The process of a command: garbage, threads, signals, and the list of commands in its help."""
 
 import atexit
+import codecs
 import gc
 import os
 import signal
@@ -34,6 +35,26 @@ def start_lightly() -> None:
     sys.modules.setdefault("asammdf", None)  # type: ignore[arg-type]
     # numpy would start a thread for each core
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+_PLAIN = {
+    "✔": "+", "✖": "x", "■": "#", "≤": "<=", "≥": ">=", "≠": "!=", "±": "+-", "µ": "u", "°": "deg",
+    "²": "2", "·": "*", "…": "...", "–": "-", "−": "-", "→": "->", "×": "x",
+}  # fmt: skip
+"""Signs that we print -> what a console shows that lacks them; `?` is a verdict of its own."""
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    signs = error.object[error.start : error.end]
+    return "".join(_PLAIN.get(sign, "_") for sign in signs), error.end
+
+
+def plain_signs() -> str:
+    """Return the name of what writes signs that a console lacks in ASCII."""
+    codecs.register_error("axisrig", _plain)
+    return "axisrig"
 
 
 _AGAIN_S = 0.02

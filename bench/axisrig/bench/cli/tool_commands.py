@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.guard import needs_progress
 from axisrig.bench.cli.options import JOBS_AUTO, JobsOption, SetOption, rejecting
 from axisrig.bench.cli.scenario_command import scenarios
@@ -127,23 +128,24 @@ def budget(
     jobs: JobsOption = JOBS_AUTO,
 ) -> None:
     """Take the error of a measured value apart: what each of its causes adds to it."""
-    from functools import partial
+    with waiting(f"running {select} of {plan} with each cause of its error"):
+        from functools import partial
 
-    from axisrig.bench.campaign.processes import usable_cores
-    from axisrig.bench.campaign.results.writer import RunFiles
-    from axisrig.bench.campaign.runner import run_cases
-    from axisrig.bench.plan.assignment import parse_assignment
-    from axisrig.bench.plan.plan import read_plan
-    from axisrig.bench.plan.select import only
-    from axisrig.bench.tools.budget.budget import make_budget
-    from axisrig.bench.tools.budget.words import budget_lines
-    from axisrig.reports.build import build_report
-    from axisrig.results.budget.page import add_budget, write_budget
+        from axisrig.bench.campaign.processes import usable_cores
+        from axisrig.bench.campaign.results.writer import RunFiles
+        from axisrig.bench.campaign.runner import run_cases
+        from axisrig.bench.plan.assignment import parse_assignment
+        from axisrig.bench.plan.plan import read_plan
+        from axisrig.bench.plan.select import only
+        from axisrig.bench.tools.budget.budget import make_budget
+        from axisrig.bench.tools.budget.words import budget_lines
+        from axisrig.reports.build import build_report
+        from axisrig.results.budget.page import add_budget, write_budget
 
-    given = [parse_assignment(text) for text in assignments or ()]
-    case = only(read_plan(plan).with_inputs(given, select).cases, select)
-    run = partial(run_cases, files_of=lambda _: RunFiles(), jobs=jobs or usable_cores())
-    found = make_budget(case, axis, run, combinations)
+        given = [parse_assignment(text) for text in assignments or ()]
+        case = only(read_plan(plan).with_inputs(given, select).cases, select)
+        run = partial(run_cases, files_of=lambda _: RunFiles(), jobs=jobs or usable_cores())
+        found = make_budget(case, axis, run, combinations)
     print("\n".join(budget_lines(found)))
     for path in outputs or ():
         if not path.is_dir():

@@ -1,4 +1,4 @@
-"""A thread that lets a campaign say how far it is, however long one of its runs takes."""
+"""A thread that lets something say how far it is, however long a part of it takes."""
 
 import os
 import sys
@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from threading import Event, Lock, Thread
-
-from axisrig.bench.campaign.shown import CampaignProgress
+from typing import Protocol
 
 TICK_S = 0.1
 SWITCH_S = 1e-4
@@ -22,7 +21,14 @@ if hasattr(os, "register_at_fork"):
     )
 
 
-def _tick(progress: CampaignProgress) -> None:
+class Ticked(Protocol):
+    """What says something once in a while."""
+
+    def tick(self) -> None:
+        """Say it, where that is due."""
+
+
+def _tick(progress: Ticked) -> None:
     with _FORKS, suppress(OSError):  # a reader that has gone is met by the runs themselves
         progress.tick()
 
@@ -46,8 +52,8 @@ def _every(period_s: float, do: Callable[[], None]) -> Iterator[None]:
 
 
 @contextmanager
-def ticking(progress: CampaignProgress) -> Iterator[None]:
-    """Say once in a while how far a campaign is, as `CampaignProgress` does it."""
+def ticking(progress: Ticked) -> Iterator[None]:
+    """Say once in a while how far something is."""
     before_s = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_S)
     try:

@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from axisrig.bench.campaign.processes import Died, run_apart
+from axisrig.bench.machine.fmu_files import own_fmu
+from axisrig.bench.rig.reading.file import MODEL_SUFFIX
 from axisrig.fmus import (
     CATALOGUE,
     COMPILERS,
@@ -17,7 +19,8 @@ from axisrig.fmus import (
     is_ours,
     place_in_cache,
 )
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.fmus.watching import building
+from axisrig.kernel.errors import UserError, near_files, nearest
 
 _FEW = 6  # so many words are all shown, of more the nearest
 
@@ -43,10 +46,19 @@ def build_models(
 ) -> Iterator[Built]:
     """Build one model or all that the cache lacks, several at once; yield each in turn.
 
-    model: full name, or its last part. fmi: "3.0", "2.0" or both. platforms: words of FMI 3.0 or
-    `all`, by default this one. compiler: cc, zig or omc.
+    model: full name, or its last part, or the file of a model of one's own. fmi: "3.0", "2.0" or
+    both. platforms: words of FMI 3.0 or `all`, by default this one. compiler: cc, zig or omc.
     Raises UserError for an unknown word and when a build fails.
     """
+    if model is not None and model.endswith(MODEL_SUFFIX):
+        if platforms or compiler or tuple(fmi) != ("3.0",):
+            message = "a model of one's own is built as FMI 3.0 for this platform"
+            raise UserError(message, value=model, hint="leave out --fmi, --platform, --compiler")
+        if not Path(model).is_file():
+            hint = near_files(Path(), model)
+            raise UserError("there is no such model", file=model, hint=hint)
+        yield Built(Path(model).stem, "3.0", own_fmu(Path(model)))
+        return
     names = list(MODELS) if model is None else named(model) or [model]
     for value, allowed, what in (
         *((name, MODELS, "the library has no such model") for name in names),
@@ -81,10 +93,15 @@ def _built(
         raise UserError(f"nothing can be built: {error}") from error
     missing = [one for one in wanted if not is_ours(places[one])]
     tasks = [[name, None, fmi, platforms, compiler] for name, fmi in missing]
-    building = run_apart(ensure_built, tasks, jobs=os.cpu_count() or 1, is_fresh=False)
+    built = run_apart(ensure_built, tasks, jobs=os.cpu_count() or 1, is_fresh=False)
     for name, fmi in wanted:
         is_missing = (name, fmi) in missing
-        yield Built(name, fmi, _next_of(building, name) if is_missing else places[name, fmi])
+        if not is_missing:
+            yield Built(name, fmi, places[name, fmi])
+            continue
+        with building(name):
+            path = _next_of(built, name)
+        yield Built(name, fmi, path)
 
 
 def _next_of(building: Iterator[Path | Died], name: str) -> Path:

@@ -2,7 +2,7 @@
 
 import platform
 import shutil
-import sys
+from collections.abc import Iterator
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,40 +12,52 @@ import platformdirs
 from axisrig.bench.bus.can.hardware import SIMULATED, interface_names, known_interfaces, usable
 from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
-from axisrig.fmus import MODELS, BuildError, ensure_built
+from axisrig.fmus import MODELS, BuildError, ensure_built, is_ours, place_in_cache
 
 PACKAGES = ("rumoca", "fmpy", "python-can", "canopen", "numpy", "scipy", "pandas", "pyarrow")
 
 
-def examine() -> tuple[str, bool]:
-    """Return the findings as text, and whether everything needed is there.
+LACK = "LACKS "
+"""Begin of the line of something needed that is not there."""
 
-    Leftovers of an older axisrig are named; they are no lack.
+
+def examine(*, is_building: bool = False) -> Iterator[str]:
+    """Yield the findings, a line each as soon as it is found; a lack begins with `LACK`.
+
+    is_building: build the FMUs of the library that are not there. Leftovers of an older axisrig are
+    named; they are no lack.
     """
-    lines = [f"Python {platform.python_version()} on {platform.platform()}"]
-    lines.append(f"info  axisrig runs {build_word()}, sources {sources_sha256()}")
-    well = sys.version_info >= (3, 11)
+    yield f"Python {platform.python_version()} on {platform.platform()}"
+    yield f"info  axisrig runs {build_word()}, sources {sources_sha256()}"
     for name in PACKAGES:
         try:
-            lines.append(f"ok    {name} {metadata.version(name)}")
+            yield f"ok    {name} {metadata.version(name)}"
         except metadata.PackageNotFoundError:
-            lines.append(f"LACKS {name}: pip install axisrig brings it")
-            well = False
-    found, has_compiler = _compilers()
-    lines += found
-    well = well and has_compiler
+            yield f"{LACK}{name}: pip install axisrig brings it"
+    yield from _compilers()
     cache = Path(platformdirs.user_cache_dir("axisrig"))
-    lines.append(f"info  built FMUs are in {cache / 'fmus'}")
+    yield f"info  built FMUs are in {cache / 'fmus'}"
+    yield from _models(is_building=is_building)
+    yield from _interfaces()
+    yield from (f"OLD   {text}" for text in leftovers())
+    yield "info  nothing here needs a network; only pip does, see README"
+
+
+def _models(*, is_building: bool) -> Iterator[str]:
+    """Say which FMUs of the library are built."""
+    missing = 0
     for model in MODELS:
         try:
-            lines.append(f"ok    {model}: {ensure_built(model).name}")
+            path = ensure_built(model) if is_building else place_in_cache(model)
+            if is_building or is_ours(path):
+                yield f"ok    {model}: {path.name}"
+            else:
+                missing += 1
+                yield f"info  {model}: not built; that is done where a run needs it"
         except BuildError as error:
-            lines.append(f"LACKS {model}: {error}")
-            well = False
-    lines += _interfaces()
-    lines += [f"OLD   {text}" for text in leftovers()]
-    lines.append("info  nothing here needs a network; only pip does, see README")
-    return "\n".join(lines), well
+            yield f"{LACK}{model}: {error}"
+    if missing:
+        yield f"info  {missing} FMUs are not built; axisrig doctor --build builds them now"
 
 
 def _interfaces() -> list[str]:
@@ -66,8 +78,8 @@ def _interfaces() -> list[str]:
     return lines
 
 
-def _compilers() -> tuple[list[str], bool]:
-    """What can build FMUs, and whether anything can."""
+def _compilers() -> list[str]:
+    """What can build FMUs."""
     cc, omc, has_zig = shutil.which("cc"), shutil.which("omc"), bool(find_spec("ziglang"))
     lines = []
     if cc:
@@ -78,9 +90,9 @@ def _compilers() -> tuple[list[str], bool]:
     else:
         pip = "pip install 'axisrig[cc]'"
         need = "" if cc else "install a system cc, or "
-        word = "info " if cc else "LACKS"
+        word = "info " if cc else LACK.strip()
         what = "FMUs for other platforms need ziglang" if cc else "C compiler"
         lines.append(f"{word} {what}: {need}{pip}")
     if omc:
         lines.append(f"info  OpenModelica {omc} (fmu build --compiler omc)")
-    return lines, bool(cc) or has_zig
+    return lines
