@@ -72,7 +72,7 @@ def notes(place: Path, number: int = 1, name: str = "plan") -> dict[str, str]:
 def test_the_same_plan_gives_the_same_results_to_the_byte(place: Path, axisrig: Call) -> None:
     before = hashes(place / "out")
     code, out, err = axisrig("judge", "out", "--plan", "plan.csv")
-    assert (code, err) == (0, "")
+    assert (code, err.partition(" in ")[0]) == (0, "2 pass")
     assert "judged/1-plan/report.html" in out
     made = place / "out" / "judged" / "1-plan"
     assert (made / "results.csv").read_bytes() == (place / "out/results.csv").read_bytes()
@@ -129,7 +129,8 @@ def test_a_row_that_asks_for_another_run_is_not_run(
     assert code == 4
     found = notes(place)
     assert all(text.startswith(f"error: not run: {why}") for text in found.values()), found
-    assert "no row of the plan judges plan-b" in err
+    assert "no row of the plan judges " in err
+    assert "plan-b" in err
 
 
 def test_a_list_that_has_changed_since_is_another_rig(place: Path, axisrig: Call) -> None:

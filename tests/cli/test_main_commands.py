@@ -36,7 +36,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         return SimpleNamespace(exit_code=3)
 
     monkeypatch.setattr(f"{CAMPAIGN}.campaign.run_campaign", run_campaign)
-    monkeypatch.setattr(f"{CAMPAIGN}.campaign.show_campaign", lambda _: None)
+    monkeypatch.setattr(f"{CAMPAIGN}.campaign.show_campaign", lambda *_: None)
     return found
 
 
@@ -93,7 +93,7 @@ def test_the_demo_runs_its_rows_of_every_plan(
 ) -> None:  # fmt: skip
     built: list[None] = []
     monkeypatch.setattr(command_line, "build_library", lambda: built.append(None))
-    monkeypatch.setattr(f"{CAMPAIGN}.campaign.plans_in", lambda folder: [folder / "a.csv"])
+    monkeypatch.setattr(f"{CAMPAIGN}.plan_files.plans_in", lambda folder: [folder / "a.csv"])
     assert call("demo", "--plans", "mine", "-j", "2", *option) == 3
     assert built == [None]
     assert (asked["plans"], asked["out"]) == ([Path("mine/a.csv")], Path("out/demo"))
@@ -269,16 +269,20 @@ def test_drives_are_served_or_their_eds_is_written(
 def test_a_check_gets_its_files_and_how_strict_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
 
-    def check_files(files: Any, inputs: Any, limits: Any, _say: Any, *, is_strict: bool) -> None:
-        seen.append((files, inputs, limits, is_strict))
+    def check_files(files: Any, inputs: Any, limits: Any, _say: Any, **how: Any) -> None:
+        seen.append((files, inputs, limits, how))
 
     monkeypatch.setattr(f"{CAMPAIGN}.checking.check_files", check_files)
     call("check", "a.csv", "r.toml")
-    call("check", "a.csv", "--force", "--isolate", "--call-timeout", "4", "--strict")
+    call(
+        "check", "a.csv", "--force", "--isolate", "--call-timeout", "4", "--strict", "-v", "-k", "b"
+    )
     assert seen == [
-        ([Path("a.csv"), Path("r.toml")], [], (False, None), False),
-        ([Path("a.csv")], [FORCED], (True, 4.0), True),
-    ]
+        ([Path("a.csv"), Path("r.toml")], [], (False, None),
+         {"is_strict": False, "is_verbose": False, "select": None}),
+        ([Path("a.csv")], [FORCED], (True, 4.0),
+         {"is_strict": True, "is_verbose": True, "select": "b"}),
+    ]  # fmt: skip
 
 
 def test_going_on_takes_the_words_of_the_folder_and_those_of_this_call(

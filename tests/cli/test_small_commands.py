@@ -53,12 +53,13 @@ def test_the_doctor_ends_with_what_it_found(
     is_well: bool, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
-        "axisrig.bench.tools.listings.doctor.examine", lambda: ("so it is", is_well)
+        "axisrig.bench.tools.listings.doctor.examine",
+        lambda **_: iter(["so it is" if is_well else "LACKS it"]),
     )
     with pytest.raises(typer.Exit) as caught:
         list_commands.doctor()
     assert caught.value.exit_code == code
-    assert capsys.readouterr().out == "so it is\n"
+    assert capsys.readouterr().out == ("so it is\n" if is_well else "LACKS it\n")
 
 
 @pytest.mark.parametrize(

@@ -1,17 +1,23 @@
 """What is shown while a command takes its time, and what many runs leave on a terminal."""
 
+import re
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 from cli_plan import HEADER
 
 from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.campaign.verdict_table import counts_line, show_unjudged, show_verdicts
 from axisrig.bench.cli.beside.waiting import Waiting
+from axisrig.bench.cli.main import app
 from axisrig.bench.cli.start import plain_signs
+from axisrig.bench.machine import fmu_files
 from axisrig.bench.plan.checks import CheckResult, parse_check
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
@@ -151,8 +157,8 @@ def test_of_few_runs_and_with_v_each_one_is_shown(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     results = _results(tmp_path, 30)
-    for shown, is_verbose in ((results[:12], False), (results, True)):
-        show_verdicts(shown, is_verbose=is_verbose)
+    for shown, talk in ((results[:12], Talk.SHORT), (results, Talk.ALL)):
+        show_verdicts(shown, talk)
         out = capsys.readouterr().out
         assert all(f"{result.case.run} " in out for result in shown)
         assert "more" not in out
@@ -220,10 +226,70 @@ def test_fmu_build_takes_the_file_of_a_model(
 ) -> None:
     model = tmp_path / "MyAxis.mo"
     model.write_text("model MyAxis end MyAxis;", encoding="utf-8")
-    monkeypatch.setattr(library, "own_fmu", lambda path: path.with_suffix(".fmu"))
+    monkeypatch.setattr(fmu_files, "own_fmu", lambda path: path.with_suffix(".fmu"))
     (built,) = library.build_models(str(model))
     assert built == ("MyAxis", "3.0", tmp_path / "MyAxis.fmu")
     with pytest.raises(UserError, match=r"FMI 3\.0 for this platform"):
         list(library.build_models(str(model), ["2.0"]))
     with pytest.raises(UserError, match=r"no such model; near it: MyAxis\.mo"):
         list(library.build_models(str(tmp_path / "MyAxes.mo")))
+
+
+def test_a_run_ends_at_its_first_failure_where_asked(place: Path, axisrig: Call) -> None:
+    rows = [f"r{n},part.nc,rig.toml,3000,== {0 if n == 1 else 1}," for n in range(4)]
+    (place / "four.csv").write_text("\n".join([HEADER, *rows, ""]), encoding="utf-8")
+    code, out, err = axisrig("run", "four.csv", "-o", "out", "-j", "1", "-x")
+    assert code == 1
+    assert out.splitlines()[-1] == "out/report.html"
+    assert "interrupted" not in err
+    assert err.splitlines()[-1].startswith("1 pass, 1 fail in ")
+    code, out, err = axisrig("run", "four.csv", "-o", "out", "-q", "-k", "r0 or r1")
+    assert (code, out) == (1, "out/report.html\n")
+    assert err.splitlines()[-1].startswith("1 pass, 1 fail in ")
+    assert "four-r1" not in err
+
+
+def test_an_expression_chooses_cases_for_check_expand_and_judge(place: Path, axisrig: Call) -> None:
+    rows = [f"r{n},part.nc,rig.toml,3000,== 1," for n in range(3)]
+    (place / "plans").mkdir()
+    rows = [row.replace("part.nc,rig.toml", "../part.nc,../rig.toml") for row in rows]
+    table = "\n".join([HEADER, *rows, ""])
+    (place / "plans" / "three.csv").write_text(table, encoding="utf-8")
+    code, out, _ = axisrig("check", "plans", "-k", "r1 or r2")
+    assert (code, out.splitlines()[0]) == (0, "plans/three.csv: 2 runs")
+    code, out, _ = axisrig("plan", "expand", "plans/three.csv", "-k", "r2")
+    assert (code, len(out.splitlines())) == (0, 2)
+    assert axisrig("run", "plans", "-o", "out", "-q")[0] == 0
+    code, out, err = axisrig("judge", "out", "--plan", "plans/three.csv", "-k", "r0")
+    assert code == 0
+    assert err.splitlines()[-1].startswith("1 pass in ")
+    for words in (("check", "plans"), ("plan", "expand", "plans/three.csv")):
+        code, _, err = axisrig(*words, "-k", "nothing")
+        assert code == 2
+        assert "no case fits" in err
+
+
+@pytest.mark.parametrize("words", [("run",), ("fmu", "build"), ("judge",), ("scenarios",)])
+def test_help_has_no_types_of_python(axisrig: Call, words: tuple[str, ...]) -> None:
+    code, out, _ = axisrig(*words, "--help")
+    assert code == 0
+    assert not re.search(r"<(?!n>-<plan>)(?!plan>)|list\[|int range|float", out), out
+    assert "--out PATH" in out or words in [("judge",), ("scenarios",)]
+
+
+def test_each_option_has_one_name() -> None:
+    """What writes somewhere is `-o`, `--out` in every command."""
+    found: dict[str, set[tuple[str, ...]]] = {}
+
+    def walk(command: Any) -> None:
+        for option in command.params:
+            for name in option.opts:
+                found.setdefault(name, set()).add(tuple(sorted(option.opts)))
+        for inside in getattr(command, "commands", {}).values():
+            walk(inside)
+
+    walk(typer.main.get_command(app))
+    assert found["--out"] == {("--out", "-o")}
+    assert "--output" not in found
+    assert found["-k"] == {("-k",)}
+    assert found["--jobs"] == {("--jobs", "-j")}

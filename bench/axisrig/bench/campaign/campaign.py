@@ -9,6 +9,7 @@ from pathlib import Path
 
 from axisrig.bench.campaign.cluster import run_on_cluster
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
+from axisrig.bench.campaign.plan_files import with_plans_in
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
@@ -31,28 +32,23 @@ from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_ca
 from axisrig.bench.campaign.sharing import Shard
 from axisrig.bench.campaign.shown import CampaignProgress, Watch
 from axisrig.bench.campaign.statistics import CaseStatistics
-from axisrig.bench.campaign.verdict_table import counts_line, show_verdicts, shows_all
+from axisrig.bench.campaign.talk import Manner, Talk
+from axisrig.bench.campaign.verdict_table import counts_line, show_verdicts
 from axisrig.bench.files import in_words
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
-from axisrig.bench.plan.plan import Plan, read_plan
-from axisrig.bench.plan.select import chosen
-from axisrig.bench.plan.table import SUFFIXES
+from axisrig.bench.plan.plan import Plan, counted, read_plan, selected
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
-_NOBODY = Watch()
+_NOBODY, _PLAIN = Watch(), Manner()
 
 
 def _unheard(_warnings: Sequence[str]) -> None:
     """Take warnings that nobody hears: they are in the manifest."""
-
-
-def _unsaid(_text: str) -> None:
-    """Take what is being done where nobody looks on."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +72,7 @@ class Campaign:
     planned: rows of results, of which `statistics` are over several runs.
     failure: why the rest could not be written, with the name of the file. report: its report.
     altered: what is said of runs of the folder whose files are not those that they have written.
-    spent_s: wall time of the whole.
+    spent_s: wall time of the whole. ends_at_first: it was to end with the first that failed.
     """
 
     folder: Path
@@ -88,31 +84,20 @@ class Campaign:
     statistics: int = 0
     altered: Sequence[str] = ()
     spent_s: float = 0.0
+    ends_at_first: bool = False
 
     @property
     def is_interrupted(self) -> bool:
         """Whether it ended before its last run, or what it was to write is not all there."""
-        return len(self.results) < self.planned or self.failure is not None
+        is_short = len(self.results) < self.planned
+        is_meant = self.ends_at_first and any(map(_failed, self.results))
+        return (is_short and not is_meant) or self.failure is not None
 
     @property
     def exit_code(self) -> int:
         """The exit code of the worst verdict; an interrupted campaign is aborted."""
         verdicts = [*self.kept, *(result.verdict for result in self.results)]
         return exit_code(worst([*verdicts, Verdict.ABORTED] if self.is_interrupted else verdicts))
-
-
-def plans_in(folder: Path) -> list[Path]:
-    """Return every table that lies directly in a plan folder, by name."""
-    if not folder.is_dir():
-        raise UserError(
-            "no folder with plans here",
-            file=folder,
-            hint="run it in a checkout of axisrig, or name one with --plans",
-        )
-    plans = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
-    if not plans:
-        raise UserError("the folder holds no plan", file=folder, allowed=" ".join(SUFFIXES))
-    return plans
 
 
 def run_campaign(  # noqa: PLR0913
@@ -135,8 +120,7 @@ def run_campaign(  # noqa: PLR0913
     build_report: Callable[[Path], Path] | None = None,
     watch: Watch = _NOBODY,
     warn: Callable[[Sequence[str]], None] = _unheard,
-    say: Callable[[str], None] = _unsaid,
-    is_verbose: bool = False,
+    manner: Manner = _PLAIN,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
@@ -146,26 +130,25 @@ def run_campaign(  # noqa: PLR0913
     interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh: the results
     that the folder has go first. going_on: which runs of the folder stay. build_report: writes the
     report while the folder is still held. watch: what goes on beside. warn: takes what `axisrig
-    check` warns of, before the first run. say: takes what is being done. is_verbose: show each run.
+    check` warns of, before the first run.
     Raises UserError before the folder is touched: everything is checked first.
     """
     began_s = stopwatch()
     plans = _read(paths, assignments, select.select, outside)
     parts, cases = _chosen(plans, select)
-    say(f"checking {len(cases)} run{'s' if len(cases) != 1 else ''}")
     real = real_cases(cases)
-    jobs = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
-    jobs = _jobs(jobs, cases, real, is_apart=is_isolated or bool(timeout_s or select.scheduler))
+    alone = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
+    jobs = _jobs(alone, cases, real, is_apart=is_isolated or bool(timeout_s or select.scheduler))
     refuse_folder(folder := out or _default_folder(plans, assignments), plans, is_fresh=is_fresh)
     with FolderLock(folder):
         hashes = _hashes(plans, cases)
         kept = choose(cases, hashes, folder, going_on)
         cases = list(kept.cases)
-        apart, warnings = _prepared(plans, cases, is_isolated, call_limit_s, jobs)
-        warn(warnings)
+        apart, warnings = _prepared(plans, cases, is_isolated, call_limit_s, jobs, manner, warn)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
+        manifest |= {**kept.counts, "warnings": warnings}
         statistics = CaseStatistics(plans, cases, folder, hashes, is_fresh=is_fresh)
         runs = [case.run for case in (*cases, *statistics.due)]
         results, failure = list[CaseResult](), None
@@ -173,28 +156,24 @@ def run_campaign(  # noqa: PLR0913
             suppress(KeyboardInterrupt),
             outside.open_hardware() if real and outside else nullcontext() as hardware,
         ):
-            manifest |= {**kept.counts, "warnings": warnings}
             order = longest_first(cases, folder) if jobs > 1 or select.scheduler else cases
             writer = ResultsWriter(
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
-            limits = Limits(timeout_s, apart, call_limit_s)
-            progress = CampaignProgress(
-                len(cases),
-                stopwatch,
-                statistics=len(runs) - len(cases),
-                shows_all=shows_all(len(runs), is_verbose=is_verbose),
-            )
-            how = (jobs, limits, stopwatch, hardware, progress)
+            progress = _progress(len(cases), len(runs), stopwatch, manner)
+            how = (jobs, Limits(timeout_s, apart, call_limit_s), stopwatch, hardware, progress)
             running = _running(order, watch.files_of(writer.files_of), select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
-            failure = _write(running, writer, results, progress, watch)
+            failure = _write(running, writer, results, progress, watch, manner)
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
-        say("writing the report")
-        report, failure = _report(build_report, folder, failure)
+        report, failure = _report(build_report, folder, failure, manner)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     ended = (len(runs), failure, report, stay, len(runs) - len(cases), kept.altered)
-    return Campaign(folder, results, *ended, stopwatch() - began_s)
+    return Campaign(folder, results, *ended, stopwatch() - began_s, manner.ends_at_first)
+
+
+def _progress(runs: int, rows: int, stopwatch: Stopwatch, manner: Manner) -> CampaignProgress:
+    return CampaignProgress(runs, stopwatch, statistics=rows - runs, talk=manner.talk)
 
 
 def _running(
@@ -223,7 +202,7 @@ def _place(places: Mapping[str, int], result: CaseResult) -> tuple[int, bool]:
 
 def _chosen(plans: Sequence[Plan], choice: Choice) -> tuple[list[Plan], list[Case]]:
     """Return the plans with the cases that fit, and these. Raises UserError where none does."""
-    parts = [_selected(plan, choice.select) for plan in plans]
+    parts = [selected(plan, choice.select, may_be_none=True) for plan in plans]
     cases = [case for part in parts for case in part.cases]
     if not cases:
         hint = "axisrig check PLAN lists the cases"
@@ -244,12 +223,16 @@ def _hashes(plans: Sequence[Plan], cases: Sequence[Case]) -> dict[str, str]:
 
 
 def _report(
-    build_report: Callable[[Path], Path] | None, folder: Path, failure: OSError | None
+    build_report: Callable[[Path], Path] | None,
+    folder: Path,
+    failure: OSError | None,
+    manner: Manner = _PLAIN,
 ) -> tuple[Path | None, OSError | None]:
     """Build the report; what went wrong first is the failure.
 
     A folder that has gone while rows ran has none.
     """
+    manner.say("writing the report")
     try:
         return (build_report(folder) if build_report else None), failure
     except OSError as error:
@@ -300,15 +283,23 @@ def _prepared(
     is_isolated: bool,
     call_limit_s: float,
     jobs: int,
+    manner: Manner = _PLAIN,
+    warn: Callable[[Sequence[str]], None] = _unheard,
 ) -> tuple[Collection[Path], list[str]]:
     """Prepare every case; return the rigs whose cases run apart, and warnings."""
+    manner.say(f"checking {counted(len(cases), 0)}")
     rigs = {case.rig for case in cases}
     apart = rigs if is_isolated else foreign_rigs(rigs)
     chosen = {case.run for case in cases}
     beside = [case for plan in plans for case in plan.cases if case.run not in chosen]
     warnings = prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs, beside=beside)
     warnings += [f"{plan.path}: {note}" for plan in plans for note in plan.notes]
+    warn(warnings)
     return apart, warnings
+
+
+def _failed(result: CaseResult) -> bool:
+    return result.verdict > Verdict.MARGINAL
 
 
 def _write(
@@ -317,6 +308,7 @@ def _write(
     results: list[CaseResult],
     progress: CampaignProgress,
     watch: Watch,
+    manner: Manner = _PLAIN,
 ) -> OSError | None:
     """Write the results as they come and add them to `results`; return why it ended early."""
     try:
@@ -325,6 +317,8 @@ def _write(
                 writer.add(result)
                 results.append(result)
                 progress.show(result)
+                if manner.ends_at_first and _failed(result):
+                    break
     except OSError as error:
         return error
     return None
@@ -361,30 +355,24 @@ def _read(
 ) -> list[Plan]:
     """Read plans with the inputs of the command line."""
     changes = [parse_assignment(text) for text in assignments]
-    plans = [read_plan(path, settings_of) for path in paths]
+    plans = [read_plan(path, settings_of) for path in with_plans_in(paths)]
     return [
         plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
         for plan in plans
     ]
 
 
-def _selected(plan: Plan, select: str | None) -> Plan:
-    if select is None:
-        return plan
-    return replace(plan, cases=chosen(plan.cases, select))
-
-
-def show_campaign(campaign: Campaign, *, is_verbose: bool = False) -> None:
+def show_campaign(campaign: Campaign, talk: Talk = Talk.SHORT) -> None:
     """Print the verdicts and the path of the report; what went wrong to standard error.
 
-    The last line there has the counts and the duration. is_verbose: as `show_verdicts` takes it.
+    The last line there has the counts and the duration. talk: as `show_verdicts` takes it.
     """
     for line in campaign.altered:
         print(f"{line}; it was run again", file=sys.stderr)
     if campaign.kept:
         print(f"kept {len(campaign.kept)} runs, ran {len(campaign.results)}", file=sys.stderr)
     if campaign.results:
-        show_verdicts(campaign.results, is_verbose=is_verbose)
+        show_verdicts(campaign.results, talk)
     if campaign.failure is not None:
         print(f"error: {in_words(campaign.failure)}", file=sys.stderr)
     if campaign.is_interrupted:
@@ -393,5 +381,6 @@ def show_campaign(campaign: Campaign, *, is_verbose: bool = False) -> None:
         print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
     if campaign.report is not None:
         print(campaign.report, flush=True)
-    verdicts = [result.verdict for result in campaign.results]
-    print(counts_line(verdicts, campaign.spent_s), file=sys.stderr)
+    if campaign.results:
+        verdicts = [result.verdict for result in campaign.results]
+        print(counts_line(verdicts, campaign.spent_s), file=sys.stderr)

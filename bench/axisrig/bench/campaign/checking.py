@@ -13,13 +13,13 @@ from axisrig.bench.campaign.cell_warnings import (
 )
 from axisrig.bench.campaign.preparing import built_first, prepare, read_case, settings_of
 from axisrig.bench.campaign.processes import do_apart
-from axisrig.bench.campaign.verdict_table import FEW
+from axisrig.bench.campaign.talk import FEW
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
-from axisrig.bench.plan.plan import Plan, counted, read_plan
+from axisrig.bench.plan.plan import Plan, counted, read_plan, selected
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.contents import contents_text
@@ -59,18 +59,21 @@ def check_files(
     limits: tuple[bool, float | None],
     show: Callable[[str], None],
     *,
+    select: str | None = None,
     is_strict: bool = False,
     is_verbose: bool = False,
 ) -> None:
     """Do `check_file` for each file, also after one that is rejected.
 
-    limits: as `do_apart` takes them. show: takes what is described. is_strict: a warning rejects a
-    file too. is_verbose: name each run. Raises UserError with all that is wrong with any file.
+    limits: as `do_apart` takes them. select: of `-k`, for plans. show: takes what is described.
+    is_strict: a warning rejects a file too. is_verbose: name each run. Raises UserError with all
+    that is wrong with any file.
     """
     mistakes = Mistakes()
     for file in files:
         with mistakes.kept():
             plan = plan_of(file)
+            plan = None if plan is None else selected(plan, select)
             what = (
                 partial(check_file, is_strict=is_strict, is_verbose=is_verbose, plan=plan),
                 file,

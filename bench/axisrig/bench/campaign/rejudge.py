@@ -34,7 +34,7 @@ from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expectation import met
-from axisrig.bench.plan.plan import Plan, default_seed, read_plan
+from axisrig.bench.plan.plan import Plan, default_seed, read_plan, selected
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
@@ -61,6 +61,7 @@ def rejudge(
     folder: Path,
     path: Path,
     *,
+    select: str | None = None,
     assignments: Sequence[str],
     command: Sequence[str],
     started: str,
@@ -68,7 +69,8 @@ def rejudge(
 ) -> Rejudged:
     """Judge the recordings of a results folder by a plan.
 
-    path: of the plan. assignments: texts of `--set` that the recorded runs were made with.
+    path: of the plan. select: of `-k`. assignments: texts of `--set` that the recorded runs were
+    made with.
     Raises UserError when folder, plan or a recording cannot be read, or the plan has no row.
     """
     stored = read_results(folder)
@@ -78,7 +80,8 @@ def rejudge(
             file=folder,
             hint=f"judge {stored.manifest.get(RECORDED_IN, folder / stored.manifest[RECORDINGS])}",
         )
-    plan = read_plan(path).with_inputs([parse_assignment(text) for text in assignments])
+    given = [parse_assignment(text) for text in assignments]
+    plan = selected(read_plan(path).with_inputs(given, select), select)
     if not plan.cases:
         raise UserError("the plan has no row", file=path)
     for run in stored.runs:

@@ -13,6 +13,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Stopwatch
+from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.plan.verdict import Verdict
 
 LINE_EVERY_S = 30.0
@@ -38,13 +39,13 @@ class CampaignProgress:
         console: Console | None = None,
         *,
         statistics: int = 0,
-        shows_all: bool = True,
+        talk: Talk = Talk.ALL,
     ) -> None:
         """Take the number of runs, of rows of statistics, and what gives seconds of wall time.
 
-        shows_all: a line for each run; else for the first run of a case that did not pass only.
+        talk: which runs have a line; in short: the first run of a case that did not pass.
         """
-        self._shows_all, self._failing = shows_all, set[tuple[str, str, Verdict]]()
+        self._talk, self._failing = talk.of(count + statistics), set[tuple[str, str, Verdict]]()
         self._count, self._stopwatch = count + statistics, stopwatch
         self._of = "rows" if statistics else "runs"
         self._began_s = self._said_s = stopwatch()
@@ -89,7 +90,7 @@ class CampaignProgress:
         self._running.pop(run, None)
         self._counts[verdict] += 1
         self._ended.append((run, verdict))
-        if self._shows_all or self._is_first(result):
+        if self._talk is Talk.ALL or (self._talk is Talk.SHORT and self._is_first(result)):
             self._console.print(f"{verdict.glyph} {verdict.word:<12} {run}", soft_wrap=True)
         self._bar.update(self._task, description=self.state)
 

@@ -9,31 +9,27 @@ from rich.table import Table as RichTable
 
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.campaign.shown import duration
+from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.plan.checks import CheckResult
 from axisrig.bench.plan.expectation import NOT_MET
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.bus import BusFigures
 
-FEW = 20
-"""Of so many results at most each one is shown; of more what did not pass, equal ones once."""
 _COLUMNS = ("verdict", "case", "checks", "what did not pass", "alarms")
 _TEXT_MIN = 32
 """Signs that there are at least for what did not pass, beside ids that never break."""
 
 
-def shows_all(count: int, *, is_verbose: bool) -> bool:
-    """Return whether each of so many results is shown."""
-    return is_verbose or count <= FEW
-
-
-def show_verdicts(results: Sequence[CaseResult], *, is_verbose: bool = False) -> None:
+def show_verdicts(results: Sequence[CaseResult], talk: Talk = Talk.SHORT) -> None:
     """Print the verdict table and the causes below it.
 
     Of more than FEW results only what did not pass is in it, and runs of one case that did not
-    pass in the same way are one row, that of the worst one. is_verbose: each one of any number.
+    pass in the same way are one row, that of the worst one. talk: each one of any number, or none.
     """
+    if talk is Talk.NONE:
+        return
     groups = [[result] for result in results]
-    if not shows_all(len(results), is_verbose=is_verbose):
+    if talk.of(len(results)) is Talk.SHORT:
         groups = _grouped(result for result in results if result.verdict > Verdict.MARGINAL)
     shown = [(_worst(group), len(group)) for group in groups]
     if shown:

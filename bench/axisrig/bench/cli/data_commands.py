@@ -36,7 +36,7 @@ def export(
     folder: FolderArgument,
     runs: Annotated[list[str] | None, typer.Argument(metavar="RUN", help="Runs; all.")] = None,
     into: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for the files; DIR/export.")
+        Path | None, typer.Option("-o", "--out", help="Folder for the files; DIR/export.")
     ] = None,
     mf4: Annotated[
         bool, typer.Option("--mf4", help="ASAM MDF 4.10, each signal with its unit.")
@@ -99,7 +99,7 @@ def sources(folder: FolderArgument) -> None:
 @rejecting
 def merge(
     folders: Annotated[list[Path], typer.Argument(metavar="DIR", help="Results folders.")],
-    into: Annotated[Path, typer.Option("-o", "--output", help="Results folder to make.")],
+    into: Annotated[Path, typer.Option("-o", "--out", help="Results folder to make.")],
     is_fresh: FreshOption = False,
 ) -> None:
     """Join the results of the shares of a campaign (`run --shard`)."""
@@ -128,7 +128,7 @@ def diff(
     before: Annotated[Path, typer.Argument(metavar="A", help="Results folder to compare with.")],
     after: Annotated[Path, typer.Argument(metavar="B", help="Results folder to look at.")],
     page: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Write a page with signals, too.")
+        Path | None, typer.Option("-o", "--out", help="Write a page with signals, too.")
     ] = None,
 ) -> None:
     """Compare two results folders; exit code 1 when something got worse."""
@@ -160,7 +160,7 @@ def trend(
         str | None, typer.Option("--case", help="One case, with or without its plan; all.")
     ] = None,
     page: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Write a page with plots, too.")
+        Path | None, typer.Option("-o", "--out", help="Write a page with plots, too.")
     ] = None,
 ) -> None:
     """Follow a metric over campaigns, in the order of the folders."""

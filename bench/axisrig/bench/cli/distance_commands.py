@@ -6,9 +6,12 @@ from typing import Annotated
 import typer
 
 from axisrig.bench.cli.options import SetOption, rejecting
+from axisrig.bench.cli.start import Whole
 
 distance_app = typer.Typer(
-    no_args_is_help=True, help="Distance control: what the manuals leave open, on a real control."
+    cls=Whole,
+    no_args_is_help=True,
+    help="Distance control: what the manuals leave open, on a real control.",
 )
 
 

@@ -8,9 +8,10 @@ import typer
 
 from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import CALL_LIMIT_S, CallTimeoutOption, rejecting
+from axisrig.bench.cli.start import Whole
 from axisrig.kernel.errors import UserError
 
-fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list, build, show, check.")
+fmu_app = typer.Typer(cls=Whole, no_args_is_help=True, help="Plant FMUs: list, build, show, check.")
 
 
 @fmu_app.command("list")

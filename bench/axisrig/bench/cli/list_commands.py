@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 import typer
 
 from axisrig.bench.cli.beside.waiting import waiting
-from axisrig.bench.cli.options import SetOption, rejecting
+from axisrig.bench.cli.options import SelectOption, SetOption, rejecting
 from axisrig.bench.cli.params_command import params
+from axisrig.bench.cli.start import Whole
 
 
 @rejecting
@@ -127,7 +128,7 @@ def doctor(
 
 LISTINGS = (metrics, oracles, drives, faults, objects, params, errors, explain, language, doctor)
 
-plan_app = typer.Typer(no_args_is_help=True, help="Plans as they are meant.")
+plan_app = typer.Typer(cls=Whole, no_args_is_help=True, help="Plans as they are meant.")
 
 
 @plan_app.callback()
@@ -139,15 +140,16 @@ def _group() -> None:
 @rejecting
 def expand(
     plan: Annotated[Path, typer.Argument(help="Plan: CSV, XLSX, ODS or Parquet.")],
+    select: SelectOption = None,
     assignments: SetOption = None,
 ) -> None:
     """Print a plan with a row for each run: defaults, included tables, lists; a plan itself."""
     from axisrig.bench.campaign.checking import check_inputs
     from axisrig.bench.plan.assignment import parse_assignment
     from axisrig.bench.plan.expanded import expanded_text
-    from axisrig.bench.plan.plan import read_plan
+    from axisrig.bench.plan.plan import read_plan, selected
 
     changes = [parse_assignment(text) for text in assignments or []]
-    meant = read_plan(plan).with_inputs(changes)
+    meant = selected(read_plan(plan).with_inputs(changes, select), select)
     check_inputs(meant)
     print(expanded_text(meant), end="")

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TypedDict
 
 import typer
 
@@ -36,6 +36,7 @@ from axisrig.bench.cli.options import (
     ChannelOption,
     EngineOption,
     FailedOption,
+    FirstOption,
     ForceOption,
     FreshOption,
     FullOption,
@@ -44,9 +45,11 @@ from axisrig.bench.cli.options import (
     JobsOption,
     LiveOption,
     LiveTerminalOption,
+    QuietOption,
     ResumeOption,
     SchedulerOption,
     SegmentOption,
+    SelectOption,
     SetOption,
     ShardOption,
     StrictOption,
@@ -66,7 +69,11 @@ from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
+    from axisrig.bench.campaign.campaign import Choice
+    from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.bench.campaign.resuming import GoingOn
     from axisrig.bench.campaign.shown import Watch
+    from axisrig.bench.campaign.talk import Manner, Talk
 
 DEMO = "demo"
 """Tag of the rows that `axisrig demo` runs."""
@@ -122,6 +129,35 @@ def _logs(path: Path | None) -> list[Path]:
     return [] if path is None else [path]
 
 
+class _Call(TypedDict):
+    command: list[str]
+    started: str
+
+
+def _call() -> _Call:
+    """Return what the manifest has of this call."""
+    started = datetime.now(UTC).isoformat(timespec="seconds")
+    return {"command": ["axisrig", *sys.argv[1:]], "started": started}
+
+
+def _going_on(is_resumed: bool, is_failed: bool, is_fresh: bool) -> "GoingOn":
+    from axisrig.bench.campaign.resuming import GoingOn
+
+    return GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
+
+
+def _manner(talk: "Talk", ends_at_first: bool, line: Line) -> "Manner":
+    from axisrig.bench.campaign.talk import Manner
+
+    return Manner(talk, ends_at_first, line.say)
+
+
+def _outside(may_move: bool, *said: Any) -> "Outside":
+    from axisrig.bench.campaign.hardware_runs import Outside
+
+    return Outside(hardware, may_move, to_stderr, *said)
+
+
 def _go_on(context: typer.Context, folder: Path | None, option: str) -> NoReturn:
     """Call `axisrig run` as it was called for a folder, with the options of this call."""
     from axisrig.bench.campaign.resuming import stored_arguments
@@ -134,6 +170,21 @@ def _go_on(context: typer.Context, folder: Path | None, option: str) -> NoReturn
     sys.argv[1:] = ["run", *stored, *given.words]
     app(sys.argv[1:])
     raise typer.Exit
+
+
+def _choice(
+    select: str | None, shard: str | None, engine: str | None, scheduler: str | None
+) -> "Choice":
+    from axisrig.bench.campaign.campaign import Choice
+    from axisrig.bench.campaign.sharing import Shard
+
+    return Choice(select, Shard.of(shard) if shard else None, on_engine(engine, scheduler))
+
+
+def _talk(is_quiet: bool, is_verbose: bool) -> "Talk":
+    from axisrig.bench.campaign.talk import Talk
+
+    return Talk.NONE if is_quiet else Talk.ALL if is_verbose else Talk.SHORT
 
 
 def _watch(line: Line, on_page: bool, in_terminal: bool) -> "Watch":
@@ -157,10 +208,11 @@ def _watch(line: Line, on_page: bool, in_terminal: bool) -> "Watch":
 def run(
     context: typer.Context,
     plans: Annotated[
-        list[Path] | None, typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables.")
+        list[Path] | None,
+        typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables, or folders of them."),
     ] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
-    select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
+    select: SelectOption = None,
     jobs: JobsOption = JOBS_AUTO,
     timeout_s: TimeoutOption = None,
     is_isolated: IsolateOption = False,
@@ -185,51 +237,43 @@ def run(
     is_live: LiveOption = False,
     in_terminal: LiveTerminalOption = False,
     is_strict: StrictOption = False,
+    ends_at_first: FirstOption = False,
+    is_quiet: QuietOption = False,
     is_verbose: VerboseOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
-    Results that the folder has of other runs of the plan stay.
-    With --interface, or a rig that names one, the kernel drives axes outside in real time.
+    Results of other runs of the plan stay in the folder. With --interface, or a rig that names
+    one, the kernel drives axes outside in real time.
     """
     if not plans:
-        from axisrig.bench.campaign.resuming import GoingOn
-
-        asked = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
-        _go_on(context, out, asked.option)
+        _go_on(context, out, _going_on(is_resumed, is_failed, is_fresh).option)
     with waiting(f"reading {', '.join(map(str, plans))}") as line:
         from axisrig.bench.bus.can.logs import log_kinds
-        from axisrig.bench.campaign.campaign import Choice, run_campaign, show_campaign
-        from axisrig.bench.campaign.hardware_runs import Outside
-        from axisrig.bench.campaign.resuming import GoingOn
-        from axisrig.bench.campaign.sharing import Shard
+        from axisrig.bench.campaign.campaign import run_campaign, show_campaign
         from axisrig.reports.build import build_report
 
-        going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
-        said = (may_move, to_stderr, interface, channel, options, bitrate, segment)
         campaign = run_campaign(
             plans,
             out=out,
-            select=Choice(select, Shard.of(shard) if shard else None, on_engine(engine, scheduler)),
+            select=_choice(select, shard, engine, scheduler),
             jobs=None if jobs == JOBS_AUTO else jobs,
             timeout_s=timeout_s,
             assignments=_inputs(assignments, is_forced, as_canopen),
-            command=["axisrig", *sys.argv[1:]],
-            started=datetime.now(UTC).isoformat(timespec="seconds"),
+            **_call(),
             stopwatch=time.perf_counter,
             is_isolated=is_isolated or call_limit_s is not None,
             call_limit_s=call_limit_s or CALL_LIMIT_S,
-            outside=Outside(hardware, *said),
+            outside=_outside(may_move, interface, channel, options, bitrate, segment),
             bus_logs=log_kinds(bus_logs),
             is_fresh=is_fresh,
-            going_on=going_on,
+            going_on=_going_on(is_resumed, is_failed, is_fresh),
             build_report=partial(build_report, is_full=is_full),
             watch=_watch(line, is_live, in_terminal),
-            say=line.say,
-            is_verbose=is_verbose,
+            manner=_manner(talk := _talk(is_quiet, is_verbose), ends_at_first, line),
             warn=partial(_warn, is_strict=is_strict),
         )
-    show_campaign(campaign, is_verbose=is_verbose)
+    show_campaign(campaign, talk)
     raise typer.Exit(campaign.exit_code)
 
 
@@ -247,7 +291,7 @@ def demo(
 ) -> None:
     """Build the FMUs, run some rows of every shipped plan, and say where the report is."""
     with waiting("looking for the models of the library in the cache"):
-        from axisrig.bench.campaign.campaign import plans_in
+        from axisrig.bench.campaign.plan_files import plans_in
 
         build_library()
     if not is_all:
@@ -260,6 +304,7 @@ def demo(
 def judge(
     folder: Annotated[Path, typer.Argument(help="Results folder.")],
     plan: Annotated[Path, typer.Option("--plan", help="Plan with the new checks.")],
+    select: SelectOption = None,
     assignments: SetOption = None,
     is_forced: ForceOption = False,
     as_canopen: AsCanopenOption = False,
@@ -279,12 +324,12 @@ def judge(
         done = rejudge(
             folder,
             plan,
+            select=select,
             assignments=_inputs(assignments, is_forced, as_canopen),
-            command=["axisrig", *sys.argv[1:]],
-            started=datetime.now(UTC).isoformat(timespec="seconds"),
+            **_call(),
             build_report=build_report,
         )
-    show_verdicts(done.results, is_verbose=is_verbose)
+    show_verdicts(done.results, _talk(False, is_verbose))
     show_unjudged(done.left)
     print(done.report, flush=True)
     spent_s = time.perf_counter() - began_s
@@ -324,15 +369,14 @@ def nc(
         raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
-    from axisrig.bench.campaign.hardware_runs import Outside
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.campaign.single import run_outside, run_program
     from axisrig.bench.campaign.worker import say
 
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
-    said = (may_move, to_stderr, interface, channel, options, bitrate, segment)
+    outside = _outside(may_move, interface, channel, options, bitrate, segment)
     is_apart = is_isolated or bool(call_limit_s)
-    alarms = run_outside(Outside(hardware, *said), *inputs, is_apart=is_apart)
+    alarms = run_outside(outside, *inputs, is_apart=is_apart)
     if alarms is None:
         limits = (is_isolated, call_limit_s)
         alarms = do_apart(run_program, *inputs, rigs=[rig], file=program, limits=limits)
@@ -344,7 +388,10 @@ def nc(
 @app.command()
 @rejecting
 def check(
-    files: Annotated[list[Path], typer.Argument(help="Plans, rigs, parameter lists.")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Plans, rigs, parameter lists; folders with plans.")
+    ],
+    select: SelectOption = None,
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     is_forced: ForceOption = False,
@@ -355,11 +402,12 @@ def check(
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
     with waiting(f"checking {', '.join(map(str, files))}"):
         from axisrig.bench.campaign.checking import check_files
+        from axisrig.bench.campaign.plan_files import with_plans_in
 
         inputs = _inputs(None, is_forced, as_canopen)
         limits = (is_isolated, call_limit_s)
         how = partial(check_files, is_strict=is_strict, is_verbose=is_verbose)
-        how(files, inputs, limits, print)
+        how(with_plans_in(files), inputs, limits, print, select=select)
 
 
 @app.command()
@@ -400,7 +448,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     if arguments is None:
         start_lightly()
-        show_waiting()
+        show_waiting(time.monotonic)
     end_on_signals()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

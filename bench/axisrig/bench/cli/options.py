@@ -107,6 +107,16 @@ JobsOption = Annotated[
 FreshOption = Annotated[
     bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
 ]
+SelectOption = Annotated[
+    str | None,
+    typer.Option("-k", metavar="EXPR", help="Only cases that fit: words, and, or, not, brackets."),
+]
+QuietOption = Annotated[
+    bool, typer.Option("-q", "--quiet", help="Print the counts and the path of the report only.")
+]
+FirstOption = Annotated[
+    bool, typer.Option("-x", "--exitfirst", help="End at the first run that does not pass.")
+]
 VerboseOption = Annotated[
     bool, typer.Option("-v", "--verbose", help="Show each run, also of very many.")
 ]

@@ -7,15 +7,18 @@ from typing import Annotated
 import typer
 
 from axisrig.bench.cli.options import SetOption, rejecting
+from axisrig.bench.cli.start import Whole
 
-rig_app = typer.Typer(no_args_is_help=True, help="Rigs from lists, and for other tools.")
+rig_app = typer.Typer(
+    cls=Whole, no_args_is_help=True, help="Rigs from lists, and for other tools."
+)
 
 
 @rig_app.command("from")
 @rejecting
 def from_lists(
     lists: Annotated[list[Path], typer.Argument(metavar="LIST...", help="Axis and channel lists.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="Rig file to write (TOML).")],
+    output: Annotated[Path, typer.Option("-o", "--out", help="Rig file to write (TOML).")],
     eds: Annotated[
         Path | None, typer.Option("--eds", help="EDS or DCF of the drives of all axes.")
     ] = None,
@@ -33,7 +36,7 @@ def from_lists(
 def export(
     rig: Annotated[Path, typer.Argument(help="Rig file (TOML).")],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="File; RIG.ssp here when not said.")
+        Path | None, typer.Option("-o", "--out", help="File; RIG.ssp here when not said.")
     ] = None,
     fmi: Annotated[str, typer.Option("--fmi", help="Version of the FMUs: 2.0 or 3.0.")] = "2.0",
     assignments: SetOption = None,

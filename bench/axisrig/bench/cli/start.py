@@ -4,6 +4,7 @@ import atexit
 import codecs
 import gc
 import os
+import re
 import signal
 import sys
 from typing import Any
@@ -15,8 +16,44 @@ GARBAGE_MIN = 100_000
 """So many new objects before it is looked for garbage among them."""
 
 
+_TYPE = re.compile(r" ?<(?P<name>[^<>]+)>")
+_WORDS = {"path": "PATH", "file": "PATH", "str": "TEXT", "int": "N", "float": "NUMBER"}
+"""Types of options -> what help says for them."""
+
+
+def _in_words(found: re.Match[str]) -> str:
+    """Write the type of an option in words; choices stay, and what is a list is no matter."""
+    inside = found["name"].removeprefix("list[").removesuffix("]").removesuffix(" range")
+    return f" {_WORDS.get(inside.lower(), inside)}"
+
+
+def _plain_context(of: Any) -> Any:
+    """Return a class of contexts whose help has no types of Python."""
+
+    class Formatter(of.formatter_class):  # type: ignore[misc]
+        def write_dl(self, rows: Any, **how: Any) -> None:
+            """Write a list of options or arguments: an argument has its name alone."""
+            plain = [
+                (_TYPE.sub(_in_words if name.startswith("-") else "", name), text)
+                for name, text in rows
+            ]
+            super().write_dl(plain, **how)
+
+    return type("PlainContext", (of,), {"formatter_class": Formatter})
+
+
 class Whole(TyperGroup):
-    """Shows the first sentence of every command whole, where plain help would cut it."""
+    """Shows the first sentence of every command whole, where plain help would cut it.
+
+    Its commands have no types of Python in their help.
+    """
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command, None for another word."""
+        command = super().get_command(ctx, cmd_name)
+        if command is not None and command.context_class is type(command).context_class:
+            command.context_class = _plain_context(command.context_class)
+        return command
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the list of commands."""

@@ -111,7 +111,7 @@ def budget(
         list[Path] | None,
         typer.Option(
             "-o",
-            "--output",
+            "--out",
             help="Write a table (.csv) or a page (.html), or add it to the report of a results"
             " folder.",
         ),

@@ -8,12 +8,15 @@ import typer
 
 from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import SetOption, rejecting
+from axisrig.bench.cli.start import Whole
 from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
     from axisrig.bench.tools.tune.distance import Tuning
 
-tune_app = typer.Typer(no_args_is_help=True, help="Measure a control loop and say what to set.")
+tune_app = typer.Typer(
+    cls=Whole, no_args_is_help=True, help="Measure a control loop and say what to set."
+)
 
 
 @tune_app.callback()

@@ -92,6 +92,21 @@ class Plan:
         return replace(self, columns=columns, cases=cases, statistics=statistics)
 
 
+def selected(plan: Plan, select: str | None, *, may_be_none: bool = False) -> Plan:
+    """Return a plan with the cases that fit `-k`; None: all.
+
+    Raises UserError for an expression that cannot be read, and where nothing fits, unless that may
+    be.
+    """
+    if select is None:
+        return plan
+    cases = chosen(plan.cases, select)
+    if not cases and not may_be_none:
+        hint = f"axisrig check {plan.path} -v lists the cases"
+        raise UserError("no case fits", value=select, hint=hint)
+    return replace(plan, cases=cases)
+
+
 def counted(runs: int, statistics: int) -> str:
     """Say how many runs there are, and how many rows of statistics over several of them."""
     words = f"{runs} run{'s' if runs != 1 else ''}"

@@ -5,7 +5,6 @@ Only the process of the command line shows it; who calls its commands from Pytho
 """
 
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -111,21 +110,22 @@ class _Nobody:
             yield
 
 
-_SHOWN: list[bool] = []
+_clocks: list[Callable[[], float]] = []
+"""Of the process of the command line, which shows its lines; else nothing."""
 
 
-def show_waiting() -> None:
-    """Let the commands of this process show their lines."""
-    _SHOWN.append(True)
+def show_waiting(clock: Callable[[], float]) -> None:
+    """Let the commands of this process show their lines. clock: gives seconds of wall time."""
+    _clocks.append(clock)
 
 
 @contextmanager
 def waiting(text: str) -> Iterator[Line]:
     """Show what is being done while the block lasts; gives what changes the text."""
-    if not _SHOWN:
+    if not _clocks:
         yield _Nobody()
         return
-    line = Waiting(text, time.monotonic, is_terminal=sys.stderr.isatty())
+    line = Waiting(text, _clocks[-1], is_terminal=sys.stderr.isatty())
     from axisrig.fmus.watching import heard  # noqa: PLC0415 - takes long to load
 
     with ExitStack() as open_:

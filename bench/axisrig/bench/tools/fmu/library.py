@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from axisrig.bench.campaign.processes import Died, run_apart
-from axisrig.bench.machine.fmu_files import own_fmu
-from axisrig.bench.rig.reading.file import MODEL_SUFFIX
 from axisrig.fmus import (
     CATALOGUE,
     COMPILERS,
@@ -50,13 +48,15 @@ def build_models(
     both. platforms: words of FMI 3.0 or `all`, by default this one. compiler: cc, zig or omc.
     Raises UserError for an unknown word and when a build fails.
     """
-    if model is not None and model.endswith(MODEL_SUFFIX):
+    if model is not None and model.endswith(".mo"):
         if platforms or compiler or tuple(fmi) != ("3.0",):
             message = "a model of one's own is built as FMI 3.0 for this platform"
             raise UserError(message, value=model, hint="leave out --fmi, --platform, --compiler")
         if not Path(model).is_file():
             hint = near_files(Path(), model)
             raise UserError("there is no such model", file=model, hint=hint)
+        from axisrig.bench.machine.fmu_files import own_fmu  # noqa: PLC0415 - takes long to load
+
         yield Built(Path(model).stem, "3.0", own_fmu(Path(model)))
         return
     names = list(MODELS) if model is None else named(model) or [model]
