@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TypedDict
+from typing import TYPE_CHECKING, Annotated, NoReturn, TypedDict
 
 import typer
 
@@ -57,23 +57,19 @@ from axisrig.bench.cli.options import (
     VerboseOption,
     VersionOption,
     YesOption,
-    on_engine,
     rejecting,
 )
-from axisrig.bench.cli.outside import hardware, to_stderr
+from axisrig.bench.cli.outside import to_stderr
 from axisrig.bench.cli.perf_command import perf
 from axisrig.bench.cli.rig_commands import rig_app
+from axisrig.bench.cli.run_options import choice_of, going_on_of, manner_of, outside_of, talk_of
 from axisrig.bench.cli.start import Whole, end_on_signals, plain_signs, start_lightly
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
-    from axisrig.bench.campaign.campaign import Choice
-    from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.campaign.resuming import GoingOn
     from axisrig.bench.campaign.shown import Watch
-    from axisrig.bench.campaign.talk import Manner, Talk
 
 DEMO = "demo"
 """Tag of the rows that `axisrig demo` runs."""
@@ -140,24 +136,6 @@ def _call() -> _Call:
     return {"command": ["axisrig", *sys.argv[1:]], "started": started}
 
 
-def _going_on(is_resumed: bool, is_failed: bool, is_fresh: bool) -> "GoingOn":
-    from axisrig.bench.campaign.resuming import GoingOn
-
-    return GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
-
-
-def _manner(talk: "Talk", ends_at_first: bool, line: Line) -> "Manner":
-    from axisrig.bench.campaign.talk import Manner
-
-    return Manner(talk, ends_at_first, line.say)
-
-
-def _outside(may_move: bool, *said: Any) -> "Outside":
-    from axisrig.bench.campaign.hardware_runs import Outside
-
-    return Outside(hardware, may_move, to_stderr, *said)
-
-
 def _go_on(context: typer.Context, folder: Path | None, option: str) -> NoReturn:
     """Call `axisrig run` as it was called for a folder, with the options of this call."""
     from axisrig.bench.campaign.resuming import stored_arguments
@@ -170,21 +148,6 @@ def _go_on(context: typer.Context, folder: Path | None, option: str) -> NoReturn
     sys.argv[1:] = ["run", *stored, *given.words]
     app(sys.argv[1:])
     raise typer.Exit
-
-
-def _choice(
-    select: str | None, shard: str | None, engine: str | None, scheduler: str | None
-) -> "Choice":
-    from axisrig.bench.campaign.campaign import Choice
-    from axisrig.bench.campaign.sharing import Shard
-
-    return Choice(select, Shard.of(shard) if shard else None, on_engine(engine, scheduler))
-
-
-def _talk(is_quiet: bool, is_verbose: bool) -> "Talk":
-    from axisrig.bench.campaign.talk import Talk
-
-    return Talk.NONE if is_quiet else Talk.ALL if is_verbose else Talk.SHORT
 
 
 def _watch(line: Line, on_page: bool, in_terminal: bool) -> "Watch":
@@ -247,7 +210,7 @@ def run(
     one, the kernel drives axes outside in real time.
     """
     if not plans:
-        _go_on(context, out, _going_on(is_resumed, is_failed, is_fresh).option)
+        _go_on(context, out, going_on_of(is_resumed, is_failed, is_fresh).option)
     with waiting(f"reading {', '.join(map(str, plans))}") as line:
         from axisrig.bench.bus.can.logs import log_kinds
         from axisrig.bench.campaign.campaign import run_campaign, show_campaign
@@ -256,7 +219,7 @@ def run(
         campaign = run_campaign(
             plans,
             out=out,
-            select=_choice(select, shard, engine, scheduler),
+            select=choice_of(select, shard, engine, scheduler),
             jobs=None if jobs == JOBS_AUTO else jobs,
             timeout_s=timeout_s,
             assignments=_inputs(assignments, is_forced, as_canopen),
@@ -264,13 +227,13 @@ def run(
             stopwatch=time.perf_counter,
             is_isolated=is_isolated or call_limit_s is not None,
             call_limit_s=call_limit_s or CALL_LIMIT_S,
-            outside=_outside(may_move, interface, channel, options, bitrate, segment),
+            outside=outside_of(may_move, interface, channel, options, bitrate, segment),
             bus_logs=log_kinds(bus_logs),
             is_fresh=is_fresh,
-            going_on=_going_on(is_resumed, is_failed, is_fresh),
+            going_on=going_on_of(is_resumed, is_failed, is_fresh),
             build_report=partial(build_report, is_full=is_full),
             watch=_watch(line, is_live, in_terminal),
-            manner=_manner(talk := _talk(is_quiet, is_verbose), ends_at_first, line),
+            manner=manner_of(talk := talk_of(is_quiet, is_verbose), ends_at_first, line),
             warn=partial(_warn, is_strict=is_strict),
         )
     show_campaign(campaign, talk)
@@ -329,7 +292,7 @@ def judge(
             **_call(),
             build_report=build_report,
         )
-    show_verdicts(done.results, _talk(False, is_verbose))
+    show_verdicts(done.results, talk_of(False, is_verbose))
     show_unjudged(done.left)
     print(done.report, flush=True)
     spent_s = time.perf_counter() - began_s
@@ -374,7 +337,7 @@ def nc(
     from axisrig.bench.campaign.worker import say
 
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
-    outside = _outside(may_move, interface, channel, options, bitrate, segment)
+    outside = outside_of(may_move, interface, channel, options, bitrate, segment)
     is_apart = is_isolated or bool(call_limit_s)
     alarms = run_outside(outside, *inputs, is_apart=is_apart)
     if alarms is None:
