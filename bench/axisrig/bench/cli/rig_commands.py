@@ -9,9 +9,7 @@ import typer
 from axisrig.bench.cli.options import SetOption, rejecting
 from axisrig.bench.cli.start import Whole
 
-rig_app = typer.Typer(
-    cls=Whole, no_args_is_help=True, help="Rigs from lists, and for other tools."
-)
+rig_app = typer.Typer(cls=Whole, no_args_is_help=True, help="Rigs from lists, and for other tools.")
 
 
 @rig_app.command("from")
