@@ -363,6 +363,33 @@ def test_the_filter_begins_with_the_first_value(make_loop: Make) -> None:
     assert loop.control.filtered_mm == 0.4
 
 
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("kind", ["MOVING_AVERAGE", "EXPO_MEAN", "LOWPASS"])
+def test_another_mode_begins_its_filter_with_its_own_first_value(
+    make_loop: Make, kind: str, first: int
+) -> None:
+    """A dry run moves nothing: what is filtered is what a control without a filter reads.
+
+    SET_POS filters a position, CONST_DIST a distance: a mean of both would be neither. Back in the
+    first mode it is its own value again.
+    """
+    modes = [MODES[first][0], MODES[1 - first][0], MODES[first][0]]
+    loops = [
+        make_loop(lambda k: 0.4 + 0.01 * k, program_mm=2.0, kp=0.1, filter_type=kind, n_cycles=n)
+        for n in (9, 1)
+    ]
+    if kind == "LOWPASS":
+        loops[1] = make_loop(lambda k: 0.4 + 0.01 * k, program_mm=2.0, kp=0.1, n_cycles=1)
+    for loop in loops:
+        started(loop, modes[0])
+    for mode in modes:
+        for loop in loops:
+            loop.say(mode, dry_run=True).run(1)
+        assert loops[0].control.filtered_mm == loops[1].control.filtered_mm
+        for loop in loops:
+            loop.run(20)
+
+
 def test_the_filter_goes_on_in_freeze(make_loop: Make) -> None:
     loop = started(make_loop(lambda k: 0.001 * k, n_cycles=5, kp=0.1)).run(20)
     loop.say(Command.FREEZE).run(20).say(Command.ON).run(1)

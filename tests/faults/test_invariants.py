@@ -72,6 +72,7 @@ def left(
     control: Sequence[str] = (),
     hidden: Sequence[str] = (),
     axis: str = "Z",
+    channel_lists: Mapping[str, Any] | None = None,
     **facts: Any,
 ) -> Left:
     times_ns = np.arange(len(set_mm)) * MS
@@ -90,6 +91,9 @@ def left(
         DistanceChange(n, name, "NC", "gap", False, CONTROLLER) for n, name in enumerate(control)
     )
     distance = {axis: DistanceRecord(changes=changes)} if control else {}
+    if channel_lists is not None:
+        facts["distance_3d"] = DistanceRecord(changes=())
+        facts["channel"] = {f"dist_ctrl[0].{name}": it for name, it in channel_lists.items()}
     whole = {
         "timing": Timing(MS, 600_000, 0), "sim_ns": len(set_mm) * MS, "start_ns": 0,
         "end_ns": len(set_mm) * MS, "frame_log_sha256": "", "axes": {axis: record},
@@ -133,14 +137,18 @@ def stopped(
     dead: int = 2,
     lists: Mapping[str, Any] | None = None,
     beside: Mapping[str, Any] | None = None,
+    beside_mm: Sequence[float] | None = None,
 ) -> Left:
-    """Z brakes after an alarm at row 30; lists: added to its own. beside: of an X like it."""
+    """Z brakes after an alarm at row 30; lists: added to its own.
+
+    beside: of an X like it, with set positions of its own or the same.
+    """
     course = braked(a_mm_s2, dead)
     made = left(
         "gantry",
         course,
         {**BRAKES, **(lists or {})},
-        columns={} if beside is None else {"X.set_mm": course},
+        columns={} if beside is None else {"X.set_mm": beside_mm or course},
         alarms=(alarm(30),),
     )
     if beside is None:
@@ -292,6 +300,16 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
         stopped(950.0, beside={"getriebe[0].lslope_profil.d_stufe_1": 1000}),
     ),
     (
+        "stop",  # the axis that stops last counts, wherever it is in the rig
+        stopped(2000.0, beside={}, beside_mm=braked(4000.0)),
+        stopped(1850.0, beside={}, beside_mm=braked(4000.0)),
+    ),
+    (
+        "stop",
+        stopped(4000.0, beside={}, beside_mm=braked(2000.0)),
+        stopped(4000.0, beside={}, beside_mm=braked(1850.0)),
+    ),
+    (
         "stop",  # the first that ends the program counts, not a warning before it
         left(set_mm=braked(2000.0), lists=BRAKES, alarms=(alarm(10, ends=False), alarm(30))),
         left(set_mm=braked(2000.0), lists=BRAKES, alarms=(alarm(25), alarm(30))),
@@ -308,6 +326,16 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
         "acceleration",  # and takes its speed away, P-AXIS-00415 = 50 mm/s; 4000 and 1000 on top
         held_from(54.9),
         held_from(55.1),
+    ),
+    (
+        "speed",  # of 3D control: its 50 mm/s come on top
+        left(set_mm=ramp(150.0, 4000.0), channel_lists={"v_max": 50_000}),
+        left(set_mm=ramp(150.02, 4000.0), channel_lists={"v_max": 50_000}),
+    ),
+    (
+        "acceleration",
+        left(set_mm=ramp(50.0, 5000.0), channel_lists={"a_max": 1000}),
+        left(set_mm=ramp(50.0, 5100.0), channel_lists={"a_max": 1000}),
     ),
     ("deviation", offset([0.5] * 100), offset([0.501] * 100)),
     ("deviation", offset([-0.5] * 100), offset([-0.501] * 100)),

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -182,3 +183,15 @@ def test_what_was_unpacked_goes_with_the_process(pack: Pack) -> None:
     assert printed[1:] == ["True"]
     assert not Path(printed[0]).exists()
     assert not Path(printed[0]).parent.exists()
+
+
+@pytest.mark.parametrize(("inside", "is_refused"), [(-1, False), (0, False), (1, True)])
+def test_a_description_may_be_as_deep_as_the_limit_and_no_deeper(
+    pack: Pack, inside: int, is_refused: bool
+) -> None:
+    """Elements beside each other are not deeper: only what is open counts."""
+    depth = archive.XML_DEPTH_MAX + inside
+    path = pack(description=b"<a>" + b"<a/>" * 500 + b"<a>" * (depth - 1) + b"</a>" * depth)
+    with pytest.raises(UserError) if is_refused else nullcontext() as found:
+        inspect(path)
+    assert found is None or "is nested too deep" in str(found.value)

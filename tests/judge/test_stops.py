@@ -263,6 +263,19 @@ def test_an_uneven_feed_has_no_closed_form() -> None:
         assert ("not steady" in found.note) is not is_known
 
 
+@pytest.mark.parametrize("share", [0.98, 1.02])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_feed_that_falls_or_rises_before_the_contact_is_not_steady(
+    side: float, share: float
+) -> None:
+    """By 2 % in the last five of the ten rows, up or down, against a stop on either side."""
+    demand, step = DEMAND.copy(), V_MM_S * 1e-3
+    demand[135:141] = DEMAND[140] - (140 - K[135:141]) * step * share
+    demand[:135] += 5 * step * (1.0 - share)
+    columns = {"drive_lag_mm": side * (demand - LOAD)}
+    assert "not steady" in seen(recorded(side, columns=columns), "detection_error_ms").note
+
+
 def test_the_arming_path_makes_the_detection_later() -> None:
     """30 % of the block of 5 mm are gone at 170 ms, 1.9 mm of start distance at 210 ms."""
     far = {DETECT + "start_distance": 19_000}

@@ -1,5 +1,6 @@
 """Kinematic 45: signs pose by pose, its eight ways to one place, and where it is singular."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -187,3 +188,10 @@ def test_an_arm_without_length_is_refused(number: int, message: str) -> None:
     written = {(0, 45, k): 1e4 * value for k, value in enumerate(hd)}
     with pytest.raises(Alarm, match=message):
         build([45], KinematicData(), written, 0.0)
+
+
+@pytest.mark.parametrize("out_mm", [100.0, 0.0, -100.0])
+def test_the_reach_is_how_far_the_stretched_wrist_may_be_from_joint_1(out_mm: float) -> None:
+    """|HD11| out to joint 2, 500 mm of upper arm, a forearm of hypot(600, 50), to either side."""
+    reach_mm = _robot(_with(11, out_mm)).reach_mm
+    assert reach_mm == pytest.approx(abs(out_mm) + 500 + math.hypot(600, 50))

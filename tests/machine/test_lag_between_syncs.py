@@ -21,6 +21,23 @@ def test_peak_of_a_parabola_between_two_rows() -> None:
     assert lag == pytest.approx([0.0, speed * period**2 / 4, speed * period**2 * 3 / 32])
 
 
+@pytest.mark.parametrize("is_before", [True, False])
+def test_an_axis_that_follows_its_demand_exactly_has_no_lag_where_its_speed_changes(
+    is_before: bool,
+) -> None:
+    """At a corner the row has the speed before it or after it: the step is straight all the same.
+
+    One that is behind by 3 um there is so at every tick.
+    """
+    times = np.arange(5) * 1_000_000
+    demand = np.array([0.0, 1.0, 2.0, 5.0, 8.0]) * 1e-3
+    steps = np.diff(demand) / 1e-3
+    speed = np.concatenate([[1.0], steps]) if is_before else np.concatenate([steps, [3.0]])
+    for behind_m in (0.0, 3e-6):
+        lag = largest_lag(times, (demand, demand - behind_m, speed), 250_000)
+        assert lag == pytest.approx([behind_m] * 5, abs=1e-12)
+
+
 def test_a_tick_longer_than_the_period_sees_the_rows_only() -> None:
     times = np.array([0, 1_000_000])
     lag = largest_lag(times, (np.array([1.0, -2.0]), np.zeros(2), np.ones(2)), 1_000_000)

@@ -238,3 +238,24 @@ def test_a_command_gets_to_the_axis_and_its_state_back(
     assert message.values == pytest.approx((1, 1, 300_000, 21_000, 1_000, 0), abs=2)
     notes = [note for note in run.observed.facts.plc if "distance_control" in str(note)]
     assert len(notes) == 1
+
+
+def test_what_a_program_takes_back_before_it_was_handed_over_makes_room_for_the_next() -> None:
+    """The semaphore goes and comes again in two cycles of the PLC before the CNC looks."""
+    wire = Wire()
+
+    def order(set_dist: int) -> Callable[[Any], None]:
+        def command(unit: Any) -> None:
+            unit.enable_w = unit.command_semaphor_rw = True
+            unit.command_w.transition = HLI_DIST_CTRL_ON_CONST_DIST
+            unit.command_w.set_dist = set_dist
+
+        return command
+
+    def take_back(unit: Any) -> None:
+        unit.command_semaphor_rw = False
+
+    wire.plc_cycle(order(10_000)).plc_cycle(take_back).plc_cycle(order(20_000)).cnc_cycle()
+    assert wire.taken == [(DistanceCommand.ON_CONST_DIST, None, 2.0)]
+    wire.plc_cycle(take_back).plc_cycle(order(30_000)).cnc_cycle()
+    assert [mm for _, _, mm in wire.taken] == [2.0, 3.0]

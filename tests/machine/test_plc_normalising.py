@@ -81,3 +81,14 @@ def test_the_tilt_error_of_an_electrode_is_taken_out(factor: float, tilt_deg: fl
 def test_any_tilt_gives_a_number(tilt_deg: float) -> None:
     assert 0 <= shown(0.1, [tilt_deg], normalise="along")[0] <= 1e5
     assert math.isfinite(shown(0.0, [tilt_deg], normalise="electrode")[0])
+
+
+@pytest.mark.parametrize("normalise", ["along", "electrode"])
+def test_the_tilt_is_as_old_as_the_value_and_older_by_its_own_delay(normalise: str) -> None:
+    """A value that is two cycles old goes with the tilt of its cycle, or with one before it."""
+    tilts: list[float | None] = [10.0, 20.0, 30.0, 40.0, 50.0, 60.0]
+    plain = shown(0.1, tilts, normalise=normalise)
+    aged = shown(0.1, tilts, normalise=normalise, delay_cycles=2)
+    assert aged == pytest.approx([*plain[:1] * 2, *plain[:-2]], abs=1e-5)
+    both = shown(0.1, tilts, normalise=normalise, delay_cycles=2, tilt_delay_cycles=1)
+    assert both == pytest.approx([*plain[:1] * 3, *plain[:-3]], abs=1e-5)

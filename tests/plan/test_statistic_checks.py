@@ -232,3 +232,11 @@ def test_a_refusal_names_its_cell(read: Read, header: str, row: str, words: str)
     assert words in refused.value.message
     assert refused.value.line == 2
     assert refused.value.column is not None
+
+
+@pytest.mark.parametrize(
+    ("over", "flags"), [("", (False, False)), ("; last", (True, False)), ("; each", (False, True))]
+)
+def test_last_is_not_each_and_neither_is_all(over: str, flags: tuple[bool, bool]) -> None:
+    check = parsed(f"mean(latch_error_um{over})")
+    assert (check.is_last, check.is_each) == flags

@@ -93,6 +93,15 @@ def test_along_the_tool_the_contour_moves_by_1_8312_and_1_0503_to_the_side() -> 
     assert np.hypot(apart[:, 0], apart[:, 1]) == pytest.approx(1.0503, abs=5e-5)
 
 
+@pytest.mark.parametrize(("mode", "way"), [("ECS", 1.8312), ("MCS", 1.5)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_offset_below_0_moves_the_tool_the_other_way(mode: str, way: float, sign: float) -> None:
+    trace = tilted.trace(mode=mode, has_sensor=False, offset_mm=sign * 1.5)
+    tool = {**tilted.tool(trace, tilted.left(mode)), "sensor": None}
+    assert motion(trace, tool).moved_mm[STEADY] == pytest.approx(sign * way, abs=5e-5)
+    assert moved_mm(trace, tool)[tilted.STEP + 5] == pytest.approx(sign * way, abs=5e-5)
+
+
 def test_along_the_normal_nothing_moves_to_the_side() -> None:
     found = motion(MCS, tilted.tool(MCS, tilted.left("MCS")))
     apart = (found.tcp_mm - found.programmed_mm)[STEADY]

@@ -62,9 +62,17 @@ def late(values: Signal) -> Signal:
 
 
 def trace(
-    a_deg: float = A_DEG, c_deg: float = C_DEG, *, mode: str = "ECS", has_sensor: bool = True
+    a_deg: float = A_DEG,
+    c_deg: float = C_DEG,
+    *,
+    mode: str = "ECS",
+    has_sensor: bool = True,
+    offset_mm: float = OFFSET_MM,
 ) -> pa.Table:
-    """Signals as the recorder writes them. mode: ECS moves along the tool, MCS along Z."""
+    """Signals as the recorder writes them. mode: ECS moves along the tool, MCS along Z.
+
+    offset_mm: while the control is on; a sensor sees a workpiece that has risen by OFFSET_MM.
+    """
     at = np.arange(ROWS, dtype=np.float64)
     share = np.clip((at - KINEMATIC) / (TILTED - KINEMATIC), 0.0, 1.0)
     a, c = share * a_deg, share * c_deg
@@ -72,7 +80,7 @@ def trace(
     tcp[:, 1] = np.clip(at - ON, 0.0, OFF - ON) * 0.05
     u, size = direction(c, a), length_mm(a)
     base = tcp + (LEVER_MM + size)[:, None] * u
-    offset = np.where((at >= STEP) & (at < OFF), OFFSET_MM, 0.0)
+    offset = np.where((at >= STEP) & (at < OFF), offset_mm, 0.0)
     along = u / u[:, 2:] if mode == "ECS" else np.broadcast_to([0.0, 0.0, 1.0], u.shape)
     superposed = offset[:, None] * along
     sent = base + superposed

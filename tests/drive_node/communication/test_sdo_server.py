@@ -53,6 +53,19 @@ def test_expedited_download_of_16_bits(stranger: Make, head: str) -> None:
         assert drive.read(0x1017) == 1000
 
 
+@pytest.mark.parametrize("head", ["22", "23"], ids=["size not said", "size 4"])
+def test_expedited_download_of_32_bits(stranger: Make, head: str) -> None:
+    """Four bytes are the most that fit, with or without their number."""
+    drive = stranger()
+    assert drive.sdo(head + "656000" + "c4090000") == "6065600000000000"
+    assert drive.read(0x6065) == 2500
+
+
+def test_an_object_longer_than_an_expedited_frame_is_not_written_by_one(stranger: Make) -> None:
+    """1008, a name of more than four bytes, cannot be written at all; size not said."""
+    assert stranger().sdo("22081000" + "41424344")[:2] == "80"
+
+
 def test_one_byte_for_a_16_bit_object_is_too_short(stranger: Make) -> None:
     assert aborted(stranger().sdo("2f17100001000000"), 0x06070013)
 

@@ -121,6 +121,19 @@ def test_sine(mode: str, smoothing: Smoothing, frequency_hz: float) -> None:
     assert gain == pytest.approx(sine_gain(loop, kp, frequency_hz, PERIOD_NS), rel=1e-3)
 
 
+@pytest.mark.parametrize("mode", [BOTH, SET_POS])
+@pytest.mark.parametrize("skew", [1, 3])
+def test_sine_of_a_loop_whose_reading_is_older_than_its_position(mode: str, skew: int) -> None:
+    kp, frequency_hz, count = 0.1, 10.0, 3000
+    surface = np.sin(2 * math.pi * frequency_hz * T * np.arange(count))
+    law = Law(mode, Control(kp), PERIOD_NS, smoothing=none())
+    rig = Rig(skew_cycles=skew)
+    course = simulate(law, rig, surface, 5.0, 0.0 if mode == SET_POS else 5.0)
+    gain = math.sqrt(2.0 * float(np.mean((course.gap_mm[-2000:] - 5.0) ** 2)))
+    loop = Loop(mode, 1, none(), skew_cycles=skew)
+    assert gain == pytest.approx(sine_gain(loop, kp, frequency_hz, PERIOD_NS), rel=1e-3)
+
+
 def test_sine_of_a_loop_without_dead_time() -> None:
     loop = Loop(CONST_DIST, 0)
     for frequency_hz in (1.0, 50.0, 499.0):

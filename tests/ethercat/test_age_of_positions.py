@@ -1,0 +1,49 @@
+"""When the control assumes that an actual position was sampled, without a line of slaves."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
+from axisrig.kernel.drives.ethercat.master import NEVER
+
+PERIOD_NS, SHIFT_NS = 1_000_000, 300_000
+
+
+def sampled_ns(taken_ns: int, *, has_clocks: bool = True, **sample_ns: int) -> int:
+    line = SimpleNamespace(
+        name="line", period_ns=PERIOD_NS, shift_ns=SHIFT_NS, has_clocks=has_clocks,
+        sample_ns=sample_ns,
+    )  # fmt: skip
+    master: Any = SimpleNamespace(line=line, taken_ns=taken_ns, falls=[])
+    return EthercatCarrier(master, []).sampled_ns("X")
+
+
+@pytest.mark.parametrize(
+    ("taken_ns", "assumed_ns"),
+    [
+        (5_000_000, 4_300_000),
+        (5_299_999, 4_300_000),
+        (5_300_000, 4_300_000),  # what is sampled as the frame passes is in the next one
+        (5_300_001, 5_300_000),
+        (5_999_999, 5_300_000),
+    ],
+)
+def test_with_sync0_it_is_the_last_one_before_the_frame(taken_ns: int, assumed_ns: int) -> None:
+    assert sampled_ns(taken_ns) == assumed_ns
+
+
+def test_a_drive_that_samples_later_has_the_place_of_its_own_instant() -> None:
+    """125 us after SYNC0; another axis of the line has no part in it."""
+    assert sampled_ns(5_400_000, X=125_000) == 4_425_000
+    assert sampled_ns(5_425_000, X=125_000) == 4_425_000
+    assert sampled_ns(5_426_000, X=125_000) == 5_425_000
+    assert sampled_ns(5_400_000, Z=125_000) == 5_300_000
+
+
+def test_without_clocks_it_is_the_frame_before() -> None:
+    """Outputs and inputs of one frame: what it brings was put there by the one a period ago."""
+    assert sampled_ns(5_400_000, has_clocks=False) == 4_400_000
+    assert sampled_ns(400_000, has_clocks=False) == 0
+    assert sampled_ns(NEVER) == 0
