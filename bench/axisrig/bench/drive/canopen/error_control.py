@@ -27,7 +27,8 @@ class HeartbeatProducer(Owner):
     """Sends the NMT state every 1017 ms.
 
     send(data) sends a message of the error control protocol. before_answer: the first heartbeat
-    after a write of 1017 is sent before SDO answers, otherwise after it.
+    after a write of 1017 is sent before SDO answers, otherwise after it. first_ns: from the boot to
+    the first heartbeat, 0 = the time of 1017.
     """
 
     objects: ClassVar[tuple[int, ...]] = (PRODUCER_TIME,)
@@ -40,15 +41,17 @@ class HeartbeatProducer(Owner):
         state: Callable[[], int],
         *,
         before_answer: bool = False,
+        first_ns: TimeNs = 0,
     ) -> None:
         self._store, self._clock, self._send, self._state = store, clock, send, state
-        self._before_answer = before_answer
+        self._before_answer, self._first_ns = before_answer, first_ns
         self._run = 0  # counts the starts: an event of an older one does nothing
 
-    def boot_up(self) -> None:
-        """Send the boot-up message; it counts as the first heartbeat."""
-        self._send(BOOT_UP)
-        self._start(self._clock.now_ns + self._period_ns)
+    def boot_up(self, *, is_said: bool = True) -> None:
+        """Send the boot-up message, if it is to be said; it counts as the first heartbeat."""
+        if is_said:
+            self._send(BOOT_UP)
+        self._start(self._clock.now_ns + (self._first_ns or self._period_ns))
 
     def stop(self) -> None:
         """Send no more."""

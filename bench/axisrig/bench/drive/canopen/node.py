@@ -83,7 +83,11 @@ class DriveNode(Cia402Node):
             clock,
             table,
             SlaveHabits(
-                profile.sync_loss_periods, profile.sdo_answer_ns, fixed_pdos=profile.fixed_pdos
+                profile.sync_loss_periods,
+                profile.sdo_answer_ns,
+                fixed_pdos=profile.fixed_pdos,
+                boots_quietly=profile.boot_up == "power_on",
+                first_heartbeat_ns=profile.first_heartbeat_ns,
             ),
             servo,
             Needs(

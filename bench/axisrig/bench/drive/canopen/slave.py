@@ -119,12 +119,16 @@ class SlaveHabits:
     sync_loss_periods: so many times 1006 without a SYNC, and it is lost; 0 = never. sdo_answer_ns:
     how long a request of SDO waits to be looked at. beats_first: a write of 1017 is followed by the
     heartbeat before the answer of SDO. fixed_pdos: what its PDOs carry cannot be changed.
+    boots_quietly: no boot-up message after a reset by NMT. first_heartbeat_ns: from the boot to the
+    first heartbeat, 0 = the time of 1017.
     """
 
     sync_loss_periods: int = 0
     sdo_answer_ns: TimeNs = 0
     beats_first: bool = False
     fixed_pdos: bool = False
+    boots_quietly: bool = False
+    first_heartbeat_ns: TimeNs = 0
 
 
 class CanopenSlave:
@@ -150,6 +154,7 @@ class CanopenSlave:
         self._network, self._clock, self._application = network, clock, application
         self._needs, self._habits = needs, habits
         self.serial_number = node_id
+        self._is_new = False  # power has come: the next boot-up message is always sent
         self._subscribed: list[tuple[int, Callable[..., None]]] = []
         self.lss_settings = lss.LssSettings(node_id, node_id)
         store = self.objects = ObjectStore(table, application.image, self._note_change)
@@ -199,7 +204,12 @@ class CanopenSlave:
         emergency = self._application.emergency
         send = self._sender(ERROR_CONTROL_BASE)
         self.heartbeat = HeartbeatProducer(
-            store, clock, send, lambda: self.state, before_answer=self._habits.beats_first
+            store,
+            clock,
+            send,
+            lambda: self.state,
+            before_answer=self._habits.beats_first,
+            first_ns=self._habits.first_heartbeat_ns,
         )
         self._consumer = HeartbeatConsumer(
             store, clock, network, self._node_lost, partial(emergency.clear, LOST_CONNECTION)
@@ -236,6 +246,7 @@ class CanopenSlave:
     def boot(self) -> None:
         """Do what power on does, with the node number and the bit rate that LSS has stored."""
         settings = self.lss_settings
+        self._is_new = True
         self.node_id = settings.node_id = settings.stored_node_id
         self._error_state = ErrorState.ACTIVE
         settings.bit_rate = settings.stored_bit_rate
@@ -280,7 +291,9 @@ class CanopenSlave:
         self._subscribe(NMT_ID, self._on_nmt)
         self._subscribe(SDO_REQUEST_BASE + self.node_id, self._on_sdo)
         self._guarding.start(self.node_id)
-        self.heartbeat.boot_up()
+        is_said = self._is_new or not self._habits.boots_quietly
+        self._is_new = False
+        self.heartbeat.boot_up(is_said=is_said)
         self._consumer.start()
         self._set_state(NmtState.PRE_OPERATIONAL)
 

@@ -60,6 +60,7 @@ def make_parts(
         profile.homing_stop_ms,
         InterpolationTime(image),
         profile.velocity_demand == "held",
+        profile.homing_bit_10,
     )
 
 

@@ -185,7 +185,7 @@ class Servo(VirtualDrive):
 
     def refuses(self, index: int, value: int) -> int | None:
         """Return the abort code of a write that this drive or its state does not allow."""
-        return refusal(index, value, self.modes, self._profile, self.motion, self.state)
+        return refusal(index, value, self.modes, self._profile, self.motion, self.state, self.image)
 
     def connection_lost(self, now_ns: TimeNs, code: int = CONNECTION_LOST) -> None:
         """Act on a lost connection to the master as 6007 says. code: of the fault that 1 makes.

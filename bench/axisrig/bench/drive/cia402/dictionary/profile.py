@@ -64,6 +64,10 @@ class DriveProfile(AxisHabits):
     sync_loss_periods: int = 0
     sdo_answer_ns: TimeNs = 0
     velocity_demand: Literal["interpolated", "held"] = "interpolated"
+    mode_change: Literal["always", "not_halted"] = "always"
+    homing_bit_10: bool = True
+    boot_up: Literal["always", "power_on"] = "always"
+    first_heartbeat_ns: TimeNs = 0
 
     def __post_init__(self) -> None:
         for name in (

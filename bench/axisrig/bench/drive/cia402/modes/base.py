@@ -23,7 +23,8 @@ class Parts:
 
     set_home: makes a place (m) the machine home position. homing_torque: in per mille, with
     which homing presses against a stop; homing_stop_ms: for how long it must be at rest there.
-    holds_velocity: a velocity of csv acts at once, not evenly over a period.
+    holds_velocity: a velocity of csv acts at once, not evenly over a period. homing_bit_10: homing
+    says too that its target is reached.
     """
 
     image: ProcessImage
@@ -40,6 +41,7 @@ class Parts:
     homing_stop_ms: int
     interpolation: InterpolationTime
     holds_velocity: bool
+    homing_bit_10: bool
 
 
 class Mode:

@@ -89,7 +89,8 @@ class Homing(Mode):
 
     def status(self) -> int:
         """Bits 10, 12 and 13."""
-        word = int(Status.TARGET_REACHED) if self._rests else 0
+        is_reached = self._rests and self.parts.homing_bit_10
+        word = int(Status.TARGET_REACHED) if is_reached else 0
         word |= int(Status.HOMING_ATTAINED) if self._attained else 0
         return word | (int(Status.HOMING_ERROR) if self._error else 0)
 
