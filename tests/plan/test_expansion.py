@@ -1,5 +1,7 @@
 """Cells with several values: itertools, numpy and scipy say what they stand for."""
 
+import itertools
+import math
 import re
 from collections.abc import Callable
 from itertools import product
@@ -14,9 +16,11 @@ from scipy.stats import kstest, qmc
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.composition import MeantRow
 from axisrig.bench.plan.expanded import expanded_text
-from axisrig.bench.plan.expansion import RUNS_MAX, draw, parse_cell, variants
+from axisrig.bench.plan.expansion import draw, parse_cell, variants
+from axisrig.bench.plan.pairwise import pairwise
 from axisrig.bench.plan.plan import default_seed, read_plan
 from axisrig.bench.plan.run_ids import RUN_ID
+from axisrig.bench.plan.series import RUNS_MAX
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -340,4 +344,82 @@ def test_the_command_line_sets_what_only_rows_sweep_that_are_not_chosen(
 def test_list_with_semicolons_shows_its_bars(write_plan: PlanWriter) -> None:
     path = write_plan(f"{HEAD},plc:V.E.FEED\na,{ROW},[300; 600.5; -1]\n")
     with pytest.raises(UserError, match=r"bars: \[300 \| 600\.5 \| -1\]"):
+        read_plan(path)
+
+
+@pytest.mark.parametrize(
+    "counts", [[3] * 10, [2, 3], [4, 3, 2, 2, 2], [2] * 15, [3, 1, 2], [7, 2, 5]]
+)
+def test_pairwise_holds_every_pair_of_values_in_few_rows(counts: list[int]) -> None:
+    rows = pairwise(counts)
+    for first, second in itertools.combinations(range(len(counts)), 2):
+        pairs = {(row[first], row[second]) for row in rows}
+        assert pairs == set(itertools.product(range(counts[first]), range(counts[second])))
+    largest = sorted(counts)[-2:]
+    assert math.prod(largest) <= len(rows) <= min(math.prod(counts), 3 * math.prod(largest))
+    assert rows == pairwise(counts)
+
+
+def test_cells_of_pairwise_give_runs_with_each_pair(write_plan: PlanWriter) -> None:
+    columns = {"a": ["1", "2", "3"], "b": ["10", "20", "30"], "c": ["5", "6"]}
+    cells = [f"pairwise({' | '.join(values)})" for values in columns.values()]
+    header = ",".join(f"plant:p.{name}_um" for name in columns)
+    path = write_plan(f"{HEAD},{header},repeats\nx,{ROW},{','.join(cells)},2\n")
+    cases = read_plan(path).cases
+    inputs = [tuple(case.swept.values()) for case in cases[::2]]
+    assert len(cases) == 2 * len(set(inputs)) < 2 * 3 * 3 * 2
+    for (i, one), (j, other) in itertools.combinations(enumerate(columns.values()), 2):
+        assert {(row[i], row[j]) for row in inputs} == set(itertools.product(one, other))
+
+
+def test_pairs_are_one_list_beside_the_others(write_plan: PlanWriter) -> None:
+    header = "plant:p.a_um,plant:p.b_um,plant:p.c_um"
+    cells = 'pairwise(1 | 2),[7 | 8 | 9],"pairwise(boundary(0, 10, 2))"'
+    cases = read_plan(write_plan(f"{HEAD},{header}\nx,{ROW},{cells}\n")).cases
+    found = [tuple(case.swept.values()) for case in cases]
+    wanted = set(itertools.product("12", "789", ["0", "2", "5", "8", "10"]))
+    assert len(found) == len(wanted)
+    assert set(found) == wanted
+
+
+@pytest.mark.parametrize(
+    ("cell", "values"),
+    [
+        ("boundary(300, 3000, 1)", ["300", "301", "1650", "2999", "3000"]),
+        ("boundary(-1, 1, 0.25)", ["-1", "-0.75", "0", "0.75", "1"]),
+        ("boundary(0, 2, 1)", ["0", "1", "2"]),
+    ],
+)
+def test_boundary_values(write_plan: PlanWriter, cell: str, values: list[str]) -> None:
+    cases = read_plan(write_plan(f'{HEAD},plant:p.x_um\na,{ROW},"{cell}"\n')).cases
+    assert [case.inputs["plant:p.x_um"] for case in cases] == values
+
+
+@pytest.mark.parametrize(
+    ("cell", "expand", "message"),
+    [
+        ("boundary(0, 1, 0)", "", "a step above 0 that fits in twice"),
+        ("boundary(0, 1, 0.6)", "", "a step above 0 that fits in twice"),
+        ("boundary(1, 0, 0.1)", "", "a step above 0 that fits in twice"),
+        ("boundary(0, 1)", "", "boundary needs 3 numbers"),
+        ("pairwise(1)", "", "holds several values"),
+        ("pairwise()", "", "holds several values"),
+        ("pairwise(normal(0, 1))", "", "holds several values"),
+        ("pairwise(pairwise(1))", "", "holds several values"),
+        ("pairwise(1 | 1)", "", "twice in the list"),
+        ("pairwise(1 | 2)", "zip", "with pairwise"),
+    ],
+)
+def test_pairs_and_boundaries_that_cannot_be(
+    write_plan: PlanWriter, cell: str, expand: str, message: str
+) -> None:
+    path = write_plan(f'{HEAD},expand,plant:p.x_um\na,{ROW},{expand},"{cell}"\n')
+    with pytest.raises(UserError, match=message):
+        read_plan(path)
+
+
+def test_too_many_pairs_are_refused_before_they_are_looked_for(write_plan: PlanWriter) -> None:
+    cell = "pairwise(1 .. 1000 step 1)"
+    path = write_plan(f"{HEAD},plant:p.x_um,plant:p.y_um\na,{ROW},{cell},{cell}\n")
+    with pytest.raises(UserError, match="1000000 runs are more than 100000"):
         read_plan(path)

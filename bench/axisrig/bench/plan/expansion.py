@@ -3,12 +3,15 @@
     [a | b]                 a list, also as a part of a cell; `[[` writes a bracket
     300 .. 3000 step 300    both ends, decimal
     log(1, 100, 5)          five values with equal ratios, both ends
+    boundary(300, 3000, 1)  ends, the values one step inside them, and the middle: five values
+    pairwise(a | b)         a list; all such cells of the row give runs with each pair of values
     lhs(0.1, 0.5)           Latin hypercube over all such cells of the row, `samples` points
     sobol(0.1, 0.5)         Sobol sequence, likewise
     normal(10, 0.2)         mean and standard deviation; one draw for each run, from its seed
 
 Several in a row are a product, the last column fastest; with `expand` = `zip` the first value of
-each goes with the first of the others. The points of `lhs` and `sobol` are one list of its own.
+each goes with the first of the others. The points of `lhs` and `sobol` are one list of its own, and
+so are the combinations of `pairwise`.
 """
 
 import hashlib
@@ -17,25 +20,30 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Context, Decimal, localcontext
 from itertools import product
 from zlib import crc32
 
 from axisrig.bench.plan.composition import EMPTY, MeantRow
 from axisrig.bench.plan.hints import several_hint
+from axisrig.bench.plan.pairwise import pairwise
 from axisrig.bench.plan.run_ids import UNSAFE
+from axisrig.bench.plan.series import (
+    FORMS,
+    RUNS_MAX,
+    boundary_values,
+    decimals,
+    log_values,
+    number_text,
+    range_values,
+    too_many,
+)
 from axisrig.bench.plan.table import Cell
-
-RUNS_MAX = 100_000
-FORMS = "[a | b], 300 .. 3000 step 300, log(1, 100, 5), lhs(0, 1), sobol(0, 1), normal(0, 1)"
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE_BEGIN = re.compile(rf"\s*{_NUMBER}\s*\.\.(?!\.)")
-_RANGE = re.compile(rf"({_NUMBER})\s*\.\.\s*({_NUMBER})(?:\s+step\s+({_NUMBER}))?")
-_CALL = re.compile(r"(log|lhs|sobol|normal)\s*\((.*)\)", re.DOTALL)
-_ARGUMENTS = {"log": 3, "lhs": 2, "sobol": 2, "normal": 2}
-_DIGITS = 10
-"""Digits of values that are no ends: as many as a cell can show, more than any input needs."""
+_CALL = re.compile(r"(log|boundary|lhs|sobol|normal)\s*\((.*)\)", re.DOTALL)
+_PAIRWISE = re.compile(r"pairwise\s*\((.*)\)", re.DOTALL)
+_ARGUMENTS = {"log": 3, "boundary": 3, "lhs": 2, "sobol": 2, "normal": 2}
 _LABEL_MAX, _LABEL_CUT, _HASH_DIGITS = 60, 40, 8
 
 
@@ -44,12 +52,13 @@ class Pattern:
     """A cell taken apart: texts and the lists between them, or one function of a sample.
 
     parts: texts, and tuples of values; of a range or `log(...)` one tuple. drawn: `lhs`, `sobol`
-    or `normal` with its arguments in place of parts.
+    or `normal` with its arguments in place of parts. is_paired: of `pairwise`, a single list.
     """
 
     cell: Cell
     parts: tuple[str | tuple[str, ...], ...] = ()
     drawn: tuple[str, float, float] | None = None
+    is_paired: bool = False
 
     @property
     def lists(self) -> list[tuple[str, ...]]:
@@ -87,8 +96,10 @@ def parse_cell(cell: Cell, *, is_condition: bool = False) -> Pattern:
     text = cell.text
     if is_condition:
         return Pattern(cell, _lists(cell))
+    if (pairs := _PAIRWISE.fullmatch(text)) is not None:
+        return Pattern(cell, (_paired(cell, pairs[1].strip()),), is_paired=True)
     if _RANGE_BEGIN.match(text):
-        return Pattern(cell, (_decimals(cell, _range),))
+        return Pattern(cell, (decimals(cell, range_values),))
     if (match := _CALL.fullmatch(text)) is not None:
         name, arguments = match[1], [part.strip() for part in match[2].split(",")]
         if len(arguments) != _ARGUMENTS[name] or not all(
@@ -97,8 +108,8 @@ def parse_cell(cell: Cell, *, is_condition: bool = False) -> Pattern:
             raise cell.place.error(
                 f"{name} needs {_ARGUMENTS[name]} numbers", value=text, allowed=FORMS
             )
-        if name == "log":
-            return Pattern(cell, (_decimals(cell, _log, *arguments),))
+        if name in _SERIES:
+            return Pattern(cell, (decimals(cell, _SERIES[name], *arguments),))
         first, second = float(arguments[0]), float(arguments[1])
         if not math.isfinite(first) or not math.isfinite(second):
             raise cell.place.error("the number is too large", value=text)
@@ -148,72 +159,26 @@ def _values(cell: Cell, text: str) -> tuple[str, ...]:
     return values
 
 
-def _decimals(cell: Cell, make: Callable[..., tuple[str, ...]], *arguments: str) -> tuple[str, ...]:
-    try:
-        return make(cell, *arguments)
-    except ArithmeticError as error:  # an exponent that no Decimal has
-        raise cell.place.error("a number is too large or too small", value=cell.text) from error
+_SERIES: Mapping[str, Callable[..., tuple[str, ...]]] = {
+    "log": log_values,
+    "boundary": boundary_values,
+}
 
 
-def _range(cell: Cell) -> tuple[str, ...]:
-    """Give the values of `a .. b step s`, both ends."""
-    match = _RANGE.fullmatch(cell.text)
-    if match is None:
-        raise cell.place.error("the range cannot be read", value=cell.text, allowed=FORMS)
-    if match[3] is None:
-        raise cell.place.error(
-            "a range of values needs a step",
-            value=cell.text,
-            hint=f"{cell.text} step ...; without it it is a condition, which belongs in check:",
+def _paired(cell: Cell, text: str) -> tuple[str, ...]:
+    """Give the values in `pairwise(...)`: a list without its brackets, or what makes one."""
+    inside = Cell(text, cell.place)
+    if "|" in text:
+        return _values(inside, text)
+    pattern = parse_cell(inside)
+    if pattern.is_paired or pattern.drawn or len(pattern.lists) != 1 or len(pattern.parts) != 1:
+        allowed = (
+            "pairwise(a | b), pairwise(300 .. 3000 step 300), pairwise(boundary(300, 3000, 1))"
         )
-    first, last, step = (Decimal(part) for part in match.groups())
-    if step == 0 or (last - first) * step < 0:
         raise cell.place.error(
-            "the step does not lead from the first value to the last", value=cell.text
+            "pairwise(...) holds several values", value=cell.text, allowed=allowed
         )
-    count = (last - first) / step
-    if count != count.to_integral_value():
-        nearest_end = first + step * count.to_integral_value("ROUND_FLOOR")
-        raise cell.place.error(
-            "the range does not end with a whole step",
-            value=cell.text,
-            hint=f"the last step before it ends at {_plain(nearest_end)}",
-        )
-    if count >= RUNS_MAX:
-        raise cell.place.error(_too_many(int(count) + 1), value=cell.text)
-    return tuple(_plain(first + step * number) for number in range(int(count) + 1))
-
-
-def _log(cell: Cell, first: str, last: str, count: str) -> tuple[str, ...]:
-    """Give values with equal ratios, both ends; 10 digits inside."""
-    low, high = Decimal(first), Decimal(last)
-    if low <= 0 or high <= 0 or low == high:
-        raise cell.place.error(
-            "the ends of log(...) are two different numbers above 0", value=cell.text
-        )
-    if not re.fullmatch(r"\d{1,6}", count) or not 2 <= int(count) <= RUNS_MAX:
-        raise cell.place.error(
-            "log(...) needs a whole number of values, 2 or more", value=cell.text
-        )
-    inside = int(count) - 1
-    with localcontext(Context(prec=40)):  # the same digits on every machine
-        ratio = (high.ln() - low.ln()) / inside
-        values = [(low.ln() + ratio * number).exp() for number in range(1, inside)]
-    rounding = Context(prec=_DIGITS)
-    return (_plain(low), *(_plain(rounding.plus(value)) for value in values), _plain(high))
-
-
-def _plain(value: Decimal) -> str:
-    """Write a number without trailing zeros and without an exponent where it is of some size."""
-    if value == 0:
-        return "0"
-    value = value.normalize()
-    return f"{value:f}" if -_DIGITS <= value.adjusted() <= _DIGITS else f"{value}"
-
-
-def number_text(value: float) -> str:
-    """Write a drawn value with ten digits."""
-    return _plain(Context(prec=_DIGITS).create_decimal(value))
+    return pattern.lists[0]
 
 
 def variants(
@@ -238,11 +203,13 @@ def variants(
     listed = {column: pattern for column, pattern in every.items() if pattern.lists}
     lists = [values for pattern in listed.values() for values in pattern.lists]
     if is_zip:
+        _refuse_paired(listed)
         _same_length(listed)
         combinations: Iterator[tuple[str, ...]] = zip(*lists, strict=True) if lists else iter([()])
         count = len(lists[0]) if lists else 1
     else:
-        combinations, count = product(*lists), math.prod(len(values) for values in lists)
+        choices = _choices(listed)
+        combinations, count = _joined(choices), math.prod(map(len, choices))
     if checks.keys() & listed.keys() and not patterns.keys() & listed.keys():
         column = next(c for c in listed if c in checks)
         raise row.cells[column].place.error(
@@ -254,9 +221,53 @@ def variants(
     total = count * len(points) * repeats
     if total > RUNS_MAX:
         place = max(listed or every, key=lambda c: len(every[c].lists), default="case")
-        raise row.cells[place].place.error(_too_many(total), value=row.cells[place].text)
+        raise row.cells[place].place.error(too_many(total), value=row.cells[place].text)
     made = _each(row, every, listed, list(combinations), points, repeats)
     return total, made
+
+
+_Choice = Mapping[int, str]
+"""Values of lists of a row by their numbers."""
+
+
+def _choices(listed: Mapping[str, Pattern]) -> list[list[_Choice]]:
+    """Return what there is to choose from: each list, and those of `pairwise` as one.
+
+    Raises UserError where pairs are too many.
+    """
+    lists = [(p, values) for p in listed.values() for values in p.lists]
+    paired = [number for number, (pattern, _) in enumerate(lists) if pattern.is_paired]
+    counts = [len(lists[number][1]) for number in paired]
+    if math.prod(sorted(counts)[-2:]) > RUNS_MAX:
+        cell = lists[paired[0]][0].cell
+        raise cell.place.error(too_many(math.prod(sorted(counts)[-2:])), value=cell.text)
+    found: list[list[_Choice]] = []
+    for number, (_, values) in enumerate(lists):
+        if number not in paired:
+            found.append([{number: value} for value in values])
+        elif number == paired[0]:
+            rows = pairwise(counts)
+            found.append(
+                [{n: lists[n][1][at] for n, at in zip(paired, row, strict=True)} for row in rows]
+            )
+    return found
+
+
+def _joined(choices: Sequence[Sequence[_Choice]]) -> Iterator[tuple[str, ...]]:
+    """Yield the values of all lists, in their order, for each combination of choices."""
+    for chosen in product(*choices):
+        values = {number: value for choice in chosen for number, value in choice.items()}
+        yield tuple(values[number] for number in sorted(values))
+
+
+def _refuse_paired(listed: Mapping[str, Pattern]) -> None:
+    for pattern in listed.values():
+        if pattern.is_paired:
+            raise pattern.cell.place.error(
+                "with `zip` the first values go together, with pairwise(...) each pair",
+                value=pattern.cell.text,
+                hint="leave `expand` empty, or write a list in brackets",
+            )
 
 
 def _each(
@@ -401,7 +412,3 @@ def draw(column: str, mean: float, deviation: float, seed: int) -> str:
 
     generator = np.random.default_rng([seed, crc32(column.encode())])
     return number_text(mean + deviation * float(generator.standard_normal()))
-
-
-def _too_many(count: int) -> str:
-    return f"{count} runs are more than {RUNS_MAX}"

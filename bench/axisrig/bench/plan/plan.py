@@ -23,13 +23,14 @@ from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.case_statistics import split_statistics
 from axisrig.bench.plan.checks import UNKNOWN_METRIC, Check, parse_check
 from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
-from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
+from axisrig.bench.plan.expansion import Variant, draw, parse_cell, variants
 from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.own_metrics import OwnModule, own_module
 from axisrig.bench.plan.probes import refuse_ids_of_probes, with_search
 from axisrig.bench.plan.run_ids import SIGNS
 from axisrig.bench.plan.searching import HEAD, Search, parse_row_check, parse_search
 from axisrig.bench.plan.select import chosen
+from axisrig.bench.plan.series import RUNS_MAX
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
