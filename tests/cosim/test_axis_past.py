@@ -7,7 +7,8 @@ import pytest
 from axisrig.fmus.build import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import PlantError, load_fmu
 from axisrig.kernel.cosim.fmi.roles import map_roles
-from axisrig.kernel.cosim.plant.axis import HISTORY_NS, HISTORY_STEPS, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import HISTORY_NS, HISTORY_STEPS
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, US
 

@@ -9,7 +9,8 @@ from axisrig.bench.oracles.fixed_stop.pressing import Stop
 from axisrig.fmus import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import load_fmu
 from axisrig.kernel.cosim.fmi.roles import map_roles
-from axisrig.kernel.cosim.plant.axis import STOP_FACE, STOP_FORCE, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import STOP_FACE, STOP_FORCE
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, US
 

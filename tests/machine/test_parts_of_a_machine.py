@@ -18,7 +18,7 @@ from axisrig.bench.rig.plc.axis_words import SetCourse, UnitWrite
 from axisrig.bench.rig.plc.courses import Courses
 from axisrig.bench.rig.printed import BYTES_MAX, cut, lines_in, output_lines
 from axisrig.kernel.channel import ChannelState
-from axisrig.kernel.cosim.plant.axis import MOTOR_VELOCITY
+from axisrig.kernel.cosim.plant.outputs import MOTOR_VELOCITY
 from axisrig.kernel.distance import DistanceCommand
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.unit import DistanceUnit

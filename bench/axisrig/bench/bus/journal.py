@@ -5,7 +5,7 @@ costs them a third of what the same frames cost one by one.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 from axisrig.kernel.time.clock import TimeNs
 
@@ -17,7 +17,7 @@ What a frame is says the carrier of its segment.
 
 BlockReader = Callable[[list[Entry]], None]
 
-BLOCK_FRAMES = 2048
+BLOCK_FRAMES: Final = 2048
 """Half a second of one axis at 1 ms."""
 
 

@@ -9,6 +9,7 @@ noted with block, axis and way.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
+from typing import Final
 
 from axisrig.bench.rig.reading.file import PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
@@ -21,7 +22,7 @@ from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.canon import ArcMove, LinearMove
 from axisrig.kernel.time.clock import TimeNs
 
-RESTING_M_S = 1e-9
+RESTING_M_S: Final = 1e-9
 """Below this speed an axis has no direction."""
 
 

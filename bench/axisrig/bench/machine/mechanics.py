@@ -1,14 +1,16 @@
 """The plants at the end of a cycle: stepped to its SYNC, and at rest after an alarm."""
 
-from axisrig.kernel.cosim.plant.axis import MOTOR_VELOCITY
+from typing import Final
+
+from axisrig.kernel.cosim.plant.outputs import MOTOR_VELOCITY
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
-REST_M_S = 0.1e-3
+REST_M_S: Final = 0.1e-3
 """Below it an axis counts as at rest; the load of a stiff axis creeps slower through friction."""
-REST_NS = 20 * MS
+REST_NS: Final = 20 * MS
 """How long every axis must be that slow."""
-REST_NS_MAX = 500 * MS
+REST_NS_MAX: Final = 500 * MS
 """An axis without a drive may coast or fall; a run does not wait longer for it."""
 
 

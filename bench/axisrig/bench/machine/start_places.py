@@ -3,7 +3,8 @@
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.real_axes import outside_axes
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.cosim.plant.axis import POSITION, STOP_FACE, STOP_FORCE, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import POSITION, STOP_FACE, STOP_FORCE
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.errors import UserError
 

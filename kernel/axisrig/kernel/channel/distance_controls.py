@@ -7,6 +7,7 @@ What the program commands acts from the next cycle's step on.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from typing import Final
 
 from axisrig.kernel.channel.axes import SingleAxes
 from axisrig.kernel.channel.distance.axis import AxisDistance
@@ -34,9 +35,9 @@ from axisrig.kernel.time.clock import TimeNs
 
 NOT_RELEASED, NOT_RELEASED_OLD = 310015, 70336
 STILL_MEASURES = 310005, 70521  # newer and older family
-STILL_ON_AT_END = 70332
-TWO_CONTROLS = 900466
-LEFT = 900560
+STILL_ON_AT_END: Final = 70332
+TWO_CONTROLS: Final = 900466
+LEFT: Final = 900560
 
 COMMANDS: Mapping[str, DistanceCommand] = {
     "on": DistanceCommand.ON,

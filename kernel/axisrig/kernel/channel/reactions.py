@@ -8,6 +8,7 @@ Source: ISG kernel, overview of the error reaction classes (249161867); P-AXIS-0
 
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
+from typing import Final
 
 from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
 from axisrig.kernel.channel.path.execution import Execution
@@ -19,7 +20,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.time.clock import TimeNs
 
-NOT_FOLLOWING = 900029  # braking the set position would not stop this axis
+NOT_FOLLOWING: Final = 900029  # braking the set position would not stop this axis
 
 
 class ReactionClass(IntEnum):

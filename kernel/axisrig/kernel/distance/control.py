@@ -16,6 +16,7 @@ deviation stays when it is compensated (docs/ambiguities.md).
 
 from collections import deque
 from collections.abc import Mapping
+from typing import Final
 
 from axisrig.kernel.distance.controller import Controller
 from axisrig.kernel.distance.filters import Filter, make_filter, memory_cycles
@@ -39,7 +40,7 @@ NO_SET_VALUE: Mapping[DistanceState, tuple[int, ...]] = {
     DistanceState.ACTIVE_CONST_DIST: (900311,),
 }
 # Values that REF looks back on at most: longer than any mean, and than a low-pass above 1 Hz
-STANDING_MAX = 1000
+STANDING_MAX: Final = 1000
 ABSOLUTE_SENSOR, REFERENCED_WHILE_ON = (900312,), (900313,)
 
 

@@ -7,16 +7,16 @@ is run out, speed follows the same braking curve and ends at exactly 0. Sources:
 """
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.kernel.distance.law import StepLimiter
 from axisrig.kernel.distance.settings import DistanceSettings
 from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
-PERMILLE = 1000
+PERMILLE: Final = 1000
 # The braking curve leaves the acceleration room for the rounding of floats
-OF_ACCELERATION = 1 - 1e-9
-NO_ERROR_MM = 1e-9
+OF_ACCELERATION: Final = 1 - 1e-9
+NO_ERROR_MM: Final = 1e-9
 """An error below it is rounding: it has no direction in which a step would have to stop."""
 
 

@@ -1,6 +1,7 @@
 """What distance control watches while it follows its sensor; each raises an alarm of class 7."""
 
 from dataclasses import dataclass
+from typing import Final
 
 from axisrig.kernel.distance.settings import DistanceSettings
 from axisrig.kernel.errors import Alarm
@@ -14,8 +15,8 @@ BELOW = (310020, 70576)
 DEVIATION = (310017, 70331)
 
 # Far below any sensor: two values that should be equal differ by the rounding of floats
-ROUNDING_MM = 1e-9
-UM = 1000
+ROUNDING_MM: Final = 1e-9
+UM: Final = 1000
 
 
 @dataclass(frozen=True)

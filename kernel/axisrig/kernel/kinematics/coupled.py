@@ -13,6 +13,7 @@ kinematics 654250123, 654197003, ISG kernel 654201995; decisions: docs/ambiguiti
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
 from axisrig.kernel.kinematics.robot import ArticulatedRobot
@@ -25,9 +26,9 @@ from axisrig.kernel.kinematics.rotation import (
     turned,
 )
 
-JOINTS = 6
-STEP_MM = 1e-3  # the least step of the search for a place in reach
-HALVINGS = 60
+JOINTS: Final = 6
+STEP_MM: Final = 1e-3  # the least step of the search for a place in reach
+HALVINGS: Final = 60
 
 
 class OnLinearAxes(Kinematic):

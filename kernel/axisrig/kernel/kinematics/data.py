@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import ParameterSet, Value
 from axisrig.kernel.parameters.table import indices_of
 
-STEPS = 2
+STEPS: Final = 2
 Key = tuple[str, tuple[int, ...]]
 
 

@@ -13,11 +13,12 @@ what they leave open: docs/ambiguities.md.
 
 import math
 from collections.abc import Callable
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
 
-TOLERANCE_DEG = 1e-9  # of a tilt that is exactly the largest one
+TOLERANCE_DEG: Final = 1e-9  # of a tilt that is exactly the largest one
 STEPS, HALVINGS = 256, 50  # of the search for the places where the length begins or ends to grow
 
 

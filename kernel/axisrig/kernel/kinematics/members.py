@@ -1,6 +1,7 @@
 """Kinematics 45, 91 and 210 from the parameters of lists and program, with their ranges."""
 
 from collections.abc import Mapping
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics.coupled import OnLinearAxes
@@ -21,12 +22,12 @@ from axisrig.kernel.kinematics.universal import LINEAR, ChainAxis, Universal, un
 
 Written = Mapping[tuple[int, ...], float]
 HEAD, ROBOT, UNIVERSAL, EXTENSION, COUPLING = 9, 45, 91, 98, 210
-PER_MM = 10_000.0  # and per degree
-AXES_MAX = 6
-PER_AXIS = 7  # numbers of an axis in param[] of kinematic 91, after the first seven
-LOCKS = 16
-GROUP_SIZE = 2  # a robot and what it is on
-PARALLEL = 0.999  # cosine of two axes that are no two directions
+PER_MM: Final = 10_000.0  # and per degree
+AXES_MAX: Final = 6
+PER_AXIS: Final = 7  # numbers of an axis in param[] of kinematic 91, after the first seven
+LOCKS: Final = 16
+GROUP_SIZE: Final = 2  # a robot and what it is on
+PARALLEL: Final = 0.999  # cosine of two axes that are no two directions
 
 
 class Parameters:

@@ -14,6 +14,7 @@ docs/ambiguities.md.
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
@@ -31,8 +32,8 @@ from axisrig.kernel.kinematics.rotation import (
     turned,
 )
 
-SHOULDER_MM = 1e-10  # distance of the wrist from the axis of joint 1 below which C1 is free
-REACH_MM = 1e-9
+SHOULDER_MM: Final = 1e-10  # distance of the wrist from the axis of joint 1 below which C1 is free
+REACH_MM: Final = 1e-9
 
 
 class ArticulatedRobot(Kinematic):

@@ -1,13 +1,14 @@
 """Rotations as nine numbers, row after row, and the angles of `#CS`: R = Rz(C) Ry(B) Rx(A)."""
 
 import math
+from typing import Final
 
 from axisrig.kernel.kinematics.kinematic import Vector
 
 Rotation = tuple[float, float, float, float, float, float, float, float, float]
 
 IDENTITY: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-POLE = 1e-12  # sine below which a direction is none
+POLE: Final = 1e-12  # sine below which a direction is none
 
 
 def about_x(angle_deg: float) -> Rotation:

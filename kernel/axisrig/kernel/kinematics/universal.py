@@ -8,13 +8,14 @@ kinematic 278674827, 278739211, 278732555; what they leave open: docs/ambiguitie
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
 from axisrig.kernel.kinematics.rotation import IDENTITY, Rotation, about, product, turned
 
-LINEAR = 3  # so many linear axes, and they come first
-SINGULAR = 1e-9  # volume of the directions of the linear axes
+LINEAR: Final = 3  # so many linear axes, and they come first
+SINGULAR: Final = 1e-9  # volume of the directions of the linear axes
 
 
 class ChainAxis:

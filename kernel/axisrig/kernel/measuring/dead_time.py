@@ -10,13 +10,14 @@ Source: TF5200 axis parameters 117371403 for the way back; its limit is a decisi
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.course import AnySlope
 
-_SAME_SPEED = 1.0 - 1e-6
-_STANDS_MM_S = 1e-6
-_HALVINGS = 60
+_SAME_SPEED: Final = 1.0 - 1e-6
+_STANDS_MM_S: Final = 1e-6
+_HALVINGS: Final = 60
 
 
 @dataclass

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 from math import dist
-from typing import Protocol
+from typing import Final, Protocol
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.detector import StopDetector
@@ -25,8 +25,8 @@ from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.run import Order, RunRecord
 from axisrig.kernel.time.clock import TimeNs
 
-SAME_MM = 1e-9
-MS_PER_NS = 1e-6
+SAME_MM: Final = 1e-9
+MS_PER_NS: Final = 1e-6
 
 
 class StopPort(Protocol):

@@ -8,14 +8,14 @@ Source: docs/ambiguities.md, "When is there no signal?".
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 from axisrig.kernel.time.clock import TimeNs
 
-_STAMP_MASK = 0xFFFF_FFFF
+_STAMP_MASK: Final = 0xFFFF_FFFF
 # Cycles that a drive may take to show a changed latch control word: four times the two to four
 # cycles of known drives (docs/touch-probe.md).
-HANDSHAKE_CYCLES_MAX = 16
+HANDSHAKE_CYCLES_MAX: Final = 16
 
 
 @dataclass(frozen=True)

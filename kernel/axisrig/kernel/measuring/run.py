@@ -19,7 +19,7 @@ It touches the machine through `LatchPort` only, one per measuring axis: the lat
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import Protocol
+from typing import Final, Protocol
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.dead_time import DeadTime
@@ -28,9 +28,9 @@ from axisrig.kernel.measuring.latest_edge import LatestEdge, StatusPort
 from axisrig.kernel.time.clock import TimeNs
 
 # Cycles that the proof of a value may take once the edge is reported and the axes rest
-PROOF_CYCLES_MAX = 16
+PROOF_CYCLES_MAX: Final = 16
 # Cycles that a drive may take to send counter and latch by SDO: some answer after tens of ms
-CHECK_CYCLES_MAX = 200
+CHECK_CYCLES_MAX: Final = 200
 
 
 class LatchPort(StatusPort, Protocol):

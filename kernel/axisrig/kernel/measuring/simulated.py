@@ -17,13 +17,14 @@ tool coordinates; what is latched is the position of the axis.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import copysign, dist
+from typing import Final
 
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 
 POSITION, CYCLES, REST, ALL, FIRST, BODY = 1, 2, 3, 4, 5, 6
 ACTS = (POSITION, CYCLES, REST, ALL, FIRST, BODY)
-SAME_MM = 1e-9
+SAME_MM: Final = 1e-9
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,12 @@ the path is planned anew, with the acceleration or deceleration of the move. So 
 is exceeded, whatever course an override takes. Nothing is planned while nothing changes.
 """
 
+from typing import Final
+
 from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.motion.interpolator import Interpolator
 
-FULL = 1000
+FULL: Final = 1000
 """Override that leaves the feed as it is, in 0.1 %."""
 
 

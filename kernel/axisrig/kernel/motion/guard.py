@@ -6,15 +6,15 @@ jump of something that leads it shows here, before a drive gets it. Source: a de
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.curves import Positions
 from axisrig.kernel.time.clock import S, TimeNs
 
-PASSED = 900500
+PASSED: Final = 900500
 # Rounding of positions of metres, far below an increment
-_ROUNDING_MM = 1e-9
+_ROUNDING_MM: Final = 1e-9
 
 
 class AxisLimits(NamedTuple):

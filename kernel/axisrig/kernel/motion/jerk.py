@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Final
 
 from axisrig.kernel.motion.course import AnySlope, Ramp, State, Weights
 from axisrig.kernel.motion.jerk_profile import JerkProfile, joined
@@ -20,8 +21,8 @@ from axisrig.kernel.motion.stroke import RunUp, Stroke
 
 Ramps = tuple[list[Ramp], list[Ramp]]
 
-_SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
-_SAME_SPEED = 1e-12  # share of a speed that is rounding
+_SAME_MM: Final = 1e-9  # more than rounding leaves of a path, less than anything shows
+_SAME_SPEED: Final = 1e-12  # share of a speed that is rounding
 
 
 @dataclass(frozen=True)

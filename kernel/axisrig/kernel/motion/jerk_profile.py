@@ -1,11 +1,11 @@
 """Path, speed and acceleration over time with a limited jerk, by closed form at any instant."""
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.kernel.motion.course import Course, Ramp, State
 from axisrig.kernel.motion.jerk_ramps import Shape, acceleration, gone, part, way
 
-_ROUNDING_S = 1e-12
+_ROUNDING_S: Final = 1e-12
 
 
 class Phase(NamedTuple):

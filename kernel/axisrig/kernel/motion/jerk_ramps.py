@@ -9,13 +9,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from axisrig.kernel.motion.course import AnySlope, Ramp
 
 Limits = TypeVar("Limits", bound="JerkLimits")
 
-_HALVINGS = 100  # more than the digits of a double
+_HALVINGS: Final = 100  # more than the digits of a double
 
 
 class Shape(StrEnum):

@@ -7,11 +7,11 @@ All formulas are those of uniformly accelerated motion, s = (v1² - v0²) / 2a a
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.kernel.motion.course import AnySlope, Course, State, Weights
 
-_SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
+_SAME_MM: Final = 1e-9  # more than rounding leaves of a path, less than anything shows
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,13 @@
 """The ramp of one axis that stops by itself, off the path."""
 
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.motion.course import AnySlope, Course, State
 from axisrig.kernel.motion.profile import Profile
 from axisrig.kernel.time.clock import S, TimeNs
 
-STANDING_MM_S = 1e-6  # below it is what rounding leaves of standstill
+STANDING_MM_S: Final = 1e-6  # below it is what rounding leaves of standstill
 
 
 class Ramp:

@@ -1,8 +1,10 @@
 """The feed at which a path takes a given time."""
 
+from typing import Final
+
 from axisrig.kernel.motion.course import AnySlope
 
-_HALVINGS = 60  # of the range of speeds: far below the resolution of a double
+_HALVINGS: Final = 60  # of the range of speeds: far below the resolution of a double
 
 
 def speed_for(

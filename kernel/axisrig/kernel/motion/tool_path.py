@@ -7,6 +7,7 @@ of the tool centre point; where that stays, the way of the other coordinates in 
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
@@ -15,19 +16,19 @@ from axisrig.kernel.motion.curves import Arc, Curve, Positions
 from axisrig.kernel.motion.dynamics import Dynamics, each_slope, together, weakest
 
 # So far apart are the places where a path is looked at, in mm or degrees, and at most so many
-STEP = 0.5
+STEP: Final = 0.5
 PLACES_MIN, PLACES_MAX = 32, 1024
 # The places of a turn that is longer are coarser, up to this
-COARSEST = 30.0
+COARSEST: Final = 30.0
 # Derivatives come from differences of places; over one degree of a turn they miss less than this
-MARGIN = 1e-3
+MARGIN: Final = 1e-3
 # A rotary axis that turns by more degrees from one place to the next passes a singular pose
-JUMP_DEG = 45.0
+JUMP_DEG: Final = 45.0
 # A way of the tool centre point that is rounding
-NO_WAY_MM = 1e-9
+NO_WAY_MM: Final = 1e-9
 # A change of direction, over the whole path, that is rounding
-STRAIGHT = 1e-7
-_TCP = 3
+STRAIGHT: Final = 1e-7
+_TCP: Final = 3
 
 
 class ToolCurve:

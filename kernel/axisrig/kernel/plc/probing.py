@@ -9,10 +9,11 @@ reports with done_w that the hardware is ready. Sources: FCT-C4 7.1, 7.2, 7.4, 7
 from collections import deque
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Final
 
 from axisrig.kernel.time.clock import TimeNs
 
-PPM = 1e-6
+PPM: Final = 1e-6
 
 
 class LatchTask(IntEnum):

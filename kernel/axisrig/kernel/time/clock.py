@@ -10,9 +10,9 @@ from typing import Final, Protocol
 
 TimeNs = int
 
-US = 1_000
-MS = 1_000_000
-S = 1_000_000_000
+US: Final = 1_000
+MS: Final = 1_000_000
+S: Final = 1_000_000_000
 
 
 class Phase:

@@ -5,14 +5,15 @@ Source: ISO 11898-1, fault confinement (the same rules as Robert Bosch GmbH, CAN
 """
 
 from enum import StrEnum
+from typing import Final
 
-PASSIVE_FROM = 128
+PASSIVE_FROM: Final = 128
 """From this count on a controller is error passive."""
 
-BUS_OFF_FROM = 256
+BUS_OFF_FROM: Final = 256
 """From this transmit error count on a controller is bus-off."""
 
-REC_AFTER_SUCCESS = 127
+REC_AFTER_SUCCESS: Final = 127
 """Where a received frame sets a receive error count above 127; any of 119..127 is allowed."""
 
 TRANSMIT_STEP, RECEIVE_STEP, PRIMARY_STEP = 8, 1, 8

@@ -1,16 +1,16 @@
 """What may disturb a frame on the wire, and how long that takes."""
 
 from collections.abc import Container
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.bench.bus.can.controller import Controller, Request
 from axisrig.bench.bus.can.faults import FaultAction
 
 FLAG_BITS, SUPERPOSED_FLAG_BITS, DELIMITER_BITS = 6, 12, 8
-SUSPEND_BITS = 8
+SUSPEND_BITS: Final = 8
 """How much longer than the intermission an error passive sender waits."""
 
-AFTER_ACK_BITS = 8
+AFTER_ACK_BITS: Final = 8
 """Acknowledge delimiter and end of frame."""
 
 

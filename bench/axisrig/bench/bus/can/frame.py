@@ -7,21 +7,21 @@ GmbH, CAN Specification 2.0 (1991), part A sections 3.1.1 (frame), 5 (coding) an
 from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from axisrig.kernel.time.clock import TimeNs
 
-IFS_BITS = 3
+IFS_BITS: Final = 3
 """Intermission after every frame; the next frame starts after it."""
 
-TAIL_BITS = 10
+TAIL_BITS: Final = 10
 """Never stuffed: CRC delimiter, acknowledge slot and delimiter, seven bits of end of frame."""
 
 CRC_POLYNOMIAL, CRC_BITS = 0x4599, 15
-STANDARD_ID_MAX = 0x7FF
-EXTENDED_ID_MAX = 0x1FFF_FFFF
-DATA_BYTES_MAX = 8
-KNOWN_FRAMES = 4096
+STANDARD_ID_MAX: Final = 0x7FF
+EXTENDED_ID_MAX: Final = 0x1FFF_FFFF
+DATA_BYTES_MAX: Final = 8
+KNOWN_FRAMES: Final = 4096
 
 _STATES = [(bit, run) for bit in (0, 1) for run in (1, 2, 3, 4)]
 """Last bit on the wire and how often it was there in a row; a fifth is stuffed at once."""

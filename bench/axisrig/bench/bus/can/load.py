@@ -14,7 +14,7 @@ from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.native import native_records
 from axisrig.kernel.time.clock import MS, S, TimeNs
 
-WINDOW_NS = MS
+WINDOW_NS: Final = MS
 """Resolution of the record; longer windows are sums of these."""
 
 SPAN_WINDOWS: Final = 100
@@ -23,7 +23,7 @@ SPAN_WINDOWS: Final = 100
 KEPT_WINDOWS: Final = 2048
 """Windows that are kept one by one, so that a long run needs no more memory than a short one."""
 
-EXTENDED_FLAG = 0x8000_0000
+EXTENDED_FLAG: Final = 0x8000_0000
 """Set on 29-bit identifiers used as keys, as in SocketCAN and BLF."""
 
 

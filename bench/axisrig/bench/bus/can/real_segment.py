@@ -11,6 +11,7 @@ import select
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
+from typing import Final
 
 import can
 
@@ -26,7 +27,7 @@ from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import Phase
 
-SEND_ERRORS_MAX = 20
+SEND_ERRORS_MAX: Final = 20
 """So many frames in a row that the interface did not take, and the bus counts as lost."""
 
 

@@ -6,13 +6,14 @@ frame that made a controller bus-off does not count.
 """
 
 from collections.abc import Callable
+from typing import Final
 
 from axisrig.bench.bus.can.controller import Controller
 from axisrig.kernel.time.clock import Phase, S, TimeNs
 from axisrig.kernel.time.scheduler import Event, Scheduler
 
-OCCURRENCES = 128
-RECESSIVE_BITS = 11
+OCCURRENCES: Final = 128
+RECESSIVE_BITS: Final = 11
 
 
 class Recovery:

@@ -6,13 +6,13 @@ the motion that the plant recorded, not on the samples of a SYNC.
 
 from collections.abc import Callable
 from math import floor
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.bench.drive.axis.habits import AxisHabits
 from axisrig.kernel.time.clock import TimeNs
 
 # The motion is looked at this often; two crossings of one mark within it are not seen
-LOOK_NS = 62_500
+LOOK_NS: Final = 62_500
 
 
 class IndexEdge(NamedTuple):

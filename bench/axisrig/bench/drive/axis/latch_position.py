@@ -1,12 +1,13 @@
 """Which position a drive stores for a latch instant: exact, on a line between samples, sampled."""
 
 from collections.abc import Callable
+from typing import Final
 
 from axisrig.bench.drive.axis.habits import AxisHabits
 from axisrig.kernel.time.clock import TimeNs
 
 PositionAt = Callable[[TimeNs], int]
-_FRACTION_BITS = 16
+_FRACTION_BITS: Final = 16
 
 
 def wrapped(value: int, bits: int = 32) -> int:

@@ -11,7 +11,7 @@ from axisrig.kernel.time.clock import TimeNs
 NEGATIVE, POSITIVE, HOME = "negative", "positive", "home"
 SWITCHES: Final = (NEGATIVE, POSITIVE, HOME)
 """In the order of bits 0 to 2 of the digital inputs 60FD (CiA 402-2)."""
-SEED = 16  # apart from the seeds of the probe inputs
+SEED: Final = 16  # apart from the seeds of the probe inputs
 
 
 class Switches:

@@ -14,9 +14,9 @@ from axisrig.kernel.profiles.canopen.identifiers import NOT_VALID
 from axisrig.kernel.time.clock import US, Clock
 
 ERROR_HISTORY, EMERGENCY_ID, EMERGENCY_INHIBIT = 0x1003, 0x1014, 0x1015
-HISTORY_LENGTH = 8
+HISTORY_LENGTH: Final = 8
 _MESSAGE: Final = struct.Struct("<HBB4x")
-WAITING_MAX = 32  # messages held by inhibit time or NMT state; the oldest goes first
+WAITING_MAX: Final = 32  # messages held by inhibit time or NMT state; the oldest goes first
 
 
 class EmergencyProducer(Owner):

@@ -7,7 +7,7 @@ switches node guarding off.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.drive.axis.timer import Timer
@@ -19,8 +19,8 @@ from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 GUARD_TIME, LIFE_TIME_FACTOR = 0x100C, 0x100D
 CONSUMER_TIME, PRODUCER_TIME = 0x1016, 0x1017
 BOOT_UP = b"\x00"
-NODE_ID_MAX = 127
-TOGGLE = 0x80
+NODE_ID_MAX: Final = 127
+TOGGLE: Final = 0x80
 
 
 class HeartbeatProducer(Owner):

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
 from axisrig.bench.drive.axis.timer import Timer
@@ -28,9 +28,9 @@ from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 from axisrig.kernel.time.clock import Clock, Phase
 
 # Emergency codes of CiA 301
-TOO_SHORT = 0x8210  # PDO not processed: shorter than its mapping
-TOO_LONG = 0x8220  # PDO processed: longer than its mapping
-TIMED_OUT = 0x8250  # RPDO
+TOO_SHORT: Final = 0x8210  # PDO not processed: shorter than its mapping
+TOO_LONG: Final = 0x8220  # PDO processed: longer than its mapping
+TIMED_OUT: Final = 0x8250  # RPDO
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from typing import Final
 from axisrig.kernel.time.clock import MS, Clock, Phase
 
 UNCONFIGURED: Final = 255
-NODE_ID_MAX = 127
+NODE_ID_MAX: Final = 127
 BIT_RATES: Final = {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000,
                     7: 20_000, 8: 10_000}  # fmt: skip
 """Index in the standard table to bit/s; 5 is reserved, 9 (automatic) is not supported."""
-REFUSED = 1  # error code: out of range, not supported
+REFUSED: Final = 1  # error code: out of range, not supported
 
 _SWITCH_GLOBAL, _NODE_ID, _BIT_TIMING, _ACTIVATE, _STORE = 0x04, 0x11, 0x13, 0x15, 0x17
 _SELECT, _SELECTED = range(0x40, 0x44), 0x44

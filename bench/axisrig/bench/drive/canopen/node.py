@@ -6,6 +6,7 @@ What the node does on its bus is `slave.py`, what it does with its object values
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from canopen.objectdictionary import ObjectDictionary
 
@@ -26,7 +27,7 @@ from axisrig.kernel.time.clock import Clock, Phase
 
 CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
 MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
-STORE_EDS = 0x1021
+STORE_EDS: Final = 0x1021
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,11 @@ PARAMETERS: Final = tuple(
 )
 # Sub-indices of a communication parameter
 COB_ID, TRANSMISSION, INHIBIT, EVENT_TIMER, SYNC_START = 1, 2, 3, 5, 6
-SYNC_LAST = 240
+SYNC_LAST: Final = 240
 REMOTE_AT_SYNC, REMOTE, EVENT_FIRST = 252, 253, 254
-BITS_MAX = 64
-SYNC_COUNTER = 0x1019
-INHIBIT_UNIT_NS = 100 * US
+BITS_MAX: Final = 64
+SYNC_COUNTER: Final = 0x1019
+INHIBIT_UNIT_NS: Final = 100 * US
 
 
 @dataclass(slots=True)

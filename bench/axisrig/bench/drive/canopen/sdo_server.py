@@ -25,8 +25,8 @@ from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 TIMEOUT_NS: Final = 1000 * MS  # how long a transfer waits for its client
-EXPEDITED_MAX = 4
-BLOCK_SIZE_MAX = 127
+EXPEDITED_MAX: Final = 4
+BLOCK_SIZE_MAX: Final = 127
 
 _INITIATE: Final = struct.Struct("<BHBI")
 _DOWNLOAD_SEGMENT, _DOWNLOAD, _UPLOAD, _UPLOAD_SEGMENT = 0, 1, 2, 3

@@ -7,14 +7,14 @@ nor bus: it takes the frames of its client and gives the answers.
 import binascii
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.store import BYTES_MAX
 from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
-SEGMENT = 7  # data bytes of a segment
-_TOGGLE = 0x10
+SEGMENT: Final = 7  # data bytes of a segment
+_TOGGLE: Final = 0x10
 
 
 def check_sum(data: bytes) -> int:

@@ -52,9 +52,9 @@ SEGMENT_NS: Final[TimeNs] = 250 * US  # between two segments of a block upload
 SERIAL_NUMBER: Final = (0x1018, 4)
 
 # Emergency codes of CiA 301
-ERROR_PASSIVE = 0x8120
-LOST_CONNECTION = 0x8130  # life guarding or heartbeat
-RECOVERED = 0x8140  # from bus-off
+ERROR_PASSIVE: Final = 0x8120
+LOST_CONNECTION: Final = 0x8130  # life guarding or heartbeat
+RECOVERED: Final = 0x8140  # from bus-off
 _GUARDING, _BUS = "node guarding", "bus"
 
 

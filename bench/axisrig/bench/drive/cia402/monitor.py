@@ -1,6 +1,7 @@
 """What a drive watches while a mode has the axis: following error, or speed in cst."""
 
 import math
+from typing import Final
 
 from axisrig.bench.drive.axis.hold_time import HoldTime
 from axisrig.bench.drive.axis.ports import AxisPort
@@ -10,8 +11,8 @@ from axisrig.bench.drive.cia402.functions.units import U32_MAX
 from axisrig.bench.drive.cia402.modes import Mode
 from axisrig.kernel.time.clock import TimeNs
 
-FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
-OVERSPEED = 0x8400  # emergency code of CiA 402: velocity controller
+FOLLOWING_ERROR: Final = 0x8611  # emergency code of CiA 402
+OVERSPEED: Final = 0x8400  # emergency code of CiA 402: velocity controller
 
 
 class Monitor:

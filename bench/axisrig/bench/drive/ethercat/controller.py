@@ -23,8 +23,12 @@ _COUNTER: Final[int] = WORKING_COUNTER.size
 _ADDRESS: Final = 2
 """Where the address is in the head of a datagram; the events are behind the length."""
 _EVENTS: Final = _HEAD - 2
-_READ, _WRITE = 1, 1
-_POSITION, _STATION, _BROADCAST, _LOGICAL = range(4)
+_READ: Final = 1
+_WRITE: Final = 1
+_STATION: Final = 1
+_BROADCAST: Final = 2
+_LOGICAL: Final = 3
+"""Places in `_KINDS`."""
 _KINDS: Final = ("position", "station", "broadcast", "logical")
 _DISTRIBUTES: Final = (Command.ARMW, Command.FRMW)
 

@@ -16,9 +16,9 @@ _MASK_32: Final = 0xFFFF_FFFF
 AHEAD: Final = 1 << 31
 """Bit of the difference: the local copy is not behind."""
 _AMOUNT_MAX: Final = AHEAD - 1
-_STEP_DIVISOR = 2
-_RATE_DIVISOR = 8
-_SLEW = 10
+_STEP_DIVISOR: Final = 2
+_RATE_DIVISOR: Final = 8
+_SLEW: Final = 10
 _SHORT: Final = 1 << 62
 _SMALL: Final = 1 << 31
 """Below these numbers nothing wraps; short ones take a compiled build a tenth of the time."""
@@ -35,6 +35,7 @@ class DistributedClock:
         self.local = local
         self.offset = self.delay = self.difference = 0
         self.steps = 0
+        self._shift = 0  # the offset with a sign
         self._correction = 0
         self._rate = 0  # parts of 1e9
         self._since_ns: TimeNs = 0
@@ -42,7 +43,7 @@ class DistributedClock:
 
     def reset(self) -> None:
         """Be as after power on; the oscillator goes on."""
-        self.offset = self.delay = self.difference = 0
+        self.offset = self._shift = self.delay = self.difference = 0
         self.forget(0)
         self._correction = 0
         self.steps += 1
@@ -63,7 +64,7 @@ class DistributedClock:
         """Take register 0920: the local copy is local time and this from now on."""
         if offset == self.offset:
             return
-        self.offset = offset
+        self.offset, self._shift = offset, signed(offset, 64)
         self._correction, self._since_ns = 0, now_ns
         self.steps += 1
 
@@ -72,7 +73,7 @@ class DistributedClock:
         moved = self._correction
         if self._rate:
             moved += (time_ns - self._since_ns) * self._rate // S
-        system = self.local.at(time_ns) + self.offset + moved
+        system = self.local.at(time_ns) + self._shift + moved
         return system if 0 <= system < _SHORT else system & MASK_64
 
     def instant_ns(self, system: int, now_ns: TimeNs) -> TimeNs:

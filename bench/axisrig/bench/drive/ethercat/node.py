@@ -45,6 +45,8 @@ from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.ethercat.tables import AlState
 from axisrig.kernel.time.clock import Clock, Phase, S, TimeNs
 
+_SAFEOP: Final = AlState.SAFEOP
+_OP: Final = AlState.OP
 MOVING: Final = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
 OUTPUTS_LOST: Final = 0x8130
 SYNC_LOST: Final = 0x8700
@@ -237,10 +239,10 @@ class EthercatDrive(Cia402Node):
     def _written(self, number: int) -> None:
         if number == MAILBOX_OUT:
             self.mailbox.written()
-        elif number == OUTPUTS and self.states.state in (AlState.SAFEOP, AlState.OP):
+        elif number == OUTPUTS and self.states.state in (_SAFEOP, _OP):
             self._outputs += 1
             self.cycle_clock.outputs_came()
-            if self.states.state is AlState.OP:
+            if self.states.state is _OP:
                 self._feed()
             elif self.states.is_waiting:
                 self._clock.call_at(self._clock.now_ns, Phase.APPLICATION, self._arrive)
@@ -341,7 +343,7 @@ class EthercatDrive(Cia402Node):
         if self.states.is_waiting:
             self._arrive()
         servo.begin(now_ns)  # plant, edges: under the values of the cycle that ends
-        if self.states.state is AlState.OP and self._outputs:
+        if self.states.state is _OP and self._outputs:
             self.process_data.outputs.store(servo.image, self.managers[OUTPUTS].latest)
         servo.cycle(now_ns)
         if self.settings.sample_ns:
@@ -349,7 +351,7 @@ class EthercatDrive(Cia402Node):
         else:
             self._show_inputs()
         limit = self.profile.sync_loss_periods
-        if limit and self.cycle_clock.missing >= limit and self.states.state is AlState.OP:
+        if limit and self.cycle_clock.missing >= limit and self.states.state is _OP:
             self.states.fall(AlState.SAFEOP, "SYNC_ERROR")
 
     def _plan_sample(self, now_ns: TimeNs) -> None:

@@ -39,6 +39,11 @@ WRITABLE: Final = 1 << 22
 """Of a write: a master may write each byte of it."""
 
 
+READS: Final[dict[int, int]] = {}
+WRITES: Final[dict[int, int]] = {}
+"""What accesses have concerned so far, of all slaves, by place and length in one number."""
+
+
 def read_parts(begin: int, end: int) -> int:
     """Return what a read of the registers from `begin` to before `end` concerns."""
     at = addresses()

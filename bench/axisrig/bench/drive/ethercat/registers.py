@@ -28,8 +28,8 @@ _LAST_OF_LINE, _INSIDE_LINE = 0x5611, 0x5A31
 """DL status: link at port 0, and at port 1 where a slave follows."""
 _AL_EVENT: Final = 1 << 3
 _LATCH_EVENT: Final = 1 << 0
-_MASK_32 = 0xFFFF_FFFF
-_COUNT_MAX = 0xFF
+_MASK_32: Final = 0xFFFF_FFFF
+_COUNT_MAX: Final = 0xFF
 _LENGTH_BITS: Final = 12
 
 
@@ -74,9 +74,7 @@ class Registers(Physical):
         self._at = areas.addresses()
         self._system_time = self._at["SYSTEM_TIME"]
         self._event_mask, self._station = self._at["ECAT_EVENT_MASK"], self._at["STATION_ADDRESS"]
-        # What each place and length concerns, by both in one number
-        self._reads: dict[int, int] = {}
-        self._writes: dict[int, int] = {}
+        self._reads, self._writes = areas.READS, areas.WRITES
         self._may_write = bytearray(RAM_START)
         for row in tables.registers().values():
             if row.master == "rw":

@@ -21,7 +21,10 @@ from axisrig.kernel.profiles.ethercat.layouts import (
 )
 
 COUNT: Final = 8
-MAILBOX_OUT, MAILBOX_IN, OUTPUTS, INPUTS = 0, 1, 2, 3
+MAILBOX_OUT: Final = 0
+MAILBOX_IN: Final = 1
+OUTPUTS: Final = 2
+INPUTS: Final = 3
 _STATUS: Final = 5
 _PDI: Final = 7
 

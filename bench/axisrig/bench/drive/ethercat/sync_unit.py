@@ -9,7 +9,9 @@ from axisrig.bench.drive.axis.ports import SignalPort
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock, signed
 from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
-CYCLIC, SYNC0, SYNC1 = 1, 2, 4
+CYCLIC: Final = 1
+SYNC0: Final = 2
+SYNC1: Final = 4
 PENDING_0: Final = 1
 PENDING_1: Final = 2
 OUT_OF_RANGE: Final = 4

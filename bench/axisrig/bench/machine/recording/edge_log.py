@@ -14,7 +14,8 @@ from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.fmi.fmu import PlantError
-from axisrig.kernel.cosim.plant.axis import MOTOR_POSITION, POSITION, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import MOTOR_POSITION, POSITION
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import PlantSignal
 from axisrig.kernel.time.clock import US, TimeNs

@@ -1,10 +1,12 @@
 """The lag of a drive between two rows of the trace."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 Column = NDArray[np.float64]
-_EXACT = 1e-9
+_EXACT: Final = 1e-9
 """Of a speed, at least of 1 mm/s: so far that of a straight step is off by rounding."""
 
 

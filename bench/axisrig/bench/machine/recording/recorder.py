@@ -9,7 +9,7 @@ has sampled at its own SYNC (actual position, drive lag) is of that instant.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -31,13 +31,9 @@ from axisrig.bench.record.series import (
 )
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import (
-    AXIS_OUTPUTS,
-    DEMAND_POSITION,
-    MOTOR_POSITION,
-    PlantAxis,
-)
+from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.distance import TOOL, PlantDistance
+from axisrig.kernel.cosim.plant.outputs import AXIS_OUTPUTS, DEMAND_POSITION, MOTOR_POSITION
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import PlantProbe
 from axisrig.kernel.time.clock import TimeNs
@@ -60,7 +56,7 @@ STOP_ROLES = {
     "stop_force_peak_n": "stop_force",
     "stop_mm": "stop_face",
 }
-NO_STOP_M = 100.0
+NO_STOP_M: Final = 100.0
 """A stop as far away as this means none: no machine has such an axis."""
 # Column -> role that the FMU of a distance sensor must fill for it
 DISTANCE_COLUMNS = {
@@ -79,7 +75,7 @@ TOOL_COLUMNS = (
 
 
 Floats = npt.NDArray[np.float64]
-BLOCK_ROWS = 4096
+BLOCK_ROWS: Final = 4096
 """Rows that are written at once: 4 s of 1 ms cycles."""
 # What a row keeps of an axis with a plant: its motion, the peak of the stop force, the lag that its
 # drive has noted, and how much later than the row its own SYNC was. Motor and demand are of that

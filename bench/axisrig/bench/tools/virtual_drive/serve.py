@@ -37,13 +37,8 @@ from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.bench.tools.virtual_drive.parameters import ParameterFile
 from axisrig.bench.tools.virtual_drive.watch import Watcher
-from axisrig.kernel.cosim.plant.axis import (
-    DEMAND_POSITION,
-    MOTOR_POSITION,
-    POSITION,
-    VELOCITY,
-    PlantAxis,
-)
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import DEMAND_POSITION, MOTOR_POSITION, POSITION, VELOCITY
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import SYNC_ID
 from axisrig.kernel.time.clock import MS, US, Phase, S, TimeNs

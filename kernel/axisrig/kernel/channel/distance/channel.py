@@ -8,7 +8,7 @@ n times the clamping point plus sensor in every mode.
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.kernel.channel.distance.guide import (
     ACS,
@@ -39,7 +39,7 @@ from axisrig.kernel.plc.unit import Refreshed
 from axisrig.kernel.time.clock import S, TimeNs
 
 OWNER = "the channel"
-MODE_CHANGED = 310025
+MODE_CHANGED: Final = 310025
 NO_KINEMATIC, NO_DIRECTION, OTHER_GUIDE, TOO_STEEP, OTHER_LENGTH, UNFIT_TIME = (
     900460,
     900461,
@@ -49,9 +49,9 @@ NO_KINEMATIC, NO_DIRECTION, OTHER_GUIDE, TOO_STEEP, OTHER_LENGTH, UNFIT_TIME = (
     900465,
 )
 # A rate below it is the rounding of a kinematic
-STILL = 1e-7
+STILL: Final = 1e-7
 # Two guides that put an axis this near to each other do the same
-SAME_MM = 1e-6
+SAME_MM: Final = 1e-6
 MACHINE_Z: Vector = (0.0, 0.0, 1.0)
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 

@@ -4,12 +4,14 @@ Lengths and v_max in 0.1 um and 0.1 um/s, a_max in mm/s2, max_dist_change in um 
 proves this for cycles of 1 ms (docs/ambiguities.md).
 """
 
+from typing import Final
+
 from axisrig.kernel.channel.distance.channel import ChannelDistance
 from axisrig.kernel.channel.distance.guide import MODES
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 
-UM = 1000
+UM: Final = 1000
 
 
 def diagnosis(found: ChannelDistance, *, is_awaited: bool) -> tuple[tuple[str, str], ...]:

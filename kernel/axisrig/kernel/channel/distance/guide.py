@@ -13,6 +13,7 @@ those of all axes of the channel, mm and degrees.
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from axisrig.kernel.kinematics import Kinematic, Vector
 
@@ -20,13 +21,13 @@ Positions = tuple[float, ...]
 
 ACS, ECS, MCS = "ACS", "ECS", "MCS"
 MODES = (ACS, ECS, MCS)
-STEEPEST_DEG = 85.0
+STEEPEST_DEG: Final = 85.0
 """Largest angle between tool and normal in ECS: an axis moves there by 11.5 times the offset."""
 LEAST_COSINE = math.cos(math.radians(STEEPEST_DEG))
 # Displacement for a rate: large against the rounding of positions, small against any lever
-PROBE_MM = 1e-3
+PROBE_MM: Final = 1e-3
 # What the way through the kinematic leaves of a position that does not change
-ROUNDING_MM = 1e-9
+ROUNDING_MM: Final = 1e-9
 
 
 class Guide:

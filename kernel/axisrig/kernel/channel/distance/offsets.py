@@ -6,12 +6,13 @@ in turn, so that neither needs the other one.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Final
 
 from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.distance.channel import ChannelDistance
 from axisrig.kernel.errors import Alarm
 
-CONTROL_IS_ON = 900521
+CONTROL_IS_ON: Final = 900521
 
 
 class Offsets:

@@ -1,6 +1,7 @@
 """What the distance control of an axis and that of the channel have of their sensor in common."""
 
 from collections.abc import Mapping
+from typing import Final
 
 from axisrig.kernel.channel.distance.sensor import (
     PERIODS_MAX,
@@ -15,10 +16,10 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS, S, TimeNs
 
 NO_VARIABLE, SOURCE_CHANGED, NO_SECOND_ENCODER = 310027, 310028, 310029
-WITHOUT_AGE = 900315
-PASSED = 900501
-PERMILLE = 1000
-_ROUNDING_MM = 1e-9
+WITHOUT_AGE: Final = 900315
+PASSED: Final = 900501
+PERMILLE: Final = 1000
+_ROUNDING_MM: Final = 1e-9
 
 
 class Sensing:

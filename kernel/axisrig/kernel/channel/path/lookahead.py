@@ -6,11 +6,12 @@ before it has been executed, a programmed stop until the program goes on. Nothin
 
 from collections import deque
 from collections.abc import Callable, Iterator
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc.canon import Command, EndOfProgram, Message, ProgramStop, Wait
 
-DEPTH = 16
+DEPTH: Final = 16
 _CLOSES = (Wait, EndOfProgram, ProgramStop)
 
 

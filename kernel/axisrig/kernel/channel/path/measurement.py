@@ -6,6 +6,7 @@ A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (rest at a stop 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isinf
+from typing import Final
 
 from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.dead_times import BehindMm, RunUp, dead_times, shares_of
@@ -29,7 +30,7 @@ from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.time.clock import Clock
 
-S_PER_MIN = 60.0
+S_PER_MIN: Final = 60.0
 
 
 @dataclass(frozen=True)

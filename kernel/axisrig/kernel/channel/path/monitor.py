@@ -1,6 +1,7 @@
 """What the channel watches in every cycle: buses, connections, drives; and switching them on."""
 
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.drives.carrier import Carrier, Presence
@@ -8,8 +9,8 @@ from axisrig.kernel.drives.interface import Drive, DriveWatch
 from axisrig.kernel.drives.power import Power, PowerOrder
 from axisrig.kernel.errors import Alarm
 
-POWER_UP_CYCLES_MAX = 500
-FAULT_CYCLES_MAX = 50  # long enough for a reset and for a drive that looks once more
+POWER_UP_CYCLES_MAX: Final = 500
+FAULT_CYCLES_MAX: Final = 50  # long enough for a reset and for a drive that looks once more
 
 
 class Monitor:

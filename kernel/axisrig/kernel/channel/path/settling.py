@@ -1,17 +1,18 @@
 """When axes are at rest: at their set positions (exact stop, P-AXIS-00236), or anywhere."""
 
 from collections.abc import Iterable
+from typing import Final
 
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
 from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
-SETTLED_CYCLES = 10
-REST_INCREMENTS = 2  # an encoder at rest flickers by one to either side
-REST_CYCLES = 50  # longer than friction holds an axis that swings about its place
-REST_LIMIT_NS = 5 * S
-STANDSTILL_INCREMENTS = 1  # from one SYNC to the next
+SETTLED_CYCLES: Final = 10
+REST_INCREMENTS: Final = 2  # an encoder at rest flickers by one to either side
+REST_CYCLES: Final = 50  # longer than friction holds an axis that swings about its place
+REST_LIMIT_NS: Final = 5 * S
+STANDSTILL_INCREMENTS: Final = 1  # from one SYNC to the next
 
 
 class Settling:

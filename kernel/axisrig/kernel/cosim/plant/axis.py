@@ -5,6 +5,7 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
 from math import sqrt
+from typing import Final
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
@@ -12,31 +13,30 @@ from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_refe
 from axisrig.kernel.cosim.plant.curves import drop_before, end_slope, hermite, peak, two_before
 from axisrig.kernel.cosim.plant.demand import Control, Ramp, SampledDemand
 from axisrig.kernel.cosim.plant.finite import refusal
+from axisrig.kernel.cosim.plant.outputs import (
+    AXIS_OUTPUTS,
+    DEMAND_POSITION,
+    FORCE,
+    HISTORY_NS,
+    HISTORY_STEPS,
+    MOTOR_POSITION,
+    MOTOR_VELOCITY,
+    POSITION,
+    STOP_FACE,
+    STOP_FORCE,
+    VELOCITY,
+    Tick,
+    tick_of,
+)
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import S, TimeNs
 
-AXIS_OUTPUTS = (
-    *("position", "velocity", "motor_position", "motor_velocity", "demand_position"),
-    *("force", "stop_force", "stop_face"),
-)
-POSITION, VELOCITY = 0, 1  # places in AXIS_OUTPUTS
-MOTOR_POSITION, MOTOR_VELOCITY, DEMAND_POSITION = 2, 3, 4
-FORCE, STOP_FORCE, STOP_FACE = 5, 6, 7
-# Towards a stop, as towards a probe (docs/architecture.md): gain in speed of an axis at most; and
-# the speed of the stop itself
-GAIN_M_S2 = 500.0
-STOP_SPEED_M_S = 1.0
-SLOPE_NS = 250_000
-# Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it. In longer
-# steps that is more, but no SYNC that has been missing for a second is waited for
-HISTORY_STEPS, HISTORY_NS = 4096, 1_000_000_000
-FINE_NS = 50_000
+# Towards a stop (docs/architecture.md): gain in speed of an axis at most; and speed of the stop
+GAIN_M_S2: Final = 500.0
+STOP_SPEED_M_S: Final = 1.0
+SLOPE_NS: Final = 250_000
+FINE_NS: Final = 50_000
 _BY_POSITION = ControlKind.POSITION
-Tick = tuple[float, float, float, float]
-
-
-def _tick(begin: Sequence[float], end: Sequence[float]) -> Tick:
-    return (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
 
 
 class PlantAxis:
@@ -206,7 +206,7 @@ class PlantAxis:
         else:
             self._go_through([end_ns])
         for axis in self._stepped:
-            axis.tick = _tick(axis._begin, axis.motion)
+            axis.tick = tick_of(axis._begin, axis.motion)
 
     def walk(self, ends_ns: Sequence[TimeNs]) -> None:
         """Do `step_to` for each of these instants; `walked` then has the motion at each."""
@@ -223,7 +223,7 @@ class PlantAxis:
         self._go_through(ends_ns)
         for axis in self._stepped:
             axis.walked += axis._kept
-            axis.tick = _tick(axis.walked[-2], axis.walked[-1])
+            axis.tick = tick_of(axis.walked[-2], axis.walked[-1])
 
     def _is_near_stop(self, end_ns: TimeNs) -> bool:
         """Return whether any axis of the FMU has, or can have until `end_ns`, a contact."""

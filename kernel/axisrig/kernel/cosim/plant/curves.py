@@ -3,10 +3,11 @@
 from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.time.clock import TimeNs
 
-SEARCHES = 4
+SEARCHES: Final = 4
 """Steps of Newton's method from a row to a summit beside it; each doubles the digits."""
 
 

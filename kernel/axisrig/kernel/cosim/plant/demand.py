@@ -1,7 +1,7 @@
 """What an axis FMU is given: the demand, the kind of control, the force limits."""
 
 import struct
-from typing import Any
+from typing import Any, Final
 
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
 from axisrig.kernel.cosim.fmi.roles import Roles, Values
@@ -9,7 +9,7 @@ from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import TimeNs
 
 AXIS_INPUTS = ("reference_position", "reference_velocity", "reference_time", "reference_end")
-SAMPLE_NS = 62_500
+SAMPLE_NS: Final = 62_500
 
 
 class Ramp:

@@ -2,12 +2,14 @@
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from axisrig.kernel.cosim.fmi.library import PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
-from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, POSITION, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.edges import Trajectory
+from axisrig.kernel.cosim.plant.outputs import HISTORY_STEPS, POSITION
 from axisrig.kernel.time.clock import S, TimeNs
 
 Reported = tuple[float, float | None, bool, bool]
@@ -26,7 +28,7 @@ def _place(role: str, roles: Sequence[str]) -> int:
     return roles.index(role) if role in roles else -1
 
 
-FOLLOW_NS = 250_000
+FOLLOW_NS: Final = 250_000
 """Longest step of a plant with distance sensors: over it the cubic between the ends of a step
 is within 1 nm of the motion, across an acceleration jump of 1000 mm/s2 (docs/architecture.md)."""
 

@@ -7,19 +7,21 @@ until the instant is enclosed; without saved states the step remains the uncerta
 
 import struct
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
-from axisrig.kernel.cosim.plant.axis import POSITION, VELOCITY, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.curves import hermite
+from axisrig.kernel.cosim.plant.outputs import POSITION, VELOCITY
 from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
 TRAJECTORY_INPUTS = ("start", "rate_start", "end", "rate_end")
 COUNTS = ("rising_count", "falling_count", "contact_count")
 TIMES = ("rising_time", "falling_time", "contact_time")
-ENCLOSED_NS = 1
+ENCLOSED_NS: Final = 1
 
 
 def make_probe(roles: Roles, sources: Mapping[str, PlantAxis]) -> PlantProbe:

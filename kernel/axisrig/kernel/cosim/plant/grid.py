@@ -4,15 +4,15 @@ from collections import deque
 from collections.abc import Callable
 
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import (
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.curves import hermite
+from axisrig.kernel.cosim.plant.outputs import (
     DEMAND_POSITION,
     FORCE,
     MOTOR_POSITION,
     POSITION,
     VELOCITY,
-    PlantAxis,
 )
-from axisrig.kernel.cosim.plant.curves import hermite
 from axisrig.kernel.time.clock import TimeNs
 
 

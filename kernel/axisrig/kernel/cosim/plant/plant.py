@@ -20,14 +20,14 @@ from axisrig.kernel.cosim.plant.probe import PlantProbe
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
 
-DEFAULT_EXCHANGE_NS = 20 * MS
-DEFAULT_FINE_NS = 50 * US
-PARTS = 16
+DEFAULT_EXCHANGE_NS: Final = 20 * MS
+DEFAULT_FINE_NS: Final = 50 * US
+PARTS: Final = 16
 """Into how many parts a step with an edge is divided: 3 us of the default 50."""
-DIVISIONS = 2
+DIVISIONS: Final = 2
 """How often it is divided; the second time only for several edges of one direction, or where a
 velocity is a numeric derivative."""
-SHORTEST_DIVIDED_NS = 1 * US
+SHORTEST_DIVIDED_NS: Final = 1 * US
 # A step that goes further than at its higher end speed; the share is for a motion that swings in it
 _JUMP: Final = 2.0
 _ROUNDING_M: Final = 1e-7

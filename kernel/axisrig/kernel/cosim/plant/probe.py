@@ -8,24 +8,26 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import hypot, sqrt
+from typing import Final
 
 from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError, FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.slave import Exchange
-from axisrig.kernel.cosim.plant.axis import POSITION, VELOCITY, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import POSITION, VELOCITY
 from axisrig.kernel.time.clock import MS, S, TimeNs
 
-SPEED_GAIN_M_S2 = 500.0
+SPEED_GAIN_M_S2: Final = 500.0
 """By how much an axis gains speed at most. Linear motors without load reach 300 m/s2; a stop or a
 collision brakes harder, but only drives speed an axis up."""
 
 
-WORTH = 2
+WORTH: Final = 2
 """How many times longer a step must be able to become, for a probe to be asked for it."""
 SUPPLY = "switched_on"
-SWITCHING_NS = MS
+SWITCHING_NS: Final = MS
 """For how long a probe is followed after it was switched; from then on its clearance decides."""
-FAR_M = 1e3
+FAR_M: Final = 1e3
 """A clearance that needs no better number, also when an FMU reports infinity."""
 
 

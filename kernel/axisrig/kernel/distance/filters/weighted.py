@@ -2,10 +2,11 @@
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Final
 
 # Walk of the distance from cycle to cycle that the Kalman filters expect, one standard deviation
 # (docs/ambiguities.md): the sigma of 1000 and 2000 in FCT-M3 are one and two of it.
-PROCESS_SIGMA_MM = 0.1
+PROCESS_SIGMA_MM: Final = 0.1
 
 
 class WeightedFilter:

@@ -5,6 +5,7 @@ guarding, emergencies. Sources: CiA 301 sections 7.2.7 (EMCY), 7.2.8 (error cont
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.cia402.watch import Cia402Watch
@@ -15,7 +16,7 @@ from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 NMT_STATES = {STOPPED: "stopped", OPERATIONAL: "operational", PRE_OPERATIONAL: "pre-operational"}
 ONE_BYTE = b"\0"  # length of the answer of node guarding: state and toggle bit
-TOGGLE = 0x80
+TOGGLE: Final = 0x80
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ On a segment that has no room for SDO in each cycle there may be room while none
 """
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Final, Protocol
 
 from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError
 
-PROBE_STATUS = 0x60B9
-_SIGN = 1 << 31
-_COUNTER_MASK = 0xFFFF
+PROBE_STATUS: Final = 0x60B9
+_SIGN: Final = 1 << 31
+_COUNTER_MASK: Final = 0xFFFF
 
 
 class Resting(Protocol):

@@ -30,7 +30,8 @@ UNSHOWN_CYCLES_MAX: Final = 4
 TRAVEL_CYCLES: Final = 32
 # Motor encoder and load may differ by backlash and wind-up
 TOLERANCE_MM: Final = 0.1
-_COUNTER_MASK, _COUNTER_HALF = 0xFFFF, 0x8000
+_COUNTER_MASK: Final = 0xFFFF
+_COUNTER_HALF: Final = 0x8000
 
 
 class LatchWatch:

@@ -1,6 +1,7 @@
 """Watches over a drive of CiA 402 while a program runs, whatever carries its words."""
 
 from math import inf
+from typing import Final
 
 from axisrig.kernel.drives.cia402.link import Cia402Drive
 from axisrig.kernel.drives.interface import DriveWatch
@@ -9,7 +10,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 
 # An emergency comes before the status word that explains it: so many cycles are waited for that
-EMERGENCY_CYCLES = 2
+EMERGENCY_CYCLES: Final = 2
 
 
 class Cia402Watch(DriveWatch):

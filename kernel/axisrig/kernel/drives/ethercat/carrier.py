@@ -1,6 +1,7 @@
 """EtherCAT as it carries the cycles of the control: one frame for all drives of a segment."""
 
 from collections.abc import Sequence
+from typing import Final
 
 from axisrig.kernel.drives.carrier import Carrier
 from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_station
@@ -11,7 +12,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.ethercat.tables import AlState, Command, address_of
 from axisrig.kernel.time.clock import TimeNs
 
-STATUS_BYTES = 6  # AL status, two reserved, AL status code
+STATUS_BYTES: Final = 6  # AL status, two reserved, AL status code
 
 
 class EthercatCarrier(Carrier):

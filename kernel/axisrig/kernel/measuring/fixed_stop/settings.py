@@ -1,13 +1,14 @@
 """What the parameter list of an axis says about runs to a fixed stop (FCT-C4 7.3 and 8.2.2)."""
 
 from dataclasses import dataclass
+from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.record import Criteria
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import TimeNs
 
-PER_MILLE = 1000
+PER_MILLE: Final = 1000
 _DETECT = "kenngr.measure.fixed_stop_detect."
 LAG_LIMIT, MIN_TIME = _DETECT + "pos_lag_limit", _DETECT + "min_time"
 START, START_SHARE = _DETECT + "start_distance", _DETECT + "start_distance_per_mille"

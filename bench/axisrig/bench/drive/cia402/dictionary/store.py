@@ -5,13 +5,14 @@ object dictionary and abort codes.
 """
 
 from collections.abc import Callable, Collection, Iterable
+from typing import Final
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
 from axisrig.bench.drive.cia402.dictionary.objects import Key, ObjectRow, ObjectTable
 
-COMMUNICATION_LAST = 0x1FFF
-BYTES_MAX = 1 << 16
+COMMUNICATION_LAST: Final = 0x1FFF
+BYTES_MAX: Final = 1 << 16
 """A DOMAIN or text takes so many bytes."""
 
 

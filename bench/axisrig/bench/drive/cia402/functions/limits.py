@@ -1,16 +1,17 @@
 """Limits of a drive: software position limits, speeds, accelerations, torque."""
 
 import math
+from typing import Final
 
 from axisrig.bench.drive.axis.ports import AxisPort
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.functions.units import U32_MAX, Units
 
-PER_MILLE = 1000
-NO_TORQUE_LIMIT = 0xFFFF  # 6072, 60E0, 60E1: the motor's own limit alone
+PER_MILLE: Final = 1000
+NO_TORQUE_LIMIT: Final = 0xFFFF  # 6072, 60E0, 60E1: the motor's own limit alone
 NEGATIVE_END, POSITIVE_END = 0b01, 0b10  # bits of the limit switches in 60FD
-REACHED = 0.99  # share of a torque limit from which on it counts as reached
+REACHED: Final = 0.99  # share of a torque limit from which on it counts as reached
 
 
 class Limits:

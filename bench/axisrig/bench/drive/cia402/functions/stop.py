@@ -1,5 +1,7 @@
 """Stopping an axis: ramps, braking with the torque limits, and detecting standstill."""
 
+from typing import Final
+
 from axisrig.bench.drive.axis.hold_time import HoldTime
 from axisrig.bench.drive.axis.motion import POSITION, Motion
 from axisrig.bench.drive.axis.ramp import Course, to_velocity
@@ -9,7 +11,7 @@ from axisrig.bench.drive.cia402.functions.states import BY_LIMIT, Reaction
 from axisrig.bench.drive.cia402.functions.units import Units
 from axisrig.kernel.time.clock import S, TimeNs
 
-LONGEST_NS = 1 * S
+LONGEST_NS: Final = 1 * S
 """How long after the end of a ramp an axis may go on moving until its stop counts as done."""
 
 

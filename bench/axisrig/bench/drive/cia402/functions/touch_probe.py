@@ -8,7 +8,7 @@ An edge of the source of a probe latches the position of an encoder. Sources are
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from axisrig.bench.drive.axis.index_pulse import IndexPulse
 from axisrig.bench.drive.axis.input_circuit import InputCircuit
@@ -19,21 +19,22 @@ from axisrig.bench.drive.cia402.dictionary.profile import CLOCK_NS, DriveProfile
 from axisrig.kernel.profiles.cia402.ds402 import ProbeFunction, ProbeStatus
 from axisrig.kernel.time.clock import TimeNs
 
-COUNTER_MASK = 0xFFFF
-STAMP_MASK = 0xFFFF_FFFF
+COUNTER_MASK: Final = 0xFFFF
+STAMP_MASK: Final = 0xFFFF_FFFF
 # Bits of one probe, those of probe 2 shifted down by 8
 _ENABLE = int(ProbeFunction.ENABLE_1)
 _CONTINUOUS = int(ProbeFunction.CONTINUOUS_1)
-_INDEX, _OBJECT = int(ProbeFunction.INDEX_1), int(ProbeFunction.OBJECT_1)
+_INDEX: Final = int(ProbeFunction.INDEX_1)
+_OBJECT: Final = int(ProbeFunction.OBJECT_1)
 _RESERVED = _INDEX | _OBJECT
-_SECOND_ENCODER = 1 << 6
+_SECOND_ENCODER: Final = 1 << 6
 _EDGES = ((True, int(ProbeFunction.POSITIVE_1)), (False, int(ProbeFunction.NEGATIVE_1)))
 _BOTH_EDGES = _EDGES[0][1] | _EDGES[1][1]
 _STORED = {True: int(ProbeStatus.POSITIVE_STORED_1), False: int(ProbeStatus.NEGATIVE_STORED_1)}
 _TOGGLE = {True: 1 << 6, False: 1 << 7}
 _ENABLED = int(ProbeStatus.ENABLED_1)
-_SECOND_PROBE = 0x60BC
-_TRIGGER_SOURCE = 0x60D0
+_SECOND_PROBE: Final = 0x60BC
+_TRIGGER_SOURCE: Final = 0x60D0
 # What 60D0 names: the inputs and the zero pulses; others exist but nothing is wired to them
 INPUTS = (1, 2)
 HARDWARE_INDEX, SOFTWARE_INDEX = 5, 6

@@ -5,6 +5,7 @@ both to the tables.
 """
 
 from functools import cache
+from typing import Final
 
 from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, TRANSITIONS, Command, State
 
@@ -12,7 +13,7 @@ _BY_COMMAND = {
     (row.source, row.event): row for row in TRANSITIONS if isinstance(row.event, Command)
 }
 _AUTOMATIC = {row.source: row for row in TRANSITIONS if row.event == "AUTOMATIC" and row.number}
-_RELEVANT = 0x8F  # the bits of the controlword that any command looks at
+_RELEVANT: Final = 0x8F  # the bits of the controlword that any command looks at
 _RESET = COMMANDS[Command.FAULT_RESET].mask
 
 

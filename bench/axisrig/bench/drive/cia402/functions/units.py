@@ -1,11 +1,12 @@
 """Position units of the bus and SI units, as the drive reckons with its scaling objects."""
 
 from fractions import Fraction
+from typing import Final
 
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 
-U32_MAX = 0xFFFF_FFFF
+U32_MAX: Final = 0xFFFF_FFFF
 
 
 class Units:

@@ -6,7 +6,7 @@ pulse is exact to the increment. Source: CiA 402-2, homing mode.
 """
 
 from enum import Enum, auto
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from axisrig.bench.drive.axis.hold_time import HoldTime
 from axisrig.bench.drive.axis.ramp import to_velocity
@@ -18,9 +18,9 @@ from axisrig.bench.drive.cia402.modes.generator import Generator
 from axisrig.kernel.profiles.cia402.ds402 import Status
 from axisrig.kernel.time.clock import TimeNs
 
-START = 1 << 4  # bit of the controlword
-STALLED = 0.1  # below this share of the demanded speed an axis counts as blocked
-PRESSED = 0.9  # share of the homing torque from which on a stop is felt
+START: Final = 1 << 4  # bit of the controlword
+STALLED: Final = 0.1  # below this share of the demanded speed an axis counts as blocked
+PRESSED: Final = 0.9  # share of the homing torque from which on a stop is felt
 
 
 class Step(Enum):
