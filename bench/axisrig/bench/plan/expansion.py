@@ -123,6 +123,8 @@ def parse_cell(cell: Cell, *, is_condition: bool = False) -> Pattern:
 
 def _lists(cell: Cell) -> tuple[str | tuple[str, ...], ...]:
     """Split a cell into texts and lists."""
+    if "[" not in cell.text:
+        return (cell.text,)
     text, parts, plain, at = cell.text, list[str | tuple[str, ...]](), "", 0
     while at < len(text):
         if text.startswith("[[", at):
