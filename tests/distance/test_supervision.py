@@ -105,3 +105,39 @@ def test_an_absolute_sensor_has_its_zero(make_loop: Callable[..., Any]) -> None:
 def test_the_zero_does_not_move_under_the_control(make_loop: Callable[..., Any]) -> None:
     with pytest.raises(Alarm, match="900313"):
         make_loop().lead_to(State.FREEZE).control.reference(1.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_in_error_nothing_moves_and_the_objects_show_it(
+    make_loop: Callable[..., Any], sign: float
+) -> None:
+    """The offset was on its way when the sensor left its range: no step, and none is asked for."""
+    loop = make_loop(lambda k: sign * (0.01 * k if k < AT else 100.0), kp=0.5)
+    loop.control.set_surface(0.0)
+    loop.say(Command.ON).run(AT)
+    offset_mm = loop.control.offset_mm
+    assert loop.control.step_mm != 0.0 != loop.control.delta_mm
+    with pytest.raises(Alarm):
+        loop.run(1)
+    control = loop.control
+    assert (control.step_mm, control.delta_mm, control.offset_mm) == (0.0, 0.0, offset_mm)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_offset_that_runs_out_goes_on_from_rest_after_a_hold(
+    make_loop: Callable[..., Any], sign: float
+) -> None:
+    """100 mm/s2 change the step by 1e-4 mm in a cycle, also after it was held; at last it is 0."""
+    loop = make_loop(lambda _k: sign, kp=0.5, a_max_mm_s2=100.0, v_max_mm_s=10.0)
+    loop.control.set_surface(0.0)
+    loop.say(Command.ON).run(500).say(Command.OFF).run(30)
+    assert abs(loop.control.step_mm) > 2e-3
+    loop.is_held = True
+    offset_mm = loop.control.offset_mm
+    assert set(loop.run(3).offsets_mm[-3:]) == {offset_mm}
+    loop.is_held = False
+    for cycle in (1, 2, 3):
+        step_mm = abs(loop.run(1).control.step_mm)
+        assert step_mm == pytest.approx(cycle * 1e-4, rel=1e-6)
+    loop.run(2000)
+    assert (loop.control.offset_mm, loop.control.state) == (0.0, State.INACTIVE)

@@ -112,6 +112,19 @@ def test_a_clock_that_jumps_is_led_back_by_a_tenth_of_the_time_at_most() -> None
     assert max(map(abs, errors[50:])) <= 10
 
 
+@pytest.mark.parametrize("jump_us", [700, -700])
+def test_a_clock_that_was_led_back_goes_on_at_its_own_rate(jump_us: int) -> None:
+    """What a step was cut off by says nothing of the rate: a clock that never drifted does not."""
+    line = Line(2, [Link(), Link(75)], settings(0.0, 0.0))
+    set_up(line, (0, 375))
+    run(line, 5)
+    line.drives[1].jump(jump_us * US)
+    assert max(map(abs, run(line, 60)[50:])) <= 10
+    before = error_ns(line, 1)
+    line.wait(S)
+    assert abs(error_ns(line, 1) - before) <= 2000  # 2 ppm
+
+
 def test_a_clock_that_does_not_follow_drifts() -> None:
     line = Line(2, settings=settings(0.0, 100.0))
     set_up(line, (0, 350))

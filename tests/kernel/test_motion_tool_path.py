@@ -56,6 +56,19 @@ def test_an_arc_of_the_tool_has_the_length_of_its_helix() -> None:
     )
 
 
+def test_an_axis_that_comes_back_has_moved() -> None:
+    """A full circle in X Y with the tool as it was: X and Y are where they began."""
+    tool = HEAD.forward(START)
+    centre = (tool[0] - 10.0, *tool[1:])
+    circle = ToolCurve(Arc(tool, tool, centre, (0.0, 1.0, 0.0, 0.0, 0.0), math.tau), HEAD, START)
+    assert circle.end_mm == pytest.approx(START, abs=1e-9)
+    assert {0, 1} <= circle.moved
+    low, high = circle.box_mm()
+    assert [b - a for a, b in zip(low[:2], high[:2], strict=True)] == pytest.approx(
+        [20.0] * 2, rel=0.01
+    )
+
+
 @pytest.mark.parametrize(
     "target", [(130.0, 20.0, 200.0, 110.0, 45.0), (-40.0, 80.0, 150.0, 20, 80)]
 )

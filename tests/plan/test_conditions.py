@@ -193,6 +193,12 @@ def test_alarms_that_do_not_exist_are_refused(text: str) -> None:
         parse_condition(text, "alarms")
 
 
+@pytest.mark.parametrize("text", ["== 050052", "!= 0050052", "contains 00050052", "one of 050052"])
+def test_an_id_may_be_written_with_zeros_before_it(text: str) -> None:
+    """Six digits wide, as controls show it."""
+    assert parse_condition(text, "alarms").text == text
+
+
 def test_every_alarm_of_the_catalogue_can_be_asked_for() -> None:
     for alarm_id in catalogue():
         assert parse_condition(f"== {alarm_id}", "alarms").judge([alarm_id]) == P

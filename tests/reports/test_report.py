@@ -327,6 +327,18 @@ def test_every_bar_has_room(value: float, lower: float | None, upper: float | No
     assert area.holds(lower if lower is not None else upper if upper is not None else 0.0)
 
 
+@pytest.mark.parametrize(
+    ("lower", "upper", "least", "most"), [(None, 2.0, 0.7, 1.0), (2.0, None, 0.3, 0.6)]
+)
+def test_one_limit_leaves_room_on_its_good_side(
+    lower: float | None, upper: float | None, least: float, most: float
+) -> None:
+    """From 0 on: an upper limit is near the right end, above a lower one there is as much again."""
+    area = scale(1.0, 0.01, lower, upper)
+    assert area.low == 0.0
+    assert least < 2.0 / area.high < most
+
+
 def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> None:
     """100 ms long: 60 ms before, 40 ms after; the second one, 1 s later, is cut by the end."""
     ms = 1_000_000

@@ -134,6 +134,21 @@ def test_sine_of_a_loop_whose_reading_is_older_than_its_position(mode: str, skew
     assert gain == pytest.approx(sine_gain(loop, kp, frequency_hz, PERIOD_NS), rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("mode", "filtered_mm", "error_mm"),
+    # The gap is 2 mm, the axis 0.3 mm past its set position: with both encoders the loop keeps
+    # the gap that there would be at the set position
+    [(CONST_DIST, 2.0, 3.0), (BOTH, 1.7, 3.3), (SET_POS, 10.3 - 2.0 - 5.0, 3.3)],
+)
+def test_what_the_model_reads_while_nothing_moves(
+    mode: str, filtered_mm: float, error_mm: float
+) -> None:
+    law = Law(mode, Control(0.2), PERIOD_NS, smoothing=none())
+    law.listen(-2.0, 10.3, 10.0, 5.0)
+    assert (law.filtered_mm, law.error_mm) == pytest.approx((filtered_mm, error_mm))
+    assert law.offset_mm == 0.0
+
+
 def test_sine_of_a_loop_without_dead_time() -> None:
     loop = Loop(CONST_DIST, 0)
     for frequency_hz in (1.0, 50.0, 499.0):
