@@ -177,6 +177,7 @@ def test_identity_and_objects_are_those_of_the_file(bench: Any) -> None:
     assert sdo.upload(0x1021, 0) == foreign().encode("ascii")
 
 
+@pytest.mark.long(but=2)
 @pytest.mark.parametrize(
     ("index", "sub", "data"),
     [

@@ -113,6 +113,7 @@ SHAPES: list[tuple[str, str, str, str]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.long(but=6)
 @pytest.mark.parametrize(("text", "encoding", "place", "note"), SHAPES)
 def test_what_can_be_meant_in_one_way_is_read(
     written: Callable[..., str], text: str, encoding: str, place: str, note: str

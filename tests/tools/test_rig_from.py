@@ -81,6 +81,7 @@ def test_confirmed_assumptions_are_not_counted(
     assert not any("assumption" in note for note in settings_of(rig, []).notes)
 
 
+@pytest.mark.long
 def test_several_axes_a_channel_list_and_an_eds(
     listed: Callable[..., list[Path]], tmp_path: Path
 ) -> None:
