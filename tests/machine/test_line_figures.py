@@ -49,6 +49,7 @@ class Meant:
             observer(state, code)
 
 
+@pytest.mark.interpreted
 def test_the_load_is_that_of_the_frames_on_the_wire() -> None:
     """One frame of 6.72 us in each ms is 0.672 %, in every window too."""
     line = Meant()
@@ -63,6 +64,7 @@ def test_the_load_is_that_of_the_frames_on_the_wire() -> None:
     assert line.meter.recent_pct(200 * MS, 100 * MS) == pytest.approx(0.672)
 
 
+@pytest.mark.interpreted
 def test_a_burst_is_seen_in_the_window_that_it_is_in() -> None:
     """Frames back to back for 0.5 ms make half of the worst ms busy."""
     line = Meant()
@@ -75,6 +77,7 @@ def test_a_burst_is_seen_in_the_window_that_it_is_in() -> None:
     assert line.meter.back == 0  # mailbox frames are no cyclic ones
 
 
+@pytest.mark.interpreted
 def test_wrong_counters_count_from_the_first_right_one_on() -> None:
     line = Meant()
     line.cyclic(False, False, True, False, False, True, False)
@@ -82,6 +85,7 @@ def test_wrong_counters_count_from_the_first_right_one_on() -> None:
     assert (meter.back, meter.wrong, meter.wrong_in_a_row) == (7, 3, 2)
 
 
+@pytest.mark.interpreted
 def test_al_states_are_events_once_a_slave_was_in_op() -> None:
     line = Meant()
     for state in (AlState.INIT, AlState.PREOP, AlState.SAFEOP, AlState.OP, AlState.OP):

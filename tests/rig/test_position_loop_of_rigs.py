@@ -8,6 +8,7 @@ import pytest
 from axisrig.bench.rig.canopen.family import FAMILY
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.canopen.mapping import telegrams
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
@@ -112,15 +113,30 @@ def test_a_mode_that_follows_another_value_than_the_table_carries_is_refused(
     check_rig(settings_of(path, f"drive:servo.mode={17 - mode}"))
 
 
-@pytest.mark.parametrize("target", [f"{POSITION}\nRPDO2,1,0,{SPEED}", "0x60FF,0,32,yes,"])
-def test_a_table_has_one_of_set_position_and_set_speed(
-    rig: Write, settings_of: Read, tmp_path: Path, target: str
+def test_a_table_has_a_set_position_or_a_set_speed(
+    rig: Write, settings_of: Read, tmp_path: Path
 ) -> None:
-    (tmp_path / "own.csv").write_text(TABLE.format(target=target), encoding="utf-8")
+    (tmp_path / "own.csv").write_text(TABLE.format(target="0x60FF,0,32,yes,"), encoding="utf-8")
     path = rig((CSV[0], f'{CSV[0]}\npdo_map = "own.csv"'))
-    with pytest.raises(UserError, match=r"mapping table (has both|lacks a field)") as caught:
+    with pytest.raises(UserError, match="mapping table lacks a field") as caught:
         check_rig(settings_of(path))
-    assert caught.value.allowed == "one of them"
+    assert caught.value.allowed == "one of them, or both"
+
+
+@pytest.mark.parametrize("mode", [8, 9])
+def test_of_both_in_a_table_the_mode_decides(
+    rig: Write, settings_of: Read, tmp_path: Path, mode: int
+) -> None:
+    """So the kernel's own table can be copied and changed."""
+    both = f"{POSITION}\nRPDO1,1,0,{SPEED}"
+    (tmp_path / "own.csv").write_text(TABLE.format(target=both), encoding="utf-8")
+    path = rig((CSV[0], f'{CSV[0]}\nmode = {mode}\npdo_map = "own.csv"'))
+    check_rig(settings_of(path))
+    found = telegrams(0x60BA, str(tmp_path / "own.csv"), speed=mode == 9)
+    assert [one.index for one in found["RPDO1"].objects] == [
+        0x6040,
+        0x60FF if mode == 9 else 0x607A,
+    ]
 
 
 def test_distance_control_needs_the_loop_in_the_drive(

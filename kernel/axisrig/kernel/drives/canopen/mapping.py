@@ -26,8 +26,8 @@ FROM_LATCH_TO_COUNTER: Final = 0x60D5 - 0x60BA  # 60BA to 60BD, 60D5 to 60D8
 FROM_LATCH_TO_STAMP: Final = 0x60D1 - 0x60BA  # 60BA to 60BD, 60D1 to 60D4
 _FROM_LATCH: Final = {LATCH: 0, COUNTER: FROM_LATCH_TO_COUNTER, STAMP: FROM_LATCH_TO_STAMP}
 NO_FIELD = ""
-# What the link works with: field -> whether the kernel sends it. The first five must be mapped, but
-# of target (607A) and speed (60FF, the CNC closes the position loop) one only. The rest is what
+# What the link works with: field -> whether the kernel sends it. The first five must be mapped; of
+# target (607A) and speed (60FF, the CNC closes the position loop) one is enough. The rest is what
 # measuring and distance control need; an object without a field is for drive functions.
 FIELDS: Final[Mapping[str, bool]] = {
     "controlword": True, "target": True, "speed": True, "statusword": False, "actual": False,
@@ -173,20 +173,23 @@ def telegrams(
 
     table: path of a mapping table; without one the kernel's own. counter, inputs, second: whether
     the kernel's own has the counter of the latch (60D5 to 60D8), the digital inputs (60FD) and the
-    position of the second encoder (60E4:1). speed: it has a set speed (60FF) in place of the set
-    position.
+    position of the second encoder (60E4:1). speed: of a table with set position and set speed
+    (60FF), as the kernel's own is, the speed counts, else the position.
     Raises UserError, with file and line, for a table that is none.
     """
     grouped: dict[str, list[dict[str, str]]] = {}
     places: dict[str, int] = {}
-    for line, row in _rows(table):
+    listed = _rows(table)
+    has_both = {row["field"] for _, row in listed} >= set(TARGETS)
+    for line, row in listed:
         is_left_out = (
             (row["index"] == COUNTER and not counter)
             or (row["field"] == "inputs" and not inputs)
             or (row["field"] == "second" and not second)
-            or row["field"] == TARGETS[not speed]
         )
         if table is None and is_left_out:
+            continue
+        if has_both and row["field"] == TARGETS[not speed]:
             continue
         grouped.setdefault(row["pdo"], []).append(row)
         places[row["pdo"]] = line
@@ -344,12 +347,11 @@ def _check_whole(
     for name in NEEDED:
         if name not in fields:
             raise UserError("the mapping table lacks a field", file=table, value=name)
-    if sum(name in fields for name in TARGETS) != 1:
-        both = all(name in fields for name in TARGETS)
+    if not any(name in fields for name in TARGETS):
         raise UserError(
-            f"the mapping table {'has both of two fields' if both else 'lacks a field'}: a set"
-            " position leaves the position loop to the drive, a set speed to the CNC",
-            file=table, value=" ".join(TARGETS), allowed="one of them",
+            "the mapping table lacks a field: a set position leaves the position loop to the drive,"
+            " a set speed to the CNC; of both the mode of the drive decides",
+            file=table, value=" ".join(TARGETS), allowed="one of them, or both",
         )  # fmt: skip
     for name, telegram in fields.items():
         if name in AT_THEIR_TIME:
