@@ -257,11 +257,13 @@ def test_an_axis_that_follows_its_demand_exactly_jumps_with_a_turned_bit_of_it()
 
 
 def test_a_machine_that_cannot_be_built_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = make_scenario(1, 0)  # builds the machine once, to see its fault points
+
     def refuse(*_: object, **__: object) -> None:
         raise PlantError("probe", 0, "its start is outside")
 
     monkeypatch.setattr(Machine, "__init__", refuse)
-    judgement = run_scenario(make_scenario(1, 0))
+    judgement = run_scenario(drawn)
     assert judgement.result is Result.EXCEPTION
     assert judgement.note.endswith("its start is outside")
 
