@@ -192,7 +192,7 @@ MISTAKES = [
         "start = ",
         ["another unit", "mm_s"],
     ),
-    (("trip_mm", "tripp_mm"), "start = ", ["'tripp'", "trip"]),
+    (("trip_mm", "tripp_mm"), "start = ", ["'tripp_mm'", "did you mean: trip_mm"]),
     (('"control.gain" = 40', '"control.s_set_mm" = 40'), "start = ", ["control.s_set"]),
 ]
 
