@@ -309,6 +309,7 @@ def _started(place: Path, *words: str) -> Iterator[tuple[subprocess.Popen[str], 
     )
     try:
         assert process.stderr is not None
+        assert process.stderr.readline().startswith("reading ")
         line = process.stderr.readline()
         assert line.startswith("live: http://127.0.0.1:"), line
         yield process, line.split()[1]

@@ -356,7 +356,7 @@ def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> N
     (found,) = [f for f in told["findings"] if "standard output" in f["text"]]
     assert found["area"] == "call sequence"
     assert found["text"] == "100 lines on standard output, the first: a step"
-    assert ended.stderr == ""
+    assert ended.stderr == f"trying out {fmu}\n"
 
 
 @pytest.mark.long
