@@ -19,11 +19,12 @@ from axisrig.bench.machine.faults.injection import ON_CAN, inject
 from axisrig.bench.machine.faults.when import Moments, Watched
 from axisrig.bench.rig.reading.faults import Fault, read_faults
 from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import read_settings
 from axisrig.kernel.cosim.plant.probe import PlantSignal
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 
-RIG = read_rig(Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml")[0]
+RIG, FILES = read_rig(Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml")
 
 
 class Drive:
@@ -68,7 +69,8 @@ class Wire:
         self.signal = PlantSignal(level=False)
         name = RIG.axis["Z"].probe_1
         found = [fault for kind, text in faults for fault in read_faults(kind, text, RIG)]
-        settings: Any = SimpleNamespace(rig=RIG, faults=found)
+        settings = read_settings(RIG, FILES, [])
+        settings.faults.extend(found)
         nodes: Any = {"Z": self.node}
         buses = OnCan(settings, self.clock, {"can1": self.segment}, nodes)
         plant = SimpleNamespace(probes={name: SimpleNamespace(signal=self.signal)})

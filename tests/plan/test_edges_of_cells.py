@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.plan import expansion
+from axisrig.bench.plan import expansion, series
 from axisrig.bench.plan.assignment import (
     number,
     parse_assignment,
@@ -257,7 +257,8 @@ def test_a_number_that_no_decimal_holds_is_refused_with_its_place(
 def test_as_many_runs_as_are_allowed_and_one_more(
     write_plan: PlanWriter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(expansion, "RUNS_MAX", 4)
+    for module in (expansion, series):
+        monkeypatch.setattr(module, "RUNS_MAX", 4)
     for cell in ("1 .. 4 step 1", '"log(1, 8, 4)"', "[1 | 2 | 3 | 4]"):
         assert len(_read(write_plan, cell)) == 4
     for cell in ("1 .. 5 step 1", "[1 | 2 | 3 | 4 | 5]"):

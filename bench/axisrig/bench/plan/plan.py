@@ -189,6 +189,7 @@ class _Row:
         self._row = row
         self._mistakes = mistakes
         self._is_good = True
+        self._has_wrong_check = False
         self._module: OwnModule | None = None
         self._has_module = True  # as far as the row names one
         if "module" in row.cells:
@@ -294,7 +295,7 @@ class _Row:
 
     def _expecting(self, case: Case) -> Case:
         """Say which checks of a case must fail."""
-        if "expect" not in self._row.cells:
+        if "expect" not in self._row.cells or self._has_wrong_check:
             return case
         try:
             return replace(case, expected=parse_expectation(self._row.cells["expect"], case.checks))
@@ -372,6 +373,7 @@ class _Row:
             is_searching = bool(self._searched)
             return parse_row_check(metric, text, reference, own, is_searching=is_searching)
         except UserError as error:
+            self._has_wrong_check = True
             for one in (error, *error.further):
                 if self._has_module or one.message != UNKNOWN_METRIC:
                     self._refuse(place.error_from(one))
