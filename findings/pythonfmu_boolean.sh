@@ -15,7 +15,7 @@ from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Real
 
 
 class Gate(Fmi2Slave):
-    author = "axisrig"
+    author = "example"
     description = "passes a number while it is open"
 
     def __init__(self, **kwargs):

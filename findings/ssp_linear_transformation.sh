@@ -16,7 +16,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 
 class PassOn(Fmi2Slave):
-    author = "axisrig"
+    author = "example"
     description = "passes a number on"
 
     def __init__(self, **kwargs):

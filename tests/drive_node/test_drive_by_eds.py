@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
+from tests.eds_changes import changed
 
 from axisrig.bench.drive.canopen.node import Document
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
@@ -83,17 +84,6 @@ DefaultValue=5
 def without(text: str, index: str) -> str:
     """Take an object out."""
     return re.sub(rf"(?ms)^\[{index}(sub[0-9A-F]+)?\]\n.*?(?=^\[|\Z)", "", text)
-
-
-def changed(text: str, section: str, **keys: str) -> str:
-    """Change keys of a section that are there, or add them."""
-    begin = text.index(f"[{section}]\n")
-    end = text.find("\n[", begin) + 1 or len(text)
-    body = text[begin:end].rstrip("\n")
-    for key, value in keys.items():
-        body, count = re.subn(rf"(?m)^{key}=.*$", f"{key}={value}", body)
-        body += "" if count else f"\n{key}={value}"
-    return f"{text[:begin]}{body}\n\n{text[end:]}"
 
 
 FIFTH = """

@@ -8,125 +8,28 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 import pytest
+from tests.faults.made_runs import (
+    BRAKES,
+    LISTS,
+    OF_CONTROL,
+    STEP_MM,
+    alarm,
+    braked,
+    edge,
+    left,
+    ramp,
+    run,
+)
 
-from axisrig.bench.record.axes import AxisRecord, DriveState, Edge, ProbeRecord
-from axisrig.bench.record.distance import Controller, DistanceChange, DistanceRecord
-from axisrig.bench.record.edges import EdgeTruth
-from axisrig.bench.record.facts import AlarmRecord, Facts, MessageRecord, Timing
-from axisrig.bench.record.measuring import FixedStop, MeasurementRun, PlcTaskRecord
-from axisrig.bench.record.series import Series
+from axisrig.bench.record.axes import Edge, ProbeRecord
+from axisrig.bench.record.facts import MessageRecord
+from axisrig.bench.record.measuring import FixedStop, PlcTaskRecord
 from axisrig.bench.tools.scenarios.invariants import broken, invariants
 from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.limits import lists_of
-from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.bench.tools.scenarios.oracle import Result, judge
-from axisrig.bench.tools.scenarios.stopping import stop_ns
 from axisrig.kernel.time.clock import MS
-
-PER_MM = 100_000.0
-STEP_MM = 1.0 / PER_MM
-STEPS = ("stufe_1", "stufe_2", "grenz_stufe_1", "grenz_stufe_2")
-LISTS = {
-    "getriebe[0].dynamik.vb_max": 100_000,  # 100 mm/s
-    "getriebe[0].lslope_profil.a_stufe_1": 2000,
-    "getriebe[0].lslope_profil.a_feedh": 4000,
-    "kenngr.hub_messtaster": 10_000,  # 1 mm
-    "kenngr.measure.edge": "POS",
-}
-BRAKES = {
-    **LISTS,
-    **{f"getriebe[0].lslope_profil.a_{step}": 2000 for step in STEPS},
-}
-OF_CONTROL = {
-    "kenngr.dist_ctrl[0].v_max": 50_000,  # 50 mm/s
-    "kenngr.dist_ctrl[0].a_max": 1000,
-    "kenngr.dist_ctrl[0].max_deviation": 5000,  # 0.5 mm
-    "kenngr.dist_ctrl[0].min_pos": -80_000,
-    "kenngr.dist_ctrl[0].max_pos": 0,
-    "kenngr.dist_ctrl[0].tolerance": 1000,
-}
-CONTROLLER = Controller(0.2, 0.0, 0.0, "MOVING_AVERAGE", 1, 0.0, 1, 0.0, 0.0, False)
-
-
-def edge(at_ms: int, place_mm: float | None, axis: str = "Z", level: bool = True) -> EdgeTruth:
-    return EdgeTruth("probe", axis, level, at_ms * MS, 0.0, 0.0, at_ms * MS + 1, place_mm, place_mm)
-
-
-def ramp(speed_mm_s: float, a_mm_s2: float, rows: int = 100) -> list[float]:
-    """Set positions, a row each ms: up to the speed with the acceleration, then on."""
-    speeds = np.minimum(np.arange(rows) * a_mm_s2 * 1e-3, speed_mm_s)
-    return [float(place) for place in np.cumsum(speeds * 1e-3)]
-
-
-def left(
-    machine: str = "one-axis",
-    set_mm: Sequence[float] = (1.0,) * 100,
-    lists: Mapping[str, Any] = LISTS,
-    *,
-    columns: Mapping[str, Sequence[float]] | None = None,
-    crept_mm: Mapping[str, float] | None = None,
-    channel: Sequence[str] = ("STARTING", "POWERING", "RUNNING", "ENDED"),
-    drive: Sequence[str] = (),
-    control: Sequence[str] = (),
-    hidden: Sequence[str] = (),
-    axis: str = "Z",
-    channel_lists: Mapping[str, Any] | None = None,
-    **facts: Any,
-) -> Left:
-    times_ns = np.arange(len(set_mm)) * MS
-    table = {
-        "time_ns": pa.array(times_ns),
-        f"{axis}.set_mm": pa.array(set_mm, pa.float64()),
-        f"{axis}.truth_mm": pa.array(set_mm, pa.float64()),
-        f"{axis}.velocity_mm_s": pa.array(np.gradient(np.array(set_mm)) * 1e3),
-        **{name: pa.array(values, pa.float64()) for name, values in (columns or {}).items()},
-    }
-    record = AxisRecord(
-        "can1", 3, PER_MM, plant="z", signals={"probe_1": "probe"}, written=dict(lists),
-        states=tuple(DriveState(n, name) for n, name in enumerate(drive)),
-    )  # fmt: skip
-    changes = tuple(
-        DistanceChange(n, name, "NC", "gap", False, CONTROLLER) for n, name in enumerate(control)
-    )
-    distance = {axis: DistanceRecord(changes=changes)} if control else {}
-    if channel_lists is not None:
-        facts["distance_3d"] = DistanceRecord(changes=())
-        facts["channel"] = {f"dist_ctrl[0].{name}": it for name, it in channel_lists.items()}
-    whole = {
-        "timing": Timing(MS, 600_000, 0), "sim_ns": len(set_mm) * MS, "start_ns": 0,
-        "end_ns": len(set_mm) * MS, "frame_log_sha256": "", "axes": {axis: record},
-        "distance": distance, **facts,
-    }  # fmt: skip
-    return Left(
-        machines()[machine],
-        Facts(**whole),
-        Series(pa.table(table)),
-        crept_mm or {},
-        channel,
-        frozenset(hidden),
-    )
-
-
-def run(begin_ms: int, end_ms: int, value_mm: float | None, **more: Any) -> MeasurementRun:
-    latched = {} if value_mm is None else {"Z": value_mm}
-    return MeasurementRun(
-        ("Z",), inputs={"Z": 1}, sources={"Z": "DRIVE"}, begin_ns=(begin_ms - 5) * MS,
-        start_ns=begin_ms * MS, end_ns=end_ms * MS, latched_mm=latched, **more,
-    )  # fmt: skip
-
-
-def alarm(at_ms: int, ends: bool = True, number: int = 1) -> AlarmRecord:
-    return AlarmRecord(at_ms * MS, number, 7 if ends else 1, ends, "")
-
-
-def braked(a_mm_s2: float, dead: int = 2) -> list[float]:
-    """Set positions with 60 mm/s until row 30 and `dead` more, then braked."""
-    speeds = [60.0] * (31 + dead)
-    speeds += [max(0.0, 60.0 - a_mm_s2 * 1e-3 * n) for n in range(1, 100 - len(speeds) + 1)]
-    return [float(place) for place in np.cumsum(speeds) * 1e-3]
-
 
 FEED_BRAKE = {"getriebe[0].lslope_profil.d_stufe_2": 1500}
 EMERGENCY = {"getriebe[0].dynamik.a_emergency": 1000}
@@ -384,59 +287,6 @@ def test_a_run_of_type_4_stops_within_its_stroke(
     made = left("overrides", places, lists, runs=(signalled,))
     made = replace(made, facts=replace(made.facts, channel={"messtyp": kind}))
     assert [name for name, _ in broken(made)] == found
-
-
-RAMPED = {
-    **LISTS,
-    "getriebe[0].dynamik.tr_min": 0,
-    "getriebe[0].slope_profil.a_beschl": 1000,
-    "getriebe[0].slope_profil.a_brems": 2000,
-    "getriebe[0].slope_profil.a_grenz": 4000,
-    "getriebe[0].slope_profil.a_feedh": 500,
-    **{f"getriebe[0].slope_profil.tr_{name}": 10_000 for name in ("grenz", "feedh")},
-    **{f"getriebe[0].slope_profil.tr_beschl_{name}": 5000 for name in ("zu", "ab")},
-    "getriebe[0].slope_profil.tr_brems_zu": 10_000,
-    "getriebe[0].slope_profil.tr_brems_ab": 30_000,
-}
-
-
-@pytest.mark.parametrize(
-    ("channel", "lists", "expected_ms"),
-    [
-        # 60 / 2000
-        ({}, BRAKES, 30.0),
-        # Under a kinematic its ramps have half of it: 60 / 1000
-        ({"kinematic": True}, BRAKES, 60.0),
-        # P-AXIS-00024 acts with P-CHAN-00097: 60 / 500
-        ({}, {**BRAKES, "getriebe[0].lslope_profil.a_feedh": 500}, 30.0),
-        (
-            {"use_drive_curr_limit": 1},
-            {**BRAKES, "getriebe[0].lslope_profil.a_feedh": 500},
-            120.0,
-        ),
-        # G0 that builds up: 2 x 10 ms, in which 60 grow by 4000 x 0.02 / 2; feed that brakes:
-        # 100 / 2000 and (10 + 30) / 2 ms
-        ({"prog_start.slope.profile": 1}, RAMPED, 20.0 + 50.0 + 20.0),
-        # and with P-AXIS-00053: 100 / 500 and 10 ms
-        ({"prog_start.slope.profile": 2, "use_drive_curr_limit": 1}, RAMPED, 20.0 + 200.0 + 10.0),
-        # P-AXIS-00008 limits G0 to 1000: 20 ms, 60 + 10; then by feed or by G0 70 / 1000
-        (
-            {"prog_start.slope.profile": 1},
-            {**RAMPED, "getriebe[0].dynamik.a_max": 1000},
-            20.0 + 70.0 + 20.0,
-        ),
-    ],
-)
-def test_how_long_a_speed_takes_by_the_lists(
-    channel: dict[str, Any], lists: Mapping[str, Any], expected_ms: float
-) -> None:
-    """From 60 mm/s; three NC cycles of 1 ms are on top."""
-    given = dict(channel)
-    kinematics = (object(),) if given.pop("kinematic", False) else ()
-    made = left(set_mm=braked(2000.0), lists=lists, alarms=(alarm(30),))
-    facts = replace(made.facts, channel=given, kinematics=kinematics)
-    places = {"Z": (np.arange(100.0) * MS, np.array(braked(2000.0)))}
-    assert stop_ns(facts, 30 * MS, places) == pytest.approx((expected_ms + 3.0) * MS)
 
 
 def test_every_invariant_of_the_table_is_broken_somewhere_here() -> None:

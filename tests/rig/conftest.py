@@ -74,3 +74,20 @@ def settings_of() -> Callable[..., Settings]:
         )
 
     return read
+
+
+DRIVE = "[drive.servo]\nlead_mm = 10.0\n"
+
+
+@pytest.fixture
+def with_eds(
+    rig_file: Callable[..., Path], settings_of: Callable[..., Settings]
+) -> Callable[..., Settings]:
+    """Read the rig with an EDS of this text, and these further keys of its drive."""
+
+    def make(text: str, keys: str = "", *changes: tuple[str, str], suffix: str = "eds") -> Settings:
+        path = rig_file((DRIVE, f'{DRIVE}eds = "foreign.{suffix}"\n{keys}\n'), *changes)
+        (path.parent / f"foreign.{suffix}").write_text(text, encoding="utf-8")
+        return settings_of(path)
+
+    return make

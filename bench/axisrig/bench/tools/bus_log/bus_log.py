@@ -206,22 +206,22 @@ def _lines(
             message.is_remote_frame,
             message.dlc,
         )
-        told = names.follow(segment, frame, dissect(frame, is_error=message.is_error_frame))
+        dissected = names.follow(segment, frame, dissect(frame, is_error=message.is_error_frame))
         if not selection.from_ms <= time_ms <= selection.to_ms:
             continue
         key = (segment, frame.arbitration_id)
-        content = _content(told, frame)
-        is_old = _repeats(told) and key in last and last[key] == content
+        content = _content(dissected, frame)
+        is_old = _repeats(dissected) and key in last and last[key] == content
         if not message.is_error_frame:
             last[key] = content
         if is_old and not selection.is_all:
             continue
-        said = names.describe(segment, frame, told)
-        if wanted and not wanted & said.tags:
+        described = names.describe(segment, frame, dissected)
+        if wanted and not wanted & described.tags:
             continue
         can_id = "   " if message.is_error_frame else f"{frame.arbitration_id:03X}"
-        text = f"{time_ms:10.3f}  {segment:<6} {can_id}  {said.name:<16} {said.text}".rstrip()
-        yield _Line(time_ms, segment, text, message.is_error_frame)
+        text = f"{time_ms:10.3f}  {segment:<6} {can_id}  {described.name:<16} {described.text}"
+        yield _Line(time_ms, segment, text.rstrip(), message.is_error_frame)
 
 
 def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message]]:
@@ -235,16 +235,20 @@ def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message
         yield (message.timestamp - origin_s) * 1e3, message
 
 
-def _content(told: Dissected, frame: Frame) -> object:
+def _content(dissected: Dissected, frame: Frame) -> object:
     """Return what must change for a cyclic frame to be news; a toggle bit is none."""
-    return told.fields.get("state", frame.data) if told.service == "heartbeat" else frame.data
+    return (
+        dissected.fields.get("state", frame.data)
+        if dissected.service == "heartbeat"
+        else frame.data
+    )
 
 
-def _repeats(told: Dissected) -> bool:
+def _repeats(dissected: Dissected) -> bool:
     """Whether a frame comes cyclically, so that it is worth a line only when it has changed.
 
     A boot-up never does: it says that a node has started anew.
     """
-    if told.service == "heartbeat":
-        return not is_boot_up(told)
-    return told.service == "SYNC" or "PDO" in told.service
+    if dissected.service == "heartbeat":
+        return not is_boot_up(dissected)
+    return dissected.service == "SYNC" or "PDO" in dissected.service

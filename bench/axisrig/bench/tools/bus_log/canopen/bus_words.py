@@ -37,7 +37,7 @@ NOBODYS = "of no node of this rig"
 
 
 @dataclass(frozen=True)
-class Told:
+class Described:
     """A frame in words.
 
     name: whose, and which service. tags: what it can be asked for by, in lower case.
@@ -75,67 +75,71 @@ class Names:
         """Names of the axes, in the order of the rig."""
         return list(self._nodes.values())
 
-    def follow(self, segment: str, frame: Frame, told: Dissected) -> Dissected:
+    def follow(self, segment: str, frame: Frame, dissected: Dissected) -> Dissected:
         """Take a frame for what it is after all that came before; every frame in its order."""
-        node = told.node
-        if told.service.startswith("SDO ") and node is not None and not frame.is_remote_frame:
-            told, value = self._transfers.take(segment, frame.data, told)
+        node = dissected.node
+        if dissected.service.startswith("SDO ") and node is not None and not frame.is_remote_frame:
+            dissected, value = self._transfers.take(segment, frame.data, dissected)
             if value is not None:
                 number = int.from_bytes(value.data, "little")
                 self._pdos.note(segment, node, value.index, value.sub, number)
-        elif is_boot_up(told) and node is not None:
+        elif is_boot_up(dissected) and node is not None:
             self._transfers.forget(segment, node)
             self._pdos.forget(segment, node)
-        pdo = self._pdo(segment, frame, told)
-        return told if pdo is None else replace(told, service=pdo.name, node=pdo.node)
+        pdo = self._pdo(segment, frame, dissected)
+        return dissected if pdo is None else replace(dissected, service=pdo.name, node=pdo.node)
 
-    def _pdo(self, segment: str, frame: Frame, told: Dissected) -> Pdo | None:
-        is_error = told.service == "error frame"
+    def _pdo(self, segment: str, frame: Frame, dissected: Dissected) -> Pdo | None:
+        is_error = dissected.service == "error frame"
         found = self._pdos.find(segment, frame.arbitration_id, frame.is_extended_id)
         return None if is_error else found
 
-    def describe(self, segment: str, frame: Frame, told: Dissected) -> Told:
+    def describe(self, segment: str, frame: Frame, dissected: Dissected) -> Described:
         """Return the name of a frame, what it says and what it can be asked for by.
 
-        told: from `follow`.
+        dissected: from `follow`.
         """
-        if told.service == "error frame":
-            return Told("error frame", "", frozenset(("error frame", "error")))
-        known = self._pdo(segment, frame, told)
+        if dissected.service == "error frame":
+            return Described("error frame", "", frozenset(("error frame", "error")))
+        known = self._pdo(segment, frame, dissected)
         telegram = known.telegram if known is not None else None
-        if telegram is not None and told.node is not None and not frame.is_remote_frame:
-            axis = self._nodes.get((segment, told.node))
-            od = self._dictionaries.get((segment, told.node))
+        if telegram is not None and dissected.node is not None and not frame.is_remote_frame:
+            axis = self._nodes.get((segment, dissected.node))
+            od = self._dictionaries.get((segment, dissected.node))
             text = _pdo_words(telegram, frame.data, self._per_mm.get(axis or ""), od)
             objects = [(item.index, item.sub) for item in telegram.objects]
-            tags = _tags(telegram.name, [*([axis] if axis else []), str(told.node)], told, objects)
+            tags = _tags(
+                telegram.name, [*([axis] if axis else []), str(dissected.node)], dissected, objects
+            )
             whose = "" if axis or not self._is_rig else f", {NOBODYS}"
-            return Told(f"{axis or told.node}.{telegram.name}", f"{text}{whose}", tags)
-        fields = told.fields
+            return Described(f"{axis or dissected.node}.{telegram.name}", f"{text}{whose}", tags)
+        fields = dissected.fields
         objects = [(_int(fields, "index"), _int(fields, "sub"))] if "index" in fields else []
-        node = told.node or (_int(fields, "target") if told.service == "NMT" else 0) or None
+        node = (
+            dissected.node or (_int(fields, "target") if dissected.service == "NMT" else 0) or None
+        )
         owner = self._nodes.get((segment, node)) if node is not None else None
         od = self._dictionaries.get((segment, node)) if node is not None else None
-        text = _words(told, self._per_mm.get(owner) if owner else None, od)
-        name = told.service
-        if told.node is not None:
-            name = f"{owner or told.node}.{told.service}"
-        is_owned = owner is not None or (node is None and told.service != "unknown")
+        text = _words(dissected, self._per_mm.get(owner) if owner else None, od)
+        name = dissected.service
+        if dissected.node is not None:
+            name = f"{owner or dissected.node}.{dissected.service}"
+        is_owned = owner is not None or (node is None and dissected.service != "unknown")
         if self._is_rig and not is_owned:
             text = f"{text}, {NOBODYS}" if text else NOBODYS
         who = [word for word in (owner, str(node) if node else None) if word]
-        return Told(name, text, _tags(told.service, who, told, objects))
+        return Described(name, text, _tags(dissected.service, who, dissected, objects))
 
 
 def _tags(
-    service: str, who: Iterable[str], told: Dissected, objects: Iterable[tuple[int, int]]
+    service: str, who: Iterable[str], dissected: Dissected, objects: Iterable[tuple[int, int]]
 ) -> frozenset[str]:
     kinds = {service.lower(), service.lower().split()[0]}
     if "PDO" in service:
         kinds |= {"pdo", service[:4].lower()}
-    if is_boot_up(told):
+    if is_boot_up(dissected):
         kinds.add("boot-up")
-    if "abort_code" in told.fields:
+    if "abort_code" in dissected.fields:
         kinds.add("abort")
     names = {name.lower() for name in who}
     tags = kinds | names | {f"{name}.{kind}" for name in names for kind in kinds}
@@ -144,9 +148,9 @@ def _tags(
     return frozenset(tags)
 
 
-def is_boot_up(told: Dissected) -> bool:
+def is_boot_up(dissected: Dissected) -> bool:
     """Whether a node says that it has started anew."""
-    return told.service == "heartbeat" and told.fields.get("state") == BOOT_UP
+    return dissected.service == "heartbeat" and dissected.fields.get("state") == BOOT_UP
 
 
 def _pdo_words(
@@ -163,9 +167,9 @@ def _pdo_words(
     )
 
 
-def _words(told: Dissected, per_mm: Fraction | None, od: ObjectDictionary | None) -> str:
+def _words(dissected: Dissected, per_mm: Fraction | None, od: ObjectDictionary | None) -> str:
     """Say what a frame carries that is no known PDO."""
-    fields, service = told.fields, told.service
+    fields, service = dissected.fields, dissected.service
     if fields.get("remote"):
         return "remote frame"
     if service.startswith("SDO "):

@@ -109,28 +109,30 @@ class Transfers:
     def __init__(self) -> None:
         self._open: dict[tuple[str, int], _Transfer] = {}
 
-    def take(self, segment: str, data: bytes, told: Dissected) -> tuple[Dissected, Value | None]:
+    def take(
+        self, segment: str, data: bytes, dissected: Dissected
+    ) -> tuple[Dissected, Value | None]:
         """Follow a frame; return it as what it is in its transfer, and a value it completes."""
-        assert told.node is not None
-        channel, side = (segment, told.node), told.service.removeprefix("SDO ")
+        assert dissected.node is not None
+        channel, side = (segment, dissected.node), dissected.service.removeprefix("SDO ")
         transfer = self._open.get(channel)
         fields = transfer.segment(side, data) if transfer is not None and data else None
         if fields is not None:
-            return replace(told, fields=fields), None
-        specifier, place = _int(told.fields, "specifier"), _place(told.fields)
+            return replace(dissected, fields=fields), None
+        specifier, place = _int(dissected.fields, "specifier"), _place(dissected.fields)
         if specifier == ABORT:
             self._open.pop(channel, None)
         elif side == "request" and place is not None:
-            value = told.fields.get("value")
+            value = dissected.fields.get("value")
             begun = _Transfer(*place, value if isinstance(value, bytes) else None)
-            begun.block_size = _int(told.fields, "block_size")
+            begun.block_size = _int(dissected.fields, "block_size")
             self._open[channel] = begun
         elif transfer is not None:
-            found = _follow(transfer, side, specifier, told.fields)
+            found = _follow(transfer, side, specifier, dissected.fields)
             if found is not None:
                 del self._open[channel]
-            return told, found
-        return told, None
+            return dissected, found
+        return dissected, None
 
     def forget(self, segment: str, node: int) -> None:
         """End the transfer of a node that has started anew."""

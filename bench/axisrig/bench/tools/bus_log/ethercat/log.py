@@ -38,12 +38,12 @@ def tell_lines(
         time_ms = time_ns / MS
         segment = channels.segment(interface)
         yield from channels.notes()
-        for said in names.describe(segment, frame):
-            is_old = said.is_usual or last.get((segment, said.name)) == said.text
-            last[segment, said.name] = said.text
+        for described in names.describe(segment, frame):
+            is_old = described.is_usual or last.get((segment, described.name)) == described.text
+            last[segment, described.name] = described.text
             is_inside = selection.from_ms <= time_ms <= selection.to_ms
             if not is_inside or (is_old and not selection.is_all):
                 continue
-            if wanted and not wanted & (said.tags | {said.name.lower()}):
+            if wanted and not wanted & (described.tags | {described.name.lower()}):
                 continue
-            yield f"{time_ms:10.3f}  {segment:<6} {said.name:<16} {said.text}".rstrip()
+            yield f"{time_ms:10.3f}  {segment:<6} {described.name:<16} {described.text}".rstrip()

@@ -32,7 +32,7 @@ _HEAD = 2  # of CoE
 
 
 @dataclass
-class Said:
+class Described:
     """A datagram in words. tags: what `--only` may ask for. is_usual: the same in each cycle."""
 
     name: str
@@ -61,7 +61,7 @@ class LineNames:
         """Axes on lines."""
         return [axis for axes in self._axes.values() for axis in axes]
 
-    def describe(self, segment: str, frame: bytes) -> Iterator[Said]:
+    def describe(self, segment: str, frame: bytes) -> Iterator[Described]:
         """Say each datagram of a frame; one for each axis of a process image."""
         for datagram in datagrams(frame):
             data = frame[datagram.data_start : datagram.data_start + datagram.length]
@@ -73,11 +73,13 @@ class LineNames:
 
     # Process image
 
-    def _image(self, segment: str, datagram: Datagram, data: bytes, counter: int) -> Iterator[Said]:
+    def _image(
+        self, segment: str, datagram: Datagram, data: bytes, counter: int
+    ) -> Iterator[Described]:
         name = Command(datagram.command).name
         image = self._images.get(segment)
         if image is None or image.size != datagram.length:
-            yield Said(name, f"WKC {counter}  {data.hex(' ')}", {"image"})
+            yield Described(name, f"WKC {counter}  {data.hex(' ')}", {"image"})
             return
         wrong = "" if counter == image.counter else f"  WRONG, {image.counter} expected"
         for axis, place in zip(self._axes[segment], image.places, strict=True):
@@ -86,11 +88,13 @@ class LineNames:
         for at in image.registers:
             shown = data[at : at + TERMINAL_BYTES].hex(" ")
             tags = {f"{TERMINAL}.inputs", TERMINAL, "image"}
-            yield Said(f"{TERMINAL}.inputs", f"WKC {counter}{wrong}  from 09AE on {shown}", tags)
+            yield Described(
+                f"{TERMINAL}.inputs", f"WKC {counter}{wrong}  from 09AE on {shown}", tags
+            )
 
     def _values(
         self, axis: str, data: bytes, at: int, counter: int, wrong: str, *, is_output: bool
-    ) -> Iterator[Said]:
+    ) -> Iterator[Described]:
         assert self._settings is not None
         outputs, inputs = axis_pdos(self._settings, axis)
         objects = outputs.objects if is_output else inputs.objects
@@ -105,11 +109,11 @@ class LineNames:
         name = f"{axis}.{'outputs' if is_output else 'inputs'}"
         text = f"WKC {counter}{wrong}  {'; '.join(words)}"
         tags = {name.lower(), axis.lower(), "image", *(f"{o.index:04x}" for o in objects)}
-        yield Said(name, text, tags)
+        yield Described(name, text, tags)
 
     # Registers and mailboxes
 
-    def _physical(self, segment: str, datagram: Datagram, data: bytes, counter: int) -> Said:
+    def _physical(self, segment: str, datagram: Datagram, data: bytes, counter: int) -> Described:
         command = Command(datagram.command).name
         position, register = datagram.address & 0xFFFF, datagram.address >> 16
         axis = self._whose(segment, datagram.command, position)
@@ -117,12 +121,12 @@ class LineNames:
         tags = {command.lower(), *([axis.lower()] if axis else [])}
         if register >= _FIRST_RAM:
             text, more = _mailbox(data)
-            return Said(name, f"WKC {counter}  {text}", tags | more)
+            return Described(name, f"WKC {counter}  {text}", tags | more)
         known = next((row for row in registers().values() if row.address == register), None)
         where = known.name if known is not None else f"0x{register:04X}"
         text = f"WKC {counter}  {where} {_value(where, data)}"
         is_usual = register == _TIME_REGISTER or command == Command.BRD.name
-        return Said(name, text, tags | {where.lower()}, is_usual)
+        return Described(name, text, tags | {where.lower()}, is_usual)
 
     def _whose(self, segment: str, command: int, position: int) -> str:
         axes = self._axes.get(segment, [])

@@ -1,0 +1,97 @@
+"""What a rig makes of the values of a DCF."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.eds_changes import changed
+
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.rig.canopen.checks import axis_steps
+from axisrig.bench.rig.canopen.eds_words import eds_warnings
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
+from axisrig.kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+DRIVE = "[drive.servo]\nlead_mm = 10.0\n"
+EDS = eds_text(DriveProfile())
+
+
+def test_values_of_a_dcf_are_written_before_what_the_rig_sets(
+    with_eds: Callable[..., Settings],
+) -> None:
+    """Not those of PDOs, mode and commands, which are the kernel's; the rig's own writes follow."""
+    text = changed(EDS, "6065", ParameterValue="0x1000")
+    text = changed(text, "6083", ParameterValue="77")
+    text = changed(changed(text, "6060", ParameterValue="1"), "1800sub2", ParameterValue="254")
+    settings = with_eds(text, 'sdo = [["0x6065:0", 5000]]', suffix="dcf")
+    check_rig(settings)
+    steps = [step for step in axis_steps(settings, "Z") if isinstance(step, WriteStep)]
+    written = [(step.index, int.from_bytes(step.data, "little")) for step in steps]
+    assert [each for each in written if each[0] in (0x6065, 0x6083)] == [
+        (0x6065, 0x1000),
+        (0x6083, 77),
+        (0x6065, 5000),
+    ]
+    assert [value for index, value in written if index == 0x6060] == [8]
+    assert [each for each in eds_warnings(settings) if "2 values" in each]
+
+
+@pytest.mark.parametrize(
+    ("section", "value", "message"),
+    [
+        ("607E", "0x80", "reverses the position"),
+        ("607E", "0x40", None),  # the velocity alone
+        ("6091sub1", "2", "scales the position otherwise"),
+        ("6092sub1", "360000", "scales the position otherwise"),
+        ("6092sub2", "1", None),  # as it is
+        ("608Fsub1", "4096", "scales the position otherwise"),
+        ("6065", "0xFFFFFFFFF", "does not fit"),
+    ],
+)
+def test_a_dcf_that_turns_or_scales_the_position_is_refused(
+    with_eds: Callable[..., Settings], section: str, value: str, message: str | None
+) -> None:
+    text = EDS if f"[{section}]" in EDS else EDS + POLARITY
+    settings = with_eds(changed(text, section, ParameterValue=value), suffix="dcf")
+    if message is None:
+        check_rig(settings)
+        return
+    with pytest.raises(UserError, match=message):
+        check_rig(settings)
+
+
+POLARITY = """
+[607E]
+ParameterName=Polarity
+ObjectType=0x7
+DataType=0x0005
+AccessType=rw
+DefaultValue=0
+PDOMapping=0
+"""
+
+
+@pytest.mark.parametrize(
+    ("section", "mm", "words"),
+    [
+        ("607Dsub2", 90.0, "limits the position to 90.000 mm (607D:2)"),
+        ("607Dsub1", -20000.0, None),  # beyond that of the list
+        ("6065", 0.5, "window of 0.500 mm (6065)"),
+        ("6065", 5.0, None),
+    ],
+)
+def test_limits_of_a_dcf_that_act_first_are_named(
+    with_eds: Callable[..., Settings], section: str, mm: float, words: str | None
+) -> None:
+    """1048576 units are 10 mm."""
+    value = str(round(mm * 104857.6))
+    settings = with_eds(
+        changed(EDS, section, ParameterValue=value), "lag_limit_mm = 2.0", suffix="dcf"
+    )
+    found = [text for text in eds_warnings(settings) if "the drive stops first" in text]
+    assert [words in text for text in found] == [True] * (words is not None)
