@@ -67,6 +67,17 @@ def test_a_rig_is_written_that_check_accepts_and_that_counts_its_assumptions(
     assert f"{len(assumed)} assumptions of the rig not confirmed" in settings.notes[0]
 
 
+def test_an_axis_has_the_name_of_its_list_and_the_folder_is_made(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    rig = tmp_path / "new" / "rigs" / "rig.toml"
+    rig_from(listed(x=Z.replace("name Z", "name X2_Table")), None, rig)
+    settings = settings_of(rig, [])
+    check_rig(settings)
+    assert list(settings.axis) == ["X2_Table"]
+    assert settings.axis["X2_Table"].integer("kenngr.swe_pos") == 900000
+
+
 def test_confirmed_assumptions_are_not_counted(
     listed: Callable[..., list[Path]], tmp_path: Path
 ) -> None:

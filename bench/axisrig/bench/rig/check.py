@@ -16,7 +16,7 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError, near_files
 
 # The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
-_AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
+_AXIS_NAME = re.compile(r"[ABCQUVWXYZ](?:[0-9]{0,3}|[0-9]*_[A-Za-z0-9_]{1,30})")
 
 
 def check_rig(settings: Settings) -> None:
@@ -136,7 +136,7 @@ def _check_names(settings: Settings) -> None:
                 ("axis", name),
                 "an axis needs a name of its own that is no other word of an NC program",
                 value=name,
-                allowed="one of A B C U V W X Y Z, or such a letter with digits",
+                allowed="one of A B C Q U V W X Y Z, such a letter with digits, or X2_Table",
             )
         listed = settings.axis[name].word("kopf.log_achs_name")
         if listed and listed != name:

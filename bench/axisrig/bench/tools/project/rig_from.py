@@ -55,6 +55,7 @@ def rig_from(lists: Sequence[Path], eds: Path | None, output: Path) -> list[str]
         raise UserError("no axis list is among the files", value=str(lists[0]))
     draft = _Draft()
     if channel is None:
+        output.parent.mkdir(parents=True, exist_ok=True)
         channel = output.with_name(f"{output.stem}-channel.lst")
         channel.write_text("# no channel list was given: all defaults\n", encoding="utf-8")
         draft.assumed.append(f"the channel has the defaults of all its parameters ({channel.name})")

@@ -12,7 +12,9 @@ from axisrig.kernel.nc.text.parser import Reading
 
 # DIN 66025: the letters of axes
 USUAL_AXES = ("X", "Y", "Z", "A", "B", "C", "U", "V", "W")
-_NUMBERED_AXIS = re.compile(r"(?<![A-Za-z0-9_.@])([ABCUVWXYZ][0-9]+)(?=[ \t]*(?:=(?!=)|\[))")
+_NUMBERED_AXIS = re.compile(
+    r"(?<![A-Za-z0-9_.@])([ABCQUVWXYZ](?:[0-9]+|[0-9]*_[A-Z0-9_]+))(?=[ \t]*(?:=(?!=)|\[))"
+)
 
 
 @dataclass(frozen=True)
