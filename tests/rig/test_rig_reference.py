@@ -12,6 +12,7 @@ from axisrig.bench.rig.reading.file import (
     AxisTable,
     ChannelTable,
     CycleTable,
+    LanguageTable,
     PlantTable,
     RealtimeTable,
 )
@@ -26,6 +27,7 @@ MODELS: dict[str, type[BaseModel]] = {
     "[realtime]": RealtimeTable,
     "[distance]": DistanceTable,
     "[channel]": ChannelTable,
+    "[language]": LanguageTable,
     "[segment.S]": SegmentTable,
     "[drive.D]": DriveTable,
     "[axis.A]": AxisTable,

@@ -135,12 +135,23 @@ def test_after_off_no_move_the_program_counts_from_where_the_axes_are(
 
 
 @pytest.mark.provokes(20209, 2, word="#DIST CTRL")
-def test_20209_without_p_chan_00500(run: Run, machine: Any) -> None:
+@pytest.mark.parametrize("words", ["ON [SURFACE SET_POS=3]", "[]"])
+def test_20209_without_p_chan_00500(run: Run, machine: Any, words: str) -> None:
+    """FCT-M3 12.7 prints the command with empty brackets."""
     machine.known = None
     with pytest.raises(Alarm) as caught:
-        commands(run, machine, "N30 #DIST CTRL ON [SURFACE SET_POS=3]")
+        commands(run, machine, f"N30 #DIST CTRL {words}")
     assert (caught.value.id, caught.value.values) == (20209, {"word": "#DIST CTRL"})
     assert str(caught.value.place).endswith("block N30")
+
+
+def test_empty_brackets_set_nothing(run: Run, machine: Any) -> None:
+    (found,) = (
+        each
+        for each in commands(run, machine, "#DIST CTRL []")
+        if isinstance(each, canon.DistanceCommand)
+    )
+    assert (found.action, found.parameters, found.mode, found.wait) == (None, {}, None, False)
 
 
 @pytest.mark.provokes(21837, 2, word="#DIST CTRL")

@@ -17,15 +17,18 @@ def check_file(program: Path, rig: Path | None) -> bool:
     Raises UserError when a file cannot be read.
     """
     text = read_text(program)
+    passed_over: Sequence[str] = ()
     if rig is None:
         axes = axes_of(text)
         print(f"note: axes without --rig: {', '.join(axes)}")
     else:
         from axisrig.bench.rig.reading.file import read_rig
+        from axisrig.bench.rig.reading.language import language_notes
 
-        table, _ = read_rig(rig)
-        axes = tuple(table.axis)
-    checked = check_program(text, program, axes)
+        table, files = read_rig(rig)
+        language_notes(table, files)
+        axes, passed_over = tuple(table.axis), table.language.pass_over
+    checked = check_program(text, program, axes, passed_over)
     for note in checked.notes:
         print(f"note: {program}:{note.line}:{note.column}: {note.text}")
     sys.stdout.flush()

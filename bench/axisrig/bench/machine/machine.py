@@ -177,19 +177,18 @@ class Machine:
         return self._noted(self._interpreter.commands())
 
     def _build_interpreter(self, program: Program) -> Interpreter:
-        return Interpreter(
+        rig = self.settings.rig
+        interpreter = Interpreter(
             program,
-            tuple(self.settings.rig.axis),
+            tuple(rig.axis),
             self.channel,
             external=self.channel.plc.values,
             default_measuring_type=self.settings.channel.integer("messtyp"),
             tables=self.settings.offset_tables,
-            plc_is_constant=not (
-                self.plc_side.writes_variables
-                or self.settings.rig.plc
-                or self.settings.rig.plc_task
-            ),
+            plc_is_constant=not (self.plc_side.writes_variables or rig.plc or rig.plc_task),
         )
+        interpreter.pass_over(rig.language.pass_over)
+        return interpreter
 
     def _noted(self, commands: Iterator[Command]) -> Iterator[Command]:
         """Note where the measuring blocks lead, for who judges the runs; a block that comes again

@@ -20,6 +20,7 @@ from axisrig.bench.rig.reading.families import read_segment
 from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
 from axisrig.bench.rig.reading.file import RigFile
 from axisrig.bench.rig.reading.influence import assumed_notes, influence_notes
+from axisrig.bench.rig.reading.language import language_notes
 from axisrig.bench.rig.reading.law import DistanceTable
 from axisrig.bench.rig.reading.lists import (
     OFFSET_LISTS,
@@ -336,6 +337,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
         settings.warnings = take_over(channel, axes)
         settings.notes = inert_notes(rig, channel, axes)
         settings.notes += assumed_notes(rig)
+        settings.notes += language_notes(rig, files)
         settings.notes += influence_notes(rig, files, axes)
         settings.notes += relation_notes(axes)
         settings.notes += stop_notes(axes)

@@ -66,6 +66,14 @@ class ChannelTable(Table):
 SIGNAL_KEYS = ("probe_1", "probe_2", "limit_negative", "limit_positive", "home_switch")
 PLANT_KEYS = ("plant", *SIGNAL_KEYS, "encoder_2")
 """Keys of an axis that name a plant."""
+
+
+class LanguageTable(Table):
+    """`[language]`: pass_over: published words that count for nothing (`#TIMER`, `G25`)."""
+
+    pass_over: Sequence[str] = ()
+
+
 LOAD = "load"  # encoder_2: an ideal scale at the load
 
 
@@ -186,6 +194,7 @@ class RigFile(Table):
     realtime: RealtimeTable = RealtimeTable()
     distance: DistanceTable = DistanceTable()
     channel: ChannelTable
+    language: LanguageTable = LanguageTable()
     segment: dict[Name, Segment]
     drive: dict[Name, Drive]
     axis: dict[Name, AxisTable]
@@ -291,6 +300,7 @@ def _known_keys(keys: tuple[str, ...], table: dict[str, Any]) -> list[str]:
     named = {
         "axis": AxisTable, "plant": PlantTable, "cycle": CycleTable, "channel": ChannelTable,
         "realtime": RealtimeTable, "distance": DistanceTable, "plc": PlcSensorTable,
+        "language": LanguageTable,
     }  # fmt: skip
     by_word = {"segment": segment_table, "drive": drive_table}
     if keys[2:3] == ("map",):

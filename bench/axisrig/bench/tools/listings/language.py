@@ -5,6 +5,7 @@ from importlib import resources
 
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc.text.errata import errata
+from axisrig.kernel.nc.text.published import published
 from axisrig.kernel.nc.text.values import RANKS
 from axisrig.kernel.nc.text.words import Keyword, commands, examples, forms, variables, words
 
@@ -70,6 +71,9 @@ def language_listing(word: str | None = None) -> str:
     return "\n".join(told)
 
 
+_MAY_PASS = "; may be passed over"
+
+
 def _line(name: str, acts: bool, meaning: str) -> str:
     return f"{name:<32} {'' if acts else '(-) '}{meaning}"
 
@@ -82,6 +86,8 @@ def _lines() -> Iterable[tuple[str, bool, str]]:
         yield _shown(name), table[""].acts, table[""].meaning
     for row in variables():
         yield row.name, row.acts, row.meaning
+    for name, known in published().items():
+        yield name, False, known.meaning + (_MAY_PASS if known.passed_over else "")
 
 
 def _shown(command: str) -> str:
@@ -133,6 +139,9 @@ def page() -> str:
     parts += ["\n## Variables\n\n", _table(("variable", "unit", "meaning", "acts", "source"), [
         (f"`{row.name}`", row.unit, row.meaning, _yes(row.acts), row.source) for row in variables()
     ])]  # fmt: skip
+    parts += [_PUBLISHED, _table(("word", "meaning", "passed over, since", "source"), [
+        (f"`{word}`", row.meaning, row.passed_over, row.source) for word, row in published().items()
+    ])]  # fmt: skip
     parts += [_ERRATA, _table(("printed", "meant", "how", "where", "reason"), [
         (f"`{row.printed}`", f"`{row.meant}`", row.treatment, row.place, row.reason)
         for row in errata()
@@ -147,6 +156,15 @@ def page() -> str:
     return "".join(parts)
 
 
+_PUBLISHED = """
+## Published words that do not act
+
+The maker of the kernel publishes these words too. A block with one is read, its values count for
+nothing, and the program ends with 900100 if it gets there. Where the third column has a reason, a
+rig may say `pass_over = ["#TIMER"]` in `[language]`: the word then counts for nothing, and every
+run says so. `inferred`: what it is for was concluded from its name.
+
+"""
 _ERRATA = """
 ## Errata of the printed manuals
 

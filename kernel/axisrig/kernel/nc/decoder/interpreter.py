@@ -1,6 +1,6 @@
 """Decodes a checked program: blocks in, commands of `canon` out."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from axisrig.kernel.errors import Alarm, UserError
@@ -17,7 +17,7 @@ from axisrig.kernel.nc.decoder.base.waiting import Waiting
 from axisrig.kernel.nc.decoder.topics import circles, measuring, motion, technology
 from axisrig.kernel.nc.decoder.variables import external as external_variables
 from axisrig.kernel.nc.decoder.variables import own
-from axisrig.kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
+from axisrig.kernel.nc.syntax import Command, NotActing, Program, ProgramBlock, Statement, Words
 from axisrig.kernel.nc.text.parser import read_text
 from axisrig.kernel.nc.text.source import Source
 from axisrig.kernel.nc.text.words import words as known_words
@@ -93,6 +93,10 @@ class Interpreter:
         self._waiting = self._context.part(Waiting)
         self._waiting.is_constant = plc_is_constant
 
+    def pass_over(self, words: Iterable[str]) -> None:
+        """Let published words count for nothing (`#TIMER`, `G25`), before the program begins."""
+        self._context.passed_over = frozenset(words)
+
     def commands(self) -> Iterator[canon.Command]:
         """Yield the commands of the program, `EndOfProgram` last.
 
@@ -133,11 +137,11 @@ def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
 
 def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
     block, statement = part.block, part.statement
-    if part.not_acting and not _refuses_itself(part):
-        first = part.not_acting[0]
-        raise context.not_acting(block, first.word, first.what)
-    if statement is None:
-        return
+    ending = [word for word in part.not_acting if word.word not in context.passed_over]
+    if ending and not _refuses_itself(statement, ending[0]):
+        raise context.not_acting(block, ending[0].word, ending[0].what)
+    if statement is None or (part.not_acting and isinstance(statement, Command)):
+        return  # a command that is passed over is a whole block
     frame = context.flow.frame
     waits = frame.routine.waits.get(frame.place)
     if waits is None:
@@ -155,9 +159,9 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
     yield from commands
 
 
-def _refuses_itself(part: ProgramBlock) -> bool:
+def _refuses_itself(statement: Statement | None, word: NotActing) -> bool:
     """Whether a word that does not act has a handler, which can say more exactly what it is."""
-    return isinstance(part.statement, Words) and part.not_acting[0].word in technology.SPINDLE
+    return isinstance(statement, Words) and word.word in technology.SPINDLE
 
 
 def _decode_statement(
@@ -176,7 +180,7 @@ def _decode_statement(
 
 def _decode_words(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     yield from axes.before_block(context, block, words)
-    functions = (*words.g, *words.m)
+    functions = [word for word in (*words.g, *words.m) if word not in context.passed_over]
     for function in functions:
         if function in registry.SETTINGS:
             yield from registry.SETTINGS[function](context, block, words)

@@ -29,6 +29,7 @@ from axisrig.kernel.nc.syntax import (
 from axisrig.kernel.nc.text import nodes
 from axisrig.kernel.nc.text.commands import axis_command, cycle_call, hash_command
 from axisrig.kernel.nc.text.controls import ControlBuilder
+from axisrig.kernel.nc.text.published import published_g
 from axisrig.kernel.nc.text.values import Part
 from axisrig.kernel.nc.text.words import Word, words
 
@@ -169,6 +170,9 @@ class Builder(ControlBuilder):
 
     def _items(self, items: Sequence[Any]) -> Iterator[Statement]:
         found = _Gathered()
+        if any(map(_is_published, items)):
+            yield self._published(items)
+            return
         for item in items:
             if isinstance(item, nodes.Word):
                 self._word(found, item)
@@ -194,6 +198,18 @@ class Builder(ControlBuilder):
                 hint="only G310 and G210 jump when their motion ends by the signal",
             )
         yield Goto(found.goto) if jumps_only and found.goto else words_of_block
+
+    def _published(self, items: Sequence[Any]) -> Words:
+        """Make a block that ends the program at a published G function, without its values."""
+        names = []
+        for item in items:
+            if isinstance(item, nodes.Word) and (name := _g_name(item)) is not None:
+                names.append(name)
+                if (row := published_g().get(name)) is not None:
+                    self.note(name, row.meaning, item.offset)
+                elif item.address == "G":
+                    self._function(item)
+        return Words(tuple(names))
 
     def _word(self, found: _Gathered, item: nodes.Word) -> None:
         if item.address in ("G", "M"):
@@ -310,8 +326,12 @@ class Builder(ControlBuilder):
         if word is None and item.address == "M":
             # Every other number goes to the PLC side as it is (P-CHAN-00041)
             return Word(name, "M", "", True, "", "")
+        if word is None and (row := published_g().get(name)) is not None:
+            self.note(name, row.meaning, item.offset)
+            return Word(name, "G", "", False, row.source, row.meaning)
         if word is None:
-            raise self.unknown(f"{item.address} function", name, item.offset, words(item.address))
+            names = [*words(item.address), *(published_g() if item.address == "G" else ())]
+            raise self.unknown(f"{item.address} function", name, item.offset, names)
         if name in VALUED:
             what, written = VALUED[name]
             raise self.source.error(f"{name} needs a {what}", item.offset, allowed=written)
@@ -358,6 +378,20 @@ class Builder(ControlBuilder):
                     allowed=f"one word of the group '{word.group}'",
                 )
             by_group[word.group] = word
+
+
+def _g_name(item: nodes.Word) -> str | None:
+    """Give the G function that a word is, `G128` of `G128 = 70` too; None for another word."""
+    if item.address == "G" and isinstance(item.value, str) and item.value.isdigit():
+        return f"G{item.value.lstrip('0') or '0'}"
+    return item.address if item.assigned and item.address in published_g() else None
+
+
+def _is_published(item: Any) -> bool:
+    """Whether an item of a block is a G function that can only end the program."""
+    name = _g_name(item) if isinstance(item, nodes.Word) else None
+    row = None if name is None else published_g().get(name)
+    return row is not None and not row.passed_over
 
 
 _ITEMS = (nodes.Word, nodes.Opened, nodes.Setting, nodes.Jump, nodes.Lone)

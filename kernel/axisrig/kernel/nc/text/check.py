@@ -1,14 +1,15 @@
 """Reads a program without running it: everything that is wrong, and the notes beside it."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.nc.syntax import Program, ProgramBlock
+from axisrig.kernel.nc.syntax import NotActing, Program, ProgramBlock
 from axisrig.kernel.nc.text.constants import ending_words
 from axisrig.kernel.nc.text.parser import Reading
+from axisrig.kernel.nc.text.published import published
 
 # DIN 66025: the letters of axes
 USUAL_AXES = ("X", "Y", "Z", "A", "B", "C", "U", "V", "W")
@@ -41,8 +42,10 @@ class Checked:
     program: Program
 
 
-def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Checked:
-    """Read a whole program for a rig with these axes."""
+def check_program(
+    text: str, file: str | Path | None, axes: Sequence[str], passed_over: Collection[str] = ()
+) -> Checked:
+    """Read a whole program for a rig with these axes, which passes over these published words."""
     reading = Reading(text, file, axes)
     reading.run()
     program = reading.program()
@@ -52,12 +55,21 @@ def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Ch
     notes = {Note(line, column, remark) for remark, line, column in reading.remarks}
     for part in parts:
         for word in part.not_acting:
-            text = f"{word.word} is in the manuals and does not act yet ({word.what})"
-            notes.add(Note(word.line, word.column, text))
-    for line, column, text in ending_words(parts, axes[0] if axes else ""):
-        notes.add(Note(line, column, f"a run ends here: {text}"))
+            notes.add(Note(word.line, word.column, _of_word(word, passed_over)))
+    for line, column, word_text in ending_words(parts, axes[0] if axes else ""):
+        notes.add(Note(line, column, f"a run ends here: {word_text}"))
     ordered = sorted(notes, key=lambda note: (note.line, note.column, note.text))
     return Checked(tuple(reading.errors), tuple(ordered), reading.block_count, program)
+
+
+def _of_word(word: NotActing, passed_over: Collection[str]) -> str:
+    row = published().get(word.word)
+    if word.word in passed_over and row is not None:
+        return f"{word.word} is passed over ({word.what}): {row.passed_over}"
+    text = f"{word.word} is in the manuals and does not act yet ({word.what})"
+    if row is not None and row.passed_over:
+        text += f'; [language] pass_over = ["{word.word}"] of a rig passes over it'
+    return text
 
 
 def axes_of(text: str) -> tuple[str, ...]:

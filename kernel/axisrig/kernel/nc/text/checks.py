@@ -283,7 +283,8 @@ def _distance(
     builder: ExpressionBuilder, command: Command, places: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     written = [keyword for keyword, _ in command.options]
-    distance.check(builder, f"#{command.name}", written, places, raw.offset)
+    shown, has_brackets = f"#{command.name}", bool(raw.brackets)
+    distance.check(builder, shown, written, places, raw.offset, has_brackets=has_brackets)
     return command
 
 

@@ -9,6 +9,7 @@ from axisrig.kernel.errors import Guess, UserError, nearest
 from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, SubprogramCall
 from axisrig.kernel.nc.text import checks, distance, nodes
 from axisrig.kernel.nc.text.keywords import Form, group, read
+from axisrig.kernel.nc.text.published import published
 from axisrig.kernel.nc.text.values import ExpressionBuilder
 from axisrig.kernel.nc.text.words import commands
 
@@ -125,14 +126,15 @@ def _split_name(words: Sequence[str]) -> tuple[str | None, int]:
 
 
 def _nearest(name: str) -> Guess:
-    known = [other for other in commands() if not other.startswith((_AXIS, "L "))]
-    return nearest(name, known)
+    names = [other for other in commands() if not other.startswith((_AXIS, "L "))]
+    names += [word[1:] for word in published() if word[0] == "#"]
+    return nearest(name, names)
 
 
 def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> UserError:
-    close = _nearest(name)
     first = name.partition(" ")[0]
     same = [f"#{other}" for other in commands() if other.partition(" ")[0] == first]
+    close = [] if same and name == first else _nearest(name)
     hint = f"nearest: {', '.join('#' + other for other in close)}" if close else None
     return builder.source.error(
         "unknown # command",

@@ -35,10 +35,14 @@ def check(
     written: Sequence[str],
     places: Mapping[str, int],
     offset: int,
+    *,
+    has_brackets: bool = True,
 ) -> None:
     """Raise UserError for keywords that exclude each other.
 
     shown: the command as messages name it. written: its keywords in order; places: where they are.
+    has_brackets: `#DIST CTRL []` sets no parameter, which is one of its printed forms; a command
+    without brackets and words is none.
     """
 
     def wrong(message: str, word: str, allowed: object) -> UserError:
@@ -59,5 +63,5 @@ def check(
     for pair in SPELLINGS:
         if set(pair) <= set(written):
             raise wrong(f"{pair[0]} and {pair[1]} of {shown} are the same", pair[1], pair[0])
-    if not written and not is_of_axis:
+    if not written and not (is_of_axis or has_brackets):
         raise builder.source.error(f"{shown} says nothing", offset, allowed=ACTIONS)

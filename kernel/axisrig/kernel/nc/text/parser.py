@@ -26,6 +26,7 @@ from axisrig.kernel.nc.syntax import (
 from axisrig.kernel.nc.text import nodes, shapes
 from axisrig.kernel.nc.text.builder import Builder
 from axisrig.kernel.nc.text.errata import meant_in
+from axisrig.kernel.nc.text.published import published_command
 from axisrig.kernel.nc.text.shapes import Shapes
 from axisrig.kernel.nc.text.source import Source
 from axisrig.kernel.nc.text.stored_grammar import stored_grammar
@@ -227,6 +228,8 @@ class Reading:
         builder.begin = begin
         builder.not_acting.clear()
         declares = self._declares_since is not None and "#" not in source.code[begin:end]
+        found = published_command(source.code, begin, end)
+        end = end if found is None else found[1]  # what follows it means nothing here
         try:
             start = "declaration" if declares else "block"
             built: Any = self._grammar.parse(source.code[begin:end], start=start)
@@ -238,6 +241,9 @@ class Reading:
             raise with_hint(error, source.text[begin:end], typo) from None
         head: nodes.Head = built[0]
         statements: tuple[Statement, ...] = built[1]
+        if found is not None:
+            builder.note(found[0].word, found[0].meaning, found[1])
+            statements = (*statements, Command(found[0].word[1:]))
         if head.placeholder is not None:
             builder.remark("Nxx read as a block without number", head.placeholder)
         return head, statements

@@ -123,7 +123,8 @@ class Context:
 
     external: values of `V.E.<name>` by name, those of the moment. default_measuring_type:
     P-CHAN-00057. flow: the open calls. tables: zero offsets and tools as the rig has them; the
-    program works on copies. ends: set by the block that ends the program.
+    program works on copies. ends: set by the block that ends the program. passed_over: published
+    words that count for nothing (`#TIMER`, `G25`).
     """
 
     def __init__(
@@ -147,6 +148,7 @@ class Context:
         self.tools = self.tables.tools.copy()
         self.flow = flow
         self.ends = False
+        self.passed_over: frozenset[str] = frozenset()
         self._variables = variables
         self._parts: dict[type, object] = {}
 
