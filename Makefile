@@ -23,7 +23,7 @@ BY_COMPILED := tests/bus tests/distance tests/machine tests/stepping tests/study
 test test-rest: export PYTHONDONTWRITEBYTECODE :=
 test test-rest: export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo demo-all test test-rest test-all lint docs sample-report fast wheelhouse clean needs
+.PHONY: demo demo-all test test-rest test-all lint docs sample-report fast wheel wheelhouse clean needs
 
 demo: $(STAMP)
 	@$(BIN)/axisrig demo --fresh -j $(JOBS)
@@ -85,6 +85,13 @@ $(FAST_STAMP): $(STAMP) kernel/compile_hook.py $(shell find kernel bench fmus re
 	@$(FAST)/bin/python -m pip install --quiet --no-compile --disable-pip-version-check $(OFFLINE) "$$(ls $(CURDIR)/out/wheel/*.whl)[$(EXTRAS)]"
 	@$(FAST)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall out/wheel/*.whl
 	@touch $(FAST_STAMP)
+
+# For others: compiled, with the FMUs of all models inside, for every Linux with glibc 2.28
+wheel: $(STAMP)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[dev,cc]' auditwheel
+	@rm -rf out/dist; mkdir -p out
+	@AXISRIG_COMPILE=1 AXISRIG_SHIP=1 $(BIN)/python -m hatchling build -t wheel -d out/dist >out/wheel.log 2>&1 || { tail -n 30 out/wheel.log; exit 1; }
+	@$(BIN)/python -m auditwheel show out/dist/*.whl
 
 wheelhouse: | needs
 	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables 'setuptools<81' wheel '.[dev,cc,docs]'

@@ -5,10 +5,16 @@ each module, as black and mypy ship. The scheduler and the line of a bus are wri
 each an extension of its own. The sources stay in the wheel; without the variable, and for an
 editable installation, nothing is compiled and everything works the same, only slower.
 
+With `AXISRIG_SHIP=1` as well the wheel is for others: the FMUs of all shipped models are inside,
+with the keys of their sources, and zig links against glibc 2.28, so that it runs on every
+manylinux_2_28. Both need the packages of `make wheel` in the environment that builds.
+
 `pyproject.toml` names what is compiled.
 """
 
+import json
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +22,10 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 GROUP = "axisrig.kernel._compiled"
 VARIABLE = "AXISRIG_COMPILE"
+SHIP = "AXISRIG_SHIP"
+GLIBC = "2.28"
+LINKER = f"{sys.executable} -m ziglang cc -shared -target x86_64-linux-gnu.{GLIBC}"
+TAG = "cp{0.major}{0.minor}-cp{0.major}{0.minor}-manylinux_{1}_x86_64"
 
 
 def compiled_modules(root: Path, config: dict[str, Any]) -> list[str]:
@@ -57,6 +67,25 @@ def native_extensions(config: dict[str, Any]) -> list[Any]:
     return extensions
 
 
+def shipped_fmus(root: Path) -> dict[str, str]:
+    """Build the FMUs of the library by zig; return each file and its place in the wheel.
+
+    With them goes `keys.json`: for each model its file, the key of its sources, and its hash.
+    """
+    from axisrig.fmus.build import MODELS, build, source_key  # noqa: PLC0415  needs rumoca
+    from axisrig.fmus.shipped import KEYS, sha256_of  # noqa: PLC0415  as above
+
+    folder = root / "out" / "shipped"
+    rows = {}
+    for model in MODELS:
+        path = build(model, folder / f"{model.rpartition('.')[2]}.fmu", compiler="zig")
+        rows[model] = {"file": path.name, "key": source_key(model), "sha256": sha256_of(path)}
+    keys = folder / KEYS
+    keys.write_text(json.dumps(rows, indent=1), encoding="utf-8")
+    names = [row["file"] for row in rows.values()]
+    return {str(folder / name): f"axisrig/fmus/shipped/{name}" for name in (*names, KEYS)}
+
+
 class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
     """Adds the extensions to a wheel and gives it the tag of this platform."""
 
@@ -77,6 +106,11 @@ class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
         root = Path(self.root)
         build_data["pure_python"] = False
         build_data["infer_tag"] = True
+        if os.environ.get(SHIP) == "1":
+            build_data["infer_tag"] = False
+            build_data["tag"] = TAG.format(sys.version_info, GLIBC.replace(".", "_"))
+            os.environ["LDSHARED"] = LINKER
+            build_data["force_include"] |= shipped_fmus(root)
         build_data["force_include"] |= self._build(compiled_modules(root, self.config), root)
 
     def _build(self, modules: list[str], root: Path) -> dict[str, str]:

@@ -8,6 +8,7 @@ from axisrig.fmus.build import (
     ensure_own_built,
     is_ours,
     place_in_cache,
+    shipped_fmu,
 )
 from axisrig.fmus.compiler import COMPILERS, PLATFORMS, this_platform
 from axisrig.fmus.reading.errors import BuildError
@@ -23,5 +24,6 @@ __all__ = [
     "ensure_own_built",
     "is_ours",
     "place_in_cache",
+    "shipped_fmu",
     "this_platform",
 ]

@@ -34,6 +34,7 @@ from axisrig.fmus.compiler import (
 from axisrig.fmus.openmodelica import build_with_omc, omc_identity
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
+from axisrig.fmus.shipped import Shipped, is_whole, sha256_of, shipped
 from axisrig.fmus.sources import Stamp, files_below, files_named, hash_of
 from axisrig.fmus.watching import building
 
@@ -72,6 +73,7 @@ HEADERS: Mapping[str, tuple[str, ...]] = {
     "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
     "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
 }
+NO_RUMOCA = "the Modelica compiler rumoca is not installed: pip install 'axisrig[models]'"
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 _BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiBuildDescription fmiVersion="3.0">
@@ -93,6 +95,7 @@ def ensure_built(
 ) -> Path:
     """The FMU of one of `MODELS` from the cache; built when the cache has none, or a damaged one.
 
+    With nothing but its name asked for, the one that came with the wheel serves (`shipped.py`).
     Arguments as `place_in_cache`. Raises BuildError when the model cannot be built.
     """
     path = place_in_cache(model, cache_dir, fmi, platforms, compiler)
@@ -129,13 +132,17 @@ def is_ours(path: Path, cache_dir: Path | None = None) -> bool:
 
     The place does not matter: the cache keeps the hash of each one. cache_dir: as `place_in_cache`.
     """
-    return path.is_file() and _record(path, _cache(cache_dir)).is_file()
+    if not path.is_file():
+        return False
+    digest = sha256_of(path)
+    if any(one.sha256 == digest for one in shipped().values()):
+        return True
+    return (_cache(cache_dir) / "sha256" / digest).is_file()
 
 
 def _record(path: Path, folder: Path) -> Path:
     """The file in a cache that says: an FMU with these bytes was built."""
-    with path.open("rb") as file:
-        return folder / "sha256" / hashlib.file_digest(file, "sha256").hexdigest()
+    return folder / "sha256" / sha256_of(path)
 
 
 def _cache(cache_dir: Path | None) -> Path:
@@ -155,12 +162,24 @@ def place_in_cache(
     cache_dir: default is the folder `fmus` in the user's cache folder of axisrig. fmi: version of
     the standard, "3.0" or "2.0". platforms: words of FMI 3.0 such as x86_64-linux, by default this
     one. compiler: "cc", "zig" or "omc"; by default the system's cc, and zig for other platforms.
+    With defaults alone it is the shipped one, where there is one of these sources.
     Raises BuildError when the model or an option is not known.
     """
     if model not in MODELS:
         raise BuildError(None, None, f"no model {model}; there are {', '.join(MODELS)}")
+    one = shipped_fmu(model) if (cache_dir, fmi, compiler) == (None, "3.0", None) else None
+    if one is not None and not platforms:
+        return one.path
     key = cache_key(model, fmi=fmi, platforms=platforms, compiler=compiler)
     return _cache(cache_dir) / f"{model.rsplit('.', 1)[-1]}-{key[:24]}.fmu"
+
+
+def shipped_fmu(model: str) -> Shipped | None:
+    """Return the FMU of a model that came with the wheel; None where it is of other sources."""
+    one = shipped().get(model)
+    if one is None or one.key != source_key(model) or not is_whole(one):
+        return None
+    return one
 
 
 def build(
@@ -189,6 +208,8 @@ def build(
         return build_with_omc(model, path, library, fmi)
     chosen = compiler_for(targets, compiler)
     # What builds is loaded where it builds: most runs find their FMUs in the cache
+    if importlib.util.find_spec("rumoca") is None:
+        raise BuildError(None, None, NO_RUMOCA)
     from axisrig.fmus.reading.ir import compile_model
     from axisrig.fmus.writing.generate import generate
 
@@ -339,12 +360,30 @@ def cache_key(
         "platforms": " ".join(target.name for target in targets).encode(),
         "library": library.name.encode() + hash_of(_models(library)),
         "roots": b"".join(hash_of(_models(root)) for root in _roots(library)),
-        "exporter": hash_of(files_below(Path(__file__).parent, (".py", ".csv"))),
-        "version": _version().encode(),
-        "target": hash_of(files_below(TARGET, ("",))),
+        **_exporter(),
         "headers": hash_of(files_named(_headers(fmi))),
     }
     return _digest(parts)
+
+
+def source_key(model: str) -> str:
+    """sha256 over the sources that the shipped FMU of a model depends on, without the tools."""
+    parts = {
+        "model": model.encode(),
+        "step": repr(_step_s(model, None)).encode(),
+        "platform": this_platform().name.encode(),
+        "library": hash_of(_models(LIBRARY)),
+        **_exporter(),
+    }
+    return _digest(parts)
+
+
+def _exporter() -> dict[str, bytes]:
+    return {
+        "exporter": hash_of(files_below(Path(__file__).parent, (".py", ".csv"))),
+        "version": _version().encode(),
+        "target": hash_of(files_below(TARGET, ("",))),
+    }
 
 
 def _roots(library: Path) -> tuple[Path, ...]:
@@ -365,7 +404,11 @@ def _version() -> str:
 
 @cache
 def _rumoca() -> str:
-    return importlib.metadata.version("rumoca")
+    """The version of the Modelica compiler; empty without one."""
+    try:
+        return importlib.metadata.version("rumoca")
+    except importlib.metadata.PackageNotFoundError:
+        return ""
 
 
 def _digest(parts: Mapping[str, bytes]) -> str:

@@ -11,6 +11,8 @@ from pathlib import Path
 from axisrig.kernel.time import clock
 
 _MADE = frozenset({".pyc", ".so", ".pyd"})
+# FMUs that only a wheel has
+_SHIPPED = "fmus/shipped/"
 # The wheel has it from the documents; a checkout keeps it there
 _FROM_DOCUMENTS = "axisrig/reports/glossary.csv"
 
@@ -42,7 +44,9 @@ def hash_of_sources(roots: list[Path]) -> str:
     for root in roots:
         for path in root.rglob("*"):
             if path.suffix not in _MADE and path.is_file():
-                files[f"axisrig/{path.relative_to(root).as_posix()}"] = path
+                name = path.relative_to(root).as_posix()
+                if not name.startswith(_SHIPPED):
+                    files[f"axisrig/{name}"] = path
     files.pop(_FROM_DOCUMENTS, None)
     whole = hashlib.sha256()
     for name, path in sorted(files.items()):

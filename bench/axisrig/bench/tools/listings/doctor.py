@@ -11,10 +11,10 @@ import platformdirs
 
 from axisrig.bench.bus.can.hardware import SIMULATED, interface_names, known_interfaces, usable
 from axisrig.bench.campaign.leftovers import leftovers
-from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
-from axisrig.fmus import MODELS, BuildError, ensure_built, is_ours, place_in_cache
+from axisrig.bench.campaign.results.build_info import build_word, is_compiled, sources_sha256
+from axisrig.fmus import MODELS, BuildError, ensure_built, is_ours, place_in_cache, shipped_fmu
 
-PACKAGES = ("rumoca", "fmpy", "python-can", "canopen", "numpy", "scipy", "pandas", "pyarrow")
+PACKAGES = ("fmpy", "python-can", "canopen", "numpy", "scipy", "pandas", "pyarrow")
 
 
 LACK = "LACKS "
@@ -29,12 +29,18 @@ def examine(*, is_building: bool = False) -> Iterator[str]:
     """
     yield f"Python {platform.python_version()} on {platform.platform()}"
     yield f"info  axisrig runs {build_word()}, sources {sources_sha256()}"
+    if not is_compiled():
+        yield (
+            "info  that is the slower build, for work on axisrig itself: the wheel of `make wheel`,"
+            " and `make fast`, run the same plans compiled (docs/performance.md)"
+        )
     for name in PACKAGES:
         try:
             yield f"ok    {name} {metadata.version(name)}"
         except metadata.PackageNotFoundError:
             yield f"{LACK}{name}: pip install axisrig brings it"
-    yield from _compilers()
+    has_all = all(shipped_fmu(model) is not None for model in MODELS)
+    yield from _compilers(is_needed=not has_all)
     cache = Path(platformdirs.user_cache_dir("axisrig"))
     yield f"info  built FMUs are in {cache / 'fmus'}"
     yield from _models(is_building=is_building)
@@ -50,7 +56,9 @@ def _models(*, is_building: bool) -> Iterator[str]:
         try:
             path = ensure_built(model) if is_building else place_in_cache(model)
             if is_building or is_ours(path):
-                yield f"ok    {model}: {path.name}"
+                one = shipped_fmu(model)
+                came = ", shipped" if one is not None and one.path == path else ""
+                yield f"ok    {model}: {path.name}{came}"
             else:
                 missing += 1
                 yield f"info  {model}: not built; that is done where a run needs it"
@@ -78,10 +86,15 @@ def _interfaces() -> list[str]:
     return lines
 
 
-def _compilers() -> list[str]:
-    """What can build FMUs."""
+def _compilers(*, is_needed: bool) -> list[str]:
+    """What can build FMUs. is_needed: not all FMUs of the library came with the installation."""
     cc, omc, has_zig = shutil.which("cc"), shutil.which("omc"), bool(find_spec("ziglang"))
+    lack = LACK.strip() if is_needed else "info "
     lines = []
+    try:
+        lines.append(f"ok    rumoca {metadata.version('rumoca')}")
+    except metadata.PackageNotFoundError:
+        lines.append(f"{lack} rumoca, for models of your own: pip install 'axisrig[models]'")
     if cc:
         lines.append(f"ok    C compiler {cc}")
     if has_zig:
@@ -90,8 +103,8 @@ def _compilers() -> list[str]:
     else:
         pip = "pip install 'axisrig[cc]'"
         need = "" if cc else "install a system cc, or "
-        word = "info " if cc else LACK.strip()
-        what = "FMUs for other platforms need ziglang" if cc else "C compiler"
+        word = "info " if cc else lack
+        what = "FMUs for other platforms need ziglang" if cc else "C compiler, for models"
         lines.append(f"{word} {what}: {need}{pip}")
     if omc:
         lines.append(f"info  OpenModelica {omc} (fmu build --compiler omc)")
