@@ -1,4 +1,4 @@
-# Wraps what works by hand on any platform: python -m venv .venv; pip install -e .; axisrig demo
+# Wraps what works by hand on any platform: python -m venv .venv; pip install -e '.[models]'; axisrig demo
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
