@@ -193,7 +193,7 @@ def test_one_compiler_is_enough(
         monkeypatch.setattr(doctor, "shutil", SimpleNamespace(which=here.get))
         monkeypatch.setattr(doctor, "find_spec", lambda _: zig or None)
         monkeypatch.setattr(doctor, "metadata", SimpleNamespace(version=lambda _: "1.2"))
-        lines = doctor._compilers()
+        lines = doctor._compilers(is_needed=True)
         assert any(line.startswith(doctor.LACK) for line in lines) is not is_well
         also = ["info  OpenModelica /bin/omc (fmu build --compiler omc)"] if omc else []
         assert len(lines) == len(begins) + len(also)
@@ -234,14 +234,14 @@ def test_a_part_that_is_missing_is_named_and_leftovers_are_no_lack(
 
     monkeypatch.setattr(doctor.metadata, "version", version)
     monkeypatch.setattr(doctor, "ensure_built", built)
-    monkeypatch.setattr(doctor, "_compilers", lambda: ["ok    C compiler"])
+    monkeypatch.setattr(doctor, "_compilers", lambda *, is_needed: ["ok    C compiler"])
     monkeypatch.setattr(doctor, "_interfaces", lambda: ["ok    CAN interface"])
     monkeypatch.setattr(doctor, "leftovers", lambda: ["an older one"])
     lines = list(doctor.examine(is_building=True))
     assert sum(line.startswith(doctor.LACK) for line in lines) == bool(lack)
     assert {"ok    C compiler", "ok    CAN interface", "OLD   an older one"} <= set(lines)
     assert len([line for line in lines if line.startswith("ok    ")]) == (
-        2 + len(doctor.PACKAGES) + len(doctor.MODELS) - bool(lack)
+        3 + len(doctor.PACKAGES) + len(doctor.MODELS) - bool(lack)
     )
 
 

@@ -40,6 +40,7 @@ def examine(*, is_building: bool = False) -> Iterator[str]:
         except metadata.PackageNotFoundError:
             yield f"{LACK}{name}: pip install axisrig brings it"
     has_all = all(shipped_fmu(model) is not None for model in MODELS)
+    yield _modelica(is_needed=not has_all)
     yield from _compilers(is_needed=not has_all)
     cache = Path(platformdirs.user_cache_dir("axisrig"))
     yield f"info  built FMUs are in {cache / 'fmus'}"
@@ -86,15 +87,20 @@ def _interfaces() -> list[str]:
     return lines
 
 
+def _modelica(*, is_needed: bool) -> str:
+    """Say whether models can be translated; is_needed as `_compilers`."""
+    try:
+        return f"ok    rumoca {metadata.version('rumoca')}"
+    except metadata.PackageNotFoundError:
+        word = LACK.strip() if is_needed else "info "
+        return f"{word} rumoca, for models: pip install 'axisrig[models]'"
+
+
 def _compilers(*, is_needed: bool) -> list[str]:
     """What can build FMUs. is_needed: not all FMUs of the library came with the installation."""
     cc, omc, has_zig = shutil.which("cc"), shutil.which("omc"), bool(find_spec("ziglang"))
     lack = LACK.strip() if is_needed else "info "
     lines = []
-    try:
-        lines.append(f"ok    rumoca {metadata.version('rumoca')}")
-    except metadata.PackageNotFoundError:
-        lines.append(f"{lack} rumoca, for models of your own: pip install 'axisrig[models]'")
     if cc:
         lines.append(f"ok    C compiler {cc}")
     if has_zig:
