@@ -29,11 +29,16 @@ def test_the_project_has_all_that_its_plan_names(place: Path, axisrig: Call) -> 
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("model", ["AxisRig.Drives.ServoAxis", "mo/MyAxis.mo"])
 def test_its_first_campaign_passes(
-    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch, model: str
 ) -> None:
+    """With the model of the library, which is built already, and with the one of its own."""
     axisrig("new", "bench")
     monkeypatch.chdir(place / "bench")
+    rig = Path("testplans/rigs/bench.toml")
+    text = rig.read_text(encoding="utf-8")
+    rig.write_text(text.replace("AxisRig.Drives.ServoAxis", model), encoding="utf-8")
     code, out, _ = axisrig("run", "testplans/touch.csv")
     assert code == 0, out
     assert (place / "bench" / "out" / "touch" / "report.html").is_file()

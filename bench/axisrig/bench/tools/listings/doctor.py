@@ -110,7 +110,7 @@ def _compilers(*, is_needed: bool) -> list[str]:
         pip = "pip install 'axisrig[cc]'"
         need = "" if cc else "install a system cc, or "
         word = "info " if cc else lack
-        what = "FMUs for other platforms need ziglang" if cc else "C compiler, for models"
+        what = "FMUs for other platforms need ziglang" if cc else "C compiler"
         lines.append(f"{word} {what}: {need}{pip}")
     if omc:
         lines.append(f"info  OpenModelica {omc} (fmu build --compiler omc)")
