@@ -252,3 +252,13 @@ def test_a_drive_profile_may_take_fewer_option_codes(
         with pytest.raises(SdoAbortedError) as caught:
             sdo[0x605A].raw = code
         assert caught.value.code == 0x06090030
+
+
+@pytest.mark.parametrize("state", STANDARD)
+def test_power_off_and_on_are_the_transitions_0_and_1_from_every_state(state: str) -> None:
+    entered: list[State] = []
+    machine, _ = machine_in(state, 0, entered.append)
+    entered.clear()
+    machine.reset()
+    begins = [] if state == "NOT_READY_TO_SWITCH_ON" else [State.NOT_READY_TO_SWITCH_ON]
+    assert entered == [*begins, State.SWITCH_ON_DISABLED]

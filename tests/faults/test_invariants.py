@@ -129,6 +129,8 @@ def offset(
 
 BLIND = [-2.0] * 50 + [0.0] * 50
 """Sensor values: none that the lists allow from row 50 on."""
+RUNS_OUT = [1.0] * 48 + [3.0] * 52
+"""States: active, and switched off two rows before."""
 
 
 def held_from(speed_mm_s: float) -> Left:
@@ -244,11 +246,21 @@ HOLDS_AND_BREAKS: list[tuple[str, Left, Left]] = [
     ("deviation", offset([-0.5] * 100), offset([-0.501] * 100)),
     ("blind", offset(braking(1000.0), BLIND), offset(braking(200.0), BLIND)),
     ("blind", offset(braking(0.0)), offset(braking(0.0), BLIND)),
+    (
+        "blind",
+        offset(braking(0.0), BLIND, RUNS_OUT),
+        offset(braking(0.0), BLIND, [*RUNS_OUT[:75], *[1.0] * 25]),
+    ),
     ("states", left(), left(channel=("STARTING", "RUNNING"))),
     (
         "states",
         left(drive=("SWITCH_ON_DISABLED", "READY_TO_SWITCH_ON", "FAULT_REACTION_ACTIVE", "FAULT")),
         left(drive=("SWITCH_ON_DISABLED", "OPERATION_ENABLED")),
+    ),
+    (
+        "states",  # a power loss is the edges 0 and 1, whatever the state before
+        left(drive=("FAULT_REACTION_ACTIVE", "NOT_READY_TO_SWITCH_ON", "SWITCH_ON_DISABLED")),
+        left(drive=("FAULT_REACTION_ACTIVE", "SWITCH_ON_DISABLED")),
     ),
     (
         "states",

@@ -346,7 +346,10 @@ def deviation(left: Left) -> str:
 
 
 def blind(left: Left) -> str:
-    """Without a value that the lists allow the offset goes no further than its braking takes."""
+    """Without a value that the lists allow the offset goes no further than its braking takes.
+
+    What OFF runs out goes to 0 whatever the sensor shows: it is watched while a control follows it.
+    """
     period_s = left.facts.timing.period_ns / S
     for name, lists in offset_lists_of(left.facts).items():
         _, offset_mm = _led(left, name, "offset_mm")
@@ -354,7 +357,8 @@ def blind(left: Left) -> str:
         if not len(offset_mm) or not len(sensor_mm):
             continue
         valid = lists.allows(sensor_mm)
-        for begin, end in _stretches(~valid):
+        _, state = _led(left, name, "distance_state")
+        for begin, end in _stretches(~valid & (state != TURNING_OFF)):
             first = max(begin - 1, 0)
             v_mm_s = max(0.0, float(offset_mm[max(first - 1, 0)] - offset_mm[first])) / period_s
             allowed_mm = v_mm_s**2 / (2.0 * (lists.a_mm_s2 or np.inf)) + 2.0 * v_mm_s * period_s

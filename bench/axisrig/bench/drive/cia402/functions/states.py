@@ -68,7 +68,7 @@ class StateMachine:
     ) -> None:
         self._image, self._on_change = image, on_change
         self.state = automatic(State.NOT_READY_TO_SWITCH_ON)[0]
-        self.reset()
+        self._forget()
 
     def _enter(self, state: State) -> None:
         if state is self.state:
@@ -78,8 +78,12 @@ class StateMachine:
             self._on_change(state)
 
     def reset(self) -> None:
-        """Power on: transitions 0 and 1."""
+        """Power on: transitions 0 and 1, from any state."""
+        self._enter(State.NOT_READY_TO_SWITCH_ON)
         self._enter(automatic(State.NOT_READY_TO_SWITCH_ON)[0])
+        self._forget()
+
+    def _forget(self) -> None:
         self.waiting: int | None = None
         self.option = OPTIONS[0x605E, 0]
         self._controlword = 0
