@@ -163,6 +163,34 @@ def test_a_run_comes_to_its_feed_with_unequal_ramps(
         assert braking.stopped(state).end_mm - state.path_mm <= stroke_mm * (1.0 + 1e-6)
 
 
+@pytest.mark.parametrize(
+    ("up", "stop", "stroke_mm", "feed_mm_s", "reached_s"),
+    [
+        ((1634.66153946599, 0.053666106925506656, 0.05), (4191.977133733747, 0.01, 0.01),
+         1.5738167960197995, 95.47883446721802, 0.12),
+        ((4471.637319546247, 0.05, 0.05), (2258.3838497795537, 0.06715759424245989, 0.01),
+         5.12064435531733, 92.90146779735743, 0.3),
+    ],
+)  # fmt: skip
+def test_a_fall_of_sin2_does_not_go_on_in_short_parts(
+    up: tuple[float, float, float],
+    stop: tuple[float, float, float],
+    stroke_mm: float,
+    feed_mm_s: float,
+    reached_s: float,
+) -> None:
+    """Each part would begin slowly again: past the stroke by 0.15 %, or a second late.
+
+    Below 85 % of the feed that the stroke allows no run needs three times V/a and its own ramps.
+    """
+    rising, braking = (JerkSlope(*values, Shape.SIN2) for values in (up, stop))
+    path = rising.stopping_within(stroke_mm, braking).plan(1e5, feed_mm_s, rising.after(rising))
+    assert reached_s <= 3.0 * (feed_mm_s / up[0] + up[1] + up[2])
+    assert path.at(reached_s)[1] >= 0.99 * feed_mm_s
+    for state in states(path, reached_s, 400):
+        assert braking.stopped(state).end_mm - state.path_mm <= stroke_mm * (1.0 + 1e-6)
+
+
 @settings(max_examples=30, deadline=None)
 @given(cases())
 def test_every_run_comes_to_its_feed(

@@ -76,6 +76,30 @@ def test_the_terminal_gives_the_causes_of_what_is_not_good(
     assert causes == ([] if verdict in GOOD else [named])
 
 
+@pytest.mark.parametrize("verdict", [Verdict.ABORTED, Verdict.ERROR])
+def test_what_ended_a_run_comes_before_the_checks_that_it_left_open(
+    verdict: Verdict, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What was printed until then follows it; without an error the checks are the cause."""
+    for name in ("a.nc", "r.toml"):
+        (tmp_path / name).touch()
+    (tmp_path / "p.csv").write_text("case,program,rig\na,a.nc,r.toml\n", encoding="utf-8")
+    (case,) = read_plan(tmp_path / "p.csv").cases
+    open_check = parse_check("standstill_mm", "<= 2", "")
+    checks = [CheckResult(open_check, None, 0.0, Verdict.INCONCLUSIVE, "it never stood")]
+    result = CaseResult(case, verdict, checks, error="the plant broke", log=["a printed line"])
+    show_verdicts([result])
+    table, *causes = capsys.readouterr().out.split(f"{case.run}: ")
+    assert "the plant broke" in table
+    assert "standstill_mm" not in table
+    assert [cause.strip() for cause in causes] == ["the plant broke", "a printed line"]
+    result.error = None
+    show_verdicts([result])
+    table, *causes = capsys.readouterr().out.split(f"{case.run}: ")
+    assert "standstill_mm" in table
+    assert causes[0].startswith("inconclusive: standstill_mm")
+
+
 def test_a_search_counts_which_of_its_probes_hold() -> None:
     column = "search:plc:V.E.FEED"
     row = stored("p-a", Verdict.PASS, **{column: "1 .. 9 to 1", "runs": "6"})

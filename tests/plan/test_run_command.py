@@ -179,9 +179,12 @@ def test_rigs_that_are_foreign_run_apart_and_notes_of_plans_are_warnings(
     monkeypatch.setattr(campaign, "foreign_rigs", lambda rigs: {r for r in rigs if r.stem == "f"})
     cases = [case_of("a"), case_of("b", rig="f.toml"), case_of("c")]
     plan: Any = SimpleNamespace(path=Path("p.csv"), notes=["odd"], cases=cases)
-    apart, warnings = campaign._prepared([plan], cases[:2], False, 5.0, 3)
+    other: Any = SimpleNamespace(path=Path("q.csv"), notes=["even", "late"], cases=[])
+    heard: list[str] = []
+    how: tuple[Any, ...] = (False, 5.0, 3, campaign.Manner(), heard.extend)
+    apart, warnings = campaign._prepared([plan, other], cases[:2], *how)
     assert set(apart) == {Path("f.toml")}
-    assert warnings == ["of a cell", "p.csv: odd"]
+    assert warnings == heard == ["of a cell", "p.csv: odd", "q.csv: even", "q.csv: late"]
     assert (asked["call_limit_s"], asked["jobs"], asked["apart"]) == (5.0, 3, apart)
     assert [case.run for case in asked["beside"]] == ["c"]
     apart, _ = campaign._prepared([plan], cases, True, 5.0, 3)
