@@ -195,3 +195,29 @@ def test_nothing_moves_otherwise_because_of_it(channel_bench: Make, words: Any) 
         return bench.frames
 
     assert frames(True) == frames(False)
+
+
+def test_an_axis_that_only_moves_in_a_measuring_block_has_the_state_of_its_run(
+    channel_bench: Make, words: Any
+) -> None:
+    """X moves and is not asked, Z measures, Y does neither."""
+    bench = channel_bench(
+        *map(words.axis, "XY"), words.axis("Z", start_mm=20.0), plane_mm=15.0, bitrate=5_000_000
+    )
+    seen: dict[str, set[str | None]] = {axis: set() for axis in "XYZ"}
+
+    def look(channel: Any) -> None:
+        for axis, states in seen.items():
+            states.add(channel.measurement.state_of(axis))
+
+    bench.channel.observers.append(look)
+    target = {"X": 5.0, "Z": 10.0}
+    run = canon.MeasuringRun(
+        words.probe(1, 600.0, Z=0.0).block, target, ("X", "Z"), ("Z",), 600.0, 1
+    )
+    bench.run([run, words.wait(2), words.move(3, 600.0, Y=1.0), words.end()])
+    assert bench.alarm_ids == []
+    assert seen["Y"] == {None}
+    assert seen["X"] == seen["Z"]
+    assert len(seen["X"]) > 2
+    assert bench.channel.measurement.state_of("Z") is None

@@ -4,10 +4,13 @@ import csv
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from axisrig.bench.plan import assignment
+from axisrig.kernel.cosim.fmi import roles
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_fmu
 from axisrig.kernel.cosim.fmi.role_table import role_table
 from axisrig.kernel.cosim.fmi.roles import Source, guess_kind, map_roles
@@ -114,6 +117,31 @@ def test_number_without_unit_needs_one(switch: FmuSlave) -> None:
 
 def test_same_unit_twice_is_no_contradiction(table: FmuSlave) -> None:
     map_roles(table, "axis", {**AXIS, "position": Source("table.s", unit="mm")})
+
+
+@pytest.mark.parametrize(
+    ("types", "plain", "is_direct"),
+    [
+        (["Float64", "Float64"], True, True),
+        (["Real", "Real"], True, True),
+        (["Float32", "Float32"], True, False),  # four bytes each: no array of doubles is theirs
+        (["Float64", "Float32"], True, False),
+        (["Float64", "Int32"], True, False),
+        (["Float64", "Float64"], False, False),  # another unit
+    ],
+)
+def test_only_doubles_in_si_are_exchanged_as_they_are(
+    monkeypatch: pytest.MonkeyPatch, types: list[str], plain: bool, is_direct: bool
+) -> None:
+    monkeypatch.setattr(roles, "Exchange", lambda _slave, names: ("direct", names))
+    monkeypatch.setattr(roles, "ConvertedExchange", lambda _slave, bound: ("converted", bound))
+    names = [f"v{number}" for number, _ in enumerate(types)]
+    of_slave = {n: SimpleNamespace(type=t) for n, t in zip(names, types, strict=True)}
+    bound = {n: SimpleNamespace(variable=n, is_plain=plain or n != "v1") for n in names}
+    made: Any = SimpleNamespace(slave=SimpleNamespace(variable=of_slave.get), bound=bound)
+    kind, what = roles.Roles.exchange(made, names)  # type: ignore[misc]
+    assert kind == ("direct" if is_direct else "converted")
+    assert what == (names if is_direct else [bound[n] for n in names])
 
 
 # ---- levels

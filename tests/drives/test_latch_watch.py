@@ -63,6 +63,26 @@ def test_the_same_count_is_the_position_of_the_run_before() -> None:
     assert latch.increments == 1001
 
 
+@pytest.mark.parametrize("before_order", [True, False])
+def test_a_counter_that_comes_with_the_latch_itself_is_none_of_before(before_order: bool) -> None:
+    """Nobody has seen the counter at rest: the latch is believed when its value repeats."""
+    latch = watch()
+    if before_order:  # a stored edge of somebody else
+        latch.take(3, 990, 8, 1000)
+    latch.arm()
+    latch.take(ENABLED, None, None, 1000)
+    for _ in range(SAME_VALUE_CYCLES):
+        latch.take(3, 1001, 8, 1000)
+    assert latch.increments == 1001
+    latch.disarm()
+    latch.take(0, 1001, 8, 1000)  # now it is at rest
+    latch.arm()
+    latch.take(3, 1001, 8, 1000)
+    assert latch.increments is None
+    latch.take(3, 1002, 9, 1000)
+    assert latch.increments == 1002
+
+
 def test_a_telegram_from_before_the_run_before_is_no_latch_either() -> None:
     latch = armed(7)
     latch.take(3, 400, 6, 1000)

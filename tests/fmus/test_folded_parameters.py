@@ -1,10 +1,14 @@
 """Parameters whose value the compiler has used: told, never taken without an effect."""
 
+from types import SimpleNamespace
+
 import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from tests.small_fmus import small_fmu
+
+from axisrig.fmus.writing import folded
 
 LIBRARY = """package Small
   model Held
@@ -139,3 +143,30 @@ def test_an_array_of_the_same_name_follows_the_one_around_it(load, build):
     """The compiler writes the numbers of whole.k in place of whole.part.k = whole.k."""
     fmu = load(build("Small.Shared"), **{"whole.k": [7.0, 8.0]})
     assert fmu.y == 87.0
+
+
+@pytest.mark.parametrize(
+    ("follows", "decided", "read", "lost"),
+    [
+        # slot 3 is decided; 3 follows from 2, 2 from 1, 1 from 0: all of them go
+        ({3: {2}, 2: {1}, 1: {0}}, {3}, {4}, {0, 1, 2, 3}),
+        ({3: {2}, 2: {1, 4}, 1: {0}}, {3}, {4}, {0, 1, 2, 3, 4}),
+        ({3: {2}, 1: {0}}, {3}, {4, 1}, {2, 3}),
+        ({}, set(), {0, 1, 2, 3, 4}, set()),
+        ({1: {2}, 2: {1}}, {1}, {0, 3, 4}, {1, 2}),  # a circle ends
+        ({}, set(), {0, 2, 4}, {1, 3}),  # what nothing reads
+    ],
+)
+def test_what_a_decided_parameter_follows_from_has_no_effect_at_any_distance(
+    monkeypatch, follows, decided, read, lost
+):
+    rows = [
+        SimpleNamespace(index=slot, vector="p", value=sources) for slot, sources in follows.items()
+    ]
+    system = SimpleNamespace(initial=rows, previous=[])
+    monkeypatch.setattr(folded, "_slots_of_parameters", lambda _: {n: f"p{n}" for n in range(5)})
+    monkeypatch.setattr(folded, "_programs", lambda _: [read])
+    monkeypatch.setattr(folded, "_read", lambda values: set().union(*values))
+    monkeypatch.setattr(folded, "_mentioned", lambda _: ())
+    monkeypatch.setattr(folded, "_decided", lambda *_: set(decided))
+    assert folded.folded_slots(None, system) == lost

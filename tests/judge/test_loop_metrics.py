@@ -310,3 +310,14 @@ def test_what_is_stable_is_surely_so(
 def test_unbroken_times_of_a_flag_have_both_ends() -> None:
     assert runs_of(np.array([1, 1, 0, 1, 0, 0, 1], bool)) == [(0, 2), (3, 4), (6, 7)]
     assert runs_of(np.zeros(3, bool)) == runs_of(np.zeros(0, bool)) == []
+
+
+@pytest.mark.parametrize("factor", [0.95, 0.9])
+def test_growth_is_that_of_the_steps_after_the_last_one_that_a_limit_held(factor: float) -> None:
+    """Steps of 20 um where 50 were asked for, up to row 360; then they die away."""
+    held = (K >= 300) & (K <= 360)
+    step = np.where(K > 360, 0.02 * factor ** np.maximum(K - 360.0, 0.0), np.where(held, 0.02, 0.0))
+    columns = {"step_mm": step, "delta_mm": np.where(held, 0.05, step)}
+    found = seen(recorded(columns=columns), "distance_growth")
+    assert found.value == pytest.approx(factor, abs=1e-3)
+    assert seen(recorded(columns=columns), "distance_stability").value == "stable"

@@ -108,6 +108,24 @@ def test_the_own_model_is_compared_while_the_control_is_on() -> None:
     )
 
 
+@pytest.mark.parametrize("behind", [0, 1, 2])
+def test_both_encoders_are_compared_with_what_was_sent_in_the_cycle_before(behind: int) -> None:
+    """The axis goes 10 mm/s and is where it was sent so many cycles ago.
+
+    Where it was sent in the cycle before it has no lag: the gap alone is what the law sees, and it
+    is the set distance. Each cycle more is 10 um of error, of which kp 0.2 makes 2 um a cycle.
+    """
+    way_mm = np.clip((K - 300) * 0.01, 0.0, 1.0)
+    columns = {"set_mm": way_mm, "actual_mm": np.clip((K - behind - 300) * 0.01, 0.0, 1.0)}
+    found = seen(
+        recorded(columns=columns, words={"mode_dist_use_both_encoder": 1}), "offset_model_error_um"
+    )
+    # A hundred cycles of motion, and the one in which the axis starts and stops
+    assert found.value == pytest.approx(200.0 * abs(behind - 1), rel=0.02, abs=1e-6)
+    plain = seen(recorded(columns=columns), "offset_model_error_um")
+    assert plain.value == pytest.approx(0.0, abs=1e-9)
+
+
 # Alarms: the sensor value is the negative gap; the lower end is -5 mm, a jump is not watched
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.bench.judge.distance import tool_metrics
 from axisrig.bench.judge.kinematics import metrics
 from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
 from axisrig.kernel.time.clock import MS
@@ -69,3 +70,48 @@ def test_the_place_at_the_end_is_that_of_the_last_kinematic(
         missing = KINEMATIC_METRICS["tcp_mm"](seen, axis)
         assert missing.value is None
         assert "U V W" in missing.note
+
+
+@pytest.mark.parametrize(
+    ("until_ms", "offset_mm", "expected"),
+    [
+        (None, [1.0] * 6, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+        (6, [1.0] * 6, [1.0, 2.0, 3.0, 3.0, 3.0, 3.0]),  # goes in the very cycle of row 3
+        (5, [1.0] * 6, [1.0, 2.0, 3.0, 3.0, 3.0, 3.0]),  # between two rows
+        (6, [1.0, 1.0, 2.0, 1.0, 0.5, 0.0], [1.0, 2.0, 6.0, 3.0, 1.5, 0.0]),  # it runs out
+        (6, [1.0, 1.0, 0.0, 1.0, 1.0, 1.0], [1.0, 2.0, 0.0, 0.0, 0.0, 0.0]),
+        (0, [1.0] * 6, [0.0] * 6),  # there was no way before
+    ],
+)
+def test_what_is_superposed_turns_as_long_as_its_kinematic_is_on(
+    until_ms: int | None,
+    offset_mm: list[float],
+    expected: list[float],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The base goes 1, 2 .. 6 mm in cycles of 2 ms; this way moves the axis by base times offset.
+
+    From the cycle in which the kinematic goes, the axis keeps what it had in the one before, and
+    what runs out then does so by its share.
+    """
+    base = np.arange(1.0, 7.0)[:, None]
+    way = SimpleNamespace(
+        until_ns=None if until_ms is None else until_ms * MS,
+        superposed=lambda poses, offsets: poses + poses * np.asarray(offsets)[:, None],
+    )
+    truth: Any = SimpleNamespace(
+        listed=SimpleNamespace(is_optimized=True),
+        is_active=np.ones(6, dtype=bool),
+        base=base,
+        times_ns=np.arange(6) * 2 * MS,
+        way_rows=lambda: [(way, slice(0, 6))],
+    )
+    walked = SimpleNamespace(offset_mm=np.array(offset_mm))
+    monkeypatch.setattr(tool_metrics.expected_offset, "walk", lambda _: walked)
+
+    class Truth(SimpleNamespace):
+        def __getitem__(self, name: str) -> Any:
+            return walked.offset_mm
+
+    found = tool_metrics._expected_superposed(Truth(**vars(truth)))  # type: ignore[arg-type]
+    assert found[:, 0].tolist() == pytest.approx(expected)

@@ -58,6 +58,26 @@ def test_each_side_sees_what_the_other_wrote_before_never_at_the_same_instant(
     assert round(again_ms * 1e6) == expected_ns
 
 
+@pytest.mark.parametrize(("busy_us", "taken_ms"), [(999, 1), (1000, 2)])
+def test_what_a_cycle_of_the_plc_writes_acts_after_it_has_ended(
+    run_plc: RunNc, busy_us: int, taken_ms: int
+) -> None:
+    """Both at 600 us: the first NC cycle after the end of the PLC's, never at the same instant."""
+    body = """    def cycle(self, inputs, hli):
+        if inputs.time_ns >= 40_000_000 and not hli.ve["SEEN"]:
+            hli.ve["SEEN"] = inputs.time_ns / 1e6
+"""
+    out = run_plc(
+        "N20 #WAIT FOR V.E.SEEN > 0\nN30 V.E.GOT = 1",
+        body,
+        *("plc:V.E.GOT=0", "plc:V.E.SEEN=0"),
+        keys=f"period_us = 4000\noffset_us = 600\nbusy_us = {busy_us}",
+    )
+    plc = out.machine.channel.plc
+    got_ns = next(e.time_ns for e in plc.events if getattr(e.command, "name", "") == "GOT")
+    assert got_ns - round(plc.values["SEEN"] * 1e6) == taken_ms * MS
+
+
 def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
     body = """    def cycle(self, inputs, hli):
         if inputs.time_ns > 20_000_000:

@@ -1,4 +1,4 @@
-"""A run that its plant, its time or its input broke off leaves what it has, and what was printed."""
+"""A run that its plant, its time or its input broke off leaves what it has and what was printed."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +15,11 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
 
-ERRORS = (PlantError("plant", 5, "it broke"), SimulatedTimeoutError("600 s"), UserError("a wrong file"))
+ERRORS = (
+    PlantError("plant", 5, "it broke"),
+    SimulatedTimeoutError("600 s"),
+    UserError("a wrong file"),
+)
 
 
 class Broken:

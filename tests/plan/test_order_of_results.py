@@ -2,13 +2,18 @@
 
 import random
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
+import pytest
+
+from axisrig.bench.campaign import campaign
 from axisrig.bench.campaign.campaign import _place
 from axisrig.bench.campaign.results.manifest import build_manifest
-from axisrig.bench.campaign.results.writer import ResultsWriter, no_values
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, no_values
 from axisrig.bench.campaign.resuming import longest_first
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
 
@@ -30,6 +35,30 @@ def test_results_are_listed_in_plan_order_each_statistic_after_its_runs() -> Non
     random.Random(1).shuffle(results)
     results.sort(key=partial(_place, {case.run: at for at, case in enumerate(plan.cases)}))
     assert [result.case.run for result in results] == expected
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_a_campaign_lists_its_results_in_plan_order_however_they_ended(
+    jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.nc").write_text("N10 M30\n", encoding="utf-8")
+    (tmp_path / "r.toml").write_text("[machine]\n", encoding="utf-8")
+    plan = tmp_path / "p.csv"
+    rows = "".join(f"{name},a.nc,r.toml\n" for name in "cabd")
+    plan.write_text(f"case,program,rig\n{rows}", encoding="utf-8")
+
+    def running(cases: Sequence[Case], *_: object) -> Iterator[CaseResult]:
+        yield from (no_values(case, Verdict.ERROR, "not run") for case in reversed(cases))
+
+    monkeypatch.setattr(campaign, "_prepared", lambda *_: ((), []))
+    monkeypatch.setattr(campaign, "_running", running)
+    monkeypatch.setattr(campaign, "depends_sha256", lambda case: case.run)
+    monkeypatch.setattr(campaign, "real_cases", lambda _: [])
+    made = campaign.run_campaign(
+        [plan], out=tmp_path / "out", select=campaign.Choice(), jobs=jobs, timeout_s=None,
+        assignments=[], command=[], started="", stopwatch=lambda: 0.0,
+    )  # fmt: skip
+    assert [result.case.case for result in made.results] == list("cabd")
 
 
 def test_runs_that_took_longest_are_handed_out_first_after_those_nobody_knows(
