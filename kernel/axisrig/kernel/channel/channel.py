@@ -311,7 +311,7 @@ class Channel(ChannelView):
         return path.has_stopped and not self.single.is_moving and self.reactions.has_stopped
 
     def _power(self) -> None:
-        self.path.take_over(tuple(link.actual_mm for link in self.links))
+        self.path.take_over(tuple(link.place_mm for link in self.links))
         if self._power_up.step():
             self.state = ChannelState.RUNNING
             self.start_ns = self._clock.now_ns

@@ -55,6 +55,6 @@ class Reset:
             leave()
         for link in self._links:
             if link.power is not Power.OPERATING:
-                self._path.put(link.name, link.actual_mm)
+                self._path.put(link.name, link.place_mm)
         is_back = self._lead_back()
         return self._power_up.step() and is_back

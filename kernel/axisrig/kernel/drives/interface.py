@@ -49,6 +49,21 @@ class Drive(SetPoints):
         self.request = NEXT.get((self.request, order), self.request)
         self.keeps_operating = self.request in (PowerRequest.ON, PowerRequest.KEEP)
 
+    # Where the axis stands, before it follows set positions
+
+    def find_place(self) -> None:
+        """Do one cycle of proving where the axis stands; raises the alarms of a place unproved."""
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is proved where the axis stands, or no second way reports it."""
+        return True
+
+    @property
+    def place_mm(self) -> float:
+        """Where the axis stands as far as it can be believed: what a drive may be led from."""
+        return self.actual_mm
+
     # A cycle
 
     def begin_cycle(self) -> None:

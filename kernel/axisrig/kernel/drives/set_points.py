@@ -15,8 +15,8 @@ class SetPoints:
     largest credible way from one actual position to the next.
     set_mm: sent last. is_still: the last two sent positions were the same. actual_increments: came
     last. jump_mm: a way that cannot be, None while there was none. leads_itself: the drive moves by
-    itself (homing), so that there is no lag and its position may jump to a new reference. loop: of
-    an axis whose position loop the CNC closes.
+    itself (homing), so that there is no lag. may_jump: its position may jump to a new reference.
+    loop: of an axis whose position loop the CNC closes.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class SetPoints:
         self.actual_increments = 0
         self._actual_age: int | None = None  # cycles since the last actual position
         self.jump_mm: float | None = None
-        self.leads_itself = False
+        self.leads_itself = self.may_jump = False
         self.loop: PositionLoop | None = None if loop is None else PositionLoop(loop)
 
     def can_reach(self, position_mm: float) -> bool:
@@ -73,12 +73,7 @@ class SetPoints:
     def _take_actual(self, increments: int) -> None:
         moved, age = abs(increments - self.actual_increments), self._actual_age
         limit = self._jump_increments
-        if (
-            moved > limit
-            and not self.leads_itself
-            and age is not None
-            and moved > limit * (age + 1)
-        ):
+        if moved > limit and not self.may_jump and age is not None and moved > limit * (age + 1):
             self.jump_mm = moved / self._per_mm
         self.actual_increments, self._actual_age = increments, 0
 

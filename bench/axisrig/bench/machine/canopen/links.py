@@ -45,6 +45,7 @@ def build_links(
             network,
             sdo,
             proves_latches=drive.latch_check and room is not SdoRoom.NONE,
+            proves_places=drive.position_check and room is not SdoRoom.NONE,
             room=rooms[axis.segment] if room is SdoRoom.STANDSTILL else None,
         )
         members[axis.segment].append(links[name])

@@ -117,6 +117,7 @@ class Line:
                 values,
                 mailbox,
                 proves_latches=drive_of(settings, axis).latch_check,
+                proves_places=drive_of(settings, axis).position_check,
             )
             self.links[axis] = link
             starting.append(Starting(slave, mailbox, _objects(settings, axis, link, scheduler)))

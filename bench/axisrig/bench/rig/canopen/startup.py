@@ -102,6 +102,7 @@ class StartUpKeys(Table):
     missing_cycles: Annotated[int, Field(ge=1, le=1000)] = 3
     heartbeat_timeout_ms: U16 = 0
     latch_check: bool = True
+    position_check: bool = True
     jump_factor: Annotated[float, Field(ge=0)] = 2.0
     sdo: list[Write] = Field(default_factory=list)
 

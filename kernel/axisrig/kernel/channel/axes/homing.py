@@ -35,7 +35,7 @@ class Homing:
         """Do one cycle; return whether everything is done. Raises the alarms of an axis."""
         for axis, homing in self._axes.items():
             if not homing.is_done:  # a drive that has its mode again holds its axis
-                self._path.put(axis, self._links[axis].actual_mm)
+                self._path.put(axis, self._links[axis].place_mm)
                 homing.step()
         self.homed = []
         if all(homing.is_done for homing in self._axes.values()):

@@ -128,7 +128,7 @@ class SingleAxes:
     def _adopt_at_rest(self, rest: Rest) -> None:
         if rest.judge():
             for axis in self._adopted:
-                self._path.put(axis, self._links[axis].actual_mm)
+                self._path.put(axis, self._links[axis].place_mm)
             self._rest = None
 
     # Each cycle
@@ -176,7 +176,7 @@ class SingleAxes:
         if not self._leaving:
             return True
         for axis in self._leaving:
-            self._path.put(axis, self._links[axis].actual_mm)
+            self._path.put(axis, self._links[axis].place_mm)
         if self._leaving_rest is None:
             axes = [(self._path.settings(axis), self._links[axis]) for axis in self._leaving]
             self._leaving_rest = Rest(self._clock, self._timing.period_ns, axes)

@@ -113,10 +113,15 @@ class PowerUp:
     def step(self) -> bool:
         """Do one cycle; return whether every drive is there.
 
-        Raises Alarm 900005 for one that stays in fault, 900008 when one takes too long.
+        Raises Alarm 900005 for one that stays in fault, 900008 when one takes too long, 900084 and
+        900085 for one whose place is not proved.
         """
         self._cycles += 1
-        waiting = [link for link in self._links if link.power is not Power.OPERATING]
+        for link in self._links:
+            link.find_place()
+        waiting = [
+            link for link in self._links if link.power is not Power.OPERATING or not link.is_placed
+        ]
         for link in self._links:
             link.order(PowerOrder.SWITCH_ON)
             link.acknowledges_faults = self._resets_faults or link.settings.fault_reset

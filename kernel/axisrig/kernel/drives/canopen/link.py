@@ -17,8 +17,8 @@ from axisrig.kernel.time.clock import TimeNs
 class AxisLink(Cia402Drive):
     """One drive on a canopen network (simulated or real), read and written once per cycle.
 
-    sdo, proves_latches, room: see `Cia402Drive`. second_telegram: the one that carries the second
-    encoder, if any does.
+    sdo, proves_latches, proves_places, room: see `Cia402Drive`. second_telegram: the one that
+    carries the second encoder, if any does.
     """
 
     def __init__(
@@ -28,6 +28,7 @@ class AxisLink(Cia402Drive):
         sdo: SdoClient | None = None,
         *,
         proves_latches: bool = False,
+        proves_places: bool = False,
         room: StandstillRoom | None = None,
     ) -> None:
         wanted = latch_object(settings.probe_input, settings.edge)
@@ -40,7 +41,14 @@ class AxisLink(Cia402Drive):
             speed=settings.loop is not None,
         )
         pdos = ProcessData(found, settings.node_id, network)
-        super().__init__(settings, pdos, sdo, proves_latches=proves_latches, room=room)
+        super().__init__(
+            settings,
+            pdos,
+            sdo,
+            proves_latches=proves_latches,
+            proves_places=proves_places,
+            room=room,
+        )
         self.network, self.latch_object, self._missing_cycles = (
             network, wanted, settings.missing_cycles,
         )  # fmt: skip

@@ -30,6 +30,7 @@ class Phase(Enum):
 
     ENTERING = auto()  # the drive changes to mode 6
     SEARCHING = auto()
+    PROVING = auto()  # the drive is asked where the axis stands by the new reference
     EXPLAINING = auto()  # it has failed, and the drive is asked why
     LEAVING = auto()  # back to the mode of before
     DONE = auto()
@@ -41,12 +42,17 @@ class HomingLink(Protocol):
     name: str
     mode_bits: int
     leads_itself: bool
+    may_jump: bool
 
     @property
     def node_id(self) -> int: ...  # noqa: D102
     @property
     def statusword(self) -> int: ...  # noqa: D102
 
+    @property
+    def is_placed(self) -> bool: ...  # noqa: D102
+    def forget_place(self) -> None: ...  # noqa: D102
+    def find_place(self) -> None: ...  # noqa: D102
     def set_object(self, index: int, sub: int, value: int) -> None: ...  # noqa: D102
 
 
@@ -63,7 +69,7 @@ class AxisHoming(DriveHoming):
         self._begin_ns = clock.now_ns
         self._answers: dict[int, int] = {}
         self._failed: Alarm | None = None
-        link.leads_itself = True
+        link.leads_itself = link.may_jump = True
         self._read(MODE_DISPLAY, self._enter)
 
     @property
@@ -72,7 +78,7 @@ class AxisHoming(DriveHoming):
         return self.phase is Phase.DONE
 
     def step(self) -> None:
-        """Look how far the drive is; raises Alarm 900190 and 900011."""
+        """Look how far the drive is; raises Alarm 900190, 900011, 900084 and 900085."""
         if self._failed is not None:
             raise self._failed
         self._pause += 1
@@ -81,6 +87,8 @@ class AxisHoming(DriveHoming):
             request()
         if self.phase is Phase.SEARCHING:
             self._look()
+        elif self.phase is Phase.PROVING:
+            self._prove()
 
     def abort(self) -> None:
         """Break off: the drive stops the axis, and further steps lead it back to its mode."""
@@ -92,7 +100,7 @@ class AxisHoming(DriveHoming):
         if self._mode_before is None:
             self._leave()
         else:
-            self._change_mode(self._mode_before, self._leave)
+            self._begin_proof()
 
     def _look(self) -> None:
         self._cycles += 1
@@ -102,12 +110,23 @@ class AxisHoming(DriveHoming):
         if word & Status.HOMING_ERROR:
             self._explain("the drive reports an error of homing")
         elif word & Status.HOMING_ATTAINED and word & Status.TARGET_REACHED:
-            assert self._mode_before is not None, "it has been asked for first"
             self._link.mode_bits = 0
-            self.phase = Phase.LEAVING
-            self._change_mode(self._mode_before, self._leave)
+            self._begin_proof()
         elif self._clock.now_ns - self._begin_ns > LIMIT_NS:
             self._explain(f"not at its end after {LIMIT_NS // S} s")
+
+    def _begin_proof(self) -> None:
+        """Ask where the axis stands, before the drive follows set positions again."""
+        self.phase = Phase.PROVING
+        self._link.forget_place()
+
+    def _prove(self) -> None:
+        self._link.may_jump = False
+        self._link.find_place()
+        if self._link.is_placed:
+            assert self._mode_before is not None, "it has been asked for first"
+            self.phase = Phase.LEAVING
+            self._change_mode(self._mode_before, self._leave)
 
     # Changing the mode over SDO
 
@@ -120,7 +139,7 @@ class AxisHoming(DriveHoming):
         self.phase, self._cycles = Phase.SEARCHING, 0
 
     def _leave(self) -> None:
-        self._link.leads_itself = False
+        self._link.leads_itself = self._link.may_jump = False
         self.phase = Phase.DONE
 
     def _change_mode(self, mode: int, then: Callable[[], None]) -> None:

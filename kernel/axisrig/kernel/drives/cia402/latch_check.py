@@ -48,9 +48,11 @@ class StandstillRoom:
         """Whether every axis of the segment is at rest."""
         return all(link.is_still for link in self._links)
 
-    def enter(self) -> bool:
-        """Take the room for one transfer, if it is free."""
-        if self._is_taken or not self.is_open or any(link.is_disturbed for link in self._links):
+    def enter(self, *, waits_for_rest: bool = True) -> bool:
+        """Take the room for one transfer, if it is free; without rest where no drive has power."""
+        if self._is_taken or (waits_for_rest and not self.is_open):
+            return False
+        if any(link.is_disturbed for link in self._links):
             return False
         self._is_taken = True
         return True

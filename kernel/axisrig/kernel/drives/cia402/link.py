@@ -4,7 +4,6 @@ All data of the machine that the kernel gets come through here. Positions are mi
 kernel's side and increments on the wire. What carries the values is `CyclicData`.
 """
 
-from collections.abc import Mapping
 from typing import Final
 
 from axisrig.kernel.drives.cia402.active_fault import ActiveFault
@@ -13,9 +12,10 @@ from axisrig.kernel.drives.cia402.homing import AxisHoming
 from axisrig.kernel.drives.cia402.latch_check import LatchCheck, StandstillRoom
 from axisrig.kernel.drives.cia402.latch_watch import LatchWatch
 from axisrig.kernel.drives.cia402.objects import ObjectAccess
+from axisrig.kernel.drives.cia402.position_check import PositionCheck
+from axisrig.kernel.drives.cia402.power_words import BEFORE_OPERATION, POWER, RESET, WORDS
 from axisrig.kernel.drives.cia402.settings import Cia402Settings
 from axisrig.kernel.drives.cia402.words import (
-    controlword_towards,
     counter_object,
     enabled_bit,
     input_bit,
@@ -30,44 +30,21 @@ from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.profiles.canopen.emergency import Emergency
-from axisrig.kernel.profiles.cia402.ds402 import COMMANDS, STATES, Command, State
+from axisrig.kernel.profiles.cia402.ds402 import STATES, State
 from axisrig.kernel.time.clock import Clock
 
-RESET = COMMANDS[Command.FAULT_RESET].value
 SPEED_MAX: Final = (1 << 31) - 1  # 60FF is a signed number of 32 bits
-POWER: Final[Mapping[State, Power]] = {state: Power[of.power] for state, of in STATES.items()}
 OPERATING: Final = State.OPERATION_ENABLED
 HOLD_OPERATION: Final = STATES[OPERATING].hold
-
-
-def _word(request: PowerRequest, state: State) -> int:
-    """Return the controlword for a request in a state; faults are left by a reset only."""
-    if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
-        return STATES[State.FAULT].hold
-    if request is PowerRequest.STOP and state is State.OPERATION_ENABLED:
-        return COMMANDS[Command.QUICK_STOP].value
-    moves = state in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
-    if request in (PowerRequest.KEEP, PowerRequest.STOP):
-        return STATES[state].hold if moves else 0
-    if request is PowerRequest.RELEASE and not moves:
-        return 0
-    is_on = request is PowerRequest.ON
-    return controlword_towards(
-        state, State.OPERATION_ENABLED if is_on else State.READY_TO_SWITCH_ON
-    )
-
-
-WORDS: Final = {
-    (request, state): _word(request, state) for request in PowerRequest for state in State
-}
 
 
 class Cia402Drive(Drive):
     """One drive, read and written once per cycle.
 
     data: its cyclic values. sdo: asks the drive beside the cycle. proves_latches: a latch counts
-    only when the drive reports it by SDO too; else cyclic values are enough. room: where a cycle
-    has none for SDO (`LatchCheck`). mode_bits: bits of the controlword that belong to the mode.
+    only when the drive reports it by SDO too; else cyclic values are enough. proves_places: so with
+    the position from which it is led into operation. room: where a cycle has none for SDO
+    (`LatchCheck`). mode_bits: bits of the controlword that belong to the mode.
     unproved_latches: those that were believed by cyclic values alone; SDO proves the others.
     """
 
@@ -78,6 +55,7 @@ class Cia402Drive(Drive):
         sdo: ObjectAccess | None = None,
         *,
         proves_latches: bool = False,
+        proves_places: bool = False,
         room: StandstillRoom | None = None,
     ) -> None:
         arrival = Arrival(
@@ -87,6 +65,10 @@ class Cia402Drive(Drive):
         self._of_drive, self.sdo, self.node_id = settings, sdo, settings.node_id
         self._checked_by = sdo if proves_latches else None
         self._room = room
+        self._place: PositionCheck | None = None
+        if proves_places and sdo is not None:
+            self._place = PositionCheck(sdo, room)
+        self._stood: int | None = None  # before a jump that nothing has proved yet, increments
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
         self._data = data
@@ -133,10 +115,9 @@ class Cia402Drive(Drive):
         self._has_sent = False
         word, actual, probe, latch, count, inputs, second, stamp = data.take()
         if word is not None and word != self.statusword:
-            self.statusword, self.state = word, state_of(word)
-            self.power = POWER[self.state]
+            self._enter(word)
         if actual is not None:
-            self._take_actual(actual)
+            self._take_place(actual)
         elif self._actual_age is not None:
             self._actual_age += 1
         self.arrival.is_new = probe is not None
@@ -155,6 +136,51 @@ class Cia402Drive(Drive):
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
         if data.is_disturbed:
             self._judge_missing()
+
+    def _enter(self, word: int) -> None:
+        """Take a new status word; a drive that has left operation may stand anywhere."""
+        was_operating = self.power is Power.OPERATING
+        self.statusword, self.state = word, state_of(word)
+        self.power = POWER[self.state]
+        if was_operating and self.power is not Power.OPERATING:
+            self.forget_place()
+
+    def _take_place(self, increments: int) -> None:
+        """Take an actual position; one that jumps before operation has to be proved anew."""
+        before = self.actual_increments
+        self._take_actual(increments)
+        if self.jump_mm is None or self._place is None or self.power is Power.OPERATING:
+            return
+        if self._place.is_proved:
+            self._stood = before
+        self._place.void()
+
+    def find_place(self) -> None:
+        """Ask the drive where it stands, until it reports what its telegrams do.
+
+        Raises Alarm 900084 where it does not, 900085 where it reports nothing.
+        """
+        if self._place is None or self._place.is_proved or not self.has_actual:
+            return
+        self._place.step(self.name, self.actual_increments, self._per_mm)
+        if self._place.is_proved:
+            self._stood = None
+
+    def forget_place(self) -> None:
+        """Let the place be proved anew: the axis may stand elsewhere, or has another reference."""
+        self._stood = None
+        if self._place is not None:
+            self._place.void()
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is proved where the axis stands, or the rig does without."""
+        return self._place is None or self._place.is_proved
+
+    @property
+    def place_mm(self) -> float:
+        """The actual position; after a jump that nothing has proved the one before it."""
+        return self.actual_mm if self._stood is None else self._stood / self._per_mm
 
     def _note_second(self, second: int | None) -> None:
         if second is not None:
@@ -229,6 +255,7 @@ class Cia402Drive(Drive):
     def forget(self) -> None:
         """Forget latch and state: the drive has restarted, its positions mean something else."""
         self._function_word = 0
+        self.forget_place()
         for watch in self._watches.values():
             watch.restart()
         self.statusword, self.state = 0, State.NOT_READY_TO_SWITCH_ON
@@ -368,6 +395,8 @@ class Cia402Drive(Drive):
         state = self.state
         if state is State.FAULT and self.acknowledges_faults:
             return ~self.controlword & RESET  # only a rising edge counts
+        if state in BEFORE_OPERATION and self.request is PowerRequest.ON and not self.is_placed:
+            return STATES[state].hold
         return WORDS[self.request, state]
 
     def send(self, set_mm: float) -> None:

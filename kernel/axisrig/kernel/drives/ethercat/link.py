@@ -22,8 +22,11 @@ class EthercatLink(Cia402Drive):
         mailbox: Mailbox,
         *,
         proves_latches: bool = False,
+        proves_places: bool = False,
     ) -> None:
-        super().__init__(settings, data, mailbox, proves_latches=proves_latches)
+        super().__init__(
+            settings, data, mailbox, proves_latches=proves_latches, proves_places=proves_places
+        )
         self.mailbox = mailbox
         self._has_second = any(o.field == "second" for o in objects_of(settings.inputs))
         self.al_status: int | None = None
