@@ -34,7 +34,17 @@ class Drive:
         self.node_id = 3
         self.name, self.sdo = "Z", self
         self.mode_bits, self.statusword, self.leads_itself = 0, 0, False
-        self.actual_mm = 0.0
+        self.may_jump = self.is_placed = False
+        self.proof_cycles = 2
+        self.place_mm = 0.0
+
+    def forget_place(self) -> None:
+        self.is_placed, self._asked = False, 0
+
+    def find_place(self) -> None:
+        assert not self.may_jump, "a place that may jump proves nothing"
+        self._asked += 1
+        self.is_placed = self._asked >= self.proof_cycles
 
     def home(self, _clock: Any) -> AxisHoming:
         return homing(self)[0]
@@ -147,7 +157,7 @@ def test_an_axis_that_is_home_is_held_while_others_of_its_group_look_for_it() ->
     group = Homing([("X", "Z")], path, drives, clock)  # type: ignore[arg-type]
     drives["X"].statusword = ATTAINED | AT_REST
     for cycle in range(200):
-        drives["X"].actual_mm = -0.001 * cycle
+        drives["X"].place_mm = -0.001 * cycle
         assert not group.step()
     last_mm = [at_mm for axis, at_mm in put if axis == "X"][-1]
     assert -0.06 < last_mm < 0.0

@@ -15,6 +15,10 @@ WHAT_PASSES = (
     "a latch that is altered alike in every telegram passes if it is at a place where the axis was"
 )
 """What a measured value without a proof of its own may be."""
+UNPROVED_PLACE = (
+    "the position from which its drive is led into operation rests on telegrams alone: an axis"
+    " jumps by what is wrong in them"
+)
 
 
 def describe_axes(settings: Settings) -> list[str]:

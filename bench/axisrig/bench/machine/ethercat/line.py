@@ -35,6 +35,7 @@ from axisrig.bench.rig.reading.plc_task import silent_ns
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
+from axisrig.kernel.drives.ethercat.image_data import ImageData
 from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
 from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
 from axisrig.kernel.drives.ethercat.mailbox import Mailbox
@@ -103,24 +104,10 @@ class Line:
         self.links: dict[str, EthercatLink] = {}
         starting = []
         for axis, slave, values in zip(self.axes, known, data, strict=True):
-            declared = start_up_settings(drive_of(settings, axis))
-            mailbox = Mailbox(
-                self.master.transactions,
-                scheduler,
-                station_of(slave),
-                declared.sdo_timeout_ns,
-                declared.sdo_attempts,
-            )
-            self.master.mailboxes.append(mailbox)
-            link = EthercatLink(
-                slave,
-                values,
-                mailbox,
-                proves_latches=drive_of(settings, axis).latch_check,
-                proves_places=drive_of(settings, axis).position_check,
-            )
+            link = _link_of(settings, axis, slave, values, self.master, scheduler)
             self.links[axis] = link
-            starting.append(Starting(slave, mailbox, _objects(settings, axis, link, scheduler)))
+            objects = _objects(settings, axis, link, scheduler)
+            starting.append(Starting(slave, link.mailbox, objects))
         starting += [Starting(other, None, None) for other in others]
         self.start = LineStart(self.master, scheduler, starting)
         self.carrier = EthercatCarrier(self.master, list(self.links.values()))
@@ -182,6 +169,34 @@ def _terminal(
 def _link(table: SegmentTable, axis: str) -> Link:
     slave_ns = round(table.of("slave_ns", axis))
     return Link(round(table.of("wire_ns", axis)), slave_ns, slave_ns)
+
+
+def _link_of(
+    settings: Settings,
+    axis: str,
+    slave: SlaveSettings,
+    values: ImageData,
+    master: Master,
+    clock: Clock,
+) -> EthercatLink:
+    """Make the control's end of a drive, with a mailbox that the master serves."""
+    drive = drive_of(settings, axis)
+    declared = start_up_settings(drive)
+    mailbox = Mailbox(
+        master.transactions,
+        clock,
+        station_of(slave),
+        declared.sdo_timeout_ns,
+        declared.sdo_attempts,
+    )
+    master.mailboxes.append(mailbox)
+    return EthercatLink(
+        slave,
+        values,
+        mailbox,
+        proves_latches=drive.latch_check,
+        proves_places=drive.position_check,
+    )
 
 
 def _objects(settings: Settings, axis: str, link: EthercatLink, clock: Clock) -> StartUp:

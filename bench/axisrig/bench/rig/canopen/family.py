@@ -5,7 +5,7 @@ import math
 from axisrig.bench.rig.canopen.arrival import describe_arrival, terminal_grid
 from axisrig.bench.rig.canopen.checks import check_drives, check_nodes
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
-from axisrig.bench.rig.canopen.latches import describe_latches
+from axisrig.bench.rig.canopen.latches import describe_latches, describe_places
 from axisrig.bench.rig.canopen.loop import describe_loop
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, describe_schedules
@@ -35,7 +35,12 @@ class CanopenOnCan(RigFamily):
     def describe(self, settings: Settings) -> list[str]:
         """Say where position loops are closed, how latches are proved, how late their status is."""
         loops = [line for name in can_axes(settings) for line in describe_loop(settings, name, 0)]
-        return [*loops, *describe_latches(settings), *describe_arrival(settings)]
+        return [
+            *loops,
+            *describe_latches(settings),
+            *describe_places(settings),
+            *describe_arrival(settings),
+        ]
 
     def warn(self, settings: Settings) -> list[str]:
         """Say what EDS and DCF have against the rig."""

@@ -2,7 +2,7 @@
 
 from axisrig.bench.rig.canopen.loop import describe_loop
 from axisrig.bench.rig.canopen.members import drive_of
-from axisrig.bench.rig.describe import WHAT_PASSES
+from axisrig.bench.rig.describe import UNPROVED_PLACE, WHAT_PASSES
 from axisrig.bench.rig.ethercat.checks import check_lines
 from axisrig.bench.rig.ethercat.members import (
     axis_pdos,
@@ -38,6 +38,10 @@ class Cia402OnEthercat(RigFamily):
             late_cycles = phases_of(settings, name).late_cycles
             lines += describe_loop(settings, name, late_cycles)
             lines += [*_latches(settings, name), *_times(settings, name)]
+            if not drive_of(settings, name).position_check:
+                drive = settings.rig.axis[name].drive
+                reason = f"position_check of drive {drive} is false"
+                lines.append(f"warning: axis {name}: {UNPROVED_PLACE}: {reason}")
         return lines
 
     def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:

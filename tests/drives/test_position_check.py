@@ -1,0 +1,142 @@
+"""Where an axis stands is asked for over SDO before its drive follows set positions."""
+
+import pytest
+
+from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
+from axisrig.kernel.drives.cia402.objects import Done, SdoError
+from axisrig.kernel.drives.cia402.position_check import ATTEMPTS_MAX, PositionCheck
+from axisrig.kernel.errors import Alarm
+
+PER_MM = 1000.0
+
+
+class FakeSdo:
+    """A drive that stands at `value` increments, or refuses with `code`; answers on `answer`."""
+
+    def __init__(self, value: int = 0) -> None:
+        self.value = value
+        self.error: SdoError | None = None
+        self.waiting: list[Done] = []
+        self.asked: list[tuple[int, int]] = []
+
+    def read(self, index: int, sub: int, done: Done) -> None:
+        self.asked.append((index, sub))
+        self.waiting.append(done)
+
+    def answer(self) -> None:
+        while self.waiting:
+            value = (self.value & 0xFFFFFFFF).to_bytes(4, "little")
+            self.waiting.pop(0)(self.error or value)
+
+
+def cycles(check: PositionCheck, sdo: FakeSdo, telegrams: list[int]) -> None:
+    """Each question is answered before the next telegram."""
+    for increments in telegrams:
+        check.step("Z", increments, PER_MM)
+        sdo.answer()
+
+
+@pytest.mark.parametrize("place", [0, 12_345, -12_345, -(1 << 31), (1 << 31) - 1])
+def test_a_place_that_both_ways_report_is_proved(place: int) -> None:
+    sdo = FakeSdo(place)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    assert not check.is_proved
+    cycles(check, sdo, [place])
+    assert not check.is_proved  # the telegram after the answer counts too
+    cycles(check, sdo, [place])
+    assert check.is_proved
+    assert sdo.asked == [(0x6064, 0)]
+
+
+@pytest.mark.provokes(900084, 4, axis="Z", telegram_mm="-15.0390", sdo_mm="0.2590")
+def test_a_place_of_the_telegrams_alone_is_an_alarm() -> None:
+    sdo = FakeSdo(259)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    with pytest.raises(Alarm) as found:
+        cycles(check, sdo, [-15_039] * 100)
+    assert found.value.id == 900084
+    assert "0.2590" in str(found.value)
+    assert "-15.0390" in str(found.value)
+    assert not check.is_proved
+    assert len(sdo.asked) == ATTEMPTS_MAX
+
+
+@pytest.mark.provokes(900085, 4, axis="Z")
+@pytest.mark.parametrize("code", [None, 0x06020000])
+def test_a_drive_that_reports_nothing_is_an_alarm(code: int | None) -> None:
+    sdo = FakeSdo()
+    sdo.error = SdoError(0x6064, 0, code)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    with pytest.raises(Alarm) as found:
+        cycles(check, sdo, [0] * 100)
+    assert found.value.id == 900085
+
+
+def test_an_answer_that_stayed_out_once_is_asked_for_again() -> None:
+    sdo = FakeSdo(7)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    sdo.error = SdoError(0x6064, 0, None)
+    cycles(check, sdo, [7, 7])
+    sdo.error = None
+    cycles(check, sdo, [7, 7])
+    assert check.is_proved
+
+
+@pytest.mark.parametrize(("answer", "is_proved"), [(105, True), (95, True), (122, False)])
+def test_an_axis_without_power_may_sink_while_it_is_asked(answer: int, is_proved: bool) -> None:
+    """100 before the question and 110 after it: 11 more on each side (span and an increment)."""
+    sdo = FakeSdo(answer)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    cycles(check, sdo, [100, 110])
+    assert check.is_proved is is_proved
+
+
+@pytest.mark.parametrize(("answer", "is_proved"), [(51, True), (49, True), (52, False)])
+def test_an_axis_at_rest_stands_within_an_increment(answer: int, is_proved: bool) -> None:
+    sdo = FakeSdo(answer)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    cycles(check, sdo, [50, 50])
+    assert check.is_proved is is_proved
+
+
+def test_what_was_proved_before_is_not_proved_any_more() -> None:
+    sdo = FakeSdo(5)
+    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    cycles(check, sdo, [5, 5])
+    check.void()
+    assert not check.is_proved
+    check.step("Z", 5, PER_MM)
+    check.void()
+    sdo.answer()  # to the question of before
+    cycles(check, sdo, [5])
+    assert not check.is_proved
+    cycles(check, sdo, [5])
+    assert check.is_proved
+
+
+class Still:
+    """A drive of a segment, at rest or not."""
+
+    is_still = False
+    is_disturbed = False
+
+
+def test_a_segment_with_little_room_has_one_question_at_a_time() -> None:
+    """Axes without power need not be at rest; a telegram that is missing is waited for."""
+    member = Still()
+    room = StandstillRoom([member])
+    sdos = FakeSdo(1), FakeSdo(2)
+    checks = [PositionCheck(sdo, room) for sdo in sdos]  # type: ignore[arg-type]
+    for check, place in zip(checks, (1, 2), strict=True):
+        check.step("Z", place, PER_MM)
+    assert [len(sdo.asked) for sdo in sdos] == [1, 0]
+    sdos[0].answer()
+    member.is_disturbed = True
+    checks[1].step("Z", 2, PER_MM)
+    assert not sdos[1].asked
+    member.is_disturbed = False
+    checks[1].step("Z", 2, PER_MM)
+    sdos[1].answer()
+    for check, place in zip(checks, (1, 2), strict=True):
+        check.step("Z", place, PER_MM)
+    assert all(check.is_proved for check in checks)
