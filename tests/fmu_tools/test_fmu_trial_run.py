@@ -80,7 +80,10 @@ def test_inputs_move_within_their_limits_and_flags_change_once() -> None:
     )  # fmt: skip
 
     def moved(count: int) -> dict[str, Any]:
-        return {one.name: value for one, value in trial._moved_inputs(description, count)}
+        return {
+            one.name: value
+            for one, value in trial._moved_inputs(trial.movable_inputs(description), count)
+        }
 
     assert moved(0) == {"plain": 0.0, "large": -2000.0, "low": 0.0, "high": 0.0, "flag": True,
                         "off": False}  # fmt: skip

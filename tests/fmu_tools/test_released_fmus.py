@@ -159,36 +159,39 @@ def test_all_models_are_released_and_the_sums_come_last(
 # Descriptions and libraries
 
 
-@pytest.mark.parametrize(("refused", "doubtful"), [(0, 0), (2, 0), (0, 2), (8, 9), (1, 1)])
-def test_problems_of_a_description_are_counted_and_the_first_six_are_named(
-    refused: int, doubtful: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("twice", "odd"), [(0, 0), (2, 0), (0, 2), (8, 9), (1, 1)])
+@pytest.mark.parametrize("is_strict", [False, True])
+def test_problems_of_a_description_are_counted_by_their_rule(
+    twice: int, odd: int, is_strict: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bad = [f"bad {n}" for n in range(refused)]
-    doubts = [f"odd {n}" for n in range(doubtful)]
+    bad = [f'The variable name "v{n}" (line {n}) is not unique.' for n in range(twice)]
+    doubts = [f"odd {n}" for n in range(odd)]
+    own = SimpleNamespace(
+        generationTool=None, fmiVersion="3.0", modelName="M", modelVariables=[],
+        variableNamingConvention="flat",
+    )  # fmt: skip
     monkeypatch.setattr(examine, "_version", lambda _: "3.0")
-    monkeypatch.setattr(
-        examine, "_problems", lambda _, is_strict: bad + (doubts if is_strict else [])
-    )
-    own = SimpleNamespace(generationTool=None, fmiVersion="3.0", modelName="M")
-    monkeypatch.setattr(examine.fmpy, "read_model_description", lambda *_, **__: own)
-    found = list(examine._description(Path("a"), Path("a")))
-    levels = {word: [one.text for one in found if one.level == word] for word in
-              ("FAIL", "warn", "ok")}  # fmt: skip
-    more = ["and 2 more of this kind"] if refused == 8 else []
-    assert levels["FAIL"] == [*bad[:6], *more]
-    assert levels["warn"] == [*doubts[:6], *(["and 3 more of this kind"] * (doubtful == 9))]
-    end = "" if doubtful else "; valid"
+    monkeypatch.setattr(examine, "_read", lambda _: (own, [*bad, *doubts]))
+    found = list(examine._description(Path("a"), is_strict=is_strict))
+    more = {0: "", 1: "", 2: " (and 1 more)", 8: " (and 7 more)", 9: " (and 8 more)"}
+    names = [("FAIL", f"unique-names: {bad[0]}{more[twice]}")] if bad else []
+    others = [("FAIL" if is_strict else "warn", f"other: odd 0{more[odd]}")] if odd else []
     tool = "FMI 3.0, model M, by a tool that it does not name"
-    assert levels["ok"] == ([] if refused else [tool + end])
+    end = "" if bad or odd else "; valid"
+    assert [(one.level, one.text) for one in found] == [*names, *others, ("ok", tool + end)]
 
 
 @pytest.mark.parametrize("version", ["", "1.0", "2.0", "3.0", "30"])
 def test_versions_two_and_three_are_read(version: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(examine, "_version", lambda _: version)
-    monkeypatch.setattr(examine, "_problems", lambda *_, **__: ["a problem"])
-    (found, *_) = examine._description(Path("a"), Path("a"))
+    own = SimpleNamespace(
+        modelVariables=[], variableNamingConvention="flat", generationTool="t", fmiVersion=version,
+        modelName="M",
+    )  # fmt: skip
+    monkeypatch.setattr(examine, "_read", lambda _: (own, ["a problem"]))
+    (found, *_) = examine._description(Path("a"), is_strict=False)
     is_known = version in ("2.0", "3.0")
-    assert (found.text == "a problem") is is_known
+    assert (found.text == "other: a problem") is is_known
     if not is_known:
         assert found.text == f"FMI version {version or 'missing'}"
 
@@ -216,11 +219,11 @@ def test_a_library_in_a_wrong_folder_fails_only_where_it_would_run(
 def test_clocks_are_named_and_an_fmu_without_outputs_too() -> None:
     kinds: Any = [variable("x", causality="input"), variable("c", causality="input", type="Clock"),
                   variable("d", causality="local", clocks=["c"])]  # fmt: skip
-    own: Any = SimpleNamespace(modelVariables=kinds)
+    own: Any = SimpleNamespace(modelVariables=kinds, coSimulation=None)
     found = [one.text for one in examine._variables(own) if one.area == "variables"]
     assert found == [
         "2 inputs, 0 outputs, 0 parameters, 1 locals", "it has no outputs",
-        "clocks are not ticked here: c, d",
+        "it needs event mode, which is not there: clocks are not ticked: c, d",
     ]  # fmt: skip
     own.modelVariables = [*kinds[:1], variable("y", start="2", max="1")]
     found = [one.text for one in examine._variables(own) if one.area == "variables"]

@@ -29,6 +29,9 @@ def check_fmus(
     files: Annotated[list[str], typer.Argument(metavar="FMU...", help="Files or models.")],
     call_limit_s: CallTimeoutOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+    is_strict: Annotated[
+        bool, typer.Option("--strict", help="What only a validator dislikes is a FAIL too.")
+    ] = False,
 ) -> None:
     """Try FMUs out in processes apart: are they safe, sound, repeatable, and what could they be?
 
@@ -41,7 +44,8 @@ def check_fmus(
         from axisrig.bench.tools.fmu.findings import show_findings
         from axisrig.bench.tools.fmu.place import find_fmu
 
-        checked = [check_fmu(find_fmu(text), call_limit_s or CALL_LIMIT_S) for text in files]
+        limit_s = call_limit_s or CALL_LIMIT_S
+        checked = [check_fmu(find_fmu(text), limit_s, is_strict=is_strict) for text in files]
     if as_json:
         print(json.dumps({"fmus": [fmu.as_data() for fmu in checked]}, indent=2))
     else:

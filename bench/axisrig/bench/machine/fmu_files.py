@@ -8,6 +8,7 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS, BuildError, ensure_built, ensure_own_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
 from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.rules import rule_of
 from axisrig.kernel.errors import UserError, near_files, nearest
 
 
@@ -69,7 +70,8 @@ def problems(slave: FmuSlave) -> list[str]:
         return []
     more = f" (and {len(slave.problems) - 1} more)" if len(slave.problems) > 1 else ""
     return [
-        f"its description breaks the standard: {slave.problems[0]}{more};"
+        f"its description breaks the standard ({rule_of(slave.problems[0]).name}):"
+        f" {slave.problems[0]}{more};"
         f" axisrig fmu check {slave.path.name} lists it"
     ]
 

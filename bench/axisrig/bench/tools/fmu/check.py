@@ -12,6 +12,7 @@ from axisrig.bench.tools.fmu import stages
 from axisrig.bench.tools.fmu.examine import Examined, examine
 from axisrig.bench.tools.fmu.findings import Finding, Level, as_rows, fail, has_failed, ok
 from axisrig.bench.tools.fmu.stages import Outcome, run_stage
+from axisrig.kernel.cosim.fmi.fmu import load_description
 
 CALLS_MAX = 10  # so many calls of the longest allowed time may one trial take
 
@@ -45,20 +46,24 @@ class Checked:
         }
 
 
-def check_fmu(path: Path, call_limit_s: float = CALL_LIMIT_S) -> Checked:
+def check_fmu(
+    path: Path, call_limit_s: float = CALL_LIMIT_S, *, is_strict: bool = False
+) -> Checked:
     """Check an FMU. call_limit_s: wall time that one call into it may take.
 
-    Raises UserError when there is no file to check.
+    is_strict: whatever a validator of the standard dislikes is a FAIL. Raises UserError when there
+    is no file to check.
     """
-    examined = _examined(path, call_limit_s)
+    examined = _examined(path, call_limit_s, is_strict)
     findings = list(examined.findings)
     if examined.can_run:
+        load_description(path)  # once for the processes of all trials: they begin as copies
         findings += _tried(path, call_limit_s)
     return Checked(path, examined.sha256, findings)
 
 
-def _examined(path: Path, call_limit_s: float) -> Examined:
-    (result,) = run_apart(examine, [[path]], call_limit_s=call_limit_s)
+def _examined(path: Path, call_limit_s: float, is_strict: bool) -> Examined:
+    (result,) = run_apart(examine, [[path, is_strict]], call_limit_s=call_limit_s)
     if isinstance(result, Died):
         return Examined([fail("description", f"reading it: {result.reason}")], "", False)
     return result

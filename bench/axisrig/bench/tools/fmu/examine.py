@@ -15,6 +15,7 @@ from axisrig.bench.tools.fmu.trial import readable_outputs
 from axisrig.kernel.cosim.fmi.archive import DESCRIPTION, MIB, inspect, unpack
 from axisrig.kernel.cosim.fmi.fmu import load_description
 from axisrig.kernel.cosim.fmi.library import Capabilities
+from axisrig.kernel.cosim.fmi.rules import bad_names, by_rule
 from axisrig.kernel.cosim.fmi.units import find_unit, unit_name
 from axisrig.kernel.errors import UserError
 
@@ -32,8 +33,12 @@ class Examined:
     can_run: bool
 
 
-def examine(path: Path) -> Examined:
-    """Judge archive, description and libraries. Raises UserError when there is no file."""
+def examine(path: Path, is_strict: bool = False) -> Examined:
+    """Judge archive, description and libraries.
+
+    is_strict: a rule of the standard that the description breaks is a FAIL, also where the bench
+    does not depend on it. Raises UserError when there is no file.
+    """
     if not path.exists() or path.is_dir():
         unpack(path)  # says what is wrong
     try:
@@ -43,7 +48,7 @@ def examine(path: Path) -> Examined:
     size = sum(entry.size for entry in archive.entries)
     text = f"{len(archive.entries)} entries, {size / MIB:.2f} MiB, nothing leaves its folder"
     findings = [ok("archive", text)]
-    findings += _description(path, unpack(path))
+    findings += _description(unpack(path), is_strict=is_strict)
     if has_failed(findings):
         return Examined(findings, archive.sha256, False)
     description, folder = load_description_findings(path, findings)
@@ -76,7 +81,7 @@ def load_description_findings(
     return description, Path(folder)
 
 
-def _description(path: Path, folder: Path) -> Iterator[Finding]:
+def _description(folder: Path, *, is_strict: bool) -> Iterator[Finding]:
     """Hold the description to its version, the schema and what fmpy checks besides."""
     area = "description"
     version = _version(folder)
@@ -85,24 +90,21 @@ def _description(path: Path, folder: Path) -> Iterator[Finding]:
         yield fail(area, text, "export it as FMI 2.0 or 3.0 for co-simulation")
         return
     try:
-        refused = _problems(folder, is_strict=False)
-        doubtful = [p for p in _problems(folder, is_strict=True) if p not in refused]
+        description, problems = _read(folder)
+        broken = by_rule([*problems, *bad_names(description)])
     except Exception as error:  # fmpy: an unknown version or a missing element is any Exception
         yield fail(area, f"it cannot be read: {error or type(error).__name__}", "export it again")
         return
-    for problem in refused[:_SHOWN_MAX]:
-        yield fail(area, problem, "report it to the maker of the tool that exported it")
-    if len(refused) > _SHOWN_MAX:
-        yield fail(area, f"and {len(refused) - _SHOWN_MAX} more of this kind")
-    for problem in doubtful[:_SHOWN_MAX]:
-        yield warn(area, problem, "the bench does not depend on it; other tools may")
-    if len(doubtful) > _SHOWN_MAX:
-        yield warn(area, f"and {len(doubtful) - _SHOWN_MAX} more of this kind")
-    if not refused:
-        description = fmpy.read_model_description(str(folder), validate=False)
-        tool = description.generationTool or "a tool that it does not name"
-        text = f"FMI {description.fmiVersion}, model {description.modelName}, by {tool}"
-        yield ok(area, text + ("" if doubtful else "; valid"))
+    for rule, of_rule in broken.items():
+        more = f" (and {len(of_rule) - 1} more)" if len(of_rule) > 1 else ""
+        text = f"{rule.name}: {of_rule[0]}{more}"
+        if is_strict or not rule.runs:
+            yield fail(area, text, "report it to the maker of the tool that exported it")
+        else:
+            yield warn(area, text, "the bench does not depend on it; other tools may")
+    tool = description.generationTool or "a tool that it does not name"
+    text = f"FMI {description.fmiVersion}, model {description.modelName}, by {tool}"
+    yield ok(area, text + ("" if broken else "; valid"))
 
 
 def _version(folder: Path) -> str:
@@ -111,17 +113,14 @@ def _version(folder: Path) -> str:
     return str(root.get("fmiVersion", ""))
 
 
-def _problems(folder: Path, *, is_strict: bool) -> list[str]:
+def _read(folder: Path) -> tuple[ModelDescription, list[str]]:
+    """Read a description; return it with what fmpy dislikes of it."""
     try:
-        fmpy.read_model_description(
-            str(folder),
-            validate=True,
-            validate_variable_names=is_strict,
-            validate_model_structure=is_strict,
-        )
+        read = fmpy.read_model_description
+        return read(str(folder), validate=True, validate_model_structure=True), []
     except ValidationError as error:
-        return [str(problem) for problem in error.problems]
-    return []
+        problems = [str(problem) for problem in error.problems]
+        return fmpy.read_model_description(str(folder), validate=False), problems
 
 
 def _binaries(description: ModelDescription, folder: Path) -> Iterator[Finding]:
@@ -190,8 +189,10 @@ def _variables(description: ModelDescription) -> Iterator[Finding]:
         yield warn(area, "it has no outputs", "the bench has nothing to read")
     clocked = [v.name for v in variables if v.type == "Clock" or v.clocks]
     if clocked:
-        text = f"clocks are not ticked here: {_some(clocked)}"
-        yield warn(area, text, "the bench uses no event mode")
+        text = f"it needs event mode, which is not there: clocks are not ticked: {_some(clocked)}"
+        yield warn(area, text, "what a clock triggers keeps its start value; export it without")
+    elif str(getattr(description.coSimulation, "hasEventMode", "")).lower() == "true":
+        yield ok(area, "it has event mode and no clocks: it is stepped without, which it must bear")
     outside = [text for text in (_out_of_range(v) for v in variables) if text]
     if outside:
         yield warn(area, f"start outside min .. max: {_some(outside)}", "set it in the rig")

@@ -60,6 +60,7 @@ class Trial:
     def __init__(self, path: Path, name: str = "trial", *, moves: bool = False) -> None:
         self.slave: FmuSlave = load_fmu(path, name)
         self.outputs = readable_outputs(self.slave.description)
+        self._inputs = movable_inputs(self.slave.description)
         self._moves = moves
         self.count = 0
 
@@ -109,7 +110,7 @@ class Trial:
         return readings
 
     def _move_inputs(self) -> None:
-        for variable, value in _moved_inputs(self.slave.description, self.count):
+        for variable, value in _moved_inputs(self._inputs, self.count):
             setter = getattr(self.slave.fmpy, f"set{variable.type}")
             setter([variable.valueReference], [value])
 
@@ -122,12 +123,19 @@ class Trial:
         self.slave.close()
 
 
+def movable_inputs(description: ModelDescription) -> list[ModelVariable]:
+    """Return the inputs that can be moved: single values that wait for no clock."""
+    return [
+        variable
+        for variable in description.modelVariables
+        if variable.causality == "input" and not variable.shape and not variable.clocks
+    ]
+
+
 def _moved_inputs(
-    description: ModelDescription, count: int
+    inputs: Sequence[ModelVariable], count: int
 ) -> Iterator[tuple[ModelVariable, float | bool]]:
-    for variable in description.modelVariables:
-        if variable.causality != "input" or variable.shape or variable.clocks:
-            continue
+    for variable in inputs:
         if variable.type in _REALS:
             start = float(variable.start or 0.0)
             swing = _MOTION * max(1.0, abs(start)) * _PATTERN[count % len(_PATTERN)]
@@ -158,6 +166,32 @@ def first_difference(
                 shown = f"{_short(left)} and {_short(right)}"
                 return f"{variable.name} at t = {a.time_ns / 1e6:g} ms is {shown}"
     return None
+
+
+def largest_share(
+    one: Sequence[Reading], other: Sequence[Reading], outputs: Sequence[ModelVariable]
+) -> float:
+    """Return the largest difference of two runs as a share of the range of its output.
+
+    The range is the largest amount of the output in both runs. Infinite for what is no number, and
+    for runs of other lengths.
+    """
+    if len(one) != len(other):
+        return math.inf
+    largest = 0.0
+    for at in range(len(outputs)):
+        pairs = [
+            (left, right)
+            for a, b in zip(one, other, strict=True)
+            for left, right in zip(a.values[at], b.values[at], strict=True)
+        ]
+        if all(_bits((left,)) == _bits((right,)) for left, right in pairs):
+            continue
+        if not all(isinstance(value, float) and math.isfinite(value) for p in pairs for value in p):
+            return math.inf
+        span = max(abs(value) for pair in pairs for value in pair)
+        largest = max(largest, *(abs(left - right) / (span or 1.0) for left, right in pairs))
+    return largest
 
 
 def _short(value: tuple[Any, ...]) -> str:
