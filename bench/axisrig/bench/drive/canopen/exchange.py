@@ -55,7 +55,7 @@ class PdoExchange(Owner):
     has_fixed_mappings: what they carry cannot be changed.
     """
 
-    objects: ClassVar[tuple[int, ...]] = PARAMETERS
+    objects: ClassVar[frozenset[int]] = PARAMETERS
 
     def __init__(
         self,

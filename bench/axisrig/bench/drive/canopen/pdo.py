@@ -18,7 +18,7 @@ from axisrig.kernel.time.clock import MS, US, TimeNs
 PDOS: Final = 512  # RPDOs, and TPDOs, that a node can have
 RPDO_COMMUNICATION, RPDO_MAPPING = 0x1400, 0x1600
 TPDO_COMMUNICATION, TPDO_MAPPING = 0x1800, 0x1A00
-PARAMETERS: Final = tuple(
+PARAMETERS: Final = frozenset(
     base + number
     for base in (RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING)
     for number in range(PDOS)

@@ -34,7 +34,7 @@ class ProcessData(Owner):
     `read`.
     """
 
-    objects: ClassVar[tuple[int, ...]] = (*MAPPINGS, *ASSIGNMENTS)
+    objects: ClassVar[frozenset[int]] = frozenset((*MAPPINGS, *ASSIGNMENTS))
 
     def __init__(
         self, store: ObjectStore, may_change: Callable[[], bool], *, is_fixed: bool = False

@@ -12,7 +12,7 @@ from axisrig.bench.rig.canopen.startup import drive_dictionary, drive_steps
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.real_axes import is_real
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.dictionary import check_functions
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
@@ -61,6 +61,7 @@ def check_drives(settings: Settings) -> None:
             )
 
 
+@once
 def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
     """Return the steps that start the drive of one axis.
 

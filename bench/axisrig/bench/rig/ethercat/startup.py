@@ -5,7 +5,7 @@ from fractions import Fraction
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import drive_dictionary, start_up_settings
 from axisrig.bench.rig.ethercat.members import axis_telegrams, position_of
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup_steps import Scaling, Step, object_steps
 
 CAN_ONLY = {
@@ -21,6 +21,7 @@ BOOT_ONLY = ("reset_communication",)
 """Ways to pre-operational that the default of the key names; others are about NMT."""
 
 
+@once
 def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
     """Return what is asked of the drive of an axis, and written to it, over SDO.
 
