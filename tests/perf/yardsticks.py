@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple, Protocol
+from unittest.mock import patch
 
 from tests.perf.memory import memory_mb_min
 from tests.perf.pair_perf import measure_pair
@@ -25,6 +26,8 @@ from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.perf import Row
+from axisrig.bench.tools.scenarios.campaign import run_scenario
+from axisrig.bench.tools.scenarios.scenario import make_scenario
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
@@ -75,6 +78,38 @@ class NextRun(RunFactor):
         """Run it once more."""
         result = super().sample()
         return {**result, "value": result["beyond_simulation_ms"], "row_ms": result["next_row_ms"]}
+
+
+class KeptRun:
+    """CPU time of a run that leaves no files and is not its simulation, ms.
+
+    plan: a machine of scenarios; row: the number of one of seed 1. Its settings are read, the
+    machine is built, its recording stays in memory and is judged, as `scenarios` does.
+    """
+
+    def __init__(self, plan: str, row: str, place: Place) -> None:
+        self._scenario, self._clock_ns = make_scenario(1, int(row), plan), place.clocks.cpu_ns
+        run_scenario(self._scenario)
+
+    def sample(self) -> Sample:
+        """Run it once more."""
+        spent_ns: list[int] = []
+        simulate = Machine.run
+
+        def timed(machine: Machine) -> None:
+            begin = self._clock_ns()
+            simulate(machine)
+            spent_ns.append(self._clock_ns() - begin)
+
+        begin = self._clock_ns()
+        with patch.object(Machine, "run", timed):
+            judgement = run_scenario(self._scenario)
+        whole_ns = self._clock_ns() - begin
+        return {
+            "value": (whole_ns - sum(spent_ns)) / 1e6,
+            "simulation_ms": sum(spent_ns) / 1e6,
+            "frame_log_sha256": judgement.frames,
+        }
 
 
 class KernelCycle:
@@ -294,6 +329,7 @@ KINDS: Mapping[str, Callable[[str, str, Place], Yardstick] | None] = {
     "kernel_cycle": KernelCycle,
     "pair": Pair,
     "next_run": NextRun,
+    "kept_run": KeptRun,
     "workers": Workers,
     "check": check_of_rows,
     "help": help_text,
