@@ -28,6 +28,7 @@ from tests.perf.suite_text import (
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.gains import gains as row_gains
+from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.kernel.errors import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -94,6 +95,8 @@ def test_the_table_names_rows_that_there_are() -> None:
             names = [word for word in measure.row.split() if "=" not in word]
             assert names or measure.kind == "workers", measure  # of these: every row of the plan
             assert set(names) <= cases, measure
+        elif measure.kind == "kept_run":
+            assert measure.plan in machines(), measure
         else:
             words = measure.row.replace(":", " ").split()
             files = [measure.plan, *words] if measure.plan else []
@@ -112,6 +115,7 @@ def test_the_table_has_what_is_to_be_reached() -> None:
         ("pair", "less", 0.5, None),
         ("kernel_cycle", "less", 200.0, None),
         ("next_run", "less", 5.0, None),
+        ("kept_run", "less", 5.0, None),
         ("workers", "more", 1.9, None),
         ("workers", "more", 1.9, None),
         ("check", "less", 0.8, None),

@@ -133,9 +133,13 @@ def read_tpdo(number: int, store: ObjectStore) -> Tpdo | None:
 
 def pdo_numbers(store: ObjectStore) -> range:
     """Return the numbers, from 0, of the PDOs of a node: up to the last one that it has."""
-    bases = (RPDO_COMMUNICATION, TPDO_COMMUNICATION)
-    known = [n for n in range(PDOS) if any(store.holds(base + n, COB_ID) for base in bases)]
-    return range(known[-1] + 1 if known else 0)
+    known = [
+        index - base
+        for base in (RPDO_COMMUNICATION, TPDO_COMMUNICATION)
+        for index in store.indices
+        if base <= index < base + PDOS and store.holds(index, COB_ID)
+    ]
+    return range(max(known, default=-1) + 1)
 
 
 def check_write(index: int, sub: int, value: int, store: ObjectStore) -> None:

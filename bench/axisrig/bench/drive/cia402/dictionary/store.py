@@ -54,6 +54,11 @@ class ObjectStore:
         """Every object of the device that has a value."""
         return [row for key, row in self._rows.items() if self._table.has(*key)]
 
+    @property
+    def indices(self) -> frozenset[int]:
+        """The index of every object that has a value, or sub-indices."""
+        return self._indices
+
     def own(self, owner: Owner, indices: Collection[int]) -> None:
         """Let `owner` answer for those of these objects that the device has."""
         few, many = sorted((self._indices, indices), key=len)
