@@ -116,7 +116,7 @@ def test_a_list_is_told_with_what_is_corrected_and_what_does_not_act(
     path.write_text(
         "kopf.log_achs_name C\nkenngr.achs_typ ACHSTYP_ROTATOR\n"
         "kenngr.probing_offset 500\nkenngr.distc.kp 7\ngetriebe[0].kv 300\n"
-        "getriebe[0].multi_gain_z 300\n"
+        "antr.sercos.mdt_offset 300\n"
     )
     values, notes = said(axisrig, str(path)).split("\n\n")
     assert [" ".join(line.split()) for line in values.splitlines()] == [
@@ -124,12 +124,12 @@ def test_a_list_is_told_with_what_is_corrected_and_what_does_not_act(
         "kopf.log_achs_name C c.lst:1",
         "kenngr.achs_typ ACHSTYP_ROTATOR c.lst:2",
         "getriebe[0].kv 300 x 0.01/s = 3 1/s c.lst:5",
-        "getriebe[0].multi_gain_z 300 c.lst:6",
         "kenngr.probing_offset 500 x 0.0001 deg = 0.05 deg c.lst:3",
+        "antr.sercos.mdt_offset 300 c.lst:6",
         "kenngr.dist_ctrl[0].kp 2.0 c.lst:4",
     ]
     assert notes.splitlines()[0].startswith("warning: ID 315010 class 1: ")
-    assert notes.splitlines()[1] == "note: getriebe[0].multi_gain_z = 300 does not act yet"
+    assert notes.splitlines()[1] == "note: antr.sercos.mdt_offset = 300 does not act yet"
 
 
 def test_a_spindle_and_a_list_of_external_variables_are_reported_to_do_nothing(

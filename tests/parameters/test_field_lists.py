@@ -12,7 +12,7 @@ from axisrig.bench.rig.settings import Settings, read_settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters.influence import group_of, grouped, groups
 from axisrig.kernel.parameters.lists import read_list
-from axisrig.kernel.parameters.table import table
+from axisrig.kernel.parameters.table import Kind, table
 
 RIGS = Path(__file__).resolve().parents[2] / "testplans" / "rigs"
 SETTINGS = {
@@ -26,11 +26,15 @@ SETTINGS = {
 def with_list(tmp_path: Path) -> Callable[..., Settings]:
     """Read the rig of one axis with further lines in its list, and keys of its axis."""
 
-    def make(lines: str, keys: str = "") -> Settings:
+    def make(lines: str, keys: str = "", channel: str = "", channel_keys: str = "") -> Settings:
         rig = (RIGS / "probe-z.toml").read_text(encoding="utf-8")
         own = (RIGS / "lists" / "axis-z-fine.lst").read_text(encoding="utf-8")
         (tmp_path / "axis.lst").write_text(f"{own}\n{lines}\n", encoding="utf-8")
-        rig = rig.replace("lists/axis-z-fine.lst", "axis.lst").replace('"lists/', f'"{RIGS}/lists/')
+        own = (RIGS / "lists" / "channel.lst").read_text(encoding="utf-8")
+        (tmp_path / "channel.lst").write_text(f"{own}\n{channel}\n", encoding="utf-8")
+        rig = rig.replace("lists/axis-z-fine.lst", "axis.lst")
+        rig = rig.replace("lists/channel.lst", "channel.lst")
+        rig = rig.replace("[channel]", f"[channel]\n{channel_keys}")
         (tmp_path / "rig.toml").write_text(
             rig.replace("[axis.Z]", f"[axis.Z]\n{keys}"), encoding="utf-8"
         )
@@ -45,15 +49,21 @@ def rows(*, must_act: bool) -> list[str]:
     return [path for path in found if _group(path).must_act == must_act]
 
 
-def _group(path: str):
-    group = group_of("axis", path)
+def _group(path: str, kind: Kind = "axis"):
+    group = group_of(kind, path)
     assert group is not None
     return group
 
 
-def _odd(path: str) -> tuple[str, str]:
+def channel_rows(*, must_act: bool) -> list[str]:
+    """Return the paths of one class of channel lists."""
+    found = [path for kind, path in grouped() if kind == "channel"]
+    return [path for path in found if _group(path, "channel").must_act == must_act]
+
+
+def _odd(path: str, kind: Kind = "axis") -> tuple[str, str]:
     """Return a written path and a value that is not neutral."""
-    row = table("axis").row(path)
+    row = table(kind).row(path)
     assert row is not None
     default = int(float(row.default)) if not isinstance(row.default, str) else 0
     value = SETTINGS.get(path) or str(0 if row.default is True else default + 1)
@@ -62,14 +72,14 @@ def _odd(path: str) -> tuple[str, str]:
 
 def test_every_name_of_real_lists_has_a_class_and_does_not_act() -> None:
     """What has a class is a row of the tables; each group has members and a reason."""
-    field = [row for row in table("axis").parameters if row.topic == "field.csv"]
-    assert len(field) > 35
-    assert [row.path for row in field if group_of("axis", row.path) is None] == []
+    field = [r for k in ("axis", "channel") for r in table(k).parameters if r.topic == "field.csv"]
+    assert len(field) > 70
+    assert [row.path for row in field if group_of(row.kind, row.path) is None] == []
     for kind, path in grouped():
         row = table(kind).row(path)
         assert row is not None, path
         assert row.acts == "no"
-    assert {_group(path).name for _, path in grouped()} == set(groups())
+    assert {_group(path, kind).name for kind, path in grouped()} == set(groups())
     assert all(group.reason for group in groups().values())
 
 
@@ -107,6 +117,45 @@ def test_what_would_act_is_refused_unless_it_is_accepted(
         (note,) = [text for text in settings.notes if "is accepted" in text]
         assert name in note
         assert _group(path).reason in note
+
+
+@pytest.mark.parametrize("path", channel_rows(must_act=True))
+def test_what_would_act_of_a_channel_list_is_refused_unless_it_is_accepted(
+    with_list: Callable[..., Settings], path: str
+) -> None:
+    """Beside an axis list that accepts something of its own."""
+    name, value = _odd(path, "channel")
+    row = table("channel").row(path)
+    assert row is not None
+    axis = ("getriebe[0].lose 5", 'accept = ["P-AXIS-00103"]')
+    with pytest.raises(UserError, match="does not act here") as error:
+        with_list(*axis, f"{name} {value}")
+    assert _group(path, "channel").reason in error.value.message
+    assert "in [channel]: every run then says so" in str(error.value.hint)
+    settings = with_list(*axis, f"{name} {value}", f'accept = ["{row.number}"]')
+    notes = [text for text in settings.notes if "is accepted" in text]
+    assert [text.partition(":")[0] for text in notes] == ["channel", "axis Z"]
+    assert name in notes[0]
+
+
+def test_what_has_no_influence_of_a_channel_list_is_counted(
+    with_list: Callable[..., Settings],
+) -> None:
+    paths = channel_rows(must_act=False)
+    lines = "\n".join(" ".join(_odd(path, "channel")) for path in paths)
+    (note,) = [text for text in with_list("", channel=lines).notes if "influence" in text]
+    assert f"channel: {len(paths)} settings have no influence here (channel.lst)" in note
+
+
+@pytest.mark.parametrize("value", ["0", "10000"])
+def test_the_inner_units_of_the_field_are_neutral(
+    with_list: Callable[..., Settings], value: str
+) -> None:
+    """P-CHAN-00315: 0 takes P-CHAN-00034 to 00036, 10000 is a unit of 0.1 um."""
+    same = with_list("", channel=f"resolution_factor {value}\nlin_aufloes 10000").notes
+    assert same == with_list("").notes
+    with pytest.raises(UserError, match="wrong by a factor"):
+        with_list("", channel="resolution_factor 1000")
 
 
 @pytest.mark.parametrize("path", rows(must_act=True)[:3])

@@ -113,7 +113,7 @@ def test_a_file_that_check_does_not_know_names_what_does(tmp_path: Path) -> None
 
 
 def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
-    inert = "getriebe[0].multi_gain_z 300\nkenngr.echtzeit_bit_nr 1\n"
+    inert = "antr.sercos.mdt_offset 300\nkenngr.echtzeit_bit_nr 1\n"
     rig = listed(rig_file(), f"{inert}kenngr.messachse 1\n")
     listed(
         rig, "kasto_prog_meas_trigger 1\nconfiguration.decoder.max_cache_size 10\n", "channel.lst"
@@ -125,7 +125,7 @@ def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_
     )
     assert axis == (
         "axis Z: 2 settings do not act yet (axis-z.lst):"
-        " getriebe[0].multi_gain_z = 300, kenngr.echtzeit_bit_nr = 1"
+        " kenngr.echtzeit_bit_nr = 1, antr.sercos.mdt_offset = 300"
     )
 
 
@@ -137,8 +137,8 @@ def test_a_list_in_which_all_acts_is_not_told_of(rig_file: Write, settings_of: R
 def test_a_cell_that_sets_the_default_takes_the_note_away(
     rig_file: Write, settings_of: Read
 ) -> None:
-    rig = listed(rig_file(), "getriebe[0].multi_gain_z 300\n")
-    assert settings_of(rig, "set:Z.getriebe[0].multi_gain_z=2000").notes == []
+    rig = listed(rig_file(), "antr.sercos.mdt_offset 300\n")
+    assert settings_of(rig, "set:Z.antr.sercos.mdt_offset=0").notes == []
 
 
 @pytest.mark.provokes(315010, 1, owner="axis Z", value=5.0, corrected=2.0)
@@ -149,10 +149,10 @@ def test_a_correction_is_a_warning_of_the_rig(rig_file: Write, settings_of: Read
 
 
 def test_check_tells_warnings_and_notes(rig_file: Write) -> None:
-    text = check_file(listed(rig_file(), "kenngr.distc.kp 5\ngetriebe[0].multi_gain_z 300\n"))
+    text = check_file(listed(rig_file(), "kenngr.distc.kp 5\nantr.sercos.mdt_offset 300\n"))
     assert "warning: ID 315010 class 1: " in text
     assert "(axis-z.lst:1)" in text
-    assert "note: axis Z: 1 setting does not act yet (axis-z.lst): getriebe[0].multi_gain_z" in text
+    assert "note: axis Z: 1 setting does not act yet (axis-z.lst): antr.sercos.mdt_offset" in text
 
 
 @pytest.mark.parametrize(("number", "used"), [("1", 1), ("2", 2), ("4", 1), ("255", 1)])

@@ -78,6 +78,22 @@ def test_an_axis_has_the_name_of_its_list_and_the_folder_is_made(
     assert settings.axis["X2_Table"].integer("kenngr.swe_pos") == 900000
 
 
+def test_a_simulated_probe_and_what_a_channel_list_would_do_are_assumptions(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """P-AXIS-00112 acts: such an axis would measure without a probe."""
+    rig = tmp_path / "rig.toml"
+    lists = listed(z=f"{Z}meas_simu.meas_simu_mode 2\n", ch="messtyp 1\nvector.acceleration 5000\n")
+    assumed = rig_from(lists, None, rig)
+    assert any("simulated probe of the list (P-AXIS-00112 = 2)" in text for text in assumed)
+    assert "channel: vector.acceleration = 5000 does not act: the path would be slower" in assumed
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    assert table["channel"]["accept"] == ["P-CHAN-00002"]
+    check_rig(settings_of(rig, []))
+    other = tmp_path / "other.toml"
+    assert not any("simulated" in text for text in rig_from(listed(z=Z), None, other))
+
+
 def test_confirmed_assumptions_are_not_counted(
     listed: Callable[..., list[Path]], tmp_path: Path
 ) -> None:

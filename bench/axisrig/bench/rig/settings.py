@@ -338,7 +338,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
         settings.notes = inert_notes(rig, channel, axes)
         settings.notes += assumed_notes(rig)
         settings.notes += language_notes(rig, files)
-        settings.notes += influence_notes(rig, files, axes)
+        settings.notes += influence_notes(rig, files, channel, axes)
         settings.notes += relation_notes(axes)
         settings.notes += stop_notes(axes)
         settings.notes += offset_notes(settings.offsets, tuple(axes))

@@ -54,13 +54,15 @@ StartValue = bool | int | float | str
 class ChannelTable(Table):
     """`[channel]`: its lists in the manual's format: parameters, zero offsets, tools.
 
-    cutting_licence: the option that 3D distance control needs is there.
+    cutting_licence: the option that 3D distance control needs is there. accept: parameters of its
+    list that would act on the machine and do not act here, by number or path.
     """
 
     list: str
     zero_offsets: str | None = None
     tools: str | None = None
     cutting_licence: bool = True
+    accept: Sequence[str] = ()
 
 
 SIGNAL_KEYS = ("probe_1", "probe_2", "limit_negative", "limit_positive", "home_switch")

@@ -1,51 +1,74 @@
 """Parameters of real lists that do not act: kept, counted, or refused with the reason."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 from axisrig.bench.rig.reading.file import RigFile, rig_error
 from axisrig.kernel.errors import UserError, nearest, together
 from axisrig.kernel.parameters import ParameterSet, written
 from axisrig.kernel.parameters.influence import Group, group_of
-from axisrig.kernel.parameters.table import Parameter, indices_of, table
+from axisrig.kernel.parameters.table import Kind, Parameter, indices_of, table
 from axisrig.kernel.parameters.types import Value
 
 COUNTS, PATHS = "getriebe[0].wegaufz", "getriebe[0].wegaufn"
 PER_MM = 10_000  # 0.1 um
 
 
-def influence_notes(rig: RigFile, files: list[Path], axes: Mapping[str, ParameterSet]) -> list[str]:
+CHANNEL = "channel"
+INNER_UNITS = {"resolution_factor": 10_000}
+"""What means the same as the neutral value: 0 of P-CHAN-00315 is 10000."""
+
+
+def influence_notes(
+    rig: RigFile, files: list[Path], channel: ParameterSet, axes: Mapping[str, ParameterSet]
+) -> list[str]:
     """Say of each list what has no influence here, and what was accepted though it would act.
 
     Raises UserError, for all lists together, for a parameter that would act on the machine, does
-    not act here, is not at its neutral value and is not in `accept` of its axis.
+    not act here, is not at its neutral value and is not in `accept` of its axis or of the channel.
     """
     notes, errors = list[str](), list[UserError]()
+    lists = [_List(CHANNEL, (CHANNEL,), rig.channel.list, rig.channel.accept, channel)]
     for name, parameters in axes.items():
-        accepted = _accepted(rig, files, name)
+        table_ = rig.axis[name]
+        at = _List(f"axis {name}", ("axis", name), table_.list, table_.accept, parameters)
+        lists.append(at)
+    for one in lists:
+        accepted = _accepted(files, one)
         without = 0
-        for row, key, value, group in classified(parameters):
+        for row, key, value, group in classified(one.parameters):
             if not group.must_act:
                 without += 1
-            elif _is_as_the_rig(rig, name, key, parameters):
+            elif _is_as_the_rig(rig, one.keys[-1], key, one.parameters):
                 continue
             elif row.path in accepted:
                 notes.append(
-                    f"axis {name}: {_named(row, key)} = {written(value)} is accepted and does not"
+                    f"{one.name}: {_named(row, key)} = {written(value)} is accepted and does not"
                     f" act: {group.reason}"
                 )
             else:
-                errors.append(_refused(name, row, key, value, group, parameters))
+                errors.append(_refused(one, row, key, value, group))
         if without:
             what = "1 setting has" if without == 1 else f"{without} settings have"
             notes.append(
-                f"axis {name}: {what} no influence here ({Path(rig.axis[name].list).name});"
+                f"{one.name}: {what} no influence here ({Path(one.file).name});"
                 " `axisrig params --rig` lists all that is set"
             )
     if errors:
         raise together(errors)
     return notes
+
+
+class _List(NamedTuple):
+    """A parameter list of a rig: how notes call it, its table, its file, what it accepts."""
+
+    name: str
+    keys: tuple[str, ...]
+    file: str
+    accept: Sequence[str]
+    parameters: ParameterSet
 
 
 def assumed_notes(rig: RigFile) -> list[str]:
@@ -62,22 +85,22 @@ def classified(parameters: ParameterSet) -> Iterator[tuple[Parameter, str, Value
     for key, value in parameters.inert():
         row = table(parameters.kind).find(key)[0]
         group = group_of(parameters.kind, row.path)
-        if group is not None:
+        if group is not None and value != INNER_UNITS.get(row.path):
             yield row, key, value, group
 
 
-def _accepted(rig: RigFile, files: list[Path], name: str) -> set[str]:
-    """Return the paths that an axis accepts by number or path. Raises UserError for none."""
+def _accepted(files: list[Path], one: _List) -> set[str]:
+    """Return the paths that a list accepts by number or path. Raises UserError for none."""
     found = set()
-    known = table("axis")
-    for word in rig.axis[name].accept:
+    kind = one.parameters.kind
+    known = table(kind)
+    for word in one.accept:
         row = known.numbered(word) or known.row(word)
-        group = group_of("axis", row.path) if row is not None else None
-        if row is None or group is None or not group.must_act:
-            must = [r.number or r.path for r in known.parameters if _must(r)]
+        if row is None or not _must(row, kind):
+            must = [r.number or r.path for r in known.parameters if _must(r, kind)]
             raise rig_error(
                 files,
-                ("axis", name, "accept"),
+                (*one.keys, "accept"),
                 "no parameter that has to be accepted",
                 value=word,
                 allowed=nearest(word, must) or must,
@@ -86,8 +109,8 @@ def _accepted(rig: RigFile, files: list[Path], name: str) -> set[str]:
     return found
 
 
-def _must(row: Parameter) -> bool:
-    group = group_of("axis", row.path)
+def _must(row: Parameter, kind: Kind) -> bool:
+    group = group_of(kind, row.path)
     return group is not None and group.must_act
 
 
@@ -100,10 +123,8 @@ def _is_as_the_rig(rig: RigFile, name: str, key: str, parameters: ParameterSet) 
     return bool(path) and Fraction(counts * PER_MM, path) == drive.facts().units_per_mm
 
 
-def _refused(
-    name: str, row: Parameter, key: str, value: Value, group: Group, parameters: ParameterSet
-) -> UserError:
-    place = parameters.origin(key)
+def _refused(one: _List, row: Parameter, key: str, value: Value, group: Group) -> UserError:
+    place = one.parameters.origin(key)
     assert place is not None
     word = row.number or row.path
     index = "" if indices_of(key) in ((), (0,)) else f" (index {indices_of(key)[0]})"
@@ -111,7 +132,7 @@ def _refused(
         f"{_named(row, key)}{index} does not act here: {group.reason}",
         value=written(value),
         allowed=f"{written(row.default)}, its neutral value",
-        hint=f'or accept = ["{word}"] in [axis.{name}]: every run then says so',
+        hint=f'or accept = ["{word}"] in [{".".join(one.keys)}]: every run then says so',
     )
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.bench.rig.contents import read_parts
-from axisrig.bench.rig.reading.influence import COUNTS, PATHS, classified
+from axisrig.bench.rig.reading.influence import CHANNEL, COUNTS, PATHS, classified
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import ParameterSet, written
 from axisrig.kernel.parameters.start_up import drive_type
@@ -59,7 +59,10 @@ def rig_from(lists: Sequence[Path], eds: Path | None, output: Path) -> list[str]
         channel = output.with_name(f"{output.stem}-channel.lst")
         channel.write_text("# no channel list was given: all defaults\n", encoding="utf-8")
         draft.assumed.append(f"the channel has the defaults of all its parameters ({channel.name})")
-    draft.add("channel", f'list = "{_relative(channel, output)}"')
+        keys = []
+    else:
+        keys = _accept(draft, "channel", read_parts(channel)[CHANNEL])
+    draft.add("channel", f'list = "{_relative(channel, output)}"', *keys)
     measuring = [name for name, (_, p) in axes.items() if p.flag("kenngr.messachse")]
     for number, (name, (path, parameters)) in enumerate(axes.items(), 1):
         _axis(draft, name, _relative(path, output), parameters, number, eds, output, measuring)
@@ -99,16 +102,12 @@ def _axis(
     keys += [f'drive = "{low}"', f'plant = "{low}"']
     if name in measuring[: len(INPUTS)]:
         keys += ['probe_1 = "probe"', 'probe_2 = "probe"']
-    accepted = {}
-    for row, key, value, group in classified(parameters):
-        if group.must_act and key not in (COUNTS, PATHS):
-            accepted[row.number or row.path] = (
-                f"{key} = {written(value)} does not act: {group.reason}"
-            )
-    if accepted:
-        words = ", ".join(f'"{word}"' for word in accepted)
-        keys.append(f"accept = [{words}]")
-        draft.assumed += [f"axis {name}: {text}" for text in accepted.values()]
+    if simulated := parameters.integer("meas_simu.meas_simu_mode"):
+        draft.assumed.append(
+            f"axis {name}: it measures with the simulated probe of the list (P-AXIS-00112 ="
+            f" {simulated}); the probe of the rig is not asked"
+        )
+    keys += _accept(draft, f"axis {name}", parameters)
     draft.add(f"axis.{name}", *keys)
     start_mm = _start_mm(parameters)
     draft.add(
@@ -120,6 +119,19 @@ def _axis(
         f"axis {name}: mechanics and loops are those of AxisRig.Drives.ServoAxis; it begins at"
         f" {start_mm:g} mm"
     )
+
+
+def _accept(draft: _Draft, name: str, parameters: ParameterSet) -> list[str]:
+    """Return the key that accepts what does not act of a list; nothing where there is nothing."""
+    accepted = {}
+    for row, key, value, group in classified(parameters):
+        if group.must_act and key not in (COUNTS, PATHS):
+            accepted[row.number or row.path] = (
+                f"{key} = {written(value)} does not act: {group.reason}"
+            )
+    draft.assumed += [f"{name}: {text}" for text in accepted.values()]
+    words = ", ".join(f'"{word}"' for word in accepted)
+    return [f"accept = [{words}]"] if accepted else []
 
 
 def _drive(
