@@ -125,15 +125,6 @@ def test_a_linear_metric_has_its_rotary_twin() -> None:
     assert rotary_twin("duration_s") is None
 
 
-def test_a_summary_has_seven_digits_and_says_what_is_missing() -> None:
-    check = parse_check("latch_mm", "<= 1", "here")
-    assert judge(check, 0.123456789).summary == "latch_mm = 0.1234568 mm against <= 1"
-    assert judge(check, None).summary == "latch_mm: no value against <= 1"
-    alarms = parse_check("alarms", "none", "here")
-    assert judge(alarms, []).summary == "alarms = none against none"
-    assert judge(alarms, [50059, 50052]).summary == "alarms = 50059 50052 against none"
-
-
 @pytest.mark.parametrize(
     ("value", "hidden", "verdict"),
     [

@@ -173,8 +173,10 @@ def test_junit_carries_values_limits_and_requirement(plan: Plan, tmp_path: Path)
     assert properties["seed"] == str(plan.cases[0].seed)
     failure = first.find("failure")
     assert failure is not None
-    assert "latch_error_um:Z is 0.7 um, asked for <= 0.5" in (failure.get("message") or "")
-    assert "no value" in "".join(second.find("failure").itertext())  # type: ignore[union-attr]
+    assert "latch_error_um:Z is 0.2 um above its upper limit 0.5 um" in (
+        failure.get("message") or ""
+    )
+    assert "has no value" in "".join(second.find("failure").itertext())  # type: ignore[union-attr]
     error = third.find("error")
     assert error is not None
     assert (error.get("type"), error.get("message")) == ("aborted", "stopped \ufffd by hand")
@@ -228,7 +230,7 @@ def test_junit_counts_inconclusive_runs_as_failures(plan: Plan, tmp_path: Path) 
     failure = unclear.find("failure")
     assert failure is not None
     assert failure.get("type") == "inconclusive"
-    assert "latch_error_um:Z is 1.05 um, asked for -1 .. 1 (within" in (failure.text or "")
+    assert "above its upper limit 1.0 um, within its uncertainty of" in (failure.text or "")
     assert unclear.find("error") is None
     assert good.find("failure") is None
 
@@ -299,6 +301,6 @@ def test_the_verdict_table_prints_words_as_they_are(
     result.log.append("line :X: [b]")
     show_verdicts([result])
     text = "".join(capsys.readouterr().out.replace("\u2502", " ").split())
-    assert "latch_error_um:X:novalue" in text
+    assert "latch_error_um:Xhasnovalue" in text
     assert "[b]why[/b]" in text
     assert "line:X:[b]" in text

@@ -137,6 +137,48 @@ def test_runs_are_found_filtered_and_sorted_and_the_address_keeps_it(
     assert page.errors == []
 
 
+def cards(page: Browser) -> list[str]:
+    """The runs whose cards are seen."""
+    found = page.run(
+        "[...document.querySelectorAll('.card')].filter((c) => c.offsetHeight)"
+        ".map((c) => c.dataset.run)"
+    )
+    return list(found)
+
+
+def test_cards_follow_find_and_the_boxes_and_contents_change_nothing(page: Browser) -> None:
+    everything = cards(page)
+    assert len(everything) == 6
+    click(page, ".filter input[value=fail]")
+    kept = cards(page)
+    assert 0 < len(kept) < 6
+    assert set(kept) <= set(shown(page))
+    click(page, ".contents a[href='#glossary_title']")
+    page.run("new Promise((done) => setTimeout(done, 50))")
+    assert cards(page) == kept
+    find(page, "no such run")
+    assert cards(page) == []
+    find(page, "")
+    click(page, ".filter input[value=fail]")
+    assert cards(page) == everything
+    # The number of equal runs leads to these runs
+    page.run("location.hash = 'find=' + document.querySelector('.card').dataset.card")
+    page.run("new Promise((done) => setTimeout(done, 50))")
+    assert shown(page) == everything[:1]
+    assert page.errors == []
+
+
+def test_the_page_has_landmarks_and_a_way_past_them(page: Browser) -> None:
+    for landmark in ("header", "nav[aria-label]", "[role=search]", "main", "footer"):
+        assert page.run(f"document.querySelectorAll('body > {landmark}').length") == 1
+    assert page.run("document.body.firstElementChild.hash") == "#main"
+    places = page.run(
+        "[...document.querySelectorAll('.contents a')].map((a) => [a.textContent,"
+        " document.getElementById(a.hash.slice(1))?.textContent])"
+    )
+    assert all(text and text.startswith(name) for name, text in places), places
+
+
 def pressed(page: Browser) -> list[str]:
     """The buttons of stretches that show what is seen."""
     found = page.run(
@@ -391,3 +433,22 @@ def test_axe_finds_nothing_in_sweeps_searches_and_sensitivity(
         assert browser.run("document.querySelectorAll('main img, main script').length") == 0
         assert [violations(browser, is_dark=is_dark) for is_dark in (False, True)] == [[], []]
         assert browser.errors == []
+
+
+def test_the_value_under_the_pointer_is_said(browser: Browser, tmp_path: Path) -> None:
+    rows = [("c", str(a), "1", a * 2.0, "pass") for a in range(1, 30)]
+    build_report(folder_of(tmp_path, rows))
+    browser.open(tmp_path)
+    browser.errors.clear()
+    browser.open(tmp_path / "report.html")
+    x, y = browser.run(
+        "(() => { const dot = document.querySelectorAll('svg.dots .dot')[6];"
+        " dot.scrollIntoView({ block: 'center' }); const b = dot.getBoundingClientRect();"
+        " return [b.left + b.width / 2 + 2, b.top + b.height / 2 + 5]; })()"
+    )
+    mouse(browser, "mouseMoved", x, y, 0)
+    said = "document.querySelector('.dots-at')?.textContent"
+    assert browser.run(said) == "r6: 14 at 7, pass"
+    mouse(browser, "mouseMoved", 2, 2, 0)
+    assert browser.run(said) is None
+    assert browser.errors == []

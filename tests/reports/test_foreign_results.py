@@ -28,7 +28,7 @@ def test_results_of_another_tool_are_shown(tmp_path: Path) -> None:
     path = build_report(written(tmp_path))
     page = unescape(whole(path))
     assert "torque is 2.25 N.m above its upper limit 5 N.m" in page
-    assert "2 of 2 runs" in page
+    assert "1 of 2 failed; all 2 ran" in page
     assert "1 check passed" in page
     assert "temperature_c=-20" in page
     assert list(opened(path)) == ["hinge-cold", "hinge-warm"]

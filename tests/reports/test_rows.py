@@ -12,6 +12,7 @@ from tests.reports.pages import opened
 
 from axisrig.reports import build
 from axisrig.reports.build import build_report
+from axisrig.reports.failures import section
 from axisrig.reports.parts.envelope import BINS, KEPT_ROWS
 
 RANK = ["error", "aborted", "fail", "inconclusive"]
@@ -24,7 +25,7 @@ def source(campaign: Path) -> str:
 
 def cards(source: str) -> list[tuple[str, str, str]]:
     """Run, verdict and text of each card."""
-    pattern = r'<article class="card v-(\w+)-edge" data-run="([\w.-]+)">(.*?)</article>'
+    pattern = r'<article class="card v-(\w+)-edge" data-run="([\w.-]+)"[^>]*>(.*?)</article>'
     return [(run, verdict, body) for verdict, run, body in re.findall(pattern, source, re.DOTALL)]
 
 
@@ -66,7 +67,7 @@ def test_a_run_shows_its_failures_above_everything_else(source: str) -> None:
 def test_many_failures_leave_room_for_the_runs(
     campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(build, "CARDS", 2)
+    monkeypatch.setattr(section, "CARDS", 2)
     part = tmp_path / "part"
     shutil.copytree(campaign, part)
     page = build_report(part).read_text(encoding="utf-8")

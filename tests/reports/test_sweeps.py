@@ -30,7 +30,7 @@ def test_a_metric_over_one_input_is_drawn_with_its_limits(tmp_path: Path) -> Non
     assert (sweep.case, sweep.metric, sweep.columns) == ("p-c", "m", ("plc:V.E.A",))
     text = drawing(sweep.samples, "m over A", sweep.unit)
     assert text.count("<circle") == 3
-    assert text.count("<path") == 1  # what failed has another sign, not only another colour
+    assert text.count("<path d=") == 1  # what failed has another sign, not only another colour
     assert text.count('class="sw-limit"') == 3
     # Equal steps of the input are equal steps of the drawing; the largest value is the highest
     places = [float(x) for x in re.findall(r'<circle cx="([\d.]+)"', text)]
@@ -39,7 +39,10 @@ def test_a_metric_over_one_input_is_drawn_with_its_limits(tmp_path: Path) -> Non
     assert heights == sorted(heights, reverse=True)
     assert all(0 <= x <= WIDTH for x in places)
     assert all(0 <= y <= HEIGHT for y in heights)
-    assert "8.9 to 41.1 um" in text
+    # Round ticks, and the words of each dot for the pointer
+    up = [float(word) for word in re.findall(r'text-anchor="end">([\d.]+)</text>', text)]
+    assert up == [10, 20, 30, 40]
+    assert "<title>r3: 41 at 4, fail</title>" in text
 
 
 def test_two_inputs_are_a_grid_with_signs_and_values(tmp_path: Path) -> None:
@@ -194,7 +197,7 @@ def test_a_search_is_drawn_with_its_probes_its_bounds_and_the_limit(tmp_path: Pa
     text = searches_section(read_results(searched(tmp_path, ("300.0", "325.0"))))
     assert "6 probes, 2 hold, 4 do not" in text
     assert 'href="#p-c"' in text
-    assert (text.count("<circle"), text.count('class="sw-fail"')) == (2, 4)
+    assert (text.count("<circle"), text.count('class="dot sw-fail"')) == (2, 4)
     assert "≤ 310" in text
     # The two upright lines are between the probes at 300 and 350, at their values
     circles = sorted(float(x) for x in re.findall(r'<circle cx="([\d.]+)"', text))

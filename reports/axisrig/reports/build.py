@@ -9,9 +9,7 @@ import base64
 import gzip
 import json
 import posixpath
-import shlex
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -32,16 +30,17 @@ from axisrig.bench.campaign.results.stored import (
 )
 from axisrig.bench.files import write_parts
 from axisrig.bench.judge.topics import findings
-from axisrig.bench.plan.plan import counted
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.blocks.section import blocks_style
 from axisrig.reports.budget.drawing import budget_style
 from axisrig.reports.budget.section import budget_section
 from axisrig.reports.campaign_map.section import CampaignMap, map_style
-from axisrig.reports.coverage.section import Coverage, coverage_style
+from axisrig.reports.campaign_sections import SECTIONS, Results
+from axisrig.reports.coverage.section import Coverage
+from axisrig.reports.failures.section import SEEN, Cards
 from axisrig.reports.glossary import glossary
+from axisrig.reports.heading import heading
 from axisrig.reports.kinematics.section import tool_script, tool_style
-from axisrig.reports.lines.section import lines_section, lines_style
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.run import (
@@ -52,19 +51,12 @@ from axisrig.reports.run import (
     probe_rows,
     readable,
     run_view,
-    verdict_words,
 )
-from axisrig.reports.statistics.section import statistics_section, statistics_style
-from axisrig.reports.sweeps.searches import search_pictures, searches_section
-from axisrig.reports.sweeps.section import sweeps, sweeps_section, sweeps_style
-from axisrig.reports.sweeps.sensitivity import sensitivity_section
+from axisrig.reports.sweeps.searches import search_pictures
 from axisrig.reports.topics import TOPICS
 
 WHOLE_BYTES = 10_000_000
 """Packed signals of runs that did not pass are whole until they take so much."""
-CARDS = 100
-"""Failures that are shown with a picture; the others are rows of the table."""
-_TESTED = 8
 _BLOCK = 1 << 20
 
 
@@ -100,8 +92,8 @@ def build_report(
 
 _STORE = "<!-- packed runs -->"
 _STYLES = (
-    *(page_style, blocks_style, map_style),
-    *(statistics_style, sweeps_style, coverage_style, lines_style, budget_style, tool_style),
+    *(page_style, blocks_style, map_style, budget_style, tool_style),
+    *(section.style for section in SECTIONS),
 )
 
 
@@ -134,8 +126,8 @@ class _Pages:
 class _Made:
     """What is kept of the runs until the page is written."""
 
+    cards: Cards
     rows: list[Markup] = field(default_factory=list)
-    cards: list[tuple[Verdict, Markup]] = field(default_factory=list)
     campaign: CampaignMap = field(default_factory=CampaignMap)
     altered: list[str] = field(default_factory=list)
     coverage: Coverage = field(default_factory=Coverage)
@@ -143,7 +135,7 @@ class _Made:
 
 
 def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: bool) -> _Made:
-    made, spent = _Made(), 0
+    made, spent = _Made(Cards(results, lambda card: pages.card.render(card=card))), 0
     output = _output(results)
     links, columns = _links(results), results.input_columns
     probes: dict[str, list[StoredRun]] = {}
@@ -164,10 +156,10 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         with readable(run, "budget"):
             view["budget"] = budget_section(folder, run)
         view["searched"] = search_pictures(run, own) if view["probes"] else ""
+        view["card"] = made.cards.name_of(run.run)
+        view["is_example"] = made.cards.is_example(run.run)
         made.rows.append(Markup(pages.row.render(run=view)))
-        if run.is_in_plan and not run.is_probe and not view["is_good"]:
-            card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
-            made.cards.append((run.verdict, card))
+        made.cards.add(view)
         if not run.is_probe:  # its row has verdict and time of its probes
             made.campaign.add(run)
             clock = "real" if view["clock"] == "ran" else "sim"
@@ -189,43 +181,30 @@ def _packed(view: Mapping[str, Any], body: str) -> str:
 
 def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) -> dict[str, Any]:
     """Everything the template of the whole page prints."""
-    manifest, planned = results.manifest, results.planned
-    verdicts = Counter(run.verdict for run in planned)
-    over_several = sum(run.is_statistic for run in planned)
-    cards = sorted(made.cards, key=lambda card: -card[0])
-    swept = sweeps(results)
+    campaign = Results(results, made.coverage)
+    written = [(section, section.make(campaign)) for section in SECTIONS]
+    sections = [(section.title, section.place, text) for section, text in written if text]
+    cards = made.cards.made
     return {
-        "view": {
-            "plans": list(dict.fromkeys(run.case["plan"] for run in results.runs)),
-            "verdict": verdict_words(results.verdict),
-            "counts": [(verdict_words(verdict), verdicts[verdict]) for verdict in Verdict],
-            "missing": results.missing,
-            "done": len(planned),
-            "planned": results.runs_planned,
-            "rows_of": counted(len(planned) - over_several, over_several) if over_several else "",
-            "tested": _tested([run for run in results.runs if not run.is_probe]),
-            "facts": _facts(results, made),
-            "files": _files(manifest),
-            "packages": manifest.get("packages", {}),
-            "failed": len(made.cards),
+        "view": heading(results, made.seconds)
+        | {
+            "failed": made.cards.failed,
             "altered": made.altered,
-            "cards": [card for _, card in cards if card],
+            "cards": cards[:SEEN],
+            "folded": cards[SEEN:],
+            "left_out": made.cards.left_out,
             "rows": made.rows,
+            "contents": [(title, place) for title, place, _ in sections],
             "legends": [topic.legend for topic in topics if topic.legend],
             "glossary": glossary(),
         },
-        "statistics": statistics_section(results),
-        "lines": lines_section(results),
-        "sweeps": searches_section(results)
-        + sweeps_section(results, swept)
-        + sensitivity_section(swept),
-        "coverage": made.coverage.section(),
+        "sections": [text for _, _, text in sections],
         "map": made.campaign.data(),
         "map_script": Markup(shipped_text("campaign_map/map.js")),
         "tool_script": tool_script(),
         "style": Markup("").join(style() for style in _STYLES),
         "scripts": plot_scripts(),
-        "script": Markup(shipped_text("page.js")),
+        "script": Markup(shipped_text("points.js") + shipped_text("page.js")),
         "licences": licences(),
         "store": Markup(_STORE),
     }
@@ -294,75 +273,3 @@ def relative_address(path: str, output: str) -> str:
         if all(is_absolute)
         else quote(posixpath.relpath(f"/{path}", f"/{output}"))
     )
-
-
-# ---- the header
-
-
-def _tested(runs: Sequence[StoredRun]) -> list[str]:
-    """What was tested on what: programs and rigs, the most frequent first."""
-
-    def name(path: str) -> str:
-        return path.replace("\\", "/").rpartition("/")[2]
-
-    pairs = Counter(
-        (name(run.case.get("program", "")), name(run.case.get("rig", ""))) for run in runs
-    )
-    known = [(pair, count) for pair, count in pairs.most_common() if any(pair)]
-    words = [
-        f"{' on '.join(part for part in pair if part)}: {_runs(count)}"
-        for pair, count in known[:_TESTED]
-    ]
-    more = known[_TESTED:]
-    if more:
-        count = sum(count for _, count in more)
-        words.append(f"{len(more)} more programs and rigs: {_runs(count)}")
-    return words
-
-
-def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
-    """The header of the report: what is known about the campaign."""
-    manifest, runs = results.manifest, results.runs
-    wall_s = sum(float(run.case["wall_s"]) for run in runs if not run.is_probe)
-    facts = {
-        "started": manifest.get("started"),
-        "command": shlex.join(manifest.get("command", [])),
-        "axisrig": manifest.get("axisrig"),
-        "Python": manifest.get("python"),
-        "platform": manifest.get("platform"),
-        "CiA 402 drive in place of": "; ".join(_substituted(runs)),
-        "simulated": _time_of(made.seconds["sim"]),
-        "on a real bus": _time_of(made.seconds["real"]),
-        "computed in": f"{wall_s:.1f} s" if wall_s else "",
-        "of earlier calls": "; ".join(_earlier(manifest)),
-        "warnings": "\n".join(manifest.get("warnings", [])),
-    }
-    return [(name, str(value)) for name, value in facts.items() if value]
-
-
-def _substituted(runs: Sequence[StoredRun]) -> list[str]:
-    """What drives stood for that the lists do not name, and in how many runs."""
-    found = [run.case.get("drive_substituted", "") for run in runs]
-    told = Counter(text for text in found if text)
-    return [f"{text} ({_runs(count)})" for text, count in told.items()]
-
-
-def _earlier(manifest: Mapping[str, Any]) -> Iterator[str]:
-    """Calls before the last one whose results are still in the folder."""
-    for call in manifest.get("earlier", []):
-        command = shlex.join(call.get("command", []))
-        yield f"{_runs(len(call.get('runs', ())))} of {call.get('started', '')} {command}".rstrip()
-
-
-def _runs(count: int) -> str:
-    return f"{count} run{'s' if count > 1 else ''}"
-
-
-def _time_of(seconds: Sequence[float]) -> str:
-    return f"{sum(seconds):.3f} s in {_runs(len(seconds))}" if any(seconds) else ""
-
-
-def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Files of the campaign with their SHA-256."""
-    plans = {plan["path"]: plan["sha256"] for plan in manifest.get("plans", [])}
-    return list({**plans, **manifest.get("files", {}), **manifest.get("fmus", {})}.items())

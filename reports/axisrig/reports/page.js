@@ -10,7 +10,9 @@
     body,
     index,
     verdict: body.dataset.verdict,
-    find: body.dataset.find,
+    find: body.dataset.card ? `${body.dataset.find} ${body.dataset.card}.` : body.dataset.find,
+    card: body.dataset.card,
+    isExample: "example" in body.dataset,
     opened: null,
     plots: null,
     tools: [],
@@ -82,16 +84,28 @@
   const compare = (a, b) => (typeof a === "number"
     ? a - b : a.localeCompare(b, "en", { numeric: true }));
 
+  const cards = [...document.querySelectorAll(".card")];
+
+  /* A card is there while one of its runs is: find and the boxes are for both. */
+  function filterCards() {
+    const seen = new Set(runs.filter((run) => !run.body.hidden).map((run) => run.card));
+    for (const card of cards) card.hidden = !seen.has(card.dataset.card);
+    for (const folded of document.querySelectorAll(".folded")) {
+      folded.hidden = ![...folded.querySelectorAll(".card")].some((card) => !card.hidden);
+    }
+  }
+
   function filter() {
     // A probe may have a verdict that no run has, and so no box
     const unwanted = new Set(boxes.filter((box) => !box.checked).map((box) => box.value));
     const words = find.value.trim().toLowerCase().split(/\s+/).filter(Boolean);
     let shown = 0;
     for (const run of runs) {
-      const fits = !unwanted.has(run.verdict) && words.every((word) => run.find.includes(word));
+      const fits = !unwanted.has(run.verdict) && words.every((word) => run.find.includes(/^card-\d+$/.test(word) ? `${word}.` : word));
       run.body.hidden = !fits;
       shown += fits;
     }
+    filterCards();
     document.getElementById("found").textContent =
       shown < runs.length ? `${shown} of ${runs.length}` : "";
     document.getElementById("nothing").hidden = shown > 0;
@@ -137,15 +151,17 @@
     const hash = location.hash.slice(1);
     const id = decodeURIComponent(hash);
     if (byId.has(id)) return show(byId.get(id));
-    const told = new URLSearchParams(hash);
-    find.value = told.get("find") || "";
-    const verdicts = told.get("verdict")?.split(",");
+    if (id && document.getElementById(id)) return; // a place of the page: what is shown stays
+    const asked = new URLSearchParams(hash);
+    find.value = asked.get("find") || "";
+    const verdicts = asked.get("verdict")?.split(",");
     for (const box of boxes) box.checked = !verdicts || verdicts.includes(box.value);
-    order.by = keys[told.get("sort")] ? told.get("sort") : "";
-    order.down = told.has("down");
+    order.by = keys[asked.get("sort")] ? asked.get("sort") : "";
+    order.down = asked.has("down");
     filter();
     if (order.by) sort();
-    const wanted = (told.get("open") || "").split(",").filter((name) => byId.has(name));
+    if (/^card-\d+$/.test(find.value)) document.getElementById("summary").scrollIntoView();
+    const wanted = (asked.get("open") || "").split(",").filter((name) => byId.has(name));
     for (const name of wanted) open(byId.get(name));
     if (wanted.length) byId.get(wanted[0]).body.scrollIntoView({ block: "start" });
   }
@@ -155,9 +171,8 @@
   const all = document.getElementById("print_all");
   let openedToPrint = [];
 
-  function printed(run) {
-    return !run.body.hidden && (all.checked || !["pass", "marginal"].includes(run.verdict));
-  }
+  /* Of equal failures one is printed: the example of their card. */
+  const printed = (run) => !run.body.hidden && (all.checked || run.isExample);
 
   function beforePrint() {
     document.documentElement.classList.add("printing");

@@ -29,6 +29,7 @@ from axisrig.reports.parts.bar import bar
 from axisrig.reports.parts.picture import picture
 from axisrig.reports.parts.realtime import real_time
 from axisrig.reports.parts.topic import ReportTopic
+from axisrig.reports.parts.words import shown_unit
 from axisrig.reports.signals import chart, with_signals
 from axisrig.reports.sweeps.searches import searched_column
 
@@ -194,7 +195,9 @@ def _sentence(run: StoredRun, error: str | None) -> str:
     """The cause of a verdict; of a run that passed, how many checks did."""
     if run.verdict is not Verdict.PASS:
         return run_sentence(run.verdict, error, _with_units(run.checks))
-    found = {row["metric"]: f"{row['value']} {_unit(row['unit'])}".rstrip() for row in run.checks}
+    found = {
+        row["metric"]: f"{row['value']} {shown_unit(row['unit'])}".rstrip() for row in run.checks
+    }
     if {GOOD, BAD} <= found.keys():
         return f"holds at {found[GOOD]}, not at {found[BAD]}"
     failed = sum(row.get(NOTE, "").startswith(EXPECTED) for row in run.checks)
@@ -204,7 +207,7 @@ def _sentence(run: StoredRun, error: str | None) -> str:
 
 
 def _with_units(rows: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:
-    return [{**row, "unit": _unit(row["unit"])} for row in rows]
+    return [{**row, "unit": shown_unit(row["unit"])} for row in rows]
 
 
 def _failed(run: StoredRun) -> list[Mapping[str, str]]:
@@ -251,7 +254,7 @@ def _failures(run: StoredRun, pictures: Mapping[str, Markup]) -> list[dict[str, 
             "verdict": verdict_words(Verdict.of(row["verdict"])),
             "reference": row["reference"],
             "condition": row["check"],
-            "note": row.get(NOTE, "") if row["value"] else "",
+            "note": _note(row) if row["value"] else "",
             "bar": _bar(row, float(row["uncertainty"])),
             "picture": pictures.get(row["metric"], Markup("")),
         }
@@ -338,13 +341,20 @@ def _check(row: Mapping[str, str]) -> dict[str, Any]:
         "condition": row["check"],
         "value": _short(row["value"]),
         "full": row["value"],
-        "unit": _unit(row["unit"]),
+        "unit": shown_unit(row["unit"]),
         "uncertainty": short_number(uncertainty, 2) if uncertainty else "",
         "verdict": verdict_words(Verdict.of(row["verdict"])),
         "reference": row["reference"],
-        "note": row.get(NOTE, ""),
+        "note": _note(row),
         "bar": _bar(row, uncertainty),
     }
+
+
+def _note(row: Mapping[str, str]) -> str:
+    """The note of a check: why it has no value, or what its uncertainty is made of."""
+    note = row.get(NOTE, "")
+    is_of_value = bool(row["value"]) and float(row["uncertainty"]) > 0.0
+    return f"uncertainty: {note}" if note and is_of_value and EXPECTED not in note else note
 
 
 def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
@@ -355,15 +365,9 @@ def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
     limited = lower != upper
     if value is None or not limited or not math.isfinite(uncertainty):
         return Markup("")
-    label = (
-        f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
-    )
+    value_words = f"{_short(row['value'])} {shown_unit(row['unit'])}"
+    label = f"{row['metric']} is {value_words}, asked for {row['check']}"
     return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
-
-
-def _unit(name: str) -> str:
-    """A unit of the result files as a reader writes it."""
-    return name.replace("um", "µm").replace("pct", "%")
 
 
 def _number(text: str) -> float | None:

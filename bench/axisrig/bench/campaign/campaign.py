@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import closing, nullcontext, suppress
+from contextlib import ExitStack, closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -164,7 +164,8 @@ def run_campaign(  # noqa: PLR0913
             how = (jobs, Limits(timeout_s, apart, call_limit_s), stopwatch, hardware, progress)
             running = _running(order, watch.files_of(writer.files_of), select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
-            failure = _write(running, writer, results, progress, watch, manner)
+            spent = partial(_note_time, writer, stopwatch, began_s, jobs)
+            failure = _write(running, writer, results, progress, watch, manner, spent)
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure, manner)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
@@ -302,6 +303,17 @@ def _failed(result: CaseResult) -> bool:
     return result.verdict > Verdict.MARGINAL
 
 
+def _note_time(writer: ResultsWriter, stopwatch: Stopwatch, began_s: float, jobs: int) -> None:
+    """Note how long the campaign took until now; a stopwatch that stands still says nothing."""
+    spent_s = stopwatch() - began_s
+    if spent_s:
+        writer.took(spent_s, jobs)
+
+
+def _nothing() -> None:
+    pass
+
+
 def _write(
     running: Iterator[CaseResult],
     writer: ResultsWriter,
@@ -309,10 +321,19 @@ def _write(
     progress: CampaignProgress,
     watch: Watch,
     manner: Manner = _PLAIN,
+    end: Callable[[], None] = _nothing,
 ) -> OSError | None:
-    """Write the results as they come and add them to `results`; return why it ended early."""
+    """Write the results as they come and add them to `results`; return why it ended early.
+
+    end: is called before the folder is closed.
+    """
     try:
-        with closing(running), writer, progress, watch.beside(progress):  # type: ignore[type-var]
+        with ExitStack() as open_:
+            open_.enter_context(closing(running))  # type: ignore[type-var]
+            open_.enter_context(writer)
+            open_.callback(end)
+            open_.enter_context(progress)
+            open_.enter_context(watch.beside(progress))
             for result in running:
                 writer.add(result)
                 results.append(result)

@@ -25,7 +25,7 @@ from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.plan.sentences import run_sentence
+from axisrig.bench.plan.sentences import result_cells, result_sentence, run_sentence
 from axisrig.bench.plan.table import CASE_COLUMN, SUFFIXES, read_table
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.foreign import foreign_rigs
@@ -267,26 +267,12 @@ class StatisticItem(RowItem):
 
 
 def _sentence(result: CaseResult) -> str:
-    rows = [
-        {
-            "metric": check.check.metric,
-            "check": check.check.condition.text,
-            "value": value_text(check.value),
-            "unit": check.check.unit,
-            "lower": value_text(check.check.condition.lower),
-            "upper": value_text(check.check.condition.upper),
-            "uncertainty": repr(float(check.uncertainty)),
-            "verdict": check.verdict.word,
-            "note": check.note,
-        }
-        for check in result.checks
-    ]
+    rows = [result_cells(check) for check in result.checks]
     return run_sentence(result.verdict, result.error, rows)
 
 
 def _line(check: CheckResult) -> str:
-    note = f" ({check.note})" if check.note else ""
-    return f"  {check.verdict.word}: {check.summary}{note}"
+    return f"  {check.verdict.word}: {result_sentence(check)}"
 
 
 class _Plans:

@@ -12,6 +12,7 @@ from axisrig.bench.campaign.shown import duration
 from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.plan.checks import CheckResult
 from axisrig.bench.plan.expectation import NOT_MET
+from axisrig.bench.plan.sentences import result_sentence
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.bus import BusFigures
 
@@ -64,7 +65,7 @@ def _print_table(shown: Sequence[tuple[CaseResult, int]], results: Sequence[Case
         check = _worst_check(result)
         text = ""
         if check is not None and check.verdict is not Verdict.PASS:
-            text = check.summary + (f" ({check.note})" if check.note else "")
+            text = result_sentence(check)
         passed = sum(one.verdict is Verdict.PASS for one in result.checks)
         name = result.case.run + (f" (+ {count - 1})" if count > 1 else "")
         longest = max(longest, len(name))
@@ -144,13 +145,9 @@ def _causes(result: CaseResult) -> list[str]:
     if result.error:
         return [result.error, *log]
     failed = [check for check in result.checks if check.verdict > Verdict.MARGINAL]
-    notes = [f" ({check.note})" if check.note else "" for check in failed]
-    causes = [
-        f"{check.verdict.word}: {check.summary}{note}"
-        for check, note in zip(failed, notes, strict=True)
-    ]
+    causes = [f"{check.verdict.word}: {result_sentence(check)}" for check in failed]
     causes += [
-        f"{check.check.metric} {NOT_MET}: {check.summary}"
+        f"{check.check.metric} {NOT_MET}: {result_sentence(check)}"
         for check in result.checks
         if check.check.metric in result.case.expected and check.verdict is not Verdict.FAIL
     ]

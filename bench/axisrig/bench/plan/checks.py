@@ -419,17 +419,6 @@ class CheckResult:
     verdict: Verdict
     note: str = ""
 
-    @property
-    def summary(self) -> str:
-        """Metric, value and what was asked for, for a reader: numbers with seven digits."""
-        value = self.value
-        if value is None:
-            seen = f"{self.check.metric}: no value"
-        else:
-            text = f"{value:.7g}" if isinstance(value, float) else value_text(value) or "none"
-            seen = f"{self.check.metric} = {text} {self.check.unit}".rstrip()
-        return f"{seen} against {self.check.condition.text}"
-
 
 def judge(
     check: Check,

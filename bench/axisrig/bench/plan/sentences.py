@@ -8,8 +8,15 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal, InvalidOperation
+from typing import NamedTuple
 
-from axisrig.bench.plan.checks import Condition, known_metrics, parse_condition
+from axisrig.bench.plan.checks import (
+    CheckResult,
+    Condition,
+    known_metrics,
+    parse_condition,
+    value_text,
+)
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError, same_cause
@@ -46,15 +53,93 @@ def run_sentence(verdict: Verdict, error: str | None, checks: Sequence[Mapping[s
     """
     if error and not any(row.get("value") for row in checks):
         return error if verdict is Verdict.ABORTED else f"no verdict: {error}"
-    own = [row for row in checks if row.get("verdict") == verdict.word]
-    missed = [row for row in checks if row.get("note", "").startswith(NOT_MET)]
-    if missed and verdict is Verdict.FAIL and len(own) <= _expected(checks):
-        return f"{missed[0]['metric']} {NOT_MET}"
-    if not own:
+    row = decisive_check(verdict, checks)
+    if row is None:
         return error or (f"no check is {verdict.word}" if checks else "no check")
-    more = len(own) - 1
+    if _is_missed(row):
+        return f"{row['metric']} {NOT_MET}"
+    more = sum(one.get("verdict") == verdict.word for one in checks) - 1
     besides = f", and {more} more check{'s' if more > 1 else ''}" if more else ""
-    return f"{check_sentence(own[0])}{besides}"
+    return f"{check_sentence(row)}{besides}"
+
+
+def decisive_check(
+    verdict: Verdict, checks: Sequence[Mapping[str, str]]
+) -> Mapping[str, str] | None:
+    """Return the row of `results.csv` that a run has its verdict from, None without any.
+
+    It is the first one with this verdict, or a check that had to fail and did not.
+    """
+    own = [row for row in checks if row.get("verdict") == verdict.word]
+    missed = [row for row in checks if _is_missed(row)]
+    if missed and verdict is Verdict.FAIL and len(own) <= _expected(checks):
+        return missed[0]
+    return own[0] if own else None
+
+
+def _is_missed(row: Mapping[str, str]) -> bool:
+    return row.get("note", "").startswith(NOT_MET)
+
+
+class Reach(NamedTuple):
+    """Where a number is at its nearest limit. side: of the limit, lower or upper. room: how far it
+    is inside, negative outside; both in the unit of the metric.
+    """
+
+    side: str
+    limit: Decimal
+    room: Decimal
+
+
+def reach(row: Mapping[str, str]) -> Reach | None:
+    """Return where the value of a row of `results.csv` is, None without number or limit."""
+    number = _decimal((row.get("value") or "").strip())
+    limits = {side: _decimal((row.get(side) or "").strip()) for side in _SIDES}
+    return None if number is None else _nearest(number, limits)
+
+
+def _nearest(number: Decimal, limits: Mapping[str, Decimal | None]) -> Reach | None:
+    sides = [
+        Reach(side, limit, number - limit if side == "lower" else limit - number)
+        for side, limit in limits.items()
+        if limit is not None
+    ]
+    return min(sides, key=lambda one: one.room, default=None)
+
+
+def alike_sentence(rows: Sequence[Mapping[str, str]]) -> str:
+    """Say what rows of one metric have in common that are on the same side of their limits."""
+    places = [known for row in rows if (known := reach(row)) is not None]
+    if len(places) < len(rows) or not places:
+        return check_sentence(rows[0])
+    metric, unit, side = rows[0]["metric"], rows[0].get("unit", ""), places[0].side
+    limits = {one.limit for one in places}
+    name = f"its {side} limit"
+    name += f" {_with_unit(_number(places[0].limit), unit)}" if len(limits) == 1 else ""
+    if rows[0].get("verdict") == Verdict.INCONCLUSIVE.word:
+        return f"{metric} is within its uncertainty of {name}"
+    return f"{metric} is {_SIDES[side][0]} {name}"
+
+
+def result_sentence(result: CheckResult) -> str:
+    """Say the same of a check that has just been judged."""
+    return check_sentence(result_cells(result))
+
+
+def result_cells(result: CheckResult) -> dict[str, str]:
+    """Return a check as `results.csv` has it, without the run that it is of."""
+    condition = result.check.condition
+    return {
+        "metric": result.check.metric,
+        "check": condition.text,
+        "value": value_text(result.value),
+        "unit": result.check.unit,
+        "lower": value_text(condition.lower),
+        "upper": value_text(condition.upper),
+        "uncertainty": repr(float(result.uncertainty)),
+        "verdict": result.verdict.word,
+        "note": result.note,
+    }
 
 
 def _expected(checks: Sequence[Mapping[str, str]]) -> int:
@@ -97,14 +182,9 @@ def _between(cells: Mapping[str, str], value: Decimal, limits: Mapping[str, Deci
         return (
             f"{metric} is {far} {side} {_with_unit(_number(lower), unit)}, the only value allowed"
         )
-    inside = {
-        side: (value - limit) if side == "lower" else (limit - value)
-        for side, limit in limits.items()
-        if limit is not None
-    }
-    side = min(inside, key=lambda name: inside[name])
-    limit, room = limits[side], inside[side]
-    assert limit is not None
+    known = _nearest(value, limits)
+    assert known is not None
+    side, limit, room = known
     name = f"its {side} limit {_with_unit(_number(limit), unit)}"
     if not room:
         place = f"is on {name}"

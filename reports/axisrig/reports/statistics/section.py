@@ -36,8 +36,8 @@ def statistics_section(results: StoredResults) -> Markup:
     if not blocks:
         return Markup("")
     return Markup(
-        '<section class="statistics" id="statistics" aria-labelledby="statistics-title">'
-        '<h2 id="statistics-title">Statistics</h2>' + "".join(blocks) + "</section>"
+        '<section class="statistics" id="statistics" aria-labelledby="statistics_title">'
+        '<h2 id="statistics_title">Statistics</h2>' + "".join(blocks) + "</section>"
     )
 
 

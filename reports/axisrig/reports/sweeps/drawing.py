@@ -7,12 +7,12 @@ from html import escape
 from itertools import pairwise
 
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.parts.axes import Field, margin, with_room
 
 WIDTH, HEIGHT = 420, 180
 DOTS_MAX = 300
 """So many values a picture has at most: those that did not pass first."""
-_LEFT, _RIGHT, _TOP, _BOTTOM = 8.0, 8.0, 18.0, 18.0
-_ROOM = 0.06
+_RIGHT, _TOP, _BOTTOM, _INSET = 8.0, 18.0, 18.0, 10.0
 
 
 @dataclass(frozen=True)
@@ -61,34 +61,29 @@ def drawing(
     samples = sorted(shown(samples), key=lambda sample: places[sample.at[place]])
     ends = [s.value + sign * s.u for s in samples for sign in (-1, 1)]
     ends += [limit for s in samples for limit in s.limits if limit is not None]
-    low, high = min(ends), max(ends)
-    room = _ROOM * (high - low) or max(abs(high) * 1e-3, 1e-9)
-    low, high = low - room, high + room
+    y_ends = with_room(ends)
+    left = margin(y_ends)
     first, last = min(places.values()), max(places.values())
+    inset = _INSET * (last - first) / (WIDTH - left - _RIGHT - 2 * _INSET)
+    field = Field(
+        left, WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM, (first - inset, last + inset), y_ends
+    )
 
     def x(text: str) -> float:
-        share = (places.get(text, number(text) or 0.0) - first) / (last - first)
-        return _LEFT + 10 + share * (WIDTH - _LEFT - _RIGHT - 20)
+        return field.x(places.get(text, number(text) or 0.0))
 
-    def y(value: float) -> float:
-        return _TOP + (high - value) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
-
-    foot = HEIGHT - 4
-    ends_of_x = samples[0].at[place], samples[-1].at[place]
+    named = [(places[text], text or "empty") for text in texts]
     return "".join(
         [
-            f'<svg class="sw" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
+            f'<svg class="sw dots" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
             f' aria-label="{escape(title, quote=True)}">',
-            f'<text x="{_LEFT:g}" y="12">{min(ends):.6g} to {max(ends):.6g}'
-            f"{escape(f' {unit}' if unit else '')}</text>",
-            f'<rect class="sw-field" x="{_LEFT:g}" y="{_TOP:g}" width="{WIDTH - _LEFT - _RIGHT:g}"'
-            f' height="{HEIGHT - _TOP - _BOTTOM:g}"/>',
-            *_limits(samples, place, x, y),
+            f'<text class="ax-unit" x="2" y="11">{escape(unit.replace("um", "µm"))}</text>',
+            *field.up(),
+            *(field.across() if is_number else field.named(named)),
+            field.frame(),
+            *_limits(samples, place, x, field),
             *(_mark(mark, x(mark.at), at) for at, mark in enumerate(marks)),
-            *(_dot(sample, place, x(sample.at[place]), y) for sample in samples),
-            f'<text x="{_LEFT:g}" y="{foot}">{escape(ends_of_x[0] or "empty")}</text>',
-            f'<text x="{WIDTH - _RIGHT:g}" y="{foot}" text-anchor="end">'
-            f"{escape(ends_of_x[1] or 'empty')}</text>",
+            *(_dot(sample, place, x(sample.at[place]), field.y) for sample in samples),
             "</svg>",
         ]
     )
@@ -113,17 +108,18 @@ def _spread(samples: Sequence[Sample], count: int) -> list[Sample]:
 
 
 def _limits(
-    samples: Sequence[Sample], place: int, x: Callable[[str], float], y: Callable[[float], float]
+    samples: Sequence[Sample], place: int, x: Callable[[str], float], field: Field
 ) -> list[str]:
     """Lines of the limits; one that is the same everywhere goes across and says its value."""
     parts: list[str] = []
+    y = field.y
     for side, sign in ((0, "\u2265"), (1, "\u2264")):
         known = {sample.limits[side] for sample in samples}
         limit = known.pop() if len(known) == 1 else None
         if limit is not None:
             parts += [
-                _limit(_LEFT, y(limit), WIDTH - _RIGHT, y(limit)),
-                f'<text class="sw-word" x="{WIDTH - _RIGHT - 3:g}" text-anchor="end"'
+                _limit(field.left, y(limit), field.right, y(limit)),
+                f'<text class="sw-word" x="{field.right - 3:g}" text-anchor="end"'
                 f' y="{y(limit) + (10 if side else -3):.1f}">{sign} {limit:.6g}</text>',
             ]
             continue
@@ -163,4 +159,4 @@ def _dot(sample: Sample, place: int, x: float, y: Callable[[float], float]) -> s
         sign = f'<circle cx="{x:.1f}" cy="{height:.1f}" r="3.2"/>'
     else:  # colour is never the only carrier
         sign = f'<path d="M{x - 4:.1f},{height - 4:.1f}l8,8m0,-8l-8,8"/>'
-    return f'{bar}<g class="sw-{verdict.word}"><title>{escape(title)}</title>{sign}</g>'
+    return f'{bar}<g class="dot sw-{verdict.word}"><title>{escape(title)}</title>{sign}</g>'

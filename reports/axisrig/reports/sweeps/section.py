@@ -83,13 +83,14 @@ def sweeps(results: StoredResults) -> list[Sweep]:
             cases.setdefault((run.case["plan"], run.case["case"]), []).append(run)
     found = []
     for (plan, case), runs in cases.items():
-        columns = _swept(runs)
+        columns = swept_columns(runs)
         if case and len(runs) >= RUNS_MIN and columns:
             found += _of_case(f"{plan}-{case}", runs, columns)
     return found
 
 
-def _swept(runs: Sequence[StoredRun]) -> tuple[str, ...]:
+def swept_columns(runs: Sequence[StoredRun]) -> tuple[str, ...]:
+    """Return the input columns in which runs of a case differ."""
     columns = [c for c in runs[0].case if ":" in c and c.partition(":")[0] in INPUT_KINDS]
     return tuple(c for c in columns if len({run.case.get(c, "") for run in runs}) > 1)
 

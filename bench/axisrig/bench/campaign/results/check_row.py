@@ -1,24 +1,11 @@
 """A row of `results.csv`."""
 
 from axisrig.bench.plan.case import Case
-from axisrig.bench.plan.checks import CheckResult, value_text
+from axisrig.bench.plan.checks import CheckResult
+from axisrig.bench.plan.sentences import result_cells
 
 
-def check_row(case: Case, item: CheckResult) -> list[str]:
-    """Return the cells of a check, as `RESULT_COLUMNS` and `NOTE` name them."""
-    condition = item.check.condition
-    return [
-        case.plan,
-        case.case,
-        case.run,
-        condition.text,
-        item.check.metric,
-        value_text(item.value),
-        item.check.unit,
-        value_text(condition.lower),
-        value_text(condition.upper),
-        repr(float(item.uncertainty)),
-        item.verdict.word,
-        item.check.reference,
-        item.note,
-    ]
+def check_row(case: Case, item: CheckResult) -> dict[str, str]:
+    """Return the cells of a check by the names of `RESULT_COLUMNS` and `NOTE`."""
+    own = {"plan": case.plan, "case": case.case, "run": case.run}
+    return own | result_cells(item) | {"reference": item.check.reference}

@@ -83,6 +83,10 @@ class History:
                 run for run, row in cases.items() if run not in known and not row.get(PROBE)
             ]
 
+    def note(self, entries: Mapping[str, Any]) -> None:
+        """Take more entries of the manifest of this call."""
+        self._head |= entries
+
     def replaced(self, run: str) -> bool:
         """Take away the row of an earlier call; say whether there was one."""
         for entry in self._earlier:

@@ -9,8 +9,9 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from axisrig.bench.campaign.results.stored import NOTE, StoredRun, read_results
+from axisrig.bench.campaign.results.stored import StoredRun, read_results
 from axisrig.bench.files import write_parts
+from axisrig.bench.plan.sentences import check_sentence
 from axisrig.bench.plan.verdict import Verdict
 
 _GOOD = (Verdict.PASS.word, Verdict.MARGINAL.word)
@@ -106,11 +107,8 @@ def _outcome(run: StoredRun) -> Iterator[str]:
 
 
 def _line(check: Mapping[str, str]) -> str:
-    """Say one check in a line: metric, value, condition, verdict, note."""
-    value = f"{check['value'] or 'no value'} {check['unit']}".strip()
-    note = check.get(NOTE, "")
-    text = f"{check['verdict']}: {check['metric']} is {value}, asked for {check['check']}"
-    return f"{text} ({note})" if note else text
+    """Say one check in a line, in the words of the report."""
+    return f"{check['verdict']}: {check_sentence(check)}"
 
 
 def _property(name: str, value: str) -> str:

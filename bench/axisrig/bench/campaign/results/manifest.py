@@ -14,6 +14,8 @@ from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.plan import Plan
 from axisrig.bench.rig.reading.sources import rig_files
 
+SPENT = "spent_s"
+"""Entry of a manifest: how long the call took, s; `jobs` beside it: with how many processes."""
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
 

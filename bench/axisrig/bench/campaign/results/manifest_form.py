@@ -1,5 +1,6 @@
 """The form of `manifest.json`, so that everything that reads an entry can rely on its type."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -21,6 +22,11 @@ def _is_text_or_nothing(value: Any) -> bool:
 
 def _is_count(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
+def _is_seconds(value: Any) -> bool:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and 0.0 <= value < math.inf
 
 
 def _is_texts(value: Any) -> bool:
@@ -67,6 +73,8 @@ _ENTRIES: Mapping[str, tuple[Fits, str]] = {
     "sources_sha256": (_is_text, "text"),
     "output": (_is_text, "text"),
     "started": (_is_text_or_nothing, "text"),
+    "spent_s": (_is_seconds, "time in s"),
+    "jobs": (_is_count, "whole number"),
     "axisrig": (_is_text_or_nothing, "text"),
     "python": (_is_text, "text"),
     "platform": (_is_text, "text"),

@@ -28,14 +28,13 @@ from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
 from axisrig.bench.campaign.results.layout import MANIFEST, PLANS, refuse_links
 from axisrig.bench.campaign.results.lock import FolderLock
+from axisrig.bench.campaign.results.manifest import SPENT
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     IN_PLAN,
     LATER_COLUMNS,
-    NOTE,
     PROBE,
     RECORDING,
-    RESULT_COLUMNS,
     RUNS,
     Said,
     StoredRun,
@@ -318,10 +317,7 @@ class ResultsWriter:
         is_run = self._keeps_runs and not case.runs and case.search is None
         if is_run:
             self._write_run(result)
-        rows = [
-            dict(zip((*RESULT_COLUMNS, NOTE), check_row(case, item), strict=True))
-            for item in checks
-        ]
+        rows = [check_row(case, item) for item in checks]
         self._rows.put(case.run, self._case_row(result, verdict), rows)
         self._said[case.run] = result.said if is_run else Said(None, (), ())
 
@@ -337,6 +333,10 @@ class ResultsWriter:
             is_known = result.facts is not None and bool(result.facts.unfinished)
             text = run_text(result.facts, None if is_known else result.error, result.log)
             path.write_text(text, encoding="utf-8", newline="")
+
+    def took(self, seconds: float, jobs: int) -> None:
+        """Note how long the call took until now, with how many processes."""
+        self._history.note({SPENT: round(seconds, 3), "jobs": jobs})
 
     def close(self) -> None:
         """Put the rows into plan order, write junit.xml, and finish the manifest.

@@ -1,0 +1,1 @@
+"""What did not pass: equal failures as one card."""

@@ -1,0 +1,53 @@
+"""Scales of drawings: round ticks, words that keep them apart, values where they belong."""
+
+import pytest
+
+from axisrig.reports.parts.axes import Field, margin, tick_words, ticks, with_room
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (0.0, 3000.0, [0, 1000, 2000, 3000]),
+        (-2.1, -1.85, [-2.1, -2.05, -2.0, -1.95, -1.9, -1.85]),
+        (39.99991, 39.99999, [39.99992, 39.99994, 39.99996, 39.99998]),
+        (5.0, 5.0, []),
+    ],
+)
+def test_ticks_are_round_and_inside(low: float, high: float, expected: list[float]) -> None:
+    found = ticks(low, high)
+    assert found == pytest.approx(expected, abs=1e-12)
+    assert len({*tick_words(found)}) == len(found)
+
+
+@pytest.mark.parametrize("size", [1e-7, 3e-3, 0.7, 42.0, 9e6])
+def test_there_are_three_ticks_at_least(size: float) -> None:
+    for share in (0.0, 0.13, 0.5):
+        assert 3 <= len(ticks(size * share, size * (1 + share))) <= 8
+
+
+def test_words_are_as_short_as_they_can_be() -> None:
+    assert tick_words([0.0, 0.5, 1.0]) == ["0.0", "0.5", "1.0"]
+    assert tick_words([-200.0, 0.0, 200.0]) == ["-200", "0", "200"]
+    assert tick_words([0.0, 2e-6, 4e-6]) == ["0", "2e-06", "4e-06"]
+    assert tick_words([7.0]) == ["7"]
+
+
+def test_values_are_where_the_scale_says() -> None:
+    field = Field(50.0, 150.0, 10.0, 110.0, (0.0, 10.0), (-1.0, 1.0))
+    assert (field.x(0.0), field.x(5.0), field.x(10.0)) == (50.0, 100.0, 150.0)
+    assert (field.y(1.0), field.y(0.0), field.y(-1.0)) == (10.0, 60.0, 110.0)
+    assert Field(0.0, 10.0, 0.0, 10.0, (3.0, 3.0), (0.0, 1.0)).x(3.0) == 5.0
+
+
+def test_room_is_left_around_values_that_are_equal() -> None:
+    low, high = with_room([2.0, 2.0])
+    assert low < 2.0 < high
+    assert margin((0.0, 100000.0)) > margin((0.0, 1.0))
+
+
+def test_words_that_would_cover_each_other_are_left_out() -> None:
+    field = Field(40.0, 240.0, 10.0, 110.0, (0.0, 99.0), (0.0, 1.0))
+    words = [part for part in field.named([(n, f"name-{n:02}") for n in range(100)])
+             if part.startswith("<text")]  # fmt: skip
+    assert 2 <= len(words) <= 5
