@@ -174,6 +174,25 @@
   /* Of equal failures one is printed: the example of their card. */
   const printed = (run) => !run.body.hidden && (all.checked || run.isExample);
 
+  /* Words that the printed part does not use are not printed. */
+  const words = [...document.querySelectorAll(".words > div")].map((entry) => ({
+    entry,
+    names: entry.querySelector("dt").textContent.split(", ").map((name) => ` ${plain(name)} `),
+  }));
+
+  function plain(value) {
+    return value.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, " ").trim();
+  }
+
+  function chooseWords() {
+    const parts = [".top", "#failures", "tbody:not(.unprinted) > tr", ".sweeps", ".statistics", ".coverage"]
+      .flatMap((part) => [...document.querySelectorAll(part)]);
+    const used = ` ${plain(parts.map((part) => part.innerText).join(" "))} `;
+    const isUsed = ({ names }) => names.some((name) => used.includes(name)
+      || used.includes(`${name.trimEnd()}s `));
+    for (const word of words) word.entry.classList.toggle("unprinted", !isUsed(word));
+  }
+
   function beforePrint() {
     document.documentElement.classList.add("printing");
     for (const run of runs) {
@@ -182,12 +201,14 @@
       open(run);
       openedToPrint.push(run);
     }
+    chooseWords();
     repaint();
   }
 
   function afterPrint() {
     document.documentElement.classList.remove("printing");
     for (const run of openedToPrint) close(run);
+    for (const word of words) word.entry.classList.remove("unprinted");
     openedToPrint = [];
     repaint();
   }

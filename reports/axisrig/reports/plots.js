@@ -206,7 +206,7 @@ const axisrigPlots = (() => {
     const sinceZero = (t) => t - state.zero.ms;
     return {
       width: figure.clientWidth,
-      height: plot.height * (blocks ? chart.blocks.lanes : 1) + (place.first ? LANES * LANE_HEIGHT : 0) + (place.last ? 34 : 0),
+      height: plot.height * (blocks ? chart.blocks.lanes : binary || lane ? 1 : paper()) + (place.first ? LANES * LANE_HEIGHT : 0) + (place.last ? 34 : 0),
       padding: [place.first ? LANES * LANE_HEIGHT + 4 : 6, 14, place.last ? 0 : 4, 0],
       cursor: { sync: { key: state.key }, drag: { x: true, y: false }, y: false },
       scales: {
@@ -368,6 +368,9 @@ const axisrigPlots = (() => {
     };
     return state;
   }
+
+  /* What is drawn to be printed is lower, so that a run is one sheet. */
+  const paper = () => (document.documentElement.classList.contains("printing") ? 0.6 : 1);
 
   /* Draw again in the colours that now hold. What was just made has no scales yet, and uPlot would
      keep those that it does not have: so paths and scales stay as they are. */
