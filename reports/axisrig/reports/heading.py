@@ -9,11 +9,11 @@ from axisrig.bench.campaign.results.manifest import SPENT
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.campaign.results.tally import Tally, outcome_words
 from axisrig.bench.campaign.shown import duration
+from axisrig.bench.plan.info import info_of
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.run import verdict_words
 
 _TESTED = 8
-_INFO = "info:"
 
 
 def heading(results: StoredResults, seconds: Mapping[str, Sequence[float]]) -> dict[str, Any]:
@@ -40,14 +40,13 @@ def heading(results: StoredResults, seconds: Mapping[str, Sequence[float]]) -> d
 
 def _info(runs: Sequence[StoredRun]) -> list[str]:
     """What `--info` and the rigs say of the device: each value, with its runs where they differ."""
-    columns = dict.fromkeys(c for run in runs for c in run.case if c.startswith(_INFO))
+    found = [info_of(run.case) for run in runs if not run.is_probe]
     lines = []
-    for column in columns:
-        own = [run.case.get(column, "") for run in runs if not run.is_probe]
-        values = Counter(value for value in own if value)
-        is_one = len(values) == 1 and values.total() == len(own)
-        words = [value if is_one else f"{value} ({_runs(n)})" for value, n in values.most_common()]
-        lines += [f"{column.removeprefix(_INFO)}: {', '.join(words)}"] if words else []
+    for key in dict.fromkeys(key for one in found for key in one):
+        values = Counter(one.get(key, "") for one in found)
+        counts = [(value, n) for value, n in values.most_common() if value]
+        words = [value if len(values) == 1 else f"{value} ({_runs(n)})" for value, n in counts]
+        lines.append(f"{key.replace('_', ' ')}: {', '.join(words)}")
     return lines
 
 

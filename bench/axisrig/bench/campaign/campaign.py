@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, nullcontext, suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 from axisrig.bench.campaign.cluster import run_on_cluster
@@ -38,9 +38,11 @@ from axisrig.bench.files import in_words
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.info import parse_info, with_info
 from axisrig.bench.plan.plan import Plan, counted, read_plan, selected
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.rig.reading.foreign import foreign_rigs
+from axisrig.bench.rig.reading.sources import info_of_rig
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
@@ -121,6 +123,7 @@ def run_campaign(  # noqa: PLR0913
     watch: Watch = _NOBODY,
     warn: Callable[[Sequence[str]], None] = _unheard,
     manner: Manner = _PLAIN,
+    info: Sequence[str] = (),
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
@@ -130,11 +133,11 @@ def run_campaign(  # noqa: PLR0913
     interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh: the results
     that the folder has go first. going_on: which runs of the folder stay. build_report: writes the
     report while the folder is still held. watch: what goes on beside. warn: takes what `axisrig
-    check` warns of, before the first run.
+    check` warns of, before the first run. info: texts `key=value` of what is tested.
     Raises UserError before the folder is touched: everything is checked first.
     """
     began_s = stopwatch()
-    plans = _read(paths, assignments, select.select, outside)
+    plans = _read(paths, assignments, select.select, outside, parse_info(info))
     parts, cases = _chosen(plans, select)
     real = real_cases(cases)
     alone = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
@@ -373,13 +376,19 @@ def _read(
     assignments: Sequence[str],
     select: str | None,
     outside: Outside | None,
+    info: Mapping[str, str],
 ) -> list[Plan]:
-    """Read plans with the inputs of the command line."""
+    """Read plans with the inputs of the command line, and with what is tested."""
     changes = [parse_assignment(text) for text in assignments]
     plans = [read_plan(path, settings_of) for path in with_plans_in(paths)]
-    return [
+    meant = [
         plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
         for plan in plans
+    ]
+    of_rig = cache(info_of_rig)
+    return [
+        plan.with_cases(lambda case: with_info(case, {**of_rig(case.rig), **info}))
+        for plan in meant
     ]
 
 

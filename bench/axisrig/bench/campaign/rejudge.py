@@ -34,6 +34,7 @@ from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expectation import met
+from axisrig.bench.plan.info import info_of, with_info
 from axisrig.bench.plan.plan import Plan, default_seed, read_plan, selected
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.series import Series
@@ -90,6 +91,8 @@ def rejudge(
     manifest = build_manifest([plan], command=command, started=started, output=str(into))
     manifest |= {RECORDINGS: "../..", RECORDED_IN: str(folder)}
     results = []
+    known = {run.recorded: info_of(run.case) for run in stored.runs}
+    plan = plan.with_cases(lambda case: with_info(case, known.get((*case.runs, case.run)[0], {})))
     with ResultsWriter(into, [plan], manifest, (), is_judged_again=True) as writer:
         for result in _judged(stored, plan):
             writer.add(result)

@@ -17,6 +17,9 @@ FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A results f
 def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
     is_full: FullOption = False,
+    as_pdf: Annotated[
+        bool, typer.Option("--pdf", help="Print it as report.pdf, too, where a Chromium is found.")
+    ] = False,
 ) -> None:
     """Write report.html again from a results folder.
 
@@ -29,6 +32,12 @@ def report(
         recover(folder)
         path = build_report(folder, is_full=is_full, put_out=_to_stderr)
     print(path)
+    if as_pdf:
+        with waiting(f"printing {path}"):
+            from axisrig.reports.pdf import print_pdf
+
+            printed = print_pdf(path)
+        print(printed)
 
 
 @rejecting

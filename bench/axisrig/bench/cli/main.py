@@ -40,6 +40,7 @@ from axisrig.bench.cli.options import (
     ForceOption,
     FreshOption,
     FullOption,
+    InfoOption,
     InterfaceOption,
     IsolateOption,
     JobsOption,
@@ -181,6 +182,7 @@ def run(
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
+    info: InfoOption = None,
     is_forced: ForceOption = False,
     as_canopen: AsCanopenOption = False,
     interface: InterfaceOption = None,
@@ -235,6 +237,7 @@ def run(
             watch=_watch(line, is_live, in_terminal),
             manner=manner_of(talk := talk_of(is_quiet, is_verbose), ends_at_first, line),
             warn=partial(_warn, is_strict=is_strict),
+            info=info or (),
         )
     show_campaign(campaign, talk)
     raise typer.Exit(campaign.exit_code)

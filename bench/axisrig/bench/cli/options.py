@@ -24,6 +24,15 @@ SetOption = Annotated[
         metavar="COLUMN=VALUE",
     ),
 ]
+InfoOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--info",
+        metavar="KEY=VALUE",
+        help="What is tested, for heading, JUnit and cases.csv: --info serial=0042; over [info]"
+        " of the rig.",
+    ),
+]
 ForceOption = Annotated[
     bool,
     typer.Option(

@@ -68,6 +68,14 @@ class Plan:
         pairs = ((case, after.get(case.run)) for case in self.cases)
         return tuple(row for pair in pairs for row in pair if row is not None)
 
+    def with_cases(self, change: Callable[[Case], Case]) -> "Plan":
+        """Change every row, those of statistics too."""
+        return replace(
+            self,
+            cases=tuple(change(case) for case in self.cases),
+            statistics=tuple(change(case) for case in self.statistics),
+        )
+
     def with_inputs(self, assignments: Sequence[Assignment], select: str | None = None) -> "Plan":
         """Set inputs of every case, over what the cells say (`--set` of the command line).
 

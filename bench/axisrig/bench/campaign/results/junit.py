@@ -1,7 +1,8 @@
 """The results as JUnit XML, the form that CI servers read.
 
 The schema is xunit1, for its test cases may carry properties: value, lower, upper, unit and
-verdict of each check, the seed, the requirement and the simulated time `sim_s`. `time` is wall
+verdict of each check, the seed, the requirement, what was tested (`[info]`, `--info`) and the
+simulated time `sim_s`. `time` is wall
 time: it alone differs between two equal campaigns.
 """
 
@@ -11,6 +12,7 @@ from pathlib import Path
 
 from axisrig.bench.campaign.results.stored import StoredRun, read_results
 from axisrig.bench.files import write_parts
+from axisrig.bench.plan.info import info_of
 from axisrig.bench.plan.sentences import check_sentence
 from axisrig.bench.plan.verdict import Verdict
 
@@ -80,6 +82,8 @@ def _case(run: StoredRun) -> Iterator[str]:
     for name in ("verdict", "seed", "requirement", "program", "rig", "sim_s", "frame_log_sha256"):
         if run.case.get(name):
             yield _property(name, run.case[name])
+    for key, value in info_of(run.case).items():
+        yield _property(key, value)
     for check in run.checks:
         for name in ("value", "lower", "upper", "unit", "uncertainty", "verdict"):
             yield _property(f"{check['metric']}.{name}", check[name])

@@ -32,7 +32,7 @@ EXPORT = "export"
 """Folder for the time series in other forms, where none is named (`axisrig export`)."""
 NEW, COMMIT = ".new", ".commit"
 """Folder for what runs write until they have ended, and the ending of what is then to be done."""
-MADE = ("junit.xml", "report.html")
+MADE = ("junit.xml", "report.html", "report.pdf")
 TABLES = ("results.csv", "cases.csv")
 MANIFEST = "manifest.json"
 FILES = (*TABLES, *MADE, MANIFEST)

@@ -47,6 +47,7 @@ from axisrig.bench.judge.topics import STOPPED
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.expanded import expanded_text, path_from
+from axisrig.bench.plan.info import INFO
 from axisrig.bench.plan.plan import Plan
 from axisrig.bench.plan.probes import probe_id
 from axisrig.bench.plan.searching import HEAD, PROBES_MAX
@@ -203,6 +204,8 @@ class ResultsWriter:
         self._runs = {*ids} if runs is None else {*ids} & {*runs}
         self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
         self._keeps_runs = not is_judged_again
+        entries = (column for case in _cases(plans) for column in case.notes)
+        self._carried += dict.fromkeys(column for column in entries if column.startswith(INFO))
         self._carried += [] if self._keeps_runs else [RECORDING]
         searching = [case for case in _cases(plans) if case.search is not None]
         self._carried += [case.search.column for case in searching if case.search is not None]

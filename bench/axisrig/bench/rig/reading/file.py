@@ -7,7 +7,7 @@ names file, line and key.
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -17,6 +17,7 @@ from pydantic import (
     Field,
     PlainValidator,
     SerializeAsAny,
+    StringConstraints,
     Tag,
     ValidationError,
     model_validator,
@@ -24,6 +25,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails
 
 from axisrig.bench.plan.composition import Mistakes
+from axisrig.bench.plan.info import INFO_KEY
 from axisrig.bench.rig.reading.families import (
     FAMILIES,
     drive_table,
@@ -49,6 +51,8 @@ from axisrig.kernel.errors import UserError, near_files
 from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type
 
 StartValue = bool | int | float | str
+InfoKey = Annotated[str, StringConstraints(pattern=INFO_KEY)]
+InfoValue = str | int | float
 
 
 class ChannelTable(Table):
@@ -184,12 +188,14 @@ Drive = Annotated[SerializeAsAny[DriveKeys], PlainValidator(read_drive)]
 class RigFile(Table):
     """A whole rig; see docs/rigs.md for every key.
 
+    info: what is tested (device, serial, software): written to the results, acts on nothing.
     hardware: the axes may move without being asked for each time (`--yes` on the command line).
     assumed: what `axisrig rig from` took for granted and nobody has confirmed yet.
     plc: variables that show distance sensors; plc_task: the other keys of the table `[plc]`.
     """
 
     title: str
+    info: Mapping[InfoKey, InfoValue] = Field(default_factory=dict)
     hardware: bool = False
     assumed: Sequence[str] = ()
     cycle: CycleTable = CycleTable()

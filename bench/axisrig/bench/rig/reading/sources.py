@@ -10,6 +10,7 @@ from axisrig.bench.rig.reading.file import (
     PROGRAM_KEYS,
     load_tables,
 )
+from axisrig.kernel.errors import UserError
 
 
 def rig_files(path: Path) -> list[Path]:
@@ -31,6 +32,16 @@ def rig_files(path: Path) -> list[Path]:
     folders = {path.parent for path in paths if path.suffix == MODEL_SUFFIX and path.is_file()}
     paths |= {path for folder in folders for path in folder.rglob(f"*{MODEL_SUFFIX}")}
     return [*files, *sorted(paths)]
+
+
+def info_of_rig(path: Path) -> dict[str, Any]:
+    """Return the table `[info]` of a rig with its bases; empty where the rig cannot be read."""
+    try:
+        table, _ = load_tables(path.resolve())
+    except (UserError, OSError):
+        return {}
+    found = table.get("info")
+    return dict(found) if isinstance(found, dict) else {}
 
 
 def _entries(table: dict[str, Any], kind: str) -> list[Any]:
