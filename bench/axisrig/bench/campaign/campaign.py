@@ -123,7 +123,6 @@ def run_campaign(  # noqa: PLR0913
     watch: Watch = _NOBODY,
     warn: Callable[[Sequence[str]], None] = _unheard,
     manner: Manner = _PLAIN,
-    info: Sequence[str] = (),
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
@@ -133,11 +132,11 @@ def run_campaign(  # noqa: PLR0913
     interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh: the results
     that the folder has go first. going_on: which runs of the folder stay. build_report: writes the
     report while the folder is still held. watch: what goes on beside. warn: takes what `axisrig
-    check` warns of, before the first run. info: texts `key=value` of what is tested.
+    check` warns of, before the first run.
     Raises UserError before the folder is touched: everything is checked first.
     """
     began_s = stopwatch()
-    plans = _read(paths, assignments, select.select, outside, parse_info(info))
+    plans = _read(paths, assignments, select.select, outside, parse_info(manner.info))
     parts, cases = _chosen(plans, select)
     real = real_cases(cases)
     alone = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
@@ -145,8 +144,7 @@ def run_campaign(  # noqa: PLR0913
     refuse_folder(folder := out or _default_folder(plans, assignments), plans, is_fresh=is_fresh)
     with FolderLock(folder):
         hashes = _hashes(plans, cases)
-        kept = choose(cases, hashes, folder, going_on)
-        cases = list(kept.cases)
+        cases = list((kept := choose(cases, hashes, folder, going_on)).cases)
         apart, warnings = _prepared(plans, cases, is_isolated, call_limit_s, jobs, manner, warn)
         if real and outside is not None:
             allow(real, outside)
@@ -167,8 +165,8 @@ def run_campaign(  # noqa: PLR0913
             how = (jobs, Limits(timeout_s, apart, call_limit_s), stopwatch, hardware, progress)
             running = _running(order, watch.files_of(writer.files_of), select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
-            spent = partial(_note_time, writer, stopwatch, began_s, jobs)
-            failure = _write(running, writer, results, progress, watch, manner, spent)
+            end = partial(_note_time, writer, stopwatch, began_s, jobs)
+            failure = _write(running, writer, results, progress, watch, manner, end)
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure, manner)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]

@@ -1,6 +1,6 @@
 """How a campaign goes on, and how much is printed of many runs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -30,9 +30,10 @@ class Manner:
     """How a campaign goes on and what it shows.
 
     talk: which runs are shown. ends_at_first: end at the first run that does not pass. say: takes
-    what is being done.
+    what is being done. info: texts `key=value` of what is tested (`--info`).
     """
 
     talk: Talk = Talk.SHORT
     ends_at_first: bool = False
     say: Callable[[str], None] = _unsaid
+    info: Sequence[str] = ()

@@ -208,8 +208,7 @@ def run(
 ) -> None:
     """Run plans, judge them, and write results and report.
 
-    Results of other runs of the plan stay in the folder. With --interface, or a rig that names
-    one, the kernel drives axes outside in real time.
+    Other runs of the plan stay in the folder. With --interface the kernel drives axes outside.
     """
     if not plans:
         _go_on(context, out, going_on_of(is_resumed, is_failed, is_fresh).option)
@@ -235,9 +234,8 @@ def run(
             going_on=going_on_of(is_resumed, is_failed, is_fresh),
             build_report=partial(build_report, is_full=is_full),
             watch=_watch(line, is_live, in_terminal),
-            manner=manner_of(talk := talk_of(is_quiet, is_verbose), ends_at_first, line),
+            manner=manner_of(talk := talk_of(is_quiet, is_verbose), ends_at_first, line, info),
             warn=partial(_warn, is_strict=is_strict),
-            info=info or (),
         )
     show_campaign(campaign, talk)
     raise typer.Exit(campaign.exit_code)

@@ -20,11 +20,11 @@ def going_on_of(is_resumed: bool, is_failed: bool, is_fresh: bool) -> "GoingOn":
     return GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
 
 
-def manner_of(talk: "Talk", ends_at_first: bool, line: Line) -> "Manner":
-    """Return how a campaign goes on."""
+def manner_of(talk: "Talk", ends_at_first: bool, line: Line, info: list[str] | None) -> "Manner":
+    """Return how a campaign goes on, and what is noted of it."""
     from axisrig.bench.campaign.talk import Manner
 
-    return Manner(talk, ends_at_first, line.say)
+    return Manner(talk, ends_at_first, line.say, info or ())
 
 
 def outside_of(may_move: bool, *said: Any) -> "Outside":
