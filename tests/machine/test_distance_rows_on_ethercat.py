@@ -1,18 +1,36 @@
-"""Rows of distance_control.csv on an EtherCAT rig whose phases have as many dead cycles as CAN."""
+"""Rows of distance_control.csv on EtherCAT rigs: equal to CAN's but for the dead cycles.
+
+With phases that have as many of them as CAN, rows pass as they are written; with those of a rig
+that says nothing, each has what the same formulas and the same walk give for one cycle more.
+"""
 
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.plans.distance_bands import restated
+from tests.plans.distance_law import Setup, rows
+from tests.plans.rigs_on_ethercat import on_ethercat
 
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_cases
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.checks import parse_condition
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
 from axisrig.bench.plan.verdict import Verdict
 
 PLANS = Path(__file__).parents[2] / "testplans"
 AS_ON_CAN = {"bus:ec1.frame_us": "100", "bus:ec1.shift_us": "113", "bus:ec1.sample_us": "-10"}
+ROWS = rows()
+TABLES = sorted(path.name for path in (PLANS / "distance").glob("*.csv"))
+LATER = 1
+"""Cycles that a line adds whose frame leaves at 0 and whose SYNC0 comes behind it."""
+
+
+def verdicts(cases: list[Case]) -> dict[str, Verdict]:
+    results = run_cases(cases, files_of=lambda _: RunFiles())
+    return {result.case.case: result.verdict for result in results}
 
 
 @pytest.mark.long
@@ -23,7 +41,31 @@ def test_rows_pass_as_they_are_written() -> None:
     rig = PLANS / "rigs" / "distance-z-ethercat.toml"
     cases = [only(plan.cases, name) for name in names]
     moved = [replace(case, rig=rig, inputs=case.inputs | AS_ON_CAN) for case in cases]
-    results = list(run_cases(moved, files_of=lambda _: RunFiles()))
-    found = {result.case.run: result.verdict for result in results}
+    assert verdicts(moved) == dict.fromkeys(names, Verdict.PASS)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("table", TABLES)
+def test_rows_have_what_one_dead_cycle_more_gives(tmp_path: Path, table: str) -> None:
+    """Two rows are refused on EtherCAT: 60E4 with each second SYNC."""
+    plan = read_plan(PLANS / "distance_control.csv")
+    moved = []
+    for case in plan.cases:
+        if case.file.name == table and "every-second" not in case.rig.name:
+            rig = on_ethercat(f"rigs/{case.rig.name}", tmp_path)
+            moved.append(_with_one_more(replace(case, rig=rig)))
+    found = verdicts(moved)
     assert found == dict.fromkeys(found, Verdict.PASS)
-    assert len(found) == len(names)
+    assert len(found) == len(moved) > 0
+
+
+def _with_one_more(case: Case) -> Case:
+    """Return a case with what its dead cycles change."""
+    told = restated(Setup(ROWS[case.case], LATER))
+    inputs = {name: text for name, text in told.items() if not name.startswith("check:")}
+    checks = []
+    for check in case.checks:
+        text = told.get(f"check:{check.metric}")
+        condition = check.condition if text is None else parse_condition(text, check.metric)
+        checks.append(replace(check, condition=condition))
+    return replace(case, inputs=dict(case.inputs) | inputs, checks=tuple(checks))

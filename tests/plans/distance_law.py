@@ -3,6 +3,7 @@
 Nothing of the bench is imported: plan, rigs and lists are read as the text they are. Lengths in mm,
 times in s. q delays by one cycle of T. An offset of cycle k stands at the SYNC of cycle k + 2, or
 k + 3 without optimized scheduling: n = 1 or 2 dead cycles beside a loop that sees it in k + 1.
+A carrier may bring 6064 and 60E4 `late` cycles later; a V.E. variable comes on none.
 """
 
 import csv
@@ -62,6 +63,7 @@ class Setup:
     """A row with what stands on the bench."""
 
     row: dict[str, str]
+    late: int = 0
 
     def listed(self, name: str, otherwise: float = 0.0) -> float:
         """A number of distance control: row, else list."""
@@ -114,15 +116,20 @@ class Setup:
         return (self.row.get("distance:limiter") or table.get("limiter")) == "clamp"
 
     @property
+    def reaction(self) -> int:
+        """Cycles until an offset is sent."""
+        return 0 if self.is_optimized else 1
+
+    @property
     def n(self) -> int:
         """Dead cycles of a sensor value that is as old as the actual position."""
-        return 1 if self.is_optimized else 2
+        return 1 + self.reaction + self.late
 
     @property
     def age(self) -> int:
-        """By how many cycles the sensor value is older."""
+        """By how many cycles the sensor value is older; below 0: newer."""
         if "SENSOR_VAR" in self.program:
-            return int(self.rig["plc"]["V.E.SENSOR"].get("delay_cycles", 0))
+            return int(self.rig["plc"]["V.E.SENSOR"].get("delay_cycles", 0)) - self.late
         return int(self.number("drive:servo.second_delay_cycles"))
 
     @property
@@ -209,12 +216,12 @@ class Setup:
         """A and B of A(q) + kp B(q); a drive without lag."""
         above, below = self.filter
         way = np.concatenate([np.zeros(1 + self.n), above])
-        skewed = self.sign * np.concatenate([np.zeros(self.age), way])
+        skewed = self.sign * np.concatenate([np.zeros(1 + self.n + self.age), above])
         add = np.polynomial.polynomial.polyadd
         if self.mode == CONST:
             back = skewed
         elif self.mode == BOTH:
-            sent = np.concatenate([np.zeros(self.n), above])
+            sent = np.concatenate([np.zeros(1 + self.reaction), above])
             back = add(add(skewed, -way), sent)
         else:
             back = add(np.concatenate([[0.0], below]), add(skewed, -way))
@@ -290,6 +297,6 @@ class Setup:
         if self.mode == SURFACE:
             cycles += self.n + self.filter_delay
         if self.mode == BOTH:
-            cycles += 1
+            cycles += self.n - self.reaction
         lag = self.drive_lag if self.mode != CONST else 0.0
         return self.rise * (cycles * self.T + lag)

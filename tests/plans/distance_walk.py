@@ -29,15 +29,20 @@ def wanted(setup: Setup) -> float:
     return setup.number("plc:V.E.POS" if setup.mode == SURFACE else "plc:V.E.DIST")
 
 
-def walk(setup: Setup, surface: Signal) -> Walk:
-    """Walk with the surface at each SYNC over the level; the axis stands 2 mm above it."""
+def walk(setup: Setup, surface: Signal, positions: Signal | None = None) -> Walk:
+    """Walk with the surface at each SYNC over the level; the axis stands 2 mm above it.
+
+    positions: SET_POS or SET_DIST in each cycle, that of the program without them.
+    """
     above, below = setup.filter
     period, count = setup.T, len(surface)
-    asked_pos = wanted(setup)
+    if positions is None:
+        positions = np.full(count, wanted(setup))
     v, a = setup.listed("v_max") * 1e-3 * period, setup.listed("a_max") * period**2
     most = setup.listed("max_deviation") * 1e-4
     start = HEIGHT + GAP
     sent, offsets, gaps = [start] * (count + 9), [0.0] * (count + 9), np.zeros(count)
+    places = np.zeros(count)
     sensors, asked, made = np.zeros(count), np.zeros(count), np.zeros(count)
     inputs: list[float] = []
     outputs: list[float] = []
@@ -46,10 +51,12 @@ def walk(setup: Setup, surface: Signal) -> Walk:
     lag = _Lag(start, setup.drive_lag, period)
     for k in range(count):
         # what was sent two cycles ago stands at this SYNC; `sent[k]` left in cycle k - 1
-        actual = lag.to(sent[max(k - 1, 0)])
-        gaps[k] = actual - HEIGHT - surface[k]
-        seen = gaps[max(k - setup.age, 0)]
+        places[k] = lag.to(sent[max(k - 1, 0)])
+        gaps[k] = places[k] - HEIGHT - surface[k]
+        actual = places[max(k - setup.late, 0)]
+        seen = gaps[max(k - setup.late - setup.age, 0)]
         sensors[k] = -setup.sign * round(seen / setup.increment) * setup.increment
+        asked_pos = float(positions[k])
         raw = actual + sensors[k] - asked_pos if setup.mode == SURFACE else -sensors[k]
         if setup.mode == BOTH:
             raw -= actual - sent[k]

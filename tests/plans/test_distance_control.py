@@ -8,6 +8,28 @@ import math
 
 import numpy as np
 import pytest
+from tests.plans.distance_bands import (
+    AFTER,
+    BEHIND,
+    DEAD,
+    ERROR,
+    EXPECTED,
+    EXPECTED_DEAD,
+    GROWTH,
+    LIMIT,
+    NOISE,
+    OVERSHOOT,
+    SETTLING,
+    SINE,
+    STABILITY,
+    TIME_DEAD,
+    dead_of,
+    lifted,
+    noise_band,
+    ramp_bands,
+    sine_band,
+    stability_bands,
+)
 from tests.plans.distance_law import BOTH, CONST, SURFACE, Setup, rows
 from tests.plans.distance_walk import GAP, alarm, settled, walk, wanted
 
@@ -19,15 +41,8 @@ TAGS = {
     "variable", "plc", "hold", "objects", "set-dist", "default", "skew", "both", "surface", "pid",
     "filter",
 }  # fmt: skip
-STEP_MS = 60.5  # between two SYNCs
 AXIS_A = 1000.0  # P-AXIS-00008 while the list does not set it
-EXPECTED_DEAD = "check:distance_dead_cycles_expected"
-DEAD, LIMIT = "check:distance_dead_cycles", "check:distance_kp_limit"
-GROWTH, EXPECTED = "check:distance_growth", "check:distance_growth_expected"
-ERROR, BEHIND = "check:distance_error_um", "check:distance_behind_um"
-SINE, NOISE = "check:distance_sine_gain", "check:offset_noise_um"
-SETTLING, OVERSHOOT = "check:distance_settling_ms", "check:distance_overshoot_mm"
-AFTER, LATE = "check:distance_alarm_after_cycles", "check:distance_alarm_late_cycles"
+LATE = "check:distance_alarm_late_cycles"
 
 
 def having(column: str) -> list[str]:
@@ -63,17 +78,11 @@ def test_more_than_a_hundred_and_twenty_cases() -> None:
 
 @pytest.mark.parametrize("case", having(DEAD))
 def test_dead_cycles(case: str) -> None:
-    """n by scheduling, and one for each cycle that the sensor value is older.
-
-    A value that comes with every second SYNC shows the answer at the first even cycle.
-    """
     setup = ROWS[case]
-    dead = setup.n + setup.age
-    if "every-second" in setup.row["rig"]:
-        dead = math.ceil((dead + 1) / 2) * 2 - 1
+    dead = dead_of(setup)
     assert setup.row[DEAD] == f"== {dead}"
     assert setup.row[EXPECTED_DEAD] == f"== {dead}"
-    told = setup.row.get("check:distance_dead_time_ms")
+    told = setup.row.get(TIME_DEAD)
     assert not told or told == f"{(dead + 1) * setup.T * 1e3:g} +- 0.05"
 
 
@@ -92,14 +101,15 @@ def test_dead_time_of_every_kind_of_rig() -> None:
 @pytest.mark.parametrize("case", having(LIMIT))
 def test_limit_of_kp_and_growth(case: str) -> None:
     setup = ROWS[case]
-    limit, growth = setup.limit, setup.growth(setup.kp)
-    assert is_band(setup.row[LIMIT], limit, 0.0002, 4)
+    bands = stability_bands(setup)
+    (limit, _), (growth, _) = bands[LIMIT], bands[EXPECTED]
+    assert is_band(setup.row[LIMIT], *bands[LIMIT], 4)
     if setup.row.get(EXPECTED):  # equal poles of a low-pass are not known to so many digits
-        assert is_band(setup.row[EXPECTED], growth, 0.00005, 5)
+        assert is_band(setup.row[EXPECTED], *bands[EXPECTED], 5)
     word = "stable" if growth < 1 else "unstable"
-    assert setup.row["check:distance_stability"] == f"== {word}"
+    assert setup.row[STABILITY] == f"== {word}"
     if setup.row.get(GROWTH):
-        assert is_band(setup.row[GROWTH], growth, abs(growth - 1) * 0.2 + 0.0008, 5)
+        assert is_band(setup.row[GROWTH], *bands[GROWTH], 5)
     if case.endswith("-below"):
         assert 0.965 * limit < setup.kp < limit
     if case.endswith("-above"):
@@ -149,50 +159,23 @@ def test_the_defaults_are_unstable_and_set_pos_is_not() -> None:
 
 @pytest.mark.parametrize("case", having(ERROR))
 def test_error_on_a_ramp(case: str) -> None:
-    """v T/kp before the update in every mode, within 1 %; one row takes another kp over."""
-    setup = ROWS[case]
-    kp = 0.4 if case == "plc-object-kp" else setup.kp
-    error = setup.rise * setup.T / kp * 1e3
-    assert is_band(setup.row[ERROR], error, abs(error) * 0.01, 3)
-    if setup.row.get(BEHIND):
-        behind = setup.behind * 1e3
-        assert is_band(setup.row[BEHIND], behind, abs(behind) * 0.01, 3)
+    row, bands = ROWS[case].row, ramp_bands(ROWS[case])
+    assert is_band(row[ERROR], *bands[ERROR], 3)
+    if row.get(BEHIND):
+        assert is_band(row[BEHIND], *bands[BEHIND], 3)
 
 
 @pytest.mark.parametrize("case", having(SINE))
 def test_sine(case: str) -> None:
-    setup = ROWS[case]
-    f, share = setup.number("plant:gap.sway_frequency_hz"), 0.01
-    if not f:
-        wave = setup.number("plant:gap.workpiece.sine.wavelength_mm")
-        f, share = setup.number("plc:V.E.FEED") / 60 / wave, 0.02
-    gain = setup.sine_gain(f)
-    width = gain * share if share == 0.02 else max(gain * share, 0.0005)
-    assert is_band(setup.row[SINE], gain, width, 4)
+    assert is_band(ROWS[case].row[SINE], *sine_band(ROWS[case]), 4)
 
 
 @pytest.mark.parametrize("case", having(NOISE))
 def test_noise_of_the_offset(case: str) -> None:
-    """White noise that grows with the square of the distance; 15 % for 750 values of it."""
-    setup = ROWS[case]
-    start, gain = setup.polynomials
-    below = np.polynomial.polynomial.polyadd(start, setup.kp * gain)
-    above = setup.kp * np.convolve(setup.control, setup.filter[0])
-    answer = np.zeros(5000)
-    for k in range(len(answer)):
-        past = sum(below[i] * answer[k - i] for i in range(1, min(len(below), k + 1)))
-        answer[k] = ((above[k] if k < len(above) else 0.0) - past) / below[0]
-    sigma = setup.number("plant:gap.noise_um") * GAP**2 * math.sqrt(float(answer @ answer))
-    assert is_band(setup.row[NOISE], sigma, sigma * 0.15, 4)
+    assert is_band(ROWS[case].row[NOISE], *noise_band(ROWS[case]), 4)
 
 
 # Steps and limits
-
-
-def _lifted(setup: Setup) -> np.ndarray:
-    count = round(setup.number("plc:V.E.TIME") / setup.T)
-    after = np.arange(count) >= round(STEP_MS)
-    return np.where(after, setup.number("plant:gap.lift_mm"), 0.0)
 
 
 @pytest.mark.long(but=1)
@@ -201,7 +184,7 @@ def test_step(case: str) -> None:
     """Settling to the cycle; overshoot to an increment of the sensor, 10 % with a real drive."""
     setup = ROWS[case]
     assert setup.row["plant:gap.lift_begin_ms"] == setup.row["plant:gap.lift_end_ms"]
-    time, beyond = settled(walk(setup, _lifted(setup)), GAP)
+    time, beyond = settled(walk(setup, lifted(setup)), GAP)
     text = setup.row.get(OVERSHOOT)
     if setup.drive_lag and text:
         low, high = _limits(text)
@@ -271,7 +254,7 @@ def test_only_documented_signs_converge(case: str) -> None:
     """The other half ends in 70330 or 70331."""
     setup = ROWS[case]
     if setup.sign == 1:
-        assert setup.row["check:distance_stability"] == "== stable"
+        assert setup.row[STABILITY] == "== stable"
         assert alarm(setup, walk(setup, np.zeros(1000))) is None
     else:
         assert setup.growth(setup.kp) > 1

@@ -122,15 +122,17 @@ def test_sine(mode: str, smoothing: Smoothing, frequency_hz: float) -> None:
 
 
 @pytest.mark.parametrize("mode", [BOTH, SET_POS])
-@pytest.mark.parametrize("skew", [1, 3])
-def test_sine_of_a_loop_whose_reading_is_older_than_its_position(mode: str, skew: int) -> None:
+@pytest.mark.parametrize(("skew", "late"), [(1, 0), (3, 0), (-1, 1)])
+def test_sine_of_a_loop_whose_reading_is_older_or_newer_than_its_position(
+    mode: str, skew: int, late: int
+) -> None:
     kp, frequency_hz, count = 0.1, 10.0, 3000
     surface = np.sin(2 * math.pi * frequency_hz * T * np.arange(count))
     law = Law(mode, Control(kp), PERIOD_NS, smoothing=none())
-    rig = Rig(skew_cycles=skew)
+    rig = Rig(way_cycles=2 + late, skew_cycles=skew)
     course = simulate(law, rig, surface, 5.0, 0.0 if mode == SET_POS else 5.0)
     gain = math.sqrt(2.0 * float(np.mean((course.gap_mm[-2000:] - 5.0) ** 2)))
-    loop = Loop(mode, 1, none(), skew_cycles=skew)
+    loop = Loop(mode, 1 + late, none(), skew_cycles=skew)
     assert gain == pytest.approx(sine_gain(loop, kp, frequency_hz, PERIOD_NS), rel=1e-3)
 
 

@@ -18,7 +18,8 @@ def test_with_every_value_it_is_the_loop_of_the_polynomials(mode: str) -> None:
     filters = (none(), moving_average(4), exponential(0.7, 4), cascade(2, 50.0, 1e-3))
     drives = (none(), first_order_drive(0.01, MS))
     controllers = ((0.0, 0.0), (0.01, 0.0), (0.0, 2.0), (0.02, 0.5))
-    for n, s, smooth, drive, (g, r) in product((1, 3), (0, 2), filters, drives, controllers):
+    cycles = ((1, 0), (1, 2), (3, 0), (3, 2), (2, -1))  # -1: newer than the position
+    for (n, s), smooth, drive, (g, r) in product(cycles, filters, drives, controllers):
         loop = Loop(mode, n, smooth, n - 1, s, g, r, drive)
         for kp in (0.05, 0.4, 1.2):
             assert held_growth(loop, 1, kp) == pytest.approx(growth(loop, kp), rel=0, abs=1e-6)

@@ -124,7 +124,7 @@ def _drive_write(time_ns: TimeNs, write: canon.DriveWrite) -> DriveWrite:
 
 def _axis(machine: Machine, name: str) -> AxisRecord:
     settings, link = machine.settings, machine.links[name]
-    axis = settings.rig.axis[name]
+    axis, family = settings.rig.axis[name], family_of(settings, name)
     is_outside = name in machine.outside
     drive = settings.rig.drive[axis.drive].facts()
     per_mm = link.settings.increments_per_mm
@@ -159,7 +159,8 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         rated_torque_mnm=drive.rated_torque_mnm,
         lead_um=float(round(drive.lead_mm * 1000)),
         second_delay_cycles=drive.second_delay_cycles,
-        late_cycles=family_of(machine.settings, name).late_cycles(machine.settings, name),
+        late_cycles=family.late_cycles(settings, name),
+        fresh_late_cycles=family.fresh_late_cycles(settings, name),
         latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
         torque_limits=machine.torque_limits.of(name),
         states=tuple(part.states.get(name, ())),

@@ -62,6 +62,12 @@ class Phases:
         """By how many cycles the way is longer than that of CAN, 2."""
         return self.way - 2
 
+    @property
+    def fresh_late_cycles(self) -> int:
+        """The same of a value that is read as it was at the last SYNC0, by no frame."""
+        reached_ns = self.acts_ns() + self.period_ns
+        return -(-(reached_ns - self.cycle_ns) // self.period_ns) - 2
+
 
 def _next(time_ns: TimeNs, phase_ns: TimeNs, period_ns: TimeNs) -> TimeNs:
     """Return the first instant of a grid that is not before an instant."""

@@ -79,7 +79,8 @@ class AxisRecord(Frozen):
     that the drive counts from at the end; homed_ns: when that was set anew (G74). doubt_mm: how far
     a measured value may be wrong that no SDO has proved; None: proved. unproved_latches: how many
     rest on telegrams alone. second_delay_cycles: age of 60E4 beside 6064.
-    late_cycles: by how many more than 2 the control sees what its set values do.
+    late_cycles: by how many more than 2 the control sees what its set values do in 6064.
+    fresh_late_cycles: the same in what the PLC reads at the last SYNC of the drive.
     rated_torque_mnm, lead_um: of motor and screw.
     """
 
@@ -101,6 +102,7 @@ class AxisRecord(Frozen):
     unproved_latches: int = 0
     second_delay_cycles: int = 0
     late_cycles: int = 0
+    fresh_late_cycles: int = 0
     rated_torque_mnm: int = 0
     lead_um: float = 0.0
     latches: tuple[Latch, ...] = ()

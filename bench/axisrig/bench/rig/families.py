@@ -67,6 +67,10 @@ class RigFamily:
         """Return by how many cycles more than 2 an NC cycle sees what its set values do."""
         return 0
 
+    def fresh_late_cycles(self, settings: Settings, axis: str) -> int:
+        """Return the same of what the PLC reads as it was at the last SYNC of the drive."""
+        return 0
+
     def terminal_grid(self, settings: Settings) -> TerminalGrid | None:
         """Return the instants of the terminal of the PLC, where it is on such a segment."""
         return None

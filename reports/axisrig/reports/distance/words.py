@@ -77,8 +77,9 @@ def _where(law: Mapping[str, Any]) -> str:
     parts: list[str] = [f"{dead} dead cycle{'' if dead == 1 else 's'}"]
     parts.append("no filter" if law["filter"] == "mean of 1" else law["filter"])
     if law["age_cycles"]:
-        late = law["age_cycles"]
-        parts.append(f"a sensor {late} cycle{'' if late == 1 else 's'} late")
+        late = abs(law["age_cycles"])
+        beside = "late" if law["age_cycles"] > 0 else "newer than 6064"
+        parts.append(f"a sensor {late} cycle{'' if late == 1 else 's'} {beside}")
     if law["drive_lag_ms"]:
         parts.append(f"drive lag {law['drive_lag_ms']:.3g} ms")
     return ", ".join(parts[:-1]) + " and " + parts[-1]

@@ -243,7 +243,7 @@ def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
 
 def _past_mm(truth: DistanceTruth, part: Stretch) -> float:
     """How far a slope goes past a far surface by what its error does not see yet."""
-    unseen = float(truth.sensor_age_cycles)
+    unseen = max(0.0, float(truth.sensor_age_cycles))
     if part.mode != SET_POS:
         dead = truth.dead.reaction if part.mode == BOTH else truth.dead.dead
         unseen = dead + truth.smoothing(part.listed).delay_cycles

@@ -23,12 +23,10 @@ from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.judge.observed.tool import chain_of
 from axisrig.bench.oracles.distance.cycles import (
     QUIET_CYCLES,
-    DeadCycles,
     Measured,
     NotMeasurableError,
     Sent,
     measured,
-    predicted,
 )
 from axisrig.bench.oracles.distance.lists import (
     CHANNEL,
@@ -229,14 +227,15 @@ class ToolTruth(DistanceTruth):
 
     @property
     def sensor_age_cycles(self) -> int:
-        """Cycles by which the value of the PLC is older than the actual positions."""
-        return 0 if self.variable is None else self.variable.delay_cycles
+        """Cycles by which the value of the PLC is older than 6064 of the axes; below 0 = newer."""
+        fresh = max((axis.fresh_late_cycles for axis in self.observed.axes.values()), default=0)
+        age = 0 if self.variable is None else self.variable.delay_cycles
+        return age - (self.late_cycles - fresh)
 
-    @cached_property
-    def dead(self) -> DeadCycles:
-        """Dead cycles of a V.E. variable, also while nobody has written it: no carrier adds any."""
-        age = self.sensor_age_cycles
-        return predicted(is_optimized=self.listed.is_optimized, sensor_age_cycles=age)
+    @property
+    def late_cycles(self) -> int:
+        """Cycles that the carriers add, that of the latest axis."""
+        return max((axis.late_cycles for axis in self.observed.axes.values()), default=0)
 
     @property
     def every(self) -> int:

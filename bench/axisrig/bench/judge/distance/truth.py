@@ -22,6 +22,7 @@ from axisrig.bench.oracles.distance.cycles import (
     WAY_CYCLES,
     DeadCycles,
     Measured,
+    Sent,
     measured,
     predicted,
 )
@@ -340,10 +341,19 @@ class DistanceTruth:
 
     @cached_property
     def sensor_age_cycles(self) -> int:
-        """Cycles by which the sensor value is older than 6064, by the rig."""
+        """Cycles by which the sensor value is older than 6064, by the rig; below 0 = newer.
+
+        A V.E. variable is of the last SYNC, also where 6064 of it comes a cycle later.
+        """
         if self.variable is not None:
-            return self.variable.delay_cycles
+            newer = self.late_cycles - self.record.fresh_late_cycles
+            return self.variable.delay_cycles - newer
         return self.record.second_delay_cycles
+
+    @property
+    def late_cycles(self) -> int:
+        """Cycles that the carrier adds to the way of a set position until 6064 shows it."""
+        return self.record.late_cycles
 
     @cached_property
     def dead(self) -> DeadCycles:
@@ -352,7 +362,7 @@ class DistanceTruth:
             is_optimized=self.listed.is_optimized,
             sensor_age_cycles=self.sensor_age_cycles,
             every=self.every,
-            late_cycles=0 if self.variable is not None else self.record.late_cycles,
+            late_cycles=self.late_cycles,
         )
 
     @cached_property
@@ -366,11 +376,19 @@ class DistanceTruth:
     def measured_dead(self, quiet_increments: int = 0) -> Measured:
         """Return dead cycles as frames show them; raises NotMeasurableError."""
         start_ns = self._control_ns
-        targets, sensor = (
-            changes(self.observed.telegrams(self.axis, field), start_ns)
-            for field in (TARGET, SECOND)
-        )
+        targets = changes(self.observed.telegrams(self.axis, TARGET), start_ns)
+        if self.variable is None:
+            sensor = changes(self.observed.telegrams(self.axis, SECOND), start_ns)
+        else:
+            sensor = self._read_values(start_ns)
         return measured(targets, sensor, self.period_ns, quiet_increments)
+
+    def _read_values(self, start_ns: int) -> Iterator[Sent]:
+        """Yield what the control read of a V.E. variable, which no frame carries."""
+        told = np.round(np.nan_to_num(self.watched_mm) / self.increment_mm).astype(int)
+        for time_ns, value in zip(self.times_ns.tolist(), told.tolist(), strict=True):
+            if time_ns >= start_ns:
+                yield Sent(time_ns, value)
 
     @property
     def _control_ns(self) -> int:
@@ -423,7 +441,7 @@ class DistanceTruth:
         if self.every > 1:
             return "60E4 does not come with every SYNC"
         has_loops = self.values is not None and bool(self.values.get("kv"))
-        is_in_loop = mode == CONST_DIST or self.sensor_age_cycles > 0
+        is_in_loop = mode == CONST_DIST or self.sensor_age_cycles != 0
         return "the loops of the drive are part of it" if has_loops and is_in_loop else ""
 
     @cached_property

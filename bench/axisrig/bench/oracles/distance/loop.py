@@ -10,7 +10,8 @@ what an ideal loop has (n = 0: e(k) sees o(k - 1)).
     with both encoders    SET_DIST - F (d - Z_act + Z_com)   F (q^(1+m) - (1 - q^s) D q^(1+n))
     SET_POS               F (act + sensor - SET_POS) - o     q - F D q^(1+n) (1 - q^s)
 
-F: filter. s: skew, by how many cycles the sensor is older than the actual position. m: dead
+F: filter. s: skew, by how many cycles the sensor is older than the actual position (below 0 =
+newer). m: dead
 cycles of Z_com, the set position that was sent in the cycle before. The controller adds kp C e to
 the offset, C = 1 + g/(1 - q) + r (1 - q) with g = T/Tn and r = Tv/T (Tv where it counts per
 cycle), so that
@@ -81,8 +82,9 @@ def _feedback(loop: Loop) -> tuple[Polynomial, Polynomial]:
     """Return how the offset comes back into -e: above, below."""
     smooth, drive = loop.smoothing, loop.drive
     below = np.convolve(smooth.denominator, drive.denominator)
-    way = _shift(np.convolve(smooth.numerator, drive.numerator), 1 + loop.dead_cycles)
-    sensor = loop.sign * loop.gain * _shift(way, loop.skew_cycles)
+    driven, dead = np.convolve(smooth.numerator, drive.numerator), 1 + loop.dead_cycles
+    way = _shift(driven, dead)
+    sensor = loop.sign * loop.gain * _shift(driven, dead + loop.skew_cycles)
     if loop.mode == CONST_DIST:
         return sensor, below
     if loop.mode == BOTH:

@@ -193,8 +193,9 @@ class Rig:
     """What is around the control.
 
     reaction_cycles: 0 with optimized scheduling, else 1. way_cycles: from sending to being reached
-    at a SYNC. skew_cycles: by how many cycles the sensor is older. lag_s: of the drive, first
-    order. increment_mm: of the sensor, 0 = none. sign: -1 = the sensor counts the wrong way round.
+    at a SYNC whose position is read. skew_cycles: by how many cycles the sensor is older,
+    below 0 = newer, less than way_cycles. lag_s: of the drive, first order. increment_mm: of the
+    sensor, 0 = none. sign: -1 = the sensor counts the wrong way round.
     """
 
     reaction_cycles: int = 0
@@ -224,12 +225,15 @@ def simulate(
     sent = deque([first] * (rig.way_cycles + 1), maxlen=rig.way_cycles + 1)
     waiting = deque([law.offset_mm] * (rig.reaction_cycles + 1), maxlen=rig.reaction_cycles + 1)
     follow = _Drive(first, rig.lag_s, law.period_ns / S)
-    gaps: deque[float] = deque(maxlen=rig.skew_cycles + 1)
+    ahead = max(-rig.skew_cycles, 0)
+    reached = deque([first] * (ahead + 1), maxlen=ahead + 1)
+    gaps: deque[float] = deque(maxlen=max(rig.skew_cycles, 0) + 1)
     rows = np.zeros((count, 7))
     for k in range(count):
-        # Reached at the SYNC of cycle k: what was sent way_cycles before
-        actual = follow.reach(sent[rig.way_cycles - 1])
-        gap = actual - float(surface_mm[k])
+        # Reached at the SYNC of cycle k: what was sent way_cycles before; a newer sensor sees more
+        reached.appendleft(follow.reach(sent[rig.way_cycles - 1 - ahead]))
+        actual = reached[-1]
+        gap = reached[0] - float(surface_mm[k])
         noisy = gap + (float(noise_mm[k]) if noise_mm is not None else 0.0)
         gaps.appendleft(noisy)
         told = gaps[-1]

@@ -64,13 +64,14 @@ def _start(loop: Loop) -> _State:
     smoothing, drive = _Filter(loop.smoothing), _Filter(loop.drive)
     kept = max(loop.dead_cycles, loop.sent_cycles) + 1
     filters = smoothing.inputs + smoothing.outputs + drive.inputs + drive.outputs
-    rows = iter(np.eye(kept + loop.skew_cycles + 3 + filters))
+    positions = max(loop.skew_cycles, -loop.skew_cycles)
+    rows = iter(np.eye(kept + positions + 3 + filters))
 
     def some(count: int) -> list[Polynomial]:
         return [next(rows) for _ in range(count)]
 
     state = _State(
-        some(kept), some(loop.skew_cycles), next(rows), next(rows), next(rows), smoothing, drive
+        some(kept), some(positions), next(rows), next(rows), next(rows), smoothing, drive
     )
     for part in (smoothing, drive):
         part.past_in, part.past_out = some(part.inputs), some(part.outputs)
@@ -79,11 +80,14 @@ def _start(loop: Loop) -> _State:
 
 def _walk(loop: Loop, kp: float, state: _State, *, is_fresh: bool) -> None:
     """One cycle over a level surface; is_fresh: a sensor value has come."""
-    position = state.drive.step(state.offsets[loop.dead_cycles])
-    state.positions = [position, *state.positions]
+    ahead = max(-loop.skew_cycles, 0)  # a sensor value that is newer than the position
+    newest = state.drive.step(state.offsets[loop.dead_cycles - ahead])
+    kept = len(state.positions)
+    state.positions = [newest, *state.positions]
+    position = state.positions[ahead]
     if is_fresh:
-        state.held = loop.sign * state.positions[loop.skew_cycles]
-    state.positions = state.positions[: loop.skew_cycles]
+        state.held = loop.sign * state.positions[ahead + loop.skew_cycles]
+    state.positions = state.positions[:kept]
     if loop.mode == SET_POS:
         seen = state.smoothing.step(position - state.held)
         error = seen - state.offsets[0]

@@ -219,10 +219,12 @@ def dead_line(settings: Settings, name: str, sensor: Sensor) -> str:
     listed = listed_for(settings, name)
     goes = "the same" if listed.is_optimized else "the next"
     parameter = "P-CHAN-00818" if name == CHANNEL else "P-AXIS-00509"
+    newer = -sensor.age
+    age = f"{newer} cycles newer than 6064" if newer > 0 else f"{sensor.age} cycles old"
     return (
         f"  dead cycles  {dead_words(dead_cycles(listed, sensor), sensor)}: the offset is sent in"
         f" {goes} cycle ({parameter} = {int(listed.is_optimized)}) and is reached at the 2nd SYNC"
-        f" after it; the sensor value is {sensor.age} cycles old"
+        f" after it; the sensor value is {age}"
         f"{f', and the carrier adds {sensor.late}' if sensor.late else ''}"
     )
 

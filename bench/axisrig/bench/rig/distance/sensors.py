@@ -1,7 +1,7 @@
 """What can give a distance control its distance: second encoders and V.E. variables of the PLC."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -22,7 +22,8 @@ class Sensor:
     """A way from a distance sensor to an axis.
 
     source: as the control names it (`axis.source_word`). words: what carries it. age: cycles by
-    which it is older than 6064. every: it comes with every so many SYNCs. sign: 1 when the value
+    which it is older than 6064, below 0 = newer. late: that the carrier adds to the way of a set
+    position until 6064 shows it. every: it comes with every so many SYNCs. sign: 1 when the value
     counts as its control wants it, -1 the other way round; 0: not known. That of an axis gets
     smaller as the tool lifts, that of 3D control grows. promised_ns: the longest time from one
     value to the next, None where nothing promises one.
@@ -43,8 +44,9 @@ def sensors_of(settings: Settings, name: str) -> list[Sensor]:
     CHANNEL: what gives 3D control its distance, V.E. variables only.
     """
     if name == CHANNEL:
-        plants = [axis.plant for axis in settings.rig.axis.values()]
-        return [replace(sensor, sign=-sensor.sign) for sensor in _variables(settings, plants)]
+        return [
+            replace(found, sign=-found.sign) for found in _variables(settings, settings.rig.axis)
+        ]
     rig = settings.rig
     axis, found = rig.axis[name], []
     way = family_of(settings, name).second_encoder(settings, name)
@@ -61,12 +63,17 @@ def sensors_of(settings: Settings, name: str) -> list[Sensor]:
                 family_of(settings, name).late_cycles(settings, name),
             )
         )
-    return [*found, *_variables(settings, [axis.plant])]
+    return [*found, *_variables(settings, [name])]
 
 
-def _variables(settings: Settings, plants: Sequence[str]) -> list[Sensor]:
-    """Return the V.E. variables whose sensors are wired to all of some plants."""
+def _variables(settings: Settings, axes: Iterable[str]) -> list[Sensor]:
+    """Return the V.E. variables whose sensors are wired to the plants of all of some axes.
+
+    The PLC reads them as they are at the last SYNC, where 6064 may be of one before it.
+    """
     rig, found = settings.rig, []
+    plants = [rig.axis[name].plant for name in axes]
+    late, fresh = late_of(settings, axes)
     cycle_ns = rig.cycle.period_us * US
     for variable, entry in rig.plc.items():
         grows = _grows_with(settings, entry.sensor, plants)
@@ -76,8 +83,20 @@ def _variables(settings: Settings, plants: Sequence[str]) -> list[Sensor]:
         words += f" every {every} cycles" if every > 1 else ""
         promised_ns = None if entry.period_ms is None else round(entry.period_ms * MS)
         source = f"{VARIABLE} {variable}"
-        found.append(Sensor(source, words, entry.delay_cycles, every, sign, promised_ns))
+        age = entry.delay_cycles - (late - fresh)
+        found.append(Sensor(source, words, age, every, sign, promised_ns, late))
     return found
+
+
+def late_of(settings: Settings, axes: Iterable[str]) -> tuple[int, int]:
+    """Return by how many cycles set positions are seen later than on CAN, of the latest axis.
+
+    In 6064, and in what is read as it was at the last SYNC.
+    """
+    families = [(family_of(settings, name), name) for name in axes]
+    late = max((family.late_cycles(settings, name) for family, name in families), default=0)
+    fresh = max((family.fresh_late_cycles(settings, name) for family, name in families), default=0)
+    return late, fresh
 
 
 def is_scale(settings: Settings, name: str) -> bool:

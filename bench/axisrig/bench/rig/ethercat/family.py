@@ -56,6 +56,10 @@ class Cia402OnEthercat(RigFamily):
         """Return by how many cycles more than 2 an NC cycle sees what its set values do."""
         return phases_of(settings, axis).late_cycles
 
+    def fresh_late_cycles(self, settings: Settings, axis: str) -> int:
+        """Return the same of what the PLC reads as it was at the last SYNC0."""
+        return phases_of(settings, axis).fresh_late_cycles
+
     def terminal_grid(self, settings: Settings) -> TerminalGrid | None:
         """Return when frames pass the terminal of the PLC and are back, where it is on a line."""
         for name in ec_segments(settings):
