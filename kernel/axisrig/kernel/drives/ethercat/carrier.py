@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from axisrig.kernel.drives.carrier import Carrier
-from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_station
+from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_position
 from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.master import NEVER, Master
-from axisrig.kernel.drives.ethercat.settings import STATION_BASE
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.ethercat.tables import AlState, Command, address_of
 from axisrig.kernel.time.clock import TimeNs
@@ -50,16 +49,15 @@ class EthercatCarrier(Carrier):
         self._is_watched = False
 
     def _ask(self) -> None:
-        """Ask each slave for its state."""
+        """Ask each slave for its state, at its place: one that was off has no station address."""
         if not self._is_watched or self._is_asking:
             return
         self._is_asking = True
         register = address_of("AL_STATUS")
-        stations = [STATION_BASE + link.node_id for link in self._links]
         self._master.transactions.ask(
             [
-                Datagram(Command.FPRD, at_station(station, register), bytes(STATUS_BYTES))
-                for station in stations
+                Datagram(Command.APRD, at_position(place, register), bytes(STATUS_BYTES))
+                for place in range(len(self._links))
             ],
             self._note,
         )
