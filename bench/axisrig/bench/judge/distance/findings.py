@@ -184,7 +184,7 @@ def _stretch(truth: DistanceTruth, change: DistanceChange, rows: "np.ndarray[Any
 def _law(truth: DistanceTruth, stretch: Stretch) -> dict[str, Any]:
     mode, control = stretch.mode, stretch.listed.control
     loop = truth.loop(mode, stretch.listed)
-    unknown = truth.unknown_poles(mode)
+    unknown = stretches.unknown_poles(truth, mode)
     limit = math.inf if unknown else kp_limit(loop)
     is_plain = not control.tn_s and not control.tv_s
     return {

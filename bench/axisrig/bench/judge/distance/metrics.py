@@ -73,7 +73,7 @@ def _known_loop(truth: DistanceTruth) -> tuple[Loop, float]:
     Raises NoClosedFormError where its poles are unknown.
     """
     stretch = stretches.last_active(truth)
-    reason = truth.unknown_poles(stretch.mode)
+    reason = stretches.unknown_poles(truth, stretch.mode)
     if reason:
         words = f"{stretch.mode}: {reason}"
         raise NoClosedFormError(f"{words}; axisrig tune distance measures the loop")

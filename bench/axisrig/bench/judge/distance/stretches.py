@@ -14,7 +14,7 @@ from axisrig.bench.judge.distance.truth import FOLLOWING, DistanceTruth, Flags
 from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.oracles.distance.following import settling_cycles
 from axisrig.bench.oracles.distance.lists import Listed
-from axisrig.bench.oracles.distance.loop import SET_POS, Loop, growth
+from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 
@@ -381,3 +381,15 @@ def fitted(values: Signal, frequency_hz: float, period_s: float) -> tuple[float,
     columns = np.stack([np.ones(len(values)), np.cos(phase), np.sin(phase)], axis=1)
     (mean, cosine, sine), *_ = np.linalg.lstsq(columns, values, rcond=None)
     return float(mean), complex(cosine, -sine)
+
+
+def unknown_poles(truth: DistanceTruth, mode: str) -> str:
+    """Say why no closed form knows the poles of the loop in a mode; empty where one does.
+
+    A drive with loops of its own is more than its lag, where the loop goes through it.
+    """
+    if truth.every > 1:
+        return "60E4 does not come with every SYNC"
+    has_loops = truth.values is not None and bool(truth.values.get("kv"))
+    is_in_loop = mode == CONST_DIST or truth.sensor_age_cycles != 0
+    return "the loops of the drive are part of it" if has_loops and is_in_loop else ""

@@ -22,7 +22,6 @@ from axisrig.bench.oracles.distance.cycles import (
     WAY_CYCLES,
     DeadCycles,
     Measured,
-    Sent,
     measured,
     predicted,
 )
@@ -379,16 +378,10 @@ class DistanceTruth:
         targets = changes(self.observed.telegrams(self.axis, TARGET), start_ns)
         if self.variable is None:
             sensor = changes(self.observed.telegrams(self.axis, SECOND), start_ns)
-        else:
-            sensor = self._read_values(start_ns)
+        else:  # no frame carries it: what the control has read
+            told = np.round(np.nan_to_num(self.watched_mm) / self.increment_mm).astype(int)
+            sensor = changes([(self.times_ns, told)], start_ns)
         return measured(targets, sensor, self.period_ns, quiet_increments)
-
-    def _read_values(self, start_ns: int) -> Iterator[Sent]:
-        """Yield what the control read of a V.E. variable, which no frame carries."""
-        told = np.round(np.nan_to_num(self.watched_mm) / self.increment_mm).astype(int)
-        for time_ns, value in zip(self.times_ns.tolist(), told.tolist(), strict=True):
-            if time_ns >= start_ns:
-                yield Sent(time_ns, value)
 
     @property
     def _control_ns(self) -> int:
@@ -432,17 +425,6 @@ class DistanceTruth:
             sign=1 if self.counts_right else -1,
             gain=self.surface_gain,
         )
-
-    def unknown_poles(self, mode: str) -> str:
-        """Say why no closed form knows the poles of the loop in a mode; empty where one does.
-
-        A drive with loops of its own is more than its lag, where the loop goes through it.
-        """
-        if self.every > 1:
-            return "60E4 does not come with every SYNC"
-        has_loops = self.values is not None and bool(self.values.get("kv"))
-        is_in_loop = mode == CONST_DIST or self.sensor_age_cycles != 0
-        return "the loops of the drive are part of it" if has_loops and is_in_loop else ""
 
     @cached_property
     def counts_right(self) -> bool:
