@@ -31,7 +31,7 @@ from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
-from axisrig.bench.record.series import SECOND, TARGET, Signal, Times
+from axisrig.bench.record.series import SECOND, TARGET, Signal, Telegrams, Times
 from axisrig.kernel.time.clock import S
 
 Flags = npt.NDArray[np.bool_]
@@ -380,7 +380,7 @@ class DistanceTruth:
             sensor = changes(self.observed.telegrams(self.axis, SECOND), start_ns)
         else:  # no frame carries it: what the control has read
             told = np.round(np.nan_to_num(self.watched_mm) / self.increment_mm).astype(int)
-            sensor = changes([(self.times_ns, told)], start_ns)
+            sensor = changes([Telegrams(self.times_ns, told)], start_ns)
         return measured(targets, sensor, self.period_ns, quiet_increments)
 
     @property
