@@ -337,6 +337,16 @@ def test_a_controller_off_the_bus(wire: Callable[..., Wire]) -> None:
     assert ran.port.error_state is ErrorState.ACTIVE
 
 
+def test_a_drive_whose_plug_is_pulled_stays_on(wire: Callable[..., Wire]) -> None:
+    """It misses what is sent meanwhile, is on all the time, and hears again without a boot-up."""
+    ran = wire(("cable_off", "Z at=2ms for=4ms")).run()
+    assert (ran.numbers(), ran.power) == ([1, 2, 3, 4, *range(9, 13)], [])
+    assert ran.port.error_state is ErrorState.ACTIVE
+    gone = wire(("cable_off", "Z at=2ms")).run()
+    assert (gone.numbers(), gone.power) == ([1, 2, 3, 4], [])
+    assert wire(("cable_off", "Z at=2ms for=1us")).run().numbers() == [*range(1, 13)]
+
+
 def rises(ran: Wire, name: str, value: Any) -> None:
     """Bring the condition of a moment about, or end it."""
     if name in ("motion", "standing"):

@@ -189,12 +189,19 @@ def _bus_off(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected
     return Act(leave, port.power_on)
 
 
+def _cable_off(on: OnCan, fault: Fault, _numbers: random.Random, _record: Injected) -> Act:
+    """Take the controller of a drive off the wire; the drive itself does not notice."""
+    port = next(p for p in on.segment(fault).ports if p.port_name == fault.axis)
+    return Act(port.power_off, port.power_on)
+
+
 KINDS: Mapping[str, Make] = {
     **{kind: partial(_frame_fault, action) for kind, action in _ACTIONS.items()},
     "babble": _babble,
     "second_sender": _second_sender,
     "reset": _reset,
     "bus_off": _bus_off,
+    "cable_off": _cable_off,
 }
 """How each kind of the room `frames` is built in."""
 
