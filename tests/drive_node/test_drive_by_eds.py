@@ -17,6 +17,8 @@ from axisrig.kernel.drives.canopen.dictionary import read_eds
 
 Make = Callable[..., Any]
 NODE = 3
+OFF = 0x8000_0000
+"""Bit of a COB-ID: the PDO does not exist."""
 NO_OBJECT, NO_SUB, READ_ONLY = 0x06020000, 0x06090011, 0x06010002
 TOO_LOW, TOO_HIGH, TOO_LONG, WRITE_ONLY = 0x06090032, 0x06090031, 0x06070012, 0x06010001
 """Abort codes of CiA 301."""
@@ -227,12 +229,50 @@ def test_a_domain_takes_as_many_bytes_as_come(bench: Any, block: bool) -> None:
 
 
 def test_the_default_mapping_is_that_of_the_file(bench: Any) -> None:
-    """TPDO1 carries 6041 and 6064 alone; one with an object that is only memory carries nothing."""
+    """TPDO1 carries 6041 and 6064 alone, TPDO3 an object of the maker."""
+    bench.remote.sdo.download(0x1802, 2, b"\x01")
     bench.operational()
     bench.sync_at_ms(5)
     (data,) = bench.frames(0x180 + NODE)
     assert len(data) == 6
-    assert bench.frames(0x380 + NODE) == []
+    assert bench.frames(0x380 + NODE) == [struct.pack("<h", -7)]
+
+
+def test_objects_of_the_maker_are_in_pdos_what_they_are_for_sdo(bench: Any) -> None:
+    """Beside an object of the model in one PDO, and the other way round in the next.
+
+    An RPDO acts at the SYNC after it, before the drive samples what its TPDOs carry.
+    """
+    sdo = bench.remote.sdo
+    for number, base, entries in (
+        (0x1802, 0x380, (0x20000010, 0x60410010)),
+        (0x1401, 0x300, (0x60600008, 0x20000010)),
+    ):
+        sdo.download(number, 1, struct.pack("<I", OFF | base + NODE))
+        sdo.download(number + 0x200, 0, b"\x00")
+        for sub, entry in enumerate(entries, 1):
+            sdo.download(number + 0x200, sub, struct.pack("<I", entry))
+        sdo.download(number + 0x200, 0, b"\x02")
+        sdo.download(number, 2, b"\x01")
+        sdo.download(number, 1, struct.pack("<I", base + NODE))
+    first = round(bench.scheduler.now_ns / 1e6) + 2
+    bench.operational(first)
+    for at, value in ((first + 2, -7), (first + 3, 100), (first + 4, 100)):
+        bench.sync_at_ms(at)
+        word = struct.unpack("<H", bench.frames(0x180 + NODE)[-1][:2])[0]
+        assert bench.frames(0x380 + NODE)[-1] == struct.pack("<hH", value, word)
+        bench.master.send_message(0x300 + NODE, struct.pack("<bh", 1, 100))
+    assert sdo.upload(0x2000, 0) == struct.pack("<h", 100)
+    assert sdo.upload(0x6060, 0) == b"\x01"
+
+
+@pytest.mark.parametrize("entry", [0x20010220, 0x20010120, 0x20020008, 0x6F000010, 0x20000008])
+def test_what_the_file_does_not_map_or_is_no_number_is_in_no_pdo(bench: Any, entry: int) -> None:
+    """A text, a float, a domain, an object without PDOMapping, another length."""
+    sdo = bench.remote.sdo
+    sdo.download(0x1802, 1, struct.pack("<I", OFF | 0x380 + NODE))
+    sdo.download(0x1A02, 0, b"\x00")
+    assert aborted(lambda: sdo.download(0x1A02, 1, struct.pack("<I", entry))) == 0x06040041
 
 
 def test_a_fifth_pdo_with_an_identifier_of_its_own(bench: Any) -> None:

@@ -79,9 +79,9 @@ class ObjectInformation:
     def _indices(self, kind: int) -> Sequence[int]:
         def fits(row: ObjectRow) -> bool:
             if kind == _RX:
-                return row.pdo == "rx"
+                return "rx" in row.pdo
             if kind == _TX:
-                return row.pdo == "tx"
+                return "tx" in row.pdo
             return kind == _ALL or is_stored(row)
 
         return [i for i, known in self._known.items() if any(map(fits, known.rows.values()))]
@@ -120,7 +120,7 @@ class ObjectInformation:
 
 def _access(row: ObjectRow) -> int:
     access = _READ | (_WRITE if row.access == "rw" else 0)
-    access |= {"rx": _RX_BIT, "tx": _TX_BIT}.get(row.pdo, 0)
+    access |= (_RX_BIT if "rx" in row.pdo else 0) | (_TX_BIT if "tx" in row.pdo else 0)
     return access | (_STORED_BIT if is_stored(row) else 0)
 
 

@@ -2,8 +2,8 @@
 
 Identity, list of objects, types, access, limits, defaults and default mapping are those of the
 file. An object that the model has too acts as it does there; every other one is memory that SDO
-reads and writes. Objects that carry the scaling keep what the rig says, and so does what the model
-cannot be.
+and PDOs read and write. Objects that carry the scaling keep what the rig says, and so does what the
+model cannot be.
 """
 
 import struct
@@ -31,7 +31,10 @@ _BYTES: Final = "DOMAIN"  # what a type is read as that this drive does not know
 _TEXTS: Final = ("STRING", "DOMAIN")
 _ACCESS: Final = {"rwr": "rw", "rww": "rw"}
 _DIRECTIONS: Final = {"rwr": "tx", "rww": "rx"}
+_OF_MEMORY: Final = {"ro": "tx", "const": "tx", "wo": "rx", "rw": "rx tx", **_DIRECTIONS}
+"""In which PDOs an object of the maker may be that can be mapped."""
 _FLOATS: Final = {"F32": "<f", "F64": "<d"}
+_NO_NUMBERS: Final = (*_TEXTS, *_FLOATS)
 _COMMUNICATION: Final = (range(0x1400, 0x1600), range(0x1800, 0x1A00))
 PROFILE_FIRST: Final = 0x6000
 OF_THE_RIG: Final = (0x6040, 0x6060, 0x608F, 0x6090, 0x6091, 0x6092, 0x60B8, 0x60D0, 0x60E6, 0x60EB)
@@ -45,7 +48,9 @@ def foreign_table(profile: DriveProfile, od: ObjectDictionary) -> ObjectTable:
     rows = dict(own.rows)
     for key, item in listed.items():
         rows[key] = _row(item, own.rows.get(key))
-    rows = {key: row if row.value else replace(row, pdo="") for key, row in rows.items()}
+    for key, row in rows.items():
+        if not row.value and key in own.rows:
+            rows[key] = replace(row, pdo="")  # of the model, and not in its process image
     return ObjectTable(
         rows,
         {key: row.data_type.format.islower() for key, row in rows.items()},
@@ -87,8 +92,9 @@ def _row(item: ODVariable, own: ObjectRow | None) -> ObjectRow:
     )
     low, high = (None, None) if None not in limits and limits[0] == limits[1] else limits
     if own is None:
+        pdo = _OF_MEMORY.get(access, "") if item.pdo_mappable and kind not in _NO_NUMBERS else ""
         return ObjectRow(
-            item.index, item.subindex, item.name, kind, _ACCESS.get(access, access), "", low, high,
+            item.index, item.subindex, item.name, kind, _ACCESS.get(access, access), pdo, low, high,
             Allowed(), "", "", "", "memory", "",
         )  # fmt: skip
     return replace(
@@ -160,6 +166,6 @@ def _can_carry(
         entry = values.get((index, sub), 0)
         place = (int(entry) >> 16, int(entry) >> 8 & 0xFF) if isinstance(entry, int) else (0, 0)
         is_dummy = place[0] < 8 and index < 0x1A00
-        if not is_dummy and (place not in rows or not rows[place].value):
+        if not is_dummy and (place not in rows or not (rows[place].value or rows[place].pdo)):
             return False
     return True
