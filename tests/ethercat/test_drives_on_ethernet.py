@@ -99,6 +99,27 @@ class Real:
         self.now_ns += round(time_s * 1e9)
 
 
+TERMINAL_RIG = ROOT / "testplans" / "rigs" / "plc-timestamp-line.toml"
+
+
+def test_the_stamping_terminal_is_the_last_slave(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two slaves answer; the second one goes to PREOP without a mailbox and shows its registers."""
+    to_preop = physical(2, -1, 0x0120, b"\x02\x00")
+    asked = [physical(1, -1, 0x0130, 2), physical(1, -1, 0x09AE, 34)]
+    FakePort.sent = [frame(physical(7, 0, 0, 1)), frame(to_preop), frame(*asked)]
+    monkeypatch.setattr(ethercat, "RawPort", FakePort)
+    lines: list[str] = []
+    real = Real()
+    settings = ethercat.line_settings(TERMINAL_RIG, [], [])
+    hardware = Hardware(RealTime(real.monotonic_ns, real.pause))
+    wanted = ethercat.Wanted("v7", is_real=True, for_s=0.03)
+    ethercat.serve_line(settings, wanted, hardware, lines.append)
+    counters = [answer.wkc for sent in FakePort.last.back for answer in answers(sent)]
+    assert counters == [2, 1, 1, 1]
+    assert lines[:2] == ["axis Z: slave 0 on v7", "terminal: slave 1 on v7"]
+    assert any("terminal AL      INIT -> PREOP" in line for line in lines)
+
+
 def test_frames_are_answered_and_what_happens_is_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -68,10 +68,12 @@ def dictionary(tmp_path: Path) -> Path:
     return path
 
 
-def run_master(script: str, dictionary: Path, tmp_path: Path) -> tuple[dict[str, Any], str]:
+def run_master(
+    script: str, dictionary: Path, tmp_path: Path, rig: Path = RIG
+) -> tuple[dict[str, Any], str]:
     """What a master says, and what the drives say."""
     out = tmp_path / "out"
-    drive = [sys.executable, "-m", "axisrig.bench.cli", "drive", str(RIG), "--interface", "ecat"]
+    drive = [sys.executable, "-m", "axisrig.bench.cli", "drive", str(rig), "--interface", "ecat"]
     drive += ["--channel", "v1", "-o", str(out)]
     arguments = [str(PERIOD_US), str(CYCLES), str(STEP), "dc", str(dictionary)]
     master = [PYTHON, str(MASTERS / script), "v0", *arguments]
@@ -79,7 +81,9 @@ def run_master(script: str, dictionary: Path, tmp_path: Path) -> tuple[dict[str,
         in_namespace(*drive), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )  # each step of it replaces itself by the next: this is the process of the drives
     assert process.stdout is not None
-    lines = [process.stdout.readline() for _ in range(2)]
+    lines = [process.stdout.readline()]
+    while lines[-1] and "these slaves are the last ones" not in lines[-1]:
+        lines.append(process.stdout.readline())
     assert "slave 0 on v1" in lines[0], lines[0] + process.stdout.read()
     time.sleep(0.5)
     try:
@@ -124,6 +128,31 @@ def test_a_foreign_master_leads_the_drive(
         assert 0 <= way_mm <= 2 * 4 * speed_mm_us + 2e-5
         assert float(row["contact_mm"]) == pytest.approx(100.0, abs=1e-6)
     assert said["cycles"] >= CYCLES
+    if said["wrong"]:
+        load = os.getloadavg()[0]
+        pytest.skip(f"{said['wrong']} wrong working counters with a load of {load:.1f}")
+
+
+def test_soem_leads_a_drive_and_a_stamping_terminal_on_one_line(
+    dictionary: Path, tmp_path: Path
+) -> None:
+    """The stamp that it reads of the terminal is that of the edge, in the clock of the line."""
+    needs("pysoem")
+    rig = ROOT / "testplans" / "rigs" / "plc-timestamp-line.toml"
+    said, printed = run_master("soem_terminal.py", dictionary, tmp_path, rig)
+    print(said, printed, sep="\n")
+    assert said["products"] == [402, 401]
+    assert said["states"] == [8, 8]
+    assert said["enabled"]
+    with (tmp_path / "out" / "events.csv").open() as file:
+        events = list(csv.DictReader(file))
+    stamps = [row for row in events if (row["axis"], row["kind"]) == ("terminal", "stamp")]
+    ups = [row["text"] for row in stamps if "input 1 up" in row["text"]]
+    assert len(ups) == 2
+    for stamp, text in zip(said["stamps"], ups, strict=True):
+        assert f"stamp {stamp} ns" in text
+        assert "z at 100.0000" in text or "z at 99.9999" in text
+    assert [touch[:2] for touch in said["touches"]] == [[0x0001, 0x0003]] * 2
     if said["wrong"]:
         load = os.getloadavg()[0]
         pytest.skip(f"{said['wrong']} wrong working counters with a load of {load:.1f}")

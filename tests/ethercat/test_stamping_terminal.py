@@ -103,7 +103,7 @@ def test_the_line_starts_it_and_the_plc_has_its_image(tmp_path: Path) -> None:
     assert float(shown.partition("=")[2]) == pytest.approx(100.0, abs=9.6e-6 + 4e-6)
     part: Any = machine.installed[0]
     line = part.lines["ec1"]
-    assert {slave.al_state for slave in line.slaves.values()} == {AlState.OP}
+    assert {slave.states.state for slave in line.slaves.values()} == {AlState.OP}
     assert [name for name, _ in part.figures()[0].line.slaves] == ["Z", "terminal"]
     assert line.master.image.counter == 3 + 1
 

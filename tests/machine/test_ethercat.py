@@ -79,7 +79,7 @@ def test_it_measures_within_an_increment_of_the_closed_form(make: Make) -> None:
     expected_mm = SURFACE_MM - FEED_MM_S * INPUT_DELAY_S
     # The printed text has six decimals
     assert float(shown.partition("=")[2]) == pytest.approx(expected_mm, abs=INCREMENT_MM + 1e-6)
-    assert {node.al_state for node in line.nodes.values()} == {AlState.OP}
+    assert {node.states.state for node in line.nodes.values()} == {AlState.OP}
     assert line.segment.lost == 0
     assert machine.links["Z"].unproved_latches == 0
 

@@ -176,24 +176,12 @@ class EthercatDrive(Cia402Node):
     def broken(self, *, is_here: bool) -> None:
         """Count a frame with a wrong FCS."""
         if self.is_on:
-            self.registers.count("RX_ERRORS" if is_here else "FORWARDED_ERRORS")
+            self.registers.broken(is_here=is_here)
 
     def jump(self, by_ns: TimeNs) -> None:
         """Let its clock show something else from now on."""
         self.time.jump(by_ns)
         self.sync.moved()
-
-    # What is seen from outside
-
-    @property
-    def al_state(self) -> AlState:
-        """State of the slave."""
-        return self.states.state
-
-    @property
-    def al_status_code(self) -> int:
-        """Its error, 0 = none."""
-        return self.states.code
 
     # Power
 

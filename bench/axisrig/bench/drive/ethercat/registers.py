@@ -124,9 +124,12 @@ class Registers(Physical):
         row = tables.registers()[name]
         return int.from_bytes(self._memory[row.address : row.address + row.size], "little")
 
-    def count(self, name: str) -> None:
-        """Let the counter of port 0 in a register of errors go on, to its end."""
-        at = self._at[name]
+    def broken(self, *, is_here: bool) -> None:
+        """Let the counter of port 0 of frames with a wrong FCS go on, to its end.
+
+        is_here: it broke on the wire before the slave.
+        """
+        at = self._at["RX_ERRORS" if is_here else "FORWARDED_ERRORS"]
         self._memory[at] = min(self._memory[at] + 1, _COUNT_MAX)
 
     def show_state(self, status: int, code: int) -> None:

@@ -88,21 +88,11 @@ class StampingTerminal:
     def broken(self, *, is_here: bool) -> None:
         """Count a frame with a wrong FCS."""
         if self.is_on:
-            self.registers.count("RX_ERRORS" if is_here else "FORWARDED_ERRORS")
+            self.registers.broken(is_here=is_here)
 
     def power_off(self) -> None:
         """Take the power away. To be called from an event."""
         self.is_on = False
-
-    @property
-    def al_state(self) -> AlState:
-        """State of the slave."""
-        return self.states.state
-
-    @property
-    def al_status_code(self) -> int:
-        """Its error, 0 = none."""
-        return self.states.code
 
     # What the slave controller wakes up
 

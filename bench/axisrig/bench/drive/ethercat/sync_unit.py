@@ -113,6 +113,8 @@ class LatchUnit:
 
     signals: at input 0 and 1, None for an open one. Each input keeps the first edge of a direction
     until it is read (single event), or the last one.
+
+    stamped: called with input, level, instant and stamp of each edge that is kept.
     """
 
     def __init__(
@@ -124,6 +126,7 @@ class LatchUnit:
         self.control = [0, 0]
         self._stored = [[False, False], [False, False]]
         self._times = [[0, 0], [0, 0]]
+        self.stamped: list[Callable[[int, bool, TimeNs, int], None]] = []
 
     def look(self) -> None:
         """Take the edges that have come since."""
@@ -142,7 +145,9 @@ class LatchUnit:
         if is_single and self._stored[number][place]:
             return
         self._stored[number][place] = is_single
-        self._times[number][place] = self._time.system_ns(time_ns)
+        self._times[number][place] = stamp_ns = self._time.system_ns(time_ns)
+        for note in self.stamped:
+            note(number, level, time_ns, stamp_ns)
 
     def status(self, number: int) -> int:
         """Return the status of an input: edges kept as single events, and its level."""

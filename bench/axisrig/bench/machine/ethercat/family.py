@@ -157,7 +157,7 @@ class EthercatLines(Cia402Segments):
             wrong=meter.wrong,
             wrong_in_a_row=meter.wrong_in_a_row,
             slaves=tuple(
-                (name, al_words(slave.al_state, slave.al_status_code))
+                (name, al_words(slave.states.state, slave.states.code))
                 for name, slave in line.slaves.items()
             ),
         )

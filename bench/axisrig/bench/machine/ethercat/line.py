@@ -1,20 +1,14 @@
 """One EtherCAT line of a machine: its slaves, and the control as its master."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
-from typing import Any
 
 from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.ethercat.node import EthercatDrive
-from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
 from axisrig.bench.machine.ethercat.line_faults import LineFaults
-from axisrig.bench.machine.ethercat.line_terminal import (
-    LineTerminal,
-    inputs_of,
-    register_inputs,
-)
+from axisrig.bench.machine.ethercat.line_terminal import LineTerminal, register_inputs
+from axisrig.bench.machine.ethercat.slaves import Entered, drive_slave, terminal_slave
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import drive_of
@@ -31,7 +25,6 @@ from axisrig.bench.rig.ethercat.members import (
 )
 from axisrig.bench.rig.ethercat.startup import axis_steps
 from axisrig.bench.rig.reading.lists import drive_input
-from axisrig.bench.rig.reading.plc_task import silent_ns
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
@@ -42,13 +35,10 @@ from axisrig.kernel.drives.ethercat.mailbox import Mailbox
 from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings, station_of
 from axisrig.kernel.measuring.latest_edge import StampClock
-from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs, ns_to_seconds
+from axisrig.kernel.time.clock import US, Clock, TimeNs, ns_to_seconds
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
-
-Entered = Callable[[str, State], None]
 
 
 class Line:
@@ -68,11 +58,12 @@ class Line:
         table, self.axes = segment_of(settings, name), axes_on(settings, name)
         first = list(settings.rig.axis)
         self.nodes = {
-            axis: _node(
+            axis: drive_slave(
                 settings,
                 axis,
                 scheduler,
                 beside,
+                position_of(settings, axis),
                 seed + DRIVE_SEED_STRIDE * first.index(axis),
                 entered,
             )
@@ -113,34 +104,6 @@ class Line:
         self.carrier = EthercatCarrier(self.master, list(self.links.values()))
 
 
-def _node(
-    settings: Settings,
-    axis: str,
-    scheduler: Scheduler,
-    beside: Beside,
-    seed: int,
-    entered: Entered,
-) -> EthercatDrive:
-    line = segment_of(settings, settings.rig.axis[axis].segment)
-    slave: dict[str, Any] = {
-        "serial": position_of(settings, axis),
-        "start_ns": round(line.of("clock_start_us", axis) * US),
-        "drift_ppm": line.of("drift_ppm", axis),
-        "sample_ns": round(line.of("sample_us", axis) * US),
-    }
-    return EthercatDrive(
-        axis,
-        scheduler,
-        beside.axis(axis),
-        beside.probes(axis),
-        drive_of(settings, axis).make(),
-        OfSlave(**slave),
-        seed,
-        switches=beside.switches(axis),
-        entered=partial(entered, axis),
-    )
-
-
 def _terminal(
     settings: Settings,
     name: str,
@@ -148,21 +111,11 @@ def _terminal(
     beside: Beside,
     advance: Callable[[TimeNs], None],
 ) -> LineTerminal | None:
-    """Make the terminal of the PLC as the last slave of a line, where the rig has it there."""
-    table, line = terminal_on(settings, name), segment_of(settings, name)
-    if table is None:
+    """Make the terminal of the PLC and its end of it, where the rig has it on the line."""
+    serial, table = terminal_position(settings, name), terminal_on(settings, name)
+    slave = terminal_slave(settings, name, scheduler, beside, advance, serial)
+    if slave is None or table is None:
         return None
-    slave = StampingTerminal(
-        scheduler,
-        inputs_of(table, dict(beside.signals)),
-        advance,
-        terminal_position(settings, name),
-        round(line.of("clock_start_us", TERMINAL) * US),
-        line.of("drift_ppm", TERMINAL),
-    )
-    off_ns = silent_ns(table.silent_from_ms)
-    if off_ns is not None:
-        scheduler.call_at(off_ns, Phase.APPLICATION, slave.power_off)
     return LineTerminal(slave, table, scheduler, settings.rig.cycle.period_us * US)
 
 

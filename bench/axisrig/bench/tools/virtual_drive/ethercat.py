@@ -1,6 +1,7 @@
 """The drives of a rig for somebody else's EtherCAT master: `axisrig drive RIG --interface ecat`.
 
-They are one line on a raw socket, in the order of the rig, whatever carries them there. Plants and
+They are one line on a raw socket, in the order of the rig, whatever carries them there; a stamping
+terminal that the rig has on a line is the last slave. Plants and
 faults of nature are those of every run, the clock is real time. A frame is an event at the instant
 at which it was seen; it is answered before anything later happens.
 """
@@ -19,7 +20,9 @@ from axisrig.bench.bus.ethercat.segment import LOCAL_BIT, SOURCE, Passage
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.drive.ethercat.description import describe
 from axisrig.bench.drive.ethercat.esi import esi_text
-from axisrig.bench.drive.ethercat.node import EthercatDrive, SlaveSettings
+from axisrig.bench.drive.ethercat.node import EthercatDrive
+from axisrig.bench.drive.ethercat.stamping import StampingTerminal
+from axisrig.bench.machine.ethercat.slaves import drive_slave, terminal_slave
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
@@ -27,10 +30,12 @@ from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.ethercat.members import TERMINAL, ec_segments, terminal_on
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.bench.tools.virtual_drive.parameters import ParameterFile
 from axisrig.bench.tools.virtual_drive.serve import BEHIND_NS, SLICE_NS, only_axes
+from axisrig.bench.tools.virtual_drive.terminal_watch import TerminalWatcher
 from axisrig.bench.tools.virtual_drive.watch import EthercatWatcher
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
@@ -117,8 +122,10 @@ class LineServer:
             self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self.drives = self._build(settings)
-            self._line = list(self.drives.values())
+            beside = Beside(settings, self.plant, self.scheduler)
+            self.drives = self._build(settings, beside)
+            self._line: list[EthercatDrive | StampingTerminal] = list(self.drives.values())
+            self.terminal = self._build_terminal(settings, beside)
             memories = {name: drive.storage for name, drive in self.drives.items()}
             store, folder = wanted.store, wanted.folder
             self._parameters = ParameterFile(store, memories) if store is not None else None
@@ -131,23 +138,33 @@ class LineServer:
             self._watcher = EthercatWatcher(
                 settings, self.drives, self.plant, put_out, folder, self._open
             )
+            self._looks = [self._watcher.look]
+            self._watch_terminal(settings)
             guard.pop_all()
 
-    def _build(self, settings: Settings) -> dict[str, EthercatDrive]:
-        beside = Beside(settings, self.plant, self.scheduler)
-        drives: dict[str, EthercatDrive] = {}
-        for name in settings.rig.axis:
-            drives[name] = EthercatDrive(
-                name,
-                self.scheduler,
-                beside.axis(name),
-                beside.probes(name),
-                drive_of(settings, name).make(),
-                SlaveSettings(serial=len(drives) + 1),
-                len(drives),
-                switches=beside.switches(name),
-            )
-        return drives
+    def _build(self, settings: Settings, beside: Beside) -> dict[str, EthercatDrive]:
+        return {
+            name: drive_slave(settings, name, self.scheduler, beside, place + 1, place)
+            for place, name in enumerate(settings.rig.axis)
+        }
+
+    def _build_terminal(self, settings: Settings, beside: Beside) -> StampingTerminal | None:
+        """Make the stamping terminal that the rig has on a line, behind all drives."""
+        advance, serial = self.plant.advance_to, len(self._line) + 1
+        for name in ec_segments(settings):
+            found = terminal_slave(settings, name, self.scheduler, beside, advance, serial)
+            if found is not None:
+                self._line.append(found)
+                return found
+        return None
+
+    def _watch_terminal(self, settings: Settings) -> None:
+        tables = [terminal_on(settings, name) for name in ec_segments(settings)]
+        table = next((table for table in tables if table is not None), None)
+        if self.terminal is not None and table is not None:
+            report = self._watcher.report
+            watcher = TerminalWatcher(self.terminal, table.inputs, self.plant, report)
+            self._looks.append(watcher.look)
 
     def __enter__(self) -> "LineServer":
         return self
@@ -160,6 +177,8 @@ class LineServer:
         wanted, clock = self._wanted, self._hardware.real_time.monotonic_ns
         for place, name in enumerate(self.drives):
             self._put_out(f"axis {name}: slave {place} on {wanted.channel}")
+        if self.terminal is not None:
+            self._put_out(f"{TERMINAL}: slave {len(self.drives)} on {wanted.channel}")
         self._put_out(
             "these slaves are the last ones of the line: nothing may be connected behind them"
         )
@@ -171,7 +190,8 @@ class LineServer:
             while not self._hardware.stop() and (end_ns is None or clock() < end_ns):
                 self.scheduler.run_until(self.scheduler.now_ns + SLICE_NS)
                 self._keep_up(self.scheduler.now_ns)
-                self._watcher.look(self.scheduler.now_ns)
+                for look in self._looks:
+                    look(self.scheduler.now_ns)
                 if self._parameters is not None and self._parameters.look():
                     self._watcher.report(self.scheduler.now_ns, "", "store", "parameters written")
         finally:
@@ -184,15 +204,17 @@ class LineServer:
         """Step plants that no cycle steps, or the first access would wait for all that time."""
         if now_ns - self._kept_ns >= KEEP_UP_NS:
             self._kept_ns = now_ns
-            for drive in self._line:
+            for drive in self.drives.values():
                 drive.servo.begin(now_ns)
+            if self.terminal is not None:
+                self.terminal.before_latches()
 
     def _answer(self, frame: bytearray) -> None:
         """Let the frame pass the line; all of it at one instant."""
         now_ns: TimeNs = self.scheduler.now_ns
         last = len(self._line) - 1
-        for number, drive in enumerate(self._line):
-            drive.process(frame, Passage(now_ns, None if number == last else now_ns))
+        for number, slave in enumerate(self._line):
+            slave.process(frame, Passage(now_ns, None if number == last else now_ns))
         frame[SOURCE] |= LOCAL_BIT
         if self._frames is not None:
             self._frames.add(now_ns, 0, bytes(frame))

@@ -15,13 +15,13 @@ from axisrig.bench.bus.can.dissect import NMT_COMMANDS
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.drive.ethercat.node import EthercatDrive
+from axisrig.bench.machine.ethercat.line_meter import al_words
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE, SDO_ANSWER_BASE, SYNC_ID
-from axisrig.kernel.profiles.ethercat.tables import al_status_text
 from axisrig.kernel.time.clock import S, TimeNs
 
 SDO_ABORT = 0x80
@@ -215,8 +215,7 @@ class EthercatWatcher(NodeWatcher[EthercatDrive]):
     LABEL = "AL"
 
     def _communication(self, node: EthercatDrive) -> str:
-        code = node.al_status_code
-        return node.al_state.name + (f" with {al_status_text(code)}" if code else "")
+        return al_words(node.states.state, node.states.code)
 
 
 def _table(folder: Path | None, name: str, columns: tuple[str, ...], opened: ExitStack) -> Any:
