@@ -27,9 +27,14 @@ larger one of both, or than the jump at the begin leaves:
   to W h: all of 4/27 and of 1 of it.
 
 What the corners of the demand make within a step, alike in each while it gets faster evenly, shows
-at no SYNC either once a velocity loop rounds it. The set positions say how much that may be: a
-corner of d lies d/8 beside a smooth demand, of which the position loop makes kv d/8 of speed and in
-a step kv d/8 h/2 pi of way. A third of both counts at an instant (`state_at`), where it is more.
+at no SYNC either once a loop rounds it. The set positions say how much that may be: a corner of d
+lies d/8 beside a smooth demand, of which the position loop makes kv d/8 of speed and in a step
+kv d/8 h/2 pi of way. Of a drive whose velocity loop has a known bandwidth b more is known, at the
+frequency w = 2 pi/h of the SYNCs: position loop and feed-forward f ask for sqrt(f^2 + (kv/w)^2) of
+the corner, of which b/sqrt(w^2 + b^2) is left; with g as their product that is d/8 g of way and
+w d/8 g of speed. All of this counts where the largest of many steps is looked for: each of them has
+its worst place. At an instant (`state_at`) a third of the larger one of both counts, where it is
+more. Without a velocity loop the acceleration jumps at the SYNC, and the doubts above see it.
 The set position of a row is sent in its cycle and acts from the next SYNC on: no corner yet.
 
 An axis that follows its demand exactly goes straight from SYNC to SYNC, and its speed jumps there.
@@ -37,7 +42,7 @@ Such a step shows: its way is the speed at one of its ends times its length.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -277,11 +282,10 @@ def state_at(observed: Observed, axis: str, time_ns: TimeNs) -> State | None:
     there = _motion(observed, axis, row, row + 1).at(time_ns)
     if there is None or there.doubt_mm_s == 0.0:  # at a SYNC, or straight: no corner is rounded
         return there
-    rounded_mm_s = _rounded_mm_s(observed, axis, row)
-    step_s = float(np.diff(observed.instants(slice(row, row + 2)))[0]) * 1e-9
+    (rounded_mm,), (rounded_mm_s,) = _rounded(observed, axis, row, row + 1, at_instant=True)
     return there._replace(
-        doubt_mm=max(there.doubt_mm, rounded_mm_s * step_s / (2.0 * np.pi)),
-        doubt_mm_s=max(there.doubt_mm_s, rounded_mm_s),
+        doubt_mm=max(there.doubt_mm, float(rounded_mm) / 3.0),
+        doubt_mm_s=max(there.doubt_mm_s, float(rounded_mm_s) / 3.0),
     )
 
 
@@ -347,7 +351,7 @@ def fastest(observed: Observed, axis: str, begin_ns: TimeNs, end_ns: TimeNs) -> 
 def doubts_before(observed: Observed, axis: str, first: int, last: int) -> Signal:
     """Return how well the position is known in the steps that end in some rows, mm, shape (n,)."""
     doubts_mm = np.zeros(last - first)
-    known_mm = _motion(observed, axis, max(first - 1, 0), last - 1).doubts_mm
+    known_mm = _alike(observed, axis, max(first - 1, 0), last - 1).doubts_mm
     doubts_mm[len(doubts_mm) - len(known_mm) :] = known_mm
     return doubts_mm
 
@@ -362,7 +366,7 @@ def _parts(observed: Observed, axis: str, begin_ns: TimeNs, end_ns: TimeNs) -> I
     """Yield the motion between two instants, so many rows at a time."""
     begin, end = observed.index_at(begin_ns), observed.index_at(end_ns) + 1
     for first in range(begin, end, _ROWS):
-        yield _motion(observed, axis, first, min(first + _ROWS, end))
+        yield _alike(observed, axis, first, min(first + _ROWS, end))
 
 
 def _motion(observed: Observed, axis: str, first: int, last: int) -> Motion:
@@ -375,14 +379,52 @@ def _motion(observed: Observed, axis: str, first: int, last: int) -> Motion:
     return Motion(times_ns[own], x[own], v[own], whole.doubts_mm[steps], whole.doubts_mm_s[steps])
 
 
-def _rounded_mm_s(observed: Observed, axis: str, row: int) -> float:
-    """Return a third of what the corners of the demand make of speed in the step after a row.
+def _alike(observed: Observed, axis: str, first: int, last: int) -> Motion:
+    """Return the same with the doubt of what is alike in many steps."""
+    found = _motion(observed, axis, first, last)
+    if _bandwidth_hz(observed, axis) is None:
+        return found
+    rounded_mm, rounded_mm_s = _rounded(observed, axis, first, last)
+    moves = found.doubts_mm_s > 0.0
+    return replace(
+        found,
+        doubts_mm=np.where(moves, np.maximum(found.doubts_mm, rounded_mm), 0.0),
+        doubts_mm_s=np.where(moves, np.maximum(found.doubts_mm_s, rounded_mm_s), 0.0),
+    )
 
-    Of the set positions before the one of that row, which acts from the next SYNC on.
+
+def _rounded(
+    observed: Observed, axis: str, first: int, last: int, *, at_instant: bool = False
+) -> tuple[Signal, Signal]:
+    """Return what the corners of the demand make in the steps that begin in rows first .. last - 1.
+
+    Of way, mm, and of speed, mm/s, shape (n,) both. Of the set positions before the one of each
+    row, which acts from the next SYNC on.
     """
     plant = observed.plant_of(axis)
-    if plant is None or not plant.kv_per_s or not observed.has(axis, "set_mm"):
-        return 0.0
-    begin = max(row - _ON_THE_WAY - observed.facts.timing.buffer_cycles - 2, 0)
-    corners_mm = np.diff(observed.column(axis, "set_mm", slice(begin, row)), 2)
-    return plant.kv_per_s * float(np.max(np.abs(corners_mm), initial=0.0)) / 8.0 / 3.0
+    steps_s = np.diff(observed.instants(slice(first, last + 1))) * 1e-9
+    if plant is None or not plant.kv_per_s or not observed.has(axis, "set_mm") or last <= first:
+        none = np.zeros(len(steps_s))
+        return none, none
+    reach = _ON_THE_WAY + observed.facts.timing.buffer_cycles
+    begin = max(first - reach - 2, 0)
+    corners_mm = np.abs(np.diff(observed.column(axis, "set_mm", slice(begin, last - 1)), 2))
+    missing = last - first + reach - 1 - len(corners_mm)
+    whole_mm = np.concatenate([np.zeros(missing), corners_mm])
+    largest_mm = np.lib.stride_tricks.sliding_window_view(whole_mm, reach).max(axis=1)
+    per_s = 2.0 * np.pi / steps_s
+    of_loop, bandwidth_hz = plant.kv_per_s / per_s, _bandwidth_hz(observed, axis)
+    left = of_loop
+    if bandwidth_hz is not None:
+        asked = np.hypot(PlantValues(plant).number("feed_forward"), of_loop)
+        left = asked / np.hypot(1.0, per_s / (2.0 * np.pi * bandwidth_hz))
+    if at_instant:
+        left = np.maximum(left, of_loop)
+    rounded_mm = largest_mm[: len(steps_s)] / 8.0 * left
+    return rounded_mm, per_s * rounded_mm
+
+
+def _bandwidth_hz(observed: Observed, axis: str) -> float | None:
+    """Return the bandwidth of the velocity loop of an axis, None where none is known."""
+    plant = observed.plant_of(axis)
+    return None if plant is None else PlantValues(plant).get("velocity_bandwidth")

@@ -157,7 +157,8 @@ def _drive_lag(observed: Observed, axis: str) -> Largest | None:
     Its doubt is read from the positions of the encoder around each step: 1/16 of their fourth
     difference and of what rounding makes of that. A jump of the acceleration puts it off by 0.4 of
     that at most, a vibration of up to half a period in a step by 0.9; a screw that swings faster by
-    more (`tests/study`). What its demand does at every SYNC is in the load as well.
+    more (`tests/study`). What its demand does at every SYNC is in the load as well; what its
+    corners make alike in each step, which no SYNC shows, counts as `motion.py` has it.
     """
     found = []
     for part in observed.parts(_rows(observed)):
