@@ -168,3 +168,31 @@ def test_no_axis_exceeds_its_own_limits(axes: list[Dynamics], deltas: list[float
             if speeds[1] > change * (1 + 1e-9):
                 allowed = limits.acceleration.a_high_mm_s2
                 assert abs(segment.a_mm_s2) * share <= allowed * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_path_holds_with_the_weakest_of_feedholds_and_decelerations(place: int) -> None:
+    """In 3-4-5: an axis without a slope of its own for it holds with its deceleration.
+
+    400 / 0.6 and 900 / 0.8, or 800 / 0.6 and 500 / 0.8; an axis that does not move counts nothing.
+    """
+    brakes, holds = (800.0, 900.0), (400.0, 500.0)
+    axes = [
+        Dynamics(
+            *(Slope(2000.0, 2000.0, 1.0), Slope(brake, brake, 1.0), Slope(3000.0, 3000.0, 1.0)),
+            *(100.0, Slope(hold, hold, 1.0) if at == place else None),
+        )
+        for at, (brake, hold) in enumerate(zip(brakes, holds, strict=True))
+    ]
+    weak = Slope(1.0, 1.0, 1.0)
+    axes.append(Dynamics(weak, weak, weak, 1.0, weak))
+    found = path_dynamics(axes, (3.0, -4.0, 0.0))
+    assert found.feedhold is not None
+    expected = (400.0 / 0.6, 500.0 / 0.8)[place]
+    assert found.feedhold.least_mm_s2 == pytest.approx(expected)
+    assert found.deceleration.least_mm_s2 == pytest.approx(900.0 / 0.8)
+    assert found.acceleration.least_mm_s2 == pytest.approx(2000.0 / 0.8)
+    assert found.stop_deceleration.least_mm_s2 == pytest.approx(3000.0 / 0.8)
+    assert found.speed_max_mm_s == pytest.approx(100.0 / 0.8)
+    others = [axes[1 - place], axes[2]]
+    assert path_dynamics(others, (1.0, 0.0)).feedhold is None

@@ -54,6 +54,30 @@ def test_type_2_stops_within_the_stroke_of_its_probe(channel_bench: Make, words:
     assert _top_speed_mm_s(bench) == pytest.approx(sqrt(40.0), rel=1e-4)
 
 
+@pytest.mark.parametrize(("kind", "holds"), [(2, True), (1, False)])
+def test_with_ramps_a_signal_in_the_run_up_leaves_it_within_the_stroke_too(
+    channel_bench: Make, words: Any, kind: int, holds: bool
+) -> None:
+    """1000 mm/s2 with 50 ms of ramps stop from 27.1 mm/s within 1 mm, v sqrt(v t/a).
+
+    At the peak of the acceleration, 0.17 mm from the begin, 13.6 mm/s and 737 mm/s2 would take
+    0.83 mm while it falls and 1 mm more. Type 2 leaves room for that, type 1 has no stroke.
+    """
+    axis = words.axis("Z", start_mm=130.0, kv=1e9, stroke_mm=1.0, measuring_mm_s=100.0)
+    bench = channel_bench(axis, plane_mm=129.83)
+    block = Block(1, 10, "N10")
+    move = canon.IndependentMove(
+        block, "Z", 110.0, feed_mm_min=3000.0, measuring_type=kind, slope="TRAPEZ"
+    )
+    bench.run([move, canon.WaitIndependent(block, ("Z",)), words.end()])
+    at_brake_mm = next(
+        before.set_mm[0]
+        for before, after in pairwise(bench.samples)
+        if after.time_ns == bench.channel.records[0].signal_ns
+    )
+    assert (at_brake_mm - bench.final_mm("Z") <= 1.0 + 1e-6) is holds
+
+
 @pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("kind", "programmed", "alarms"),
