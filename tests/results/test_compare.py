@@ -1,6 +1,7 @@
 """Results folders beside each other: hand-written tables, scipy and reckoned distances."""
 
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -130,7 +131,9 @@ def test_a_metric_that_has_to_fail_is_not_nearer_to_its_limit(tmp_path: Path) ->
         folder(tmp_path / name, "c r pass h 1", checks=(row,))
         for name, row in zip("ab", rows, strict=True)
     ]
-    assert compared(*folders).worse() == ["r: m is nearer to its limit, -1 -> -2 um"]
+    assert compared(*folders).worse() == [
+        "r: m is 2 um beyond its limit, it was 1 um beyond its limit"
+    ]
     for place in folders:
         table = place / "cases.csv"
         head, row = table.read_text(encoding="utf-8").splitlines()
@@ -235,9 +238,11 @@ def test_a_trend_has_mean_and_spread_of_each_campaign(tmp_path: Path) -> None:
         trend(folders, "m", "other")
 
 
-@pytest.mark.parametrize("first", ["9", "-"])
-def test_a_trend_has_the_limits_of_the_last_folder(tmp_path: Path, first: str) -> None:
-    """It was another one, or none, before; a folder without the metric changes nothing."""
+@pytest.mark.parametrize(("first", "common"), [("9", ()), ("-", ()), ("4", (4.0,))])
+def test_a_trend_has_the_limits_that_all_runs_have(
+    tmp_path: Path, first: str, common: tuple[float, ...]
+) -> None:
+    """Each run has the upper one in one case; a folder without the metric changes nothing."""
     folders = [
         read_results(folder(tmp_path / name, "c r0 pass h 1", checks=checks))
         for name, checks in (
@@ -247,9 +252,11 @@ def test_a_trend_has_the_limits_of_the_last_folder(tmp_path: Path, first: str) -
         )
     ]
     (case,) = trend(folders, "m").cases
-    assert case.limits == (0.5, 4.0)
+    assert case.limits == common
     (case,) = trend(folders[1::-1], "m").cases
-    assert case.limits == ((9.0,) if first == "9" else ())
+    assert case.limits == common
+    (case,) = trend(folders[1:], "m").cases
+    assert case.limits == (0.5, 4.0)
 
 
 @pytest.mark.parametrize("verdict", ["inconclusive", "aborted"])
@@ -265,7 +272,10 @@ def test_the_overlay_holds_the_ends_of_the_signals() -> None:
     places = np.arange(5000.0)
     values = np.where(places == 4321.0, 7.0, np.sin(places / 100.0))
     drawn = overlay("a <b>", {"x": (places, values), "y": (places, -values)}, ("0", "1"), [2.0])
-    assert "a &lt;b&gt;: -7 to 7" in drawn
+    assert ">a &lt;b&gt;</text>" in drawn
+    assert [word for word in re.findall(r'text-anchor="end">(-?\d+)<', drawn) if word != "1"] == [
+        *("-5", "0", "5"),
+    ]
     assert drawn.count("<polyline") == 2
     assert drawn.count("<line") == 1
     tops = [
@@ -299,5 +309,34 @@ def test_the_commands_say_what_changed(
     code, out, _ = axisrig("trend", one, other, "--metric", "latch_error_um", "-o", page)
     assert code == 0
     assert out.count("touch-slow  latch_error_um um, limits 1") == 1
-    assert page.read_text(encoding="utf-8").count('<svg class="cmp"') == 2
+    assert page.read_text(encoding="utf-8").count('<svg class="cmp dots"') == 2
     assert axisrig("diff", one, tmp_path / "nothing")[0] == 2
+
+
+def test_a_run_that_got_worse_is_said_once_with_its_reason(tmp_path: Path) -> None:
+    """1.066 against a limit of 1: 0.066 beyond it, and nearer than before."""
+    rows = [f"r,m,{value},,1.0,0.01,{word}" for value, word in ((0.5, "pass"), (1.066, "fail"))]
+    a = folder(tmp_path / "a", "c r pass h 1", checks=(rows[0],))
+    b = folder(tmp_path / "b", "c r fail h 1", checks=(rows[1],))
+    assert compared(a, b).worse() == [
+        "r: pass -> fail: m is 0.066 um beyond its limit, it was 0.5 um inside its limit"
+    ]
+
+
+def test_a_trend_splits_a_case_by_its_swept_values(tmp_path: Path) -> None:
+    """Two values of an input that follow each other apart; the mean of both says nothing."""
+    head = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,plc:V.E.F,plc:V.E.G"
+    places = []
+    for name, shift in (("a", 0.0), ("b", 1.0)):
+        place = tmp_path / name
+        place.mkdir()
+        cases = [head, *(f"p,c,r{n},pass,1,1,1,,,{n}00,7" for n in (1, 2))]
+        checks = ["plan,case,run,check,metric,value,unit,lower,upper,uncertainty,verdict,reference"]
+        checks += [f"p,c,r{n},,m,{n * 10 + shift},um,,{n}9,0,pass,p.csv:2" for n in (1, 2)]
+        (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
+        (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
+        places.append(place)
+    found = trend([read_results(place) for place in places], "m").cases
+    assert [one.case for one in found] == ["p-c at V.E.F 100", "p-c at V.E.F 200"]
+    assert [[point.mean for point in one.points] for one in found] == [[10.0, 11.0], [20.0, 21.0]]
+    assert [one.limits for one in found] == [(19.0,), (29.0,)]

@@ -10,7 +10,7 @@ import pytest
 
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.results.compare.pairs import Comparison, MetricPair, compare, margins_text, welch_p
+from axisrig.results.compare.pairs import Comparison, MetricPair, compare, welch_p
 
 CASES = ("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed", "alarms",
          "frame_log_sha256")  # fmt: skip
@@ -114,11 +114,6 @@ def test_a_shift_counts_by_both_uncertainties(
 )
 def test_a_value_is_nearer_by_more_than_is_known(changes: dict[str, Any], is_nearer: bool) -> None:
     assert pair(**changes).is_nearer is is_nearer
-
-
-def test_margins_are_written_with_their_unit() -> None:
-    assert margins_text(pair(margins=(1.0, 0.123456))) == "1 -> 0.1235 um"
-    assert margins_text(pair(margins=(1.0, -0.5), unit="")) == "1 -> -0.5"
 
 
 @pytest.mark.parametrize(

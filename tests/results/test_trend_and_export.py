@@ -20,6 +20,7 @@ def campaign(name: str, *rows: tuple[str, str, str, str, str], started: str = ""
         SimpleNamespace(
             run=f"p-{case}-{number}",
             case={"plan": "p", "case": case},
+            is_statistic=False,
             checks=[{"metric": metric, "value": value, "unit": "um", "lower": "", "upper": upper,
                      "verdict": verdict}],
         )
@@ -40,7 +41,7 @@ def test_a_trend_follows_each_case_through_the_folders_that_have_it() -> None:
     found = trend([FIRST, LAST], "m")
     assert (found.folders, found.starts) == (("one", "two"), ("monday", "friday"))
     a, b = found.cases
-    assert (a.case, a.limits, b.case, b.limits) == ("p-a", (8.0,), "p-b", (7.0,))
+    assert (a.case, a.limits, b.case, b.limits) == ("p-a", (), "p-b", (7.0,))
     first, last = a.points
     assert (first.place, first.n, first.mean, first.verdict) == (0, 2, 2.0, Verdict.MARGINAL)
     assert first.spread == pytest.approx(2.0**0.5)

@@ -143,21 +143,23 @@ def diff(
     """Compare two results folders; exit code 1 when something got worse."""
     with waiting(f"comparing {before} and {after}"):
         from axisrig.bench.campaign.results.stored import read_results
+        from axisrig.results.compare.changes import changes
         from axisrig.results.compare.pairs import compare
         from axisrig.results.compare.words import diff_lines
 
         folders = [read_results(before), read_results(after)]
         found = compare(*folders)
+        changed = changes(folders[0], folders[1], found.pairs)
     for one in folders:
         for run in one.runs:
             if run.altered:
                 _to_stderr(f"{one.folder}: {run.run}: {run.altered_words}")
-    for line in diff_lines(found):
+    for line in diff_lines(found, changed):
         print(line)
     if page is not None:
         from axisrig.results.compare.page import write_diff
 
-        print(write_diff(page, found, folders))
+        print(write_diff(page, found, folders, changed))
     raise typer.Exit(1 if found.worse() else 0)
 
 

@@ -6,11 +6,12 @@ from html import escape
 import numpy as np
 import numpy.typing as npt
 
+from axisrig.reports.parts.axes import Field, margin, with_room
+
 Array = npt.NDArray[np.float64]
 
 WIDTH, HEIGHT = 560, 150
-_LEFT, _RIGHT, _TOP, _BOTTOM = 6.0, 6.0, 18.0, 16.0
-_ROOM = 0.06
+_RIGHT, _TOP, _BOTTOM, _INSET = 8.0, 18.0, 16.0, 12.0
 _COLUMNS = 400
 
 
@@ -21,11 +22,13 @@ def overlay(
     limits: Sequence[float] = (),
     *,
     has_dots: bool = False,
+    names: Sequence[str] = (),
 ) -> str:
     """Draw lines over each other.
 
     lines: name -> places and values, each shape (n,), places rising; the first is dashed. ends:
-    words at the ends of the horizontal axis. limits: values to draw across. Values that are no
+    words at the ends of the horizontal axis. limits: values to draw across. has_dots: a sign for
+    each value, which says it under the pointer; names: what these are of. Values that are no
     numbers are left out; empty where nothing is left.
     """
     known = {name: _finite(places, values) for name, (places, values) in lines.items()}
@@ -35,43 +38,47 @@ def overlay(
     heights = [*limits, *(float(f(v)) for _, v in known.values() for f in (np.min, np.max))]
     begin = min(float(places[0]) for places, _ in known.values())
     end = max(float(places[-1]) for places, _ in known.values())
-    low, high = min(heights), max(heights)
-    room = _ROOM * (high - low) or max(abs(high) * 1e-3, 1e-6)
-    low, high = low - room, high + room
-
-    def x(place: float) -> float:
-        share = (place - begin) / (end - begin) if end > begin else 0.5
-        return _LEFT + share * (WIDTH - _LEFT - _RIGHT)
-
-    def y(value: float) -> float:
-        return _TOP + (high - value) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
-
+    y_ends = with_room(heights, 1e-6)
+    room = _INSET * (end - begin) / WIDTH if has_dots else 0.0
+    field = Field(
+        margin(y_ends), WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM, (begin - room, end + room), y_ends
+    )
     words = f"{title}: {', '.join(known)}"
-    foot = HEIGHT - 4
     parts = [
-        f'<svg class="cmp" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
+        f'<svg class="cmp{" dots" if has_dots else ""}" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
         f' aria-label="{escape(words, quote=True)}">',
-        f'<rect class="cmp-field" x="{_LEFT:g}" y="{_TOP:g}" width="{WIDTH - _LEFT - _RIGHT:g}"'
-        f' height="{HEIGHT - _TOP - _BOTTOM:g}"/>',
-        f'<text x="{_LEFT:g}" y="12">{escape(title)}: {min(heights):.6g} to {max(heights):.6g}'
-        "</text>",
-        f'<text x="{_LEFT:g}" y="{foot}">{escape(ends[0])}</text>',
-        f'<text x="{WIDTH - _RIGHT:g}" y="{foot}" text-anchor="end">{escape(ends[1])}</text>',
+        *field.up(),
+        field.frame(),
+        f'<text x="2" y="12">{escape(title)}</text>',
+        f'<text x="{field.left:g}" y="{HEIGHT - 4}">{escape(ends[0])}</text>',
+        f'<text x="{field.right:g}" y="{HEIGHT - 4}" text-anchor="end">{escape(ends[1])}</text>',
     ]
     for limit in limits:
+        y = f"{field.y(limit):.1f}"
         parts.append(
-            f'<line class="cmp-limit" x1="{_LEFT:g}" x2="{WIDTH - _RIGHT:g}"'
-            f' y1="{y(limit):.1f}" y2="{y(limit):.1f}"/>'
+            f'<line class="cmp-limit" x1="{field.left:g}" x2="{field.right:g}" y1="{y}" y2="{y}"/>'
         )
     for number, (places, values) in enumerate(known.values()):
         kind = "cmp-before" if number == 0 and len(known) > 1 else "cmp-after"
         shown = _reduced(places, values)
-        points = " ".join(f"{x(p):.1f},{y(v):.1f}" for p, v in shown)
+        points = " ".join(f"{field.x(p):.1f},{field.y(v):.1f}" for p, v in shown)
         parts.append(f'<polyline class="{kind}" points="{points}"/>')
-        if has_dots:
-            parts += [f'<circle class="{kind}" cx="{x(p):.1f}" cy="{y(v):.1f}" r="2.6"/>'
-                      for p, v in shown]  # fmt: skip
+        parts += _dots(kind, shown, names, field) if has_dots else []
     return "".join((*parts, "</svg>"))
+
+
+def _dots(
+    kind: str, shown: Sequence[tuple[float, float]], names: Sequence[str], field: Field
+) -> list[str]:
+    """Draw a sign for each value, with the words that the pointer shows."""
+    found = []
+    for at, (place, value) in enumerate(shown):
+        of = f", {names[at]}" if at < len(names) else ""
+        found.append(
+            f'<g class="dot"><title>{escape(f"{value:.7g}{of}")}</title><circle class="{kind}"'
+            f' cx="{field.x(place):.1f}" cy="{field.y(value):.1f}" r="3"/></g>'
+        )
+    return found
 
 
 def _finite(places: Array, values: Array) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from axisrig.bench.campaign.results.stored import StoredResults
 from axisrig.bench.files import write_whole
 from axisrig.bench.record.series import TIME, Series, units_of, values_of
-from axisrig.reports.parts.shipped import page_style
+from axisrig.reports.parts.shipped import page_style, shipped_text
 from axisrig.reports.signals import signals
 from axisrig.results.compare.drawing import Array, overlay
 from axisrig.results.compare.pairs import ROUNDING, Comparison, RunPair
@@ -22,8 +22,16 @@ RUNS_DRAWN = 20
 SIGNALS_DRAWN = 3
 
 
-def write_diff(path: Path, comparison: Comparison, folders: Sequence[StoredResults]) -> Path:
-    """Write the page of a comparison; folders: before and after. Raises OSError with the name."""
+def write_diff(
+    path: Path,
+    comparison: Comparison,
+    folders: Sequence[StoredResults],
+    changes: Sequence[tuple[str, Sequence[str]]] = (),
+) -> Path:
+    """Write the page of a comparison. Raises OSError with the name.
+
+    folders: before and after. changes: what they were made from that differs.
+    """
     changed = [pair for pair in comparison.pairs if pair.is_changed]
     changed.sort(key=lambda pair: (not pair.is_worse, -max(_ens(pair), default=0.0)))
     drawn = {pair.name: Markup("").join(pictures(pair)) for pair in changed[:RUNS_DRAWN]}
@@ -31,6 +39,7 @@ def write_diff(path: Path, comparison: Comparison, folders: Sequence[StoredResul
         "folders": [str(folder.folder) for folder in folders],
         "made": [_made(folder.manifest) for folder in folders],
         "comparison": comparison,
+        "changes": changes,
         "worse": comparison.worse(),
         "changed": changed,
         "drawn": drawn,
@@ -50,9 +59,13 @@ def write_trend(path: Path, trend: Trend) -> Path:
                 np.array([point.mean for point in case.points]),
             )
         }
+        names = [f"{trend.folders[point.place]}, n {point.n}" for point in case.points]
         title = f"{trend.metric}, {case.unit}" if case.unit else trend.metric
-        pictures_of[case.case] = Markup(overlay(title, lines, ends, case.limits, has_dots=True))
-    return _write(path, "trend.html", {"trend": trend, "drawn": pictures_of})
+        pictures_of[case.case] = Markup(
+            overlay(title, lines, ends, case.limits, has_dots=True, names=names)
+        )
+    script = Markup(shipped_text("points.js"))
+    return _write(path, "trend.html", {"trend": trend, "drawn": pictures_of, "script": script})
 
 
 def pictures(pair: RunPair) -> list[Markup]:

@@ -141,11 +141,7 @@ class Comparison:
 
     def worse(self) -> list[str]:
         """Say what got worse, a line each; empty when nothing did."""
-        lines = [
-            f"{pair.name}: {pair.before.verdict.word} -> {pair.after.verdict.word}"
-            for pair in self.pairs
-            if pair.is_worse
-        ]
+        lines = [_worse_text(pair) for pair in self.pairs if pair.is_worse]
         lines += [f"{run.run}: is missing, was {run.verdict.word}" for run in self.lost]
         lines += [
             f"{run.run}: new, {run.verdict.word}"
@@ -153,18 +149,34 @@ class Comparison:
             if run.verdict > Verdict.MARGINAL
         ]
         for pair in self.pairs:
-            lines += [
-                f"{pair.name}: {metric.metric} is nearer to its limit, {margins_text(metric)}"
-                for metric in pair.metrics
-                if metric.is_nearer
-            ]
+            nearer = [metric for metric in pair.metrics if metric.is_nearer]
+            if nearer and not pair.is_worse:
+                lines.append(f"{pair.name}: {'; '.join(map(_margins_text, nearer))}")
         return lines
 
 
-def margins_text(metric: MetricPair) -> str:
-    """Write the two margins with their unit."""
-    before, after = (f"{margin:.4g}" for margin in metric.margins if margin is not None)
-    return f"{before} -> {after} {metric.unit}".rstrip()
+def _worse_text(pair: RunPair) -> str:
+    """Say from which verdict to which a run fell, and which checks did."""
+    fallen = [m for m in pair.metrics if m.verdicts[1] > m.verdicts[0] and None not in m.margins]
+    reasons = "; ".join(_margins_text(metric) for metric in fallen)
+    words = f"{pair.name}: {pair.before.verdict.word} -> {pair.after.verdict.word}"
+    return f"{words}: {reasons}" if reasons else words
+
+
+def _margins_text(metric: MetricPair) -> str:
+    """Say how far a value is from its limit, and how far it was."""
+    before, after = metric.margins
+    assert before is not None
+    assert after is not None
+    now = f"{metric.metric} is {_margin_text(after, metric.unit)}"
+    return f"{now}, it was {_margin_text(before, metric.unit)}" if metric.shift else now
+
+
+def _margin_text(margin: float, unit: str) -> str:
+    far = f"{abs(margin):.4g} {unit}".rstrip()
+    if not margin:
+        return "on its limit"
+    return f"{far} inside its limit" if margin > 0.0 else f"{far} beyond its limit"
 
 
 def compare(before: StoredResults, after: StoredResults) -> Comparison:

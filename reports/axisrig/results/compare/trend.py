@@ -2,12 +2,13 @@
 
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.kernel.errors import UserError, nearest
+from axisrig.reports.sweeps.section import swept_columns
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,10 @@ class Point:
 
 @dataclass(frozen=True)
 class CaseTrend:
-    """A case over folders, those that have the metric. limits: of the last one."""
+    """A case with its swept inputs, over the folders that have the metric.
+
+    limits: those that all of its runs have, in all folders.
+    """
 
     case: str
     unit: str
@@ -45,11 +49,13 @@ def trend(folders: Sequence[StoredResults], metric: str, case: str | None = None
     """Follow a metric over results folders, in their order.
 
     metric: as the plan writes it, such as `latch_error_um:Z`. case: `<plan>-<case>`, the name of
-    the case alone, or None for all. Raises UserError where no folder has the metric or the case.
+    the case alone, or None for all. Runs of a case whose inputs differ are followed apart, by the
+    values of these. Raises UserError where no folder has the metric or the case.
     """
     found: dict[str, list[Point]] = {}
     units: dict[str, str] = {}
-    limits: dict[str, tuple[float, ...]] = {}
+    limits: dict[str, list[tuple[float | None, float | None]]] = {}
+    swept = _swept(folders)
     known: set[str] = set()
     for place, folder in enumerate(folders):
         by_case: dict[str, list[tuple[float, Verdict]]] = {}
@@ -60,11 +66,11 @@ def trend(folders: Sequence[StoredResults], metric: str, case: str | None = None
             for row in run.checks:
                 value = _number(row["value"])
                 if row["metric"] == metric and value is not None:
-                    name = _names(run)[0]
+                    name = _with_values(run, swept)
                     by_case.setdefault(name, []).append((value, Verdict.of(row["verdict"])))
                     units[name] = row["unit"]
-                    ends = (_number(row[end]) for end in ("lower", "upper"))
-                    limits[name] = tuple(end for end in ends if end is not None)
+                    ends = (_number(row["lower"]), _number(row["upper"]))
+                    limits.setdefault(name, []).append(ends)
         for name, values in by_case.items():
             numbers = [value for value, _ in values]
             spread = statistics.stdev(numbers) if len(numbers) > 1 else math.nan
@@ -81,8 +87,43 @@ def trend(folders: Sequence[StoredResults], metric: str, case: str | None = None
         metric,
         tuple(str(folder.folder) for folder in folders),
         tuple(str(folder.manifest.get("started", "")) for folder in folders),
-        tuple(CaseTrend(n, units[n], limits[n], tuple(points)) for n, points in found.items()),
+        tuple(
+            CaseTrend(name, units[name], _common(limits[name]), tuple(points))
+            for name, points in found.items()
+        ),
     )
+
+
+def _common(limits: Sequence[tuple[float | None, float | None]]) -> tuple[float, ...]:
+    """Return the limits that are the same in all runs."""
+    sides = [{pair[side] for pair in limits} for side in (0, 1)]
+    ends = [known.pop() if len(known) == 1 else None for known in sides]
+    return tuple(end for end in ends if end is not None)
+
+
+def _swept(folders: Sequence[StoredResults]) -> dict[str, dict[str, None]]:
+    """Return the inputs of each case that differ between its runs, in any folder."""
+    found: dict[str, dict[str, None]] = {}
+    for folder in folders:
+        cases: dict[str, list[StoredRun]] = {}
+        for run in folder.planned:
+            if not run.is_statistic:
+                cases.setdefault(_names(run)[0], []).append(run)
+        for name, runs in cases.items():
+            found.setdefault(name, {}).update(dict.fromkeys(swept_columns(runs)))
+    return found
+
+
+def _with_values(run: StoredRun, swept: Mapping[str, Mapping[str, None]]) -> str:
+    """Return the case of a run with the values of the inputs that its runs differ in."""
+    name = _names(run)[0]
+    if run.is_statistic:
+        return name
+    values = [
+        f"{column.partition(':')[2]} {run.case.get(column) or 'empty'}"
+        for column in swept.get(name, ())
+    ]
+    return f"{name} at {', '.join(values)}" if values else name
 
 
 def _names(run: StoredRun) -> list[str]:

@@ -1,7 +1,7 @@
 """Comparison and trend in lines for the terminal."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from axisrig.results.compare.pairs import Comparison, Frames
 from axisrig.results.compare.trend import Trend
@@ -10,8 +10,16 @@ _SHOWN_MAX = 40
 _LEVEL = 0.05
 
 
-def diff_lines(comparison: Comparison) -> Iterator[str]:
-    """Say what changed, the worse first; the last line counts."""
+def diff_lines(
+    comparison: Comparison, changed: Sequence[tuple[str, Sequence[str]]] = ()
+) -> Iterator[str]:
+    """Say what changed, then what came of it, the worse first; the last line counts.
+
+    changed: what the campaigns were made from that differs (`changes`).
+    """
+    for what, keys in changed:
+        yield f"changed: {what}"
+        yield from (f"  {key}" for key in keys)
     worse = comparison.worse()
     yield from (f"worse: {line}" for line in worse[:_SHOWN_MAX])
     if len(worse) > _SHOWN_MAX:

@@ -35,7 +35,9 @@ NEW, COMMIT = ".new", ".commit"
 MADE = ("junit.xml", "report.html", "report.pdf")
 TABLES = ("results.csv", "cases.csv")
 MANIFEST = "manifest.json"
-FILES = (*TABLES, *MADE, MANIFEST)
+INPUTS = "inputs.json"
+"""File with the texts of rigs, lists and programs, by their names in the manifest."""
+FILES = (*TABLES, *MADE, MANIFEST, INPUTS)
 BESIDE = tuple(beside(Path(name)).name for name in FILES)
 """What a process that was killed while it wrote one of these leaves."""
 _OWN = frozenset({LOCK, *FOLDERS, PLANS, JUDGED, BUDGETS, EXPORT, NEW, *FILES, *BESIDE})

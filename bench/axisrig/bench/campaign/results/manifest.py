@@ -4,6 +4,7 @@ import os
 import platform
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from axisrig.bench.rig.reading.sources import rig_files
 
 SPENT = "spent_s"
 """Entry of a manifest: how long the call took, s; `jobs` beside it: with how many processes."""
+TEXT_MAX = 200_000
+"""Files of so many bytes at most are kept with the results: `axisrig diff` reads them."""
+_BINARY = frozenset({".fmu", ".xlsx", ".ods", ".parquet"})
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
 
@@ -63,6 +67,21 @@ def other_files(case: Case) -> list[Path]:
 
 def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
     """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
+    return {name: sha256_of(path) for name, path in _files(cases)}
+
+
+def file_texts(cases: Sequence[Case]) -> dict[str, str]:
+    """Return the content of these files by the same names: what is text and not long."""
+    found = {}
+    for name, path in _files(cases):
+        if path.suffix not in _BINARY and path.stat().st_size <= TEXT_MAX:
+            with suppress(UnicodeDecodeError):
+                found[name] = path.read_text(encoding="utf-8-sig")
+    return found
+
+
+def _files(cases: Sequence[Case]) -> list[tuple[str, Path]]:
+    """Return the files of cases with their names, as the plans have them."""
     files = {
         (path_from(case.folder, path), path)
         for case in cases
@@ -72,7 +91,7 @@ def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
     files |= {(_from_folder(path, folder), path) for folder, path in included}
     for folder, rig in {(case.folder, case.rig) for case in cases}:
         files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
-    return {name: sha256_of(path) for name, path in sorted(files)}
+    return sorted(files)
 
 
 def _from_folder(path: Path, folder: Path) -> str:

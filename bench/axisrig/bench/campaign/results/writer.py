@@ -6,6 +6,7 @@
     traces/<run>.parquet   time series (`bench.record.series`), written by the run itself
     runs/<run>.json        all else that a run leaves (`bench.record.facts`)
     bus/<run>.blf          every frame; or .log, .asc, .pcap
+    inputs.json            texts of rigs, lists and programs
     junit.xml, manifest.json, report.html
 
 Rows are appended as runs end, in whatever order that is, and put into plan order by `close`. A run
@@ -26,9 +27,9 @@ from axisrig.bench.campaign.results.check_row import check_row
 from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
-from axisrig.bench.campaign.results.layout import MANIFEST, PLANS, refuse_links
+from axisrig.bench.campaign.results.layout import INPUTS, MANIFEST, PLANS, refuse_links
 from axisrig.bench.campaign.results.lock import FolderLock
-from axisrig.bench.campaign.results.manifest import SPENT
+from axisrig.bench.campaign.results.manifest import SPENT, file_texts
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     IN_PLAN,
@@ -230,6 +231,7 @@ class ResultsWriter:
                 self._write_manifest()  # a folder without one is somebody else's
             self._rows.open()
             (folder / PLANS).mkdir(exist_ok=True)
+            write_whole(folder / INPUTS, json_text(file_texts(_cases(plans))))
             for plan in plans:
                 write_whole(folder / PLANS / f"{plan.name}.csv", expanded_text(plan))
             if self._rows.cases or not self._manifest_text:

@@ -1,0 +1,124 @@
+"""What two campaigns were made from that differs, in words."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign.results.layout import INPUTS
+from axisrig.bench.campaign.results.stored import read_results
+from axisrig.results.compare.changes import KEYS_MAX, changes
+from axisrig.results.compare.pairs import compare
+from axisrig.results.compare.words import diff_lines
+
+HEAD = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,plc:V.E.F"
+CHECKS = "plan,case,run,check,metric,value,unit,lower,upper,uncertainty,verdict,reference"
+RIG = """title = "x"
+[drive.servo]
+input_delay_us = {delay}
+sides = [1, 2]
+"""
+LIST = "# a list\nkenngr.achs_nr 1\nkenngr.measure.signal {signal} # why\nEnde\n"
+
+
+def folder(
+    place: Path,
+    texts: dict[str, str],
+    rows: Sequence[tuple[str, str]] = (("300", "<= 1"),),
+    **more: Any,
+) -> Path:
+    """rows: input and condition of each run. The hash of a file follows from its text."""
+    place.mkdir()
+    cases = [HEAD, *(f"p,c,r{n},pass,1,1,1,,h,{value}" for n, (value, _) in enumerate(rows))]
+    checks = [CHECKS]
+    checks += [f"p,c,r{n},{asked},m,1,um,,1,0,pass,p.csv:2" for n, (_, asked) in enumerate(rows)]
+    (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
+    (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
+    hashes = {name: f"{sum(text.encode()):064x}" for name, text in texts.items()}
+    manifest = {"axisrig": "0.1.0", "python": "3.11", "files": hashes, "finished": True, **more}
+    (place / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    (place / INPUTS).write_text(json.dumps(texts), encoding="utf-8")
+    return place
+
+
+def found(one: Path, other: Path) -> list[str]:
+    folders = [read_results(place) for place in (one, other)]
+    comparison = compare(*folders)
+    lines = diff_lines(comparison, changes(folders[0], folders[1], comparison.pairs))
+    return [line for line in lines if line.startswith(("changed", "  "))]
+
+
+def test_keys_of_rig_and_list_are_named_with_both_values(tmp_path: Path) -> None:
+    """A rig, a list, and a program that differ; a comment and an equal key do not count."""
+    before = {"r.toml": RIG.format(delay=4), "z.lst": LIST.format(signal="PLC"), "p.nc": "N10 X1"}
+    after = {"r.toml": RIG.format(delay=20), "z.lst": LIST.format(signal="1"), "p.nc": "N10 X2"}
+    lines = found(folder(tmp_path / "a", before), folder(tmp_path / "b", after))
+    heads = [line.split(" ")[1] for line in lines if line.startswith("changed")]
+    assert heads == ["p.nc", "r.toml", "z.lst"]
+    assert "  drive.servo.input_delay_us 4 -> 20" in lines
+    assert "  kenngr.measure.signal PLC -> 1" in lines
+    assert len(lines) == 6  # three files, the block N10, two keys
+    assert any(" -> " in line and "0000" in line for line in lines)
+
+
+def test_a_key_that_only_one_file_has_is_said_to_be_missing(tmp_path: Path) -> None:
+    one = folder(tmp_path / "a", {"r.toml": "a = 1\n"})
+    other = folder(tmp_path / "b", {"r.toml": "b = 2\n", "new.toml": ""})
+    lines = found(one, other)
+    assert lines[0] == "changed: new.toml is new"
+    assert lines[2:] == ["  a 1 -> (missing)", "  b (missing) -> 2"]
+
+
+def test_versions_are_named(tmp_path: Path) -> None:
+    one = folder(tmp_path / "a", {}, packages={"fmpy": "0.3.22", "numpy": "2"}, compiled=False)
+    other = folder(
+        tmp_path / "b",
+        {},
+        packages={"fmpy": "0.3.23", "numpy": "2"},
+        compiled=True,
+        axisrig="0.2.0",
+    )
+    assert found(one, other) == [
+        "changed: axisrig 0.1.0 -> 0.2.0",
+        "changed: compiled False -> True",
+        "changed: fmpy 0.3.22 -> 0.3.23",
+    ]
+
+
+def test_cells_of_the_plan_are_counted(tmp_path: Path) -> None:
+    one = folder(tmp_path / "a", {}, [("300", "<= 1"), ("600", "<= 1"), ("900", "<= 1")])
+    other = folder(tmp_path / "b", {}, [("300", "<= 0.5"), ("600", "<= 0.5"), ("901", "<= 1")])
+    assert found(one, other) == [
+        "changed: the plan",
+        "  check:m <= 1 -> <= 0.5 in 2 runs",
+        "  plc:V.E.F 900 -> 901",
+    ]
+
+
+def test_nothing_changed_says_nothing_and_long_lists_are_cut(tmp_path: Path) -> None:
+    same = folder(tmp_path / "a", {"r.toml": RIG}), folder(tmp_path / "b", {"r.toml": RIG})
+    assert found(*same) == []
+    many = ["".join(f"k{n} = {n + add}\n" for n in range(30)) for add in (0, 1)]
+    lines = found(
+        folder(tmp_path / "c", {"r.toml": many[0]}), folder(tmp_path / "d", {"r.toml": many[1]})
+    )
+    assert len(lines) == 1 + KEYS_MAX + 1
+    assert lines[-1] == "  10 more"
+
+
+@pytest.mark.parametrize("text", ["no json", "[1]", '{"a": 1}', None])
+def test_a_folder_that_kept_no_texts_names_the_files_alone(
+    tmp_path: Path, text: str | None
+) -> None:
+    one, other = (
+        folder(tmp_path / "a", {"r.toml": "a = 1\n"}),
+        folder(tmp_path / "b", {"r.toml": "a = 2\n"}),
+    )
+    if text is None:
+        (one / INPUTS).unlink()
+    else:
+        (one / INPUTS).write_text(text, encoding="utf-8")
+    (line,) = found(one, other)
+    assert line.startswith("changed: r.toml 0000")
