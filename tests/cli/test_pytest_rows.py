@@ -221,9 +221,9 @@ def _content(folder: Path) -> dict[str, bytes]:
         for path in folder.rglob("*")
         if path.is_file() and path.name not in ("manifest.json", "report.html", ".lock")
     }
-    found["junit.xml"] = re.sub(rb' time="[^"]*"', b"", found["junit.xml"])
+    found["junit.xml"] = re.sub(rb' time(stamp)?="[^"]*"', b"", found["junit.xml"])
     with (folder / "cases.csv").open(encoding="utf-8", newline="") as file:
-        rows = [{**row, "wall_s": ""} for row in csv.DictReader(file)]
+        rows = [{**row, "wall_s": "", "timestamp": ""} for row in csv.DictReader(file)]
     return {**found, "cases.csv": repr(rows).encode()}
 
 

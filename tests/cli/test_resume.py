@@ -36,9 +36,9 @@ def _content(folder: Path) -> dict[str, bytes]:
         name = path.relative_to(folder).as_posix()
         if path.is_file() and name not in ("manifest.json", "report.html", ".lock"):
             found[name] = path.read_bytes()
-    table = pd.read_csv(folder / "cases.csv", dtype=str).drop(columns="wall_s")
+    table = pd.read_csv(folder / "cases.csv", dtype=str).drop(columns=["wall_s", "timestamp"])
     found["cases.csv"] = table.to_csv().encode()
-    found["junit.xml"] = re.sub(rb' time="[^"]*"', b"", found["junit.xml"])
+    found["junit.xml"] = re.sub(rb' time(stamp)?="[^"]*"', b"", found["junit.xml"])
     return found
 
 

@@ -33,7 +33,7 @@ def _bytes(folder: Path) -> dict[str, bytes]:
         for name in ("bus", "runs", "traces", "plans")
         for path in (folder / name).iterdir()
     }
-    found["cases.csv"] = _cases(folder).drop(columns="wall_s").to_csv().encode()
+    found["cases.csv"] = _cases(folder).drop(columns=["wall_s", "timestamp"]).to_csv().encode()
     return {**found, "results.csv": (folder / "results.csv").read_bytes()}
 
 

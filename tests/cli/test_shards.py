@@ -34,9 +34,9 @@ def _content(folder: Path) -> dict[str, bytes]:
         for path in folder.rglob("*")
         if path.is_file() and path.name not in ("manifest.json", "report.html", ".lock")
     }
-    table = pd.read_csv(folder / "cases.csv", dtype=str).drop(columns="wall_s")
+    table = pd.read_csv(folder / "cases.csv", dtype=str).drop(columns=["wall_s", "timestamp"])
     found["cases.csv"] = table.to_csv().encode()
-    found["junit.xml"] = re.sub(rb' time="[^"]*"', b"", found["junit.xml"])
+    found["junit.xml"] = re.sub(rb' time(stamp)?="[^"]*"', b"", found["junit.xml"])
     return found
 
 

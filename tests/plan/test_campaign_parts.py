@@ -1,6 +1,7 @@
 """Parts of a campaign by themselves: shares, words of a command, statistics, sums, warnings."""
 
 import hashlib
+import json
 import os
 from pathlib import Path
 from types import SimpleNamespace
@@ -317,3 +318,23 @@ def test_each_verdict_is_what_a_server_knows(tmp_path: Path) -> None:
         .read_text(encoding="utf-8")
         .endswith('<testsuites name="axisrig" />')
     )
+
+
+def test_a_run_has_its_place_in_the_plan_and_its_time(tmp_path: Path) -> None:
+    """The plan as it was called; an included table by its own name; the suite began first."""
+    manifest = {"plans": [{"name": "p", "path": "plans/p.csv", "sha256": "0" * 64}]}
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    runs = [stored(f"p-{n}", Verdict.PASS) for n in range(3)]
+    places = ("p.csv:4", "other.csv:2", "")
+    for run, place, second in zip(runs, places, (7, 5, 9), strict=True):
+        run.checks[0]["reference"] = place
+        run.case["timestamp"] = f"2026-11-29T02:00:0{second}+00:00"
+    (suite,) = ElementTree.parse(write_junit(tmp_path, runs)).getroot()
+    assert suite.get("timestamp") == "2026-11-29T02:00:05"
+    found = [[one.get(name) for name in ("file", "line", "timestamp")]
+             for one in suite.findall("testcase")]  # fmt: skip
+    assert found == [
+        ["plans/p.csv", "4", "2026-11-29T02:00:07"],
+        ["other.csv", "2", "2026-11-29T02:00:05"],
+        ["plans/p.csv", None, "2026-11-29T02:00:09"],
+    ]

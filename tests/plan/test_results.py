@@ -45,7 +45,7 @@ def test_the_columns_are_those_other_tools_build_on(plan: Plan, tmp_path: Path) 
     head = (out / "cases.csv").read_text(encoding="utf-8").splitlines()[0]
     assert head == (
         "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,drive_substituted,"
-        "unproved_latches,depends_sha256,trace_sha256,recording_sha256,bus_log_sha256,program,rig,title,requirement,set:Z.edge"
+        "unproved_latches,timestamp,depends_sha256,trace_sha256,recording_sha256,bus_log_sha256,program,rig,title,requirement,set:Z.edge"
     )
     first = rows(out / "results.csv")[0]
     assert first == {
@@ -62,7 +62,7 @@ def test_any_order_of_ending_gives_the_same_bytes(plan: Plan, tmp_path: Path) ->
     one = write(tmp_path / "one", plan, [0, 1, 2])
     two = write(tmp_path / "two", plan, [2, 0, 1])
     names = sorted(p.relative_to(one) for p in one.rglob("*") if p.is_file())
-    assert len(names) == 5 + 3 * 2
+    assert len(names) == 6 + 3 * 2
     for name in names:
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 

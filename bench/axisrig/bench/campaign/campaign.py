@@ -164,7 +164,7 @@ def run_campaign(  # noqa: PLR0913
             progress = _progress(len(cases), len(runs), stopwatch, manner)
             how = (jobs, Limits(timeout_s, apart, call_limit_s), stopwatch, hardware, progress)
             running = _running(order, watch.files_of(writer.files_of), select.scheduler, *how)
-            running = _with_statistics(_dated(running, hashes), statistics, hashes)
+            running = _with_statistics(_dated(running, hashes, manner.ago), statistics, hashes)
             end = partial(_note_time, writer, stopwatch, began_s, jobs)
             failure = _write(running, writer, results, progress, watch, manner, end)
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
@@ -267,15 +267,20 @@ def _one_at_a_time(jobs: int | None, scheduler: str | None) -> int:
     return 1
 
 
-def _dated(running: Iterator[CaseResult], hashes: Mapping[str, str]) -> Iterator[CaseResult]:
-    """Give results the hash of what they depend on; one of two states of its files is an error."""
+def _dated(
+    running: Iterator[CaseResult], hashes: Mapping[str, str], at: Callable[[float], str]
+) -> Iterator[CaseResult]:
+    """Give results the hash of what they depend on; one of two states of its files is an error.
+
+    at: gives the time of day so many seconds ago.
+    """
     with closing(running):  # type: ignore[type-var]
         for result in running:
             now = depends_sha256(result.case)
             given = result
             if now != hashes[result.case.run]:
                 given = no_values(result.case, Verdict.ERROR, CHANGED, wall_s=result.wall_s)
-            given.depends_sha256 = now
+            given.depends_sha256, given.timestamp = now, at(result.wall_s)
             yield given
 
 

@@ -25,15 +25,22 @@ def _unsaid(_text: str) -> None:
     """Take what is being done where nobody looks on."""
 
 
+def _untimed(_seconds: float) -> str:
+    """Return no time of day: nothing below the command line reads a clock."""
+    return ""
+
+
 @dataclass(frozen=True)
 class Manner:
     """How a campaign goes on and what it shows.
 
     talk: which runs are shown. ends_at_first: end at the first run that does not pass. say: takes
     what is being done. info: texts `key=value` of what is tested (`--info`).
+    ago: gives the time of day so many seconds ago, ISO 8601; empty without a clock.
     """
 
     talk: Talk = Talk.SHORT
     ends_at_first: bool = False
     say: Callable[[str], None] = _unsaid
     info: Sequence[str] = ()
+    ago: Callable[[float], str] = _untimed

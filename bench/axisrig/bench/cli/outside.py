@@ -3,6 +3,7 @@
 import sys
 import time
 from contextlib import AbstractContextManager
+from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -20,3 +21,8 @@ def hardware() -> AbstractContextManager["Hardware"]:
 def to_stderr(text: str) -> None:
     """Put a line out for who reads the terminal."""
     print(text, file=sys.stderr, flush=True)
+
+
+def time_of_day(ago_s: float) -> str:
+    """Return the time of day so many seconds ago, in UTC and whole seconds."""
+    return (datetime.now(UTC) - timedelta(seconds=ago_s)).isoformat(timespec="seconds")

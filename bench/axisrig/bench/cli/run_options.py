@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from axisrig.bench.cli.beside.waiting import Line
 from axisrig.bench.cli.options import on_engine
-from axisrig.bench.cli.outside import hardware, to_stderr
+from axisrig.bench.cli.outside import hardware, time_of_day, to_stderr
 
 if TYPE_CHECKING:
     from axisrig.bench.campaign.campaign import Choice
@@ -24,7 +24,7 @@ def manner_of(talk: "Talk", ends_at_first: bool, line: Line, info: list[str] | N
     """Return how a campaign goes on, and what is noted of it."""
     from axisrig.bench.campaign.talk import Manner
 
-    return Manner(talk, ends_at_first, line.say, info or ())
+    return Manner(talk, ends_at_first, line.say, info or (), time_of_day)
 
 
 def outside_of(may_move: bool, *said: Any) -> "Outside":

@@ -3,14 +3,21 @@
 The schema is xunit1, for its test cases may carry properties: value, lower, upper, unit and
 verdict of each check, the seed, the requirement, what was tested (`[info]`, `--info`) and the
 simulated time `sim_s`. `time` is wall
-time: it alone differs between two equal campaigns.
+time, `timestamp` when a run began: they alone differ between two equal campaigns. `file` and
+`line` are the row of the plan.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from axisrig.bench.campaign.results.stored import StoredRun, read_results
+from axisrig.bench.campaign.results.stored import (
+    TIMESTAMP,
+    StoredRun,
+    read_manifest,
+    read_results,
+)
 from axisrig.bench.files import write_parts
 from axisrig.bench.plan.info import info_of
 from axisrig.bench.plan.sentences import check_sentence
@@ -28,6 +35,10 @@ _NOT_IN_VALUE = re.compile(f'[&<>"\r\n\t]|{_ILLEGAL.pattern}')
 _REPLACED = "\N{REPLACEMENT CHARACTER}"
 
 
+Place = Callable[[StoredRun], Mapping[str, str]]
+"""Gives file and line of the row of a plan that a run comes from, as attributes."""
+
+
 def write_junit(folder: Path, runs: Sequence[StoredRun] | None = None) -> Path:
     """Write `junit.xml` of a results folder and return its path.
 
@@ -35,11 +46,29 @@ def write_junit(folder: Path, runs: Sequence[StoredRun] | None = None) -> Path:
     """
     stored = read_results(folder).runs if runs is None else runs
     path = folder / "junit.xml"
-    write_parts(path, _lines(stored))
+    write_parts(path, _lines(stored, _places(read_manifest(folder))))
     return path
 
 
-def _lines(stored: Sequence[StoredRun]) -> Iterator[str]:
+def _places(manifest: Mapping[str, Any]) -> Place:
+    """Return what gives the place of a run: the plan as the command line named it.
+
+    A row of an included table has the name of that table.
+    """
+    paths = {plan["name"]: plan["path"].replace("\\", "/") for plan in manifest.get("plans", [])}
+
+    def place(run: StoredRun) -> Mapping[str, str]:
+        path = paths.get(run.case["plan"], "")
+        for check in run.checks:
+            name, _, line = check.get("reference", "").rpartition(":")
+            if name and line.isdecimal():
+                return {"file": path if path.endswith(name) else name, "line": line}
+        return {"file": path} if path else {}
+
+    return place
+
+
+def _lines(stored: Sequence[StoredRun], place: Place) -> Iterator[str]:
     """Yield the file, an element for each line; the last one ends without an end of line."""
     yield "<?xml version='1.0' encoding='utf-8'?>\n"
     plans = dict.fromkeys(run.case["plan"] for run in stored)
@@ -48,11 +77,12 @@ def _lines(stored: Sequence[StoredRun]) -> Iterator[str]:
         return
     yield f"<testsuites{_attributes(name='axisrig')}>\n"
     for plan in plans:
-        yield from _suite(plan, [r for r in stored if r.case["plan"] == plan and not r.is_probe])
+        own = [run for run in stored if run.case["plan"] == plan and not run.is_probe]
+        yield from _suite(plan, own, place)
     yield "</testsuites>"
 
 
-def _suite(plan: str, runs: Sequence[StoredRun]) -> Iterator[str]:
+def _suite(plan: str, runs: Sequence[StoredRun], place: Place) -> Iterator[str]:
     planned = [run for run in runs if run.is_in_plan]
     failed = sum(run.verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE) for run in planned)
     attributes = _attributes(
@@ -62,21 +92,29 @@ def _suite(plan: str, runs: Sequence[StoredRun]) -> Iterator[str]:
         errors=str(sum(run.verdict >= Verdict.ABORTED for run in planned)),
         skipped=str(len(runs) - len(planned)),
         time=f"{sum(float(run.case['wall_s']) for run in runs):.3f}",
+        **_timestamp(min((at for run in runs if (at := run.case.get(TIMESTAMP))), default="")),
     )
     if not runs:
         yield f" <testsuite{attributes} />\n"
         return
     yield f" <testsuite{attributes}>\n"
     for run in runs:
-        yield from _case(run)
+        yield from _case(run, place(run))
     yield " </testsuite>\n"
 
 
-def _case(run: StoredRun) -> Iterator[str]:
+def _timestamp(text: str) -> dict[str, str]:
+    """Return the attribute: the schema has no time zone, so it is that of UTC."""
+    return {"timestamp": text.partition("+")[0]} if text else {}
+
+
+def _case(run: StoredRun, place: Mapping[str, str]) -> Iterator[str]:
     attributes = _attributes(
         classname=run.case["plan"],
         name=run.run.removeprefix(f"{run.case['plan']}-"),
         time=f"{float(run.case['wall_s']):.3f}",
+        **_timestamp(run.case.get(TIMESTAMP, "")),
+        **place,
     )
     yield f"  <testcase{attributes}>\n   <properties>\n"
     for name in ("verdict", "seed", "requirement", "program", "rig", "sim_s", "frame_log_sha256"):

@@ -40,7 +40,10 @@ CASE_COLUMNS = (
 )
 DEPENDS = "depends_sha256"
 """Hash of everything that the results of a run follow from (`bench.campaign.resuming`)."""
-LATER_COLUMNS = ("drive_substituted", "unproved_latches", DEPENDS, *SUMS)
+TIMESTAMP = "timestamp"
+"""When a run began, ISO 8601, empty without a clock: it differs between two equal campaigns, as
+`wall_s` does."""
+LATER_COLUMNS = ("drive_substituted", "unproved_latches", TIMESTAMP, DEPENDS, *SUMS)
 """Columns of `cases.csv` after these that older results do not have."""
 IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""

@@ -70,6 +70,7 @@ class CaseResult:
     recording: of a run that was judged again, the run that was recorded; empty without one. sums:
     of its files, as the row of that run has them.
     depends_sha256: hash of everything that the run depends on, empty where nobody asks for it.
+    timestamp: when it began, ISO 8601, empty where nobody has looked at a clock.
     loop_s: what the stopwatch gave the simulation itself, without its start and its end.
     samples: its values for the statistics of its case, by their checks.
     probes: of a row that searches, the results of its probes in their order.
@@ -87,6 +88,7 @@ class CaseResult:
     sums: Mapping[str, str] = field(default_factory=dict)
     loop_s: float = 0.0
     depends_sha256: str = ""
+    timestamp: str = ""
     samples: Mapping[str, tuple[Reading, ...]] = field(default_factory=dict)
     probes: tuple["CaseResult", ...] = ()
 
@@ -279,6 +281,7 @@ class ResultsWriter:
             raise ValueError(f"run {case.run!r} is unknown or was written before")
         for probe in result.probes:
             probe.depends_sha256 = result.depends_sha256
+            probe.timestamp = result.timestamp
             self._put(probe)
         self._put(result)
         if case.search is not None:
@@ -411,7 +414,7 @@ class ResultsWriter:
         ]
         carried = {column: inputs.get(column, "") for column in self._carried}
         unproved = " ".join(result.unproved_latches)
-        later = [result.drive_substituted, unproved, result.depends_sha256]
+        later = [result.drive_substituted, unproved, result.timestamp, result.depends_sha256]
         later += [result.sums.get(column, "") for column in SUMS]
         known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
         expected = {"expected": f"fail:{' '.join(case.expected)}"} if case.expected else {}
