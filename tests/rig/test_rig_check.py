@@ -275,3 +275,25 @@ def test_drive_defined_needs_60d0(rig_file: Write, settings_of: Read) -> None:
     assert error.allowed == "CNC_DEFINED"
     check_rig(settings_of(path, f"{asked}=CNC_DEFINED"))
     check_rig(settings_of(path, f"{asked}=DEFAULT"))
+
+
+def test_all_mistakes_of_a_rig_are_reported_at_once(rig_file: Write, settings_of: Read) -> None:
+    """Four of them, none of which follows from another: cycle, plant, name and number of the node.
+
+    The arithmetic of the bus is not asked of a rig whose wiring is wrong.
+    """
+    more = '[axis.G]\nlist = "lists/axis-z.lst"\nsegment = "can1"\nnode = 3\ndrive = "servo"\n'
+    path = rig_file(
+        ("cycle_offset_us = 600", "cycle_offset_us = 1600"),
+        ("[plant.z]", f'{more}plant = "z"\n\n[plant.z]'),
+    )
+    with pytest.raises(UserError) as caught:
+        check_rig(settings_of(path))
+    found = [str(error) for error in (caught.value, *caught.value.further)]
+    for words in (
+        "the NC cycle must start within the period",
+        "two axes cannot drive one plant",
+        "an axis needs a name of its own",
+        "axes Z and G have the same node id on segment can1",
+    ):
+        assert sum(words in text for text in found) == 1, (words, found)

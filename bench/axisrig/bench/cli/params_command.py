@@ -1,5 +1,6 @@
 """The command `axisrig params`; imports as in `axisrig.bench.cli.main`."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,7 +17,8 @@ def params(
         typer.Argument(
             help="A number, a path or an older name: it is explained. A list: what it sets. Other"
             " words: the parameters they fit. `diff A B`: what two lists or rigs differ in."
-            " `write RIG`: its axis lists as one.",
+            " `write RIG`: its axis lists as one. `known LIST`: it, what is unknown here as"
+            " comments.",
             show_default=False,
         ),
     ] = None,
@@ -44,7 +46,9 @@ def params(
         text, is_different = difference_text(Path(said[1]), Path(said[2]))
         print(text)
         raise typer.Exit(1 if is_different else 0)
-    if said[:1] == ["write"]:
+    if said[:1] == ["known"]:
+        _write_known(said[1:])
+    elif said[:1] == ["write"]:
         if len(said) != 2 or rig:
             raise UserError("`params write` takes one rig, and --axis and --set")
         print(written_lists(Path(said[1]), axis, sets))
@@ -56,3 +60,14 @@ def params(
         raise UserError("--axis and --set belong to --rig")
     else:
         print(parameters_text(said, form))
+
+
+def _write_known(words: list[str]) -> None:
+    """Print a list whose lines that are refused are comments, and their number beside it."""
+    from axisrig.bench.tools.params.known import known_text
+
+    if len(words) != 1:
+        raise UserError("`params known` takes one list")
+    text, count = known_text(Path(words[0]))
+    print(text, end="")
+    print(f"{count} lines are comments now: they act on nothing here", file=sys.stderr)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from axisrig.bench.cli.beside.waiting import waiting
-from axisrig.bench.cli.options import rejecting
+from axisrig.bench.cli.options import JOBS_AUTO, JobsOption, rejecting
 from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def scenarios(
         int | None, typer.Option("--first", min=0, help="Number of the first one; 0 without it.")
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the campaign.")] = 1,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Processes.")] = 1,
+    jobs: JobsOption = JOBS_AUTO,
     *,
     duration: Annotated[
         str | None,
@@ -57,6 +57,7 @@ def scenarios(
             "--log and --first exclude each other", hint="the log says which is the next one"
         )
     with waiting(f"running scenarios of machine {machine}") as line:
+        from axisrig.bench.campaign.processes import usable_cores
         from axisrig.bench.tools.scenarios.campaign import Tally, defect_lines
         from axisrig.bench.tools.scenarios.log import ScenarioLog
         from axisrig.bench.tools.scenarios.machines import machines_named
@@ -70,7 +71,7 @@ def scenarios(
                 for entry in kept.of(row.name):
                     tallies[row.name].add(*entry)
         begins = {row.name: first or 0 if kept is None else kept.first_of(row.name) for row in rows}
-        running = _run(rows, begins, seed, jobs, count or COUNT, _until(seconds))
+        running = _run(rows, begins, seed, jobs or usable_cores(), count or COUNT, _until(seconds))
         for number, (scenario, judgement) in enumerate(running, start=1):
             tallies[scenario.machine].add(scenario, judgement)
             if kept is not None:

@@ -35,7 +35,9 @@ def blamed(error: UserError, settings: Settings, check: Callable[[Settings], Non
         allowed=error.allowed,
         hint="; ".join(text for text in (error.hint, hint) if text) or None,
     )
-    return located(told, assignment)
+    found = located(told, assignment)
+    found.further = error.further
+    return found
 
 
 def _blames_rig(error: UserError, settings: Settings) -> bool:

@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.cause import blamed
 from axisrig.bench.rig.families import family_of, rig_families
 from axisrig.bench.rig.faults import check_faults
@@ -22,8 +23,8 @@ _AXIS_NAME = re.compile(r"[ABCQUVWXYZ](?:[0-9]{0,3}|[0-9]*_[A-Za-z0-9_]{1,30})")
 def check_rig(settings: Settings) -> None:
     """Check how the parts are wired, and what each carrier asks of its drives and segments.
 
-    Raises UserError with file, line and key of the rig; with the place of the cell or `--set`
-    where the rig would do without it.
+    Raises UserError with file, line and key of the rig, one for each mistake that does not follow
+    from another one; with the place of the cell or `--set` where the rig would do without it.
     """
     try:
         _check_rig(settings)
@@ -33,17 +34,23 @@ def check_rig(settings: Settings) -> None:
 
 def _check_rig(settings: Settings) -> None:
     _check_references(settings)
-    _check_carriers(settings)
-    for family in rig_families():
-        family.check_addresses(settings)
-    _check_plants(settings)
-    _check_names(settings)
-    check_numbers(settings.axis)
-    check_drive_types(settings.rig, settings.axis)
-    check_outside(settings)
-    _check_drives(settings)
-    check_faults(settings)
-    _check_objects(settings)
+    mistakes = Mistakes()
+    for step in (*_WIRING, *(family.check_addresses for family in rig_families())):
+        with mistakes.kept():
+            step(settings)
+    is_wired = not mistakes
+    for step in _PARTS:
+        with mistakes.kept():
+            step(settings)
+    if is_wired:  # what a family reckons with follows from all of it
+        for step in (*_OF_DRIVES, *(family.check for family in rig_families() if not mistakes)):
+            with mistakes.kept():
+                step(settings)
+    mistakes.refuse(settings.files[0])
+
+
+def _check_cycle(settings: Settings) -> None:
+    """Refuse an NC cycle that does not begin within the period."""
     cycle = settings.rig.cycle
     if cycle.cycle_offset_us >= cycle.period_us:
         raise rig_error(
@@ -53,8 +60,6 @@ def _check_rig(settings: Settings) -> None:
             value=cycle.cycle_offset_us,
             allowed=f"0 .. {cycle.period_us - 1} us",
         )
-    for family in rig_families():
-        family.check(settings)
 
 
 def _check_references(settings: Settings) -> None:
@@ -146,3 +151,22 @@ def _check_names(settings: Settings) -> None:
                 value=listed,
                 allowed=name,
             )
+
+
+_WIRING = (_check_carriers,)
+"""What the other checks rely on."""
+_PARTS = (
+    _check_plants,
+    _check_names,
+    _check_drives,
+    _check_cycle,
+    lambda settings: check_numbers(settings.axis),
+)
+"""Checks of parts by themselves."""
+_OF_DRIVES = (
+    lambda settings: check_drive_types(settings.rig, settings.axis),
+    check_outside,
+    check_faults,
+    _check_objects,
+)
+"""Checks of drives on what carries them."""

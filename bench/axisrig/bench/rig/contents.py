@@ -142,7 +142,7 @@ def _keys(parameters: ParameterSet, row: Parameter, *, is_all: bool) -> list[str
     return keys
 
 
-def _guess(path: Path) -> Kind:
+def guess_kind(path: Path) -> Kind:
     """Find out which kind a list has: that of most of its names, then of the fewest errors."""
     if not path.is_file():
         return KINDS[0]  # whose reader reports it
@@ -168,7 +168,7 @@ def read_parts(path: Path) -> dict[str, ParameterSet]:
     """Return the parts of a rig or of a list by axis name or `channel`."""
     if path.suffix.lower() == ".toml":
         return parts_of(settings_of(path, []), None)
-    kind = _guess(path)
+    kind = guess_kind(path)
     sections = read_sections(path, kind)
     if kind != "axis":
         return {kind: sections[0]}

@@ -19,6 +19,8 @@ from axisrig.kernel.parameters.values import ParameterSet
 NEXT_AXIS = "kopf.achs_nr"
 NAME = "kopf.log_achs_name"
 
+_MANY = 4
+"""Of more errors than that the list is one of a control: the last one says how to go on."""
 NO_SIGN = "no `=` between name and value"
 
 _LINE = re.compile(
@@ -74,6 +76,9 @@ def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
             reading.take(number, line)
         except UserError as error:
             errors.append(error)
+    if len(errors) > _MANY:
+        way = f"`axisrig params known {path} > NEW` makes comments of these {len(errors)} lines"
+        errors[-1].hint = "; ".join(text for text in (errors[-1].hint, way) if text)
     if errors:
         raise together(errors)
     return reading.sections
