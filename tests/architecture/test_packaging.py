@@ -74,6 +74,11 @@ def test_the_wheel_holds_every_file_of_the_source_folders_and_no_other(wheel: Pa
         for path in (ROOT / folder / "axisrig").rglob("*")
         if path.is_file() and path.suffix != ".pyc"
     } | {"axisrig/reports/glossary.csv"}  # the table of the documents, for the report
+    files |= {
+        f"axisrig/reports/documents/{path.relative_to(ROOT / 'docs').as_posix()}"
+        for path in (ROOT / "docs").rglob("*")
+        if path.is_file() and path.suffix != ".pyc"
+    }
     # At the top level nothing but the one name; it is a namespace package
     packed = [name for name in _names(wheel) if ".dist-info/" not in name]
     assert {name.partition("/")[0] for name in packed} == {"axisrig"}

@@ -1,5 +1,6 @@
 """The commands that list what plans, rigs and this installation have."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -126,7 +127,58 @@ def doctor(
     raise typer.Exit(0 if is_well else 1)
 
 
-LISTINGS = (metrics, oracles, drives, faults, objects, params, errors, explain, language, doctor)
+@rejecting
+def docs(
+    name: Annotated[
+        str | None, typer.Argument(metavar="PAGE", help="A page, such as plans; else the list.")
+    ] = None,
+    is_opened: Annotated[
+        bool, typer.Option("--open", help="Open it with the program for such files.")
+    ] = False,
+    notebook: Annotated[
+        Path | None,
+        typer.Option("--notebook", metavar="PATH", help="Copy the notebook about results there."),
+    ] = None,
+) -> None:
+    """List the documents, print one of them, or open it."""
+    from axisrig.bench.tools.listings.documents import copy_notebook, listing, page
+
+    if notebook is not None:
+        print(copy_notebook(notebook))
+        return
+    if name is None and not is_opened:
+        print(listing())
+        return
+    path = page(name or "index")
+    if is_opened:
+        print(path)
+        typer.launch(str(path))
+        return
+    text = path.read_text(encoding="utf-8")
+    if not sys.stdout.isatty():
+        print(text, end="")
+        return
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    console = Console()
+    with console.pager(styles=True):
+        console.print(Markdown(text))
+
+
+LISTINGS = (
+    docs,
+    metrics,
+    oracles,
+    drives,
+    faults,
+    objects,
+    params,
+    errors,
+    explain,
+    language,
+    doctor,
+)
 
 plan_app = typer.Typer(cls=Whole, no_args_is_help=True, help="Plans as they are meant.")
 
