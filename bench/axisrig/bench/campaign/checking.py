@@ -1,7 +1,8 @@
 """`axisrig check`: plans, rigs and parameter lists, checked and described without a run."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.plan import Plan, counted, read_plan, selected
-from axisrig.bench.plan.table import SUFFIXES
+from axisrig.bench.plan.table import CHECK, SUFFIXES
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.contents import contents_text
 from axisrig.bench.rig.describe import describe_axes
@@ -31,6 +32,7 @@ from axisrig.bench.rig.distance.check import (
     drive_lags_s,
 )
 from axisrig.bench.rig.families import rig_families
+from axisrig.bench.rig.plc.words import VARIABLE
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -114,7 +116,7 @@ def check_file(
     plan = (plan or read_plan(path, settings_of)).with_inputs(changes)
     mistakes, warnings, first = Mistakes(), CellWarnings(), {*built_first(plan.cases)}
     for place, case in enumerate(plan.cases):
-        with mistakes.kept():
+        with mistakes.kept(), _by_row(case):
             warnings.look(case, (prepare if place in first else read_case)(case))
     mistakes.refuse(path)
     lines = [f"  {text}" for text in _described(plan.cases, is_verbose=is_verbose)]
@@ -124,11 +126,38 @@ def check_file(
     if is_strict:
         refuse_warnings(warnings.lines())
     lines += [f"warning: {warning}" for warning in warnings.lines()]
-    lines += [f"note: {note}" for note in plan.notes]
+    lines += [f"note: {note}" for note in (*plan.notes, *_without_checks(plan.cases))]
     if others := len(plan.cases) - len(first):
         built = f"{len(first)} rows was built, of the other {others} as they run"
         lines.append(f"note: the machine of {built}")
     return "\n".join([f"{path}: {counted(len(plan.cases), len(plan.statistics))}", *lines])
+
+
+@contextmanager
+def _by_row(case: Case) -> Iterator[None]:
+    """Name the row beside a variable that its program reads and no column gives."""
+    try:
+        yield
+    except UserError as error:
+        if error.file == str(case.program) and str(error.value).startswith(VARIABLE):
+            row = f"{case.file.name}:{case.line} runs it (case {case.case!r})"
+            error.hint = "; ".join(text for text in (error.hint, row) if text)
+        raise
+
+
+def _without_checks(cases: Sequence[Case]) -> list[str]:
+    """Name the rows that ask for nothing: they pass unless an alarm comes up."""
+    rows = {
+        (case.file, case.line): case.case
+        for case in cases
+        if not case.sampled
+        and case.search is None
+        and not any(column.startswith(CHECK) for column in case.places)
+    }
+    return [
+        f"{file}:{line}: case {name!r} has no check: it passes unless an alarm comes up"
+        for (file, line), name in rows.items()
+    ]
 
 
 def check_inputs(plan: Plan) -> None:
