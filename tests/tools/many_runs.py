@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.campaign.results.layout import TRACES
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.plan.checks import Value, judge
@@ -71,7 +72,7 @@ def write_many(folder: Path, runs: int, samples: int) -> Path:
             assert path is not None
             if case.index < DIFFERENT:
                 _write_series(path, samples, seed=case.index)
-                series.append(path)
+                series.append(folder / "out" / TRACES / path.name)  # where it is once added
             else:
                 os.link(series[case.index % len(series)], path)
             is_bad = case.index % _FAILS_EVERY == 3
