@@ -137,7 +137,7 @@ class Part:
         return self._look("condition")
 
     def late(self) -> Alarm:
-        return alarm(900005, "late")
+        return self._wrong.get("late", alarm(900005, "late"))
 
     def __getattr__(self, name: str) -> Any:
         if name not in ("begin", "end", "begin_cycle"):
@@ -169,6 +169,16 @@ def test_the_most_specific_alarm_of_a_cycle_comes_first_and_none_is_lost() -> No
     carriers[0].holds_back = False
     watch.begin_cycle()
     assert ids(watch) == ["bus", "drive", "silent", "too"]  # this cycle has a SYNC of its own
+
+
+def test_the_first_segment_whose_cycle_has_not_begun_is_the_one_that_is_named() -> None:
+    carriers = [Part(late=alarm(900005, name)) for name in ("one", "two", "three")]
+    for carrier in carriers[:2]:
+        carrier.holds_back = True
+    watch = monitor_of([], carriers, [])
+    watch.begin_cycle()
+    assert ids(watch) == ["one"]
+    watch.take()
 
 
 def test_only_what_is_wrong_is_an_alarm() -> None:

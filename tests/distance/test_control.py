@@ -39,6 +39,20 @@ def test_freeze_holds_the_offset_bit_by_bit(make_loop: Make, mode: Command, stat
 
 
 @pytest.mark.parametrize(("mode", "state"), MODES)
+def test_what_rests_asks_for_no_step(make_loop: Make, mode: Command, state: State) -> None:
+    """What the PLC and a recording read of the step before the limits is 0 in FREEZE and off."""
+    loop = started(make_loop(moving_surface, kp=0.3), mode).run(50)
+    assert loop.control.delta_mm != 0.0
+    loop.say(Command.FREEZE).run(1)
+    assert (loop.control.delta_mm, loop.control.step_mm) == (0.0, 0.0)
+    loop.say(mode).run(1)
+    assert loop.control.delta_mm != 0.0
+    loop.say(Command.OFF).run(5000)
+    assert loop.control.state is State.INACTIVE
+    assert (loop.control.delta_mm, loop.control.step_mm, loop.control.offset_mm) == (0.0,) * 3
+
+
+@pytest.mark.parametrize(("mode", "state"), MODES)
 def test_a_held_axis_holds_the_offset_bit_by_bit(
     make_loop: Make, mode: Command, state: State
 ) -> None:

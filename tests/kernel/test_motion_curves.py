@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.motion.curves import Arc, Line, swing
+from axisrig.kernel.motion.curves import Arc, Line, moved_axes, swing
 from axisrig.kernel.motion.dynamics import Dynamics, arc_dynamics
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.profile import Slope, plan
@@ -306,3 +306,19 @@ def test_an_axis_beside_the_path_stays_where_it_is_put() -> None:
         x, y, z = moved.at(1.5)
         assert (x, y) == pytest.approx(path.at(1.5)[:2])
         assert z == moved.end_mm[2] == 9.0
+
+
+@pytest.mark.parametrize(
+    ("curve", "moved"),
+    [
+        (Line((0.0, 1.0, 2.0), (0.0, 1.0, 2.5)), {2}),
+        (Line((0.0, 1.0, 2.0), (0.0, 1.0, 2.0)), set()),
+        # A full circle from a place where one axis is at its turn and the other one fastest
+        (in_plane(5.0, 0.0, math.tau, 1.0), {0, 1}),
+        (in_plane(5.0, math.pi / 2, math.tau, -1.0), {0, 1}),
+        (in_plane(5.0, 0.3, 2.0 * math.tau, 1.0, height=4.0), {0, 1, 2}),
+        (in_plane(5.0, 0.0, math.pi, 1.0), {0, 1}),  # Y ends where it began
+    ],
+)
+def test_an_axis_that_comes_back_on_a_curve_has_moved(curve: Line | Arc, moved: set[int]) -> None:
+    assert moved_axes(curve) == moved

@@ -5,7 +5,14 @@ from collections.abc import Mapping, Sequence
 import pytest
 
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.kernel.kinematics import Kinematic, KinematicData, build, check_axes, kinematic_types
+from axisrig.kernel.kinematics import (
+    HeadCA,
+    Kinematic,
+    KinematicData,
+    build,
+    check_axes,
+    kinematic_types,
+)
 from axisrig.kernel.parameters import Origin, ParameterSet
 
 HERE = Origin("channel.lst", 1)
@@ -163,3 +170,27 @@ def test_these_axes_do_not(axes: str) -> None:
 def test_angles_of_98_that_do_not_fit(hd: Sequence[float], message: str) -> None:
     with pytest.raises(Alarm, match=message):
         _build([9, 98], written=_hd(hd))
+
+
+@pytest.mark.parametrize(
+    ("names", "fits"),
+    [
+        ("XYZCA", True),
+        ("XYZCAX", True),  # what follows is none of its axes
+        ("XXZCA", False),
+        ("XYZCC", False),
+        ("UVWCA", True),  # other names at all places
+        ("UUWCA", False),
+        ("YXZCA", False),
+        ("XYZC", False),
+    ],
+)
+def test_axes_of_a_kinematic_are_there_once_and_at_their_places(names: str, fits: bool) -> None:
+    head = HeadCA((0.0,), 80.0)
+    axes = [(name, name in "CA" or place in (3, 4)) for place, name in enumerate(names)]
+    if fits:
+        check_axes(head, axes)
+        return
+    with pytest.raises(Alarm) as caught:
+        check_axes(head, axes)
+    assert caught.value.id == 292040

@@ -2,7 +2,18 @@
 
 import pytest
 
-from axisrig.kernel.measuring.simulated import Way, towards
+from axisrig.kernel.measuring.simulated import (
+    ALL,
+    BODY,
+    CYCLES,
+    FIRST,
+    POSITION,
+    REST,
+    Body,
+    SimulatedProbe,
+    Way,
+    towards,
+)
 
 
 @pytest.mark.parametrize(
@@ -33,3 +44,66 @@ def test_the_way_of_the_tool_counts_beside_degrees() -> None:
     way = Way({"X": 0.0, "A": 0.0}, {"X": 3.0, "A": 4.0}, share=3.0 / 5.0)
     assert way.length_mm == pytest.approx(3.0)
     assert way.travelled_mm({"X": 1.5, "A": 2.0}) == pytest.approx(1.5)
+
+
+STARTS, ENDS = {"X": 0.0, "Z": 20.0}, {"X": 4.0, "Z": 10.0}
+BALL = Body({"X": (0.0, 0.0, 4.0, 1.0), "Z": (0.0, 0.0, 10.0, 1.0)})
+
+
+@pytest.mark.parametrize(
+    ("mode", "parameter", "first"),
+    [
+        (POSITION, 150_000, 50),  # 15 mm, reached from above
+        (POSITION, 200_000, 1),
+        (POSITION, 90_000, None),  # behind the target
+        (CYCLES, 7, 7),
+        (REST, 30, 71),  # less than 30 % of its way is left
+        (REST, 0, None),
+        (ALL, 0, 100),
+        (FIRST, 0, 100),
+        (BODY, 0, 91),  # sqrt(0.16 + 1) of the whole way is 1.077: 1 mm before the end
+    ],
+)
+def test_a_probe_signals_once_by_its_mode_while_it_is_armed(
+    mode: int, parameter: int, first: int | None
+) -> None:
+    """Z goes 10 mm down in 100 cycles, X 4 mm aside; then it is armed once more at the end."""
+    way = Way(STARTS, ENDS, programmed=("X", "Z"))
+    places = (20.0, 10.0)
+    probe = SimulatedProbe("Z", mode, parameter, way, places, BALL)
+    for armed in (False, True):
+        if armed:
+            probe.arm()
+        found = None
+        for cycle in range(1, 101):
+            share = cycle / 100.0
+            here = {name: at + share * (ENDS[name] - at) for name, at in STARTS.items()}
+            probe.look(here, here)
+            if probe.has_latched and found is None:
+                found = cycle
+                assert probe.latched_mm == here["Z"]
+        assert found == (first if armed else None)
+        assert probe.is_confirmed() is (found is not None)
+    probe.disarm()
+    assert probe.is_clear
+    assert probe.latched_mm is None
+
+
+@pytest.mark.parametrize(
+    ("mode", "target_mm", "signals"),
+    [
+        (REST, {"X": 4.0}, True),  # nothing of its own way is left
+        (REST, {"X": 4.0, "Z": 10.0}, False),
+        (FIRST, {"X": 4.0}, True),  # it is at its target already
+        (FIRST, {"X": 4.0, "Z": 10.0}, False),
+        (ALL, {"X": 4.0}, False),
+    ],
+)
+def test_an_axis_that_does_not_move_has_no_way_left(
+    mode: int, target_mm: dict[str, float], signals: bool
+) -> None:
+    way = Way(STARTS, target_mm, programmed=("X", "Z"))
+    probe = SimulatedProbe("Z", mode, 1, way, (20.0,))
+    probe.arm()
+    probe.look(STARTS, STARTS)
+    assert probe.has_latched is signals
