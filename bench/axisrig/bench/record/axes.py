@@ -109,6 +109,11 @@ class AxisRecord(Frozen):
     torque_limits: tuple[TorqueLimit, ...] = ()
     states: tuple[DriveState, ...] = ()
 
+    @property
+    def later_cycles(self) -> int:
+        """Cycles by which 6064 is older than the last SYNC of the drive."""
+        return self.late_cycles - self.fresh_late_cycles
+
 
 @dataclass(frozen=True)
 class Contact(Frozen):

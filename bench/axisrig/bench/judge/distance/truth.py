@@ -345,7 +345,7 @@ class DistanceTruth:
         A V.E. variable is of the last SYNC, also where 6064 of it comes a cycle later.
         """
         if self.variable is not None:
-            newer = self.late_cycles - self.record.fresh_late_cycles
+            newer = self.record.later_cycles
             return self.variable.delay_cycles - newer
         return self.record.second_delay_cycles
 

@@ -241,11 +241,12 @@ class StopRun(StopRows):
 
     @cached_property
     def followed(self) -> dict[str, Followed]:
-        """The criteria of each axis walked along its motion; rows of the trace."""
+        """The criteria of each axis walked along its motion; rows are those of the NC cycles."""
         judged, moving = self._armed_rows()
         found = {}
         for axis, limits in self.limits.items():
-            course = self.truths[axis].course
+            truth = self.truths[axis]
+            course = truth.course.read(truth.record.later_cycles)
             found[axis] = follow(course, limits, self.cycles_of(axis).judged, judged, moving)
         return found
 

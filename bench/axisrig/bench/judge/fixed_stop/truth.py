@@ -9,7 +9,7 @@ import numpy as np
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.fixed_stop.contact import StopPath
-from axisrig.bench.oracles.fixed_stop.following import Course
+from axisrig.bench.oracles.fixed_stop.following import Course, shifted
 from axisrig.bench.oracles.fixed_stop.lists import Written
 from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop, drive_limit_n
 from axisrig.bench.record.axes import AxisRecord, PlantRecord
@@ -204,8 +204,8 @@ class AxisTruth:
 def axis_truth(observed: Observed, axis: str, zero_mm: float) -> AxisTruth:
     """Take the truth of an axis from a finished run; zero_mm: as in `AxisTruth`.
 
-    The encoder of its drive is the actual position as it came over the bus; with the lag of the
-    drive, the plant's own, it gives the demand.
+    The encoder of its drive is the actual position as it came over the bus, at the SYNC that it is
+    of; with the lag of the drive, the plant's own, it gives the demand.
     """
 
     def column(name: str) -> Signal | None:
@@ -213,10 +213,13 @@ def axis_truth(observed: Observed, axis: str, zero_mm: float) -> AxisTruth:
 
     plant = observed.plant_of(axis)
     assert plant is not None, "an axis outside has no truth"
-    encoder_mm = observed.column(axis, "actual_mm") + zero_mm
+    record = observed.axes[axis]
+    came_mm = observed.column(axis, "actual_mm") + zero_mm
+    last_mm = float(came_mm[-1]) if len(came_mm) else 0.0
+    encoder_mm = shifted(came_mm, record.later_cycles, fill=last_mm)
     return AxisTruth(
         name=axis,
-        record=observed.axes[axis],
+        record=record,
         plant=plant,
         times_ns=observed.times_ns,
         syncs_ns=observed.syncs_ns(axis),

@@ -24,6 +24,11 @@ class Course:
     demand_mm: Signal
     encoder_mm: Signal
 
+    def read(self, later: int) -> "Course":
+        """Return what a control has whose actual positions come so many cycles later."""
+        first_mm = float(self.encoder_mm[0]) if len(self.encoder_mm) else 0.0
+        return Course(self.demand_mm, shifted(self.encoder_mm, -later, fill=first_mm))
+
     def lag_mm(self, cycles: Cycles) -> Signal:
         """Return e(k) = s(k - d) - x(k); the demand reaches s(k) way_cycles SYNCs later.
 
