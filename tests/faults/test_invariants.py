@@ -26,7 +26,7 @@ from axisrig.bench.record.axes import Edge, ProbeRecord
 from axisrig.bench.record.facts import MessageRecord
 from axisrig.bench.record.measuring import FixedStop, PlcTaskRecord
 from axisrig.bench.tools.scenarios.invariants import broken, invariants
-from axisrig.bench.tools.scenarios.left import Left
+from axisrig.bench.tools.scenarios.left import Left, thrown
 from axisrig.bench.tools.scenarios.limits import lists_of
 from axisrig.bench.tools.scenarios.oracle import Result, judge
 from axisrig.kernel.time.clock import MS
@@ -325,3 +325,13 @@ def test_a_judgement_names_what_is_broken_and_counts_what_is_right() -> None:
     assert (ended.result, ended.alarms, ended.right) == (Result.ALARM, [900006], 1)
     warned = judge(values(10.0, 20.0, alarms=(alarm(9, ends=False),)))
     assert (warned.result, warned.right) == (Result.GOOD, 2)
+
+
+@pytest.mark.parametrize(("gain_mm_s", "found"), [(499.0, set()), (501.0, {"Z"}), (-501.0, {"Z"})])
+def test_an_axis_without_mass_is_known_by_the_speed_that_it_gains(
+    gain_mm_s: float, found: set[str]
+) -> None:
+    """500 m/s2 are 500 mm/s in a cycle of 1 ms; no axis with a mass gains so much."""
+    speeds = [0.0] * 50 + [gain_mm_s] * 50
+    seen = left(columns={"Z.velocity_mm_s": speeds})
+    assert thrown(seen.facts, seen.series) == found

@@ -10,7 +10,7 @@ from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.settings import as_written, read_settings
-from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm
+from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm, thrown
 from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines, program_of, rig_of
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result, judge
 from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_scenario
@@ -89,11 +89,13 @@ def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen) -> Left:
     """Return what a run has left; where an alarm has ended it, the plants are stepped on."""
     facts, series = facts_of(machine), machine.recorder.series()
     has_alarm = any(alarm.ends_program for alarm in machine.channel.alarms)
+    crept = crept_mm(machine) if has_alarm else {}
+    without = thrown(facts, series) if crept and _has_jumped(machine) else frozenset()
     return Left(
         machines()[scenario.machine],
         facts,
         series,
-        crept_mm(machine) if has_alarm else {},
+        {axis: way_mm for axis, way_mm in crept.items() if axis not in without},
         states.names,
         scenario.hidden,
     )

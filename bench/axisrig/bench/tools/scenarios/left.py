@@ -3,12 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import Series
 from axisrig.bench.tools.scenarios.machines import MachineRow
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.cosim.plant.probe import SPEED_GAIN_M_S2
+from axisrig.kernel.time.clock import MS, S
 
 CALM_NS = 300 * MS
 """How long after the end of the program an axis may still move."""
@@ -21,7 +25,8 @@ class Left:
     """What a scenario left.
 
     crept_mm: how far each load moved in
-    LOOK_NS, CALM_NS after an alarm had ended the program, by axis; empty where none has. states: of
+    LOOK_NS, CALM_NS after an alarm had ended the program, by axis; empty where none has, and without
+    axes that a fault has thrown (`thrown`). states: of
     the channel, in their order. hidden: invariants that cannot be decided.
     """
 
@@ -43,6 +48,22 @@ class StatesSeen:
         """Note the state of this cycle when it is another one."""
         if not self.names or self.names[-1] != channel.state.name:
             self.names.append(channel.state.name)
+
+
+def thrown(facts: Facts, series: Series) -> frozenset[str]:
+    """Return the axes that gained speed as nothing with a mass does (`SPEED_GAIN_M_S2`).
+
+    An axis that follows its demand exactly takes any set position within a cycle, and glides on
+    with the speed of that cycle when its drive lets go of it.
+    """
+    seen = Observed(facts, series)
+    largest_mm_s = SPEED_GAIN_M_S2 * 1e3 * facts.timing.period_ns / S
+    return frozenset(
+        axis
+        for axis in facts.axes
+        if seen.has(axis, "velocity_mm_s")
+        and np.any(np.abs(np.diff(seen.column(axis, "velocity_mm_s"))) > largest_mm_s)
+    )
 
 
 def crept_mm(machine: Machine) -> dict[str, float]:
