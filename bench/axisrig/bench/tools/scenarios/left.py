@@ -24,10 +24,9 @@ LOOK_NS = 50 * MS
 class Left:
     """What a scenario left.
 
-    crept_mm: how far each load moved in
-    LOOK_NS, CALM_NS after an alarm had ended the program, by axis; empty where none has, and without
-    axes that a fault has thrown (`thrown`). states: of
-    the channel, in their order. hidden: invariants that cannot be decided.
+    crept_mm: how far each load moved in LOOK_NS, CALM_NS after an alarm had ended the program, by
+    axis; empty where none has, and without axes that a fault has thrown (`thrown`). states: of the
+    channel, in their order. hidden: invariants that cannot be decided.
     """
 
     machine: MachineRow
