@@ -164,6 +164,9 @@ def test_these_axes_do_not(axes: str) -> None:
         ((0, 30, 60, 0), "HD4 of kinematic 98 is 0 and allowed is above 0"),
         ((0, -1, 60, 91), "HD2 of kinematic 98 is -1 and allowed is 0 to 180 deg"),
         ((0, 0, 0, 91), "HD4 of kinematic 98 is 91 and allowed is below 90 deg where HD3 is 0"),
+        ((0, 0, 0, 90), "HD4 of kinematic 98 is 90 and allowed is below 90 deg where HD3 is 0"),
+        ((0, 0, 60, 180.5), "HD4 of kinematic 98 is 180.5 and allowed is above 0 up to 180 deg"),
+        ((0, 180.5, 60, 91), "HD2 of kinematic 98 is 180.5"),
         ((), "HD4 of kinematic 98 is 0"),
     ],
 )
@@ -194,3 +197,11 @@ def test_axes_of_a_kinematic_are_there_once_and_at_their_places(names: str, fits
     with pytest.raises(Alarm) as caught:
         check_axes(head, axes)
     assert caught.value.id == 292040
+
+
+@pytest.mark.parametrize(
+    "hd", [(0, 0, 0, 89.9), (0, 30, 30, 91), (0, 0, 60, 180), (0, 180, 0, 91), (0, 90, 10, 180)]
+)
+def test_angles_of_98_at_their_very_ends_fit(hd: Sequence[float]) -> None:
+    """Never extended from HD2 = 90 on: HD3 is not used there."""
+    assert _build([9, 98], written=_hd(hd)).count == 5

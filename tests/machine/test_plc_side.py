@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -136,3 +137,19 @@ def test_what_has_not_come_is_told(run_nc: RunNc) -> None:
     out = run_nc("N10 M50", "", "plc:Z.torque_limit=300 at=M50; 400 at=M77", base=BASE)
     assert said(out)[-1] == "plc:Z.torque_limit: 400 at=M77 has not come"
     assert not [line for line in said(out) if re.search("300.*not come", line)]
+
+
+@pytest.mark.parametrize("key", ["override", "Z.override"])
+def test_an_override_that_is_led_begins_where_it_is(run_nc: RunNc, key: str) -> None:
+    """20 % to 100 % within 200 ms, then down to 50 % within 100 ms: half way 60 % and 75 %."""
+    out = run_nc(
+        "N10 G1 Z120 F1200",
+        "",
+        f"plc:{key}=20; 100 at=motion+200ms over=200ms; 50 at=motion+500ms over=100ms",
+        base="probe-z.toml",
+    )
+    set_mm = out.column("Z.set_mm")
+    speed = [abs(b - a) * 1e3 for a, b in pairwise(set_mm.tolist())]
+    begin = next(row for row, value in enumerate(speed) if value > 0.0)
+    found = [speed[begin + ms] / 20.0 for ms in (150, 300, 450, 550, 700)]
+    assert found == pytest.approx([0.2, 0.6, 1.0, 0.75, 0.5], abs=0.03)

@@ -308,6 +308,23 @@ def test_feedhold_and_override_of_the_program_act_on_the_path(run_plc: RunNc) ->
     assert led.alarms == []
 
 
+def test_what_the_program_does_not_enable_does_nothing(run_plc: RunNc) -> None:
+    """Every command without its enable, for the path and for the axis, in every cycle."""
+    body = """    def cycle(self, inputs, hli):
+        z = hli.ax["Z"].lr_mc_control
+        for unit in (hli.ch.feedhold, hli.ch.reset, hli.ch.start, z.feedhold, z.probing_signal):
+            unit.command_w = True
+        for unit in (hli.ch.override, z.override):
+            unit.command_w = 100
+        z.timestamp.command_w = z.probing_position.command_w = 5
+"""
+    program = "N10 G1 Z129 F1200"
+    plain, led = run_plc(program, IDLE), run_plc(program, body)
+    assert led.alarms == []
+    assert led.facts.end_ns == plain.facts.end_ns
+    assert led.facts.frame_log_sha256 == plain.facts.frame_log_sha256
+
+
 def test_reset_and_start_of_the_program(run_plc: RunNc) -> None:
     body = """    outlives_program = True
     is_idle = False

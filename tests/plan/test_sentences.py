@@ -53,6 +53,8 @@ def row(
          "found_without_contact is 1 above 0.0, the only value allowed"),
         ("latch_mm:Z", "== 40", 39.5, 0.0, "fail",
          "latch_mm:Z is 0.5 mm below 40.0 mm, the only value allowed"),
+        ("latch_mm:Z", "== 40", 39.5, 0.6, "inconclusive",
+         "latch_mm:Z is 0.5 mm below its lower limit 40.0 mm, within its uncertainty of 0.6 mm"),
         ("latch_mm:Z", "!= 40", 40.0, 0.0, "fail", "latch_mm:Z is 40.0 mm, which is excluded"),
         ("latch_mm:Z", "!= 40", 40.001, 0.01, "inconclusive",
          "latch_mm:Z is 40.001 mm, not to be told from 40, which is excluded, within its"

@@ -1,0 +1,79 @@
+"""What the pages say of a tool and of failures, by pure functions: each signal and note once."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.kinematics import section, signals
+from axisrig.reports.kinematics.section import angle_to_normal
+from axisrig.reports.run import _failures
+
+TOOL = {"sensor": "head", "axes": [], "rotary": [], "guides": []}
+
+
+@pytest.mark.parametrize("is_controlled", [True, False])
+def test_the_true_gap_is_shown_where_no_distance_control_shows_it(
+    is_controlled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tilt, length and distance along the tool come from the plant in any case."""
+    monkeypatch.setattr(signals, "_is_controlled", lambda _: is_controlled)
+    names = ("tilt_deg", "virtual_length_mm", "along_mm", "distance_true_mm")
+    trace = pa.table({f"head.{name}": [float(at)] for at, name in enumerate(names)})
+    found = signals._of_plant(trace, TOOL, {})
+    shown = {name: float(values[0]) for name, values in found.items()}
+    of_any = {"channel.tilt_true_deg": 0.0, "channel.tool_length_true_mm": 1.0,
+              "channel.along_true_mm": 2.0}  # fmt: skip
+    assert shown == of_any | ({} if is_controlled else {"channel.gap_true_mm": 3.0})
+    short = signals._of_plant(trace.select(["head.tilt_deg"]), TOOL, {})
+    assert list(short) == ["channel.tilt_true_deg"]
+
+
+def test_the_angle_to_the_normal_is_that_of_the_guide_in_force() -> None:
+    """ECS along a tool of 0, 30 .. 150 degrees, MCS is along the normal, off there is none."""
+    angles = np.radians(30.0 * np.arange(6))
+    motion: Any = SimpleNamespace(
+        times_ns=np.arange(6),
+        is_on=np.array([True, True, True, True, True, False]),
+        direction=np.stack([np.sin(angles), 0.0 * angles, np.cos(angles)], axis=-1),
+    )
+
+    def found(*guides: tuple[int, str]) -> list[float | None]:
+        listed = [{"time_ns": t, "mode": mode, "normal": (0.0, 0.0, 1.0)} for t, mode in guides]
+        values = angle_to_normal(motion, {**TOOL, "guides": listed})
+        return [None if np.isnan(value) else round(float(value), 6) for value in values]
+
+    ecs, mcs = section.ECS, "MCS"
+    assert found((0, ecs)) == [0.0, 30.0, 60.0, 90.0, 120.0, None]
+    assert found((1, mcs)) == [None, 0.0, 0.0, 0.0, 0.0, None]
+    assert found((0, ecs), (2, ""), (4, ecs)) == [0.0, 30.0, None, None, 120.0, None]
+    assert found((0, mcs), (3, ecs)) == [0.0, 0.0, 0.0, 90.0, 120.0, None]
+
+
+def checked(metric: str, verdict: Verdict, **cells: str) -> dict[str, str]:
+    known = {
+        **{"metric": metric, "verdict": verdict.word, "value": "", "unit": "mm", "lower": ""},
+        **{"upper": "2", "uncertainty": "0.0", "check": "<= 2", "note": "", "reference": "docs"},
+    }
+    return known | cells
+
+
+def test_a_note_is_in_the_sentence_or_beneath_it_and_the_worst_failure_comes_first() -> None:
+    """Without a value the sentence ends with the note: it is not written once more."""
+    rows = [
+        checked("lag_mm_max", Verdict.FAIL, value="3", note="rounding", uncertainty="0.5"),
+        checked("standstill_mm", Verdict.INCONCLUSIVE, note="it never stood"),
+        checked("overtravel_mm", Verdict.PASS, value="1"),
+        checked("latch_mm", Verdict.MARGINAL, value="2"),
+        checked("contact_mm", Verdict.ERROR, note="no plant"),
+    ]
+    run: Any = SimpleNamespace(checks=rows)
+    found = _failures(run, {})
+    notes = [(each["sentence"].split()[0], each["note"]) for each in found]
+    assert notes == [("contact_mm", ""), ("lag_mm_max", "uncertainty: rounding"),
+                     ("standstill_mm", "")]  # fmt: skip
+    assert found[2]["sentence"].endswith(": it never stood")
+    assert found[0]["sentence"].endswith(": no plant")
