@@ -5,23 +5,26 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.families import Installed
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
+from axisrig.kernel.drives.ethercat.frames import Way
 from axisrig.kernel.drives.ethercat.master import NEVER
 
 PERIOD_NS, SHIFT_NS = 1_000_000, 300_000
+SYNC_NS = 8_000_000
 
 
-def sampled_ns(taken_ns: int, *, has_clocks: bool = True, **sample_ns: int) -> int:
+def sampled_ns(sent_ns: int, *, has_clocks: bool = True, **sample_ns: int) -> int:
     line = SimpleNamespace(
         name="line", period_ns=PERIOD_NS, shift_ns=SHIFT_NS, has_clocks=has_clocks,
         sample_ns=sample_ns,
     )  # fmt: skip
-    master: Any = SimpleNamespace(line=line, taken_ns=taken_ns, falls=[])
+    master: Any = SimpleNamespace(line=line, sent_ns=sent_ns, falls=[])
     return EthercatCarrier(master, []).sampled_ns("X")
 
 
 @pytest.mark.parametrize(
-    ("taken_ns", "assumed_ns"),
+    ("sent_ns", "assumed_ns"),
     [
         (5_000_000, 4_300_000),
         (5_299_999, 4_300_000),
@@ -30,8 +33,8 @@ def sampled_ns(taken_ns: int, *, has_clocks: bool = True, **sample_ns: int) -> i
         (5_999_999, 5_300_000),
     ],
 )
-def test_with_sync0_it_is_the_last_one_before_the_frame(taken_ns: int, assumed_ns: int) -> None:
-    assert sampled_ns(taken_ns) == assumed_ns
+def test_with_sync0_it_is_the_last_one_before_the_frame(sent_ns: int, assumed_ns: int) -> None:
+    assert sampled_ns(sent_ns) == assumed_ns
 
 
 def test_a_drive_that_samples_later_has_the_place_of_its_own_instant() -> None:
@@ -47,3 +50,24 @@ def test_without_clocks_it_is_the_frame_before() -> None:
     assert sampled_ns(5_400_000, has_clocks=False) == 4_400_000
     assert sampled_ns(400_000, has_clocks=False) == 0
     assert sampled_ns(NEVER) == 0
+
+
+def test_a_frame_that_waited_is_later_than_the_shortest_whatever_its_length() -> None:
+    """A byte takes 80 ns on the wire; 12 bytes are beside those of the frame, 60 at least."""
+    way = Way()
+    assert way.later_ns(0, 900 + 72 * 80, 60) == 0
+    assert way.later_ns(5000, 5000 + 900 + 212 * 80, 200) == 0
+    assert way.later_ns(9000, 9000 + 1050 + 72 * 80, 20) == 150
+    assert way.later_ns(0, 850 + 72 * 80, 60) == 0
+    assert way.later_ns(0, 900 + 72 * 80, 60) == 50
+
+
+@pytest.mark.parametrize(("heard_ns", "assumed_ns"), [(8_155_000, 8_155_000), (7_048_000, SYNC_NS)])
+def test_a_sync_that_a_drive_has_not_heard_does_not_leave_it_that_of_the_one_before(
+    heard_ns: int, assumed_ns: int
+) -> None:
+    drives: Any = {"X": SimpleNamespace(sync_ns=heard_ns)}
+    part = Installed()
+    part.drives = drives
+    assert part.sampled_ns("X", SYNC_NS) == assumed_ns
+    assert part.sampled_ns("Y", SYNC_NS) == SYNC_NS

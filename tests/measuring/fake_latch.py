@@ -27,6 +27,7 @@ class FakeLatch:
     is_prepared: bool = True
     confirms: bool = True
     arrival: Arrival = field(default_factory=Arrival)
+    doubt_mm: float | None = None
     orders: list[str] = field(default_factory=list)
 
     def arm(self) -> None:

@@ -62,3 +62,21 @@ def test_a_sample_that_is_not_newer_changes_nothing() -> None:
     history = _history(3, lambda t: t)
     history.take(2 * MS + SYNC_NS, 99.0)
     assert history.at(2 * MS + SYNC_NS)[0] == pytest.approx(0.002048)
+
+
+def test_between_samples_that_are_not_neighbours_the_whole_way_is_open() -> None:
+    history = PositionHistory()
+    for number in (0, 1, 2, 3, 7, 8, 9):
+        history.take(number * MS, number * 0.01)
+    assert history.doubt_mm(4 * MS, MS) == pytest.approx(0.03)
+    assert history.doubt_mm(6 * MS, MS) == pytest.approx(0.03)
+    assert history.doubt_mm(8 * MS, MS) == 0.0
+
+
+def test_clocks_count_that_were_apart_at_the_samples_around_an_instant() -> None:
+    history = PositionHistory()
+    for number in range(10):
+        history.take(number * MS, 0.0, 7 if number == 5 else 0)
+    assert [history.clocks_off_ns(n * MS + 500_000) for n in range(9)] == [
+        0, 0, 0, 7, 7, 7, 7, 0, 0,
+    ]  # fmt: skip

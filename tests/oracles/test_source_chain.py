@@ -81,6 +81,17 @@ def test_a_node_is_read_with_the_telegram_that_came() -> None:
     assert chain.seen([(17 * MS, True)]) is None  # no telegram any more
 
 
+def test_a_node_samples_at_the_syncs_that_came() -> None:
+    """One of them waited for the bus until 155 us; an edge at 106 us is in its telegram."""
+    syncs_ns = [n * MS + {2: 155}.get(n, 48) * US for n in range(9)]
+    ends_ns = [sync_ns + 180 * US for sync_ns in syncs_ns]
+    chain = Chain(Grid(MS, 48 * US), Grid(MS, 550 * US), Grid(MS, 600 * US), telegrams_ns=ends_ns)
+    edges = [(2 * MS + 106 * US, True)]
+    assert chain.seen(edges) == (3 * MS + 48 * US, 3 * MS + 550 * US, 3 * MS + 600 * US)
+    as_they_came = replace(chain, syncs_ns=syncs_ns).seen(edges)
+    assert as_they_came == (2 * MS + 155 * US, 2 * MS + 550 * US, 2 * MS + 600 * US)
+
+
 @pytest.mark.parametrize("drift_ppm", [-100.0, 0.0, 37.0])
 def test_a_stamp_is_believed_where_the_clock_is_known(drift_ppm: float) -> None:
     stamps = Stamps(1, 55, drift_ppm, 55, drift_ppm)

@@ -1,12 +1,13 @@
 """Latches at the PLC, cycle by cycle: whose instant a value has, and which level makes an edge."""
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import pytest
 
 from axisrig.kernel.channel.probing.external import ExternalPort
 from axisrig.kernel.channel.probing.handshake import Handshake
-from axisrig.kernel.channel.probing.signal import SignalPort
+from axisrig.kernel.channel.probing.signal import SignalPort, StampPort
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.plc.probing import AxisWrites, LatchOrder, LatchTask, PlcTask, ProbingUnit
@@ -27,6 +28,11 @@ class FakeLink:
     has_actual: bool = True
     actual_mm: float = 0.0
     arrival: Arrival = field(default_factory=Arrival)
+    settings: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(increments_per_mm=1e5)
+    )
+    doubt_mm: float | None = None
+    interpolated_latches: int = 0
 
 
 class Bench:
@@ -40,7 +46,7 @@ class Bench:
     def place_mm(self, time_ns: int) -> float:
         return 0.5 * A_MM_S2 * (time_ns / S) ** 2
 
-    def next(self, port, *, signal, done=0, has_actual=True):
+    def next(self, port, *, signal, done=0, has_actual=True, stamp_ns=None):
         """Let the next cycle bring a signal; done: the order that the PLC has acknowledged."""
         self.cycle += 1
         sync_ns = self.cycle * MS + SYNC_NS
@@ -50,7 +56,7 @@ class Bench:
         self.link.has_actual = has_actual
         if has_actual:
             self.link.actual_mm = self.place_mm(sync_ns)
-        self.unit.take(AxisWrites(signal, done_order=done), self.clock.now_ns)
+        self.unit.take(AxisWrites(signal, stamp_ns, done_order=done), self.clock.now_ns)
         port.look()
 
 
@@ -225,3 +231,62 @@ class TestOrders:
         tasks = [bench.unit.order, *bench.unit.waiting]
         wanted = [LatchTask.PREPARE, LatchTask.ENABLE, LatchTask.DISABLE]
         assert [order.task for order in tasks] == wanted
+
+
+@pytest.mark.parametrize("missing", [0, 1, 3])
+def test_a_position_whose_telegram_is_missing_is_open_by_the_way_between_its_neighbours(missing):
+    bench = Bench()
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    port.arm()
+    for _ in range(100):
+        bench.next(port, signal=False)
+    before_mm = bench.link.actual_mm
+    for _ in range(max(missing, 1)):
+        bench.next(port, signal=True, has_actual=not missing)
+    for _ in range(3):
+        bench.next(port, signal=True)
+    after_mm = bench.place_mm((101 + missing) * MS + SYNC_NS)
+    assert port.is_confirmed()
+    if not missing:
+        assert (port.doubt_mm, bench.link.interpolated_latches) == (None, 0)
+        return
+    open_mm = max(port.latched_mm - before_mm, after_mm - port.latched_mm)
+    assert port.doubt_mm == bench.link.doubt_mm == pytest.approx(open_mm, abs=1e-9)
+    assert bench.link.interpolated_latches == 1
+    port.disarm()
+    port.arm()
+    assert port.doubt_mm is bench.link.doubt_mm is None  # of the run before
+
+
+def stamped(off_ns: int, cycle: int, limit_ns: int | None = 1000) -> StampPort:
+    """The stamp lies between the cycles 100 and 101; in `cycle` clocks were apart."""
+    bench = Bench()
+    port = StampPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    if limit_ns is not None:
+        bench.task.clock_limit_ns["Z"] = limit_ns
+    port.arm()
+    for number in range(1, 106):
+        bench.task.clocks_off_ns["Z"] = off_ns if number == cycle else 0
+        bench.next(port, signal=number > 101, stamp_ns=100 * MS + 500_000)
+    return port
+
+
+@pytest.mark.provokes(900086, 4, axis="Z", us="1.001", limit_us="1")
+@pytest.mark.parametrize("cycle", [99, 100, 101, 102])
+def test_900086_for_a_stamp_while_clocks_were_apart(cycle):
+    with pytest.raises(Alarm, match="900086"):
+        stamped(1001, cycle)
+
+
+@pytest.mark.parametrize(("off_ns", "cycle", "limit"), [(1001, 98, 1000), (1000, 101, 1000)])
+def test_a_stamp_is_believed_up_to_the_limit(off_ns, cycle, limit):
+    """And open by the way in twice that: of the reference, and of a clock that follows it."""
+    port = stamped(off_ns, cycle, limit)
+    way_mm = A_MM_S2 * 0.1005 * off_ns * 1e-9
+    expected = None if cycle == 98 else pytest.approx(2.0 * way_mm, rel=1e-3)
+    assert port.is_confirmed()
+    assert port.doubt_mm == expected
+
+
+def test_where_nobody_watches_the_clocks_none_is_doubted():
+    assert stamped(0, 101, None).doubt_mm is None

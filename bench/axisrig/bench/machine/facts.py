@@ -32,7 +32,7 @@ from axisrig.bench.record.facts import (
 )
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
-from axisrig.bench.rig.describe import WHAT_PASSES
+from axisrig.bench.rig.describe import OPEN, WHAT_PASSES
 from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.distance.loops import unstable
 from axisrig.bench.rig.distance.sensors import sensors_of
@@ -155,7 +155,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         origin_mm=origin_mm,
         homed_ns=tuple(at for at, homed in machine.channel.single.homed if homed == name),
         doubt_mm=link.doubt_mm,
-        unproved_latches=link.unproved_latches,
+        unproved_latches=link.unproved_latches + link.interpolated_latches,
         rated_torque_mnm=drive.rated_torque_mnm,
         lead_um=float(round(drive.lead_mm * 1000)),
         second_delay_cycles=drive.second_delay_cycles,
@@ -241,6 +241,7 @@ def _run(machine: Machine, record: RunRecord) -> MeasurementRun:
         latched_mm=dict(record.latched_mm),
         target_mm=None if target_mm is None else dict(target_mm),
         fixed_stop=fixed_stop,
+        doubt_mm=dict(record.doubt_mm),
     )
 
 
@@ -339,11 +340,17 @@ def _notes(machine: Machine) -> Iterator[Note]:
 
 def unproved_notes(links: Mapping[str, Drive]) -> list[str]:
     """Say after a run which axes have measured without a proof; links: by axis."""
-    return [
+    found = [
         f"axis {name}: unproved latches: {link.unproved_latches}; no SDO has confirmed"
         f" them, and {WHAT_PASSES}"
         for name, link in links.items()
         if link.unproved_latches
+    ]
+    return found + [
+        f"axis {name}: unproved positions at the signal of the PLC: {link.interpolated_latches};"
+        f" {OPEN}, the last one by {link.doubt_mm or 0.0:.6g} mm"
+        for name, link in links.items()
+        if link.interpolated_latches
     ]
 
 

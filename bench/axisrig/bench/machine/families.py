@@ -109,13 +109,25 @@ class Installed:
         """
         return None
 
-    def sampled_ns(self, axis: str) -> TimeNs | None:
-        """Return when the last actual position of an axis was sampled, as the control knows it.
+    def sampled_ns(self, axis: str, sync_ns: TimeNs) -> TimeNs:
+        """Return when the actual position of this cycle is sampled, as the control knows it.
 
-        None: nothing says so.
+        sync_ns: when the SYNC of this cycle was to be sent. One that the drive has not heard brings
+        no position, and none of an earlier instant either.
         """
         drive = self.drives.get(axis)
-        return None if drive is None else drive.sync_ns
+        return sync_ns if drive is None else max(sync_ns, drive.sync_ns)
+
+    def clock_limit_ns(self, axis: str) -> TimeNs | None:
+        """Return how far the clocks that `sampled_ns` rests on may be apart at a time stamp.
+
+        None: nobody watches them.
+        """
+        return None
+
+    def clocks_off_ns(self, axis: str) -> TimeNs:
+        """Return how far they were apart at most since the actual position before."""
+        return 0
 
     def look(self) -> Iterator[Alarm]:
         """Return what has gone wrong with segments outside since the last look."""

@@ -215,10 +215,6 @@ class Machine:
                 plant.advance_to(clock.now_ns)
                 switched.switch(is_on, clock.now_ns)
 
-        def sync_ns(axis: str) -> TimeNs:
-            known_ns = self.part_of[axis].sampled_ns(axis)
-            return channel.sync_ns if known_ns is None else known_ns
-
         return PlcTaskRunner(
             table,
             channel,
@@ -226,7 +222,7 @@ class Machine:
             terminal=terminal,
             program=lambda: self._commands_of(None),
             switch=switch,
-            sync_ns=sync_ns,
+            carriers=self.part_of,
             has_columns=bool(self.settings.plc),
             trouble=self.beside.task,
         )

@@ -79,6 +79,8 @@ class MeasurementRun(Frozen):
     signal_ns: cycle that saw the first stored edge. goes_on: the signal does not end the motion.
     sources: of the signal of each axis, P-AXIS-00516.
     latched_mm: published value of each axis, ACS. target_mm: of its block, None where unknown.
+    doubt_mm: how far a published value may be wrong as the control knows it, of those that it has
+    not proved; None: a recording that does not have it.
     fixed_stop: of a run to a fixed stop, whose signal is that the stop is found.
     """
 
@@ -94,3 +96,4 @@ class MeasurementRun(Frozen):
     latched_mm: Mapping[str, float] = field(default_factory=dict)
     target_mm: Mapping[str, float] | None = None
     fixed_stop: FixedStop | None = None
+    doubt_mm: Mapping[str, float] | None = None

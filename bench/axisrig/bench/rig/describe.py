@@ -19,6 +19,8 @@ UNPROVED_PLACE = (
     "the position from which its drive is led into operation rests on telegrams alone: an axis"
     " jumps by what is wrong in them"
 )
+OPEN = "telegrams are missing there, or clocks were apart"
+"""Why a position between two others is not proved."""
 
 
 def describe_axes(settings: Settings) -> list[str]:

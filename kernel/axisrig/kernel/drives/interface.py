@@ -24,8 +24,9 @@ class Drive(SetPoints):
     power: as the drive reports it. request: as the control wants it; `acknowledges_faults`: also
     out of a fault. watches_lag: the CNC monitors the position lag, which it does not in a run to a
     fixed stop. second_age_cycles: since a value of the second encoder has come. unproved_latches:
-    how many latches were taken without a proof. doubt_mm: how far the last of them may be wrong,
-    None where there is a proof.
+    how many latches were taken without a proof. interpolated_latches: how many positions at the
+    signal of the PLC are open. doubt_mm: how far the last of either may be wrong, None where there
+    is a proof.
     """
 
     def __init__(self, settings: DriveSettings, arrival: Arrival) -> None:
@@ -41,7 +42,7 @@ class Drive(SetPoints):
         self.acknowledges_faults = False
         self.watches_lag = True
         self.second_age_cycles = 0
-        self.unproved_latches = 0
+        self.unproved_latches = self.interpolated_latches = 0
         self.doubt_mm: float | None = None
 
     def order(self, order: PowerOrder) -> None:

@@ -37,6 +37,7 @@ class LatchPort(StatusPort, Protocol):
     """The latch of one measuring axis.
 
     latched_speed_mm: travel of the axis in one cycle at the speed that it had at the latch.
+    doubt_mm: how far a confirmed value may be wrong, None where it is proved.
     """
 
     @property
@@ -47,6 +48,8 @@ class LatchPort(StatusPort, Protocol):
     def is_armed(self) -> bool: ...  # noqa: D102
     @property
     def latched_speed_mm(self) -> float: ...  # noqa: D102
+    @property
+    def doubt_mm(self) -> float | None: ...  # noqa: D102
     @property
     def is_actuated(self) -> bool | None: ...  # noqa: D102
     @property
@@ -83,8 +86,9 @@ class RunRecord:
     axes: the measuring axes. latched_mm: measured position per axis, ACS; empty without signal.
     block: NC block for messages. signal_ns: cycle in which the first stored edge was seen.
     goes_on: the signal does not end the motion. inputs: probing input in use per axis. sources:
-    where the signal of each axis comes from, P-AXIS-00516. fixed_stop: of a run to a fixed stop,
-    whose signal is that the stop is found.
+    where the signal of each axis comes from, P-AXIS-00516. doubt_mm: how far a value may be wrong,
+    of those that are not proved. fixed_stop: of a run to a fixed stop, whose signal is that the
+    stop is found.
     """
 
     axes: tuple[str, ...]
@@ -97,6 +101,7 @@ class RunRecord:
     signal_ns: TimeNs | None = None
     end_ns: TimeNs | None = None
     latched_mm: dict[str, float] = field(default_factory=dict)
+    doubt_mm: dict[str, float] = field(default_factory=dict)
     fixed_stop: FixedStopRecord | None = None
 
     @property
@@ -278,6 +283,8 @@ class MeasuringRun:
                     self._warn(alarm)
                 return
         self.record.latched_mm[port.name] = value_mm
+        if port.doubt_mm is not None:
+            self.record.doubt_mm[port.name] = port.doubt_mm
 
     def _without_proof(self) -> list[LatchPort]:
         """Return the latches whose edge is reported, and its value or its time not proved."""

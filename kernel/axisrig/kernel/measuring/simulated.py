@@ -112,6 +112,7 @@ class SimulatedProbe:
     has_latched: bool = False
     latched_mm: float | None = None
     latched_speed_mm: float = field(init=False)
+    doubt_mm: float | None = field(init=False)
     is_actuated: bool | None = field(init=False)
     is_prepared: bool = field(init=False)
     arrival: Arrival = field(default_factory=Arrival, init=False)
@@ -119,6 +120,7 @@ class SimulatedProbe:
 
     def __post_init__(self) -> None:
         self.latched_speed_mm, self.is_actuated, self.is_prepared = 0.0, None, True
+        self.doubt_mm = None
         self._cycles = 0
 
     def arm(self) -> None:

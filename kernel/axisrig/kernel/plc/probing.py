@@ -111,6 +111,9 @@ class PlcTask:
     the probe to the CNC. stamps: of its time stamps.
     written_ns: the cycle of the PLC whose outputs the CNC has; None before the first.
     sync_ns: by axis the bus time of the last SYNC, at which its actual position was sampled.
+    clocks_off_ns: by axis how far the clocks that this rests on were apart at most since the
+    position before. clock_limit_ns: how far they may be at a time stamp; an axis whose clocks
+    nobody watches is not in it.
     """
 
     cycle_ns: TimeNs = 0
@@ -120,6 +123,8 @@ class PlcTask:
     stamps: StampRelation = field(default_factory=StampRelation)
     written_ns: TimeNs | None = None
     sync_ns: dict[str, TimeNs] = field(default_factory=dict)
+    clocks_off_ns: dict[str, TimeNs] = field(default_factory=dict)
+    clock_limit_ns: dict[str, TimeNs] = field(default_factory=dict)
 
     def silent_ns(self, now_ns: TimeNs) -> TimeNs | None:
         """Return for how long the task has been silent, None while it runs."""

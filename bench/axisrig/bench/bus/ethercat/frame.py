@@ -12,15 +12,13 @@ from axisrig.kernel.profiles.ethercat.layouts import (
     DATAGRAM,
     ETHERNET_HEADER,
     ETHERTYPE,
-    FCS_BYTES,
     FIRST_DATAGRAM,
-    FRAME_MIN,
     FRAME_TYPE_DATAGRAMS,
     GAP_BYTES,
     LENGTH_MASK,
     MORE,
-    PREAMBLE_BYTES,
     WORKING_COUNTER,
+    received_after_ns,
 )
 from axisrig.kernel.time.clock import TimeNs
 
@@ -58,11 +56,6 @@ def time_on_wire_ns(frame_bytes: int) -> TimeNs:
     6.72 us for the shortest frame at 100 Mbit/s.
     """
     return received_after_ns(frame_bytes) + GAP_BYTES * BYTE_NS
-
-
-def received_after_ns(frame_bytes: int) -> TimeNs:
-    """Return the time from the begin of a frame until its last byte is in."""
-    return (PREAMBLE_BYTES + max(frame_bytes, FRAME_MIN) + FCS_BYTES) * BYTE_NS
 
 
 def is_ethercat(frame: bytes | bytearray) -> bool:

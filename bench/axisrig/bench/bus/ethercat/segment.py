@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final, Protocol
 
-from axisrig.bench.bus.ethercat.frame import received_after_ns, time_on_wire_ns
+from axisrig.bench.bus.ethercat.frame import time_on_wire_ns
 from axisrig.bench.bus.journal import Journal
+from axisrig.kernel.profiles.ethercat.layouts import received_after_ns
 from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
 WIRE_NS: Final[TimeNs] = 50

@@ -72,7 +72,7 @@ def latch_mm(observed: Observed, seen: Touch, axis: str) -> Observation:
     value = seen.run.latched_mm.get(axis)
     if value is None:
         return Observation(None, note=f"no measured value of axis {axis}")
-    uncertainty_mm, notes = _doubt(observed, axis)
+    uncertainty_mm, notes = _doubt(observed, seen, axis)
     if seen.edge_ns is not None and seen.edge_uncertainty_ns > INSTANT_NS:
         way_mm = _speed_mm_s(observed, seen.edge_ns, axis) * seen.edge_uncertainty_ns * 1e-9
         uncertainty_mm += way_mm
@@ -80,13 +80,14 @@ def latch_mm(observed: Observed, seen: Touch, axis: str) -> Observation:
     return Observation(value, uncertainty_mm, ", ".join(notes))
 
 
-def _doubt(observed: Observed, axis: str) -> tuple[float, list[str]]:
-    """Return how far the last latch of an axis may be wrong, mm, and why; 0 where SDO proved it.
+def _doubt(observed: Observed, seen: Touch, axis: str) -> tuple[float, list[str]]:
+    """Return how far the latch of an axis may be wrong, mm, and why; 0 where it is proved.
 
     Altered alike in every telegram it is believed anywhere where the axis was
     (docs/touch-probe.md).
     """
-    doubt_mm = observed.axes[axis].doubt_mm
+    of_run = seen.run.doubt_mm
+    doubt_mm = observed.axes[axis].doubt_mm if of_run is None else of_run.get(axis)
     if doubt_mm is None:
         return 0.0, []
     return doubt_mm, [f"latch of axis {axis} unproved: believed within {doubt_mm:.6g} mm"]
@@ -195,7 +196,7 @@ def latch_error_um(observed: Observed, seen: Touch, contact: Contact, axis: str)
     fine_s = observed.facts.fine_ns * 1e-9
     interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * fine_s**2 * 1e3
     events_ns = INSTANT_NS + seen.edge_uncertainty_ns
-    doubt_mm, notes = _doubt(observed, axis)
+    doubt_mm, notes = _doubt(observed, seen, axis)
     notes.append(
         f"location of the events {events_ns:g} ns, interpolation inside a fine step"
         f" {interpolation_um:.2g} um"

@@ -52,7 +52,9 @@ def _chains(observed: Observed, task: PlcTaskRecord, seen: Touch, axis: str) -> 
         INPUTS, begin_ns - 2 * task.terminal_ns, seen.end_ns + task.terminal_ns
     )
     if len(ends_ns):
-        return [replace(chain, telegrams_ns=ends_ns.tolist())]
+        first, last = (observed.index_at(each) for each in (int(ends_ns[0]), int(ends_ns[-1])))
+        syncs_ns = observed.instants(slice(max(first - 1, 0), last + 1))
+        return [replace(chain, telegrams_ns=ends_ns.tolist(), syncs_ns=syncs_ns.tolist())]
     return [chain, replace(chain, late_ns=0)] if chain.late_ns else [chain]
 
 
@@ -124,7 +126,9 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
     known = [state for state in states if state is not None]
     if not known or len(known) < len(states):
         return Observation(None, note=UNSEEN)
-    return _against(value_mm + zero_mm, known, task.stamp_jitter_ns if source == STAMPED else 0)
+    doubt_mm = (seen.run.doubt_mm or {}).get(axis, 0.0)
+    jitter_ns = task.stamp_jitter_ns if source == STAMPED else 0
+    return _against(value_mm + zero_mm, known, jitter_ns, doubt_mm)
 
 
 def value_instant_ns(
@@ -148,7 +152,9 @@ def stamps_of(task: PlcTaskRecord) -> Stamps:
     )
 
 
-def _against(value_mm: float, states: Sequence[State], jitter_ns: int) -> Observation:
+def _against(
+    value_mm: float, states: Sequence[State], jitter_ns: int, doubt_mm: float
+) -> Observation:
     """Compare a value with the true position at each instant that may be the right one."""
     errors = [(value_mm - state.position_mm) * 1e3 for state in states]
     between_um = max(state.doubt_mm for state in states) * 1e3
@@ -157,4 +163,6 @@ def _against(value_mm: float, states: Sequence[State], jitter_ns: int) -> Observ
     words = ["jitter of the stamp"] if jitter_um else []
     words += [text for text in (_doubt(errors),) if text]
     words += ["the true position between two SYNCs"] if between_um else []
-    return Observation(errors[0], between_um + apart_um + jitter_um, ", ".join(words))
+    words += [f"unproved: believed within {doubt_mm:.6g} mm"] if doubt_mm else []
+    unknown_um = between_um + apart_um + jitter_um + doubt_mm * 1e3
+    return Observation(errors[0], unknown_um, ", ".join(words))

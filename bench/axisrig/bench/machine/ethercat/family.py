@@ -100,9 +100,18 @@ class EthercatLines(Cia402Segments):
         found = (line.terminal for line in self.lines.values() if line.terminal is not None)
         return next(found, None)
 
-    def sampled_ns(self, axis: str) -> TimeNs:
-        """Return when the control assumes that the last position was sampled."""
+    def sampled_ns(self, axis: str, sync_ns: TimeNs) -> TimeNs:
+        """Return when the control assumes that the position of this cycle is sampled."""
         return self._line_of(axis).carrier.sampled_ns(axis)
+
+    def clock_limit_ns(self, axis: str) -> TimeNs | None:
+        """Return `clock_limit_us` of a line whose master watches the clocks."""
+        line = self._line_of(axis).master.line
+        return line.clock_limit_ns if line.reads_differences else None
+
+    def clocks_off_ns(self, axis: str) -> TimeNs:
+        """Return how far the clocks of its line were apart at most, as the master knows it."""
+        return self._line_of(axis).master.clocks_off_ns
 
     def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
         """Build in a fault of frames on a line, or of a slave there; None for others."""

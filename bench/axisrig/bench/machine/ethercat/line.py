@@ -22,6 +22,7 @@ from axisrig.bench.rig.ethercat.members import (
     segment_of,
     terminal_on,
     terminal_position,
+    watches_clocks,
 )
 from axisrig.bench.rig.ethercat.startup import axis_steps
 from axisrig.bench.rig.reading.lists import drive_input
@@ -176,6 +177,8 @@ def line_settings(settings: Settings, name: str) -> LineSettings:
         compensates_drift=table.drift_compensation,
         compensates_delay=table.delay_compensation,
         sample_ns=assumed,
+        clock_limit_ns=round(table.clock_limit_us * US),
+        watches_clocks=watches_clocks(settings),
     )
 
 

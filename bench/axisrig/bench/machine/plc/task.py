@@ -8,6 +8,7 @@ one at the same instant, so that the order of calls decides nothing (docs/plc.md
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from axisrig.bench.machine.plc.elements import Named
 from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Variables
@@ -68,11 +69,22 @@ class _Shown:
     length_units: int
 
 
+class SampledBy(Protocol):
+    """What carries the drive of an axis, as far as the instants of its positions go.
+
+    They are those of `bench.machine.families.Installed`.
+    """
+
+    def sampled_ns(self, axis: str, sync_ns: TimeNs) -> TimeNs: ...  # noqa: D102
+    def clock_limit_ns(self, axis: str) -> TimeNs | None: ...  # noqa: D102
+    def clocks_off_ns(self, axis: str) -> TimeNs: ...  # noqa: D102
+
+
 class PlcTaskRunner:
     """Runs the task; terminal: None for a PLC without inputs. program: gives the NC program anew.
 
-    switch: takes whether the supply of the switched probe is on. sync_ns: bus time of the last SYNC
-    by axis. has_columns: event columns command the channel as well. trouble: cycles that do not
+    switch: takes whether the supply of the switched probe is on. carriers: of the drives by axis.
+    has_columns: event columns command the channel as well. trouble: cycles that do not
     come, or late. left_out: cycles that it or an overrun has cost. observers: called after the
     program in each of its cycles; they only look.
     Raises UserError, with file and line, for what is wrong in the program.
@@ -87,13 +99,13 @@ class PlcTaskRunner:
         terminal: AnyTerminal | None,
         program: Callable[[], Iterator[Command]],
         switch: Callable[[bool], None],
-        sync_ns: Callable[[str], TimeNs],
+        carriers: Mapping[str, SampledBy],
         has_columns: bool,
         trouble: TaskFault,
     ) -> None:
         self._table, self._channel, self._clock = table, channel, clock
         self._terminal, self._commands, self._switch = terminal, program, switch
-        self._sync_ns, self._trouble = sync_ns, trouble
+        self._carriers, self._trouble = carriers, trouble
         self._program = PlcProgram(Path(table.program))
         self._hli = Hli(channel.plc.axis)
         self._orders = dict.fromkeys(channel.plc.axis, 0)  # number of the order the PLC has seen
@@ -127,6 +139,11 @@ class PlcTaskRunner:
             acknowledge_ns=round(table.acknowledge_ms * MS),
             late_cycles=-(-late_ns // timing.period_ns),
             stamps=StampRelation(table.assumed_offset_ns, table.assumed_drift_ppm),
+            clock_limit_ns={
+                name: limit_ns
+                for name, carrier in self._carriers.items()
+                if (limit_ns := carrier.clock_limit_ns(name)) is not None
+            },
         )
         outlives = self._program.outlives_program
         plc.join(
@@ -264,7 +281,9 @@ class PlcTaskRunner:
         """Take what the PLC wrote before this cycle, at the head of it."""
         now_ns, plc = self._clock.now_ns, self._channel.plc
         for name in plc.axis:
-            self._task.sync_ns[name] = self._sync_ns(name)
+            carrier = self._carriers[name]
+            self._task.sync_ns[name] = carrier.sampled_ns(name, self._channel.sync_ns)
+            self._task.clocks_off_ns[name] = carrier.clocks_off_ns(name)
         before, newest = self._taken, self._taken
         while self._written and self._written[0].time_ns < now_ns:
             newest = self._written.pop(0)

@@ -9,7 +9,7 @@ Source: docs/measuring-sources.md; the mean of a step over all phases is half it
 standard deviation T/sqrt(12) (physics of a sample-and-hold chain).
 """
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -56,7 +56,8 @@ class Chain:
 
     late_ns: from the exchange until the PLC has the image: 0 for a fieldbus that it exchanges
     itself, the way of the telegram for a node that samples at the SYNC. telegrams_ns: ends of the
-    telegrams of such a node on the wire; with them late_ns does not count.
+    telegrams of such a node on the wire, syncs_ns: instants of the SYNCs at which it samples, as
+    they came; with them late_ns and the grid of the terminal do not count.
     is_held: the PLC writes on what it has seen once, so that the CNC cannot miss it.
     A PLC that is longer busy than its period leaves cycles out: its grid is then the whole number
     of periods that a cycle takes, from the cycle at offset on.
@@ -69,6 +70,7 @@ class Chain:
     busy_ns: TimeNs = 0
     late_ns: TimeNs = 0
     telegrams_ns: Sequence[TimeNs] = ()
+    syncs_ns: Sequence[TimeNs] = ()
     is_held: bool = False
 
     @property
@@ -82,7 +84,9 @@ class Chain:
         if not self.telegrams_ns:
             return self.terminal.before(plc_ns - self.late_ns + 1)
         place = bisect_right(self.telegrams_ns, plc_ns) - 1
-        return self.terminal.before(self.telegrams_ns[place] if place >= 0 else 0)
+        end_ns = self.telegrams_ns[place] if place >= 0 else 0
+        sync = bisect_left(self.syncs_ns, end_ns) - 1
+        return self.syncs_ns[sync] if sync >= 0 else self.terminal.before(end_ns)
 
     def seen(self, edges: Edges) -> Seen | None:
         """Return who sees the level that the first edge leads to; None: nobody looks in time.

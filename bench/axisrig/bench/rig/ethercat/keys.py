@@ -47,6 +47,7 @@ Shift = Annotated[float, Field(ge=-20_000, le=20_000)]
 Start = Annotated[float, Field(ge=-1e9, le=1e9)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Microseconds = Annotated[float, BeforeValidator(_cell), Field(ge=0, le=20_000)]
+ClockLimit = Annotated[float, BeforeValidator(_cell), Field(gt=0, le=20_000)]
 EachDelay = Annotated[Delay | dict[str, Delay], BeforeValidator(_each)]
 EachDrift = Annotated[Drift | dict[str, Drift], BeforeValidator(_each)]
 EachShift = Annotated[Shift | dict[str, Shift], BeforeValidator(_each)]
@@ -60,7 +61,8 @@ class SegmentTable(SegmentKeys):
     SYNC0 as the clock of the drives; else the outputs are. shift_us: SYNC0 after the begin of a
     cycle. overload: what becomes of a cycle that does not fit.
     drift_compensation: the reference time goes to all clocks in each cycle. delay_compensation: the
-    delays of the line are measured and written.
+    delays of the line are measured and written. clock_limit_us: how far clocks may be apart, for
+    SYNC0 to begin and for a time stamp to be believed.
     Of each slave, a number for all or a table by axis: wire_ns, of the wire before it; slave_ns, of
     the slave, each way; drift_ppm and clock_start_us, of its clock; sample_us, when it samples
     positions and inputs, after SYNC0; assumed_sample_us, what the control assumes of that, missing
@@ -74,6 +76,7 @@ class SegmentTable(SegmentKeys):
     overload: Literal["refuse", "run"] = "refuse"
     drift_compensation: Flag = True
     delay_compensation: Flag = True
+    clock_limit_us: ClockLimit = 1.0
     wire_ns: EachDelay = float(WIRE_NS)
     slave_ns: EachDelay = float(FORWARD_NS)
     drift_ppm: EachDrift = 0.0

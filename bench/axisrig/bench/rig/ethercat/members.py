@@ -56,6 +56,12 @@ def terminal_on(settings: Settings, segment: str) -> TerminalTable | None:
     return table if table is not None and table.line == segment else None
 
 
+def watches_clocks(settings: Settings) -> bool:
+    """Whether the clocks of lines are watched: where time stamps may be compared with theirs."""
+    task = settings.rig.plc_task
+    return task is not None and task.terminal is not None and task.terminal.node is None
+
+
 def terminal_position(settings: Settings, segment: str) -> int:
     """Return the position of the terminal on its line, behind all drives."""
     return len(axes_on(settings, segment)) + 1

@@ -8,7 +8,7 @@ has passed.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from axisrig.bench.bus.ethercat.frame import received_after_ns, time_on_wire_ns
+from axisrig.bench.bus.ethercat.frame import time_on_wire_ns
 from axisrig.bench.rig.ethercat.members import (
     TERMINAL_BYTES,
     axes_on,
@@ -17,6 +17,7 @@ from axisrig.bench.rig.ethercat.members import (
     segment_of,
     slaves_on,
     terminal_on,
+    watches_clocks,
 )
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.ethercat.image import bytes_of
@@ -27,6 +28,7 @@ from axisrig.kernel.profiles.ethercat.layouts import (
     FRAME_MAX,
     FRAME_MIN,
     WORKING_COUNTER,
+    received_after_ns,
 )
 from axisrig.kernel.time.clock import US, TimeNs
 
@@ -121,6 +123,8 @@ def schedule_of(settings: Settings, segment: str) -> CycleArithmetic:
     count = len(slaves_on(settings, segment))
     parts += [(f"process image of {count} (LRW)", OVERHEAD + image)]
     parts += [("states (BRD)", OVERHEAD + 2)]
+    if table.dc and table.drift_compensation and axes and watches_clocks(settings):
+        parts += [("differences of clocks (BRD)", OVERHEAD + 4)]
     length = max(sum(size for _, size in parts), FRAME_MIN)
     there_ns, round_ns = line_delays(settings, segment)
     mailbox = FIRST_DATAGRAM + OVERHEAD + MAILBOX_BYTES

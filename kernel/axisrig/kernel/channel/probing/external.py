@@ -112,6 +112,11 @@ class DrivePort:
         """Travel in one cycle at the speed that the axis had at the latch."""
         return self._link.latched_speed_mm
 
+    @property
+    def doubt_mm(self) -> float | None:
+        """How far the value may be wrong, None where it is proved."""
+        return self._link.doubt_mm
+
     def is_confirmed(self) -> bool:
         """Whether SDO has reported the latch too, or cannot."""
         return self._link.is_confirmed()

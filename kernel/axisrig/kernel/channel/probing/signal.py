@@ -23,7 +23,8 @@ STAMP_MASK: Final = 0xFFFF_FFFF
 class SignalPort:
     """The latch of one axis by `probing_signal` (`LatchPort`); edge: POS or NEG, of P-AXIS-00518.
 
-    handshake: of a source whose hardware the PLC switches, else None.
+    handshake: of a source whose hardware the PLC switches, else None. doubt_mm: how far a value
+    may be off that lies between positions which do not show where the axis was; None: they do.
 
     `look` is to be called in every cycle, before the run is evaluated. It raises Alarm 900401 when
     the PLC does not enable the unit, 900402 when its task is silent.
@@ -43,6 +44,7 @@ class SignalPort:
         self._ordered_ns: TimeNs = 0
         self._latch_ns: TimeNs | None = None  # bus time of the value, for its speed
         self._is_complete, self._speed_mm_ns = False, 0.0
+        self.doubt_mm: float | None = None
 
     # What the run asks
 
@@ -70,6 +72,7 @@ class SignalPort:
     def arm(self) -> None:
         """Wait for the signal from now on."""
         self.is_ordered, self._ordered_ns = True, self._clock.now_ns
+        self.doubt_mm = self._link.doubt_mm = None
 
     def disarm(self) -> None:
         """Wait no longer, and forget the latch."""
@@ -97,7 +100,8 @@ class SignalPort:
     def look(self) -> None:
         """Take this cycle's signal and position."""
         if self._link.has_actual:
-            self.history.take(self._sync_ns, self._link.actual_mm)
+            off_ns = self._task.clocks_off_ns.get(self.name, 0)
+            self.history.take(self._sync_ns, self._link.actual_mm, off_ns)
         level = self._unit.writes.signal
         if self.is_ordered:
             self._check_task()
@@ -149,15 +153,26 @@ class SignalPort:
         position_mm, self._speed_mm_ns = self.history.at(at_ns)
         self._is_complete = True
         if self.latched_mm is None:
+            self._note_doubt(self._doubt_mm(at_ns))
             self.latched_mm = position_mm
+
+    def _doubt_mm(self, at_ns: TimeNs) -> float:
+        return self.history.doubt_mm(at_ns, self._task.cycle_ns)
+
+    def _note_doubt(self, doubt_mm: float) -> None:
+        """Keep it with the value; what is more than an increment counts as unproved."""
+        self.doubt_mm = doubt_mm or None
+        if doubt_mm * self._link.settings.increments_per_mm > 1.0:
+            self._link.doubt_mm = doubt_mm
+            self._link.interpolated_latches += 1
 
 
 class StampPort(SignalPort):
     """The latch of one axis by `timestamp`: source PLC_TIMESTAMP.
 
     The stamp is to be written in the cycle of the PLC that writes the edge of the signal. Raises
-    besides Alarm 900403 for a stamp in the future, 900404 for one older than the history and 900405
-    for one before the run.
+    besides Alarm 900403 for a stamp in the future, 900404 for one older than the history, 900405
+    for one before the run and 900086 for one while the clocks of the line were apart.
     """
 
     def __init__(
@@ -188,3 +203,18 @@ class StampPort(SignalPort):
         self.has_latched, self._latch_ns = True, at_ns
         self.arrival.stamp = at_ns & STAMP_MASK
         self._complete()
+
+    def _doubt_mm(self, at_ns: TimeNs) -> float:
+        """Return what the samples leave open, and the way in what clocks were apart.
+
+        That is the reference clock from the control, and another one from that.
+        """
+        off_ns, limit_ns = self.history.clocks_off_ns(at_ns), self._task.clock_limit_ns
+        if off_ns > limit_ns.get(self.name, off_ns):
+            raise Alarm(
+                900086,
+                axis=self.name,
+                us=f"{off_ns / 1e3:.6g}",
+                limit_us=f"{limit_ns[self.name] / 1e3:g}",
+            )
+        return super()._doubt_mm(at_ns) + 2.0 * off_ns * abs(self._speed_mm_ns)

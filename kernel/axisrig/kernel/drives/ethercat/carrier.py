@@ -72,13 +72,13 @@ class EthercatCarrier(Carrier):
                     link.al_status = None
 
     def sampled_ns(self, axis: str) -> TimeNs:
-        """Return when the control assumes that the last actual position was sampled.
+        """Return when the control assumes that the position of this cycle is sampled.
 
-        With SYNC0 the last one before the frame that brought it, and `sample_ns` after that.
+        With SYNC0 the last one before the frame that is to bring it, and `sample_ns` after that.
         """
         master, line = self._master, self._master.line
-        if master.taken_ns == NEVER or not line.has_clocks:
-            return max(master.taken_ns - line.period_ns, 0)
+        if master.sent_ns == NEVER or not line.has_clocks:
+            return max(master.sent_ns - line.period_ns, 0)
         assumed_ns = line.shift_ns + line.sample_ns.get(axis, 0)
-        behind_ns = (master.taken_ns - assumed_ns) % line.period_ns
-        return master.taken_ns - (behind_ns or line.period_ns)
+        behind_ns = (master.sent_ns - assumed_ns) % line.period_ns
+        return master.sent_ns - (behind_ns or line.period_ns)

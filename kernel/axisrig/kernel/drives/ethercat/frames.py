@@ -19,12 +19,15 @@ from axisrig.kernel.profiles.ethercat.layouts import (
     LENGTH_MASK,
     MORE,
     WORKING_COUNTER,
+    received_after_ns,
 )
 from axisrig.kernel.profiles.ethercat.tables import Command
+from axisrig.kernel.time.clock import TimeNs
 
 BROADCAST: Final = b"\xff" * 6
 MASTER: Final = bytes.fromhex("000000000001")
 """Source address; the first slave sets bit 1 of its first byte."""
+NOT_KNOWN: Final[TimeNs] = -1
 OVERHEAD: Final = DATAGRAM.size + WORKING_COUNTER.size
 INDEX_PLACE: Final = FIRST_DATAGRAM + 1
 """Where the index of the first datagram is: by it a frame that is back is known again."""
@@ -82,3 +85,20 @@ def answers_of(frame: bytes) -> list[Answer]:
         counter = WORKING_COUNTER.unpack_from(frame, begin + length)[0]
         found.append(Answer(frame[begin : begin + length], counter))
     return found
+
+
+class Way:
+    """How long frames are on their way there and back, without the time that their bytes take.
+
+    A frame that takes longer than another one has waited, and brings its time later.
+    """
+
+    def __init__(self) -> None:
+        self._shortest_ns = NOT_KNOWN
+
+    def later_ns(self, sent_ns: TimeNs, back_ns: TimeNs, frame_bytes: int) -> TimeNs:
+        """Return how much longer this frame took than the shortest so far."""
+        way_ns = back_ns - sent_ns - received_after_ns(frame_bytes)
+        if self._shortest_ns == NOT_KNOWN or way_ns < self._shortest_ns:
+            self._shortest_ns = way_ns
+        return way_ns - self._shortest_ns

@@ -1,14 +1,15 @@
 """The control as master of one segment: its cyclic frame, and what comes back of it.
 
 Each cycle one frame: the time of the master to the reference clock (FPWR 0910), from there to all
-others (FRMW 0910), the process image (LRW), the states of all slaves (BRD 0130). Inputs are taken
-only with the right working counter, and only of the frame of their own cycle.
+others (FRMW 0910), the process image (LRW), the states of all slaves (BRD 0130), and where time
+stamps are compared with their clocks how far these are from the time that they get (BRD 092C).
+Inputs are taken only with the right working counter, and only of the frame of their own cycle.
 """
 
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from axisrig.kernel.drives.ethercat.clocks import TIME_MASK, distribution
+from axisrig.kernel.drives.ethercat.clocks import AMOUNT_MASK, TIME_MASK, distribution
 from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE, Datagram, frame_of
 from axisrig.kernel.drives.ethercat.image import LOGICAL, Image
 from axisrig.kernel.drives.ethercat.image_data import ImageData
@@ -31,17 +32,26 @@ INDICES: Final = 0x80
 """Indices of the cyclic frames: from 0x80 to 0xFF, in turn."""
 NEVER: Final[TimeNs] = -1
 OP: Final = int(AlState.OP)
+_DIFFERENCE: Final = address_of("SYSTEM_TIME_DIFFERENCE")
 
 
 class Cyclic:
-    """The cyclic frame as bytes, and where in it the parts are. image_bytes: of the LRW."""
+    """The cyclic frame as bytes, and where in it the parts are. image_bytes: of the LRW.
 
-    def __init__(self, reference: int | None, image_bytes: int) -> None:
+    reads_differences: it has the BRD of the clocks.
+    """
+
+    def __init__(
+        self, reference: int | None, image_bytes: int, *, reads_differences: bool = False
+    ) -> None:
         parts = [] if reference is None else distribution(reference, 0)
         parts += [
             Datagram(Command.LRW, LOGICAL, bytes(image_bytes)),
             Datagram(Command.BRD, address_of("AL_STATUS") << 16, bytes(2)),
         ]
+        of_image = len(parts) - 2
+        if reads_differences:
+            parts.append(Datagram(Command.BRD, _DIFFERENCE << 16, bytes(4)))
         assert image_bytes <= DATAGRAM_DATA_MAX, "the rig has been checked"
         places, at = list[int](), FIRST_DATAGRAM
         for part in parts:
@@ -50,10 +60,11 @@ class Cyclic:
         self.frame = frame_of(parts, FIRST_INDEX)
         self._heads = places
         self.time = None if reference is None else places[0] + DATAGRAM.size
-        self.image = places[-2] + DATAGRAM.size
+        self.image = places[of_image] + DATAGRAM.size
         self.image_counter = self.image + image_bytes
-        self.states = places[-1] + DATAGRAM.size
+        self.states = places[of_image + 1] + DATAGRAM.size
         self.states_counter = self.states + 2
+        self.differences = places[-1] + DATAGRAM.size if reads_differences else None
 
     def index(self, number: int) -> None:
         """Give all datagrams an index."""
@@ -69,6 +80,7 @@ class Master:
     al_states: of all slaves, ORed, as the last frame of a cycle brought it, None when it did not
     or when not each slave has answered. silent_cycles: in a row without a frame that came back.
     sent_ns: when the last cyclic frame left. taken_ns: that whose inputs were taken last.
+    clocks_off_ns: how far clocks were apart at most from the inputs before to these.
     falls: called when a slave is not in OP while the cycles run.
     """
 
@@ -98,13 +110,15 @@ class Master:
         self._is_back = True
         self._runs_alone = False
         self._at_ns: TimeNs = 0  # of the next cycle that begins by itself
+        self.clocks_off_ns = self._apart_ns = 0
 
     # The cycle
 
     def prepare(self, reference: int | None) -> None:
         """Make the cyclic frame. reference: station of the reference clock, None = no clocks."""
         follows = reference if self.line.compensates_drift else None
-        self._cyclic = Cyclic(follows, self.image.size)
+        reads = self.line.reads_differences and follows is not None
+        self._cyclic = Cyclic(follows, self.image.size, reads_differences=reads)
 
     def run_alone(self) -> None:
         """Send the cyclic frame from the next cycle on, until `cycle` is called instead."""
@@ -186,10 +200,13 @@ class Master:
         cyclic = self._cyclic
         assert cyclic is not None
         self._is_back, self.silent_cycles = True, 0
+        if cyclic.differences is not None:
+            self._note_clocks(frame, cyclic.differences)
         (counter,) = WORKING_COUNTER.unpack_from(frame, cyclic.image_counter)
         image, expected = cyclic.image, self.image.counter
         if counter == expected:
             self.taken_ns = self.sent_ns
+            self.clocks_off_ns, self._apart_ns = self._apart_ns, 0
             for data, place in self._parts:
                 begin = image + place.inputs
                 data.arrived(frame[begin : begin + place.input_bytes])
@@ -210,3 +227,13 @@ class Master:
             if frame[image + place.mailbox] & SM_FULL:
                 self.mailboxes[number].note_full()
         self.transactions.let_go()
+
+    def _note_clocks(self, frame: bytes, at: int) -> None:
+        """Note how far clocks are apart: by the slaves, and by how much later the time came.
+
+        The slaves OR their amounts, so that what comes is at least the largest and less than twice
+        that. A frame that takes longer than the shortest one has brought an older time.
+        """
+        later_ns = self.transactions.way.later_ns(self.sent_ns, self._clock.now_ns, len(frame))
+        apart_ns = int.from_bytes(frame[at : at + 4], "little") & AMOUNT_MASK
+        self._apart_ns = max(self._apart_ns, apart_ns + later_ns)

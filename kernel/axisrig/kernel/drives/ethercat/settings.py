@@ -54,7 +54,7 @@ class LineSettings:
     compensates_delay: FRMW in each cycle, 0928 at the start. sample_ns: when the control assumes
     that positions were sampled, after SYNC0. state_timeout_ns: for each change of state.
     clock_limit_ns, clock_timeout_ns: how far a clock may be off before SYNC0 begins, and how long
-    that is waited for.
+    that is waited for. watches_clocks: each cycle shows how far clocks are apart.
     """
 
     name: str
@@ -68,6 +68,12 @@ class LineSettings:
     state_timeout_ns: TimeNs = 2000 * MS
     clock_limit_ns: TimeNs = 1000
     clock_timeout_ns: TimeNs = 5000 * MS
+    watches_clocks: bool = False
+
+    @property
+    def reads_differences(self) -> bool:
+        """Whether the cyclic frame reads how far clocks are from the time that they get."""
+        return self.has_clocks and self.compensates_drift and self.watches_clocks
 
 
 STATION_BASE = 1000

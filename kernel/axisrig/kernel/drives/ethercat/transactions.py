@@ -13,6 +13,7 @@ from axisrig.kernel.drives.ethercat.frames import (
     INDEX_PLACE,
     Answer,
     Datagram,
+    Way,
     answers_of,
     frame_of,
 )
@@ -40,7 +41,7 @@ class Transactions:
     """Asks one question after the other.
 
     is_held: whether questions wait for `let_go`, which the cyclic frame calls when it is back or
-    was lost. sent: how many frames have left.
+    was lost. sent: how many frames have left. way: of all frames.
     """
 
     def __init__(self, port: EthercatPort, clock: Clock) -> None:
@@ -50,6 +51,8 @@ class Transactions:
         self._is_under_way = False
         self.is_held = False
         self.sent = 0
+        self.way = Way()
+        self._sent_ns: TimeNs = 0
 
     def ask(self, datagrams: Sequence[Datagram], done: Taken, attempts: int = ATTEMPTS) -> None:
         """Ask; `done` gets the answers, one for each datagram."""
@@ -69,6 +72,7 @@ class Transactions:
         question.attempts_left -= 1
         self.sent += 1
         number = self._number
+        self._sent_ns = self._clock.now_ns
         self._port.send(bytes(frame_of(question.datagrams, self._index)))
         self._clock.call_at(
             self._clock.now_ns + TIMEOUT_NS, Phase.APPLICATION, lambda: self._time_out(number)
@@ -86,6 +90,7 @@ class Transactions:
     def received(self, frame: bytes) -> None:
         """Take a frame that is back; one that is too late counts as lost."""
         if self._is_under_way and frame[INDEX_PLACE] == self._index:
+            self.way.later_ns(self._sent_ns, self._clock.now_ns, len(frame))
             answers = answers_of(frame)
             self._is_under_way = False
             is_whole = len(answers) == len(self._queue[0].datagrams)

@@ -112,3 +112,8 @@ SII_PROTOCOLS: Final = 0x1C
 SII_SIZE: Final = 0x3E
 SII_FIRST_CATEGORY: Final = 0x40
 SII_END: Final = 0xFFFF
+
+
+def received_after_ns(frame_bytes: int) -> int:
+    """Return the time from the begin of a frame on a wire until its last byte is in, ns."""
+    return (PREAMBLE_BYTES + max(frame_bytes, FRAME_MIN) + FCS_BYTES) * BYTE_NS
