@@ -16,10 +16,11 @@ from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import CONST_DIST
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
-from axisrig.reports.distance.path import drawing, ticks
+from axisrig.reports.distance.path import drawing
 from axisrig.reports.distance.section import sections
 from axisrig.reports.distance.signals import with_surfaces
 from axisrig.reports.distance.words import law_words
+from axisrig.reports.parts.axes import ticks
 from axisrig.reports.signals import chart
 
 ALARMS = {"ID 70331": "Distance control of axis Z wants an offset of 5.004 mm"}

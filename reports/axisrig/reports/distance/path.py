@@ -1,6 +1,5 @@
 """The tool over the workpiece, seen from the side: where another axis moves, as a small drawing."""
 
-import math
 from collections.abc import Sequence
 from html import escape
 
@@ -8,6 +7,7 @@ import numpy as np
 import pyarrow as pa
 
 from axisrig.reports.distance.signals import FOLLOWING, STATES, Control, Signal, column, signal
+from axisrig.reports.parts.axes import ticks
 
 WIDTH, HEIGHT = 900, 220
 _LEFT, _RIGHT, _TOP, _BOTTOM = 54, 10, 14, 26
@@ -108,14 +108,6 @@ def _grid(x_range: tuple[float, float], y_range: tuple[float, float]) -> list[st
         )
         parts.append(f'<text class="dp-y" x="{_LEFT - 5}" y="{y + 4:.1f}">{tick:.10g}</text>')
     return parts
-
-
-def ticks(low: float, high: float) -> list[float]:
-    """Return round values between two ends: about three to eight."""
-    size = 10.0 ** math.floor(math.log10((high - low) / 3.0))
-    step = max(factor * size for factor in (1.0, 2.0, 5.0) if factor * size <= (high - low) / 3.0)
-    first, last = math.ceil(low / step), math.floor(high / step)
-    return [round(number * step, 12) for number in range(first, last + 1)]
 
 
 def _points(

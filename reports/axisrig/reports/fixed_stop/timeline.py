@@ -4,14 +4,14 @@ Every place is a share of the width, so a drawing fills whatever room the page l
 screen, on a narrow one, on paper.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
+from axisrig.reports.parts.axes import ticks
+
 HEIGHT = 22
 _TICKS_LEAST = 4
-_STEPS = (1.0, 2.0, 5.0, 10.0)
 _EDGE = 0.012
 
 
@@ -33,11 +33,7 @@ class Span:
 
     def ticks(self) -> list[float]:
         """Give round instants on the drawing, in ms: four to ten."""
-        raw = (self.high - self.low) / _TICKS_LEAST
-        size = 10.0 ** math.floor(math.log10(raw))
-        step = max(factor * size for factor in _STEPS if factor * size <= raw)
-        first, last = math.ceil(self.low / step), math.floor(self.high / step)
-        return [number * step for number in range(first, last + 1)]
+        return ticks(self.low, self.high, _TICKS_LEAST)
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """Several fitted lines in one picture, each with its points, a sign, a dash and its name."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
 
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.parts.axes import ticks
 
 WIDTH, HEIGHT = 760, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 150.0, 16.0, 42.0
@@ -165,25 +165,16 @@ def _axes(frame: _Frame, up: str, across: str) -> list[str]:
         f'<text x="14" y="{(_TOP + foot) / 2:g}" text-anchor="middle"'
         f' transform="rotate(-90 14 {(_TOP + foot) / 2:g})">{escape(up)}</text>',
     ]
-    for value in _ticks(*frame.y_ends):
+    for value in ticks(*frame.y_ends, least=4):
         y = frame.y(value)
         parts += [
             f'<path class="ln-grid" d="M{_LEFT:g},{y:.1f}H{right:g}"/>',
             f'<text x="{_LEFT - 6:g}" y="{y + 4:.1f}" text-anchor="end">{value:.6g}</text>',
         ]
-    for value in _ticks(*frame.x_ends):
+    for value in ticks(*frame.x_ends, least=4):
         x = frame.x(value)
         parts += [
             f'<path class="ln-grid" d="M{x:.1f},{_TOP:g}V{foot:g}"/>',
             f'<text x="{x:.1f}" y="{foot + 15:g}" text-anchor="middle">{value:.6g}</text>',
         ]
     return parts
-
-
-def _ticks(low: float, high: float) -> list[float]:
-    """Return round values from low to high, four to ten of them."""
-    step = 10.0 ** math.floor(math.log10((high - low) / 4))
-    step *= next(factor for factor in (5, 2, 1) if (high - low) / (factor * step) >= 4)
-    first = math.ceil(low / step - 1e-9)
-    last = math.floor(high / step + 1e-9)
-    return [place * step for place in range(first, last + 1)]

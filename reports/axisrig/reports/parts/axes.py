@@ -28,7 +28,8 @@ def ticks(low: float, high: float, least: int = 3) -> list[float]:
     step = 10.0 ** math.floor(math.log10((high - low) / least))
     step *= next((factor for factor in (5, 2) if (high - low) / (factor * step) >= least), 1)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [place * step for place in range(first, last + 1)]
+    digits = max(0, -math.floor(math.log10(step) + 1e-9))
+    return [round(place * step, digits) for place in range(first, last + 1)]
 
 
 def tick_words(values: Sequence[float]) -> list[str]:
