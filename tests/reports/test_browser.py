@@ -255,7 +255,9 @@ def test_what_is_printed_is_drawn_and_only_failures_are(page: Browser, tmp_path:
     assert sum(there > 0 for _, there in drawn.values()) == 4  # two have left no signals
     signals = page.run(_SIGNALS)
     assert all(count > 100 for counts in signals.values() for count in counts), signals
-    unprinted = page.run("[...document.querySelectorAll('.unprinted')].map((b) => b.dataset.run)")
+    unprinted = page.run(
+        "[...document.querySelectorAll('tbody.unprinted')].map((b) => b.dataset.run)"
+    )
     assert set(unprinted) == set(verdicts) - bad
     page.run("dispatchEvent(new Event('afterprint'))")
     assert page.run("document.querySelectorAll('.opened').length") == 0

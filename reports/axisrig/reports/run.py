@@ -88,11 +88,11 @@ def _view(
     _check_numbers(trace, run)
     blocks, lane = _blocks(run, partial(_program_address, links), is_reduced=is_reduced)
     alarms = [alarm_words(alarm) for alarm in info["alarms"]]
-    told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
+    alarm_texts = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
     sections = []
     for topic in parts.topics:
         with readable(run, topic.name):
-            found = topic.sections(info, trace, run.run, told)
+            found = topic.sections(info, trace, run.run, alarm_texts)
         sections.append({"template": f"{topic.name}/{SECTION}", "found": found})
     with readable(run, "trace"):
         drawn: tuple[dict[str, Any], str] = ({}, "")

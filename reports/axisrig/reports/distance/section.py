@@ -137,7 +137,7 @@ def _error(row: Mapping[str, Any]) -> dict[str, Any]:
 def _limit(row: Mapping[str, Any]) -> dict[str, Any]:
     """A limit and the most that was used of it."""
     value, used, is_lower = row["value"], row["used"], row["key"] == "min_pos"
-    told = {
+    cells = {
         "key": row["key"],
         "parameter": row["parameter"],
         "unit": row["unit"],
@@ -149,7 +149,7 @@ def _limit(row: Mapping[str, Any]) -> dict[str, Any]:
         "bar": Markup(""),
     }
     if used is None:
-        return told
+        return cells
     room = _REACHED * max(abs(value), 1e-3)
     beyond = used < value - room if is_lower else used > value + room
     reached = abs(used - value) <= room
@@ -162,4 +162,4 @@ def _limit(row: Mapping[str, Any]) -> dict[str, Any]:
         f"{row['key']}: {used:.6g} of {value:.6g} {row['unit']}",
     )
     word = "outside" if beyond else ("reached" if reached else "")
-    return {**told, "word": word, "off": beyond, "bar": Markup(drawn)}
+    return {**cells, "word": word, "off": beyond, "bar": Markup(drawn)}

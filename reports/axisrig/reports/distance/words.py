@@ -104,8 +104,8 @@ def happened(
             lines.append((at, words))
     for row in control["alarms"]:
         at = f"{(row['time_ns'] - origin_ns) / _NS_PER_MS:.1f} ms"
-        told = alarms.get(row["label"], "")
-        lines.append((at, row["label"] + (f": {told}" if told else "")))
+        alarm = alarms.get(row["label"], "")
+        lines.append((at, row["label"] + (f": {alarm}" if alarm else "")))
     return lines
 
 

@@ -147,18 +147,18 @@ def _beside(
     if band is None:
         return {"form": "", "band": "", "apart": "", "bar": Markup("")}
     low, middle, high = band
-    told = {
+    cells = {
         "form": f"{middle:.2f}",
         "band": f"{low - middle:+.2f} … {high - middle:+.2f}",
         "apart": "",
         "bar": Markup(""),
     }
     if at is None:
-        return told
+        return cells
     words = f"{label}: {at - middle:+.2f} ms from the closed form"
     verdict = "pass" if low <= at <= high else "fail"
     drawn = bar(at - middle, 0.0, low - middle, high - middle, verdict, words)
-    return {**told, "apart": f"{at - middle:+.2f}", "bar": Markup(drawn)}
+    return {**cells, "apart": f"{at - middle:+.2f}", "bar": Markup(drawn)}
 
 
 def _stretch(row: Mapping[str, Any], stop: Stop, origin: int) -> tuple[float, float] | None:

@@ -151,8 +151,8 @@ def span(stop: Stop) -> Span:
     touched = contact_ns(stop)
     if touched is not None:
         rows = [row for row in stop["marks"] if row["key"] in _MEASURED]
-        told = [row[side] for row in rows for side in ("measured_ns", "low_ns", "high_ns")]
-        instants = [touched, int(stop["end_ns"]), *(t for t in told if t is not None)]
+        known = [row[side] for row in rows for side in ("measured_ns", "low_ns", "high_ns")]
+        instants = [touched, int(stop["end_ns"]), *(t for t in known if t is not None)]
     return span_of([(t - origin) / _NS_PER_MS for t in instants])
 
 
@@ -258,9 +258,9 @@ def limits(trace: pa.Table, stops: Sequence[Stop]) -> list[dict[str, Any]]:
     """Limits for the plots: lag limit, window, torque limit, and where the contact was."""
     found: list[dict[str, Any]] = []
     for stop in stops:
-        for axis, told in stop["limits"].items():
+        for axis, own in stop["limits"].items():
             names = stop["signals"].get(axis, {})
-            lag, way = told["lag_limit_mm"], told["window_mm"]
+            lag, way = own["lag_limit_mm"], own["window_mm"]
             if lag is not None:
                 found.append(
                     _limit(of_axis(stop, axis, "lag"), axis, _sign(trace, stop, axis) * lag, "L")
@@ -272,10 +272,10 @@ def limits(trace: pa.Table, stops: Sequence[Stop]) -> list[dict[str, Any]]:
                 found.append(
                     _limit(of_axis(stop, axis, "position"), axis, round(place, 4), "contact at")
                 )
-            force = told.get("force_limit_n")
+            force = own.get("force_limit_n")
             if force is not None:
                 found.append(_limit("force", axis, round(force, 1), "torque limit"))
-            torque = told.get("torque_limit_nm")
+            torque = own.get("torque_limit_nm")
             if torque is not None:
                 found.append(_limit("torque", axis, round(torque, 3), "torque limit"))
     return [limit for i, limit in enumerate(found) if limit not in found[:i]]
@@ -299,9 +299,9 @@ def ranges(stops: Sequence[Stop]) -> dict[str, dict[str, list[float]]]:
     """What the plots of the way within the minimum time show per axis, in um (mdeg)."""
     tops: dict[str, dict[str, list[float]]] = {}
     for stop in stops:
-        for axis, told in stop["limits"].items():
-            if told["window_mm"]:
-                top = _CHANGE_SHOWN * 1000.0 * told["window_mm"]
+        for axis, own in stop["limits"].items():
+            if own["window_mm"]:
+                top = _CHANGE_SHOWN * 1000.0 * own["window_mm"]
                 tops.setdefault(of_axis(stop, axis, "change"), {})[axis] = [0.0, top]
     return tops
 

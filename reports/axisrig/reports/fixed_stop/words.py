@@ -44,14 +44,14 @@ def _touches(stop: Stop) -> bool:
 
 def _broken(stop: Stop, touched: Stop) -> Mapping[str, Any]:
     """What is said of a contact that was lost before the detection, empty when it was not."""
-    told: Mapping[str, Any] = stop["broken_contacts"].get(touched["axis"], {})
-    return told
+    broken: Mapping[str, Any] = stop["broken_contacts"].get(touched["axis"], {})
+    return broken
 
 
 def tells_contact(stop: Stop) -> bool:
     """Whether a plant gives a contact when there is one."""
-    told = any(row["key"] == "contact" and row["measured_ns"] for row in stop["marks"])
-    return told or any("stop_force_n" in names for names in stop["signals"].values())
+    is_measured = any(row["key"] == "contact" and row["measured_ns"] for row in stop["marks"])
+    return is_measured or any("stop_force_n" in names for names in stop["signals"].values())
 
 
 def answers(
@@ -62,14 +62,14 @@ def answers(
     trace: with the columns of `with_changes`.
     """
     ended = "; ".join(row["label"] + (f": {row['note']}" if row["note"] else "") for row in trouble)
-    told = [("ended by", ended)]
-    told += [("why here", _why(stop))] if stop["is_found"] else _missing(stop, trace)
+    answers = [("ended by", ended)]
+    answers += [("why here", _why(stop))] if stop["is_found"] else _missing(stop, trace)
     if stop["is_found"] or contact_ns(stop) is not None:
-        told.append(("real stop", _real(stop)))
-    told.append(("pressed with", _pressed(stop, trace)))
+        answers.append(("real stop", _real(stop)))
+    answers.append(("pressed with", _pressed(stop, trace)))
     if mark(stop, "relax_end") is not None:
-        told.append(("left after relaxing", _left(stop, trace)))
-    return [(question, answer) for question, answer in told if answer]
+        answers.append(("left after relaxing", _left(stop, trace)))
+    return [(question, answer) for question, answer in answers if answer]
 
 
 def _why(stop: Stop) -> str:
@@ -82,14 +82,14 @@ def _why(stop: Stop) -> str:
         return f"{axis}: {decided['criterion']}"
     tau = f"{limits['min_time_ms']:g} ms"
     lag, window, way = limits["lag_limit_mm"], limits["window_mm"], _way_of(stop, axis)
-    told = []
+    criteria = []
     if lag is not None:
-        told.append(f"lag above {way(lag)} for {tau}")
+        criteria.append(f"lag above {way(lag)} for {tau}")
     if window is not None:
-        told.append(f"moved no more than {way(window)} in {tau}")
-    text = f"{axis}: " + " and ".join(told)
+        criteria.append(f"moved no more than {way(window)} in {tau}")
+    text = f"{axis}: " + " and ".join(criteria)
     beyond, still = mark(stop, "beyond", axis), mark(stop, "window", axis)
-    if len(told) == 2 and beyond is not None and still is not None:
+    if len(criteria) == 2 and beyond is not None and still is not None:
         ripe = beyond + round(limits["min_time_ms"] * _NS_PER_MS)
         text += f"; the {'lag' if ripe > still else 'window'} came last"
     return text
@@ -114,21 +114,21 @@ def _missing(stop: Stop, trace: pa.Table | None) -> list[tuple[str, str]]:
 def _short_of(limits: Mapping[str, Any], seen: Shortfall, way: Callable[[float], str]) -> str:
     """How far one axis came; both criteria off is said as such. way: writes one of the axis."""
     lag, window, tau = limits["lag_limit_mm"], limits["window_mm"], limits["min_time_ms"]
-    told = []
+    reasons = []
     if lag is not None:
         text = f"lag limit {way(lag)}"
         if seen.largest_lag_mm is not None:
             text = f"largest lag {way(seen.largest_lag_mm)} of {way(lag)}"
         if seen.beyond_ms:
             text += f", above it for {seen.beyond_ms:g} of {tau:g} ms"
-        told.append(text)
+        reasons.append(text)
     if window is not None:
         text = f"window {way(window)}"
         if seen.change_um is not None:
             moved = way(seen.change_um / 1000.0)
             text = f"moved {moved} or more in {tau:g} ms, window {way(window)}"
-        told.append(text)
-    return ", ".join(told) or "both criteria are off"
+        reasons.append(text)
+    return ", ".join(reasons) or "both criteria are off"
 
 
 def _real(stop: Stop) -> str:
@@ -188,12 +188,12 @@ def _left(stop: Stop, trace: pa.Table | None) -> str:
     names = stop["signals"].get(axis, {})
     end = mark(stop, "end") or stop["end_ns"]
     lag, force = (value_at(trace, names.get(name), end) for name in ("cnc_lag_mm", "stop_force_n"))
-    told = []
+    parts = []
     if lag is not None:
-        told.append(f"lag {_way_of(stop, axis)(lag)}")
+        parts.append(f"lag {_way_of(stop, axis)(lag)}")
     if force is not None:
-        told.append(f"{force:.4g} {_unit(stop, axis)}")
-    return ", ".join(told)
+        parts.append(f"{force:.4g} {_unit(stop, axis)}")
+    return ", ".join(parts)
 
 
 def _ms(time_ns: int) -> float:

@@ -39,7 +39,7 @@ def encode_signal(
     values: npt.NDArray[np.float64] | npt.NDArray[np.int64], digits: int
 ) -> tuple[Encoded, bytes]:
     """Encode one signal, shape (n,), n > 0. Raises OverflowError beyond +-2**62 steps."""
-    with np.errstate(over="ignore"):  # told below
+    with np.errstate(over="ignore"):  # refused below
         scaled = values if digits == 0 and values.dtype.kind == "i" else values * 10.0**digits
     missing = np.isnan(scaled) if scaled.dtype.kind == "f" else np.zeros(len(scaled), dtype=bool)
     if np.abs(scaled[~missing]).max(initial=0) >= 2**62:

@@ -1,4 +1,4 @@
-"""One signal with its limits as a small drawing, for the place where a failure is told."""
+"""One signal with its limits as a small drawing, beside a failure."""
 
 import math
 from collections.abc import Mapping, Sequence
