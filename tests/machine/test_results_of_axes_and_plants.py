@@ -28,7 +28,7 @@ def machine_of(has_servo: bool = True, node: int | None = 3) -> Any:
     rig = SimpleNamespace(axis={"Z": table}, drive={"servo": SimpleNamespace(facts=lambda: data)})
     servo = SimpleNamespace(origin_units=-500, latch_instants_ns=[[7, 3], [5]])
     link = SimpleNamespace(settings=SimpleNamespace(increments_per_mm=1000.0), doubt_mm=0.25,
-                           unproved_latches=4)  # fmt: skip
+                           unproved_latches=4, interpolated_latches=2)  # fmt: skip
     part = SimpleNamespace(telegrams=lambda name: [f"telegram of {name}"], states={"Z": ["state"]})
     channel = SimpleNamespace(single=SimpleNamespace(homed=[(9, "Z"), (10, "X"), (11, "Z")]))
     return SimpleNamespace(
@@ -44,7 +44,10 @@ def words(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(facts, "arm_m", lambda *_: 0.5)
     monkeypatch.setattr(facts, "torque_arm_m", lambda *_: 0.75)
     monkeypatch.setattr(facts, "_written", lambda *_: {"kp": 1})
-    family = SimpleNamespace(late_cycles=lambda _, name: {"Z": 2}[name])
+    family = SimpleNamespace(
+        late_cycles=lambda _, name: {"Z": 2}[name],
+        fresh_late_cycles=lambda _, name: {"Z": 1}[name],
+    )
     monkeypatch.setattr(facts, "family_of", lambda *_: family)
 
 
@@ -56,7 +59,8 @@ def test_an_axis_keeps_every_field_of_its_own() -> None:
         "is_rotary": True, "arm_m": 0.5, "torque_arm_m": 0.75, "plant": "z",
         "signals": {"probe_1": "p"}, "sensor": "gap", "telegrams": ("telegram of Z",),
         "written": {"kp": 1}, "origin_mm": 0.5, "homed_ns": (9, 11), "doubt_mm": 0.25,
-        "unproved_latches": 4, "second_delay_cycles": 2, "late_cycles": 2, "rated_torque_mnm": 1270,
+        "unproved_latches": 6, "second_delay_cycles": 2, "late_cycles": 2, "fresh_late_cycles": 1,
+        "rated_torque_mnm": 1270,
         "lead_um": 10000.0, "torque_limits": ("limit of Z",), "states": ("state",),
         # In the order of their instants, each with the number of its probe
         "latches": (Latch(3, 1), Latch(5, 2), Latch(7, 1)),
