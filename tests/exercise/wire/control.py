@@ -115,10 +115,6 @@ class WireDrive(Drive):
     def latched_speed_mm(self) -> float:
         return 0.0
 
-    @property
-    def doubt_mm(self) -> float | None:
-        return None
-
     def is_confirmed(self) -> bool:
         return True
 
