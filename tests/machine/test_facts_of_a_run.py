@@ -31,7 +31,8 @@ def test_a_measurement_run_keeps_every_field_of_its_own() -> None:
     of_run: dict[str, Any] = {one.name: next(number) for one in fields(MeasurementRun)}
     of_run |= {"axes": ("Z",), "block": "N30", "goes_on": True,
                "fixed_stop": SimpleNamespace(**of_stop)}  # fmt: skip
-    of_run |= {name: {"Z": next(number)} for name in ("inputs", "sources", "latched_mm")}
+    of_run |= {name: {"Z": next(number)} for name in ("inputs", "sources", "latched_mm",
+                                                      "doubt_mm")}  # fmt: skip
     machine: Any = SimpleNamespace(measuring_targets={"N30": {"Z": 5.0}, "N40": {"Z": 6.0}})
     found = facts._run(machine, SimpleNamespace(**of_run))  # type: ignore[arg-type]
     assert found.target_mm == {"Z": 5.0}
@@ -108,9 +109,14 @@ def test_alarms_are_those_that_came_up_and_then_the_further_ones() -> None:
 
 
 def test_an_unproved_latch_is_a_note_of_its_axis() -> None:
-    links: Any = {name: SimpleNamespace(unproved_latches=n) for name, n in (("X", 0), ("Z", 2))}
-    (note,) = facts.unproved_notes(links)
-    assert note.startswith("axis Z: unproved latches: 2; no SDO has confirmed them, and ")
+    links: Any = {
+        name: SimpleNamespace(unproved_latches=n, interpolated_latches=at_plc, doubt_mm=0.02)
+        for name, n, at_plc in (("X", 0, 0), ("Y", 0, 1), ("Z", 2, 0))
+    }
+    of_drive, at_plc = facts.unproved_notes(links)
+    assert of_drive.startswith("axis Z: unproved latches: 2; no SDO has confirmed them, and ")
+    assert at_plc.startswith("axis Y: unproved positions at the signal of the PLC: 1; ")
+    assert at_plc.endswith(" the last one by 0.02 mm")
 
 
 TASK: dict[str, Any] = {
