@@ -14,7 +14,8 @@ from canopen.pdo.base import PdoMap, PdoVariable
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.drives.canopen.mapping import BitCodec, MappedObject, Telegram, telegrams
+from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
+from axisrig.kernel.drives.mapped import BitCodec, MappedObject
 from axisrig.kernel.errors import UserError
 
 WHOLE = {

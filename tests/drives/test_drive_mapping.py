@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
+from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
+from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS

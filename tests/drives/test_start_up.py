@@ -11,7 +11,7 @@ import pytest
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.canopen.keys import DriveTable
-from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram, telegrams
+from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Check,
@@ -21,6 +21,7 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     Write,
     start_up_steps,
 )
+from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.time.clock import MS
 

@@ -19,8 +19,8 @@ def sampled_ns(sent_ns: int, *, has_clocks: bool = True, **sample_ns: int) -> in
         name="line", period_ns=PERIOD_NS, shift_ns=SHIFT_NS, has_clocks=has_clocks,
         sample_ns=sample_ns,
     )  # fmt: skip
-    master: Any = SimpleNamespace(line=line, sent_ns=sent_ns, falls=[])
-    return EthercatCarrier(master, []).sampled_ns("X")
+    master: Any = SimpleNamespace(line=line, sent_ns=sent_ns, falls=[], slaves=[])
+    return EthercatCarrier(master).sampled_ns("X")
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Both ends of the service channel of a SERCOS drive, over a mailbox of a test."""
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import pytest
 
@@ -61,7 +61,11 @@ class Wire:
         self.asked: list[bytes] = []
         self.answers: list[bytes] = []
         self.is_silent = False
-        self.master = ServiceChannel(self._carry, self.scheduler, SIZE, 20 * MS)
+        self.master = ServiceChannel(self._carry_all, self.scheduler, lambda: SIZE - 6, 20 * MS)
+
+    def _carry_all(self, parts: Sequence[bytes]) -> None:
+        for part in parts:
+            self._carry(part)
 
     def _carry(self, body: bytes) -> None:
         assert len(body) <= SIZE - 6

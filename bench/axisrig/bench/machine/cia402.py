@@ -8,6 +8,7 @@ from axisrig.bench.record.axes import DriveState
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.cia402.link import Cia402Drive
+from axisrig.kernel.drives.power import Power
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, TimeNs
@@ -19,12 +20,11 @@ _TROUBLE: Final = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.F
 
 
 class Cia402Segments(Installed):
-    """Segments with drives of CiA 402; a carrier derives its own from it.
+    """Segments with drives of CiA 402, and others beside them; a carrier derives its own from it.
 
     It fills `states` and `links`, and calls `_open_ways` when the links are made.
     """
 
-    links: Mapping[str, Cia402Drive]
     states: Mapping[str, list[DriveState]]
 
     def __init__(self, bench: Bench) -> None:
@@ -40,6 +40,8 @@ class Cia402Segments(Installed):
     def _open_ways(self) -> None:
         """Make the ways of #DRIVE to every drive; limits that are corrected give a warning."""
         for axis, link in self.links.items():
+            if not isinstance(link, Cia402Drive):
+                continue
             functions, found = read_functions(axis, self._bench.settings.axis[axis])
             self._warnings += found
             assert link.sdo is not None, "made with it"
@@ -61,4 +63,7 @@ class Cia402Segments(Installed):
 
     def is_off(self, axis: str) -> bool:
         """Whether the drive of an axis has left operation."""
-        return self.links[axis].state in _OFF
+        link = self.links[axis]
+        if isinstance(link, Cia402Drive):
+            return link.state in _OFF
+        return link.power in (Power.OFF, Power.FAULT)

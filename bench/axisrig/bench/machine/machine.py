@@ -316,6 +316,8 @@ class Machine:
             ),
         )
         channel.plc.values.update(self.settings.external)
+        for link in self.links.values():
+            link.warn = channel.warn
         warnings = [warning for part in self.installed for warning in part.warnings]
         for warning in [*self.settings.warnings, *warnings]:
             channel.warn(warning)

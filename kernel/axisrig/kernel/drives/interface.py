@@ -26,7 +26,7 @@ class Drive(SetPoints):
     fixed stop. second_age_cycles: since a value of the second encoder has come. unproved_latches:
     how many latches were taken without a proof. interpolated_latches: how many positions at the
     signal of the PLC are open. doubt_mm: how far the last of either may be wrong, None where there
-    is a proof.
+    is a proof. warn: gets warnings that stop nothing.
     """
 
     def __init__(self, settings: DriveSettings, arrival: Arrival) -> None:
@@ -44,6 +44,7 @@ class Drive(SetPoints):
         self.second_age_cycles = 0
         self.unproved_latches = self.interpolated_latches = 0
         self.doubt_mm: float | None = None
+        self.warn: Callable[[Alarm], None] = _nobody
 
     def order(self, order: PowerOrder) -> None:
         """Change the request for power (`power.csv`)."""
@@ -277,3 +278,7 @@ class DriveAccesses:
         """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
         if not isinstance(command, canon.DriveWait):
             raise Alarm(900110, axis=command.axis, key=command.key, known="none")
+
+
+def _nobody(_alarm: Alarm) -> None:
+    """Nobody listens yet."""

@@ -22,11 +22,13 @@ ACTUAL_TRANSFORMATION = "trafo.actual_pos"
 NO_BIT, REALTIME_BITS = -1, (6, 7)
 _CONTROL, _STATUS = ("S-0-0134",), ("S-0-0135", "S-0-135")
 # SERCOS words of a bit, the warning of an unknown process datum and that of an invalid bit
-# (TF5200 axis parameters 117340683 to 117348363)
+# (TF5200 axis parameters 117340683 to 117363723)
 _PROBE_BITS = (
-    ("start_probing", _CONTROL, 110612, 110613),
-    ("value_latched", _STATUS, 110608, 110609),
-    ("probe_actuated", _STATUS, 110610, 110611),
+    ("probe_1_realtime_bits.start_probing", _CONTROL, 110612, 110613),
+    ("probe_1_realtime_bits.value_latched", _STATUS, 110608, 110609),
+    ("probe_1_realtime_bits.probe_actuated", _STATUS, 110610, 110611),
+    ("probe_2_realtime_bits.start_probing", _CONTROL, 110612, 110613),
+    ("probing_command_start", _CONTROL, 110617, 110618),
 )
 
 
@@ -122,12 +124,12 @@ def _actual_value_transformation(parameters: ParameterSet, axis: str) -> Iterato
 
 
 def _sercos(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
-    """Check the process data of probe 1: without a telegram there are only the SERCOS words.
+    """Check the process data of measuring: without a telegram there are only the SERCOS words.
 
     What is wrong takes the axis out of measuring and edge banding.
     """
     for what, words, unknown, invalid in _PROBE_BITS:
-        path = f"antr.sercos.probe_1_realtime_bits.{what}"
+        path = f"antr.sercos.{what}"
         name = parameters.word(f"{path}.element_name")
         if name and name.replace("_", "-") not in words:
             _release(parameters)

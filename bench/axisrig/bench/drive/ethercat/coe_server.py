@@ -7,7 +7,7 @@ from typing import Final
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
 from axisrig.bench.drive.ethercat.coe import SdoServer
-from axisrig.bench.drive.ethercat.mailbox import Mailbox
+from axisrig.bench.drive.ethercat.mailbox import Mailbox, MailboxService
 from axisrig.bench.drive.ethercat.object_access import ObjectAccess
 from axisrig.bench.drive.ethercat.object_information import ObjectInformation
 from axisrig.bench.drive.ethercat.objects import Described
@@ -22,7 +22,7 @@ _SERVICE_SHIFT: Final = 12
 _INFO_BYTES: Final = 5
 
 
-class CoeServer:
+class CoeServer(MailboxService):
     """Serves CoE. size(): bytes of the mailbox to the master."""
 
     def __init__(
@@ -32,6 +32,7 @@ class CoeServer:
         profile: DriveProfile,
         size: Callable[[], int],
     ) -> None:
+        self.kind = MailboxType.COE
         self._sdo = SdoServer(ObjectAccess(store, known), size)
         self._information = ObjectInformation(
             known, profile, lambda index: len(store.upload(index, 0)), size

@@ -68,7 +68,10 @@ class Manager:
 
 @dataclass(frozen=True)
 class Description:
-    """One drive as EEPROM and ESI file describe it. coe: what its CoE can, the words of an ESI."""
+    """One drive as EEPROM and ESI file describe it.
+
+    coe: what its CoE can, the words of an ESI. is_sercos: its mailbox speaks SoE and not CoE.
+    """
 
     serial: int
     managers: tuple[Manager, ...]
@@ -83,6 +86,7 @@ class Description:
     order: str = "DS402"
     name: str = "axisrig DS402 drive"
     fmmus: tuple[int, ...] = field(default=(1, 2, 3))
+    is_sercos: bool = False
     coe: tuple[str, ...] = ("SdoInfo", *CHANGES_OF_PDOS, "PdoUpload", "CompleteAccess")
 
 
@@ -92,16 +96,21 @@ def describe(
     """Describe a drive with this profile. mailbox_bytes: of each mailbox, 32 to 1024."""
     rxpdos = _pdos(RXPDOS, RX_ASSIGNMENT, 2, profile)
     txpdos = _pdos(TXPDOS, TX_ASSIGNMENT, 3, profile)
-    managers = (
-        Manager(_MAILBOX_START, mailbox_bytes, _INTERRUPT | SM_MASTER_WRITES | SM_MAILBOX, 1),
-        Manager(_MAILBOX_START + mailbox_bytes, mailbox_bytes, _INTERRUPT | SM_MAILBOX, 2),
-        Manager(_OUTPUT_START, _assigned(rxpdos), SM_WATCHDOG | _INTERRUPT | SM_MASTER_WRITES, 3),
-        Manager(_INPUT_START, _assigned(txpdos), _INTERRUPT, 4),
-    )
+    managers = managers_of(mailbox_bytes, _assigned(rxpdos), _assigned(txpdos))
     usual = Description(serial, managers, rxpdos, txpdos)
     if not profile.fixed_pdos:
         return usual
     return replace(usual, coe=tuple(word for word in usual.coe if word not in CHANGES_OF_PDOS))
+
+
+def managers_of(mailbox_bytes: int, outputs: int, inputs: int) -> tuple[Manager, ...]:
+    """Return the SyncManagers of a drive with so many bytes of each."""
+    return (
+        Manager(_MAILBOX_START, mailbox_bytes, _INTERRUPT | SM_MASTER_WRITES | SM_MAILBOX, 1),
+        Manager(_MAILBOX_START + mailbox_bytes, mailbox_bytes, _INTERRUPT | SM_MAILBOX, 2),
+        Manager(_OUTPUT_START, outputs, SM_WATCHDOG | _INTERRUPT | SM_MASTER_WRITES, 3),
+        Manager(_INPUT_START, inputs, _INTERRUPT, 4),
+    )
 
 
 def _assigned(pdos: tuple[Pdo, ...]) -> int:

@@ -3,7 +3,7 @@
 from typing import Final
 
 from axisrig.bench.drive.ethercat.description import Description
-from axisrig.bench.drive.ethercat.process_data import ProcessData
+from axisrig.bench.drive.ethercat.process_data import Exchanged
 from axisrig.bench.drive.ethercat.sync_managers import (
     INPUTS,
     MAILBOX_IN,
@@ -18,7 +18,7 @@ _MODE_BITS: Final = 0x0F
 class Fitting:
     """Compares what a master has set with the description and the assigned PDOs of a drive."""
 
-    def __init__(self, description: Description, managers: SyncManagers, data: ProcessData) -> None:
+    def __init__(self, description: Description, managers: SyncManagers, data: Exchanged) -> None:
         self._description, self._managers, self._data = description, managers, data
 
     def has_mailbox(self) -> bool:

@@ -5,7 +5,6 @@ master that begins anew counts from 1.
 """
 
 from collections import deque
-from collections.abc import Callable
 from functools import partial
 from typing import Final
 
@@ -24,21 +23,34 @@ _COUNTERS: Final = 7
 _TYPE: Final = 0x0F
 
 
+class MailboxService:
+    """What answers the messages of one protocol; kind: which."""
+
+    kind: MailboxType
+
+    def serve(self, body: bytes) -> list[bytes]:
+        """Return the answers to a message, without their mailbox heads."""
+        raise NotImplementedError
+
+    def reset(self) -> None:
+        """Drop what is under way."""
+        raise NotImplementedError
+
+
 class Mailbox:
     """Serves the messages of the master.
 
-    serve(data): returns the answers to a message of CoE, without their mailbox heads. answer_ns:
-    how long a message waits to be looked at.
+    service: of its protocol. answer_ns: how long a message waits to be looked at.
     """
 
     def __init__(
         self,
         managers: SyncManagers,
         clock: Clock,
-        serve: Callable[[bytes], list[bytes]],
+        service: MailboxService,
         answer_ns: TimeNs,
     ) -> None:
-        self._managers, self._clock, self._serve = managers, clock, serve
+        self._managers, self._clock, self._service = managers, clock, service
         self._answer_ns = answer_ns
         self._waiting: deque[bytes] = deque()
         self._shown = self._read = b""
@@ -110,12 +122,12 @@ class Mailbox:
         body = message[MAILBOX.size : MAILBOX.size + length]
         if length > len(message) - MAILBOX.size:
             self._refuse(MailboxError.INVALID_SIZE)
-        elif kind & _TYPE == MailboxType.COE:
+        elif kind & _TYPE == self._service.kind:
             if length < 2:
                 self._refuse(MailboxError.SIZE_TOO_SHORT)
                 return
-            for answer in self._serve(body):
-                self.send(MailboxType.COE, answer)
+            for answer in self._service.serve(body):
+                self.send(self._service.kind, answer)
         elif kind & _TYPE != MailboxType.ERROR:
             self._refuse(MailboxError.UNSUPPORTED_PROTOCOL)
 

@@ -27,9 +27,9 @@ from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.eeprom import Eeprom
 from axisrig.bench.drive.ethercat.fitting import Fitting
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
-from axisrig.bench.drive.ethercat.mailbox import Mailbox
+from axisrig.bench.drive.ethercat.mailbox import Mailbox, MailboxService
 from axisrig.bench.drive.ethercat.objects import described, ethercat_table
-from axisrig.bench.drive.ethercat.process_data import ProcessData
+from axisrig.bench.drive.ethercat.process_data import Exchanged, ProcessData
 from axisrig.bench.drive.ethercat.registers import Parts, Registers
 from axisrig.bench.drive.ethercat.sii import sii_content
 from axisrig.bench.drive.ethercat.sync_managers import (
@@ -111,12 +111,13 @@ class EthercatDrive(Cia402Node):
         self._outputs = 0  # how often they came since SAFEOP
         self._samples = 0
         self._no_sync = Timer(clock, self._sync_stays_away)
-        self.description: Description = describe(
-            self.profile, self.settings.serial, self.settings.mailbox_bytes
-        )
+        self.description: Description = self._describe()
         self._build_controller()
         self._build_objects()
         clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
+
+    def _describe(self) -> Description:
+        return describe(self.profile, self.settings.serial, self.settings.mailbox_bytes)
 
     def _build_controller(self) -> None:
         clock = self._clock
@@ -144,7 +145,7 @@ class EthercatDrive(Cia402Node):
         clock, servo, profile = self._clock, self.servo, self.profile
         self.objects = ObjectStore(ethercat_table(profile), servo.image, self._note_change)
         self.storage = ParameterStorage(self.objects)
-        self.process_data = ProcessData(self.objects, self._may_change, is_fixed=profile.fixed_pdos)
+        self.process_data: Exchanged = self._make_process_data()
         self.cycle_clock = CycleClock(
             clock,
             self.objects,
@@ -158,13 +159,18 @@ class EthercatDrive(Cia402Node):
         self._fitting = Fitting(self.description, self.managers, self.process_data)
         for part in (self.storage, self.process_data, self.cycle_clock):
             self.objects.own(part, part.objects)
-        self.coe = CoeServer(
-            self.objects,
-            described(profile),
-            profile,
-            lambda: self.managers[MAILBOX_IN].length,
-        )
-        self.mailbox = Mailbox(self.managers, clock, self.coe.serve, profile.sdo_answer_ns)
+        self.service: MailboxService = self._make_service()
+        self.mailbox = Mailbox(self.managers, clock, self.service, profile.sdo_answer_ns)
+
+    def _make_process_data(self) -> Exchanged:
+        return ProcessData(self.objects, self._may_change, is_fixed=self.profile.fixed_pdos)
+
+    def _make_service(self) -> MailboxService:
+        profile = self.profile
+        return CoeServer(self.objects, described(profile), profile, self._mailbox_size)
+
+    def _mailbox_size(self) -> int:
+        return self.managers[MAILBOX_IN].length
 
     # As a slave on the line
 
@@ -197,7 +203,7 @@ class EthercatDrive(Cia402Node):
         self.cycle_clock.stop()
         self.watchdog.stop()
         self.mailbox.close()
-        self.coe.reset()
+        self.service.reset()
 
     # What the slave controller wakes up
 
@@ -264,7 +270,7 @@ class EthercatDrive(Cia402Node):
     def _enter_preop(self) -> str | None:
         if not self._fitting.has_mailbox():
             return "INVALID_MAILBOX"
-        self.coe.reset()
+        self.service.reset()
         self.mailbox.open()
         return None
 
@@ -315,7 +321,7 @@ class EthercatDrive(Cia402Node):
             self.cycle_clock.stop()
         if after < AlState.PREOP:
             self.mailbox.close()
-            self.coe.reset()
+            self.service.reset()
         if before is AlState.OP and self.servo.state in MOVING:
             lost = SYNC_LOST if code in _SYNC_CODES else OUTPUTS_LOST
             self.servo.connection_lost(self._clock.now_ns, lost)
@@ -332,7 +338,7 @@ class EthercatDrive(Cia402Node):
             self._arrive()
         servo.begin(now_ns)  # plant, edges: under the values of the cycle that ends
         if self.states.state is _OP and self._outputs:
-            self.process_data.outputs.store(servo.image, self.managers[OUTPUTS].latest)
+            self.process_data.take(servo.image, self.managers[OUTPUTS].latest)
         servo.cycle(now_ns)
         if self.settings.sample_ns:
             self._plan_sample(now_ns)
@@ -377,7 +383,7 @@ class EthercatDrive(Cia402Node):
         """Between two cycles inputs stay as they were sampled."""
 
     def _send_emergency(self, code: int, register: int, info: int) -> None:
-        self.coe.emergency(self.mailbox, code, register, info)
+        CoeServer.emergency(self.mailbox, code, register, info)
 
     def _note_change(self, row: ObjectRow) -> None:
         self.storage.note_change(row)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import ClassVar, Final
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
-from axisrig.bench.drive.cia402.dictionary.image import DeviceImage
+from axisrig.bench.drive.cia402.dictionary.image import DeviceImage, ProcessImage
 from axisrig.bench.drive.cia402.dictionary.mapping import Layout, check_entry, read_layout
 from axisrig.bench.drive.cia402.dictionary.objects import Key
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
@@ -27,12 +27,32 @@ ASSIGNMENTS: Final = (RX_ASSIGNMENT, TX_ASSIGNMENT)
 _NOTHING: Final = Layout((), struct.Struct("<"))
 
 
-class ProcessData(Owner):
-    """Outputs and inputs of one drive.
+class Exchanged(Owner):
+    """Outputs and inputs of one drive. outputs, inputs: what they carry since `compile`."""
+
+    objects: ClassVar[frozenset[int]] = frozenset()
+
+    def __init__(self) -> None:
+        self.outputs = self.inputs = _NOTHING
+
+    def compile(self) -> frozenset[str]:
+        """Read what they carry; return the values of the process image that the inputs have."""
+        raise NotImplementedError
+
+    def take(self, image: ProcessImage, data: bytes) -> None:
+        """Take the outputs of a cycle."""
+        raise NotImplementedError
+
+    def message(self, image: ProcessImage) -> bytes:
+        """Return the inputs as they are now."""
+        raise NotImplementedError
+
+
+class ProcessData(Exchanged):
+    """Those of a drive of CiA 402, as PDOs.
 
     is_fixed: mapping and assignment are those of power on. may_change(): whether the state allows
-    another one. outputs, inputs: what they carry since
-    `read`.
+    another one.
     """
 
     objects: ClassVar[frozenset[int]] = frozenset((*MAPPINGS, *ASSIGNMENTS))
@@ -40,8 +60,8 @@ class ProcessData(Owner):
     def __init__(
         self, store: ObjectStore, may_change: Callable[[], bool], *, is_fixed: bool = False
     ) -> None:
+        super().__init__()
         self._store, self._may_change, self._is_fixed = store, may_change, is_fixed
-        self.outputs = self.inputs = _NOTHING
         self._message: Callable[[DeviceImage], bytes] = _nothing
 
     def compile(self) -> frozenset[str]:
@@ -51,7 +71,11 @@ class ProcessData(Owner):
         self._message = self.inputs.reader() if self.inputs.fields else _nothing
         return frozenset(self.inputs.fields)
 
-    def message(self, image: DeviceImage) -> bytes:
+    def take(self, image: ProcessImage, data: bytes) -> None:
+        """Take the outputs of a cycle."""
+        self.outputs.store(image, data)
+
+    def message(self, image: ProcessImage) -> bytes:
         """Return the inputs as they are in the image now."""
         return self._message(image)
 

@@ -21,7 +21,7 @@ SIZE: Final = 2048
 """Bytes of the EEPROM."""
 CONFIGURATION: Final = bytes.fromhex("8000000064000000")
 """Words 0 to 3: interface to the processor, its settings, pulses of 1 us, further settings."""
-_COE: Final = 0x04
+_COE, _SOE = 0x04, 0x10
 _COE_BITS: Final = ("", "SdoInfo", "PdoAssign", "PdoConfig", "PdoUpload", "CompleteAccess")
 """Bits of the CoE details, the first one: SDO at all."""
 _PORTS_MII: Final = 0x0011
@@ -88,7 +88,8 @@ def _fixed(description: Description) -> bytes:
     )
     if description.managers:
         out, back = description.managers[:2]
-        words = (out.start, out.length, back.start, back.length, _COE)
+        protocol = _SOE if description.is_sercos else _COE
+        words = (out.start, out.length, back.start, back.length, protocol)
         struct.pack_into("<5H", content, 2 * SII_MAILBOX, *words)
     assert 2 * SII_PROTOCOLS == 2 * SII_MAILBOX + 8
     struct.pack_into("<HH", content, 2 * SII_SIZE, SIZE * 8 // 1024 - 1, 1)
@@ -100,7 +101,8 @@ def _general(description: Description, texts: _Texts) -> bytes:
     group, order = texts.number(description.group), texts.number(description.order)
     can = ("", *description.coe) if description.coe else ()
     details = sum(1 << bit for bit, word in enumerate(_COE_BITS) if word in can)
-    head = (group, 0, order, name, 0, details, 0, 0, 0, 1, 0, 0)
+    soe = int(description.is_sercos)
+    head = (group, 0, order, name, 0, details, 0, 0, soe, 1 - soe, 0, 0)
     return _GENERAL.pack(*head, 0, 0, 0, _PORTS_MII, 0)
 
 

@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from axisrig.kernel.profiles.ethercat.layouts import MAILBOX
+from axisrig.bench.drive.ethercat.mailbox import MailboxService
+from axisrig.kernel.profiles.ethercat.layouts import MAILBOX, MailboxType
 from axisrig.kernel.profiles.sercos.service import (
     ERROR_CODE,
     HEADER,
@@ -47,8 +48,9 @@ class Ident:
     """One ident of a drive.
 
     name, unit: empty = none. minimum, maximum, default: None = none. value: as it is transmitted,
-    with its lengths where it has any. capacity: bytes that a list or text may have. changed(): is
-    called after a write. state: of a procedure command (`command_states.csv`).
+    with its lengths where it has any. capacity: bytes that a list or text may have. live(): the
+    value, where that is elsewhere. check(number): name of the code that refuses a value, None.
+    changed(): is called after a write. state: of a procedure command (`command_states.csv`).
     """
 
     attribute: Attribute
@@ -60,6 +62,8 @@ class Ident:
     default: int | None = None
     is_read_only: bool = False
     capacity: int = 0
+    live: Callable[[], int] | None = None
+    check: Callable[[int], str | None] = field(default=lambda _: None)
     changed: Callable[[], None] = field(default=lambda: None)
     state: int = STATES["IDLE"]
 
@@ -77,7 +81,7 @@ class RefusedError(Exception):
     """An access is refused; the name of its code (`soe_errors.csv`)."""
 
 
-class ServiceChannel:
+class ServiceChannel(MailboxService):
     """Answers for some drives of a slave.
 
     drives: idents of each by their words. size(): bytes of the mailbox to the master. phase():
@@ -90,6 +94,7 @@ class ServiceChannel:
         size: Callable[[], int],
         phase: Callable[[], int],
     ) -> None:
+        self.kind = MailboxType.SOE
         self._drives, self._size, self._phase = drives, size, phase
         self._parts = b""  # of a write that comes in fragments
 
@@ -156,7 +161,7 @@ class ServiceChannel:
         if element is Element.ATTRIBUTE:
             return ident.attribute.pack()
         if element is Element.VALUE:
-            return ident.value
+            return ident.value if ident.live is None else ident.pack(ident.live())
         if element in (Element.NAME, Element.UNIT):
             text = ident.name if element is Element.NAME else ident.unit
             if not text:
@@ -182,6 +187,9 @@ class ServiceChannel:
         self._check_length(ident, data)
         if not ident.attribute.is_variable:
             self._check_number(ident, ident.number(data))
+            refused = ident.check(ident.number(data))
+            if refused is not None:
+                raise RefusedError(refused)
         if ident.attribute.is_command:
             self._command(ident, ident.number(data))
         ident.value = data

@@ -1,4 +1,4 @@
-"""CiA 402 on EtherCAT in a machine."""
+"""Drives on EtherCAT in a machine: CiA 402 and SERCOS."""
 
 import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -32,6 +32,9 @@ from axisrig.kernel.drives.ethercat.line_start import SlaveStart
 from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.watch import EthercatWatch
+from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.sercos.link import SercosDrive
+from axisrig.kernel.drives.sercos.watch import SercosWatch
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 BIT_RATE = 100_000_000
@@ -39,8 +42,6 @@ BIT_RATE = 100_000_000
 
 class EthercatLines(Cia402Segments):
     """The EtherCAT lines of a machine with all that is on them; lines: by name."""
-
-    links: Mapping[str, EthercatLink]
 
     def __init__(self, bench: Bench) -> None:
         super().__init__(bench)
@@ -84,9 +85,13 @@ class EthercatLines(Cia402Segments):
 
     # The control's side
 
-    def watch(self, axis: str) -> EthercatWatch:
+    def watch(self, axis: str) -> DriveWatch:
         """Make the watch over one drive."""
-        return EthercatWatch(self.links[axis], self._line_of(axis).carrier)
+        link, carrier = self.links[axis], self._line_of(axis).carrier
+        if isinstance(link, SercosDrive):
+            return SercosWatch(link, carrier)
+        assert isinstance(link, EthercatLink), axis
+        return EthercatWatch(link, carrier)
 
     def start_up(self, axis: str) -> SlaveStart:
         """Make the start-up of one drive, which is a part of that of its line."""

@@ -6,37 +6,30 @@ from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
+from axisrig.bench.machine.ethercat.cia402_slave import Cia402Ends
+from axisrig.bench.machine.ethercat.ends import Plugged, SlaveEnds
 from axisrig.bench.machine.ethercat.line_faults import LineFaults
 from axisrig.bench.machine.ethercat.line_terminal import LineTerminal, register_inputs
-from axisrig.bench.machine.ethercat.slaves import Entered, drive_slave, terminal_slave
+from axisrig.bench.machine.ethercat.sercos_slave import SercosEnds
+from axisrig.bench.machine.ethercat.slaves import Entered, terminal_slave
 from axisrig.bench.machine.faults.beside import Beside
-from axisrig.bench.rig.canopen.loop import loop_settings
-from axisrig.bench.rig.canopen.members import drive_of
-from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.ethercat.keys import SegmentTable
 from axisrig.bench.rig.ethercat.members import (
     TERMINAL,
     axes_on,
-    axis_pdos,
-    position_of,
+    is_sercos,
     segment_of,
     terminal_on,
     terminal_position,
     watches_clocks,
 )
-from axisrig.bench.rig.ethercat.startup import axis_steps
-from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
-from axisrig.kernel.drives.ethercat.image_data import ImageData
 from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
-from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
-from axisrig.kernel.drives.ethercat.mailbox import Mailbox
 from axisrig.kernel.drives.ethercat.master import Master
-from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings, station_of
-from axisrig.kernel.measuring.latest_edge import StampClock
-from axisrig.kernel.time.clock import US, Clock, TimeNs, ns_to_seconds
+from axisrig.kernel.drives.ethercat.settings import LineSettings
+from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.time.clock import US, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
@@ -58,18 +51,20 @@ class Line:
     ) -> None:
         table, self.axes = segment_of(settings, name), axes_on(settings, name)
         first = list(settings.rig.axis)
-        self.nodes = {
-            axis: drive_slave(
-                settings,
-                axis,
-                scheduler,
-                beside,
-                position_of(settings, axis),
-                seed + DRIVE_SEED_STRIDE * first.index(axis),
-                entered,
+        ends = {
+            axis: _ends(
+                Plugged(
+                    settings,
+                    axis,
+                    scheduler,
+                    beside,
+                    seed + DRIVE_SEED_STRIDE * first.index(axis),
+                    entered,
+                )
             )
             for axis in self.axes
         }
+        self.nodes = {axis: each.node for axis, each in ends.items()}
         self.terminal = _terminal(settings, name, scheduler, beside, advance)
         self.slaves: dict[str, EthercatDrive | StampingTerminal] = {**self.nodes}
         others = []
@@ -85,24 +80,30 @@ class Line:
             name=name,
             journal=journal,
         )
-        known = [slave_settings(settings, axis) for axis in self.axes]
-        data = [make_data(each) for each in known]
+        known = [each.settings for each in ends.values()]
+        data = [each.data for each in ends.values()]
         line = line_settings(settings, name)
         self.master = Master(self.segment, scheduler, line, known, data, others)
         if self.terminal is not None:
             self.master.others_taken.append(self.terminal.taken)
         self.segment.receivers.append(self.master.received)
         self.faults = LineFaults(self.segment, self.nodes)
-        self.links: dict[str, EthercatLink] = {}
+        self.links: dict[str, Drive] = {}
         starting = []
-        for axis, slave, values in zip(self.axes, known, data, strict=True):
-            link = _link_of(settings, axis, slave, values, self.master, scheduler)
-            self.links[axis] = link
-            objects = _objects(settings, axis, link, scheduler)
-            starting.append(Starting(slave, link.mailbox, objects))
+        for axis, each in ends.items():
+            port, self.links[axis], steps = each.connect(self.master.transactions, scheduler)
+            self.master.mailboxes.append(port)
+            starting.append(Starting(each.settings, port, steps))
         starting += [Starting(other, None, None) for other in others]
         self.start = LineStart(self.master, scheduler, starting)
-        self.carrier = EthercatCarrier(self.master, list(self.links.values()))
+        self.carrier = EthercatCarrier(self.master)
+
+
+def _ends(plugged: Plugged) -> SlaveEnds:
+    """Make both ends of a drive, as its family has them."""
+    if is_sercos(plugged.settings, plugged.axis):
+        return SercosEnds(plugged)
+    return Cia402Ends(plugged)
 
 
 def _terminal(
@@ -123,42 +124,6 @@ def _terminal(
 def _link(table: SegmentTable, axis: str) -> Link:
     slave_ns = round(table.of("slave_ns", axis))
     return Link(round(table.of("wire_ns", axis)), slave_ns, slave_ns)
-
-
-def _link_of(
-    settings: Settings,
-    axis: str,
-    slave: SlaveSettings,
-    values: ImageData,
-    master: Master,
-    clock: Clock,
-) -> EthercatLink:
-    """Make the control's end of a drive, with a mailbox that the master serves."""
-    drive = drive_of(settings, axis)
-    declared = start_up_settings(drive)
-    mailbox = Mailbox(
-        master.transactions,
-        clock,
-        station_of(slave),
-        declared.sdo_timeout_ns,
-        declared.sdo_attempts,
-    )
-    master.mailboxes.append(mailbox)
-    return EthercatLink(
-        slave,
-        values,
-        mailbox,
-        proves_latches=drive.latch_check,
-        proves_places=drive.position_check,
-    )
-
-
-def _objects(settings: Settings, axis: str, link: EthercatLink, clock: Clock) -> StartUp:
-    """Make the part of the start-up that is about objects."""
-    declared = start_up_settings(drive_of(settings, axis))
-    address = DriveAddress(axis, link.node_id)
-    steps = axis_steps(settings, axis)
-    return StartUp(address, None, clock, link.mailbox, steps, declared, keep=link.set_object)
 
 
 @once
@@ -182,44 +147,6 @@ def line_settings(settings: Settings, name: str) -> LineSettings:
     )
 
 
-@once
-def slave_settings(settings: Settings, name: str) -> SlaveSettings:
-    """Return what the control knows of the drive of an axis."""
-    axis, parameters = settings.rig.axis[name], settings.axis[name]
-    drive = drive_of(settings, name)
-    made, declared = drive.make(), start_up_settings(drive)
-    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
-    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
-    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
-    outputs, inputs = axis_pdos(settings, name)
-    return SlaveSettings(
-        axis=name,
-        node_id=position_of(settings, name),
-        increments_per_mm=float(made.units_per_mm),
-        probe_input=drive_input(parameters),
-        edge=parameters.word("kenngr.measure.edge"),
-        lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
-        missing_cycles=drive.missing_cycles,
-        lag_limit_mm=drive.lag_limit_mm or float("inf"),
-        fault_reset=drive.fault_reset,
-        jump_mm=jump_mm or float("inf"),
-        status_delay_cycles=made.status_delay_cycles,
-        stamps=_stamps(settings, name),
-        trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
-        sensor_age_limit_ms=axis.sensor_age_limit_ms,
-        loop=loop_settings(settings, name),
-        outputs=(outputs,),
-        inputs=(inputs,),
-        identity=declared.identity,
-    )
-
-
-def _stamps(settings: Settings, name: str) -> StampClock | None:
-    """Return the clock of the stamps: system time, which the master hands out; none without it."""
-    table = segment_of(settings, settings.rig.axis[name].segment)
-    return StampClock(1, 0, table.shift_ns) if table.dc else None
-
-
-def driven(lines: Mapping[str, Line]) -> dict[str, EthercatLink]:
+def driven(lines: Mapping[str, Line]) -> dict[str, Drive]:
     """Return the control's ends of all lines by axis."""
     return {axis: link for line in lines.values() for axis, link in line.links.items()}

@@ -11,9 +11,8 @@ from axisrig.bench.bus.journal import Entry, Journal
 from axisrig.bench.machine.ethercat.line import Line
 from axisrig.bench.record.bus import BusChange
 from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE
-from axisrig.kernel.drives.ethercat.line_start import state_name
 from axisrig.kernel.drives.ethercat.master import FIRST_INDEX
-from axisrig.kernel.profiles.ethercat.tables import AlState, al_status_text
+from axisrig.kernel.profiles.ethercat.tables import AlState, al_status_text, state_name
 from axisrig.kernel.time.clock import Clock, TimeNs
 
 

@@ -15,6 +15,7 @@ from axisrig.bench.rig.ethercat.members import (
     axis_telegrams,
     ec_axes,
     ec_segments,
+    is_sercos,
     position_of,
     segment_of,
     slaves_on,
@@ -24,6 +25,7 @@ from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.startup import BOOT_ONLY, CAN_ONLY, axis_steps
 from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.sercos.checks import check_sercos
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US
 
@@ -37,6 +39,9 @@ def check_lines(settings: Settings) -> None:
         _check_keys(settings, name)
         _check_terminal(settings, name)
     for name in ec_axes(settings):
+        if is_sercos(settings, name):
+            check_sercos(settings, name)
+            continue
         _check_can_keys(settings, name)
         check_latch_of(settings, name)
         check_steps_of(settings, name, axis_steps)

@@ -1,4 +1,4 @@
-"""CiA 402 on EtherCAT, as a rig asks for it."""
+"""Drives on EtherCAT as a rig asks for them: CiA 402 and SERCOS."""
 
 from axisrig.bench.rig.canopen.loop import describe_loop
 from axisrig.bench.rig.canopen.members import drive_of
@@ -8,18 +8,20 @@ from axisrig.bench.rig.ethercat.members import (
     axis_pdos,
     ec_axes,
     ec_segments,
+    is_sercos,
     segment_of,
     terminal_on,
 )
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.families import RigFamily, SecondEncoder, TerminalGrid
+from axisrig.bench.rig.sercos.checks import describe_sercos
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US
 
 
-class Cia402OnEthercat(RigFamily):
-    """Drives of CiA 402 on EtherCAT lines."""
+class OnEthercat(RigFamily):
+    """Drives on EtherCAT lines."""
 
     fault_rooms = ("lines", "drives")
     has_objects = True
@@ -36,9 +38,12 @@ class Cia402OnEthercat(RigFamily):
         lines = []
         for name in ec_axes(settings):
             late_cycles = phases_of(settings, name).late_cycles
-            lines += describe_loop(settings, name, late_cycles)
-            lines += [*_latches(settings, name), *_times(settings, name)]
-            if not drive_of(settings, name).position_check:
+            if is_sercos(settings, name):
+                lines += describe_sercos(settings, name)
+            else:
+                lines += [*describe_loop(settings, name, late_cycles), *_latches(settings, name)]
+            lines += _times(settings, name)
+            if not is_sercos(settings, name) and not drive_of(settings, name).position_check:
                 drive = settings.rig.axis[name].drive
                 reason = f"position_check of drive {drive} is false"
                 lines.append(f"warning: axis {name}: {UNPROVED_PLACE}: {reason}")
@@ -50,6 +55,8 @@ class Cia402OnEthercat(RigFamily):
         if not any(mapped.field == "second" for mapped in inputs.objects):
             return None
         period_ns = settings.rig.cycle.period_us * US
+        if is_sercos(settings, axis):
+            return SecondEncoder("S-0-0053, in the AT of each cycle", 1, period_ns)
         return SecondEncoder("60E4:1, in the process image of each cycle", 1, period_ns)
 
     def late_cycles(self, settings: Settings, axis: str) -> int:
@@ -107,4 +114,4 @@ def _times(settings: Settings, name: str) -> list[str]:
     ]
 
 
-FAMILY = Cia402OnEthercat()
+FAMILY = OnEthercat()

@@ -14,6 +14,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final
 
+from axisrig.kernel.drives.mapped import BitCodec, MappedObject
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.canopen.identifiers import ID_MASK, PDO_BASE, RESTRICTED, SYNC_ID
 from axisrig.kernel.time.clock import MS, TimeNs
@@ -50,55 +51,6 @@ IDENTIFIER: Final = "cob_id"
 _OPTIONAL: Final = (EVENT_TIMER, IDENTIFIER)
 _PDO: Final = re.compile(r"[RT]PDO([1-9]\d{0,2})")
 PDOS_MAX: Final = 512  # of each direction (CiA 301: 1400 to 15FF, 1800 to 19FF)
-
-
-@dataclass(frozen=True)
-class MappedObject:
-    """One object of a PDO: index, sub-index, length in bits, field name of the link or ""."""
-
-    index: int
-    sub: int
-    bits: int
-    signed: bool
-    field: str
-
-    @property
-    def entry(self) -> int:
-        """The mapping entry as CiA 301 writes it: index << 16 | sub << 8 | bits."""
-        return self.index << 16 | self.sub << 8 | self.bits
-
-
-class BitCodec:
-    """The codec of a PDO with lengths that no `struct` has: the first object has the lowest bits.
-
-    Same calls as `struct.Struct`. Source: CiA 301 section 7.1, bit sequences are little endian.
-    """
-
-    def __init__(self, objects: tuple[MappedObject, ...]) -> None:
-        starts = [sum(o.bits for o in objects[:n]) for n in range(len(objects))]
-        self._fields = [(s, (1 << o.bits) - 1, o) for s, o in zip(starts, objects, strict=True)]
-        self.size = -(-sum(o.bits for o in objects) // 8)
-
-    def pack(self, *values: int) -> bytes:
-        """Make the payload; raises struct.error for a value that does not fit."""
-        whole = 0
-        for (start, mask, mapped), value in zip(self._fields, values, strict=True):
-            low = -(1 << mapped.bits - 1) if mapped.signed else 0
-            if not low <= value <= low + mask:
-                raise struct.error(f"{value} does not fit into {mapped.bits} bits")
-            whole |= (value & mask) << start
-        return whole.to_bytes(self.size, "little")
-
-    def unpack(self, data: bytes | bytearray) -> tuple[int, ...]:
-        """Take the payload apart; raises struct.error for another length."""
-        if len(data) != self.size:
-            raise struct.error(f"unpack requires a buffer of {self.size} bytes")
-        whole, values = int.from_bytes(data, "little"), []
-        for start, mask, mapped in self._fields:
-            value = whole >> start & mask
-            is_negative = mapped.signed and value >> mapped.bits - 1
-            values.append(value - mask - 1 if is_negative else value)
-        return tuple(values)
 
 
 @dataclass(frozen=True)

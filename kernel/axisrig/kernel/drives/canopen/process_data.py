@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any
 
-from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP, MappedObject, Telegram
+from axisrig.kernel.drives.canopen.mapping import FROM_LATCH_TO_STAMP, Telegram
 from axisrig.kernel.drives.canopen.sdo import Network
 from axisrig.kernel.drives.cia402.cyclic_data import TAKEN, CyclicData, Values
 from axisrig.kernel.drives.cia402.words import find_state
+from axisrig.kernel.drives.mapped import MappedObject
 
 # Why a telegram could not be used: alarm IDs
 STAYED_OUT, CONTRADICTED, NO_STATE = 900006, 900080, 900081

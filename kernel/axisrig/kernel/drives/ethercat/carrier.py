@@ -1,25 +1,44 @@
 """EtherCAT as it carries the cycles of the control: one frame for all drives of a segment."""
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from axisrig.kernel.drives.carrier import Carrier
 from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_position
-from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.master import NEVER, Master
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.ethercat.tables import AlState, Command, address_of
+from axisrig.kernel.profiles.ethercat.tables import (
+    AlState,
+    Command,
+    address_of,
+    al_status_text,
+    state_name,
+)
 from axisrig.kernel.time.clock import TimeNs
 
 STATUS_BYTES: Final = 6  # AL status, two reserved, AL status code
 
 
-class EthercatCarrier(Carrier):
-    """One segment. links: of its drives, in their order on the line."""
+@dataclass
+class SlaveState:
+    """What a slave says of itself, as asked for when not all were in OP.
 
-    def __init__(self, master: Master, links: Sequence[EthercatLink]) -> None:
-        self._master, self._links = master, list(links)
+    status, code: its AL status and AL status code; None: not asked, or in OP.
+    """
+
+    axis: str
+    node_id: int
+    status: int | None = None
+    code: int = 0
+
+
+class EthercatCarrier(Carrier):
+    """One segment. slaves: with drives, by axis, in their order on the line."""
+
+    def __init__(self, master: Master) -> None:
+        self._master = master
         self.name = master.line.name
+        self.slaves = {each.axis: SlaveState(each.axis, each.node_id) for each in master.slaves}
         self._is_watched = self._is_asking = False
         master.falls.append(self._ask)
 
@@ -40,13 +59,27 @@ class EthercatCarrier(Carrier):
         """What is wrong with a segment shows at its drives."""
         return None
 
-    def watch(self) -> None:
+    def watch(self, axis: str) -> None:
         """Ask for the state of slaves when not all are in OP, from now on."""
+        self.slaves[axis].status = None
         self._is_watched = True
 
     def watch_no_more(self) -> None:
         """Ask no more."""
         self._is_watched = False
+
+    def fallen(self, axis: str) -> Alarm | None:
+        """Return Alarm 900732 where the slave of an axis is not in OP."""
+        slave = self.slaves[axis]
+        if slave.status is None or slave.status == AlState.OP:
+            return None
+        return Alarm(
+            900732,
+            axis=axis,
+            position=slave.node_id,
+            state=state_name(slave.status),
+            code=al_status_text(slave.code),
+        )
 
     def _ask(self) -> None:
         """Ask each slave for its state, at its place: one that was off has no station address."""
@@ -57,19 +90,19 @@ class EthercatCarrier(Carrier):
         self._master.transactions.ask(
             [
                 Datagram(Command.APRD, at_position(place, register), bytes(STATUS_BYTES))
-                for place in range(len(self._links))
+                for place in range(len(self.slaves))
             ],
             self._note,
         )
 
     def _note(self, answers: list[Answer] | None) -> None:
         self._is_asking = False
-        for link, answer in zip(self._links, answers or [], strict=False):
+        for slave, answer in zip(self.slaves.values(), answers or [], strict=False):
             if answer.counter == 1:
-                link.al_status = answer.data[0]
-                link.al_code = int.from_bytes(answer.data[4:6], "little")
-                if link.al_status == AlState.OP:
-                    link.al_status = None
+                slave.status = answer.data[0]
+                slave.code = int.from_bytes(answer.data[4:6], "little")
+                if slave.status == AlState.OP:
+                    slave.status = None
 
     def sampled_ns(self, axis: str) -> TimeNs:
         """Return when the control assumes that the position of this cycle is sampled.

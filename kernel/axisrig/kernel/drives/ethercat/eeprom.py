@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from axisrig.kernel.drives.ethercat.mailbox import MailboxPlaces
+from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPlaces
 from axisrig.kernel.drives.ethercat.steps import (
     Pause,
     Steps,

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from axisrig.kernel.drives.canopen.mapping import BitCodec, MappedObject
 from axisrig.kernel.drives.ethercat.settings import Pdo, RegisterInputs, SlaveSettings
+from axisrig.kernel.drives.mapped import BitCodec, MappedObject
 
 LOGICAL: Final = 0x10000
 """Logical address of the first byte."""

@@ -11,22 +11,20 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from axisrig.kernel.drives.canopen.startup import StartUp
-from axisrig.kernel.drives.cia402.objects import SdoError, object_name
+from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.drives.ethercat import clocks
 from axisrig.kernel.drives.ethercat.eeprom import Described, EepromError, read_eeprom
 from axisrig.kernel.drives.ethercat.frames import Datagram, at_position
 from axisrig.kernel.drives.ethercat.image import LOGICAL, Place
-from axisrig.kernel.drives.ethercat.mailbox import STATUS, Mailbox
+from axisrig.kernel.drives.ethercat.mailbox_port import STATUS, MailboxPort
 from axisrig.kernel.drives.ethercat.master import Master
-from axisrig.kernel.drives.ethercat.settings import Pdo, RegisterInputs, SlaveSettings, station_of
+from axisrig.kernel.drives.ethercat.settings import RegisterInputs, SlaveSettings, station_of
 from axisrig.kernel.drives.ethercat.steps import (
     Ask,
+    DriveSteps,
     Pause,
-    ReadObject,
     Stepper,
     Steps,
-    WriteObject,
     read_register,
     write_all,
     write_register,
@@ -45,14 +43,13 @@ from axisrig.kernel.profiles.ethercat.tables import (
     Command,
     address_of,
     al_status_text,
+    state_name,
 )
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
 Ended = Callable[[Alarm | None], None]
 POLL_NS: Final[TimeNs] = MS
 ATTEMPTS: Final = 3  # to find the slaves
-STATE_MASK: Final = 0x0F
-ASSIGN_OUTPUTS, ASSIGN_INPUTS = 0x1C12, 0x1C13
 SYNC_LEAD_CYCLES: Final = 10
 """So many cycles after it is set up SYNC0 begins."""
 FMMU_ALL_BITS: Final = (0, 7)
@@ -62,14 +59,11 @@ MANAGERS: Final = 4
 
 @dataclass
 class Starting:
-    """One slave on its way. objects: the start-up of its drive over SDO.
-
-    Without a drive it has no mailbox and no objects.
-    """
+    """One slave on its way. drive: the steps of its family. Without one it has no mailbox."""
 
     settings: SlaveSettings | RegisterInputs
-    mailbox: Mailbox | None
-    objects: StartUp | None
+    mailbox: MailboxPort | None
+    drive: DriveSteps | None
     ended: Ended | None = None
     described: Described | None = None
     has_failed: bool = False
@@ -102,7 +96,7 @@ class LineStart:
 
     def _fail(self, slave: Starting, alarm: Alarm) -> None:
         """End the start-up of a slave; that of one without a drive is that of the first drive."""
-        owner = self._slaves[0] if slave.objects is None else slave
+        owner = self._slaves[0] if slave.drive is None else slave
         is_new = not owner.has_failed
         slave.has_failed = owner.has_failed = True
         if is_new:
@@ -118,7 +112,7 @@ class LineStart:
             self._end()
             return
         yield from self._reset()
-        for phase in (self._to_preop, self._set_up_objects):
+        for phase in (self._to_preop, self._set_up):
             for slave in self._alive:
                 yield from self._guarded(slave, phase(slave))
         reference = yield from self._set_clocks()
@@ -130,9 +124,9 @@ class LineStart:
         if reference is not None:
             yield from self._begin_sync()
         self._master.run_alone()
-        for state in (AlState.SAFEOP, AlState.OP):
+        for phase in (self._to_safeop, self._to_op, self._in_op):
             for slave in self._alive:
-                yield from self._guarded(slave, self._change(slave, state))
+                yield from self._guarded(slave, phase(slave))
         self._end()
 
     def _end(self) -> None:
@@ -205,12 +199,31 @@ class LineStart:
         yield write_register(slave.station, "EEPROM_CONFIGURATION", b"\1")
         yield from self._change(slave, AlState.PREOP)
 
-    def _open_mailbox(self, station: int, mailbox: Mailbox, described: Described) -> Steps:
+    def _open_mailbox(self, station: int, mailbox: MailboxPort, described: Described) -> Steps:
         mailbox.places = box = described.mailbox
         (_, out_control), (_, in_control) = described.managers[:2]
         managers = SYNC_MANAGER.pack(box.out_start, box.out_size, out_control, 0, SM_ENABLE, 0)
         managers += SYNC_MANAGER.pack(box.in_start, box.in_size, in_control, 0, SM_ENABLE, 0)
         yield write_register(station, "SYNC_MANAGER", managers)
+
+    def _to_safeop(self, slave: Starting) -> Steps:
+        if slave.drive is not None:
+            yield from slave.drive.before_safeop()
+        yield from self._change(slave, AlState.SAFEOP)
+
+    def _to_op(self, slave: Starting) -> Steps:
+        if slave.drive is not None:
+            yield from slave.drive.before_op()
+        try:
+            yield from self._change(slave, AlState.OP)
+        except Alarm:
+            if slave.drive is not None:
+                slave.drive.not_in_op()
+            raise
+
+    def _in_op(self, slave: Starting) -> Steps:
+        if slave.drive is not None:
+            yield from slave.drive.in_op()
 
     def _change(self, slave: Starting, state: AlState) -> Steps:
         yield write_register(slave.station, "AL_CONTROL", bytes((state, 0)))
@@ -248,74 +261,14 @@ class LineStart:
                 )
             yield Pause(POLL_NS)
 
-    def _set_up_objects(self, slave: Starting) -> Steps:
-        """Write the objects of the drive, then which PDOs it has and what they carry."""
+    def _set_up(self, slave: Starting) -> Steps:
+        """Set up the drive; of a slave without one, its registers."""
         settings = slave.settings
         if isinstance(settings, RegisterInputs):
             for register, data in settings.writes:
                 yield write_register(slave.station, register, data)
-            return
-        assert slave.objects is not None, "each drive has them"
-        found: list[Alarm | None] = []
-        slave.objects.begin(found.append)
-        while not found:
-            yield Pause(POLL_NS)
-        if found[0] is not None:
-            raise found[0]
-        for assignment, pdos in (
-            (ASSIGN_OUTPUTS, settings.outputs),
-            (ASSIGN_INPUTS, settings.inputs),
-        ):
-            wrong = []
-            for pdo in pdos:
-                if not (yield from self._carries(slave, pdo)):
-                    wrong.append(pdo)
-            assigned = yield from self._read_list(slave, assignment, 2)
-            wanted = [pdo.index for pdo in pdos]
-            if wrong or assigned != wanted:
-                yield from self._write(slave, assignment, 0, 0, 1)
-                for pdo in wrong:
-                    entries = [mapped.entry for mapped in pdo.objects]
-                    yield from self._write_list(slave, pdo.index, entries, 4)
-                yield from self._write_list(slave, assignment, wanted, 2)
-
-    def _carries(self, slave: Starting, pdo: Pdo) -> Steps:
-        entries = yield from self._read_list(slave, pdo.index, 4)
-        return entries == [mapped.entry for mapped in pdo.objects]
-
-    def _read_list(self, slave: Starting, index: int, size: int) -> Steps:
-        count = yield from self._read(slave, index, 0)
-        entries = []
-        for sub in range(1, count + 1):
-            entries.append((yield from self._read(slave, index, sub)) & (1 << 8 * size) - 1)
-        return entries
-
-    def _write_list(self, slave: Starting, index: int, entries: Sequence[int], size: int) -> Steps:
-        yield from self._write(slave, index, 0, 0, 1)
-        for sub, entry in enumerate(entries, 1):
-            yield from self._write(slave, index, sub, entry, size)
-        yield from self._write(slave, index, 0, len(entries), 1)
-
-    def _read(self, slave: Starting, index: int, sub: int) -> Steps:
-        assert slave.mailbox is not None
-        answer = yield ReadObject(slave.mailbox, index, sub)
-        if isinstance(answer, SdoError):
-            raise self._refused(slave, f"the reading of {object_name(index, sub)}", answer)
-        return int.from_bytes(answer, "little")
-
-    def _write(self, slave: Starting, index: int, sub: int, value: int, size: int) -> Steps:
-        data = value.to_bytes(size, "little")
-        assert slave.mailbox is not None
-        answer = yield WriteObject(slave.mailbox, index, sub, data)
-        if isinstance(answer, SdoError):
-            what = f"PDOs: {object_name(index, sub)} = 0x{value:X}"
-            raise self._refused(slave, what, answer)
-
-    def _refused(self, slave: Starting, step: str, answer: SdoError) -> Alarm:
-        settings = slave.settings
-        return Alarm(
-            900011, axis=settings.axis, node=settings.node_id, step=step, answer=str(answer)
-        )
+        elif slave.drive is not None:
+            yield from slave.drive.in_preop()
 
     def _map(self, slave: Starting) -> Steps:
         """Set up SyncManagers and FMMUs of the process data, and of the state of the mailbox."""
@@ -359,7 +312,7 @@ class LineStart:
         period_ns = self._line.period_ns
         lead_ns = SYNC_LEAD_CYCLES * period_ns
         start_ns = -(-(self._clock.now_ns + lead_ns) // period_ns) * period_ns
-        for slave in (each for each in self._alive if each.objects is not None):
+        for slave in (each for each in self._alive if each.drive is not None):
             yield from clocks.begin_sync(slave.station, start_ns + self._line.shift_ns, period_ns)
 
     def _follow(self, reference: int) -> Steps:
@@ -384,15 +337,6 @@ class LineStart:
 
 def _place(slave: Starting) -> dict[str, Any]:
     return {"axis": slave.settings.axis, "position": slave.settings.node_id}
-
-
-def state_name(status: int) -> str:
-    """Say an AL status in words: its state, and whether its error bit is set."""
-    try:
-        name = AlState(status & STATE_MASK).name
-    except ValueError:
-        name = f"0x{status & STATE_MASK:X}"
-    return f"{name} with error" if status & AL_ERROR else name
 
 
 def fmmus_of(place: Place, out_start: int, in_start: int) -> bytes:

@@ -10,10 +10,7 @@ from axisrig.kernel.time.clock import TimeNs
 
 
 class EthercatLink(Cia402Drive):
-    """One drive, read and written once per cycle.
-
-    al_status, al_code: of its slave, as asked for when not all were in OP; None: not asked.
-    """
+    """One drive, read and written once per cycle."""
 
     def __init__(
         self,
@@ -29,8 +26,6 @@ class EthercatLink(Cia402Drive):
         )
         self.mailbox = mailbox
         self._has_second = any(o.field == "second" for o in objects_of(settings.inputs))
-        self.al_status: int | None = None
-        self.al_code = 0
         mailbox.emergency = self.note_emergency
 
     @property

@@ -12,10 +12,10 @@ from typing import Final
 from axisrig.kernel.drives.ethercat.clocks import AMOUNT_MASK, TIME_MASK, distribution
 from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE, Datagram, frame_of
 from axisrig.kernel.drives.ethercat.image import LOGICAL, Image
-from axisrig.kernel.drives.ethercat.image_data import ImageData
-from axisrig.kernel.drives.ethercat.mailbox import Mailbox
+from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
 from axisrig.kernel.drives.ethercat.port import EthercatPort
 from axisrig.kernel.drives.ethercat.settings import LineSettings, RegisterInputs, SlaveSettings
+from axisrig.kernel.drives.ethercat.slave_data import SlaveData
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.profiles.ethercat.layouts import (
     DATAGRAM,
@@ -90,7 +90,7 @@ class Master:
         clock: Clock,
         line: LineSettings,
         slaves: Sequence[SlaveSettings],
-        data: Sequence[ImageData],
+        data: Sequence[SlaveData],
         others: Sequence[RegisterInputs] = (),
     ) -> None:
         self._port, self._clock, self.line, self.slaves = port, clock, line, slaves
@@ -99,7 +99,7 @@ class Master:
         self.others_taken: list[Callable[[bytes], None]] = []
         self.image = Image(slaves, self.others)
         self._parts = list(zip(data, self.image.places, strict=True))
-        self.mailboxes: list[Mailbox] = []
+        self.mailboxes: list[MailboxPort] = []
         self.frames = 0
         self.silent_cycles = 0
         self.sent_ns = self.taken_ns = NEVER

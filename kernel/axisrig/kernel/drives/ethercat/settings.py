@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from axisrig.kernel.drives.canopen.mapping import MappedObject
 from axisrig.kernel.drives.cia402.settings import Cia402Settings
+from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.time.clock import MS, TimeNs
 
 

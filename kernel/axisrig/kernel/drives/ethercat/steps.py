@@ -4,7 +4,7 @@ A start-up is a generator: it yields a question and gets the answer back in the 
 is there. Nothing waits.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,8 +48,38 @@ class WriteObject:
     data: bytes
 
 
-Step = Ask | Pause | ReadObject | WriteObject
+@dataclass(frozen=True)
+class Call:
+    """What is begun with a function that gets the answer; the answer: what that was called with."""
+
+    begin: Callable[[Callable[[Any], None]], None]
+
+
+Step = Ask | Pause | ReadObject | WriteObject | Call
 Steps = Generator[Step, Any, Any]
+
+
+class DriveSteps:
+    """What the family of a drive adds to the start-up of its slave; this base adds nothing."""
+
+    def in_preop(self) -> Steps:
+        """Set up what may be set up in PREOP only. Raises Alarm."""
+        yield from ()
+
+    def before_safeop(self) -> Steps:
+        """Do what comes between the set-up of the process data and SAFEOP. Raises Alarm."""
+        yield from ()
+
+    def before_op(self) -> Steps:
+        """Do what comes between SAFEOP and OP. Raises Alarm."""
+        yield from ()
+
+    def not_in_op(self) -> None:
+        """Take note that the slave has not reached OP."""
+
+    def in_op(self) -> Steps:
+        """Do what needs OP. Raises Alarm."""
+        yield from ()
 
 
 class Stepper:
@@ -86,6 +116,8 @@ class Stepper:
                 access.read(index, sub, done)
             case WriteObject(access, index, sub, data):
                 access.write(index, sub, data, done)
+            case Call(begin):
+                begin(done)
 
 
 def read_register(station: int, name: str, size: int) -> Ask:

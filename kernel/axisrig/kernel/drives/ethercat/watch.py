@@ -2,10 +2,8 @@
 
 from axisrig.kernel.drives.cia402.watch import Cia402Watch
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
-from axisrig.kernel.drives.ethercat.line_start import state_name
 from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.ethercat.tables import AlState, al_status_text
 
 
 class EthercatWatch(Cia402Watch):
@@ -18,8 +16,7 @@ class EthercatWatch(Cia402Watch):
     def begin(self) -> None:
         """Watch from now on; what came during the start-up does not count."""
         self._link.begin()
-        self._link.al_status = None
-        self._carrier.watch()
+        self._carrier.watch(self._link.name)
 
     def end(self) -> None:
         """Ask no more."""
@@ -30,13 +27,7 @@ class EthercatWatch(Cia402Watch):
 
         Alarm 900732 (its slave is not in OP), 900029 (its position has jumped).
         """
-        link = self._link
-        if link.al_status is not None and link.al_status != AlState.OP:
-            return Alarm(
-                900732,
-                axis=link.name,
-                position=link.node_id,
-                state=state_name(link.al_status),
-                code=al_status_text(link.al_code),
-            )
-        return self._jump() if link.jump_mm is not None else None
+        fallen = self._carrier.fallen(self._link.name)
+        if fallen is not None:
+            return fallen
+        return self._jump() if self._link.jump_mm is not None else None

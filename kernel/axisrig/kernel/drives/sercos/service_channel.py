@@ -5,12 +5,11 @@ Sources: `kernel/axisrig/kernel/profiles/sercos/service.py`.
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from axisrig.kernel.profiles.ethercat.layouts import MAILBOX
 from axisrig.kernel.profiles.sercos.service import (
     ERROR_CODE,
     HEADER,
@@ -56,21 +55,22 @@ class _Request:
 class ServiceChannel:
     """The requests to one slave, in turn.
 
-    send(body): sends a message of SoE. size: bytes of the mailbox to the slave.
+    send(parts): sends a message of SoE, in fragments where it is long. room(): bytes that a message
+    may have behind its mailbox head.
     """
 
     def __init__(
         self,
-        send: Callable[[bytes], None],
+        send: Callable[[Sequence[bytes]], None],
         clock: Clock,
-        size: int,
+        room: Callable[[], int],
         timeout_ns: TimeNs = TIMEOUT_NS,
     ) -> None:
-        self._send, self._clock, self._size, self._timeout_ns = send, clock, size, timeout_ns
+        self._send, self._clock, self._room, self._timeout_ns = send, clock, room, timeout_ns
         self._waiting: deque[_Request] = deque()
         self._open: _Request | None = None
         self._parts = b""
-        self._number = 0  # of the open request, so that a late time-out finds another one
+        self.requests = 0  # so many have begun; a late time-out finds another one
 
     @property
     def is_busy(self) -> bool:
@@ -103,6 +103,11 @@ class ServiceChannel:
         if not head.fragments:
             self._end(self._parts)
 
+    def give_up(self) -> None:
+        """End the open request without an answer, where there is one."""
+        if self._open is not None:
+            self._end(SoeError(self._open.ident, None))
+
     def _ask(self, request: _Request) -> None:
         self._waiting.append(request)
         if self._open is None:
@@ -111,21 +116,23 @@ class ServiceChannel:
     def _begin(self) -> None:
         request = self._open = self._waiting.popleft()
         self._parts = b""
-        self._number += 1
+        self.requests += 1
         at_ns = self._clock.now_ns + self._timeout_ns
-        self._clock.call_at(at_ns, Phase.APPLICATION, partial(self._late, self._number))
-        room = self._size - MAILBOX.size - HEADER.size
+        self._clock.call_at(at_ns, Phase.APPLICATION, partial(self._late, self.requests))
+        room = self._room() - HEADER.size
         cuts = [request.data[at : at + room] for at in range(0, len(request.data), room)] or [b""]
+        parts = []
         for at, cut in enumerate(cuts):
             left = len(cuts) - 1 - at
             head = Header(
                 request.operation, request.drive, request.elements, request.ident, fragments=left
             )
-            self._send(head.pack() + cut)
+            parts.append(head.pack() + cut)
+        self._send(parts)
 
     def _late(self, number: int) -> None:
-        if self._open is not None and number == self._number:
-            self._end(SoeError(self._open.ident, None))
+        if number == self.requests:
+            self.give_up()
 
     def _end(self, answer: bytes | SoeError) -> None:
         request, self._open = self._open, None

@@ -134,3 +134,15 @@ def al_status_text(code: int) -> str:
 def sii_categories() -> Mapping[str, int]:
     """Return the types of SII categories by their names."""
     return {row["name"]: int(row["type"]) for row in _rows("sii_categories.csv")}
+
+
+STATE_MASK: Final = 0x0F
+
+
+def state_name(status: int) -> str:
+    """Say an AL status in words: its state, and whether its error bit is set."""
+    try:
+        name = AlState(status & STATE_MASK).name
+    except ValueError:
+        name = f"0x{status & STATE_MASK:X}"
+    return f"{name} with error" if status & AL_ERROR else name

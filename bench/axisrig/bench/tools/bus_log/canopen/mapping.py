@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from axisrig.bench.drive.cia402.dictionary.objects import variables
-from axisrig.kernel.drives.canopen.mapping import MappedObject, Telegram
+from axisrig.kernel.drives.canopen.mapping import Telegram
+from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO, PDO_BASE
 
 NOT_VALID: Final = 1 << 31

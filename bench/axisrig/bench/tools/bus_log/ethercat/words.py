@@ -18,12 +18,17 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.drives.ethercat.image import Image, codec_of
-from axisrig.kernel.drives.ethercat.line_start import state_name
 from axisrig.kernel.drives.ethercat.settings import STATION_BASE, RegisterInputs, SlaveSettings
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency
 from axisrig.kernel.profiles.ethercat.layouts import MAILBOX, SDO, CoeService, MailboxType
-from axisrig.kernel.profiles.ethercat.tables import AL_ERROR, Command, al_status_text, registers
+from axisrig.kernel.profiles.ethercat.tables import (
+    AL_ERROR,
+    Command,
+    al_status_text,
+    registers,
+    state_name,
+)
 
 _LOGICAL = (Command.LRD, Command.LWR, Command.LRW)
 _FIRST_RAM = 0x1000

@@ -1,0 +1,98 @@
+"""Both ends of a drive of CiA 402 on an EtherCAT line."""
+
+from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds
+from axisrig.bench.machine.ethercat.slaves import drive_slave
+from axisrig.bench.rig.canopen.loop import loop_settings
+from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.startup import start_up_settings
+from axisrig.bench.rig.ethercat.members import axis_pdos, position_of, segment_of
+from axisrig.bench.rig.ethercat.startup import axis_steps
+from axisrig.bench.rig.reading.lists import drive_input
+from axisrig.bench.rig.settings import Settings, once
+from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.ethercat.coe_start import CoeSteps
+from axisrig.kernel.drives.ethercat.image_data import ImageData
+from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
+from axisrig.kernel.drives.ethercat.mailbox import Mailbox
+from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
+from axisrig.kernel.drives.ethercat.settings import SlaveSettings, station_of
+from axisrig.kernel.drives.ethercat.transactions import Transactions
+from axisrig.kernel.measuring.latest_edge import StampClock
+from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
+
+
+class Cia402Ends(SlaveEnds):
+    """Both ends of one drive."""
+
+    data: ImageData
+
+    def __init__(self, plugged: Plugged) -> None:
+        settings, axis, scheduler, beside, seed, entered = plugged
+        self._settings = settings
+        serial = position_of(settings, axis)
+        self.node = drive_slave(settings, axis, scheduler, beside, serial, seed, entered)
+        self.settings = slave_settings(settings, axis)
+        self.data = make_data(self.settings)
+
+    def connect(self, transactions: Transactions, clock: Clock) -> Connected:
+        """Make the control's end."""
+        settings, axis = self._settings, self.settings.axis
+        declared = start_up_settings(drive_of(settings, axis))
+        port = MailboxPort(transactions, clock, station_of(self.settings), declared.sdo_timeout_ns)
+        mailbox = Mailbox(port, declared.sdo_attempts)
+        drive = drive_of(settings, axis)
+        link = EthercatLink(
+            self.settings,
+            self.data,
+            mailbox,
+            proves_latches=drive.latch_check,
+            proves_places=drive.position_check,
+        )
+        objects = _objects(settings, axis, link, clock)
+        return Connected(port, link, CoeSteps(self.settings, mailbox, objects))
+
+
+def _objects(settings: Settings, axis: str, link: EthercatLink, clock: Clock) -> StartUp:
+    """Make the part of the start-up that is about objects."""
+    declared = start_up_settings(drive_of(settings, axis))
+    address = DriveAddress(axis, link.node_id)
+    steps = axis_steps(settings, axis)
+    return StartUp(address, None, clock, link.mailbox, steps, declared, keep=link.set_object)
+
+
+@once
+def slave_settings(settings: Settings, name: str) -> SlaveSettings:
+    """Return what the control knows of the drive of an axis."""
+    axis, parameters = settings.rig.axis[name], settings.axis[name]
+    drive = drive_of(settings, name)
+    made, declared = drive.make(), start_up_settings(drive)
+    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
+    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
+    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
+    outputs, inputs = axis_pdos(settings, name)
+    return SlaveSettings(
+        axis=name,
+        node_id=position_of(settings, name),
+        increments_per_mm=float(made.units_per_mm),
+        probe_input=drive_input(parameters),
+        edge=parameters.word("kenngr.measure.edge"),
+        lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+        missing_cycles=drive.missing_cycles,
+        lag_limit_mm=drive.lag_limit_mm or float("inf"),
+        fault_reset=drive.fault_reset,
+        jump_mm=jump_mm or float("inf"),
+        status_delay_cycles=made.status_delay_cycles,
+        stamps=_stamps(settings, name),
+        trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
+        sensor_age_limit_ms=axis.sensor_age_limit_ms,
+        loop=loop_settings(settings, name),
+        outputs=(outputs,),
+        inputs=(inputs,),
+        identity=declared.identity,
+    )
+
+
+def _stamps(settings: Settings, name: str) -> StampClock | None:
+    """Return the clock of the stamps: system time, which the master hands out; none without it."""
+    table = segment_of(settings, settings.rig.axis[name].segment)
+    return StampClock(1, 0, table.shift_ns) if table.dc else None

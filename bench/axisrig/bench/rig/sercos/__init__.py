@@ -1,0 +1,1 @@
+"""SERCOS drives as a rig has them: their keys, telegrams and checks."""

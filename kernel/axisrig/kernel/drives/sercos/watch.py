@@ -1,0 +1,66 @@
+"""Watches over a SERCOS drive while a program runs: the state of its slave and its words."""
+
+from math import inf
+
+from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
+from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.drives.sercos.link import SercosDrive
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.ethercat.tables import AL_ERROR, AlState
+
+
+class SercosWatch(DriveWatch):
+    """The watch over one drive; begins with `begin`, asked once per cycle."""
+
+    def __init__(self, drive: SercosDrive, carrier: EthercatCarrier) -> None:
+        self._drive, self._carrier = drive, carrier
+
+    def begin(self) -> None:
+        """Watch from now on; what came during the start-up does not count."""
+        self._drive.begin()
+        self._carrier.watch(self._drive.name)
+
+    def end(self) -> None:
+        """Ask no more."""
+        self._carrier.watch_no_more()
+
+    def communication(self) -> Alarm | None:
+        """Return what is wrong with the connection, None when nothing is.
+
+        Alarm 900732 (its slave is not in OP; where it is in INIT with the warning 140029), 900029
+        (its position has jumped).
+        """
+        drive = self._drive
+        fallen = self._carrier.fallen(drive.name)
+        if fallen is not None:
+            if self._carrier.slaves[drive.name].status in (AlState.INIT, AlState.INIT | AL_ERROR):
+                drive.warn(Alarm(140029, axis=drive.name, state=AlState.INIT.name))
+            return fallen
+        jump_mm, drive.jump_mm = drive.jump_mm, None
+        if jump_mm is None or drive.power is not Power.OPERATING:
+            return None
+        return Alarm(900029, axis=drive.name, jump_mm=f"{jump_mm:.3f}")
+
+    def condition(self) -> Alarm | None:
+        """Return what is wrong with the drive itself, None when nothing is.
+
+        Alarm 900005 (error of class 1), 900036 (lag), 900027 (has left operation).
+        """
+        drive = self._drive
+        if drive.request is PowerRequest.STOP:
+            return None
+        if drive.power is Power.OPERATING:
+            return self._lag()
+        if drive.power is Power.FAULT:
+            return drive.fault()
+        return Alarm(
+            900027, axis=drive.name, statusword=f"0x{drive.status:04X}", state=drive.state_name
+        )
+
+    def _lag(self) -> Alarm | None:
+        drive, limit_mm = self._drive, self._drive.settings.lag_limit_mm
+        if limit_mm == inf or not drive.watches_lag or abs(drive.lag_mm) <= limit_mm:
+            return None
+        lag_mm = f"{drive.lag_mm:.4f}"
+        return Alarm(900036, axis=drive.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")

@@ -1,0 +1,74 @@
+"""Tables of SERCOS: idents, telegrams, profiles, real-time bits of P-AXIS-00060."""
+
+import pytest
+
+from axisrig.bench.drive.sercos.idents import rows
+from axisrig.bench.drive.sercos.profiles import LINEAR, NAMES, ROTARY, units_per_turn
+from axisrig.bench.drive.sercos.profiles import rows as habits
+from axisrig.kernel.drives.sercos.settings import real_time_bits
+from axisrig.kernel.profiles.sercos.service import Kind, ident_number
+from axisrig.kernel.profiles.sercos.words import PROBES, telegram_idents
+
+ONE, TWO = 0x40, 0x80  # real-time bits 1 and 2
+
+
+def test_what_telegrams_carry_is_as_long_in_the_drive() -> None:
+    """Both ends pack by their own table."""
+    by_ident = {ident_number(row["ident"]): row for row in rows()}
+    for ident, carried in telegram_idents().items():
+        row = by_ident[ident]
+        assert int(row["bytes"]) == carried.bytes, row
+        assert (Kind[row["kind"].upper()] is Kind.SIGNED) is carried.is_signed, row
+
+
+def test_each_ident_is_there_once_and_its_default_fits() -> None:
+    names = [row["ident"] for row in rows()]
+    assert names == sorted(set(names))
+    for row in rows():
+        assert row["access"] in ("ro", "rw", "ignored"), row
+        assert row["drives"] in ("both", "two"), row
+    assert all(set(NAMES) <= set(row) for row in habits().values())
+
+
+def test_the_table_of_the_manual() -> None:
+    """FCT-C4 6.1: probe and edge, S-0-0169, measured value."""
+    printed = {
+        (1, "POS"): (1, "S-0-0130"), (1, "NEG"): (2, "S-0-0131"),
+        (2, "POS"): (4, "S-0-0132"), (2, "NEG"): (8, "S-0-0133"),
+    }  # fmt: skip
+    assert {key: (p.select, p.value) for key, p in PROBES.items()} == {
+        key: (select, ident_number(name)) for key, (select, name) in printed.items()
+    }
+
+
+@pytest.mark.parametrize(
+    ("number", "mask", "bits"),
+    [
+        (1, ONE, (ONE, ONE, TWO)),
+        (1, TWO, (ONE, ONE, TWO)),  # P-AXIS-00106 counts for 0 alone
+        (2, ONE, (TWO, TWO, ONE)),
+        (2, TWO, (TWO, TWO, ONE)),
+        (0, TWO, (ONE, ONE, TWO)),  # the probe is at bit 2
+        (0, ONE, (ONE, TWO, ONE)),  # the probe is at bit 1
+    ],
+)
+def test_real_time_bits_of_the_control(number: int, mask: int, bits: tuple[int, ...]) -> None:
+    found = real_time_bits(number, mask)
+    assert (found.enable, found.latched, found.actuated) == bits
+
+
+@pytest.mark.parametrize(
+    ("kind", "per_turn"),
+    [
+        (ROTARY, 1 << 20),
+        (LINEAR, 100_000),  # 10 mm in 1e-7 m
+        (0x01, 100_000),  # preferred: 1e-7 m
+        (0x02, 3_600_000),  # preferred: 1e-4 degrees
+        (0x00, None),
+    ],
+)
+def test_position_units_of_a_turn(kind: int, per_turn: int | None) -> None:
+    """S-0-0076 with a lead of 10 mm; 2^20 per turn, 0.1 um by S-0-0077 and 78."""
+    assert units_per_turn(kind, 1, -7, 1 << 20, 10_000) == per_turn
+    if kind == LINEAR:
+        assert units_per_turn(kind, 1, -6, 1 << 20, 10_000) == 10_000
