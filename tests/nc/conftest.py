@@ -52,6 +52,9 @@ class PlaneMachine:
     def actual_acs_mm(self, axis: str) -> float:
         return self.acs_mm[axis] + self.lag_mm
 
+    def is_sercos(self, axis: str) -> bool:
+        return False
+
     def may_measure(self, axis: str) -> bool:
         return axis not in self.not_released
 

@@ -48,6 +48,9 @@ class Machine:
     def measurement_ok(self, axis: str) -> bool:
         return axis in self.measured
 
+    def is_sercos(self, axis: str) -> bool:
+        return False
+
     def may_measure(self, axis: str) -> bool:
         return True
 

@@ -8,6 +8,7 @@ from axisrig.bench.record.axes import DriveState
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.cia402.link import Cia402Drive
+from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.drives.power import Power
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import State
@@ -47,7 +48,7 @@ class Cia402Segments(Installed):
             assert link.sdo is not None, "made with it"
             self._accesses[axis] = DriveAccess(link, link.sdo, functions)
 
-    def functions(self) -> DriveFunctions | None:
+    def functions(self) -> DriveAccesses | None:
         """Return what #DRIVE acts on."""
         return DriveFunctions(self._accesses) if self._accesses else None
 

@@ -41,6 +41,10 @@ class ChannelView:
         """Return whether an axis is a measuring axis (P-AXIS-00118)."""
         return self.path.settings(axis).may_measure
 
+    def is_sercos(self, axis: str) -> bool:
+        """Return whether the drive of an axis speaks SERCOS."""
+        return next(link.is_sercos for link in self.links if link.name == axis)
+
     def distance_state(self, axis: str) -> str | None:
         """Give the state of the distance control of an axis (ACTIVE, ..); None without one.
 

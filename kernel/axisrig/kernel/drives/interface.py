@@ -26,7 +26,8 @@ class Drive(SetPoints):
     fixed stop. second_age_cycles: since a value of the second encoder has come. unproved_latches:
     how many latches were taken without a proof. interpolated_latches: how many positions at the
     signal of the PLC are open. doubt_mm: how far the last of either may be wrong, None where there
-    is a proof. warn: gets warnings that stop nothing.
+    is a proof. warn: gets warnings that stop nothing. is_sercos: measuring
+    type 6 takes its axis.
     """
 
     def __init__(self, settings: DriveSettings, arrival: Arrival) -> None:
@@ -45,6 +46,7 @@ class Drive(SetPoints):
         self.unproved_latches = self.interpolated_latches = 0
         self.doubt_mm: float | None = None
         self.warn: Callable[[Alarm], None] = _nobody
+        self.is_sercos = False
 
     def order(self, order: PowerOrder) -> None:
         """Change the request for power (`power.csv`)."""

@@ -15,7 +15,8 @@ class MeasuringType:
     other axes may not be named. has_own_speed: P-AXIS-00215 instead of F. keeps_stroke: the speed
     is lowered for P-AXIS-00086. overtravel: the parameters that lengthen the path, the first that
     is not 0 counts. no_signal: what decides about an alarm when no signal comes, or `alarm`, or
-    `goes on`. runs_to_stop: standstill at a fixed stop is the signal. acts: whether it acts.
+    `goes on`. runs_to_stop: standstill at a fixed stop is the signal. needs_sercos: one axis of it
+    has to have a SERCOS drive.
     """
 
     number: int
@@ -27,7 +28,7 @@ class MeasuringType:
     overtravel: tuple[str, ...]
     no_signal: str
     runs_to_stop: bool
-    acts: bool
+    needs_sercos: bool
     meaning: str
 
 
@@ -46,7 +47,7 @@ def measuring_types() -> Mapping[int, MeasuringType]:
             tuple(row["overtravel"].split()),
             row["no_signal"],
             row["signal"] == "fixed stop",
-            row["acts"] == "yes",
+            row["needs_sercos"] == "yes",
             row["meaning"],
         )
         for row in csv.DictReader(text.splitlines())

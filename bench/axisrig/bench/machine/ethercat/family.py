@@ -27,12 +27,14 @@ from axisrig.bench.record.series import Times
 from axisrig.bench.rig.ethercat.members import ec_segments
 from axisrig.bench.rig.ethercat.schedule import overloads, schedule_of
 from axisrig.bench.rig.reading.faults import Fault
+from axisrig.kernel.drives.accesses import AccessesByAxis
 from axisrig.kernel.drives.ethercat.image import objects_of
 from axisrig.kernel.drives.ethercat.line_start import SlaveStart
 from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.watch import EthercatWatch
-from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.interface import DriveAccesses, DriveWatch
+from axisrig.kernel.drives.sercos.accesses import SercosAccesses
 from axisrig.kernel.drives.sercos.link import SercosDrive
 from axisrig.kernel.drives.sercos.watch import SercosWatch
 from axisrig.kernel.time.clock import MS, US, TimeNs
@@ -97,6 +99,17 @@ class EthercatLines(Cia402Segments):
         """Make the start-up of one drive, which is a part of that of its line."""
         line = self._line_of(axis)
         return SlaveStart(line.start, line.axes.index(axis))
+
+    def functions(self) -> DriveAccesses | None:
+        """Return what #DRIVE and #IDENT act on."""
+        of_objects = super().functions()
+        drives = {a: link for a, link in self.links.items() if isinstance(link, SercosDrive)}
+        if not drives:
+            return of_objects
+        by_axis: dict[str, DriveAccesses] = dict.fromkeys(drives, SercosAccesses(drives))
+        if of_objects is not None:
+            by_axis |= dict.fromkeys(self.accesses, of_objects)
+        return AccessesByAxis(by_axis)
 
     # The machine's side
 

@@ -40,6 +40,7 @@ class SercosDrive(Drive):
         super().__init__(settings, Arrival(0, settings.missing_cycles, is_new=False))
         self._of_drive, self._data, self.channel = settings, data, channel
         self.drive_number = 0
+        self.is_sercos = True
         self._has_second = any(
             mapped.field == "second" for pdo in settings.inputs for mapped in pdo.objects
         )

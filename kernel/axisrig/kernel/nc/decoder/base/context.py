@@ -61,6 +61,10 @@ class MachineView(Protocol):
         """Return whether an axis is a measuring axis (P-AXIS-00118)."""
         ...
 
+    def is_sercos(self, axis: str) -> bool:
+        """Return whether the drive of an axis speaks SERCOS."""
+        ...
+
     def axis_numbered(self, number: int) -> str | None:
         """Give the axis with a logical number (P-AXIS-00016), None when there is none."""
         ...

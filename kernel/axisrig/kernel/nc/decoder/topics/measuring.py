@@ -55,13 +55,13 @@ def _measure(context: Context, block: Block, words: Words) -> Iterator[canon.Com
 
 
 def _interruptible(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """G310 (G210): type 5. Source: FCT-C4 section 3, programming manual 206197003."""
+    """G310 (G210): types 5 and 6. Source: FCT-C4 section 3, programming manual 206197003."""
     pauses.require_no_contouring(context, block, words)
     kind = measuring_types()[measuring_type(context)]
     if kind.command != "G310":
         raise context.alarm(20956, block, type=kind.number)
     named = [axis for axis, _ in words.axes]
-    if not kind.acts:
+    if kind.needs_sercos and not any(context.machine.is_sercos(axis) for axis in named):
         raise context.alarm(900221, block, type=kind.number, axes=" ".join(named))
     _check_axes(context, block, kind, named)
     feed_mm_min = None if context.modal.motion == "G0" else context.feed(block, "G310")

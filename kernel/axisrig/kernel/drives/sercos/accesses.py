@@ -1,0 +1,150 @@
+"""#IDENT of a running program: idents of SERCOS drives over the service channel.
+
+Source: TF5200 programming manual 207347083. A write waits until the drive has taken the value,
+unless the program says otherwise; an error of it comes up when the answer is there.
+"""
+
+from collections import Counter
+from collections.abc import Mapping
+
+from axisrig.kernel.drives.interface import DriveAccesses
+from axisrig.kernel.drives.sercos.link import SercosDrive
+from axisrig.kernel.drives.sercos.service_channel import SoeError
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+from axisrig.kernel.profiles.sercos.service import (
+    Attribute,
+    Element,
+    Kind,
+    ident_number,
+    parts_of,
+)
+
+BOTH = Element.ATTRIBUTE | Element.VALUE
+
+
+class SercosAccesses(DriveAccesses):
+    """Carries out the #IDENT commands of a channel; drives: by axis."""
+
+    def __init__(self, drives: Mapping[str, SercosDrive]) -> None:
+        self._drives = drives
+        self._open: Counter[str] = Counter()
+        self._awaited: str | None = None
+        self._values: dict[tuple[str, str], float] = {}
+        self._failed: Alarm | None = None
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the program may not go on before a drive has answered."""
+        if self._awaited is not None and not self._open[self._awaited]:
+            self._awaited = None
+        return self._awaited is not None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether any answer is still to come."""
+        return any(self._open.values())
+
+    def reset(self) -> None:
+        """Let nothing wait for an answer any more; what is on its way goes on."""
+        self._awaited = None
+
+    def check(self) -> None:
+        """Begin a cycle: raise what has gone wrong with a command that ran beside the program."""
+        failed, self._failed = self._failed, None
+        if failed is not None:
+            raise failed
+
+    def value(self, axis: str, key: str) -> float:
+        """Return what the last read of an ident returned."""
+        return self._values[axis, key.upper()]
+
+    def begin(self, command: canon.DriveCommand) -> None:
+        """Begin one command; raises Alarm 900110 and 900256."""
+        axis = command.axis
+        if isinstance(command, canon.DriveWait):
+            self._awaited = axis
+            return
+        if command.length_bytes is None:
+            raise Alarm(900110, axis=axis, key=command.key, known="none")
+        try:
+            ident = ident_number(command.key.upper())
+        except ValueError as error:
+            raise Alarm(900255, axis=axis, ident=command.key, known="idents of its own") from error
+        self._open[axis] += 1
+        if isinstance(command, canon.DriveRead):
+            self._read(command, ident)
+            self._awaited = axis
+            return
+        self._write(command, ident)
+        if command.waits:
+            self._awaited = axis
+
+    def _read(self, command: canon.DriveRead, ident: int) -> None:
+        drive = self._drives[command.axis]
+
+        def done(found: bytes | SoeError) -> None:
+            if isinstance(found, SoeError):
+                self._close(command, found)
+                return
+            attribute = Attribute.read(found[:4])
+            value = parts_of(BOTH, found, attribute)[Element.VALUE]
+            number = int.from_bytes(value, "little", signed=attribute.kind is Kind.SIGNED)
+            self._values[command.axis, command.key.upper()] = float(number)
+            self._close(command, self._length(command, attribute))
+
+        drive.channel.read(drive.drive_number, ident, BOTH, done)
+
+    def _write(self, command: canon.DriveWrite, ident: int) -> None:
+        drive = self._drives[command.axis]
+
+        def known(found: bytes | SoeError) -> None:
+            if isinstance(found, SoeError):
+                self._close(command, found)
+                return
+            attribute = Attribute.read(found)
+            wrong = self._length(command, attribute)
+            number = round(command.value)
+            is_signed = attribute.kind is Kind.SIGNED
+            try:
+                data = number.to_bytes(attribute.width, "little", signed=is_signed)
+            except OverflowError:
+                text = f"{8 * attribute.width} bits, {'signed' if is_signed else 'unsigned'}"
+                wrong = wrong or Alarm(
+                    900112, axis=command.axis, key=command.key, value=str(number), data_type=text
+                )
+            if wrong is not None:
+                self._close(command, wrong)
+            else:
+                drive.channel.write(drive.drive_number, ident, data, taken)
+
+        def taken(found: bytes | SoeError) -> None:
+            self._close(command, found if isinstance(found, SoeError) else None)
+
+        drive.channel.read(drive.drive_number, ident, Element.ATTRIBUTE, known)
+
+    @staticmethod
+    def _length(command: canon.DriveWrite | canon.DriveRead, attribute: Attribute) -> Alarm | None:
+        """Return Alarm 900256 where TYP is not the length of the ident."""
+        if command.length_bytes == attribute.width:
+            return None
+        allowed = f"{attribute.width} for {command.key}"
+        return Alarm(900256, keyword="TYP", value=f"{command.length_bytes}", allowed=allowed)
+
+    def _close(
+        self, command: canon.DriveWrite | canon.DriveRead, wrong: SoeError | Alarm | None
+    ) -> None:
+        """Note that a command is over; a failure comes up in the next cycle."""
+        self._open[command.axis] -= 1
+        if wrong is None or self._failed is not None:
+            return
+        if isinstance(wrong, SoeError):
+            wrong = Alarm(
+                900032,
+                place=command.block.place,
+                axis=command.axis,
+                key=command.key,
+                object="service channel",
+                answer=str(wrong),
+            )
+        self._failed = wrong
