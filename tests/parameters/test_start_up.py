@@ -137,9 +137,13 @@ def test_a_simulated_drive_cannot_latch(listed: Listed) -> None:
 @pytest.mark.provokes(110613, 1, axis="Z", value=8)
 @pytest.mark.provokes(110611, 1, axis="Z", value=5)
 @pytest.mark.provokes(110612, 1, axis="Z", name="S-0-0135")
+@pytest.mark.provokes(110617, 1, axis="Z", name="S-0-0135")
+@pytest.mark.provokes(110618, 1, axis="Z", value=9)
 @pytest.mark.parametrize(
     ("alarm_id", "line", "good"),
     [
+        (110617, "antr.sercos.probing_command_start.element_name S-0-0135", "S-0-0134"),
+        (110618, "antr.sercos.probing_command_start.bit_nr 9", "7"),
         (110608, f"{BITS}.value_latched.element_name LATCHED", "S_0_0135"),
         (110609, f"{BITS}.value_latched.bit_nr 0", "7"),
         (110610, f"{BITS}.probe_actuated.element_name ACTUATED", "S_0_135"),

@@ -15,10 +15,12 @@ class SercosWatch(DriveWatch):
 
     def __init__(self, drive: SercosDrive, carrier: EthercatCarrier) -> None:
         self._drive, self._carrier = drive, carrier
+        self._has_warned = False  # of phase 0
 
     def begin(self) -> None:
         """Watch from now on; what came during the start-up does not count."""
         self._drive.begin()
+        self._has_warned = False
         self._carrier.watch(self._drive.name)
 
     def end(self) -> None:
@@ -34,7 +36,9 @@ class SercosWatch(DriveWatch):
         drive = self._drive
         fallen = self._carrier.fallen(drive.name)
         if fallen is not None:
-            if self._carrier.slaves[drive.name].status in (AlState.INIT, AlState.INIT | AL_ERROR):
+            status = self._carrier.slaves[drive.name].status
+            if status in (AlState.INIT, AlState.INIT | AL_ERROR) and not self._has_warned:
+                self._has_warned = True
                 drive.warn(Alarm(140029, axis=drive.name, state=AlState.INIT.name))
             return fallen
         jump_mm, drive.jump_mm = drive.jump_mm, None

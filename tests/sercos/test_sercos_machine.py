@@ -1,0 +1,150 @@
+"""A SERCOS drive in a machine: what is refused at the start, warnings, idents of programs."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.drive.sercos import node as virtual
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.nc.text.parser import read_program
+
+RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-sercos.toml"
+SHORT = "%short\nN10 G01 G90 Z129.9 F3000\nN20 M30\n"
+
+Run = Callable[..., Machine]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run a program with the shipped rig; changes: of its keys; prepare: the virtual drive."""
+
+    def make(
+        program: str, *changes: str, prepare: Callable[[virtual.SercosDrive], None] | None = None
+    ) -> Machine:
+        (tmp_path / "own.nc").write_text(program, encoding="utf-8")
+        assigned = [(parse_assignment(text), as_written) for text in changes]
+        settings = read_settings(*read_rig(RIG), assigned)
+        check_rig(settings)
+        machine = Machine(settings, read_program(tmp_path / "own.nc", ("Z",)))
+        try:
+            part: Any = machine.installed[0]
+            if prepare is not None:
+                prepare(part.nodes["Z"])
+            machine.run()
+        finally:
+            machine.close()
+        return machine
+
+    return make
+
+
+def ids(machine: Machine) -> list[int]:
+    return [alarm.id for alarm in machine.channel.alarms]
+
+
+@pytest.mark.provokes(900743, 7, axis="Z")
+def test_900743_for_an_ident_that_the_drive_does_not_take(run: Run) -> None:
+    assert ids(run(SHORT, "drive:servo.idents=S-0-0169=4")) == [900743]
+
+
+@pytest.mark.provokes(900744, 7, axis="Z", ident="S-0-0303", found="nothing")
+def test_900744_for_real_time_bits_of_the_other_set(run: Run) -> None:
+    assert ids(run(SHORT, "set:Z.kenngr.echtzeit_bit_nr=2")) == [900744]
+
+
+@pytest.mark.provokes(900745, 7, axis="Z", found="10000", expected="104857.6")
+@pytest.mark.long
+def test_900745_for_a_drive_that_counts_otherwise(run: Run) -> None:
+    """2^20 per turn of 10 mm by the rig, 100 000 in the drive: a factor of 10.5 and no value."""
+
+    def other(drive: virtual.SercosDrive) -> None:
+        drive.idents._profile = dataclasses.replace(drive.sercos, resolution=100_000)
+
+    assert ids(run(SHORT, prepare=other)) == [900745]
+
+
+@pytest.mark.provokes(900746, 7, axis="Z")
+def test_900746_where_nobody_begins_the_probing_cycle(run: Run) -> None:
+    program = "%probe\nN10 G100 G90 Z80 F600\nN20 M30\n"
+    assert ids(run(program, "drive:servo.probing=none")) == [900746]
+
+
+@pytest.mark.provokes(900747, 7, axis="Z")
+@pytest.mark.long
+def test_900747_for_homing_by_the_drive(run: Run) -> None:
+    assert ids(run("%home\nN10 G74 Z1\nN20 M30\n")) == [900747]
+
+
+@pytest.mark.provokes(140038, 1, axis="Z", ident="S-0-0132")
+@pytest.mark.long
+def test_140038_for_an_ident_that_the_drive_has_not(run: Run) -> None:
+    """S-0-0132 is of the second probe, which this drive does not have; its slave refuses SAFEOP."""
+    found = ids(run(SHORT, "drive:servo.at=S-0-0051 S-0-0130 S-0-0132"))
+    assert found == [140038, 900705]
+
+
+@pytest.mark.provokes(140040, 1, axis="Z", ident="S-0-0001")
+@pytest.mark.provokes(140041, 1, axis="Z", phase=4)
+def test_140040_and_140041_for_cycles_that_differ(run: Run) -> None:
+    def other(drive: virtual.SercosDrive) -> None:
+        def check() -> int:
+            drive.idents.put(virtual.BUS_CYCLE, 2000)
+            return drive._check_phase_4()
+
+        drive.commands._run[virtual.CHECK_4] = check  # type: ignore[index]
+
+    assert ids(run(SHORT, prepare=other)) == [140040, 140040, 140041, 900705]
+
+
+@pytest.mark.provokes(140029, 1, axis="Z", state="INIT")
+@pytest.mark.long
+def test_140029_beside_the_alarm_of_a_slave_in_init(run: Run) -> None:
+    falls = "fault:slave_falls=Z state=INIT code=UNSPECIFIED at=motion"
+    assert ids(run(SHORT, falls)) == [140029, 900732]
+
+
+IDENTS = """%idents
+N10 #IDENT RD [AX=Z ID=S-0-0092 P=P10 TYP=2 DEC=0 SERC]
+N20 #IDENT WR SYN [AX=Z ID=S-0-0092 VAL=100 TYP=2 DEC=0 SERC]
+N30 #IDENT RD [AX=Z ID=S-0-0092 P=P11 TYP=2 DEC=0 SERC]
+N40 #IDENT RD [AX=Z ID=S-0-0051 P=P12 TYP=4 DEC=0 SERC]
+N50 #MSG SYN["%d %d %d", P10, P11, P12]
+N60 M30
+"""
+
+
+def test_a_program_reads_and_writes_idents_of_the_drive(run: Run) -> None:
+    """130 mm are 13 631 488 increments of 2^20 per 10 mm."""
+    machine = run(IDENTS)
+    assert ids(machine) == []
+    (message,) = machine.messages
+    first, second, position = map(int, message.shown.split())
+    assert second == 100
+    assert first > second
+    assert position == pytest.approx(13_631_488, abs=1)
+
+
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize(
+    ("command", "alarm"),
+    [
+        ("WR SYN [AX=Z ID=S-0-0132 VAL=1 TYP=4 DEC=0 SERC]", 900032),  # the drive has not got it
+        ("WR SYN [AX=Z ID=S-0-0051 VAL=1 TYP=4 DEC=0 SERC]", 900032),  # read only
+        ("WR SYN [AX=Z ID=S-0-0092 VAL=1 TYP=4 DEC=0 SERC]", 900256),  # two bytes
+        ("WR SYN [AX=Z ID=S-0-0092 VAL=70000 TYP=2 DEC=0 SERC]", 900112),
+    ],
+)
+def test_an_ident_that_cannot_be_written_is_an_alarm(run: Run, command: str, alarm: int) -> None:
+    assert ids(run(f"%wrong\nN10 #IDENT {command}\nN20 M30\n")) == [alarm]
+
+
+def test_measuring_type_6_runs_with_a_sercos_axis(run: Run) -> None:
+    program = "%six\nN20 G310 G90 Z129 F600 $GOTO [HIT]\nN25 M30\n[HIT] N30 M30\n"
+    assert ids(run(program, "set:channel.messtyp=6")) == []
