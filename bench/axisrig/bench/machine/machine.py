@@ -318,8 +318,7 @@ class Machine:
         channel.plc.values.update(self.settings.external)
         for link in self.links.values():
             link.warn = channel.warn
-        warnings = [warning for part in self.installed for warning in part.warnings]
-        for warning in [*self.settings.warnings, *warnings]:
+        for warning in [*self.settings.warnings, *(w for p in self.installed for w in p.warnings)]:
             channel.warn(warning)
         self.plc_side = PlcSide(
             channel,

@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from importlib import resources
 from typing import Final
 
@@ -70,7 +70,13 @@ class Idents:
             is_command=form == COMMAND,
             protected=("2" in row["protected"], "3" in row["protected"], "4" in row["protected"]),
         )
-        made = Ident(
+        name, is_acting = row["value"], row["access"] != _IGNORED
+        live: Callable[[], int] | None = None
+        if name.startswith(_LIVE):
+            live = self._live[name.removeprefix(_LIVE)]
+        elif name:
+            live = partial(self._value_of, name)
+        return Ident(
             attribute,
             b"",
             row["name"],
@@ -79,16 +85,10 @@ class Idents:
             None if is_open or not row["maximum"] else int(row["maximum"]),
             is_read_only=row["access"] == "ro",
             capacity=int(row["maximum"]) * attribute.width if is_open else 0,
+            live=live,
+            check=partial(self._check, number) if is_acting else _takes_all,
+            changed=partial(self._changed, number) if is_acting else _does_nothing,
         )
-        name = row["value"]
-        if name.startswith(_LIVE):
-            made.live = self._live[name.removeprefix(_LIVE)]
-        elif name:
-            made.live = lambda: self._value_of(name)
-        if row["access"] != _IGNORED:
-            made.check = lambda value: self._check(number, value)
-            made.changed = lambda: self._changed(number)
-        return made
 
     def reset(self) -> None:
         """Give every ident its value at power on."""
@@ -136,3 +136,11 @@ class Idents:
         found = self.table[ident]
         width = found.attribute.width
         found.value = pack_list(items, width, found.capacity // width)
+
+
+def _takes_all(_number: int) -> None:
+    return None
+
+
+def _does_nothing() -> None:
+    """A cyclic value: a write over the service channel changes nothing."""

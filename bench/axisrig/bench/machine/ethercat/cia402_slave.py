@@ -14,7 +14,6 @@ from axisrig.kernel.drives.ethercat.coe_start import CoeSteps
 from axisrig.kernel.drives.ethercat.image_data import ImageData
 from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
 from axisrig.kernel.drives.ethercat.mailbox import Mailbox
-from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
 from axisrig.kernel.drives.ethercat.settings import SlaveSettings, station_of
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.measuring.latest_edge import StampClock
@@ -38,8 +37,13 @@ class Cia402Ends(SlaveEnds):
         """Make the control's end."""
         settings, axis = self._settings, self.settings.axis
         declared = start_up_settings(drive_of(settings, axis))
-        port = MailboxPort(transactions, clock, station_of(self.settings), declared.sdo_timeout_ns)
-        mailbox = Mailbox(port, declared.sdo_attempts)
+        mailbox = Mailbox(
+            transactions,
+            clock,
+            station_of(self.settings),
+            declared.sdo_timeout_ns,
+            declared.sdo_attempts,
+        )
         drive = drive_of(settings, axis)
         link = EthercatLink(
             self.settings,
@@ -49,7 +53,7 @@ class Cia402Ends(SlaveEnds):
             proves_places=drive.position_check,
         )
         objects = _objects(settings, axis, link, clock)
-        return Connected(port, link, CoeSteps(self.settings, mailbox, objects))
+        return Connected(mailbox.port, link, CoeSteps(self.settings, mailbox, objects))
 
 
 def _objects(settings: Settings, axis: str, link: EthercatLink, clock: Clock) -> StartUp:

@@ -9,7 +9,6 @@ from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.sercos.checks import latch_of, measures
 from axisrig.bench.rig.sercos.members import drive_of
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
 from axisrig.kernel.drives.ethercat.settings import station_of
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.drives.sercos.data import TelegramData
@@ -52,10 +51,9 @@ class SercosEnds(SlaveEnds):
     def connect(self, transactions: Transactions, clock: Clock) -> Connected:
         """Make the control's end."""
         timeout_ns = self._table.soe_timeout_ms * MS
-        port = MailboxPort(transactions, clock, station_of(self.settings), timeout_ns)
-        mailbox = ServiceMailbox(port, clock, timeout_ns)
+        mailbox = ServiceMailbox(transactions, clock, station_of(self.settings), timeout_ns)
         link = SercosDrive(self.settings, self.data, mailbox.channel)
-        return Connected(port, link, SercosSteps(self.settings, link))
+        return Connected(mailbox.port, link, SercosSteps(self.settings, link))
 
 
 @once

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from axisrig.kernel.drives.cia402.objects import Done, ObjectAccess, SdoError
 from axisrig.kernel.drives.ethercat.coe import GENERAL, Transfer
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
+from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.profiles.ethercat.layouts import COE, COE_EMERGENCY, CoeService, MailboxType
+from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
 
 @dataclass
@@ -18,15 +20,22 @@ class _Request:
 
 
 class Mailbox(ObjectAccess):
-    """The SDO client of one slave; requests run in turn.
+    """The SDO client of one slave; requests run in turn. port: carries them.
 
     attempts: how often a request is begun when the slave is silent. emergency: gets each emergency
     message, eight bytes as on CAN.
     """
 
-    def __init__(self, port: MailboxPort, attempts: int = 2) -> None:
-        self._port, self._attempts = port, attempts
-        port.taken, port.silent = self._taken, self._silent
+    def __init__(
+        self,
+        transactions: Transactions,
+        clock: Clock,
+        station: int,
+        timeout_ns: TimeNs = 300 * MS,
+        attempts: int = 2,
+    ) -> None:
+        self.port = MailboxPort(transactions, clock, station, timeout_ns, self._taken, self._silent)
+        self._attempts = attempts
         self.emergency: Callable[[bytes], None] | None = None
         self._queue: deque[_Request] = deque()
 
@@ -44,7 +53,7 @@ class Mailbox(ObjectAccess):
         self._put(index, sub, bytes(data), done)
 
     def _put(self, index: int, sub: int, data: bytes | None, done: Done) -> None:
-        transfer = Transfer(index, sub, data, self._port.room)
+        transfer = Transfer(index, sub, data, self.port.room)
         self._queue.append(_Request(transfer, done, self._attempts))
         if len(self._queue) == 1:
             self._begin()
@@ -52,7 +61,7 @@ class Mailbox(ObjectAccess):
     def _begin(self) -> None:
         request = self._queue[0]
         request.attempts_left -= 1
-        self._port.send(MailboxType.COE, [request.transfer.first()])
+        self.port.send(MailboxType.COE, [request.transfer.first()])
 
     def _silent(self) -> None:
         request = self._queue[0]
@@ -62,8 +71,8 @@ class Mailbox(ObjectAccess):
             self._end(SdoError(request.transfer.index, request.transfer.sub, None))
 
     def _taken(self, kind: int, body: bytes) -> None:
-        if kind == MailboxType.ERROR and self._port.waits:
-            self._port.waits = False
+        if kind == MailboxType.ERROR and self.port.waits:
+            self.port.waits = False
             transfer = self._queue[0].transfer
             self._end(SdoError(transfer.index, transfer.sub, GENERAL))
         if kind != MailboxType.COE or len(body) < COE.size:
@@ -73,21 +82,21 @@ class Mailbox(ObjectAccess):
         if service == CoeService.EMERGENCY:
             if self.emergency is not None and len(content) >= COE_EMERGENCY.size:
                 self.emergency(content[: COE_EMERGENCY.size])
-        elif service in (CoeService.SDO_RESPONSE, CoeService.SDO_REQUEST) and self._port.waits:
+        elif service in (CoeService.SDO_RESPONSE, CoeService.SDO_REQUEST) and self.port.waits:
             self._answered(content)
 
     def _answered(self, content: bytes) -> None:
         transfer = self._queue[0].transfer
         if len(content) < 4 or not transfer.is_answer(content):
             return
-        self._port.waits = False
+        self.port.waits = False
         following = transfer.take(content)
         if transfer.result is not None:
             if following is not None:
-                self._port.post(MailboxType.COE, following)  # why the transfer ends here
+                self.port.post(MailboxType.COE, following)  # why the transfer ends here
             self._end(transfer.result)
         elif following is not None:
-            self._port.send(MailboxType.COE, [following])
+            self.port.send(MailboxType.COE, [following])
 
     def _end(self, result: bytes | SdoError) -> None:
         request = self._queue.popleft()

@@ -20,7 +20,7 @@ from axisrig.kernel.profiles.ethercat.layouts import (
     MailboxType,
 )
 from axisrig.kernel.profiles.ethercat.tables import Command, address_of
-from axisrig.kernel.time.clock import MS, US, Clock, Phase, TimeNs
+from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 POLL_NS: Final[TimeNs] = 200 * US
 ANSWERS: Final = address_of("SYNC_MANAGER") + SYNC_MANAGER.size  # SyncManager 1
@@ -50,12 +50,16 @@ class MailboxPort:
     """
 
     def __init__(
-        self, transactions: Transactions, clock: Clock, station: int, timeout_ns: TimeNs = 300 * MS
+        self,
+        transactions: Transactions,
+        clock: Clock,
+        station: int,
+        timeout_ns: TimeNs,
+        taken: Callable[[int, bytes], None],
+        silent: Callable[[], None],
     ) -> None:
         self._transactions, self._clock, self._station = transactions, clock, station
-        self._timeout_ns = timeout_ns
-        self.taken: Callable[[int, bytes], None] = _nothing
-        self.silent: Callable[[], None] = lambda: None
+        self._timeout_ns, self._taken, self._silent = timeout_ns, taken, silent
         self.places: MailboxPlaces | None = None
         self.waits = False
         self._counter = 0
@@ -119,7 +123,7 @@ class MailboxPort:
             self._clock.call_at(self._clock.now_ns + POLL_NS, Phase.APPLICATION, action)
             return
         self.waits = False
-        self.silent()
+        self._silent()
 
     # Reading
 
@@ -183,8 +187,4 @@ class MailboxPort:
 
     def _take(self, data: bytes) -> None:
         length, _, _, kind = MAILBOX.unpack_from(data)
-        self.taken(kind & TYPE, data[MAILBOX.size : MAILBOX.size + length])
-
-
-def _nothing(_kind: int, _body: bytes) -> None:
-    """Nobody listens."""
+        self._taken(kind & TYPE, data[MAILBOX.size : MAILBOX.size + length])

@@ -1,8 +1,10 @@
 """The service channel of a slave over its mailbox."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
+from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.drives.sercos.service_channel import ServiceChannel
 from axisrig.kernel.profiles.ethercat.layouts import MailboxType
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
@@ -12,17 +14,21 @@ LATER_NS: Final[TimeNs] = 100 * MS
 
 
 class ServiceMailbox:
-    """Joins both. channel: what reads and writes idents."""
+    """Joins both. channel: what reads and writes idents. port: carries them."""
 
-    def __init__(self, port: MailboxPort, clock: Clock, timeout_ns: TimeNs) -> None:
-        self.port = port
+    def __init__(
+        self, transactions: Transactions, clock: Clock, station: int, timeout_ns: TimeNs
+    ) -> None:
+        self.port = MailboxPort(transactions, clock, station, timeout_ns, self._taken, self._silent)
         self.channel = ServiceChannel(
-            lambda parts: port.send(MailboxType.SOE, parts),
-            clock,
-            lambda: port.room,
-            timeout_ns + LATER_NS,
+            self._send, clock, lambda: self.port.room, timeout_ns + LATER_NS
         )
-        port.taken, port.silent = self._taken, self.channel.give_up
+
+    def _send(self, parts: Sequence[bytes]) -> None:
+        self.port.send(MailboxType.SOE, parts)
+
+    def _silent(self) -> None:
+        self.channel.give_up()
 
     def _taken(self, kind: int, body: bytes) -> None:
         before = self.channel.requests
