@@ -113,7 +113,7 @@ def test_a_file_that_check_does_not_know_names_what_does(tmp_path: Path) -> None
 
 
 def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
-    inert = "antr.sercos.mdt_offset 300\nkenngr.echtzeit_bit_nr 1\n"
+    inert = "antr.sercos.mdt_offset 300\nantr.sercos.eval_calc_slot 1\n"
     rig = listed(rig_file(), f"{inert}kenngr.messachse 1\n")
     listed(
         rig, "kasto_prog_meas_trigger 1\nconfiguration.decoder.max_cache_size 10\n", "channel.lst"
@@ -125,7 +125,7 @@ def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_
     )
     assert axis == (
         "axis Z: 2 settings do not act yet (axis-z.lst):"
-        " kenngr.echtzeit_bit_nr = 1, antr.sercos.mdt_offset = 300"
+        " antr.sercos.mdt_offset = 300, antr.sercos.eval_calc_slot = 1"
     )
 
 
@@ -171,7 +171,7 @@ SERCOS = "kopf.log_achs_name Z\nkenngr.antr_typ 2\n"
 def test_a_drive_type_that_is_not_simulated_is_refused(rig_file: Write, settings_of: Read) -> None:
     """In the list with file and line, in a cell with its place; 8 and nothing said are CANopen."""
     rig = listed(rig_file(), SERCOS)
-    with pytest.raises(UserError, match=r"axis Z .* SERCOS \(2\).*only CANopen.* idents") as caught:
+    with pytest.raises(UserError, match=r"axis Z .* SERCOS \(2\).*family canopen") as caught:
         check_rig(settings_of(rig))
     assert (Path(str(caught.value.file)).name, caught.value.line) == ("axis-z.lst", 2)
     assert "--as-canopen" in str(caught.value)
@@ -179,7 +179,7 @@ def test_a_drive_type_that_is_not_simulated_is_refused(rig_file: Write, settings
         settings_of(rig, "set:Z.kenngr.antr_typ=5")
     canopen = settings_of(rig, "set:Z.kenngr.antr_typ=8")
     check_rig(canopen)
-    assert substituted(canopen.axis) == {}
+    assert substituted(canopen.rig, canopen.axis) == {}
 
 
 @pytest.mark.parametrize("key", [AS_CANOPEN, "drive:servo.as_canopen=true"])
@@ -188,7 +188,7 @@ def test_a_drive_may_stand_for_one_of_another_type(
 ) -> None:
     settings = settings_of(listed(rig_file(), SERCOS), key)
     check_rig(settings)
-    assert substituted(settings.axis) == {"Z": "SERCOS (2)"}
+    assert substituted(settings.rig, settings.axis) == {"Z": "SERCOS (2)"}
     assert any("kenngr.antr_typ = 2" in note for note in settings.notes)
 
 

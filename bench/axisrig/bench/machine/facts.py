@@ -79,7 +79,7 @@ def facts_of(
         fine_ns=machine.plant.fine_ns,
         is_stopped=machine.is_stopped,
         unfinished="" if broken_by is None else str(broken_by),
-        drive_substituted=substituted_in_words(settings.axis),
+        drive_substituted=substituted_in_words(settings.rig, settings.axis),
         axes={name: _axis(machine, name) for name in machine.links},
         plants={name: plant_record(axis) for name, axis in axes.items()},
         probes=_probes(machine),

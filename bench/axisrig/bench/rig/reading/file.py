@@ -29,6 +29,7 @@ from axisrig.bench.plan.info import INFO_KEY
 from axisrig.bench.rig.reading.families import (
     FAMILIES,
     drive_table,
+    joined,
     read_drive,
     read_segment,
     segment_table,
@@ -327,22 +328,37 @@ def _known_keys(keys: tuple[str, ...], table: dict[str, Any]) -> list[str]:
 def _name_families(table: dict[str, Any]) -> None:
     """Give each drive without a family that of P-AXIS-00020 of a list of its axes.
 
-    With one family there is nothing to choose. What is wrong with a list is reported where the
+    With one family there is nothing to choose. On a segment that does not carry it, and where a
+    drive stands for others, it is the usual one. What is wrong with a list is reported where the
     lists are read.
     """
     if len({row.family for row in FAMILIES}) == 1 or not isinstance(table.get("drive"), dict):
         return
     for name, drive in table["drive"].items():
-        if not isinstance(drive, dict) or "family" in drive:
+        if not isinstance(drive, dict) or "family" in drive or drive.get("as_canopen"):
             continue
-        lists = [
-            axis.get("list")
+        own = [
+            axis
             for axis in _tables(table.get("axis"))
             if isinstance(axis, dict) and axis.get("drive") == name
         ]
-        named = [family for path in lists if (family := _listed_family(path))]
+        named = [
+            family
+            for axis in own
+            if (family := _listed_family(axis.get("list")))
+            and _carries(table, axis.get("segment"), family)
+        ]
         if named:
             drive["family"] = named[0]
+
+
+def _carries(table: dict[str, Any], segment: object, family: str) -> bool:
+    """Whether a segment carries a family; one that is not there is reported elsewhere."""
+    segments = table.get("segment")
+    found = segments.get(segment) if isinstance(segments, dict) else None
+    if not isinstance(found, dict):
+        return True
+    return joined(family, str(found.get("carrier", FAMILIES[0].carrier))) is not None
 
 
 def _listed_family(path: object) -> str:

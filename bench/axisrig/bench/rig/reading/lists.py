@@ -103,15 +103,23 @@ def check_numbers(axes: dict[str, ParameterSet]) -> None:
         seen[number] = name
 
 
-def substituted(axes: Mapping[str, ParameterSet]) -> dict[str, str]:
-    """Return the axes whose lists name no CANopen drive (P-AXIS-00020), each with the type."""
-    types = {name: drive_type(parameters) for name, parameters in axes.items()}
-    return {name: f"{t.name} ({t.number})" for name, t in types.items() if not t.family}
+def substituted(rig: RigFile, axes: Mapping[str, ParameterSet]) -> dict[str, str]:
+    """Return the axes whose lists name another drive than they have (P-AXIS-00020), with its type.
+
+    Said in the lists or not: a list that names none means a CANopen drive.
+    """
+    types = {name: drive_type(axes[name]) for name in rig.axis if name in axes}
+    return {
+        name: f"{t.name} ({t.number})"
+        for name, t in types.items()
+        if t.family != rig.drive[rig.axis[name].drive].family_name
+        and axes[name].origin(DRIVE_TYPE) is not None
+    }
 
 
-def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
+def substituted_in_words(rig: RigFile, axes: Mapping[str, ParameterSet]) -> str:
     """Say which axes run on a drive of CiA 402 though their lists name another type."""
-    return ", ".join(f"{name}: {word}" for name, word in substituted(axes).items())
+    return ", ".join(f"{name}: {word}" for name, word in substituted(rig, axes).items())
 
 
 def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
@@ -132,7 +140,8 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
                 f"axis {name} has a drive of the type {word} (P-AXIS-00020) and drive {key} of the"
                 f" rig is of the family {drive.family_name}",
                 value=value,
-                hint=f'family = "{kind.family}" in [drive.{key}], or another P-AXIS-00020',
+                hint=f'family = "{kind.family}" in [drive.{key}] where its segment carries it,'
+                " another P-AXIS-00020, or --as-canopen of run, nc and check",
             )
         known = " and ".join(row.name for row in DRIVE_TYPES.values() if row.family)
         raise place.error(

@@ -13,6 +13,7 @@ from axisrig.bench.drive.cia402.dictionary.profiles import Habit, habits, make_p
 from axisrig.bench.drive.sercos import profiles
 from axisrig.bench.drive.sercos.profiles import SercosProfile, units_per_turn
 from axisrig.bench.oracles.latch.instant import LatchTimes
+from axisrig.bench.rig.reading.families import FAMILIES, read_drive
 from axisrig.bench.rig.reading.tables import DriveFacts, DriveKeys, Table
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.sercos.service import ident_number
@@ -27,6 +28,7 @@ HABITS = (
     "sync_loss_periods",
 )  # fmt: skip
 """Habits of any drive at its axis and inputs that are keys here too."""
+OF_ANY = ("missing_cycles", "jump_factor", "lag_limit_mm", "fault_reset", "latch_check")
 
 
 def _ident(text: str) -> str:
@@ -64,7 +66,8 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     linear with 0.1 um. idents: start-up list, each an ident and its value, which may be an ident.
     probing: start = the control begins the probing cycle S-0-0170; none = nobody does.
     missing_cycles: how often in a row its telegram may stay out. latch_check: a latch counts only
-    when the service channel gives the value too. soe_timeout_ms: for each answer.
+    when the service channel gives the value too. soe_timeout_ms: for each answer. as_canopen: a run
+    may set it (`--as-canopen`), and has the usual drive with the same axis then.
     """
 
     family: Literal["sercos"]
@@ -81,6 +84,7 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     fault_reset: bool = False
     latch_check: bool = True
     soe_timeout_ms: Annotated[int, Field(ge=1, le=60_000)] = 1000
+    as_canopen: Literal[False] = False
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @property
@@ -112,16 +116,18 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
             return [[ident, _number(value)] for ident, _, value in parts]
         return _number(text)
 
-    def changed(self, key: str, value: Any) -> "DriveTable":
+    def changed(self, key: str, value: Any) -> Any:
         """Return the drive with one key changed. Raises ValidationError.
 
         A value for `idents` replaces those of the same idents and adds the others.
         """
         given = self.model_dump(exclude_unset=True)
+        if key == "as_canopen" and value is True:
+            kept = {name: given[name] for name in (*HABITS, *OF_ANY) if name in given}
+            return read_drive({"family": FAMILIES[0].family, key: True, **kept})
         if key == "idents" and isinstance(value, list):
             own = {entry[0]: entry for entry in value}
-            kept = [own.pop(entry[0], entry) for entry in self.idents]
-            value = [*kept, *own.values()]
+            value = [*(own.pop(entry[0], entry) for entry in self.idents), *own.values()]
         table: DriveTable = DriveTable.model_validate({**given, key: value})
         return table
 
