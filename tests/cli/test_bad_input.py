@@ -256,7 +256,8 @@ def test_check_looks_at_the_plants_too(place: Path, rejected: Reject, old: str, 
     assert new.split(" ", maxsplit=1)[0].strip('"') in rejected("check", "rig.toml")
 
 
-def test_every_switch_of_a_case_is_told_apart(place: Path, rejected: Reject) -> None:
+def test_axes_that_differ_in_case_alone_are_refused(place: Path, axisrig: Call) -> None:
+    """And `z` is no name of an axis: both mistakes are reported."""
     text = (place / "rig.toml").read_text(encoding="utf-8")
     twice = text + '\n[axis.z]\nlist = "lists/free.lst"\nsegment = "can1"\nnode = 4\n'
     twice += 'drive = "servo"\nplant = "y"\n[plant.y]\nfmu = "AxisRig.Drives.ServoAxis"\n'
@@ -264,7 +265,11 @@ def test_every_switch_of_a_case_is_told_apart(place: Path, rejected: Reject) -> 
     free = re.sub("kopf.log_achs_name.*", "", listed)
     (place / "lists/free.lst").write_text(free, encoding="utf-8")
     (place / "rig.toml").write_text(twice.replace("offset_us = 600", "offset_us = 640"), "utf-8")
-    _holds(rejected("check", "rig.toml"), "rig.toml", "z", "Z")
+    code, out, err = axisrig("check", "rig.toml")
+    assert (code, out) == (2, "")
+    first, second = err.removeprefix("error: ").split("\nerror: ")
+    _holds(first, "free.lst:2:", "axes Z and z")
+    _holds(second, "found 'z'", "allowed: one of A B C")
 
 
 def test_cycle_that_does_not_fit_is_told_with_the_arithmetic(place: Path, rejected: Reject) -> None:

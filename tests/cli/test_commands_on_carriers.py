@@ -12,7 +12,18 @@ from axisrig.bench.rig.reading.carriers import on_carriers
 KNOW_NO_CARRIER = frozenset(
     (
         *("metrics", "oracles", "drives", "objects", "params", "errors", "explain"),
-        *("language", "doctor", "new", "fmu", "plan", "probe-feed", "distance", "sources", "demo"),
+        *(
+            "language",
+            "doctor",
+            "docs",
+            "new",
+            "fmu",
+            "plan",
+            "probe-feed",
+            "distance",
+            "sources",
+            "demo",
+        ),
         *("merge", "diff", "trend", "scenarios"),
     )
 )

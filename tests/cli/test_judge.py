@@ -78,7 +78,7 @@ def test_the_same_plan_gives_the_same_results_to_the_byte(place: Path, axisrig: 
     assert (made / "results.csv").read_bytes() == (place / "out/results.csv").read_bytes()
     names = {path.name for path in made.iterdir() if not path.name.startswith(".")}
     files = {"results.csv", "cases.csv", "junit.xml", "report.html", "manifest.json"}
-    assert names == {*files, "plans"}
+    assert names == {*files, "inputs.json", "plans"}
     axisrig("judge", "out", "--plan", "plan.csv")
     assert (made.parent / "2-plan" / "results.csv").is_file()
     assert hashes(place / "out") == before

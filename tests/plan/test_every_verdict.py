@@ -72,8 +72,9 @@ def test_the_terminal_gives_the_causes_of_what_is_not_good(
     assert f"{verdict.glyph} {verdict.word}" in printed
     assert ("3/3" if verdict is Verdict.PASS else "2/3") in printed
     causes = [line for line in printed.splitlines() if line.startswith(f"{case.run}: ")]
-    named = f"{case.run}: {verdict.word}: standstill_mm = 1 mm against <= 2 (the note)"
-    assert causes == ([] if verdict in GOOD else [named])
+    named = f"{case.run}: {verdict.word}: standstill_mm is 1 mm below its upper limit 2.0 mm"
+    assert len(causes) == (verdict not in GOOD)
+    assert all(cause.startswith(named) for cause in causes)
 
 
 @pytest.mark.parametrize("verdict", [Verdict.ABORTED, Verdict.ERROR])
@@ -123,7 +124,8 @@ def test_a_comparison_calls_worse_what_fell_in_rank(before: Verdict) -> None:
         assert pair.is_worse == (after > before)
         assert pair.is_changed == (after is not before)
         lines = found.worse()
-        assert (f"r: {before.word} -> {after.word}" in lines) == (after > before)
+        changed = f"r: {before.word} -> {after.word}: latch_mm is 1 mm inside its limit"
+        assert (changed in lines) == (after > before)
         assert f"lost: is missing, was {before.word}" in lines
         assert (f"new: new, {after.word}" in lines) == (after not in GOOD)
 

@@ -202,10 +202,13 @@ def test_a_run_whose_files_changed_meanwhile_is_an_error(monkeypatch: pytest.Mon
         yield result(PASS, "a", wall_s=1.0)
         yield result(PASS, "b", wall_s=2.0)
 
-    first, second = campaign._dated(running(), {"a": "1", "b": "other"})
+    first, second = campaign._dated(
+        running(), {"a": "1", "b": "other"}, lambda ago_s: f"{ago_s:g} s ago"
+    )
     assert (first.verdict, first.depends_sha256) == (PASS, "1")
     assert (second.verdict, second.error, second.wall_s) == (ERROR, CHANGED, 2.0)
     assert second.depends_sha256 == "2"
+    assert (first.timestamp, second.timestamp) == ("1 s ago", "2 s ago")
 
 
 def test_statistics_come_with_their_hash_those_that_stay_first() -> None:
