@@ -65,7 +65,7 @@ def test_900255_lists_the_idents_that_there_are(channel_bench: Make, words: Any)
     (alarm,) = bench.channel.alarms
     assert alarm.id == 900255
     assert "N70" in str(alarm)
-    assert "No SERCOS drive is simulated" in str(alarm)
+    assert "S-0-0092, S-0-0159" in str(alarm)
 
 
 @pytest.mark.provokes(900256, 2, keyword="TYP", value="2", allowed="4 for S-0-0159")

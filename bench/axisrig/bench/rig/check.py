@@ -43,9 +43,12 @@ def _check_rig(settings: Settings) -> None:
         with mistakes.kept():
             step(settings)
     if is_wired:  # what a family reckons with follows from all of it
-        for step in (*_OF_DRIVES, *(family.check for family in rig_families() if not mistakes)):
+        for step in _OF_DRIVES:
             with mistakes.kept():
                 step(settings)
+        for family in rig_families() if not mistakes else ():
+            with mistakes.kept():
+                family.check(settings)
     mistakes.refuse(settings.files[0])
 
 

@@ -182,7 +182,7 @@ class SercosDrive(EthercatDrive):
 
     def _check(self, ident: int, number: int) -> str | None:
         """Return the name of the code that refuses a value, None."""
-        if ident in (*words.CONTROL_BITS, *words.STATUS_BITS):
+        if ident in words.REAL_TIME_BITS:
             return None if self._may_have_bit(ident, number) else "INVALID"
         if ident == words.PROBE_CONTROL and self.sercos.locks_select and self.probing.is_running:
             return "PROTECTED_NOW"

@@ -42,6 +42,8 @@ AT_LIST: Final = ident_number("S-0-0016")
 MDT_LIST: Final = ident_number("S-0-0024")
 CONTROL_BITS: Final = (ident_number("S-0-0301"), ident_number("S-0-0303"))
 STATUS_BITS: Final = (ident_number("S-0-0305"), ident_number("S-0-0307"))
+REAL_TIME_BITS: Final = CONTROL_BITS + STATUS_BITS
+"""What each real-time bit is: an ident in the value of each of these."""
 """What real-time bits 1 and 2 are assigned to."""
 PROBE_CONTROL: Final = ident_number("S-0-0169")
 PROBE_COMMAND: Final = ident_number("S-0-0170")
