@@ -182,6 +182,7 @@ def test_sql_asks_all_tables(
 
 
 OUTSIDE = [
+    "create table t as pivot cases on verdict using count(*)",
     "select * from read_csv('{place}/secret.csv')", "load httpfs", "select 1;select 1", "",
     "copy (select 1) to '{trace}' (use_tmp_file false)", "select * from results",
     "set enable_external_access = true", "explain analyze copy (select 1) to '{place}/new.csv'",

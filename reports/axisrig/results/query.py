@@ -64,10 +64,18 @@ def _quoted(text: str) -> str:
 def _refuse_others(statements: Sequence[Any], kinds: Any) -> None:
     """Raise UserError unless there is one statement, which selects.
 
-    A PIVOT comes as two without a text: it looks for the values first.
+    A PIVOT looks for the values first: DuckDB 1 makes two statements without a text of it, DuckDB 2
+    one of the kind MULTI.
     """
     texts = [statement.query for statement in statements if statement.query]
-    if len(texts) > 1 or not statements or statements[-1].type != kinds.SELECT:
+    selects = bool(statements) and (
+        statements[-1].type == kinds.SELECT
+        or (
+            statements[-1].type == getattr(kinds, "MULTI", None)
+            and texts[-1].split(maxsplit=1)[0].lower() in ("pivot", "select", "from")
+        )
+    )
+    if len(texts) > 1 or not selects:
         raise UserError(
             "a query is one statement that selects",
             value=" ".join(" ".join(texts).split())[:80] or "nothing",
