@@ -2,9 +2,10 @@
 
 import pytest
 
+from axisrig.kernel.drives.cia402.actual_position import BY_SDO, asked_by_sdo
 from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
 from axisrig.kernel.drives.cia402.objects import Done, SdoError
-from axisrig.kernel.drives.cia402.position_check import ATTEMPTS_MAX, PositionCheck
+from axisrig.kernel.drives.position_check import ATTEMPTS_MAX, PositionCheck
 from axisrig.kernel.errors import Alarm
 
 PER_MM = 1000.0
@@ -29,6 +30,10 @@ class FakeSdo:
             self.waiting.pop(0)(self.error or value)
 
 
+def check_of(sdo: FakeSdo, room: StandstillRoom | None = None) -> PositionCheck:
+    return PositionCheck(asked_by_sdo(sdo, room), BY_SDO)  # type: ignore[arg-type]
+
+
 def cycles(check: PositionCheck, sdo: FakeSdo, telegrams: list[int]) -> None:
     """Each question is answered before the next telegram."""
     for increments in telegrams:
@@ -39,7 +44,7 @@ def cycles(check: PositionCheck, sdo: FakeSdo, telegrams: list[int]) -> None:
 @pytest.mark.parametrize("place", [0, 12_345, -12_345, -(1 << 31), (1 << 31) - 1])
 def test_a_place_that_both_ways_report_is_proved(place: int) -> None:
     sdo = FakeSdo(place)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     assert not check.is_proved
     cycles(check, sdo, [place])
     assert not check.is_proved  # the telegram after the answer counts too
@@ -48,10 +53,10 @@ def test_a_place_that_both_ways_report_is_proved(place: int) -> None:
     assert sdo.asked == [(0x6064, 0)]
 
 
-@pytest.mark.provokes(900084, 4, axis="Z", telegram_mm="-15.0390", sdo_mm="0.2590")
+@pytest.mark.provokes(900084, 4, axis="Z", way="SDO (6064)", asked_mm="0.2590")
 def test_a_place_of_the_telegrams_alone_is_an_alarm() -> None:
     sdo = FakeSdo(259)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     with pytest.raises(Alarm) as found:
         cycles(check, sdo, [-15_039] * 100)
     assert found.value.id == 900084
@@ -61,12 +66,12 @@ def test_a_place_of_the_telegrams_alone_is_an_alarm() -> None:
     assert len(sdo.asked) == ATTEMPTS_MAX
 
 
-@pytest.mark.provokes(900085, 4, axis="Z")
+@pytest.mark.provokes(900085, 4, axis="Z", way="SDO (6064)")
 @pytest.mark.parametrize("code", [None, 0x06020000])
 def test_a_drive_that_reports_nothing_is_an_alarm(code: int | None) -> None:
     sdo = FakeSdo()
     sdo.error = SdoError(0x6064, 0, code)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     with pytest.raises(Alarm) as found:
         cycles(check, sdo, [0] * 100)
     assert found.value.id == 900085
@@ -74,7 +79,7 @@ def test_a_drive_that_reports_nothing_is_an_alarm(code: int | None) -> None:
 
 def test_an_answer_that_stayed_out_once_is_asked_for_again() -> None:
     sdo = FakeSdo(7)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     sdo.error = SdoError(0x6064, 0, None)
     cycles(check, sdo, [7, 7])
     sdo.error = None
@@ -86,7 +91,7 @@ def test_an_answer_that_stayed_out_once_is_asked_for_again() -> None:
 def test_an_axis_without_power_may_sink_while_it_is_asked(answer: int, is_proved: bool) -> None:
     """100 before the question and 110 after it: 11 more on each side (span and an increment)."""
     sdo = FakeSdo(answer)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     cycles(check, sdo, [100, 110])
     assert check.is_proved is is_proved
 
@@ -94,14 +99,14 @@ def test_an_axis_without_power_may_sink_while_it_is_asked(answer: int, is_proved
 @pytest.mark.parametrize(("answer", "is_proved"), [(51, True), (49, True), (52, False)])
 def test_an_axis_at_rest_stands_within_an_increment(answer: int, is_proved: bool) -> None:
     sdo = FakeSdo(answer)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     cycles(check, sdo, [50, 50])
     assert check.is_proved is is_proved
 
 
 def test_what_was_proved_before_is_not_proved_any_more() -> None:
     sdo = FakeSdo(5)
-    check = PositionCheck(sdo)  # type: ignore[arg-type]
+    check = check_of(sdo)
     cycles(check, sdo, [5, 5])
     check.void()
     assert not check.is_proved
@@ -126,7 +131,7 @@ def test_a_segment_with_little_room_has_one_question_at_a_time() -> None:
     member = Still()
     room = StandstillRoom([member])
     sdos = FakeSdo(1), FakeSdo(2)
-    checks = [PositionCheck(sdo, room) for sdo in sdos]  # type: ignore[arg-type]
+    checks = [check_of(sdo, room) for sdo in sdos]
     for check, place in zip(checks, (1, 2), strict=True):
         check.step("Z", place, PER_MM)
     assert [len(sdo.asked) for sdo in sdos] == [1, 0]

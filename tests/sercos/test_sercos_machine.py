@@ -3,8 +3,9 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from axisrig.bench.drive.sercos import node as virtual
@@ -23,10 +24,16 @@ Run = Callable[..., Machine]
 
 @pytest.fixture
 def run(tmp_path: Path) -> Run:
-    """Run a program with the shipped rig; changes: of its keys; prepare: the virtual drive."""
+    """Run a program with the shipped rig.
+
+    changes: of its keys. prepare: the virtual drive. before: called with the machine.
+    """
 
     def make(
-        program: str, *changes: str, prepare: Callable[[virtual.SercosDrive], None] | None = None
+        program: str,
+        *changes: str,
+        prepare: Callable[[virtual.SercosDrive], None] | None = None,
+        before: Callable[[Machine], None] | None = None,
     ) -> Machine:
         (tmp_path / "own.nc").write_text(program, encoding="utf-8")
         assigned = [(parse_assignment(text), as_written) for text in changes]
@@ -37,6 +44,8 @@ def run(tmp_path: Path) -> Run:
             part: Any = machine.installed[0]
             if prepare is not None:
                 prepare(part.nodes["Z"])
+            if before is not None:
+                before(machine)
             machine.run()
         finally:
             machine.close()
@@ -148,3 +157,31 @@ def test_an_ident_that_cannot_be_written_is_an_alarm(run: Run, command: str, ala
 def test_measuring_type_6_runs_with_a_sercos_axis(run: Run) -> None:
     program = "%six\nN20 G310 G90 Z129 F600 $GOTO [HIT]\nN25 M30\n[HIT]\nN30 M30\n"
     assert ids(run(program, "set:channel.messtyp=6")) == []
+
+
+def altered(machine: Machine) -> None:
+    """Let each AT have the axis 10 mm from where it stands, at 2^20 increments for 10 mm."""
+    data = cast("Any", machine.links["Z"])._data
+    take = data.take
+
+    def wrong() -> list[int | None]:
+        values = list(take())
+        values[1] = None if values[1] is None else values[1] + (1 << 20)
+        return values
+
+    data.take = wrong
+
+
+def moved_mm(machine: Machine) -> float:
+    return float(np.ptp(machine.recorder.table().column("Z.truth_mm").to_numpy()))
+
+
+@pytest.mark.interpreted
+def test_an_axis_is_not_led_from_a_place_that_its_telegrams_alone_report(run: Run) -> None:
+    """The service channel reads S-0-0051 too; without it the axis jumps, which the test sees."""
+    still = "%still\nN10 G4 Z0.02\nN20 M30\n"
+    proved = run(still, before=altered)
+    assert ids(proved) == [900084]
+    assert "the service channel (S-0-0051)" in str(proved.channel.alarms[0])
+    assert moved_mm(proved) < 0.01
+    assert moved_mm(run(still, "drive:servo.position_check=false", before=altered)) > 0.01

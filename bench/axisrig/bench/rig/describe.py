@@ -15,10 +15,18 @@ WHAT_PASSES = (
     "a latch that is altered alike in every telegram passes if it is at a place where the axis was"
 )
 """What a measured value without a proof of its own may be."""
-UNPROVED_PLACE = (
-    "the position from which its drive is led into operation rests on telegrams alone: an axis"
-    " jumps by what is wrong in them"
-)
+
+
+def unproved_place(settings: Settings, name: str, reason: str | None = None) -> str:
+    """Warn that an axis is led from a position of telegrams alone; reason: else its drive's key."""
+    drive = settings.rig.axis[name].drive
+    return (
+        f"warning: axis {name}: the position from which its drive is led into operation rests on"
+        " telegrams alone: an axis jumps by what is wrong in them:"
+        f" {reason or f'position_check of drive {drive} is false'}"
+    )
+
+
 OPEN = "telegrams are missing there, or clocks were apart"
 """Why a position between two others is not proved."""
 

@@ -7,6 +7,7 @@ the side of the control.
 from collections.abc import Callable
 from typing import Protocol
 
+from axisrig.kernel.drives.position_check import PositionCheck
 from axisrig.kernel.drives.power import NEXT, Power, PowerOrder, PowerRequest
 from axisrig.kernel.drives.set_points import SetPoints
 from axisrig.kernel.drives.settings import DriveSettings
@@ -26,8 +27,8 @@ class Drive(SetPoints):
     fixed stop. second_age_cycles: since a value of the second encoder has come. unproved_latches:
     how many latches were taken without a proof. interpolated_latches: how many positions at the
     signal of the PLC are open. doubt_mm: how far the last of either may be wrong, None where there
-    is a proof. warn: gets warnings that stop nothing. is_sercos: measuring
-    type 6 takes its axis.
+    is a proof. warn: gets warnings that stop nothing. is_sercos: measuring type 6 takes its axis.
+    place_check: proves where the axis stands before it follows set positions; None: nothing does.
     """
 
     def __init__(self, settings: DriveSettings, arrival: Arrival) -> None:
@@ -47,6 +48,8 @@ class Drive(SetPoints):
         self.doubt_mm: float | None = None
         self.warn: Callable[[Alarm], None] = _nobody
         self.is_sercos = False
+        self.place_check: PositionCheck | None = None
+        self._stood: int | None = None  # before a jump that nothing has proved yet, increments
 
     def order(self, order: PowerOrder) -> None:
         """Change the request for power (`power.csv`)."""
@@ -55,18 +58,50 @@ class Drive(SetPoints):
 
     # Where the axis stands, before it follows set positions
 
+    def _note_power(self, power: Power) -> None:
+        """Take the power that the drive reports; out of operation it may stand anywhere."""
+        if self.power is Power.OPERATING and power is not Power.OPERATING:
+            self.forget_place()
+        self.power = power
+
+    def _take_place(self, increments: int) -> None:
+        """Take an actual position; one that jumps before operation has to be proved anew."""
+        before = self.actual_increments
+        self._take_actual(increments)
+        check = self.place_check
+        if self.jump_mm is None or check is None or self.power is Power.OPERATING:
+            return
+        if check.is_proved:
+            self._stood = before
+        check.void()
+
     def find_place(self) -> None:
-        """Do one cycle of proving where the axis stands; raises the alarms of a place unproved."""
+        """Ask the drive where it stands, until it reports what its telegrams do.
+
+        Raises Alarm 900084 where it does not, 900085 where it reports nothing.
+        """
+        check = self.place_check
+        if check is None or check.is_proved or not self.has_actual:
+            return
+        check.step(self.name, self.actual_increments, self._per_mm)
+        if check.is_proved:
+            self._stood = None
+
+    def forget_place(self) -> None:
+        """Let the place be proved anew: the axis may stand elsewhere, or has another reference."""
+        self._stood = None
+        if self.place_check is not None:
+            self.place_check.void()
 
     @property
     def is_placed(self) -> bool:
-        """Whether it is proved where the axis stands, or no second way reports it."""
-        return True
+        """Whether it is proved where the axis stands, or nothing proves it."""
+        return self.place_check is None or self.place_check.is_proved
 
     @property
     def place_mm(self) -> float:
-        """Where the axis stands as far as it can be believed: what a drive may be led from."""
-        return self.actual_mm
+        """What a drive may be led from: the actual position; after a jump the one before it."""
+        return self.actual_mm if self._stood is None else self._stood / self._per_mm
 
     # A cycle
 

@@ -87,6 +87,7 @@ def sercos_settings(settings: Settings, name: str) -> SercosSettings:
         starts_probing=drive.probing == "start",
         needs_following=parameters.flag("antr.sercos.evaluate_drive_follows_cmd"),
         proves_latches=drive.latch_check,
+        proves_places=drive.position_check,
         echo_cycles=phases_of(settings, name).way,
     )
 

@@ -5,7 +5,7 @@ from enum import Enum
 from axisrig.bench.bus.can.arithmetic import PlannedFrame
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
 from axisrig.bench.rig.canopen.schedule import SDO_FRAMES, axis_telegrams, schedule_of
-from axisrig.bench.rig.describe import UNPROVED_PLACE, WHAT_PASSES
+from axisrig.bench.rig.describe import WHAT_PASSES, unproved_place
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.time.clock import S
 
@@ -64,14 +64,12 @@ def describe_places(settings: Settings) -> list[str]:
     """Warn of each axis whose start position rests on telegrams alone."""
     lines = []
     for name in can_axes(settings):
-        axis = settings.rig.axis[name]
         if not drive_of(settings, name).position_check:
-            reason = f"position_check of drive {axis.drive} is false"
+            lines.append(unproved_place(settings, name))
         elif sdo_room(settings, name) is SdoRoom.NONE:
-            reason = f"segment {axis.segment} has no room for SDO, not even at standstill"
-        else:
-            continue
-        lines.append(f"warning: axis {name}: {UNPROVED_PLACE}: {reason}")
+            segment = settings.rig.axis[name].segment
+            reason = f"segment {segment} has no room for SDO, not even at standstill"
+            lines.append(unproved_place(settings, name, reason))
     return lines
 
 

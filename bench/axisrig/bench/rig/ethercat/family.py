@@ -2,7 +2,7 @@
 
 from axisrig.bench.rig.canopen.loop import describe_loop
 from axisrig.bench.rig.canopen.members import drive_of
-from axisrig.bench.rig.describe import UNPROVED_PLACE, WHAT_PASSES
+from axisrig.bench.rig.describe import WHAT_PASSES, unproved_place
 from axisrig.bench.rig.ethercat.checks import check_lines
 from axisrig.bench.rig.ethercat.members import (
     axis_pdos,
@@ -42,11 +42,9 @@ class OnEthercat(RigFamily):
                 lines += describe_sercos(settings, name)
             else:
                 lines += [*describe_loop(settings, name, late_cycles), *_latches(settings, name)]
+                if not drive_of(settings, name).position_check:
+                    lines.append(unproved_place(settings, name))
             lines += _times(settings, name)
-            if not is_sercos(settings, name) and not drive_of(settings, name).position_check:
-                drive = settings.rig.axis[name].drive
-                reason = f"position_check of drive {drive} is false"
-                lines.append(f"warning: axis {name}: {UNPROVED_PLACE}: {reason}")
         return lines
 
     def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:

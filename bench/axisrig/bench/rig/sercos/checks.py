@@ -1,5 +1,6 @@
 """Checks of the SERCOS axes of a rig: telegrams, what measuring needs, scaling."""
 
+from axisrig.bench.rig.describe import unproved_place
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.sercos.keys import carried
@@ -92,6 +93,8 @@ def describe_sercos(settings: Settings, name: str) -> list[str]:
     """Say what the telegrams carry, and how a latch is proved."""
     table = drive_of(settings, name)
     lines = [f"axis {name}: MDT {' '.join(table.mdt)}; AT {' '.join(table.at)}"]
+    if not table.position_check:
+        lines.append(unproved_place(settings, name))
     if not measures(settings, name):
         return lines
     probe, edge = latch_of(settings, name)

@@ -28,7 +28,9 @@ HABITS = (
     "sync_loss_periods",
 )  # fmt: skip
 """Habits of any drive at its axis and inputs that are keys here too."""
-OF_ANY = ("missing_cycles", "jump_factor", "lag_limit_mm", "fault_reset", "latch_check")
+OF_ANY = (
+    "missing_cycles", "jump_factor", "lag_limit_mm", "fault_reset", "latch_check", "position_check",
+)  # fmt: skip
 
 
 def _ident(text: str) -> str:
@@ -66,7 +68,8 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     linear with 0.1 um. idents: start-up list, each an ident and its value, which may be an ident.
     probing: start = the control begins the probing cycle S-0-0170; none = nobody does.
     missing_cycles: how often in a row its telegram may stay out. latch_check: a latch counts only
-    when the service channel gives the value too. soe_timeout_ms: for each answer. as_canopen: a run
+    when the service channel gives the value too; position_check: so with the position from which
+    the drive is led. soe_timeout_ms: for each answer. as_canopen: a run
     may set it (`--as-canopen`), and has the usual drive with the same axis then.
     """
 
@@ -83,6 +86,7 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     lag_limit_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     fault_reset: bool = False
     latch_check: bool = True
+    position_check: bool = True
     soe_timeout_ms: Annotated[int, Field(ge=1, le=60_000)] = 1000
     as_canopen: Literal[False] = False
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)

@@ -9,6 +9,7 @@ from typing import Final
 
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.cia402.watch import Cia402Watch
+from axisrig.kernel.drives.position_watch import jump_alarm
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE
 from axisrig.kernel.profiles.canopen.nmt import BOOT_UP, OPERATIONAL, PRE_OPERATIONAL, STOPPED
@@ -108,4 +109,4 @@ class LinkWatch(Cia402Watch):
                     what="node guarding" if settings.guard_ns else "heartbeat",
                     ms=silent_ns // MS,
                 )
-        return self._jump()
+        return jump_alarm(link)

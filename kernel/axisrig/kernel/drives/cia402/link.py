@@ -7,12 +7,12 @@ kernel's side and increments on the wire. What carries the values is `CyclicData
 from typing import Final
 
 from axisrig.kernel.drives.cia402.active_fault import ActiveFault
+from axisrig.kernel.drives.cia402.actual_position import BY_SDO, asked_by_sdo
 from axisrig.kernel.drives.cia402.cyclic_data import CyclicData, Values
 from axisrig.kernel.drives.cia402.homing import AxisHoming
 from axisrig.kernel.drives.cia402.latch_check import LatchCheck, StandstillRoom
 from axisrig.kernel.drives.cia402.latch_watch import LatchWatch
 from axisrig.kernel.drives.cia402.objects import ObjectAccess
-from axisrig.kernel.drives.cia402.position_check import PositionCheck
 from axisrig.kernel.drives.cia402.power_words import BEFORE_OPERATION, POWER, RESET, WORDS
 from axisrig.kernel.drives.cia402.settings import Cia402Settings
 from axisrig.kernel.drives.cia402.words import (
@@ -25,8 +25,9 @@ from axisrig.kernel.drives.cia402.words import (
     stored_bit,
 )
 from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.position_check import PositionCheck
 from axisrig.kernel.drives.position_loop import PositionLoop
-from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.drives.power import PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.profiles.canopen.emergency import Emergency
@@ -65,10 +66,8 @@ class Cia402Drive(Drive):
         self._of_drive, self.sdo, self.node_id = settings, sdo, settings.node_id
         self._checked_by = sdo if proves_latches else None
         self._room = room
-        self._place: PositionCheck | None = None
         if proves_places and sdo is not None:
-            self._place = PositionCheck(sdo, room)
-        self._stood: int | None = None  # before a jump that nothing has proved yet, increments
+            self.place_check = PositionCheck(asked_by_sdo(sdo, room), BY_SDO)
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
         self._data = data
@@ -138,49 +137,9 @@ class Cia402Drive(Drive):
             self._judge_missing()
 
     def _enter(self, word: int) -> None:
-        """Take a new status word; a drive that has left operation may stand anywhere."""
-        was_operating = self.power is Power.OPERATING
+        """Take a new status word."""
         self.statusword, self.state = word, state_of(word)
-        self.power = POWER[self.state]
-        if was_operating and self.power is not Power.OPERATING:
-            self.forget_place()
-
-    def _take_place(self, increments: int) -> None:
-        """Take an actual position; one that jumps before operation has to be proved anew."""
-        before = self.actual_increments
-        self._take_actual(increments)
-        if self.jump_mm is None or self._place is None or self.power is Power.OPERATING:
-            return
-        if self._place.is_proved:
-            self._stood = before
-        self._place.void()
-
-    def find_place(self) -> None:
-        """Ask the drive where it stands, until it reports what its telegrams do.
-
-        Raises Alarm 900084 where it does not, 900085 where it reports nothing.
-        """
-        if self._place is None or self._place.is_proved or not self.has_actual:
-            return
-        self._place.step(self.name, self.actual_increments, self._per_mm)
-        if self._place.is_proved:
-            self._stood = None
-
-    def forget_place(self) -> None:
-        """Let the place be proved anew: the axis may stand elsewhere, or has another reference."""
-        self._stood = None
-        if self._place is not None:
-            self._place.void()
-
-    @property
-    def is_placed(self) -> bool:
-        """Whether it is proved where the axis stands, or the rig does without."""
-        return self._place is None or self._place.is_proved
-
-    @property
-    def place_mm(self) -> float:
-        """The actual position; after a jump that nothing has proved the one before it."""
-        return self.actual_mm if self._stood is None else self._stood / self._per_mm
+        self._note_power(POWER[self.state])
 
     def _note_second(self, second: int | None) -> None:
         if second is not None:

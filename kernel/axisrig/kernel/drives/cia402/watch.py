@@ -1,10 +1,10 @@
 """Watches over a drive of CiA 402 while a program runs, whatever carries its words."""
 
-from math import inf
 from typing import Final
 
 from axisrig.kernel.drives.cia402.link import Cia402Drive
 from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.position_watch import lag_alarm
 from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.emergency import Emergency
@@ -14,18 +14,11 @@ EMERGENCY_CYCLES: Final = 2
 
 
 class Cia402Watch(DriveWatch):
-    """What the words of a drive say of its condition, and where its position jumps."""
+    """What the words of a drive say of its condition."""
 
     def __init__(self, drive: Cia402Drive) -> None:
         self._drive = drive
         self._emergency_cycles = 0
-
-    def _jump(self) -> Alarm | None:
-        """Report a jump in operation; before it a drive may still be looking for its encoder."""
-        jump_mm, self._drive.jump_mm = self._drive.jump_mm, None
-        if jump_mm is None or self._drive.power is not Power.OPERATING:
-            return None
-        return Alarm(900029, axis=self._drive.name, jump_mm=f"{jump_mm:.3f}")
 
     def condition(self) -> Alarm | None:
         """Return what is wrong with the drive itself, None when nothing is.
@@ -37,7 +30,7 @@ class Cia402Watch(DriveWatch):
         if drive.request is PowerRequest.STOP:
             return None  # as it was commanded
         if drive.power is Power.OPERATING and drive.emergency is None:
-            return self._lag()
+            return lag_alarm(drive)
         word = f"0x{drive.statusword:04X}"
         if drive.power is Power.FAULT:
             self._emergency_cycles = 0
@@ -45,13 +38,6 @@ class Cia402Watch(DriveWatch):
         if drive.emergency is not None:
             return self._judge(drive.emergency)
         return Alarm(900027, axis=drive.name, statusword=word, state=drive.state_name)
-
-    def _lag(self) -> Alarm | None:
-        limit_mm = self._drive.settings.lag_limit_mm
-        if limit_mm == inf or not self._drive.watches_lag or abs(self._drive.lag_mm) <= limit_mm:
-            return None
-        lag_mm = f"{self._drive.lag_mm:.4f}"
-        return Alarm(900036, axis=self._drive.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")
 
     def _judge(self, emergency: Emergency) -> Alarm | None:
         """Wait for the status word that explains an emergency, then take it for itself."""

@@ -3,6 +3,7 @@
 from axisrig.kernel.drives.cia402.watch import Cia402Watch
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
 from axisrig.kernel.drives.ethercat.link import EthercatLink
+from axisrig.kernel.drives.position_watch import jump_alarm
 from axisrig.kernel.errors import Alarm
 
 
@@ -30,4 +31,4 @@ class EthercatWatch(Cia402Watch):
         fallen = self._carrier.fallen(self._link.name)
         if fallen is not None:
             return fallen
-        return self._jump() if self._link.jump_mm is not None else None
+        return jump_alarm(self._link)

@@ -108,11 +108,6 @@ class SercosLatch:
             if not enable:
                 self._was_clear = False
 
-    def restart(self) -> None:
-        """Forget all: the drive has restarted."""
-        self.disarm()
-        self.increments = None
-
     @property
     def is_prepared(self) -> bool:
         """Whether the probing cycle is known to run."""

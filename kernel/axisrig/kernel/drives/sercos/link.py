@@ -3,6 +3,7 @@
 from typing import Final
 
 from axisrig.kernel.drives.interface import Drive, DriveHoming
+from axisrig.kernel.drives.position_check import Answered, PositionCheck
 from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.drives.sercos.data import TelegramData
 from axisrig.kernel.drives.sercos.latch import SercosLatch
@@ -22,6 +23,8 @@ from axisrig.kernel.time.clock import Clock
 
 TEXT, RESET = ident_number("S-0-0095"), ident_number("S-0-0099")
 C1D, NUMBER = ident_number("S-0-0011"), ident_number("S-0-0390")
+FEEDBACK: Final = ident_number("S-0-0051")
+BY_CHANNEL: Final = "the service channel (S-0-0051)"
 MOVING: Final = words.ON | words.ENABLE | words.RUN
 HALTED: Final = words.ON | words.ENABLE
 READY_NAMES: Final = ("NOT_READY", "LOGIC_READY", "POWER_READY", "OPERATES")
@@ -57,6 +60,20 @@ class SercosDrive(Drive):
         assert target is not None, "the rig has been checked"
         self._control_out, self._target_out = control, target
         self._latch = self._make_latch()
+        if settings.proves_places:
+            self.place_check = PositionCheck(self._ask_place, BY_CHANNEL)
+
+    def _ask_place(self, answered: Answered) -> bool:
+        """Read S-0-0051 over the service channel."""
+
+        def done(found: bytes | SoeError) -> None:
+            if isinstance(found, SoeError):
+                answered(str(found))
+            else:
+                answered(int.from_bytes(found, "little", signed=True))
+
+        self.channel.read(self.drive_number, FEEDBACK, Element.VALUE, done)
+        return True
 
     def _make_latch(self) -> SercosLatch:
         idents = words.PROBES[self.probe_input, self.edge]
@@ -87,9 +104,9 @@ class SercosDrive(Drive):
         status, actual, _, latch, _, _, second, _ = data.take()
         if status is not None:
             self.status = status
-            self.power = self._power()
+            self._note_power(self._power())
         if actual is not None:
-            self._take_actual(actual)
+            self._take_place(actual)
         elif self._actual_age is not None:
             self._actual_age += 1
         self.arrival.is_new = status is not None
@@ -137,7 +154,7 @@ class SercosDrive(Drive):
             return 0
         request = self.request
         if request is PowerRequest.ON:
-            return MOVING
+            return MOVING if self.is_placed or self.power is Power.OPERATING else 0
         is_moving = self.ready == words.OPERATES
         if request is PowerRequest.KEEP:
             return MOVING if is_moving else 0

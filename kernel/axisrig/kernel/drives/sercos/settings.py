@@ -46,9 +46,10 @@ class SercosSettings(SlaveSettings):
 
     lead_mm: travel per turn, for a rotary scaling. writes: start-up list, ident and value. bits:
     for measuring. measures: P-AXIS-00118 with the drive as source. starts_probing: the control sets
-    S-0-0170 to 3 when the drive is in OP. period_us: for S-0-0001 and S-0-0002.
-    needs_following: P-AXIS-00411. echo_cycles: from an MDT to the AT that the drive has made after
-    it.
+    S-0-0170 to 3 when the drive is in OP. period_us: for S-0-0001 and S-0-0002. proves_latches,
+    proves_places: a latch, and the position from which the drive is led, counts only when the
+    service channel gives it too. needs_following: P-AXIS-00411. echo_cycles: from an MDT to the AT
+    that the drive has made after it.
     """
 
     lead_mm: float
@@ -59,4 +60,5 @@ class SercosSettings(SlaveSettings):
     starts_probing: bool = True
     needs_following: bool = False
     proves_latches: bool = True
+    proves_places: bool = True
     echo_cycles: int = 2

@@ -1,9 +1,8 @@
 """Watches over a SERCOS drive while a program runs: the state of its slave and its words."""
 
-from math import inf
-
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
 from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.position_watch import jump_alarm, lag_alarm
 from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.drives.sercos.link import SercosDrive
 from axisrig.kernel.errors import Alarm
@@ -41,10 +40,7 @@ class SercosWatch(DriveWatch):
                 self._has_warned = True
                 drive.warn(Alarm(140029, axis=drive.name, state=AlState.INIT.name))
             return fallen
-        jump_mm, drive.jump_mm = drive.jump_mm, None
-        if jump_mm is None or drive.power is not Power.OPERATING:
-            return None
-        return Alarm(900029, axis=drive.name, jump_mm=f"{jump_mm:.3f}")
+        return jump_alarm(drive)
 
     def condition(self) -> Alarm | None:
         """Return what is wrong with the drive itself, None when nothing is.
@@ -55,16 +51,9 @@ class SercosWatch(DriveWatch):
         if drive.request is PowerRequest.STOP:
             return None
         if drive.power is Power.OPERATING:
-            return self._lag()
+            return lag_alarm(drive)
         if drive.power is Power.FAULT:
             return drive.fault()
         return Alarm(
             900027, axis=drive.name, statusword=f"0x{drive.status:04X}", state=drive.state_name
         )
-
-    def _lag(self) -> Alarm | None:
-        drive, limit_mm = self._drive, self._drive.settings.lag_limit_mm
-        if limit_mm == inf or not drive.watches_lag or abs(drive.lag_mm) <= limit_mm:
-            return None
-        lag_mm = f"{drive.lag_mm:.4f}"
-        return Alarm(900036, axis=drive.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")
