@@ -61,11 +61,11 @@ def test_rows_have_what_one_dead_cycle_more_gives(tmp_path: Path, table: str) ->
 
 def _with_one_more(case: Case) -> Case:
     """Return a case with what its dead cycles change."""
-    told = restated(Setup(ROWS[case.case], LATER))
-    inputs = {name: text for name, text in told.items() if not name.startswith("check:")}
+    stated = restated(Setup(ROWS[case.case], LATER))
+    inputs = {name: text for name, text in stated.items() if not name.startswith("check:")}
     checks = []
     for check in case.checks:
-        text = told.get(f"check:{check.metric}")
+        text = stated.get(f"check:{check.metric}")
         condition = check.condition if text is None else parse_condition(text, check.metric)
         checks.append(replace(check, condition=condition))
     return replace(case, inputs=dict(case.inputs) | inputs, checks=tuple(checks))

@@ -82,8 +82,8 @@ def test_dead_cycles(case: str) -> None:
     dead = dead_of(setup)
     assert setup.row[DEAD] == f"== {dead}"
     assert setup.row[EXPECTED_DEAD] == f"== {dead}"
-    told = setup.row.get(TIME_DEAD)
-    assert not told or told == f"{(dead + 1) * setup.T * 1e3:g} +- 0.05"
+    wanted = setup.row.get(TIME_DEAD)
+    assert not wanted or wanted == f"{(dead + 1) * setup.T * 1e3:g} +- 0.05"
 
 
 def test_dead_time_of_every_kind_of_rig() -> None:

@@ -1,5 +1,9 @@
 """A campaign made of formulas: 14 runs of a probing move, every verdict among them."""
 
+import csv
+import json
+import shutil
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +12,8 @@ import numpy.typing as npt
 import pyarrow as pa
 import pytest
 from tests.recordings import Step, alarm, block_trace, facts, kept
+from tests.reports.browsing import HOSTILE
+from tests.tools.chromium import Browser
 
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
@@ -23,6 +29,7 @@ from axisrig.bench.record.axes import AxisRecord, Contact, Edge, Latch, ProbeRec
 from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.facts import Facts, MessageRecord, Note
 from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.reports.build import build_report
 
 FEEDS_MM_S = (1.0, 2.0, 5.0, 10.0, 16.7, 25.0, 50.0)
 KV = 10.0
@@ -207,3 +214,47 @@ def make_campaign(folder: Path, cases: int = 14, samples: int = 4000) -> Path:
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A results folder of 14 runs with 500 samples each."""
     return make_campaign(tmp_path_factory.mktemp("campaign"), samples=500)
+
+
+# The campaign as a page in a browser
+
+
+@pytest.fixture(scope="module")
+def folder(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The campaign with hostile text wherever text of others comes in."""
+    part = tmp_path_factory.mktemp("hostile") / "out"
+    shutil.copytree(campaign, part)
+    for name, columns in (
+        ("cases.csv", ("title", "requirement", "program")),
+        ("results.csv", ("note", "reference")),
+    ):
+        with (part / name).open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        with (part / name).open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows({**row, **dict.fromkeys(columns, HOSTILE)} for row in rows)
+    path = part / "runs" / "probing-feed_1_a.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["facts"]["messages"][0]["shown"] = HOSTILE
+    content["facts"]["notes"][0]["text"] = HOSTILE
+    content["facts"]["blocks"]["lines"][1]["text"] = HOSTILE
+    path.write_text(json.dumps(content), encoding="utf-8")
+    build_report(part)
+    return part
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with Browser() as browser:
+        yield browser
+
+
+@pytest.fixture
+def page(browser: Browser, folder: Path) -> Browser:
+    """The page as it opens, nothing noted yet."""
+    browser.open(folder.parent)  # so that the next address is a new page
+    browser.errors.clear()
+    browser.requested.clear()
+    browser.open(folder / "report.html")
+    return browser

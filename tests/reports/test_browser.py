@@ -1,15 +1,9 @@
 """The page in a real browser: headless Chromium opens it from `file://`."""
 
-import csv
-import json
-import os
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from tests.reports.swept import GRID, searched, wide
+from tests.reports.browsing import HOSTILE, click, find, mouse, open_run, shown
 from tests.reports.swept import folder as folder_of
 from tests.tools.chromium import MISSING, Browser, chromium
 
@@ -20,83 +14,7 @@ pytestmark = [
     pytest.mark.skipif(chromium() is None, reason=MISSING),
 ]
 
-HOSTILE = (
-    """</script><script>document.title = "taken"</script><img src=x onerror="alert(1)">"' ä €"""
-)
-_LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 BAD = ["error", "aborted", "fail", "inconclusive"]
-
-
-def _axe() -> Path | None:
-    """`axe.min.js` of the npm package axe-core, where it is installed."""
-    folders = os.environ.get("NODE_PATH", "").split(os.pathsep)
-    paths = [Path(folder) / "axe-core" / "axe.min.js" for folder in folders if folder]
-    return next((path for path in paths if path.is_file()), None)
-
-
-@pytest.fixture(scope="module")
-def folder(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The campaign with hostile text wherever text of others comes in."""
-    part = tmp_path_factory.mktemp("hostile") / "out"
-    shutil.copytree(campaign, part)
-    for name, columns in (
-        ("cases.csv", ("title", "requirement", "program")),
-        ("results.csv", ("note", "reference")),
-    ):
-        with (part / name).open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-        with (part / name).open("w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, list(rows[0]))
-            writer.writeheader()
-            writer.writerows({**row, **dict.fromkeys(columns, HOSTILE)} for row in rows)
-    path = part / "runs" / "probing-feed_1_a.json"
-    content = json.loads(path.read_text(encoding="utf-8"))
-    content["facts"]["messages"][0]["shown"] = HOSTILE
-    content["facts"]["notes"][0]["text"] = HOSTILE
-    content["facts"]["blocks"]["lines"][1]["text"] = HOSTILE
-    path.write_text(json.dumps(content), encoding="utf-8")
-    build_report(part)
-    return part
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
-
-
-@pytest.fixture
-def page(browser: Browser, folder: Path) -> Browser:
-    """The page as it opens, nothing noted yet."""
-    browser.open(folder.parent)  # so that the next address is a new page
-    browser.errors.clear()
-    browser.requested.clear()
-    browser.open(folder / "report.html")
-    return browser
-
-
-def shown(page: Browser) -> list[str]:
-    """The runs whose rows are seen, from top to bottom."""
-    found = page.run(
-        "[...document.querySelectorAll('.verdicts > tbody')].filter((b) => b.offsetHeight)"
-        ".map((b) => b.dataset.run)"
-    )
-    return list(found)
-
-
-def find(page: Browser, words: str) -> None:
-    page.run(
-        f"(() => {{ const f = document.getElementById('find'); f.value = {json.dumps(words)};"
-        " f.dispatchEvent(new Event('input')); })()"
-    )
-
-
-def click(page: Browser, selector: str) -> None:
-    page.run(f"document.querySelector({json.dumps(selector)}).click()")
-
-
-def open_run(page: Browser, run: str) -> None:
-    click(page, f"[id='{run}'] .opens")
 
 
 def test_it_opens_without_network_and_without_errors(page: Browser, folder: Path) -> None:
@@ -213,13 +131,6 @@ def test_a_plot_is_zoomed_by_dragging_and_shown_whole_by_a_double_click(page: Br
     assert page.errors == []
 
 
-def mouse(page: Browser, kind: str, x: float, y: float, buttons: int, **more: Any) -> None:
-    what = {"type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1}
-    page.call("Input.dispatchMouseEvent", **{**what, **more})
-    page.run("new Promise((done) => requestAnimationFrame(() => done(0)))")
-
-
-# How many plots of each run that is open have at least one drawn pixel, and how many there are
 _DRAWN = """Object.fromEntries([...document.querySelectorAll('.opened')].map((row) => {
   const plots = [...row.querySelectorAll('.uplot canvas')];
   const drawn = plots.filter((c) => c.getContext('2d')
@@ -385,56 +296,6 @@ def test_hostile_text_stays_text(page: Browser) -> None:
     find(page, '"taken"</script>')
     assert len(shown(page)) == 14
     assert page.errors == []
-
-
-def violations(page: Browser, *, is_dark: bool) -> list[Any]:
-    """What axe finds with everything open."""
-    path = _axe()
-    assert path is not None
-    page.dark(is_dark)
-    try:
-        for run in shown(page):
-            open_run(page, run)
-        page.run("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
-        page.run(path.read_text(encoding="utf-8") + "\n;0")
-        found = page.run(
-            f"axe.run(document, {{ runOnly: {_LEVELS} }})"
-            ".then((r) => r.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]))"
-        )
-    finally:
-        page.dark(False)
-    return list(found)
-
-
-@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
-@pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
-def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool) -> None:
-    assert violations(page, is_dark=is_dark) == []
-
-
-@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
-def test_axe_finds_nothing_in_sweeps_searches_and_sensitivity(
-    browser: Browser, tmp_path: Path
-) -> None:
-    grid = [
-        ((a, b, HOSTILE.replace('"', "'").replace(",", ";") if c == "NEG" else "&"), float(a), word)
-        for (a, b, c), word in zip(GRID, ["pass", "fail", "inconclusive"] * 4, strict=True)
-    ]
-    two = [("c", a, b, float(b), "pass") for a, b, _ in GRID]
-    for name in ("two", "grid", "search"):
-        (tmp_path / name).mkdir()
-    for place in (
-        folder_of(tmp_path / "two", two),
-        wide(tmp_path / "grid", grid),
-        searched(tmp_path / "search", ("300", "325")),
-    ):
-        build_report(place)
-        browser.open(tmp_path)
-        browser.errors.clear()
-        browser.open(place / "report.html")
-        assert browser.run("document.querySelectorAll('main img, main script').length") == 0
-        assert [violations(browser, is_dark=is_dark) for is_dark in (False, True)] == [[], []]
-        assert browser.errors == []
 
 
 def test_the_value_under_the_pointer_is_said(browser: Browser, tmp_path: Path) -> None:

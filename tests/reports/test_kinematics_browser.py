@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 from tests.reports import tilted
+from tests.reports.browsing import mouse
 from tests.reports.formulas import write_runs
-from tests.reports.test_browser import _LEVELS, _axe, mouse
+from tests.reports.test_axe import LEVELS, axe_file
 from tests.tools.chromium import MISSING, Browser, chromium
 
 from axisrig.reports.build import build_report
@@ -141,17 +142,17 @@ def test_in_a_window_of_400_px_the_view_is_as_wide_as_the_window(report: Path) -
         assert narrow.errors == []
 
 
-@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
+@pytest.mark.skipif(axe_file() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
 @pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
 def test_axe_finds_nothing(page: Browser, *, is_dark: bool) -> None:
-    path = _axe()
+    path = axe_file()
     assert path is not None
     page.dark(is_dark)
     try:
         page.run("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
         page.run(path.read_text(encoding="utf-8") + "\n;0")
         found = page.run(
-            f"axe.run(document, {{ runOnly: {_LEVELS} }})"
+            f"axe.run(document, {{ runOnly: {LEVELS} }})"
             ".then((r) => r.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]))"
         )
     finally:

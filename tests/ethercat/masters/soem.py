@@ -5,13 +5,12 @@ distributed clock. Run by the interpreter that has pysoem; it imports nothing of
 JSON object.
 """
 
-import json
 import struct
 import sys
-import time
 
 import pysoem
-from probing import Cycle, probed
+from probing import probed
+from soem_cycle import cycle_with, end, lead_to_op
 
 SKIPPED = (0x1010, 0x1011, 0x6040, 0x6060)
 said = {}
@@ -67,28 +66,11 @@ def main():
         slave.dc_sync(True, period_us * 1000, 0)
     said["safeop"] = master.state_check(pysoem.SAFEOP_STATE, 5_000_000)
 
-    def exchange(sent):
-        slave.output = sent
-        master.send_processdata()
-        counter = master.receive_processdata(100_000)
-        return slave.input, counter == master.expected_wkc
-
-    cycle = Cycle(exchange, period_us * 1e-6)
-    cycle(1)
-    master.state = pysoem.OP_STATE
-    master.write_state()
-    end_s = time.perf_counter() + 5
-    while master.state_check(pysoem.OP_STATE, 1000) != pysoem.OP_STATE:
-        cycle(1)
-        if time.perf_counter() > end_s:
-            break
-    master.read_state()
+    cycle = cycle_with(master, slave, period_us)
+    lead_to_op(master, cycle)
     said["op"], said["al"] = slave.state, slave.al_status
     said.update(probed(cycle, count, step))
-    master.state = pysoem.INIT_STATE
-    master.write_state()
-    master.close()
-    print(json.dumps(said))
+    end(master, said)
 
 
 main()

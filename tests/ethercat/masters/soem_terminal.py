@@ -3,13 +3,12 @@
 Arguments as those of `soem.py`; the last one is not used. Prints one JSON object.
 """
 
-import json
 import struct
 import sys
-import time
 
 import pysoem
-from probing import Cycle, probed
+from probing import probed
+from soem_cycle import cycle_with, end, lead_to_op
 
 LATCHES, SIZE = 0x09AE, 34
 said = {"stamps": []}
@@ -30,22 +29,8 @@ def main():
     terminal._fpwr(0x09A8, bytes((3, 3)))
     said["safeop"] = master.state_check(pysoem.SAFEOP_STATE, 5_000_000)
 
-    def exchange(sent):
-        drive.output = sent
-        master.send_processdata()
-        counter = master.receive_processdata(100_000)
-        return drive.input, counter == master.expected_wkc
-
-    cycle = Cycle(exchange, period_us * 1e-6)
-    cycle(1)
-    master.state = pysoem.OP_STATE
-    master.write_state()
-    end_s = time.perf_counter() + 5
-    while master.state_check(pysoem.OP_STATE, 1000) != pysoem.OP_STATE:
-        cycle(1)
-        if time.perf_counter() > end_s:
-            break
-    master.read_state()
+    cycle = cycle_with(master, drive, period_us)
+    lead_to_op(master, cycle)
     said["states"] = [slave.state for slave in master.slaves]
     touch = cycle.touch
 
@@ -57,10 +42,7 @@ def main():
 
     cycle.touch = touched
     said.update(probed(cycle, count, step))
-    master.state = pysoem.INIT_STATE
-    master.write_state()
-    master.close()
-    print(json.dumps(said))
+    end(master, said)
 
 
 main()

@@ -25,7 +25,7 @@ def parse_info(texts: Iterable[str]) -> dict[str, str]:
             raise UserError(
                 "--info is key=value; a key has small letters, digits and _",
                 value=text,
-                hint="--info device=EL7411 --info serial=0042",
+                hint="--info device=axis-z --info serial=0042",
             )
         found[key] = value.strip()
     return found

@@ -29,13 +29,13 @@ def blamed(error: UserError, settings: Settings, check: Callable[[Settings], Non
         return error
     assignment, located = assigned[count - 1]
     hint = f"{Path(error.file or files[-1]).name} is accepted without it"
-    told = UserError(
+    without_place = UserError(
         f"with {assignment.value}: {error.message}",
         value=error.value,
         allowed=error.allowed,
         hint="; ".join(text for text in (error.hint, hint) if text) or None,
     )
-    found = located(told, assignment)
+    found = located(without_place, assignment)
     found.further = error.further
     return found
 

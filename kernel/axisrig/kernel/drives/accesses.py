@@ -1,9 +1,63 @@
-"""Commands to drives of several kinds: each goes to who knows the drive of its axis."""
+"""#DRIVE and #IDENT whatever the family: what waits for an answer, and who knows the drive."""
 
+from collections import Counter
 from collections.abc import Mapping
 
 from axisrig.kernel.drives.interface import DriveAccesses
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+
+
+class AnsweredAccesses(DriveAccesses):
+    """Commands whose answers come later. A family carries them out (`_carry_out`).
+
+    _open: answers still to come, by axis; _failed: what has gone wrong beside the program.
+    """
+
+    def __init__(self) -> None:
+        self._open: Counter[str] = Counter()
+        self._awaited: str | None = None
+        self._values: dict[tuple[str, str], float] = {}
+        self._failed: Alarm | None = None
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the program may not go on before a drive has answered."""
+        if self._awaited is not None and not self._open[self._awaited]:
+            self._awaited = None
+        return self._awaited is not None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether any answer is still to come."""
+        return any(self._open.values())
+
+    def reset(self) -> None:
+        """Let nothing wait for an answer any more; what is on its way goes on."""
+        self._awaited = None
+
+    def check(self) -> None:
+        """Begin a cycle: raise what has gone wrong with a command that ran beside the program."""
+        failed, self._failed = self._failed, None
+        if failed is not None:
+            raise failed
+
+    def value(self, axis: str, key: str) -> float:
+        """Return what the last read of a function or an ident returned."""
+        return self._values[axis, key.upper()]
+
+    def begin(self, command: canon.DriveCommand) -> None:
+        """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
+        if isinstance(command, canon.DriveWait):
+            self._awaited = command.axis
+            return
+        self._carry_out(command)
+        if isinstance(command, canon.DriveRead) or command.waits:
+            self._awaited = command.axis
+
+    def _carry_out(self, command: canon.DriveRead | canon.DriveWrite) -> None:
+        """Send it to the drive."""
+        raise NotImplementedError
 
 
 class AccessesByAxis(DriveAccesses):

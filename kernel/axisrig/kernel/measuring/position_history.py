@@ -20,7 +20,7 @@ _AROUND: Final = 2
 class PositionHistory:
     """The last positions of one axis, mm, with their instants, ns, in ascending order.
 
-    clocks: with each how far the clocks that its instant rests on were apart, ns.
+    With each stands how far the clocks that its instant rests on were apart, ns.
     """
 
     def __init__(self, depth: int = DEPTH) -> None:

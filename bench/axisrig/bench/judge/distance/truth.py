@@ -379,8 +379,8 @@ class DistanceTruth:
         if self.variable is None:
             sensor = changes(self.observed.telegrams(self.axis, SECOND), start_ns)
         else:  # no frame carries it: what the control has read
-            told = np.round(np.nan_to_num(self.watched_mm) / self.increment_mm).astype(int)
-            sensor = changes([Telegrams(self.times_ns, told)], start_ns)
+            increments = np.round(np.nan_to_num(self.watched_mm) / self.increment_mm).astype(int)
+            sensor = changes([Telegrams(self.times_ns, increments)], start_ns)
         return measured(targets, sensor, self.period_ns, quiet_increments)
 
     @property

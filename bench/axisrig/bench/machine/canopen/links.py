@@ -10,7 +10,7 @@ from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
 from axisrig.bench.rig.canopen.schedule import has_inputs, has_latch_counter, has_second
 from axisrig.bench.rig.canopen.startup import start_up_settings
-from axisrig.bench.rig.reading.lists import drive_input
+from axisrig.bench.rig.reading.lists import drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.link import AxisLink
@@ -18,7 +18,7 @@ from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
-from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
+from axisrig.kernel.time.clock import Clock
 
 
 def build_links(
@@ -56,9 +56,6 @@ def build_links(
 def _link_settings(settings: Settings, name: str) -> LinkSettings:
     axis, parameters = settings.rig.axis[name], settings.axis[name]
     drive = drive_of(settings, name)
-    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
-    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
-    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
     return LinkSettings(
         axis=name,
         node_id=axis.node_id,
@@ -70,7 +67,7 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
         missing_cycles=drive.missing_cycles,
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
-        jump_mm=jump_mm or float("inf"),
+        jump_mm=jump_mm(parameters, drive.jump_factor, settings.rig.cycle.period_us),
         status_delay_cycles=drive.make().status_delay_cycles,
         stamps=stamp_clock(settings, name),
         trigger_source=parameters.word("antr.canopen.probing_trigger_source"),

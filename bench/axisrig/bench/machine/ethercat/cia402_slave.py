@@ -7,7 +7,7 @@ from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.ethercat.members import axis_pdos, position_of, segment_of
 from axisrig.bench.rig.ethercat.startup import axis_steps
-from axisrig.bench.rig.reading.lists import drive_input
+from axisrig.bench.rig.reading.lists import drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.coe_start import CoeSteps
@@ -17,7 +17,7 @@ from axisrig.kernel.drives.ethercat.mailbox import Mailbox
 from axisrig.kernel.drives.ethercat.settings import SlaveSettings, station_of
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.measuring.latest_edge import StampClock
-from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
+from axisrig.kernel.time.clock import Clock
 
 
 class Cia402Ends(SlaveEnds):
@@ -70,9 +70,6 @@ def slave_settings(settings: Settings, name: str) -> SlaveSettings:
     axis, parameters = settings.rig.axis[name], settings.axis[name]
     drive = drive_of(settings, name)
     made, declared = drive.make(), start_up_settings(drive)
-    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
-    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
-    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
     outputs, inputs = axis_pdos(settings, name)
     return SlaveSettings(
         axis=name,
@@ -84,7 +81,7 @@ def slave_settings(settings: Settings, name: str) -> SlaveSettings:
         missing_cycles=drive.missing_cycles,
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
-        jump_mm=jump_mm or float("inf"),
+        jump_mm=jump_mm(parameters, drive.jump_factor, settings.rig.cycle.period_us),
         status_delay_cycles=made.status_delay_cycles,
         stamps=_stamps(settings, name),
         trigger_source=parameters.word("antr.canopen.probing_trigger_source"),

@@ -3,10 +3,8 @@
 from typing import NamedTuple
 
 from axisrig.bench.drive.ethercat.node import EthercatDrive
-from axisrig.bench.drive.ethercat.node import SlaveSettings as OfSlave
 from axisrig.bench.machine.ethercat.slaves import Entered
 from axisrig.bench.machine.faults.beside import Beside
-from axisrig.bench.rig.ethercat.members import position_of, segment_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
 from axisrig.kernel.drives.ethercat.settings import SlaveSettings
@@ -14,7 +12,7 @@ from axisrig.kernel.drives.ethercat.slave_data import SlaveData
 from axisrig.kernel.drives.ethercat.steps import DriveSteps
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.drives.interface import Drive
-from axisrig.kernel.time.clock import US, Clock
+from axisrig.kernel.time.clock import Clock
 from axisrig.kernel.time.scheduler import Scheduler
 
 
@@ -50,14 +48,3 @@ class SlaveEnds:
     def connect(self, transactions: Transactions, clock: Clock) -> Connected:
         """Make the control's end."""
         raise NotImplementedError
-
-
-def slave_of(settings: Settings, axis: str) -> OfSlave:
-    """Return what the line of an axis says of its slave."""
-    line = segment_of(settings, settings.rig.axis[axis].segment)
-    return OfSlave(
-        serial=position_of(settings, axis),
-        start_ns=round(line.of("clock_start_us", axis) * US),
-        drift_ppm=line.of("drift_ppm", axis),
-        sample_ns=round(line.of("sample_us", axis) * US),
-    )

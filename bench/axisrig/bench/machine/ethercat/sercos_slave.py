@@ -3,9 +3,11 @@
 from functools import partial
 
 from axisrig.bench.drive.sercos.node import SercosDrive as VirtualSercos
-from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds, slave_of
+from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds
+from axisrig.bench.machine.ethercat.slaves import slave_of
 from axisrig.bench.rig.ethercat.members import axis_pdos, position_of
 from axisrig.bench.rig.ethercat.timing import phases_of
+from axisrig.bench.rig.reading.lists import jump_mm
 from axisrig.bench.rig.sercos.checks import latch_of, measures
 from axisrig.bench.rig.sercos.members import drive_of
 from axisrig.bench.rig.settings import Settings, once
@@ -18,7 +20,7 @@ from axisrig.kernel.drives.sercos.settings import RealTimeBits, SercosSettings, 
 from axisrig.kernel.drives.sercos.startup import SercosSteps
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.profiles.sercos.words import PROBES
-from axisrig.kernel.time.clock import MS, US, Clock, ns_to_seconds
+from axisrig.kernel.time.clock import MS, Clock
 
 OF_PROBE = "antr.sercos.probe_{}_realtime_bits"
 OF_COMMAND = "antr.sercos.probing_command_start"
@@ -39,7 +41,7 @@ class SercosEnds(SlaveEnds):
             beside.axis(axis),
             beside.probes(axis),
             self._table.make(),
-            slave_of(settings, axis),
+            slave_of(settings, axis, position_of(settings, axis)),
             seed,
             switches=beside.switches(axis),
             entered=partial(entered, axis),
@@ -61,8 +63,6 @@ def sercos_settings(settings: Settings, name: str) -> SercosSettings:
     """Return what the control knows of the drive of an axis."""
     axis, parameters, drive = settings.rig.axis[name], settings.axis[name], drive_of(settings, name)
     period_us = settings.rig.cycle.period_us
-    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
-    jump_mm = drive.jump_factor * speed_max_mm_s * ns_to_seconds(period_us * US)
     outputs, inputs = axis_pdos(settings, name)
     probe_input, edge = latch_of(settings, name)
     return SercosSettings(
@@ -75,7 +75,7 @@ def sercos_settings(settings: Settings, name: str) -> SercosSettings:
         missing_cycles=drive.missing_cycles,
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
-        jump_mm=jump_mm or float("inf"),
+        jump_mm=jump_mm(parameters, drive.jump_factor, period_us),
         sensor_age_limit_ms=axis.sensor_age_limit_ms,
         outputs=(outputs,),
         inputs=(inputs,),

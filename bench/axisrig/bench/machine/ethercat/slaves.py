@@ -19,6 +19,19 @@ from axisrig.kernel.time.scheduler import Scheduler
 Entered = Callable[[str, State], None]
 
 
+def slave_of(settings: Settings, axis: str, serial: int) -> SlaveSettings:
+    """Return what the line of an axis says of its slave; of one that the rig has on CAN nothing."""
+    line = settings.segment[settings.rig.axis[axis].segment]
+    if not isinstance(line, SegmentTable):
+        return SlaveSettings(serial)
+    return SlaveSettings(
+        serial,
+        start_ns=round(line.of("clock_start_us", axis) * US),
+        drift_ppm=line.of("drift_ppm", axis),
+        sample_ns=round(line.of("sample_us", axis) * US),
+    )
+
+
 def drive_slave(
     settings: Settings,
     axis: str,
@@ -29,22 +42,13 @@ def drive_slave(
     entered: Entered | None = None,
 ) -> EthercatDrive:
     """Make the slave of an axis, of one that the rig has on CAN too."""
-    line = settings.segment[settings.rig.axis[axis].segment]
-    slave = SlaveSettings(serial)
-    if isinstance(line, SegmentTable):
-        slave = SlaveSettings(
-            serial,
-            start_ns=round(line.of("clock_start_us", axis) * US),
-            drift_ppm=line.of("drift_ppm", axis),
-            sample_ns=round(line.of("sample_us", axis) * US),
-        )
     return EthercatDrive(
         axis,
         clock,
         beside.axis(axis),
         beside.probes(axis),
         drive_of(settings, axis).make(),
-        slave,
+        slave_of(settings, axis, serial),
         seed,
         switches=beside.switches(axis),
         entered=None if entered is None else partial(entered, axis),

@@ -1,6 +1,7 @@
 """The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from pathlib import Path
 
 from axisrig.bench.plan.composition import Mistakes
@@ -18,6 +19,7 @@ from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.relations import noted
 from axisrig.kernel.parameters.start_up import DRIVE_TYPE, drive_type, equal_schedule
 from axisrig.kernel.parameters.table import table
+from axisrig.kernel.time.clock import US, ns_to_seconds
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they name
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
@@ -68,6 +70,15 @@ def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
             raise rig_error(files, ("channel", key), message, value=path, hint=hint)
         lists.read(name, path)
     return lists
+
+
+def jump_mm(parameters: ParameterSet, factor: float, period_us: int) -> float:
+    """Return the largest credible way from one SYNC to the next: factor x P-AXIS-00212 x T.
+
+    factor: `jump_factor` of the drive; 0: any way is credible.
+    """
+    fastest_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
+    return factor * fastest_mm_s * ns_to_seconds(period_us * US) or inf
 
 
 def drive_input(parameters: ParameterSet) -> int:

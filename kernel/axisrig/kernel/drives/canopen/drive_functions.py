@@ -5,15 +5,14 @@ the drive's answer is there. Sources: TF5200 programming manual 207630987 (drive
 207347083 (idents, which go by SDO as acyclic functions do).
 """
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from axisrig.kernel.drives.accesses import AnsweredAccesses
 from axisrig.kernel.drives.canopen.functions import DriveFunction, Functions
 from axisrig.kernel.drives.canopen.idents import DriveIdent, drive_idents
 from axisrig.kernel.drives.cia402.link import Cia402Drive
 from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError, object_name
-from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 
@@ -27,36 +26,13 @@ class DriveAccess:
     functions: Functions
 
 
-class DriveFunctions(DriveAccesses):
+class DriveFunctions(AnsweredAccesses):
     """Carries out the #DRIVE commands of a channel; accesses: by axis."""
 
     def __init__(self, accesses: Mapping[str, DriveAccess]) -> None:
+        super().__init__()
         self._accesses = accesses
-        self._open: Counter[str] = Counter()
-        self._awaited: str | None = None
-        self._values: dict[tuple[str, str], float] = {}
-        self._failed: Alarm | None = None
         self._cyclic: list[str] = []  # axes whose RPDO is sent in this cycle
-
-    @property
-    def is_waiting(self) -> bool:
-        """Whether the program may not go on before a drive has answered."""
-        if self._awaited is not None and not self._open[self._awaited]:
-            self._awaited = None
-        return self._awaited is not None
-
-    def reset(self) -> None:
-        """Let nothing wait for an answer any more; what is on its way goes on."""
-        self._awaited = None
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether any answer is still to come."""
-        return any(self._open.values())
-
-    def value(self, axis: str, key: str) -> float:
-        """Return what the last read of a function returned."""
-        return self._values[axis, key.upper()]
 
     def check(self) -> None:
         """Begin a cycle: raise what has gone wrong with a command that ran beside the program.
@@ -66,9 +42,7 @@ class DriveFunctions(DriveAccesses):
         if self._cyclic:
             self._open.subtract(self._cyclic)
             self._cyclic.clear()
-        failed, self._failed = self._failed, None
-        if failed is not None:
-            raise failed
+        super().check()
 
     def start(self) -> None:
         """Give the cyclic objects the values they have from the start on (P-AXIS-00400)."""
@@ -77,23 +51,15 @@ class DriveFunctions(DriveAccesses):
                 if function.communication == "CYCLIC" and function.startup is not None:
                     access.link.set_object(function.index, function.sub, function.startup)
 
-    def begin(self, command: canon.DriveCommand) -> None:
-        """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
-        axis = command.axis
-        if isinstance(command, canon.DriveWait):
-            self._awaited = axis
-            return
+    def _carry_out(self, command: canon.DriveRead | canon.DriveWrite) -> None:
         if command.length_bytes is None:
-            function = self._find(axis, command.key)
+            function = self._find(command.axis, command.key)
         else:
-            function = self._ident(axis, command.key, command.length_bytes)
+            function = self._ident(command.axis, command.key, command.length_bytes)
         if isinstance(command, canon.DriveRead):
             self._read(command, function)
-            self._awaited = axis
-            return
-        self._write(command, function)
-        if command.waits:
-            self._awaited = axis
+        else:
+            self._write(command, function)
 
     def _find(self, axis: str, key: str) -> DriveFunction:
         functions = self._accesses[axis].functions if axis in self._accesses else {}

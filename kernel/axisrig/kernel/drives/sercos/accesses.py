@@ -4,10 +4,9 @@ Source: TF5200 programming manual 207347083. A write waits until the drive has t
 unless the program says otherwise; an error of it comes up when the answer is there.
 """
 
-from collections import Counter
 from collections.abc import Mapping
 
-from axisrig.kernel.drives.interface import DriveAccesses
+from axisrig.kernel.drives.accesses import AnsweredAccesses
 from axisrig.kernel.drives.sercos.link import SercosDrive
 from axisrig.kernel.drives.sercos.service_channel import SoeError
 from axisrig.kernel.errors import Alarm
@@ -23,62 +22,27 @@ from axisrig.kernel.profiles.sercos.service import (
 BOTH = Element.ATTRIBUTE | Element.VALUE
 
 
-class SercosAccesses(DriveAccesses):
+class SercosAccesses(AnsweredAccesses):
     """Carries out the #IDENT commands of a channel; drives: by axis."""
 
     def __init__(self, drives: Mapping[str, SercosDrive]) -> None:
+        super().__init__()
         self._drives = drives
-        self._open: Counter[str] = Counter()
-        self._awaited: str | None = None
-        self._values: dict[tuple[str, str], float] = {}
-        self._failed: Alarm | None = None
 
-    @property
-    def is_waiting(self) -> bool:
-        """Whether the program may not go on before a drive has answered."""
-        if self._awaited is not None and not self._open[self._awaited]:
-            self._awaited = None
-        return self._awaited is not None
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether any answer is still to come."""
-        return any(self._open.values())
-
-    def reset(self) -> None:
-        """Let nothing wait for an answer any more; what is on its way goes on."""
-        self._awaited = None
-
-    def check(self) -> None:
-        """Begin a cycle: raise what has gone wrong with a command that ran beside the program."""
-        failed, self._failed = self._failed, None
-        if failed is not None:
-            raise failed
-
-    def value(self, axis: str, key: str) -> float:
-        """Return what the last read of an ident returned."""
-        return self._values[axis, key.upper()]
-
-    def begin(self, command: canon.DriveCommand) -> None:
-        """Begin one command; raises Alarm 900110 and 900256."""
-        axis = command.axis
-        if isinstance(command, canon.DriveWait):
-            self._awaited = axis
-            return
+    def _carry_out(self, command: canon.DriveRead | canon.DriveWrite) -> None:
         if command.length_bytes is None:
-            raise Alarm(900110, axis=axis, key=command.key, known="none")
+            raise Alarm(900110, axis=command.axis, key=command.key, known="none")
         try:
             ident = ident_number(command.key.upper())
         except ValueError as error:
-            raise Alarm(900255, axis=axis, ident=command.key, known="idents of its own") from error
-        self._open[axis] += 1
+            raise Alarm(
+                900255, axis=command.axis, ident=command.key, known="idents of its own"
+            ) from error
+        self._open[command.axis] += 1
         if isinstance(command, canon.DriveRead):
             self._read(command, ident)
-            self._awaited = axis
-            return
-        self._write(command, ident)
-        if command.waits:
-            self._awaited = axis
+        else:
+            self._write(command, ident)
 
     def _read(self, command: canon.DriveRead, ident: int) -> None:
         drive = self._drives[command.axis]
@@ -111,7 +75,12 @@ class SercosAccesses(DriveAccesses):
             except OverflowError:
                 text = f"{8 * attribute.width} bits, {'signed' if is_signed else 'unsigned'}"
                 wrong = wrong or Alarm(
-                    900112, axis=command.axis, key=command.key, value=str(number), data_type=text
+                    900112,
+                    place=command.block.place,
+                    axis=command.axis,
+                    key=command.key,
+                    value=str(number),
+                    data_type=text,
                 )
             if wrong is not None:
                 self._close(command, wrong)
@@ -129,7 +98,13 @@ class SercosAccesses(DriveAccesses):
         if command.length_bytes == attribute.width:
             return None
         allowed = f"{attribute.width} for {command.key}"
-        return Alarm(900256, keyword="TYP", value=f"{command.length_bytes}", allowed=allowed)
+        return Alarm(
+            900256,
+            place=command.block.place,
+            keyword="TYP",
+            value=f"{command.length_bytes}",
+            allowed=allowed,
+        )
 
     def _close(
         self, command: canon.DriveWrite | canon.DriveRead, wrong: SoeError | Alarm | None
