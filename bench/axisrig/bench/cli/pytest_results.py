@@ -22,6 +22,7 @@ from axisrig.bench.campaign.results.layout import logs_beside
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
+from axisrig.bench.cli.outside import time_of_day
 from axisrig.bench.files import in_words
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.probes import probe_id
@@ -75,6 +76,7 @@ class Staging:
                     files[path.name] = path.read_bytes()
                     path.unlink()
         result.depends_sha256 = depends_sha256(result.case)
+        result.timestamp = time_of_day(result.wall_s)
         return Outcome(item.path, result, files).packed()
 
     def pytest_unconfigure(self) -> None:
@@ -106,7 +108,7 @@ class ResultsOfPytest:
         runs: dict[Path, list[str]] = {}
         for name in ids:
             file, _, run = name.partition("::")
-            path = self._config.rootpath / file
+            path = _as_on_a_command_line(self._config.rootpath / file)
             if run and path.suffix.lower() in SUFFIXES:
                 runs.setdefault(path, []).append(run)
         if not runs:
@@ -181,3 +183,8 @@ def _write(result: CaseResult, place: RunFiles, files: Mapping[str, bytes]) -> N
         path.write_bytes(log or b"")
     for name in logs_beside(result.case.run, files) if place.bus_logs else ():
         place.bus_logs[0].with_name(name).write_bytes(files[name])
+
+
+def _as_on_a_command_line(path: Path) -> Path:
+    """Return a path from the present folder on where it is below it: no path of this machine."""
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
