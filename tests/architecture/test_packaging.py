@@ -73,7 +73,7 @@ def test_the_wheel_holds_every_file_of_the_source_folders_and_no_other(wheel: Pa
         for folder in FOLDERS
         for path in (ROOT / folder / "axisrig").rglob("*")
         if path.is_file() and path.suffix != ".pyc"
-    } | {"axisrig/reports/glossary.csv"}  # the table of the documents, for the report
+    }
     files |= {
         f"axisrig/reports/documents/{path.relative_to(ROOT / 'docs').as_posix()}"
         for path in (ROOT / "docs").rglob("*")
@@ -87,6 +87,16 @@ def test_the_wheel_holds_every_file_of_the_source_folders_and_no_other(wheel: Pa
     assert {f"axisrig/{name}/py.typed" for name in FOLDERS} <= files  # users' code is type-checked
     data = {Path(name).suffix for name in packed}
     assert data >= {".py", ".csv", ".lark", ".html", ".js", ".css", ".c", ".h", ".inc", ".mo"}
+
+
+@pytest.mark.long
+def test_an_editable_install_has_no_copy_of_its_own(tmp_path: Path) -> None:
+    """A copy of the documents would be shown in the place of those of the checkout."""
+    program = "from hatchling.build import build_editable as b; import sys; b(sys.argv[1])"
+    _run(sys.executable, "-c", program, tmp_path, cwd=ROOT)
+    (path,) = tmp_path.iterdir()
+    names = {name for name in _names(path) if ".dist-info/" not in name}
+    assert names == {"_axisrig.pth"}
 
 
 def test_the_sdist_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> None:

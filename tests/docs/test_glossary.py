@@ -37,7 +37,10 @@ def test_a_wheel_has_its_own_copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(module, "CHECKOUT", tmp_path / "none")
     with pytest.raises(UserError, match=r"glossary\.csv is missing"):
         glossary()
-    (tmp_path / "glossary.csv").write_text("term,meaning\nlatch,stored\n", encoding="utf-8")
+    (tmp_path / "documents").mkdir()
+    (tmp_path / "documents/glossary.csv").write_text(
+        "term,meaning\nlatch,stored\n", encoding="utf-8"
+    )
     assert glossary() == [{"term": "latch", "meaning": "stored"}]
 
 
@@ -52,7 +55,7 @@ def test_the_wheel_gets_the_table(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     (wheel,) = tmp_path.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
-        assert archive.read("axisrig/reports/glossary.csv") == TABLE.read_bytes()
+        assert archive.read("axisrig/reports/documents/glossary.csv") == TABLE.read_bytes()
         names = {name.partition("/")[0] for name in archive.namelist()}
     assert {name for name in names if not name.endswith(".dist-info")} == {"axisrig"}
 

@@ -73,6 +73,36 @@ def test_between_samples_that_are_not_neighbours_the_whole_way_is_open() -> None
     assert history.doubt_mm(8 * MS, MS) == 0.0
 
 
+@pytest.mark.parametrize("missing", [1, 3])
+@pytest.mark.parametrize("turns_ms", [4.0, 4.3, 4.9, 5.5, 6.0, 7.1])
+@pytest.mark.parametrize("signs", [(1, -1), (-1, 1), (0, 1), (1, 0)])
+def test_an_axis_that_keeps_to_its_acceleration_is_inside_the_doubt(missing, turns_ms, signs):
+    """Its acceleration changes inside the gap: the place by the closed form, and no way in it."""
+    a_mm_s2 = 1000.0
+
+    def place_mm(time_ns: float) -> float:
+        t_s, turn_s = time_ns * 1e-9, turns_ms * 1e-3
+        first = 100.0 * t_s + signs[0] * a_mm_s2 * min(t_s, turn_s) * (t_s - min(t_s, turn_s) / 2)
+        return first + signs[1] * a_mm_s2 * max(t_s - turn_s, 0.0) ** 2 / 2
+
+    history = PositionHistory()
+    for number in range(12):
+        if not 4 < number <= 4 + missing:
+            history.take(number * MS, place_mm(number * MS))
+    for time_ns in range(4 * MS + MS // 10, (5 + missing) * MS, MS // 10):
+        doubt_mm = history.doubt_mm(time_ns, MS, a_mm_s2)
+        assert abs(history.at(time_ns)[0] - place_mm(time_ns)) <= doubt_mm + 1e-12
+        assert doubt_mm <= history.doubt_mm(time_ns, MS)
+
+
+def test_at_a_constant_speed_the_doubt_is_the_bow_alone():
+    history = PositionHistory()
+    for number in (0, 1, 2, 4, 5, 6):
+        history.take(number * MS, number * 0.01)
+    assert history.doubt_mm(3 * MS, MS, 1000.0) == pytest.approx(0.0005)
+    assert history.doubt_mm(3 * MS, MS, 1e9) == pytest.approx(0.01)
+
+
 def test_clocks_count_that_were_apart_at_the_samples_around_an_instant() -> None:
     history = PositionHistory()
     for number in range(10):

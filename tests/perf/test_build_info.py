@@ -39,7 +39,7 @@ def test_both_builds_have_one_hash(tmp_path: Path) -> None:
     for name in (
         "kernel/time.cpython-311.so",
         "kernel/__pycache__/time.pyc",
-        "reports/glossary.csv",
+        "reports/documents/glossary.csv",
     ):
         (installed / name).parent.mkdir(parents=True, exist_ok=True)
         (installed / name).write_text("made", encoding="utf-8")

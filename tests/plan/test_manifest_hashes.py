@@ -27,8 +27,8 @@ def test_sources_count_by_name_and_content_and_what_was_made_of_them_does_not(
     assert hash_of_sources([second, first]) == before
     for name in ("one.so", "deep/x.pyc", "y.pyd"):
         (first / name).touch()
-    (second / "reports").mkdir()
-    (second / "reports" / "glossary.csv").write_text("of the documents", encoding="utf-8")
+    (second / "reports/documents").mkdir(parents=True)
+    (second / "reports/documents/glossary.csv").write_text("of the documents", encoding="utf-8")
     assert hash_of_sources([first, second]) == before
     (first / "one.py").write_text("x", encoding="utf-8")
     changed = hash_of_sources([first, second])

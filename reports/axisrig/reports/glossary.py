@@ -7,7 +7,8 @@ from pathlib import Path
 from axisrig.kernel.errors import UserError
 
 NAME = "glossary.csv"
-# A wheel holds the table inside this package; a checkout has it among its documents.
+# A wheel holds the documents inside this package; a checkout has them beside it.
+PACKAGED = "documents"
 CHECKOUT = Path(__file__).parents[3] / "docs" / NAME
 
 
@@ -17,7 +18,7 @@ def glossary() -> list[dict[str, str]]:
     Keys: term, meaning, unit, object (CANopen indices and parameter numbers, blank between),
     german. Raises UserError when the installation has no such table.
     """
-    packaged = resources.files(__package__).joinpath(NAME)
+    packaged = resources.files(__package__).joinpath(PACKAGED, NAME)
     source = packaged if packaged.is_file() else CHECKOUT
     if not source.is_file():
         raise UserError(

@@ -1,5 +1,6 @@
 """Latches at the PLC, cycle by cycle: whose instant a value has, and which level makes an edge."""
 
+import math
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
@@ -29,7 +30,7 @@ class FakeLink:
     actual_mm: float = 0.0
     arrival: Arrival = field(default_factory=Arrival)
     settings: SimpleNamespace = field(
-        default_factory=lambda: SimpleNamespace(increments_per_mm=1e5)
+        default_factory=lambda: SimpleNamespace(increments_per_mm=1e5, acceleration_mm_s2=math.inf)
     )
     doubt_mm: float | None = None
     interpolated_latches: int = 0

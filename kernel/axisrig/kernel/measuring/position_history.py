@@ -6,12 +6,13 @@ the acceleration by a: at most a h^2 / 8 of the straight line (docs/measuring-so
 a position may be off between samples of which one is missing: `PositionHistory.doubt_mm`.
 """
 
+import math
 from bisect import bisect_left
 from collections import deque
 from itertools import islice
 from typing import Final
 
-from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
 DEPTH: Final = 512
 _AROUND: Final = 2
@@ -70,18 +71,25 @@ class PositionHistory:
         after = self._after(time_ns)
         return max(islice(self._clocks_off_ns, max(0, after - _AROUND), after + _AROUND))
 
-    def doubt_mm(self, time_ns: TimeNs, cycle_ns: TimeNs) -> float:
-        """Return how far `at` may be off where a sample is missing, mm: the way to its neighbours.
+    def doubt_mm(
+        self, time_ns: TimeNs, cycle_ns: TimeNs, acceleration_mm_s2: float = math.inf
+    ) -> float:
+        """Return how far `at` may be off where a sample is missing, mm.
 
-        Between these the axis may have gone unevenly, as far as an axis that does not turn back can
-        be anywhere from one to the other. 0 between samples of cycles that follow each other.
+        acceleration_mm_s2: the largest that the axis can have. An axis that keeps to it is at most
+        a h²/8 from the straight line over a gap h (error of linear interpolation), and one that
+        does not turn back is between the samples on both sides: the smaller of both. 0 between
+        samples of cycles that follow each other.
         """
         after, (value_mm, _) = self._after(time_ns), self.at(time_ns)
         before_ns, after_ns = self._times_ns[after - 1], self._times_ns[after]
-        if 2 * (after_ns - before_ns) < 3 * cycle_ns:
+        gap_ns = after_ns - before_ns
+        if 2 * gap_ns < 3 * cycle_ns:
             return 0.0
         before_mm, after_mm = self._positions_mm[after - 1], self._positions_mm[after]
-        return max(abs(after_mm - value_mm), abs(value_mm - before_mm))
+        line_mm = before_mm + (after_mm - before_mm) * ((time_ns - before_ns) / gap_ns)
+        bow_mm = acceleration_mm_s2 * ns_to_seconds(gap_ns) ** 2 / 8.0 + abs(value_mm - line_mm)
+        return min(bow_mm, max(abs(after_mm - value_mm), abs(value_mm - before_mm)))
 
 
 def _value_and_slope(times: list[float], values: list[float]) -> tuple[float, float]:

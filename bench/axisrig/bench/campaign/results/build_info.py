@@ -13,8 +13,8 @@ from axisrig.kernel.time import clock
 _MADE = frozenset({".pyc", ".so", ".pyd"})
 # FMUs that only a wheel has
 _SHIPPED = "fmus/shipped/"
-# The wheel has it from the documents; a checkout keeps it there
-_FROM_DOCUMENTS = "axisrig/reports/glossary.csv"
+# The documents, which a wheel holds and a checkout has beside its packages
+_DOCUMENTS = "reports/documents/"
 
 
 def is_compiled() -> bool:
@@ -45,9 +45,8 @@ def hash_of_sources(roots: list[Path]) -> str:
         for path in root.rglob("*"):
             if path.suffix not in _MADE and path.is_file():
                 name = path.relative_to(root).as_posix()
-                if not name.startswith(_SHIPPED):
+                if not name.startswith((_SHIPPED, _DOCUMENTS)):
                     files[f"axisrig/{name}"] = path
-    files.pop(_FROM_DOCUMENTS, None)
     whole = hashlib.sha256()
     for name, path in sorted(files.items()):
         whole.update(f"{name}\n{hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())

@@ -10,7 +10,7 @@ from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
 from axisrig.bench.rig.canopen.schedule import has_inputs, has_latch_counter, has_second
 from axisrig.bench.rig.canopen.startup import start_up_settings
-from axisrig.bench.rig.reading.lists import drive_input, jump_mm
+from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.link import AxisLink
@@ -68,6 +68,7 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
         jump_mm=jump_mm(parameters, drive.jump_factor, settings.rig.cycle.period_us),
+        acceleration_mm_s2=acceleration_mm_s2(parameters),
         status_delay_cycles=drive.make().status_delay_cycles,
         stamps=stamp_clock(settings, name),
         trigger_source=parameters.word("antr.canopen.probing_trigger_source"),

@@ -7,7 +7,7 @@ from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.ethercat.members import axis_pdos, position_of, segment_of
 from axisrig.bench.rig.ethercat.startup import axis_steps
-from axisrig.bench.rig.reading.lists import drive_input, jump_mm
+from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.ethercat.coe_start import CoeSteps
@@ -82,6 +82,7 @@ def slave_settings(settings: Settings, name: str) -> SlaveSettings:
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
         jump_mm=jump_mm(parameters, drive.jump_factor, settings.rig.cycle.period_us),
+        acceleration_mm_s2=acceleration_mm_s2(parameters),
         status_delay_cycles=made.status_delay_cycles,
         stamps=_stamps(settings, name),
         trigger_source=parameters.word("antr.canopen.probing_trigger_source"),

@@ -7,7 +7,7 @@ from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds
 from axisrig.bench.machine.ethercat.slaves import slave_of
 from axisrig.bench.rig.ethercat.members import axis_pdos, position_of
 from axisrig.bench.rig.ethercat.timing import phases_of
-from axisrig.bench.rig.reading.lists import jump_mm
+from axisrig.bench.rig.reading.lists import acceleration_mm_s2, jump_mm
 from axisrig.bench.rig.sercos.checks import latch_of, measures
 from axisrig.bench.rig.sercos.members import drive_of
 from axisrig.bench.rig.settings import Settings, once
@@ -76,6 +76,7 @@ def sercos_settings(settings: Settings, name: str) -> SercosSettings:
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
         jump_mm=jump_mm(parameters, drive.jump_factor, period_us),
+        acceleration_mm_s2=acceleration_mm_s2(parameters),
         sensor_age_limit_ms=axis.sensor_age_limit_ms,
         outputs=(outputs,),
         inputs=(inputs,),

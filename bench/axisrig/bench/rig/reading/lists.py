@@ -81,6 +81,11 @@ def jump_mm(parameters: ParameterSet, factor: float, period_us: int) -> float:
     return factor * fastest_mm_s * ns_to_seconds(period_us * US) or inf
 
 
+def acceleration_mm_s2(parameters: ParameterSet) -> float:
+    """Return the largest acceleration that an axis can have: P-AXIS-00008 or P-AXIS-00003."""
+    return max(parameters.mm_s2(f"getriebe[0].dynamik.{key}") for key in ("a_max", "a_emergency"))
+
+
 def drive_input(parameters: ParameterSet) -> int:
     """Return the probing input of the drive; 1 where the list names external hardware."""
     number = parameters.integer("kenngr.measure.input")

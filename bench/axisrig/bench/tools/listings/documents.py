@@ -8,12 +8,11 @@ from axisrig.kernel.errors import UserError, nearest
 from axisrig.reports import glossary
 
 NOTEBOOK = "results.ipynb"
-_PACKAGED = "documents"
 
 
 def folder() -> Path:
     """Return the folder of the documents. Raises UserError where an installation has none."""
-    packaged = Path(str(resources.files("axisrig.reports").joinpath(_PACKAGED)))
+    packaged = Path(str(resources.files("axisrig.reports").joinpath(glossary.PACKAGED)))
     found = packaged if packaged.is_dir() else glossary.CHECKOUT.parent
     if not (found / "index.md").is_file():
         raise UserError("the documents are missing", file=found, hint="install axisrig again")

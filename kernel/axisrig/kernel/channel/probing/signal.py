@@ -157,7 +157,8 @@ class SignalPort:
             self.latched_mm = position_mm
 
     def _doubt_mm(self, at_ns: TimeNs) -> float:
-        return self.history.doubt_mm(at_ns, self._task.cycle_ns)
+        a_mm_s2 = self._link.settings.acceleration_mm_s2
+        return self.history.doubt_mm(at_ns, self._task.cycle_ns, a_mm_s2)
 
     def _note_doubt(self, doubt_mm: float) -> None:
         """Keep it with the value; what is more than an increment counts as unproved."""
