@@ -1,11 +1,14 @@
 """Both ends of a drive of CiA 402 on an EtherCAT line."""
 
+from functools import partial
+
 from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds
 from axisrig.bench.machine.ethercat.slaves import drive_slave
 from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.startup import start_up_settings
-from axisrig.bench.rig.ethercat.members import axis_pdos, position_of, segment_of
+from axisrig.bench.rig.ethercat.members import position_of, segment_of
+from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.ethercat.startup import axis_steps
 from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
@@ -16,6 +19,7 @@ from axisrig.kernel.drives.ethercat.link import EthercatLink, make_data
 from axisrig.kernel.drives.ethercat.mailbox import Mailbox
 from axisrig.kernel.drives.ethercat.settings import SlaveSettings, station_of
 from axisrig.kernel.drives.ethercat.transactions import Transactions
+from axisrig.kernel.drives.ethercat.watch import EthercatWatch
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.time.clock import Clock
 
@@ -53,7 +57,8 @@ class Cia402Ends(SlaveEnds):
             proves_places=drive.position_check,
         )
         objects = _objects(settings, axis, link, clock)
-        return Connected(mailbox.port, link, CoeSteps(self.settings, mailbox, objects))
+        steps = CoeSteps(self.settings, mailbox, objects)
+        return Connected(mailbox.port, link, steps, partial(EthercatWatch, link))
 
 
 def _objects(settings: Settings, axis: str, link: EthercatLink, clock: Clock) -> StartUp:

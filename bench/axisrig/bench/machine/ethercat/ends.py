@@ -1,17 +1,19 @@
 """Both ends of one drive on an EtherCAT line, whatever its family."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.machine.ethercat.slaves import Entered
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
 from axisrig.kernel.drives.ethercat.settings import SlaveSettings
 from axisrig.kernel.drives.ethercat.slave_data import SlaveData
 from axisrig.kernel.drives.ethercat.steps import DriveSteps
 from axisrig.kernel.drives.ethercat.transactions import Transactions
-from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.interface import Drive, DriveWatch
 from axisrig.kernel.time.clock import Clock
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -28,11 +30,16 @@ class Plugged(NamedTuple):
 
 
 class Connected(NamedTuple):
-    """The control's end of a drive: its mailbox, the drive as the channel sees it, its start-up."""
+    """The control's end of a drive.
+
+    port: its mailbox. link: the drive as the channel sees it. steps: its start-up. watch: makes the
+    watch over it.
+    """
 
     port: MailboxPort
     link: Drive
     steps: DriveSteps
+    watch: Callable[[EthercatCarrier], DriveWatch]
 
 
 class SlaveEnds:

@@ -30,13 +30,10 @@ from axisrig.bench.rig.reading.faults import Fault
 from axisrig.kernel.drives.accesses import AccessesByAxis
 from axisrig.kernel.drives.ethercat.image import objects_of
 from axisrig.kernel.drives.ethercat.line_start import SlaveStart
-from axisrig.kernel.drives.ethercat.link import EthercatLink
 from axisrig.kernel.drives.ethercat.settings import Pdo
-from axisrig.kernel.drives.ethercat.watch import EthercatWatch
 from axisrig.kernel.drives.interface import DriveAccesses, DriveWatch
 from axisrig.kernel.drives.sercos.accesses import SercosAccesses
 from axisrig.kernel.drives.sercos.link import SercosDrive
-from axisrig.kernel.drives.sercos.watch import SercosWatch
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 BIT_RATE = 100_000_000
@@ -89,11 +86,8 @@ class EthercatLines(Cia402Segments):
 
     def watch(self, axis: str) -> DriveWatch:
         """Make the watch over one drive."""
-        link, carrier = self.links[axis], self._line_of(axis).carrier
-        if isinstance(link, SercosDrive):
-            return SercosWatch(link, carrier)
-        assert isinstance(link, EthercatLink), axis
-        return EthercatWatch(link, carrier)
+        line = self._line_of(axis)
+        return line.watches[axis](line.carrier)
 
     def start_up(self, axis: str) -> SlaveStart:
         """Make the start-up of one drive, which is a part of that of its line."""

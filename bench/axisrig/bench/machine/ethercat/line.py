@@ -17,7 +17,6 @@ from axisrig.bench.rig.ethercat.keys import SegmentTable
 from axisrig.bench.rig.ethercat.members import (
     TERMINAL,
     axes_on,
-    is_sercos,
     segment_of,
     terminal_on,
     terminal_position,
@@ -28,11 +27,13 @@ from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
 from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
 from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.drives.ethercat.settings import LineSettings
-from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.interface import Drive, DriveWatch
 from axisrig.kernel.time.clock import US, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 DRIVE_SEED_STRIDE = 1_000_003
+ENDS: dict[str, Callable[[Plugged], SlaveEnds]] = {"canopen": Cia402Ends, "sercos": SercosEnds}
+"""By the name of the family."""
 
 
 class Line:
@@ -89,11 +90,13 @@ class Line:
         self.segment.receivers.append(self.master.received)
         self.faults = LineFaults(self.segment, self.nodes)
         self.links: dict[str, Drive] = {}
+        self.watches: dict[str, Callable[[EthercatCarrier], DriveWatch]] = {}
         starting = []
         for axis, each in ends.items():
-            port, self.links[axis], steps = each.connect(self.master.transactions, scheduler)
-            self.master.mailboxes.append(port)
-            starting.append(Starting(each.settings, port, steps))
+            end = each.connect(self.master.transactions, scheduler)
+            self.links[axis], self.watches[axis] = end.link, end.watch
+            self.master.mailboxes.append(end.port)
+            starting.append(Starting(each.settings, end.port, end.steps))
         starting += [Starting(other, None, None) for other in others]
         self.start = LineStart(self.master, scheduler, starting)
         self.carrier = EthercatCarrier(self.master)
@@ -101,9 +104,8 @@ class Line:
 
 def _ends(plugged: Plugged) -> SlaveEnds:
     """Make both ends of a drive, as its family has them."""
-    if is_sercos(plugged.settings, plugged.axis):
-        return SercosEnds(plugged)
-    return Cia402Ends(plugged)
+    rig = plugged.settings.rig
+    return ENDS[rig.drive[rig.axis[plugged.axis].drive].family_name](plugged)
 
 
 def _terminal(

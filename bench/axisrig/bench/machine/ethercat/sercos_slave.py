@@ -5,7 +5,8 @@ from functools import partial
 from axisrig.bench.drive.sercos.node import SercosDrive as VirtualSercos
 from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds
 from axisrig.bench.machine.ethercat.slaves import slave_of
-from axisrig.bench.rig.ethercat.members import axis_pdos, position_of
+from axisrig.bench.rig.ethercat.members import position_of
+from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.reading.lists import acceleration_mm_s2, jump_mm
 from axisrig.bench.rig.sercos.checks import latch_of, measures
@@ -18,6 +19,7 @@ from axisrig.kernel.drives.sercos.link import SercosDrive
 from axisrig.kernel.drives.sercos.mailbox import ServiceMailbox
 from axisrig.kernel.drives.sercos.settings import RealTimeBits, SercosSettings, real_time_bits
 from axisrig.kernel.drives.sercos.startup import SercosSteps
+from axisrig.kernel.drives.sercos.watch import SercosWatch
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.profiles.sercos.words import PROBES
 from axisrig.kernel.time.clock import MS, Clock
@@ -55,7 +57,8 @@ class SercosEnds(SlaveEnds):
         timeout_ns = self._table.soe_timeout_ms * MS
         mailbox = ServiceMailbox(transactions, clock, station_of(self.settings), timeout_ns)
         link = SercosDrive(self.settings, self.data, mailbox.channel)
-        return Connected(mailbox.port, link, SercosSteps(self.settings, link))
+        steps = SercosSteps(self.settings, link)
+        return Connected(mailbox.port, link, steps, partial(SercosWatch, link))
 
 
 @once

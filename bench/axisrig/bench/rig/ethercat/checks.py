@@ -2,35 +2,21 @@
 
 from collections.abc import Mapping
 
-from axisrig.bench.rig.canopen.checks import (
-    check_functions_of,
-    check_latch_of,
-    check_steps_of,
-)
-from axisrig.bench.rig.canopen.loop import check_loop
-from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.keys import EACH
 from axisrig.bench.rig.ethercat.members import (
     axes_on,
-    axis_telegrams,
     ec_axes,
     ec_segments,
-    is_sercos,
-    position_of,
     segment_of,
     slaves_on,
     terminal_on,
 )
+from axisrig.bench.rig.ethercat.on_line import on_line
 from axisrig.bench.rig.ethercat.schedule import schedule_of
-from axisrig.bench.rig.ethercat.startup import BOOT_ONLY, CAN_ONLY, axis_steps
 from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.reading.file import rig_error
-from axisrig.bench.rig.sercos.checks import check_sercos
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US
-
-ENTRIES_MAX = 16
-"""Objects in a PDO of our own drive."""
 
 
 def check_lines(settings: Settings) -> None:
@@ -39,17 +25,7 @@ def check_lines(settings: Settings) -> None:
         _check_keys(settings, name)
         _check_terminal(settings, name)
     for name in ec_axes(settings):
-        if is_sercos(settings, name):
-            check_sercos(settings, name)
-            continue
-        _check_can_keys(settings, name)
-        check_latch_of(settings, name)
-        check_steps_of(settings, name, axis_steps)
-        telegrams, phases = axis_telegrams(settings, name), phases_of(settings, name)
-        check_loop(settings, name, telegrams.values(), phases.late_cycles)
-        check_functions_of(
-            settings, name, position_of(settings, name), axis_telegrams(settings, name)
-        )
+        on_line(settings, name).check(settings, name, phases_of(settings, name).late_cycles)
     for name in ec_segments(settings):
         _check_cycle(settings, name)
 
@@ -119,33 +95,6 @@ def _check_terminal(settings: Settings, segment: str) -> None:
             "the terminal stamps in the distributed clock, and the line has none",
             value=False,
         )
-
-
-def _check_can_keys(settings: Settings, name: str) -> None:
-    """Refuse keys of the drive that mean nothing on EtherCAT."""
-    axis, drive = settings.rig.axis[name], drive_of(settings, name)
-    given = {key: why for key, why in CAN_ONLY.items() if getattr(drive, key)}
-    if drive.boot not in BOOT_ONLY:
-        given["boot"] = "there is no NMT: the start-up goes through the states of the slave"
-    for key, why in given.items():
-        raise rig_error(
-            settings.files,
-            ("drive", axis.drive, key),
-            f"drive {axis.drive} of axis {name} is on EtherCAT: {why}",
-            value=getattr(drive, key),
-            hint=f"leave {key} out, or give the axis a drive of its own",
-        )
-    for telegram in axis_telegrams(settings, name).values():
-        if telegram.is_cyclic and telegram.transmission != 1:
-            raise rig_error(
-                settings.files,
-                ("drive", axis.drive, "pdo_map"),
-                f"drive {axis.drive} of axis {name}: {telegram.name} comes with every"
-                f" {telegram.transmission}. SYNC only, and the process image carries all values in"
-                " each cycle",
-                value=telegram.transmission,
-                allowed="1, 254, 255",
-            )
 
 
 def _check_cycle(settings: Settings, segment: str) -> None:

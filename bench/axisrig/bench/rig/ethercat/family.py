@@ -1,21 +1,16 @@
 """Drives on EtherCAT as a rig asks for them: CiA 402 and SERCOS."""
 
-from axisrig.bench.rig.canopen.loop import describe_loop
-from axisrig.bench.rig.canopen.members import drive_of
-from axisrig.bench.rig.describe import WHAT_PASSES, unproved_place
 from axisrig.bench.rig.ethercat.checks import check_lines
 from axisrig.bench.rig.ethercat.members import (
-    axis_pdos,
     ec_axes,
     ec_segments,
-    is_sercos,
     segment_of,
     terminal_on,
 )
+from axisrig.bench.rig.ethercat.on_line import axis_pdos, on_line
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.ethercat.timing import phases_of
 from axisrig.bench.rig.families import RigFamily, SecondEncoder, TerminalGrid
-from axisrig.bench.rig.sercos.checks import describe_sercos
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US
 
@@ -38,12 +33,7 @@ class OnEthercat(RigFamily):
         lines = []
         for name in ec_axes(settings):
             late_cycles = phases_of(settings, name).late_cycles
-            if is_sercos(settings, name):
-                lines += describe_sercos(settings, name)
-            else:
-                lines += [*describe_loop(settings, name, late_cycles), *_latches(settings, name)]
-                if not drive_of(settings, name).position_check:
-                    lines.append(unproved_place(settings, name))
+            lines += on_line(settings, name).describe(settings, name, late_cycles)
             lines += _times(settings, name)
         return lines
 
@@ -53,9 +43,7 @@ class OnEthercat(RigFamily):
         if not any(mapped.field == "second" for mapped in inputs.objects):
             return None
         period_ns = settings.rig.cycle.period_us * US
-        if is_sercos(settings, axis):
-            return SecondEncoder("S-0-0053, in the AT of each cycle", 1, period_ns)
-        return SecondEncoder("60E4:1, in the process image of each cycle", 1, period_ns)
+        return SecondEncoder(on_line(settings, axis).second, 1, period_ns)
 
     def late_cycles(self, settings: Settings, axis: str) -> int:
         """Return by how many cycles more than 2 an NC cycle sees what its set values do."""
@@ -83,19 +71,6 @@ class OnEthercat(RigFamily):
             f"segment {name}, EtherCAT, one cycle\n{schedule_of(settings, name).table()}"
             for name in ec_segments(settings)
         ]
-
-
-def _latches(settings: Settings, name: str) -> list[str]:
-    """Say how the latches of an axis are proved, and warn where they are not."""
-    if not settings.axis[name].flag("kenngr.messachse"):
-        return []
-    if drive_of(settings, name).latch_check:
-        return [f"axis {name}: SDO proves its latches; the mailbox has room in every cycle"]
-    drive = settings.rig.axis[name].drive
-    return [
-        f"warning: axis {name}: its latches are unproved: latch_check of drive {drive} is false;"
-        f" {WHAT_PASSES}"
-    ]
 
 
 def _times(settings: Settings, name: str) -> list[str]:

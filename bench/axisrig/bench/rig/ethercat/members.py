@@ -9,15 +9,10 @@ from axisrig.bench.rig.canopen.schedule import (
 )
 from axisrig.bench.rig.ethercat.keys import SegmentTable
 from axisrig.bench.rig.reading.plc_task import TerminalTable
-from axisrig.bench.rig.sercos.keys import DriveTable as SercosTable
-from axisrig.bench.rig.sercos.members import sercos_pdos
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import CSV
-from axisrig.kernel.drives.ethercat.settings import Pdo
-from axisrig.kernel.drives.mapped import MappedObject
 
-OUTPUTS, INPUTS = 0x1600, 0x1A00
 TERMINAL = "terminal"
 """Name of the terminal of the PLC in tables by axis, where it is on a line."""
 TERMINAL_BYTES = 34
@@ -87,23 +82,3 @@ def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
         second=has_second(settings, name),
         speed=drive_of(settings, name).mode == CSV,
     )
-
-
-def is_sercos(settings: Settings, name: str) -> bool:
-    """Whether the drive of an axis speaks SERCOS."""
-    return isinstance(settings.rig.drive[settings.rig.axis[name].drive], SercosTable)
-
-
-@once
-def axis_pdos(settings: Settings, name: str) -> tuple[Pdo, Pdo]:
-    """Return the PDO of the outputs and that of the inputs; of SERCOS they are the MDT and the AT.
-
-    A PDO of EtherCAT is not bound to eight bytes: the objects of all RPDOs are in the first one,
-    those of all TPDOs in the other.
-    """
-    if is_sercos(settings, name):
-        return sercos_pdos(settings, name)
-    sent, taken = list[MappedObject](), list[MappedObject]()
-    for telegram in axis_telegrams(settings, name).values():
-        (sent if telegram.is_received else taken).extend(telegram.objects)
-    return Pdo(OUTPUTS, tuple(sent)), Pdo(INPUTS, tuple(taken))

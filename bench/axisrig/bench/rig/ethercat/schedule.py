@@ -12,13 +12,13 @@ from axisrig.bench.bus.ethercat.frame import time_on_wire_ns
 from axisrig.bench.rig.ethercat.members import (
     TERMINAL_BYTES,
     axes_on,
-    axis_pdos,
     ec_segments,
     segment_of,
     slaves_on,
     terminal_on,
     watches_clocks,
 )
+from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.ethercat.image import bytes_of
 from axisrig.kernel.profiles.ethercat.layouts import (

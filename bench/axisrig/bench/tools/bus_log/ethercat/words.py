@@ -9,11 +9,11 @@ from axisrig.bench.rig.ethercat.members import (
     TERMINAL,
     TERMINAL_BYTES,
     axes_on,
-    axis_pdos,
     ec_segments,
     terminal_on,
     terminal_position,
 )
+from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
 from axisrig.kernel.drives.cia402.objects import object_name
