@@ -97,12 +97,25 @@ class EthercatCarrier(Carrier):
 
     def _note(self, answers: list[Answer] | None) -> None:
         self._is_asking = False
+        if answers is not None:
+            self._master.note_silent(self._silent(answers))
         for slave, answer in zip(self.slaves.values(), answers or [], strict=False):
             if answer.counter == 1:
                 slave.status = answer.data[0]
                 slave.code = int.from_bytes(answer.data[4:6], "little")
                 if slave.status == AlState.OP:
                     slave.status = None
+
+    def _silent(self, answers: list[Answer]) -> int | None:
+        """Return the first slave that does not answer, from 0 on, None where each does.
+
+        One behind the drives is not asked: how many answer the read of all states shows it.
+        """
+        for number, answer in enumerate(answers):
+            if answer.counter == 0:
+                return number
+        found = self._master.answered
+        return found if len(answers) <= found < self._master.count else None
 
     def sampled_ns(self, axis: str) -> TimeNs:
         """Return when the control assumes that the position of this cycle is sampled.

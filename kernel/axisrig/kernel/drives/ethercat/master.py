@@ -15,7 +15,7 @@ from axisrig.kernel.drives.ethercat.image import LOGICAL, Image
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPort
 from axisrig.kernel.drives.ethercat.port import EthercatPort
 from axisrig.kernel.drives.ethercat.settings import LineSettings, RegisterInputs, SlaveSettings
-from axisrig.kernel.drives.ethercat.slave_data import SlaveData
+from axisrig.kernel.drives.ethercat.slave_data import Silent, SlaveData
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.profiles.ethercat.layouts import (
     DATAGRAM,
@@ -74,12 +74,14 @@ class Cyclic:
 
 class Master:
     """One segment. data, mailboxes: of its drives, in their order on the line. others: behind them.
+    count: of all slaves.
 
     others_taken: called for each of `others` with what a frame has brought of it.
 
     al_states: of all slaves, ORed, as the last frame of a cycle brought it, None when it did not
-    or when not each slave has answered. silent_cycles: in a row without a frame that came back.
-    sent_ns: when the last cyclic frame left. taken_ns: that whose inputs were taken last.
+    or when not each slave has answered; answered: how many have. silent_cycles: in a row without a
+    frame that came back. sent_ns: when the last cyclic frame left. taken_ns: that whose inputs were
+    taken last.
     clocks_off_ns: how far clocks were apart at most from the inputs before to these.
     falls: called when a slave is not in OP while the cycles run.
     """
@@ -96,6 +98,7 @@ class Master:
         self._port, self._clock, self.line, self.slaves = port, clock, line, slaves
         self.transactions = Transactions(port, clock)
         self.others = list(others)
+        self.count = len(self.slaves) + len(self.others)
         self.others_taken: list[Callable[[bytes], None]] = []
         self.image = Image(slaves, self.others)
         self._parts = list(zip(data, self.image.places, strict=True))
@@ -104,6 +107,7 @@ class Master:
         self.silent_cycles = 0
         self.sent_ns = self.taken_ns = NEVER
         self.al_states: int | None = None
+        self.answered = 0
         self.falls: list[Callable[[], None]] = []
         self._cyclic: Cyclic | None = None
         self._index = FIRST_INDEX
@@ -218,7 +222,8 @@ class Master:
                 data.refused(counter, expected)
         at = cyclic.states_counter
         answered = frame[at] | frame[at + 1] << 8
-        if answered == len(self.slaves) + len(self.others):
+        self.answered = answered
+        if answered == self.count:
             self.al_states = frame[cyclic.states]
         if self.al_states != OP:
             for note in self.falls:
@@ -227,6 +232,16 @@ class Master:
             if frame[image + place.mailbox] & SM_FULL:
                 self.mailboxes[number].note_full()
         self.transactions.let_go()
+
+    def note_silent(self, number: int | None) -> None:
+        """Take note which slave does not answer, from 0 on; None: each does."""
+        silent = None
+        if number is not None:
+            drives = len(self.slaves)
+            slave = self.slaves[number] if number < drives else self.others[number - drives]
+            silent = Silent(slave.axis, slave.node_id, self.answered, self.count)
+        for data, _ in self._parts:
+            data.silent = silent
 
     def _note_clocks(self, frame: bytes, at: int) -> None:
         """Note how far clocks are apart: by the slaves, and by how much later the time came.

@@ -5,7 +5,7 @@ frame of this cycle brings is missing. What the values mean is of the family of 
 """
 
 from collections.abc import Callable
-from typing import Final
+from typing import Final, NamedTuple
 
 from axisrig.kernel.drives.cia402.cyclic_data import CyclicData, Values
 from axisrig.kernel.drives.ethercat.image import codec_of, objects_of
@@ -14,14 +14,24 @@ from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.errors import Alarm
 
 # Why inputs could not be used: alarm IDs
-NO_FRAME, WRONG_COUNTER = 900730, 900731
+NO_FRAME, WRONG_COUNTER, SILENT = 900730, 900731, 900733
 NAME: Final = "process image"
+
+
+class Silent(NamedTuple):
+    """The first slave of a line that does not answer, and how many of all do."""
+
+    axis: str
+    position: int
+    found: int
+    expected: int
 
 
 class SlaveData(CyclicData):
     """Takes the inputs of one drive out of a frame, and packs its outputs for the next one.
 
-    outputs: the bytes that the next frame carries.
+    outputs: the bytes that the next frame carries. silent: the slave that the counter is wrong for,
+    None where all answer or nobody has asked.
     """
 
     def __init__(self, settings: SlaveSettings) -> None:
@@ -30,6 +40,7 @@ class SlaveData(CyclicData):
         self._in, self._out = codec_of(self._inputs), codec_of(self._outputs)
         self._values = [0] * len(self._outputs)
         self._data: bytes | None = None
+        self.silent: Silent | None = None
         self._cause, self._found, self._expected = NO_FRAME, 0, 0
         self.outputs: bytes = self._out.pack(*self._values)
 
@@ -47,7 +58,7 @@ class SlaveData(CyclicData):
 
     def arrived(self, data: bytes) -> None:
         """Take the inputs of a frame whose working counter was right."""
-        self._data = data
+        self._data, self.silent = data, None
 
     def refused(self, found: int, expected: int) -> None:
         """Take note of a frame whose working counter was wrong: its inputs count for nothing."""
@@ -69,8 +80,13 @@ class SlaveData(CyclicData):
         self.causes[0], self.is_disturbed = cause, True
 
     def missing_alarm(self, axis: str, slot: int) -> Alarm:
-        """Return the alarm of inputs that could not be used for so many cycles."""
+        """Return the alarm of inputs that could not be used for so many cycles.
+
+        Where a slave of the line is silent it is that of this slave, whatever axis asks.
+        """
         cycles, cause = self.missing[slot], self.causes[slot]
+        if cause == WRONG_COUNTER and self.silent is not None:
+            return Alarm(SILENT, cycles=cycles, **self.silent._asdict())
         if cause == WRONG_COUNTER:
             return Alarm(
                 cause, axis=axis, cycles=cycles, counter=self._found, expected=self._expected

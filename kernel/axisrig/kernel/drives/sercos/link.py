@@ -98,7 +98,7 @@ class SercosDrive(Drive):
         self._data.begin_cycle()
 
     def take(self) -> None:
-        """Take the AT of this cycle. Raises Alarm 900730, 900731 when it stays out."""
+        """Take the AT of this cycle. Raises Alarm 900730, 900731, 900733 when it stays out."""
         data = self._data
         self._has_sent = False
         status, actual, _, latch, _, _, second, _ = data.take()
