@@ -1,4 +1,4 @@
-"""What stands on the bench in a row of testplans/fixed_stop_timing.csv.
+"""What a row of testplans/fixed_stop_timing.csv or fixed_stop_sercos.csv has on the bench.
 
 Nothing of the bench is imported: plan, rigs, lists and programs are read as the text they are.
 Lengths in mm, times in s, forces in N.
@@ -35,12 +35,13 @@ PLANT_DEFAULTS = {
 ROTOR_INERTIA, VISCOUS, SCREW_STIFFNESS = 1.8e-4, 800.0, 120e3
 FRICTION_COULOMB, FRICTION_BREAKAWAY, STRIBECK_MM_S = 120.0, 160.0, 5.0
 GRAVITY = 9.80665
+TORQUE_LIMIT = "(?:KEY=TORQUE_LIMIT|ID=S-0-0092)"
 DETECT, OLDER = "kenngr.measure.fixed_stop_detect.", "antr.fixed_stop.detect."
 
 
-def rows() -> dict[str, dict[str, str]]:
-    """Return the plan by case."""
-    with (PLANS / "fixed_stop_timing.csv").open(encoding="utf-8", newline="") as file:
+def rows(plan: str = "fixed_stop_timing") -> dict[str, dict[str, str]]:
+    """Return a plan by case."""
+    with (PLANS / f"{plan}.csv").open(encoding="utf-8", newline="") as file:
         return {row["case"]: row for row in csv.DictReader(file)}
 
 
@@ -199,7 +200,7 @@ class Setup:
             self.row.get("drive:servo.rated_torque_mnm") or drive.get("rated_torque_mnm", 2200)
         )
         program = (PLANS / self.row["program"]).read_text(encoding="utf-8")
-        (value,) = set(re.findall(rf"AX={self.name} KEY=TORQUE_LIMIT VAL=(\S+) WAIT", program)[:1])
+        (value,) = set(re.findall(rf"AX={self.name} {TORQUE_LIMIT} VAL=(\S+) ", program)[:1])
         scale = float(self.listed("antr.function[1].scaling_factor") or 1)
         per_mille = (
             float(self.row["plc:V.E.LIMIT"]) if value == "V.E.LIMIT" else float(value) * scale
