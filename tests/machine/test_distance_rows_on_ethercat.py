@@ -45,14 +45,17 @@ def test_rows_pass_as_they_are_written() -> None:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("sercos", [False, True], ids=["canopen", "sercos"])
 @pytest.mark.parametrize("table", TABLES)
-def test_rows_have_what_one_dead_cycle_more_gives(tmp_path: Path, table: str) -> None:
-    """Two rows are refused on EtherCAT: 60E4 with each second SYNC."""
+def test_rows_have_what_one_dead_cycle_more_gives(
+    tmp_path: Path, table: str, *, sercos: bool
+) -> None:
+    """Two rows are refused on EtherCAT: 60E4 with each second SYNC. S-0-0053 gives the same."""
     plan = read_plan(PLANS / "distance_control.csv")
     moved = []
     for case in plan.cases:
         if case.file.name == table and "every-second" not in case.rig.name:
-            rig = on_ethercat(f"rigs/{case.rig.name}", tmp_path)
+            rig = on_ethercat(f"rigs/{case.rig.name}", tmp_path, sercos=sercos)
             moved.append(_with_one_more(replace(case, rig=rig)))
     found = verdicts(moved)
     assert found == dict.fromkeys(found, Verdict.PASS)
