@@ -4,7 +4,7 @@
 ; - There is no #MEAS MODE[7]: the channel list has to have measuring type 7 (P-CHAN-00057).
 ; - AXNR 1 and 4 are X and X2. Y, Z and Z2 move in N120 as well and keep their torque, although the manual wants
 ;   all drives of the run limited (7.3, "Default setting"). Here nothing is in their way.
-; - S-0-0092 and S-0-0159 mean 6072 and 6065: no SERCOS drive is simulated (docs/drives-and-kernel.md).
+; - On drives of CANopen S-0-0092 and S-0-0159 mean 6072 and 6065 (docs/drives-and-kernel.md).
 ; enable SoftGantry
 N010 G0 X100 X2=0
 N020 #SET AX LINK[1, [X2=X,G,15,20]]

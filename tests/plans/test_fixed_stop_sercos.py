@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import pytest
 from tests.plans.fixed_stop_law import Axis, axis
 from tests.plans.fixed_stop_setup import PLANS, band, is_rounded, most, rows, tolerance
+from tests.plans.shipped_files import rig_of
 
 ROWS = rows("fixed_stop_sercos")
 SHIFT_S = 100e-6  # shift_us, its default
@@ -122,3 +123,17 @@ def test_what_the_plan_is_about() -> None:
     assert {float(ROWS[case]["plc:V.E.LIMIT"]) for case in FOUND} >= {100, 362, 800}
     program = (PLANS / ROWS["feed-600"]["program"]).read_text(encoding="utf-8")
     assert len(re.findall(r"#IDENT WR SYN", program)) == 4
+
+
+def test_the_gantry_of_the_manual() -> None:
+    """FCT-C4 7.3.1: VAL=100 is 10 % of 9 Nm on both sides; the master is at x_stop + F/k."""
+    row = ROWS["gantry-printed"]
+    drive = rig_of(PLANS / row["rig"])["drive"]["servo"]
+    force_n = 0.1 * drive["rated_torque_mnm"] * 1e-3 * 2 * math.pi / 0.01
+    assert row["checks"].split(" ;; ") == [
+        f"stop_force_n:X = {force_n:.3f} +- 0.3",
+        f"stop_force_n:X2 = {force_n:.3f} +- 0.3",
+        f"latch_mm:X = {130 + force_n / 20e3:.5f} +- 0.001",
+    ]
+    program = (PLANS / row["program"]).read_text(encoding="utf-8")
+    assert set(re.findall(r"ID S-0-0092 VAL=(\d+)", program)) == {"100"}
