@@ -7,7 +7,6 @@ from typing import Any
 
 from tests.plans.distance_law import PLANS, rig_of
 
-
 SERCOS_KEYS = ("encoder_increments", "lead_mm", "second_delay_cycles", "lag_limit_mm")
 """Keys of a drive that mean the same for SERCOS."""
 
