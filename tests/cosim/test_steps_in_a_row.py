@@ -1,5 +1,6 @@
 """Several steps in one call: the same results as one by one, and the same errors."""
 
+import ctypes
 import itertools
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -284,3 +285,12 @@ def test_several_instants_with_a_foreign_axis_are_steps_one_by_one(fmu) -> None:
     assert axes[0].tick[2] != 0.0
     for plant in (walked, stepped):
         plant.close()
+
+
+def test_an_array_has_fewer_references_than_values(load) -> None:
+    servo = load(ensure_built("AxisRig.Drives.ServoAxis"))
+    scalar, array = Exchange(servo, ["position"]), Exchange(servo, ["position"])
+    array.values = (ctypes.c_double * 3)()
+    assert plain_references([scalar]) == scalar.references
+    assert plain_references([array]) is None
+    assert plain_references([scalar, array]) is None

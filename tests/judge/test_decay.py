@@ -93,3 +93,22 @@ def test_what_is_excited_all_the_time_shows_nothing() -> None:
 def test_what_is_within_the_noise_shows_nothing() -> None:
     assert growth_of(rounded(1e-6 * 0.99**K), NOISE) is None
     assert growth_of(np.zeros(0), NOISE) is None
+
+
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("values", [values for values, _ in SIGNALS.values()], ids=SIGNALS)
+def test_its_doubt_is_how_far_both_ends_of_the_signal_differ(values: np.ndarray) -> None:
+    """What is above 6 times the noise counts, to its last value; twice the larger difference."""
+    values = rounded(values)
+    count = int(np.flatnonzero(np.abs(values) > 6.0 * NOISE)[-1]) + 1
+    quarter = count // 4
+    found, first, last = (
+        growth_of(part, NOISE) for part in (values, values[: count - quarter], values[quarter:])
+    )
+    assert found is not None
+    assert first is not None
+    assert last is not None
+    assert (found.values, last.values) == (count, count - quarter)
+    doubts = [abs(found.factor - one.factor) for one in (first, last)]
+    assert found.uncertainty == pytest.approx(2.0 * max(doubts) + 1e-6)
+    assert found.uncertainty > 1e-6

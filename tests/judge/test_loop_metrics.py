@@ -5,6 +5,7 @@ The control follows from row 100 on. With the usual scheduling its loop is dead 
 
 import math
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,10 @@ from tests.judge.controls import (
     seen,
 )
 
-from axisrig.bench.judge.distance.stretches import Envelope, runs_of
+from axisrig.bench.judge.distance.stretches import Envelope, runs_of, unknown_poles
+from axisrig.bench.judge.distance.tool import distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE, FREEZE, INACTIVE
+from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.distance import (
     Controller,
@@ -321,3 +324,36 @@ def test_growth_is_that_of_the_steps_after_the_last_one_that_a_limit_held(factor
     found = seen(recorded(columns=columns), "distance_growth")
     assert found.value == pytest.approx(factor, abs=1e-3)
     assert seen(recorded(columns=columns), "distance_stability").value == "stable"
+
+
+@pytest.mark.parametrize(
+    ("transmission", "every"), [(1, 1), (2, 2), (240, 240), (254, 1), (255, 1)]
+)
+def test_the_second_encoder_comes_as_often_as_its_own_telegram(
+    transmission: int, every: int
+) -> None:
+    """Every so many SYNCs up to 240, what comes when it changes in every one; others may differ."""
+    others = (Telegram("TPDO1", 5, ("position",)), Telegram("TPDO3", 7, ("position",)))
+    for place in range(3):
+        telegrams = [*others]
+        telegrams.insert(place, Telegram("TPDO2", transmission, ("status", "second")))
+        truth = distance_truth(recorded(telegrams=tuple(telegrams)), "Z")
+        assert truth is not None
+        assert truth.every == every
+
+
+@pytest.mark.parametrize("mode", [SET_POS, CONST_DIST])
+@pytest.mark.parametrize("kv", [0.0, 40.0])
+@pytest.mark.parametrize("age_cycles", [-1, 0, 1])
+@pytest.mark.parametrize("every", [1, 2])
+def test_poles_are_known_where_nothing_but_the_law_and_its_lag_is_in_the_loop(
+    mode: str, kv: float, age_cycles: int, every: int
+) -> None:
+    """In SET_POS 6064 and a 60E4 of the same SYNC cancel what the drive does."""
+    of: Any = SimpleNamespace(every=every, values={"kv": kv}, sensor_age_cycles=age_cycles)
+    words = "60E4 does not come with every SYNC" if every == 2 else ""
+    if not words and kv and (mode == CONST_DIST or age_cycles):
+        words = "the loops of the drive are part of it"
+    assert unknown_poles(of, mode) == words
+    of.values = None
+    assert unknown_poles(of, mode) == ("" if every == 1 else words)

@@ -287,6 +287,14 @@ def test_the_speed_ahead_is_known_to_what_a_drive_makes_of_an_increment(
     assert ahead.doubt_mm_s < 5.0 * gain * INCREMENT_MM
 
 
+@pytest.mark.parametrize("rows", [1, 2])
+def test_nothing_is_ahead_of_a_motion_that_no_step_shows(rows: int) -> None:
+    observed, _ = driven(40.0, 0.0, np.arange(rows + 2) * 0.05)
+    for part in (1, 5, 9):
+        assert state_ahead(observed, "Z", part * MS // 10) is None
+    assert (state_ahead(observed, "Z", (rows - 1) * MS + MS // 2) is None) is (rows == 1)
+
+
 @pytest.mark.parametrize("gain_mm_s2", [300.0, -300.0])
 def test_the_speed_ahead_counts_a_slope_that_begins_there(gain_mm_s2: float) -> None:
     """The feed changes with the step of the contact: of that no row before shows anything."""

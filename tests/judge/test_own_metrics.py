@@ -152,3 +152,12 @@ def test_a_statistic_takes_it_as_any_other(tmp_path: Path, recording: Observed) 
     assert isinstance(check, StatisticCheck)
     found = sampled(recording, [check], module=case.module)
     assert [reading.metric.value for reading in found["mean(lag_peak)"]] == [PEAK_MM]
+
+
+def test_it_finds_what_is_beside_its_file(tmp_path: Path, recording: Observed) -> None:
+    body = "from pathlib import Path\n\n\ndef metric_beside(recording):\n"
+    body += "    return float((Path(__file__).parent / 'limit.txt').read_text()), 'mm', 0.0\n"
+    (tmp_path / "limit.txt").write_text("0.5", encoding="utf-8")
+    case = _case(tmp_path, body, "check:beside", "== 0.5")
+    _, ((result),) = judged(recording, case.checks[:1], module=case.module)
+    assert (result.verdict, result.value) == (Verdict.PASS, 0.5)

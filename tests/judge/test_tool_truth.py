@@ -284,3 +284,12 @@ def test_of_an_inclined_tool_a_constant_distance_is_shorter() -> None:
     by_surface = table.set_column(table.column_names.index(name), name, pa.array(state))
     other = ToolTruth(CHANNEL, Observed(left(), kept(by_surface)))
     assert other.shorter_mm[rows] == pytest.approx(0.0)
+
+
+def test_before_a_mode_is_chosen_no_tool_is_inclined() -> None:
+    """The whole SET_DIST counts, and the clamping point has no place along a normal."""
+    columns = {"channel.distance_state": np.zeros(ROWS)}
+    seen = truth(guides=[GuideChange(0)], columns=columns)
+    assert seen.ways == []
+    assert seen.share.tolist() == [1.0] * ROWS
+    assert seen.program_mm.tolist() == [0.0] * ROWS

@@ -327,3 +327,18 @@ def test_condition_that_is_nothing_known_gets_no_hint() -> None:
     with pytest.raises(UserError) as caught:
         parse_condition("about 3", "number")
     assert caught.value.hint is None
+
+
+def test_a_wrong_condition_is_named_beside_a_wrong_metric() -> None:
+    """As the condition of the metric that was meant, or as any."""
+    for metric, condition, words in (
+        ("latch_eror_um", "1 .. 0", "latch_error_um"),
+        ("completely_else", "> ", ""),
+    ):
+        with pytest.raises(UserError, match="unknown metric") as caught:
+            parse_check(metric, condition, "probing.csv:2")
+        assert words in str(caught.value)
+        assert len(caught.value.further) == 1
+    with pytest.raises(UserError, match="unknown metric") as caught:
+        parse_check("latch_eror_um", "0 .. 1", "probing.csv:2")
+    assert list(caught.value.further) == []

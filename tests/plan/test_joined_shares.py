@@ -120,3 +120,23 @@ def test_the_joined_folder_has_the_inputs_and_the_choice_of_the_command(
     assert (done.runs, done.missing) == (2, [])
     found = rows(tmp_path / "all" / "plans" / "probing.csv")
     assert [row["set:Z.edge"] for row in found] == ["NEG"] * 3
+
+
+@pytest.mark.parametrize("first", ["one", "other"])
+def test_a_run_of_two_shares_comes_from_the_first_that_is_named(
+    plan: Plan, tmp_path: Path, first: str
+) -> None:
+    """Their bus logs may differ: an asc log has a date. With them come those of the same folder."""
+    folders = {
+        name: share(tmp_path / name, plan, runs, logs=(ending,))
+        for name, runs, ending in (("one", "ac", ".asc"), ("other", "cb", ".blf"))
+    }
+    named = sorted(folders, key=lambda name: name != first)
+    done = merge([folders[name] for name in named], tmp_path / "all", started="later")
+    assert (done.runs, done.missing, done.doubled) == (3, [], ["probing-c"])
+    kept = inside(tmp_path / "all")
+    of_first, of_other = (
+        {name: data for name, data in inside(folders[one]).items() if "-c" in name} for one in named
+    )
+    assert of_first != of_other
+    assert {name: data for name, data in kept.items() if "-c" in name} == of_first

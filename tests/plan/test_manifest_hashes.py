@@ -52,18 +52,21 @@ def test_files_of_cases_are_hashed_once_by_their_names_from_the_plan(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Program, rig with what it is made from, and a table that the plan takes rows from."""
-    for name in ("p.csv", "rows.csv", "b.nc", "a.nc", "lists/z.lst", "r.toml"):
+    for name in ("p.csv", "rows.csv", "b.nc", "a.nc", "lists/z.lst", "lists/started.nc", "r.toml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(name, encoding="utf-8")
     monkeypatch.setattr(manifest, "rig_files", lambda rig: [rig, tmp_path / "lists" / "z.lst"])
     own = {"folder": tmp_path, "rig": tmp_path / "r.toml", "file": tmp_path / "p.csv"}
+    starts = {"inputs": {"plc:program_start": "file=lists/started.nc"}}
     cases = [
-        case_of("a", program=tmp_path / "b.nc", **own),
+        case_of("a", program=tmp_path / "b.nc", **own, **starts),
         case_of("b", program=tmp_path / "a.nc", **own),
         case_of("c", program=tmp_path / "a.nc", **{**own, "file": tmp_path / "rows.csv"}),
     ]  # fmt: skip
     found = manifest.file_hashes(cases)
-    assert list(found) == ["a.nc", "b.nc", "lists/z.lst", "r.toml", "rows.csv"]
+    assert list(found) == [
+        *("a.nc", "b.nc", "lists/started.nc", "lists/z.lst", "r.toml", "rows.csv"),
+    ]
     for name, digest in found.items():
         assert digest == hashlib.sha256(name.encode()).hexdigest()
     assert "rows.csv" not in manifest.file_hashes(cases[:2])

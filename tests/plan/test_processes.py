@@ -8,12 +8,15 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign import channel, worker
+from axisrig.bench.campaign import channel, processes, worker
 from axisrig.bench.campaign.channel import MAGIC, STALL_S, ChannelError, Inbox
-from axisrig.bench.campaign.processes import Died, run_apart, run_as_they_end
+from axisrig.bench.campaign.processes import Died, _Crew, run_apart, run_as_they_end
+from axisrig.kernel.cosim.fmi.journal import LastCall
 
 WAIT_S = 20.0
 
@@ -289,3 +292,51 @@ def test_what_is_no_answer_is_refused_at_once(data: bytes, words: str) -> None:
             inbox.take()
     finally:
         os.close(reads)
+
+
+def test_each_call_has_the_whole_time_of_a_call(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of 10 s: from when a call was seen first, of every task; a row of short calls may be long."""
+    now_s, note = [100.0], tmp_path / "note"
+    monkeypatch.setattr(processes, "time", SimpleNamespace(monotonic=lambda: now_s[0]))
+    calls: list[LastCall | None] = [None]
+    monkeypatch.setattr(processes.journal, "last_call", lambda _: calls[0])
+    crew = _Crew(abs, [], [], 1, None, 50.0, 10.0, 9, lambda _number, _begins: None)
+    doing: Any = SimpleNamespace(note=note, began_s=100.0, call_s=100.0, call=0)
+
+    def look(after_s: float, number: int, *, is_inside: bool = True) -> str:
+        now_s[0] += after_s
+        calls[0] = LastCall(number, is_inside, "a.fmu", "z", "fmi3DoStep", 0)
+        died = crew._excess(doing)
+        return "" if died is None else died.reason
+
+    assert look(9.0, 1) == ""
+    assert look(9.9, 1) == ""
+    assert look(0.05, 2) == look(9.9, 2) == ""
+    assert look(5.0, 2, is_inside=False) == ""  # it has come back, nothing is under way
+    assert look(5.0, 2, is_inside=False) == look(0.0, 3) == ""
+    assert look(10.0, 3).startswith("a call did not come back within 10 s: it was in fmi3DoStep")
+    calls[0] = None
+    now_s[0] = 149.9
+    assert crew._excess(doing) is None
+    now_s[0] = 150.0
+    died = crew._excess(doing)
+    assert died is not None
+    assert died.reason == "no end within 50 s of wall time"
+    assert died.is_timeout
+
+
+def _who(content: bytes) -> int:
+    if content:
+        os.write(_answer_of(), content)
+    return os.getpid()
+
+
+def test_who_wrote_what_is_no_answer_gets_no_further_row() -> None:
+    """Its process may write again: the rows after it have another one."""
+    tasks = [[content] for content in (b"", b"no answer", b"", b"")]
+    first, died, *after = run_apart(_who, tasks, is_fresh=False)
+    assert isinstance(died, Died)
+    assert len({*after}) == 1
+    assert first not in after
