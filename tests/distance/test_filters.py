@@ -71,6 +71,25 @@ def test_delay_behind_a_ramp_and_noise_gain(
     assert energy**0.5 == pytest.approx(character.noise_gain, rel=1e-9)
 
 
+def test_filters_are_one_where_they_give_the_same_values() -> None:
+    """A control keeps the filter that it has then, and takes the other one else (FCT-M3 4).
+
+    A mean of two has the same weight of the newest value as an exponential one, others after it.
+    """
+    newest_half = [
+        FilterSettings("MOVING_AVERAGE", n_cycles=2),
+        *(FilterSettings("EXPO_MEAN", n, 0.5) for n in (58, 60)),
+    ]
+    few = [one for one, _ in CASES if one.n_cycles <= 4 and one.kind != "LOWPASS"]
+    seen: dict[bytes, set[tuple[float, ...]]] = {}
+    for settings in [*newest_half, *few]:
+        seen.setdefault(_impulse(settings, 70).tobytes(), set()).add(_made(settings).character)
+    assert len(seen) > 20
+    assert max(map(len, seen.values())) == 1, "the same values, and not one filter"
+    known = [character for (character,) in seen.values()]
+    assert len({*known}) == len(known), "one filter, and other values"
+
+
 @pytest.mark.parametrize("kind", filter_kinds())
 def test_white_noise_comes_out_with_the_noise_gain(kind: str) -> None:
     settings, character = next(

@@ -9,6 +9,7 @@ import pytest
 
 from axisrig.kernel.channel.distance.sensor import EncoderSensor, SensorSettings, VariableSensor
 from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import MS
 
@@ -109,6 +110,20 @@ def test_the_sensor_value_is_of_the_sync_of_the_actual_position(
     sums = [actual + sensor for actual, sensor in both if sensor is not None]
     assert len(set(made.seen.actual_mm)) > 100
     assert sums == pytest.approx([3.25] * len(sums), abs=1.01 / say.per_mm)
+
+
+def test_a_command_takes_the_value_of_the_moment_in_which_it_acts(distance_bench: Make) -> None:
+    """REF, CHECK_POS and ON may come before the sensor was read in this cycle, or ever."""
+    made = distance_bench()
+    values, axis = made.channel.plc.values, made.channel.distance.axes["Z"]
+    values["SENSOR"] = 1_000.0
+    axis.choose("VARIABLE", "SENSOR")
+    for value in (2_000.0, -5_000.0):
+        values["SENSOR"] = value
+        assert axis.require_sensor() == axis.sensor_mm == value / 1e4
+    del values["SENSOR"]
+    with pytest.raises(Alarm, match=r"31002[789]"):
+        axis.require_sensor()
 
 
 def test_control_by_a_variable_takes_the_value_of_the_same_cycle(
