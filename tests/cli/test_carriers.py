@@ -160,6 +160,29 @@ def test_a_new_project_goes_to_ethercat_as_its_rig_says(
     code, out, err = axisrig("check", rig)
     assert (code, err) == (0, "")
     assert "segment can1, EtherCAT, one cycle" in out
+    assert axisrig("new", "other", "--carrier", "ethercat")[0] == 0
+    made = axisrig("check", place / "other" / "testplans" / "rigs" / "bench.toml")
+    named = out.replace("can1", "ec1").replace(str(place / "mine"), str(place / "other"))
+    assert made == (0, named, "")
+
+
+def test_a_new_project_for_a_carrier_that_has_none_is_refused(
+    rejected: Callable[..., str], place: Path
+) -> None:
+    said = rejected("new", "mine", "--carrier", "profibus")
+    assert "found 'profibus'; allowed: can, ethercat" in said
+    assert not (place / "mine").exists()
+
+
+@pytest.mark.long
+def test_the_campaign_of_a_project_on_ethercat_passes(
+    axisrig: Callable[..., tuple[int, str, str]], place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its limits are those of the project on CAN: the latch is the same."""
+    axisrig("new", "mine", "--carrier", "ethercat")
+    monkeypatch.chdir(place / "mine")
+    code, out, _ = axisrig("run", "testplans/touch.csv", "-j", "1")
+    assert code == 0, out
 
 
 def test_the_table_of_frames_is_of_can(tmp_path: Path) -> None:

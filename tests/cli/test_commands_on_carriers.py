@@ -16,7 +16,6 @@ KNOW_NO_CARRIER = frozenset(
             "language",
             "doctor",
             "docs",
-            "new",
             "fmu",
             "plan",
             "probe-feed",
@@ -24,11 +23,11 @@ KNOW_NO_CARRIER = frozenset(
             "sources",
             "demo",
         ),
-        *("merge", "diff", "trend", "scenarios"),
+        *("merge", "diff", "trend"),
     )
 )
 """They list tables, compute from numbers, make files, or take what a run has left, whatever carried
-it; demo and scenarios run what they bring along."""
+it; demo runs what it brings along."""
 
 
 def commands() -> set[str]:
@@ -84,3 +83,33 @@ def test_each_command_acts_on_ethercat(
     assert "SAFEOP" in acts(f"bus a@ec1.pcapng --rig {rig}")
     acts(f"tune distance --rig {tuned}")
     acts(f"rig export {rig} -o own.ssp")
+    acts("new mine --carrier ethercat")
+
+
+SEARCH = """case,program,rig,search:plant:probe.surface_mm,check:msg:N30,check:search_good
+row,part.nc,{rig},97.5 .. 99 to 0.5,== 1,98 .. 98.5
+"""
+
+
+@pytest.mark.long
+def test_a_search_on_ethercat_ends_where_the_program_ends(
+    place: Path, axisrig: Callable[..., tuple[int, str, str]]
+) -> None:
+    """The run goes to Z 98: a surface below it is not met."""
+    rig = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-ethercat.toml"
+    program = PROGRAM.replace("#MSG SYN[\"z=%f\", V.A.MEAS.ACS.VALUE.Z]",
+                              "#MSG SYN[\"m=%d\", V.A.MERF.Z]")  # fmt: skip
+    (place / "part.nc").write_text(program, encoding="utf-8")
+    (place / "plan.csv").write_text(SEARCH.format(rig=rig), encoding="utf-8")
+    code, out, err = axisrig("run", "plan.csv", "-o", "out", "-j", "1")
+    assert code == 0, out + err
+
+
+@pytest.mark.long
+def test_scenarios_have_machines_on_ethercat(
+    axisrig: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(Path(__file__).parents[2])
+    code, out, err = axisrig("scenarios", "--machine", "ethercat-probe", "--count", "1", "-j", "1")
+    assert code == 0, err
+    assert out.startswith("1 scenarios")

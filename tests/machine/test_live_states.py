@@ -240,3 +240,30 @@ def test_the_states_of_a_run_are_those_that_it_leaves(
     assert latch["time_ns"] == record.signal_ns
     assert running[-1]["probes"][0]["edges"] == len(result.facts.probes["probe"].edges)
     assert running[-1]["bus"][0]["frames"] <= result.facts.buses[0].frames
+
+
+@pytest.mark.long
+def test_the_line_of_a_live_view_is_that_of_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Cycle and AL state while it runs, wrong counters as they come; it ends as the facts do."""
+    case, pipe, seen = _case("ethercat.csv", "counter-wrong-4"), tmp_path / "pipe", list[Any]()
+    before: Look = states.LiveStates.__call__
+    with closing(Inlet(pipe)) as inlet:
+
+        def asked(self: states.LiveStates, machine: Machine) -> None:
+            inlet.ask()
+            before(self, machine)
+            (segment,) = json.loads(inlet.take() or b"")["bus"]
+            seen.append(segment["line"])
+
+        monkeypatch.setattr(states.LiveStates, "__call__", asked)
+        result, _ = _run(case, tmp_path / "out", pipe)
+    assert seen[0]["slaves"][0] != ["Z", "OP"]
+    assert ["Z", "OP"] in [one["slaves"][0] for one in seen]
+    assert {0, 1, 2, 3, 4} == {one["wrong"] for one in seen}
+    line = result.facts.buses[0].line
+    assert line is not None
+    assert seen[-1]["period_us"] == line.period_us == 1000.0
+    assert (seen[-1]["counter"], seen[-1]["wrong"]) == (line.counter, line.wrong) == (3, 4)
+    assert [tuple(slave) for slave in seen[-1]["slaves"]] == list(line.slaves)

@@ -65,11 +65,14 @@ def bus(
 @rejecting
 def new(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to make, or an empty one.")],
+    carrier: Annotated[
+        str, typer.Option("--carrier", help="What its drive is on: can or ethercat.")
+    ] = "can",
 ) -> None:
     """Start a project: rig, plan, program, a model of your own, pytest and CI files."""
     from axisrig.bench.tools.project.new import PLAN, new_project
 
-    for path in new_project(folder):
+    for path in new_project(folder, carrier):
         print(path)
     print(f"next: cd {folder}; axisrig run {PLAN}", file=sys.stderr)
 

@@ -7,18 +7,28 @@ from pathlib import Path
 from axisrig.kernel.errors import UserError
 
 PLAN = "testplans/touch.csv"
+CARRIERS = {"can": None, "ethercat": "on_ethercat"}
+"""What may carry the drive, and the folder of the files that are others there."""
 _DOT = "dot-"
 """Begins the name of a file or folder that begins with a dot in the project."""
 
 
-def new_project(folder: Path) -> list[Path]:
-    """Write the files of a new project and return them.
+def new_project(folder: Path, carrier: str = "can") -> list[Path]:
+    """Write the files of a new project and return them. carrier: of the words of its drive.
 
-    Raises UserError where the folder holds something already, OSError where it cannot be written.
+    Raises UserError where the folder holds something already and for another carrier, OSError where
+    it cannot be written.
     """
+    if carrier not in CARRIERS:
+        raise UserError("there is no project for it", value=carrier, allowed=list(CARRIERS))
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError("the folder is not empty", file=folder, hint="name a new one")
-    return _copied(resources.files(__package__).joinpath("template"), folder)
+    here = resources.files(__package__)
+    made = _copied(here.joinpath("template"), folder)
+    others = CARRIERS[carrier]
+    if others is not None:
+        _copied(here.joinpath(others), folder)
+    return made
 
 
 def _copied(source: Traversable, folder: Path) -> list[Path]:
