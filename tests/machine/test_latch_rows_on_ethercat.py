@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.plans.fixed_stop_law import axis
+from tests.plans.fixed_stop_setup import rows
 from tests.plans.rigs_on_ethercat import on_ethercat
 
 from axisrig.bench.campaign.results.writer import RunFiles
@@ -19,6 +21,7 @@ from axisrig.bench.plan.verdict import Verdict
 
 PLANS = Path(__file__).parents[2] / "testplans"
 T_MS = 1.0
+ROWS = rows()
 SYNC_MS, SYNC0_MS = 0.048, 0.1
 """SYNC on CAN with its frame; `shift_us`, its default."""
 
@@ -92,3 +95,26 @@ def test_a_stop_is_found_in_the_cycle_in_which_what_was_read_meets_the_criteria(
     results = run_cases(cases, files_of=lambda _: RunFiles())
     found = {result.case.case: result.verdict for result in results}
     assert found == dict.fromkeys(STOPS, Verdict.PASS)
+
+
+CREEPING = ("feed-forward-1", "restored-feed-forward", "restored-soft")
+
+
+@pytest.mark.long
+def test_what_creeping_leaves_has_decayed_for_a_cycle_more(tmp_path: Path) -> None:
+    """The window is seen a cycle later, and so is the end of the run: exp(-T/tau) of the lag."""
+    cases = []
+    for case in read_plan(PLANS / "fixed_stop_timing.csv").cases:
+        if case.case in CREEPING:
+            low, high = axis(ROWS[case.case]).left_lag(later=1)
+            assert high < axis(ROWS[case.case]).left_lag()[1]
+            condition = parse_condition(f"{low:.6f} .. {high:.6f}", "relax_lag_mm")
+            checks = [
+                replace(check, condition=condition)
+                for check in case.checks
+                if check.metric == "relax_lag_mm"
+            ]
+            cases.append(replace(moved(case, tmp_path), checks=tuple(checks)))
+    results = run_cases(cases, files_of=lambda _: RunFiles())
+    found = {result.case.case: result.verdict for result in results}
+    assert found == dict.fromkeys(CREEPING, Verdict.PASS)

@@ -121,17 +121,17 @@ class Axis(Pressing):
             rate = (last + (kp + VISCOUS) * rate**2 - self.m_eff * rate**3) / middle
         return 1 / rate
 
-    @property
-    def left_lag(self) -> tuple[float, float]:
+    def left_lag(self, later: int = 0) -> tuple[float, float]:
         """Lag at the end of a run with full feed-forward: the axis comes back from off the stop.
 
         It has been in its exact-stop window for ten cycles, the first of them within one cycle of
         its edge; against the stop when the edge lies inside the penetration, else in free motion.
+        later: so many cycles after it was sampled a position is read; the run lasts as many longer.
         """
         pressed = self.window_mm < self.penetration[0]
         time_s = self._creeping_s(self.k * 1e3 if pressed else 0.0)
         low, high = (
-            self.window_mm * math.exp(-cycles * self.T / time_s)
+            self.window_mm * math.exp(-(cycles + later) * self.T / time_s)
             for cycles in (SETTLED_CYCLES + 1, SETTLED_CYCLES)
         )
         assert pressed or low > self.penetration[1], "in free motion up to the end"

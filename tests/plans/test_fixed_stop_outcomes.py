@@ -171,7 +171,7 @@ def test_lag_that_the_relaxing_motion_leaves(case: str) -> None:
     Behind the run it may move by no more than that lag, whatever becomes of the torque limit.
     """
     row, found = ROWS[case], axis(ROWS[case])
-    low, high = found.left_lag if found.plant("feed_forward") else (-1e-5, 1e-5)
+    low, high = found.left_lag() if found.plant("feed_forward") else (-1e-5, 1e-5)
     told_low, told_high = band(row["check:relax_lag_mm"])
     assert is_rounded(told_low, low, 5)
     assert is_rounded(told_high, high, 5)
