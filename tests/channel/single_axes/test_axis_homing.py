@@ -9,15 +9,15 @@ import pytest
 from axisrig.kernel.channel.axes.homing import Homing
 from axisrig.kernel.drives.cia402.homing import (
     BLIND_CYCLES,
-    LIMIT_NS,
     MODE_POLLS_MAX,
     SDO_CYCLES,
     AxisHoming,
     Phase,
 )
 from axisrig.kernel.drives.cia402.objects import SdoError
+from axisrig.kernel.drives.cia402.settings import HOMING_LIMIT_NS
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, S, TimeNs
 
 MODE, DISPLAY, METHOD, ERROR = 0x6060, 0x6061, 0x6098, 0x603F
 ATTAINED, AT_REST, FAILED = 1 << 12, 1 << 10, 1 << 13
@@ -73,9 +73,9 @@ class Drive:
             done(b"")
 
 
-def homing(drive: Drive) -> tuple[AxisHoming, SimpleNamespace]:
+def homing(drive: Drive, limit_ns: TimeNs = HOMING_LIMIT_NS) -> tuple[AxisHoming, SimpleNamespace]:
     clock = SimpleNamespace(now_ns=0)
-    return AxisHoming(drive, clock, drive.sdo), clock  # type: ignore[arg-type]
+    return AxisHoming(drive, clock, drive.sdo, limit_ns), clock  # type: ignore[arg-type]
 
 
 def cycles(axis: AxisHoming, count: int) -> None:
@@ -122,14 +122,15 @@ def test_bit_13_is_an_alarm_with_what_the_drive_tells() -> None:
         cycles(axis, BLIND_CYCLES + 4 * SDO_CYCLES)
 
 
-def test_a_homing_without_end_is_an_alarm() -> None:
+@pytest.mark.parametrize(("limit_ns", "limit"), [(HOMING_LIMIT_NS, "300 s"), (S // 2, "0.5 s")])
+def test_a_homing_without_end_is_an_alarm(limit_ns: TimeNs, limit: str) -> None:
     drive = Drive()
-    axis, clock = homing(drive)
+    axis, clock = homing(drive, limit_ns)
     cycles(axis, 4 * SDO_CYCLES + BLIND_CYCLES)
-    clock.now_ns = LIMIT_NS
+    clock.now_ns = limit_ns
     cycles(axis, 1)
     clock.now_ns += MS
-    with pytest.raises(Alarm, match="not at its end after 300 s"):
+    with pytest.raises(Alarm, match=f"not at its end after {limit}"):
         cycles(axis, 4 * SDO_CYCLES)
 
 

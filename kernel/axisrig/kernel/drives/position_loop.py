@@ -28,6 +28,7 @@ class PositionLoop:
     def __init__(self, settings: LoopSettings) -> None:
         self._kv = settings.kv_per_s
         self._forward_per_s = settings.feed_forward / settings.period_s
+        self._per_s = 1.0 / settings.period_s
         self._set_mm = 0.0
         self.lag_mm = 0.0
 
@@ -40,3 +41,12 @@ class PositionLoop:
         moved_mm, self._set_mm = set_mm - self._set_mm, set_mm
         self.lag_mm = set_mm - actual_mm
         return self._kv * self.lag_mm + self._forward_per_s * moved_mm
+
+    def open_mm_s(self, set_mm: float) -> float:
+        """Return the set speed where the actual position is not known any more.
+
+        That of the set positions alone, (s(k) - s(k - 1))/T: a lag from an old actual position
+        would drive the axis on for ever.
+        """
+        moved_mm, self._set_mm = set_mm - self._set_mm, set_mm
+        return self._per_s * moved_mm

@@ -18,7 +18,7 @@ from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
 from axisrig.kernel.drives.canopen.startup import DriveAddress, StartUp
 from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
-from axisrig.kernel.time.clock import Clock
+from axisrig.kernel.time.clock import Clock, S
 
 
 def build_links(
@@ -65,6 +65,7 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
         lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
         pdo_map=drive.pdo_map,
         missing_cycles=drive.missing_cycles,
+        homing_limit_ns=round(drive.homing_limit_s * S),
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
         jump_mm=jump_mm(parameters, drive.jump_factor, settings.rig.cycle.period_us),

@@ -21,7 +21,7 @@ from axisrig.kernel.drives.ethercat.settings import SlaveSettings, station_of
 from axisrig.kernel.drives.ethercat.transactions import Transactions
 from axisrig.kernel.drives.ethercat.watch import EthercatWatch
 from axisrig.kernel.measuring.latest_edge import StampClock
-from axisrig.kernel.time.clock import Clock
+from axisrig.kernel.time.clock import Clock, S
 
 
 class Cia402Ends(SlaveEnds):
@@ -84,6 +84,7 @@ def slave_settings(settings: Settings, name: str) -> SlaveSettings:
         edge=parameters.word("kenngr.measure.edge"),
         lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
         missing_cycles=drive.missing_cycles,
+        homing_limit_ns=round(drive.homing_limit_s * S),
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,
         jump_mm=jump_mm(parameters, drive.jump_factor, settings.rig.cycle.period_us),

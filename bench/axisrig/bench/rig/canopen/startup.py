@@ -104,6 +104,7 @@ class StartUpKeys(Table):
     latch_check: bool = True
     position_check: bool = True
     jump_factor: Annotated[float, Field(ge=0)] = 2.0
+    homing_limit_s: Annotated[float, Field(gt=0, le=86_400)] = 300.0
     sdo: list[Write] = Field(default_factory=list)
 
 

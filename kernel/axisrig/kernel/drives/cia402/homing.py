@@ -9,6 +9,7 @@ from enum import Enum, auto
 from typing import Final, Protocol
 
 from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError, object_name
+from axisrig.kernel.drives.cia402.settings import HOMING_LIMIT_NS
 from axisrig.kernel.drives.interface import DriveHoming
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import Status
@@ -22,7 +23,6 @@ BLIND_CYCLES: Final = 16
 MODE_POLLS_MAX: Final = 100  # readings of 6061 until the mode has changed
 # A bus with little room gets an SDO frame only now and then, so that no telegram is late twice
 SDO_CYCLES: Final = 4
-LIMIT_NS: Final[TimeNs] = 300 * S
 
 
 class Phase(Enum):
@@ -57,10 +57,19 @@ class HomingLink(Protocol):
 
 
 class AxisHoming(DriveHoming):
-    """The homing of one axis over SDO and the bits of the mode in the controlword."""
+    """The homing of one axis over SDO and the bits of the mode in the controlword.
 
-    def __init__(self, link: HomingLink, clock: Clock, sdo: ObjectAccess) -> None:
-        self._link, self._clock, self._sdo = link, clock, sdo
+    limit_ns: one that takes longer has failed.
+    """
+
+    def __init__(
+        self,
+        link: HomingLink,
+        clock: Clock,
+        sdo: ObjectAccess,
+        limit_ns: TimeNs = HOMING_LIMIT_NS,
+    ) -> None:
+        self._link, self._clock, self._sdo, self._limit_ns = link, clock, sdo, limit_ns
         self.phase = Phase.ENTERING
         self._mode_before: int | None = None  # until the drive has reported it
         self._attempt = 0  # answers to questions of an earlier one do not count
@@ -112,8 +121,8 @@ class AxisHoming(DriveHoming):
         elif word & Status.HOMING_ATTAINED and word & Status.TARGET_REACHED:
             self._link.mode_bits = 0
             self._begin_proof()
-        elif self._clock.now_ns - self._begin_ns > LIMIT_NS:
-            self._explain(f"not at its end after {LIMIT_NS // S} s")
+        elif self._clock.now_ns - self._begin_ns > self._limit_ns:
+            self._explain(f"not at its end after {self._limit_ns / S:g} s")
 
     def _begin_proof(self) -> None:
         """Ask where the axis stands, before the drive follows set positions again."""

@@ -12,7 +12,7 @@ from axisrig.kernel.drives.cia402.cyclic_data import CyclicData, Values
 from axisrig.kernel.drives.cia402.homing import AxisHoming
 from axisrig.kernel.drives.cia402.latch_check import LatchCheck, StandstillRoom
 from axisrig.kernel.drives.cia402.latch_watch import LatchWatch
-from axisrig.kernel.drives.cia402.objects import ObjectAccess
+from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError
 from axisrig.kernel.drives.cia402.power_words import BEFORE_OPERATION, POWER, RESET, WORDS
 from axisrig.kernel.drives.cia402.settings import Cia402Settings
 from axisrig.kernel.drives.cia402.words import (
@@ -35,6 +35,7 @@ from axisrig.kernel.profiles.cia402.ds402 import STATES, State
 from axisrig.kernel.time.clock import Clock
 
 SPEED_MAX: Final = (1 << 31) - 1  # 60FF is a signed number of 32 bits
+CONTROLWORD, TARGET_VELOCITY = 0x6040, 0x60FF
 OPERATING: Final = State.OPERATION_ENABLED
 HOLD_OPERATION: Final = STATES[OPERATING].hold
 
@@ -84,6 +85,7 @@ class Cia402Drive(Drive):
         self.controlword = 0
         self.mode_bits = 0
         self._function_word = 0
+        self._repeats = False  # by SDO, once the set position stands
 
     def note_emergency(self, data: bytes | bytearray) -> None:
         """Take an emergency message that the drive has sent, eight bytes."""
@@ -190,9 +192,11 @@ class Cia402Drive(Drive):
         return self._data.is_disturbed
 
     def _judge_missing(self) -> None:
-        data = self._data
+        data, allowed = self._data, self._of_drive.missing_cycles
+        if max(data.missing) == allowed + 1:
+            self._repeats = self.leads_itself or self.loop is not None
         for slot, missing in enumerate(data.missing):
-            if missing > self._of_drive.missing_cycles:
+            if missing > allowed:
                 raise data.missing_alarm(self.name, slot)
 
     def get_object(self, index: int, sub: int) -> int:
@@ -228,7 +232,7 @@ class Cia402Drive(Drive):
     def home(self, clock: Clock) -> AxisHoming:
         """Begin the homing of the axis by its drive."""
         assert self.sdo is not None, "the drive cannot be asked"
-        return AxisHoming(self, clock, self.sdo)
+        return AxisHoming(self, clock, self.sdo, self._of_drive.homing_limit_ns)
 
     # The latch, as the measuring run sees it
 
@@ -373,14 +377,38 @@ class Cia402Drive(Drive):
         values, position = self._function_out
         values[position] = self._function_word
         self._data.send()
+        if self._repeats and self.is_still:
+            self._repeat_by_sdo()
+
+    def _repeat_by_sdo(self) -> None:
+        """Write by SDO what the cyclic values say to a drive that sends none any more.
+
+        In pre-operational it does not hear them, and homing or a set speed would go on. One that
+        does hear them gets nothing new. Source: CiA 301, NMT states; docs/ambiguities.md.
+        """
+        self._repeats = False
+        if self.sdo is None:
+            return
+        self.sdo.write(CONTROLWORD, 0, self.controlword.to_bytes(2, "little"), _not_needed)
+        if self.loop is not None:
+            values, position = self._target_out
+            speed = values[position].to_bytes(4, "little", signed=True)
+            self.sdo.write(TARGET_VELOCITY, 0, speed, _not_needed)
 
     def _set_speed(self, loop: PositionLoop, set_mm: float) -> int:
         """Return 60FF: what the position loop says while the drive follows, else standstill."""
         if self.state is not OPERATING or self.leads_itself:
             loop.hold(set_mm, self.actual_mm)
             return 0
-        speed = round(loop.speed_mm_s(set_mm, self.actual_mm) * self._per_mm)
+        if self._actual_age is None or self._actual_age > self._of_drive.missing_cycles:
+            speed = round(loop.open_mm_s(set_mm) * self._per_mm)
+        else:
+            speed = round(loop.speed_mm_s(set_mm, self.actual_mm) * self._per_mm)
         return max(-SPEED_MAX, min(speed, SPEED_MAX))
+
+
+def _not_needed(_answer: bytes | SdoError) -> None:
+    """Nothing hangs on the answer: the program has ended by then."""
 
 
 def _needed(data: CyclicData, field: str) -> Values:
