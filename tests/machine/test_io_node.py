@@ -20,6 +20,7 @@ from axisrig.bench.machine.canopen.io_terminal import IoTerminal
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.canopen.arrival import describe_arrival
+from axisrig.bench.rig.canopen.io_node import NodeTelegrams
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -29,6 +30,8 @@ from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 NODE = 20
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+TELEGRAMS = NodeTelegrams("can1", 0x180 + NODE, MS, 99_000, 600_000)
+"""SYNC (44 bits), intermission (3), answer (44 + 8) without stuff bits; the NC cycle at 600 us."""
 SYNC_NS = 48_000  # a SYNC frame at 1 Mbit/s: 44 bits and 4 stuff bits
 
 
@@ -212,7 +215,7 @@ def terminal_on(bus: Bus, **keys: int) -> IoTerminal:
         node_port=SimNetwork(bus.segment.port("io")).connect(),
         master=bus.master,
         advance=lambda _: None,
-        period_ns=MS,
+        telegrams=TELEGRAMS,
     )
 
 

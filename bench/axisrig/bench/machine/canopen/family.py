@@ -28,7 +28,7 @@ from axisrig.bench.machine.faults.injection import ON_CAN
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
-from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegram
+from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegrams
 from axisrig.bench.rig.canopen.members import drive_of, segment_of
 from axisrig.bench.rig.canopen.startup import watch_settings
 from axisrig.bench.rig.reading.faults import Fault
@@ -40,7 +40,7 @@ from axisrig.kernel.drives.canopen.watch import LinkWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.canopen.identifiers import NMT_ID
 from axisrig.kernel.profiles.canopen.nmt import ENTER_PRE_OPERATIONAL
-from axisrig.kernel.time.clock import US, TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 
 class CanBuses(Cia402Segments):
@@ -81,7 +81,7 @@ class CanBuses(Cia402Segments):
                 if settings.axis[name].flag("lr_param.distance_control_on")
             ),
             journal,
-            terminal_telegram(settings),
+            terminal_telegrams(settings),
         )
         # On a segment without a drive nobody would acknowledge a SYNC
         used = synced_segments(settings)
@@ -128,7 +128,8 @@ class CanBuses(Cia402Segments):
         settings, clock = self._bench.settings, self._bench.scheduler
         task = settings.rig.plc_task
         table = None if task is None else task.terminal
-        if table is None or table.segment not in self.segments:
+        telegrams = terminal_telegrams(settings)
+        if table is None or telegrams is None or table.segment not in self.segments:
             return None
         queue = segment_of(settings, table.segment).drive_queue
         return IoTerminal(
@@ -138,7 +139,7 @@ class CanBuses(Cia402Segments):
             node_port=SimNetwork(self.segments[table.segment].port("terminal", queue)).connect(),
             master=self._networks[table.segment],
             advance=advance,
-            period_ns=settings.rig.cycle.period_us * US,
+            telegrams=telegrams,
         )
 
     def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
