@@ -330,11 +330,11 @@ def test_the_counts_of_the_page_are_those_of_its_table() -> None:
     assert "\n".join(table_of(rows)) in page
     *each, whole = rows
     assert [row["machine"] for row in each] == list(machines())
-    for column in ("run", "good", "alarm", "no truth", "findings"):
+    kinds = ("good", "alarm", "no control can know", "no truth", "findings")
+    for column in ("run", *kinds):
         assert sum(int(row[column]) for row in each) == int(whole[column])
     for row in rows:
-        results = [int(row[name]) for name in ("good", "alarm", "no truth", "findings")]
-        assert sum(results) == int(row["run"])
+        assert sum(int(row[name]) for name in kinds) == int(row["run"])
 
 
 def test_a_row_counts_what_a_log_has_of_a_machine() -> None:
@@ -343,11 +343,12 @@ def test_a_row_counts_what_a_log_has_of_a_machine() -> None:
         (make_scenario(1, 1), Judgement(Result.ALARM, [5, 900006])),
         (make_scenario(1, 2), Judgement(Result.HANG)),
         (make_scenario(1, 0, "gantry"), Judgement(Result.NO_TRUTH)),
+        (make_scenario(1, 0, "source-plc"), Judgement(Result.UNKNOWABLE)),
     ]
     rows = {row["machine"]: row for row in rows_of(1, found)}
     assert list(rows) == [*machines(), "all"]
     assert list(rows["one-axis"].values()) == [
-        "one-axis", "1", "3", "1", "1", "0", "1", "900006 (1)",
+        "one-axis", "1", "3", "1", "1", "0", "0", "1", "900006 (1)",
     ]  # fmt: skip
-    assert list(rows["all"].values())[2:7] == ["4", "1", "1", "1", "1"]
+    assert list(rows["all"].values())[2:8] == ["5", "1", "1", "1", "1", "1"]
     assert rows["homing"]["run"] == "0"

@@ -16,7 +16,10 @@ from axisrig.bench.tools.scenarios.oracle import DEFECTS, Result
 
 DOCS = Path(__file__).parents[2] / "docs"
 TABLE, PAGE = DOCS / "reliability.csv", DOCS / "reliability.md"
-COLUMNS = ("machine", "seed", "run", "good", "alarm", "no truth", "findings", "alarms most often")
+COLUMNS = (
+    "machine", "seed", "run", "good", "alarm", "no control can know", "no truth", "findings",
+    "alarms most often",
+)  # fmt: skip
 BEGIN, END = "<!-- counts -->", "<!-- end of counts -->"
 ALARMS = 3
 """How many alarms a row names."""
@@ -39,6 +42,7 @@ def _row(name: str, seed: int, entries: list[Entry]) -> dict[str, str]:
         len(entries),
         results[Result.GOOD],
         results[Result.ALARM],
+        results[Result.UNKNOWABLE],
         results[Result.NO_TRUTH],
         sum(results[each] for each in DEFECTS),
     )

@@ -17,6 +17,7 @@ from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.plc.terminal import AnyTerminal
+from axisrig.bench.machine.recording.received import Received
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import Times
@@ -101,6 +102,9 @@ class Installed:
         advance: steps the plants to an instant.
         """
         return None
+
+    def listen(self, into: Received) -> None:
+        """Note from now on what comes to the control, as far as telegrams show it."""
 
     def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
         """Build in a fault of frames on its segments, or of a drive there; None for others.

@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import pyarrow as pa
@@ -25,9 +26,10 @@ from axisrig.bench.machine.families import Bench
 from axisrig.bench.machine.faults.acts import Act, Injected
 from axisrig.bench.machine.faults.frames import OnCan
 from axisrig.bench.machine.faults.injection import ON_CAN
+from axisrig.bench.machine.recording.received import Received, noted
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.bus import BusFigures
-from axisrig.bench.record.series import Times
+from axisrig.bench.record.series import ACTUAL, Times
 from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegrams
 from axisrig.bench.rig.canopen.members import drive_of, segment_of
 from axisrig.bench.rig.canopen.startup import watch_settings
@@ -142,6 +144,21 @@ class CanBuses(Cia402Segments):
             telegrams=telegrams,
         )
 
+    def listen(self, into: Received) -> None:
+        """Note the telegrams with actual positions, and those of the node of the PLC."""
+        settings, clock = self._bench.settings, self._bench.scheduler
+        for axis, link in self.links.items():
+            for telegram in link.telegrams.values():
+                fields = [mapped.field for mapped in telegram.objects]
+                if ACTUAL not in fields or telegram.is_received:
+                    continue
+                into.increments[axis] = partial(_value, telegram.codec, fields.index(ACTUAL))
+                note = noted(into.positions.setdefault(axis, []), clock)
+                link.network.subscribe(telegram.cob_id(link.node_id), note)
+        node = terminal_telegrams(settings)
+        if node is not None:
+            self._networks[node.segment].subscribe(node.cob_id, noted(into.inputs, clock))
+
     def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
         """Build in a fault of frames on CAN, or of a drive there; None for others."""
         bench = self._bench
@@ -210,6 +227,12 @@ class CanBuses(Cia402Segments):
                 if port.tec or port.rec
             ],
         }
+
+
+def _value(codec: Any, place: int, data: bytes) -> int:
+    """Return one value of a telegram."""
+    found: int = codec.unpack(data)[place]
+    return found
 
 
 def install(bench: Bench) -> CanBuses:

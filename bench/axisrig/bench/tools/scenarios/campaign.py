@@ -8,6 +8,7 @@ from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.campaign.processes import Died, run_apart
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
+from axisrig.bench.machine.recording.received import Received
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm, thrown
@@ -50,12 +51,14 @@ def examine(
     except Exception as error:  # a machine has to be built from what was drawn
         return Judgement(Result.EXCEPTION, note=_in_words(error)), None
     try:
-        states = StatesSeen()
+        states, received = StatesSeen(), Received()
+        for part in machine.installed:
+            part.listen(received)
         machine.channel.observers.append(states)
         machine.run()
         if look is not None:
             look(machine)
-        return judge(_left_by(scenario, machine, states)), machine
+        return judge(_left_by(scenario, machine, states, received)), machine
     except EdgeMayBeLostError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
         result = Result.NO_TRUTH if _has_jumped(machine) else Result.EXCEPTION
@@ -85,7 +88,7 @@ def _has_jumped(machine: Machine) -> bool:
     return False
 
 
-def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen) -> Left:
+def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen, received: Received) -> Left:
     """Return what a run has left; where an alarm has ended it, the plants are stepped on."""
     facts, series = facts_of(machine), machine.recorder.series()
     has_alarm = any(alarm.ends_program for alarm in machine.channel.alarms)
@@ -98,6 +101,7 @@ def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen) -> Left:
         {axis: way_mm for axis, way_mm in crept.items() if axis not in without},
         states.names,
         scenario.hidden,
+        received,
     )
 
 

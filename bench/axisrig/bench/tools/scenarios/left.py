@@ -7,6 +7,7 @@ import numpy as np
 
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.recording.received import Received
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import Series
 from axisrig.bench.tools.scenarios.machines import MachineRow
@@ -26,7 +27,8 @@ class Left:
 
     crept_mm: how far each load moved in LOOK_NS, CALM_NS after an alarm had ended the program, by
     axis; empty where none has, and without axes that a fault has thrown (`thrown`). states: of the
-    channel, in their order. hidden: invariants that cannot be decided.
+    channel, in their order. hidden: invariants that cannot be decided. received: by the control;
+    None where nobody has listened.
     """
 
     machine: MachineRow
@@ -35,6 +37,7 @@ class Left:
     crept_mm: Mapping[str, float] = field(default_factory=dict)
     states: Sequence[str] = ()
     hidden: frozenset[str] = frozenset()
+    received: Received | None = None
 
 
 class StatesSeen:

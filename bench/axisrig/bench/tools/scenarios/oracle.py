@@ -3,7 +3,13 @@
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from axisrig.bench.tools.scenarios.invariants import broken, ending, values_of, wrong_value
+from axisrig.bench.tools.scenarios.invariants import (
+    broken,
+    ending,
+    is_unknowable,
+    values_of,
+    wrong_value,
+)
 from axisrig.bench.tools.scenarios.left import Left
 
 
@@ -12,6 +18,7 @@ class Result(StrEnum):
 
     GOOD = "every value right, no alarm above a warning"
     ALARM = "alarm"
+    UNKNOWABLE = "a value is wrong as no control can know"
     NO_TRUTH = "the plant cannot say what happened"
     BROKEN = "AN INVARIANT DOES NOT HOLD"
     HANG = "program does not end"
@@ -38,11 +45,17 @@ class Judgement:
 def judge(left: Left) -> Judgement:
     """Judge a run that has come to its end."""
     alarms = [alarm.id for alarm in left.facts.alarms if not alarm.is_further]
-    right = sum(not wrong_value(left, *each) for each in values_of(left))
+    values = list(values_of(left))
+    wrong = [each for each in values if wrong_value(left, *each)]
+    right = len(values) - len(wrong)
     found = list(broken(left))
     frames = left.facts.frame_log_sha256
     if found:
         names, note = tuple(name for name, _ in found), "; ".join(f"{n}: {w}" for n, w in found)
         return Judgement(Result.BROKEN, alarms, right, note, names, frames)
-    result = Result.GOOD if ending(left) is None else Result.ALARM
+    is_judged = "value" not in left.hidden
+    if is_judged and any(is_unknowable(left, number, axis) for number, axis, _ in wrong):
+        result = Result.UNKNOWABLE
+    else:
+        result = Result.GOOD if ending(left) is None else Result.ALARM
     return Judgement(result, alarms, right, frames=frames)

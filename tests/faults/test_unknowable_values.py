@@ -1,0 +1,169 @@
+"""Which wrong values no control can know: those that follow from what its segments brought.
+
+By hand: a row each millisecond, the telegram 200 us after it, the NC cycle at 600 us, a PLC of 1 ms
+at a terminal of 1 ms. The edge at 30 ms is seen in the cycle of 31.6 ms, whose SYNC is row 31.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.faults.made_runs import PER_MM, STEP_MM, left, run
+
+from axisrig.bench.machine.recording.received import Received, Telegram
+from axisrig.bench.record.axes import Edge, ProbeRecord
+from axisrig.bench.record.edges import EdgeTruth
+from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.tools.scenarios.campaign import run_scenario
+from axisrig.bench.tools.scenarios.left import Left
+from axisrig.bench.tools.scenarios.oracle import DEFECTS, Result, judge
+from axisrig.bench.tools.scenarios.scenario import make_scenario
+from axisrig.kernel.time.clock import MS, US
+
+ROWS, SEEN, OFF_MM = 100, 31, 0.01
+TRUE_MM = [0.02 * row for row in range(ROWS)]
+Places = Mapping[int, Sequence[tuple[int, float]]]
+"""By row what comes instead of its telegram: so many us after the SYNC, and the position."""
+
+
+def telegrams(instead: Places, true_mm: Sequence[float] = TRUE_MM) -> list[Telegram]:
+    found = []
+    for row, mm in enumerate(true_mm):
+        for after_us, place_mm in instead.get(row, [(200, mm)]):
+            increments = round(place_mm * PER_MM)
+            found.append((row * MS + after_us * US, increments.to_bytes(4, "little", signed=True)))
+    return found
+
+
+def touched(value_mm: float, instead: Places | None = None, *, doubt_mm: float = 0.0) -> Left:
+    """A run whose value is of a signal at the PLC."""
+    doubts = {"Z": doubt_mm} if doubt_mm else {}
+    record = replace(run(25, 40, value_mm, doubt_mm=doubts), sources={"Z": "PLC"})
+    made = left(
+        "source-plc",
+        TRUE_MM,
+        runs=(record,),
+        probes={"probe": ProbeRecord(True, 0.0, edges=(Edge(30 * MS + 7, True),))},
+        plc_task=PlcTaskRecord(MS, 0, 0, MS, 0, probes=("probe",)),
+    )
+    return replace(made, received=received(telegrams(instead or {})))
+
+
+def received(positions: list[Telegram]) -> Received:
+    return Received(
+        {"Z": positions}, {"Z": lambda data: int.from_bytes(data, "little", signed=True)}
+    )
+
+
+WRONG_MM = TRUE_MM[SEEN] + OFF_MM
+ALTERED = (200, WRONG_MM)
+CASES: dict[str, tuple[Left, Result]] = {
+    "right": (touched(TRUE_MM[SEEN]), Result.GOOD),
+    "altered on its way": (touched(WRONG_MM, {SEEN: [ALTERED]}), Result.UNKNOWABLE),
+    "altered alike, twice": (
+        touched(WRONG_MM, {SEEN: [ALTERED, (300, WRONG_MM)]}),
+        Result.UNKNOWABLE,
+    ),
+    "that of a cycle before": (
+        touched(TRUE_MM[SEEN - 1], {SEEN: [(200, TRUE_MM[SEEN - 1])]}),
+        Result.UNKNOWABLE,
+    ),
+    "wrong by itself": (touched(WRONG_MM), Result.BROKEN),
+    "wrong by more than it was altered": (
+        touched(WRONG_MM + 3 * STEP_MM, {SEEN: [ALTERED]}),
+        Result.BROKEN,
+    ),
+    "another telegram was altered": (touched(WRONG_MM, {SEEN - 1: [ALTERED]}), Result.BROKEN),
+    "two that differ, the later believed": (
+        touched(WRONG_MM, {SEEN: [(200, TRUE_MM[SEEN]), (300, WRONG_MM)]}),
+        Result.BROKEN,
+    ),
+    "after the NC cycle": (touched(WRONG_MM, {SEEN: [(700, WRONG_MM)]}), Result.BROKEN),
+    "missing, between right ones": (touched(WRONG_MM, {SEEN: []}), Result.BROKEN),
+    "missing, with its doubt": (touched(WRONG_MM, {SEEN: []}, doubt_mm=OFF_MM), Result.GOOD),
+    "missing, between ones that are off alike": (
+        touched(
+            WRONG_MM,
+            {SEEN: []} | {n: [(200, TRUE_MM[n] + OFF_MM)] for n in range(ROWS) if n != SEEN},
+        ),
+        Result.UNKNOWABLE,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_value_is_excused_by_what_was_brought_alone(case: str) -> None:
+    made, result = CASES[case]
+    assert judge(made).result is result
+
+
+def test_without_a_listener_nothing_is_excused() -> None:
+    made = replace(touched(WRONG_MM, {SEEN: [ALTERED]}), received=None)
+    assert judge(made).result is Result.BROKEN
+
+
+@pytest.mark.parametrize(
+    ("late", "result"), [(SEEN, Result.GOOD), (36, Result.UNKNOWABLE)], ids=["in time", "late"]
+)
+def test_a_level_that_comes_late_moves_the_value(late: int, result: Result) -> None:
+    """The node sends the level of its SYNC; where it comes later the value is that of then."""
+    made = touched(TRUE_MM[late])
+    task = PlcTaskRecord(MS, 550_000, 0, MS, 0, probes=("probe",), terminal_late_ns=200 * US)
+    probe = ProbeRecord(True, 0.0, edges=(Edge((SEEN - 1) * MS + 7, True),))
+    facts = replace(made.facts, plc_task=task, probes={"probe": probe})
+    assert made.received is not None
+    made.received.inputs += [(row * MS + 200 * US, bytes([row >= late])) for row in range(ROWS)]
+    assert judge(replace(made, facts=facts)).result is result
+
+
+KINK_MM = 0.0005
+COURSE_MM = [*TRUE_MM[:31], *(TRUE_MM[row] + KINK_MM * (row - 30) for row in range(31, ROWS))]
+AT_HALF_MM = float(np.array([-1, 9, 9, -1]) @ COURSE_MM[29:33]) / 16
+"""The cubic through the four positions around 30.5 ms (Lagrange, evenly spaced)."""
+
+
+@pytest.mark.parametrize(
+    ("value_mm", "result"),
+    [
+        (AT_HALF_MM, Result.UNKNOWABLE),
+        (AT_HALF_MM + 3 * STEP_MM, Result.BROKEN),
+        (COURSE_MM[30] + 0.01, Result.GOOD),
+    ],
+    ids=["of the cubic", "beside it", "true"],
+)
+def test_what_positions_at_syncs_do_not_show_of_a_stamp(value_mm: float, result: Result) -> None:
+    """The axis goes on at its old speed until 30.5 ms, and faster after that."""
+    true_mm = COURSE_MM[30] + 0.01
+    edge_ns = 30 * MS + 500 * US
+    truth = EdgeTruth("probe", "Z", True, edge_ns, true_mm, true_mm, edge_ns, true_mm, true_mm)
+    record = replace(run(25, 40, value_mm), sources={"Z": "PLC_TIMESTAMP"})
+    made = left(
+        "source-stamp",
+        COURSE_MM,
+        runs=(record,),
+        probes={"probe": ProbeRecord(True, 0.0, edges=(Edge(edge_ns, True),))},
+        plc_task=PlcTaskRecord(MS, 0, 0, MS, 0, probes=("probe",)),
+        edges=(truth,),
+    )
+    made = replace(made, received=received(telegrams({}, COURSE_MM)))
+    assert judge(made).result is result
+
+
+FOUND = {
+    "source-node": (448, 987, 1464, 1849, 1950),
+    "source-plc": (1629,),
+    "source-stamp": (758, 1677),
+    "ethercat-stamp": (982,),
+    "homing": (199, 497),
+}
+"""Scenarios of seed 1 that were findings (docs/reliability.md)."""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("machine", "number"), [(name, n) for name, numbers in FOUND.items() for n in numbers]
+)
+def test_what_was_found_is_mended_or_foretold(machine: str, number: int) -> None:
+    judgement = run_scenario(make_scenario(1, number, machine))
+    assert judgement.result not in DEFECTS, judgement.note
