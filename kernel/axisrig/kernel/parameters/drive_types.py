@@ -10,7 +10,8 @@ from axisrig.kernel.parameters.signal_sources import SOURCES
 
 DEFAULT_MODE: Final = "DRIVE_DEFAULT"
 DRIVE_MODE, CNC_MODE = "DRIVE_POSITION_CONTROL", "CNC_POSITION_CONTROL"
-_MODES: Final = {"drive": DRIVE_MODE, "cnc": CNC_MODE, "dsc": "DSC_POSITION_CONTROL"}
+DSC_MODE: Final = "DSC_POSITION_CONTROL"
+_MODES: Final = {"drive": DRIVE_MODE, "cnc": CNC_MODE, "dsc": DSC_MODE}
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Final
 
 from axisrig.bench.oracles.position_loop import dead_cycles, gain_limit, ramp_lag_mm
 from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.loop import OF_LOOP, check_gain, feed_forward, kv_per_s
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.mapping import Telegram
@@ -19,13 +20,6 @@ from axisrig.kernel.parameters.drive_types import CNC_MODE, DRIVE_MODE
 from axisrig.kernel.parameters.of_drive_type import OPERATION_MODE
 from axisrig.kernel.time.clock import US, S
 
-KV: Final = "getriebe[0].kv"
-OF_LOOP: Final = (
-    KV, "vorsteuer.vorsteuerung", "vorsteuer.vs_v_faktor", "vorsteuer.vs_v_nenner",
-    "vorsteuer.default_active", "vorsteuer.global_disable",
-)  # fmt: skip
-"""Parameters of a loop that the CNC closes."""
-_SPEED_FORWARD: Final = 0x001  # of P-AXIS-00223
 SHOWN_MM_S: Final = 10.0
 RELEASED_3D: Final = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 
@@ -39,29 +33,11 @@ def loop_settings(settings: Settings, name: str) -> LoopSettings | None:
     """Return the loop of an axis in the CNC, None where its drive closes it."""
     if not closes_loop(settings, name):
         return None
-    parameters = settings.axis[name]
     return LoopSettings(
-        kv_per_s=parameters.integer(KV) / 100,
+        kv_per_s=kv_per_s(settings, name),
         period_s=settings.rig.cycle.period_us * US / S,
-        feed_forward=_feed_forward(settings, name),
+        feed_forward=feed_forward(settings, name),
     )
-
-
-def _feed_forward(settings: Settings, name: str) -> float:
-    """Return the share of the set speed that is fed forward (P-AXIS-00223, 00228, 00229, 00255).
-
-    G135 to G137 are no words of this version, so that it is on by P-AXIS-00255 only.
-    """
-    parameters = settings.axis[name]
-    is_on = parameters.flag("vorsteuer.default_active") and not parameters.flag(
-        "vorsteuer.global_disable"
-    )
-    if not (is_on and parameters.integer("vorsteuer.vorsteuerung") & _SPEED_FORWARD):
-        return 0.0
-    numerator, denominator = (
-        parameters.integer(f"vorsteuer.vs_v_{part}") for part in ("faktor", "nenner")
-    )
-    return numerator / denominator
 
 
 def check_loop(
@@ -89,19 +65,16 @@ def check_loop(
             value=CSV,
             allowed=str(CSP),
         )
-    gain, limit = _gain(settings, name), _limit(settings, name, late_cycles)
-    if gain >= limit:
-        place = parameters.origin(KV) or Origin(KV)
-        period_s = settings.rig.cycle.period_us * US / S
-        raise place.error(
-            f"axis {name}: the position loop of the CNC is unstable with Kv ="
-            f" {gain / period_s:g} 1/s (P-AXIS-00099): Kv T is {gain:.4g} and must be below"
-            f" {limit:.4g} with {_dead(settings, name, late_cycles):.4g} dead cycles",
-            value=parameters.integer(KV),
-            allowed=f"below {limit / period_s * 100:.6g} 0.01/s",
-            hint="lower it; a shorter period_us, or a drive with a faster speed loop"
-            " (speed_loop_us), allows more",
-        )
+    check_gain(
+        settings,
+        name,
+        _limit(settings, name, late_cycles),
+        _dead(settings, name, late_cycles),
+        settings.rig.cycle.period_us * US / S,
+        "CNC",
+        "lower it; a shorter period_us, or a drive with a faster speed loop (speed_loop_us),"
+        " allows more",
+    )
 
 
 def _check_telegram(settings: Settings, name: str, *, has_speed: bool) -> None:
@@ -133,12 +106,6 @@ def _check_place(settings: Settings, name: str) -> None:
         allowed=f"DRIVE_DEFAULT, {CNC_MODE if is_here else DRIVE_MODE}",
         hint=f"or mode = {CSP if is_here else CSV} of its drive",
     )
-
-
-def _gain(settings: Settings, name: str) -> float:
-    loop = loop_settings(settings, name)
-    assert loop is not None, name
-    return loop.kv_per_s * loop.period_s
 
 
 def _dead(settings: Settings, name: str, late_cycles: int) -> float:

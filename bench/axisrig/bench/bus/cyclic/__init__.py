@@ -1,0 +1,1 @@
+"""A segment that swaps one image in and out in each cycle."""

@@ -1,0 +1,111 @@
+"""One segment whose images are swapped in each cycle at stated instants, whatever its frames are.
+
+In cycle k, which begins at k T:
+
+- drives have sampled their actual values at k T - T_I
+- the images are swapped at k T + T_DX: what the control computed in cycle k - 1 is at the drives,
+  what they have sampled is at the control
+- drives take their set values at k T + T_O
+
+T_I, T_DX and T_O are names of isochronous PROFIBUS (SIMODRIVE 611 universal); the instants are
+whole nanoseconds.
+"""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from struct import Struct
+from typing import Final, Protocol
+
+from axisrig.kernel.time.clock import Clock, Phase, TimeNs
+
+_HEAD: Final = Struct("<qHH")
+
+
+@dataclass(frozen=True)
+class Instants:
+    """Of a cycle. input_ns: T_I, before its begin. bus_ns: T_DX, output_ns: T_O, after it."""
+
+    period_ns: TimeNs
+    input_ns: TimeNs = 0
+    bus_ns: TimeNs = 0
+    output_ns: TimeNs = 0
+
+
+class ImageNode(Protocol):
+    """A drive on the segment. inputs: the image as it was sampled last, empty without power."""
+
+    inputs: bytes
+
+    def sample(self) -> None:
+        """Sample the actual values."""
+        ...
+
+    def exchange(self, outputs: bytes | None) -> bytes:
+        """Take an image and give the sampled one."""
+        ...
+
+    def cycle(self) -> None:
+        """Take the set values of the image that came last."""
+        ...
+
+
+Received = Callable[[str, bytes], None]
+Losses = Callable[[str], bool]
+
+
+class CyclicSegment:
+    """Nodes by axis. received(axis, inputs): called at the exchange.
+
+    exchanges: how many there were. loses: whether the image to a drive is lost in this cycle.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        nodes: Mapping[str, ImageNode],
+        instants: Instants,
+        received: Received,
+    ) -> None:
+        self._clock, self._nodes, self._at, self._received = clock, nodes, instants, received
+        self._hash = hashlib.sha256()
+        self.exchanges = 0
+        self.loses: Losses = _never
+
+    def begin(self, outputs: Mapping[str, bytes | None]) -> None:
+        """Begin a cycle. outputs: images to the drives, None where the control gives none."""
+        clock, at = self._clock, self._at
+        now_ns = clock.now_ns
+        if at.input_ns:
+            next_ns = now_ns + at.period_ns - at.input_ns
+            clock.call_at(next_ns, Phase.APPLICATION, self._sample)
+        else:
+            self._sample()
+        clock.call_at(now_ns + at.bus_ns, Phase.DELIVERY, lambda: self._exchange(outputs))
+        clock.call_at(now_ns + at.output_ns, Phase.APPLICATION, self._cycle)
+
+    def _sample(self) -> None:
+        for node in self._nodes.values():
+            node.sample()
+
+    def _exchange(self, outputs: Mapping[str, bytes | None]) -> None:
+        self.exchanges += 1
+        now_ns = self._clock.now_ns
+        for axis, node in self._nodes.items():
+            sent = None if self.loses(axis) else outputs[axis]
+            inputs = node.exchange(sent)
+            self._hash.update(_HEAD.pack(now_ns, len(sent or b""), len(inputs)))
+            self._hash.update((sent or b"") + inputs)
+            self._received(axis, inputs)
+
+    def _cycle(self) -> None:
+        for node in self._nodes.values():
+            node.cycle()
+
+    def hexdigest(self) -> str:
+        """Return a hash of all images, as they were swapped: instant, lengths, contents."""
+        return self._hash.hexdigest()
+
+
+def _never(_axis: str) -> bool:
+    return False

@@ -1,0 +1,1 @@
+"""Drives on cyclic segments in a machine."""

@@ -1,0 +1,1 @@
+"""Drives on cyclic segments as a rig asks for them."""

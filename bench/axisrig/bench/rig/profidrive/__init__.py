@@ -1,0 +1,1 @@
+"""PROFIdrive drives as a rig has them: their keys and checks."""

@@ -1,0 +1,1 @@
+"""Words of PROFIdrive drives and their tables, as both ends take them."""
