@@ -7,9 +7,8 @@ Source: SINAMICS S120 4-113, SIMODRIVE 611 universal p. 248, MASTERDRIVES MC 8.2
 (docs/profidrive.md).
 """
 
-from typing import Final
+from typing import Final, Protocol
 
-from axisrig.bench.drive.cia402.functions.touch_probe import TouchProbe
 from axisrig.bench.drive.profidrive.tables import (
     FUNCTION,
     INTERFACE,
@@ -40,13 +39,22 @@ _SHOWN_BITS: Final = {
 }
 
 
+class ProbePort(Protocol):
+    """The touch probe unit. status: as 60B9. inputs: levels, bit 0 of input 1."""
+
+    @property
+    def status(self) -> int: ...  # noqa: D102
+    @property
+    def inputs(self) -> int: ...  # noqa: D102
+
+
 class EncoderInterface:
     """One interface. has_input: P0660 gives the fast input to the probe.
 
     states: of functions 1 and 2. state: of the interface. values: latched at the edges of both.
     """
 
-    def __init__(self, probe: TouchProbe, *, has_input: bool) -> None:
+    def __init__(self, probe: ProbePort, *, has_input: bool) -> None:
         self._probe, self._has_input = probe, has_input
         self.states = [_OFF, _OFF]
         self.state = InterfaceState.READY

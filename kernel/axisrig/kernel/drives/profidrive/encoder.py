@@ -55,7 +55,7 @@ class EncoderControl:
         moved = 0 if self._last_actual is None else words.signed(actual - self._last_actual)
         self._last_actual = actual
         self.error = value if status & words.ENCODER_ERROR else None
-        if self._age < self._echo:
+        if self._age < self._echo or self._wanted() != self._word:
             return
         if self._goal is Goal.MEASURE:
             self._measure(status, value, moved)

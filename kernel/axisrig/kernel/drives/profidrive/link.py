@@ -17,7 +17,7 @@ BY_ABSOLUTE: Final = "G1_XIST2 (bit 13 of G1_STW)"
 OFF: Final = words.BY_CONTROL | words.NO_OFF2 | words.NO_OFF3 | words.ENABLE | words.SETPOINT
 """STW1 of a drive that stops by its ramp and goes off."""
 MOVING: Final = OFF | words.ON
-HALTED: Final = MOVING & ~words.SETPOINT
+HALTED: Final = MOVING & ~words.SET_VALUE
 RUNS: Final = words.READY | words.OPERATES
 LIMIT: Final = (1 << 31) - 1
 _STATES: Final = (

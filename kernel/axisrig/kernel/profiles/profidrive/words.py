@@ -18,7 +18,8 @@ ON: Final = 1 << 0
 NO_OFF2: Final = 1 << 1
 NO_OFF3: Final = 1 << 2
 ENABLE: Final = 1 << 3
-SETPOINT: Final = 1 << 4 | 1 << 5 | 1 << 6
+SET_VALUE: Final = 1 << 6
+SETPOINT: Final = 1 << 4 | 1 << 5 | SET_VALUE
 """Ramp generator enabled, not frozen, set value enabled: one of them 0 stops the axis."""
 ACKNOWLEDGE: Final = 1 << 7
 BY_CONTROL: Final = 1 << 10

@@ -1,0 +1,235 @@
+"""The control's end of a PROFIdrive drive: what it takes for a value and what it sends."""
+
+from dataclasses import replace
+
+import pytest
+
+from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier, ImagePort
+from axisrig.kernel.drives.position_loop import LoopSettings
+from axisrig.kernel.drives.power import Power, PowerOrder
+from axisrig.kernel.drives.profidrive.encoder import EncoderControl
+from axisrig.kernel.drives.profidrive.link import ProfidriveDrive
+from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.profidrive import words
+
+ECHO = 2
+POS, NEG = words.FUNCTION_OF[1, "POS"], words.FUNCTION_OF[1, "NEG"]
+READING = POS | words.READ << words.COMMAND_SHIFT | words.FLYING
+SETTINGS = ProfidriveSettings(
+    axis="Z",
+    increments_per_mm=419_430.4,
+    telegram=words.telegrams()[5],
+    speed_counts=393_216.0,
+    period_s=1e-3,
+    gain=16_667,
+    proves_places=False,
+    missing_cycles=1,
+)
+
+
+@pytest.fixture
+def armed() -> EncoderControl:
+    """One that has seen a clear interface and the active function."""
+    control = EncoderControl(POS, ECHO)
+    cycles(control, (0, 0), (0, 0))
+    assert control.is_clear
+    control.arm()
+    cycles(control, (0, 0), (0, 0), (POS, 0))
+    assert control.is_armed
+    return control
+
+
+def cycles(control: EncoderControl, *telegrams: tuple[int, int]) -> None:
+    """Send and take: G1_ZSW and G1_XIST2 of each cycle."""
+    for status, value in telegrams:
+        control.take(status, value, 0)
+        _ = control.control
+
+
+def test_a_value_counts_when_it_was_read_and_two_telegrams_have_it(armed: EncoderControl) -> None:
+    cycles(armed, (POS << 4, 99))
+    assert armed.has_latched
+    assert armed.control == READING
+    assert armed.increments is None
+    cycles(armed, (POS << 4, 99), (POS << 4, 1234))
+    assert armed.increments is None
+    cycles(armed, (POS << 4, 1234))
+    assert armed.increments == 1234
+
+
+def test_two_telegrams_with_different_values_prove_none(armed: EncoderControl) -> None:
+    cycles(armed, (POS << 4, 0), (POS << 4, 0), (POS << 4, 1), (POS << 4, 2), (POS << 4, 3))
+    assert armed.increments is None
+
+
+def test_an_error_code_is_never_a_value(armed: EncoderControl) -> None:
+    cycles(armed, *[(POS << 4 | words.ENCODER_ERROR, 6)] * 6)
+    assert (armed.increments, armed.has_latched, armed.error) == (None, False, 6)
+
+
+@pytest.mark.parametrize("other", [words.ABSOLUTE, words.PARK, words.ACKNOWLEDGING, NEG])
+def test_what_shows_something_else_is_never_a_value(armed: EncoderControl, other: int) -> None:
+    """Absolute position, parking, or a function that still waits."""
+    cycles(armed, (POS << 4, 0), *[(POS << 4 | other, 77)] * 5)
+    assert armed.increments is None
+
+
+def test_a_value_of_an_earlier_run_is_none(armed: EncoderControl) -> None:
+    """It has to be cleared before, and the clearing to be seen."""
+    armed.disarm()
+    cycles(armed, *[(POS << 4, 5)] * 4)
+    assert not armed.is_clear
+    assert armed.control == POS | words.ABORT << words.COMMAND_SHIFT | words.FLYING
+    armed.arm()  # nobody may, and nothing comes of it
+    cycles(armed, *[(POS << 4, 5)] * 8)
+    assert (armed.increments, armed.has_latched) == (None, False)
+
+
+def test_an_error_is_acknowledged_before_the_next_run(armed: EncoderControl) -> None:
+    armed.disarm()
+    cycles(armed, *[(words.ENCODER_ERROR, 6)] * 4)
+    assert (armed.control, armed.is_clear) == (words.ENCODER_ACKNOWLEDGE, False)
+    cycles(armed, (words.ACKNOWLEDGING, 0), (words.ACKNOWLEDGING, 0))
+    assert (armed.control, armed.is_clear) == (0, False)
+    cycles(armed, (0, 0), (0, 0))
+    assert armed.is_clear
+
+
+def test_an_absolute_position_is_asked_for_between_runs(armed: EncoderControl) -> None:
+    found: list[int | str] = []
+    assert not armed.ask_absolute(found.append)
+    armed.disarm()
+    cycles(armed, *[(0, 0)] * 4)
+    assert armed.ask_absolute(found.append)
+    cycles(armed, (0, 0), (0, 0))
+    assert armed.control == words.ABSOLUTE
+    cycles(armed, (words.ABSOLUTE, 42), (words.ABSOLUTE, 42))
+    assert found == [42]
+    assert not armed.is_clear
+    cycles(armed, (0, 0), (0, 0), (0, 0))
+    assert armed.is_clear
+
+
+# Telegrams
+
+
+class Bus:
+    """The far end of a port: gives a telegram, keeps what the control has sent."""
+
+    def __init__(self, settings: ProfidriveSettings) -> None:
+        self.port = ImagePort()
+        self.drive = ProfidriveDrive(settings, self.port)
+        self.carrier = CyclicCarrier("bus", {"Z": self.port}, self._begin)
+        self._names = settings.telegram.to_drive
+        self._codec = words.codec_of(self._names)
+        self._inputs = words.codec_of(settings.telegram.from_drive)
+        self._taken = settings.telegram.from_drive
+        self.sent: dict[str, int] = {}
+        self.life = 0
+        self.values = {"ZSW1": 0x0237}
+
+    def _begin(self, outputs: object) -> None:
+        data = outputs["Z"]  # type: ignore[index]
+        if data is not None:
+            self.sent = dict(zip(self._names, self._codec.unpack(data), strict=True))
+
+    def cycle(self, set_mm: float, *, is_new: bool = True, **values: int) -> dict[str, int]:
+        """Run one cycle of the control; return what it has sent with it."""
+        self.values |= values
+        self.drive.begin_cycle()
+        self.carrier.begin_cycle()
+        if is_new:
+            self.life = words.next_life(self.life)
+        given = self.values | {"ZSW2": self.life << words.LIFE_SHIFT}
+        self.port.receive(self._inputs.pack(*(given.get(name, 0) for name in self._taken)))
+        self.drive.take()
+        self.drive.send(set_mm)
+        self.drive.begin_cycle()
+        self.carrier.begin_cycle()
+        return self.sent
+
+
+@pytest.fixture
+def bus() -> Bus:
+    made = Bus(SETTINGS)
+    made.drive.order(PowerOrder.SWITCH_ON)
+    return made
+
+
+def test_dsc_gets_deviation_and_gain(bus: Bus) -> None:
+    """1 mm of lag is 419 430 increments; 10 mm/s forward are 10 x 393 216 x share."""
+    bus.cycle(1.0, G1_XIST1=0)
+    sent = bus.cycle(1.0)
+    assert (sent["XERR"], sent["KPC"], sent["NSOLL_B"]) == (419_430, 16_667, 0)
+    forward = Bus(replace(SETTINGS, feed_forward=0.5))
+    forward.drive.order(PowerOrder.SWITCH_ON)
+    forward.cycle(1.0)
+    assert forward.cycle(1.01)["NSOLL_B"] == 5 * 393_216
+
+
+def test_a_loop_in_the_cnc_gives_a_speed_and_no_gain() -> None:
+    """Kv 10 1/s and 1 mm: 10 mm/s."""
+    loop = LoopSettings(kv_per_s=10.0, period_s=1e-3)
+    bus = Bus(replace(SETTINGS, loop=loop, gain=0))
+    bus.drive.order(PowerOrder.SWITCH_ON)
+    bus.cycle(0.0)
+    sent = bus.cycle(1.0)
+    assert (sent["NSOLL_B"], sent["XERR"], sent["KPC"]) == (10 * 393_216, 0, 0)
+    assert bus.drive.lag_mm == 1.0
+
+
+def test_a_drive_that_does_not_follow_gets_standstill(bus: Bus) -> None:
+    sent = bus.cycle(1.0, ZSW1=0x0233)
+    assert (sent["XERR"], sent["NSOLL_B"]) == (0, 0)
+
+
+def test_signs_of_life_run_from_1_to_15(bus: Bus) -> None:
+    lives = [bus.cycle(0.0)["STW2"] >> words.LIFE_SHIFT for _ in range(16)]
+    assert lives == [*range(1, 16), 1]
+
+
+@pytest.mark.provokes(900764, 7, axis="Z", cycles="2")
+def test_900764_where_the_sign_of_life_of_the_drive_stays(bus: Bus) -> None:
+    bus.cycle(0.0, G1_XIST1=4194)
+    bus.cycle(0.0, is_new=False, G1_XIST1=8388)
+    assert not bus.drive.has_actual
+    assert bus.drive.actual_increments == 4194
+    with pytest.raises(Alarm) as raised:
+        bus.cycle(0.0, is_new=False)
+    assert raised.value.id == 900764
+
+
+@pytest.mark.parametrize(
+    ("status", "power", "word"),
+    [
+        (0x0270, Power.OFF, 0x047E),  # inhibited: off first
+        (0x0231, Power.OFF, 0x047F),
+        (0x0233, Power.OFF, 0x047F),
+        (0x0237, Power.OPERATING, 0x047F),
+        (0x0238, Power.FAULT, 0x047E),
+    ],
+)
+def test_a_drive_is_led_into_operation(bus: Bus, status: int, power: Power, word: int) -> None:
+    sent = bus.cycle(0.0, ZSW1=status)
+    assert (bus.drive.power, sent["STW1"]) == (power, word)
+
+
+def test_a_fault_is_acknowledged_where_the_rig_says_so(bus: Bus) -> None:
+    bus.drive.acknowledges_faults = True
+    assert bus.cycle(0.0, ZSW1=0x0238)["STW1"] == 0x04FE
+
+
+def test_orders_of_power(bus: Bus) -> None:
+    bus.cycle(0.0)
+    bus.drive.order(PowerOrder.STOP)
+    assert bus.cycle(0.0)["STW1"] == 0x043F
+    assert bus.drive.power is Power.STOPPING
+    bus.drive.order(PowerOrder.SWITCH_OFF)
+    assert bus.cycle(0.0)["STW1"] == 0x047E
+
+
+def test_a_second_encoder_comes_with_telegram_6() -> None:
+    bus = Bus(replace(SETTINGS, telegram=words.telegrams()[6]))
+    bus.cycle(0.0, G2_XIST1=-5)
+    assert (bus.drive.has_second, bus.drive.second_increments) == (True, -5)

@@ -1,0 +1,154 @@
+"""A PROFIdrive drive in a machine: what is refused, alarms of its start and of its interface."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
+
+RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-profidrive.toml"
+SHORT = "%short\nN10 G01 G90 Z129.9 F3000\nN20 M30\n"
+PROBE = "%probe\nN10 G100 G90 Z{target} F3000\nN20 M30\n"
+NEAR = "plant:probe.surface_mm=129"
+
+Run = Callable[..., Machine]
+
+
+def settings_of(*changes: str) -> Settings:
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    settings = read_settings(*read_rig(RIG), assigned)
+    check_rig(settings)
+    return settings
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run a program with the shipped rig. changes: of its keys. before: called with the machine."""
+
+    def make(
+        program: str, *changes: str, before: Callable[[Machine], None] | None = None
+    ) -> Machine:
+        (tmp_path / "own.nc").write_text(program, encoding="utf-8")
+        machine = Machine(settings_of(*changes), read_program(tmp_path / "own.nc", ("Z",)))
+        try:
+            if before is not None:
+                before(machine)
+            machine.run()
+        finally:
+            machine.close()
+        return machine
+
+    return make
+
+
+def ids(machine: Machine) -> list[int]:
+    return [alarm.id for alarm in machine.channel.alarms]
+
+
+def part_of(machine: Machine) -> Any:
+    return machine.installed[0]
+
+
+@pytest.mark.provokes(70344, 5, axis="Z", mode="DSC_POSITION_CONTROL")
+def test_70344_for_dsc_without_gain_in_the_telegram(run: Run) -> None:
+    mode = "set:Z.antr.operation_mode=DSC_POSITION_CONTROL"
+    assert ids(run(SHORT, "drive:servo.telegram=3", mode)) == [70344]
+
+
+@pytest.mark.provokes(70346, 5, axis="Z", mode="DRIVE_POSITION_CONTROL")
+def test_70346_for_a_set_position_that_no_telegram_has(run: Run) -> None:
+    mode = "set:Z.antr.operation_mode=DRIVE_POSITION_CONTROL"
+    assert ids(run(SHORT, mode)) == [70346]
+
+
+@pytest.mark.provokes(900763, 7, axis="Z", code="6")
+@pytest.mark.long
+def test_900763_for_an_input_that_the_drive_does_not_have(run: Run) -> None:
+    """The control allows input 2, the drive has one probe: error 6, and never a value."""
+    program = "%two\nN10 #MEAS [INPUT=2]\nN20 G100 G90 Z128 F3000\nN30 M30\n"
+    machine = run(program, NEAR)
+    assert ids(machine) == [900763]
+    assert [record.latched_mm for record in machine.channel.runs] in ([], [{}])
+
+
+@pytest.mark.provokes(900765, 7, axis="Z")
+@pytest.mark.long
+def test_900765_for_homing(run: Run) -> None:
+    assert ids(run("%home\nN10 G74 Z1\nN20 M30\n")) == [900765]
+
+
+@pytest.mark.long
+def test_a_sign_of_life_that_sticks_is_a_fault_of_the_drive(run: Run) -> None:
+    """All images to the drive are lost from 50 ms on: fault in the second wrong cycle."""
+    wrong: list[int] = []
+
+    def lose(machine: Machine) -> None:
+        part = part_of(machine)
+        segment, node = part.segments["bus"], part.nodes["Z"]
+
+        def loses(_axis: str) -> bool:
+            is_lost = bool(segment.exchanges > 50)
+            if is_lost and not node.servo.emergency.active:
+                wrong.append(node.life.counter)
+            return is_lost
+
+        segment.loses = loses
+
+    assert ids(run(SHORT, before=lose)) == [900005]
+    assert wrong[:3] == [0, 10, 20]
+
+
+@pytest.mark.long
+def test_one_lost_image_is_no_fault(run: Run) -> None:
+    def lose(machine: Machine) -> None:
+        segment = part_of(machine).segments["bus"]
+        segment.loses = lambda _axis: segment.exchanges == 50
+
+    assert ids(run(SHORT, before=lose)) == []
+
+
+@pytest.mark.long
+def test_a_drive_without_power_sends_nothing(run: Run) -> None:
+    def unplug(machine: Machine) -> None:
+        node = part_of(machine).nodes["Z"]
+        machine.scheduler.call_at(60_000_000, 1, node.power_off)
+
+    assert ids(run(SHORT, before=unplug)) == [900764]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("drive:servo.p1042=12", "factor of 2 "),
+        ("drive:servo.p1042=10", "factor of 0.5 "),
+        ("set:Z.antr.profibus.feinaufloesung=12", "factor of 0.5 "),
+        ("set:Z.antr.profibus.p1042=12", "factor of 0.5 .P-AXIS-00316"),
+        ("set:Z.antr.profibus.p1043=10", "factor of 2 .P-AXIS-00317"),
+        ("drive:servo.p0880=3000", "factor of 0.183"),
+        ("set:Z.kenngr.measure.input=2", "one probe at its encoder"),
+        ("set:Z.getriebe[0].kv=900000", "position loop of the drive .DSC. is unstable"),
+        ("set:Z.lr_param.distance_control_on=1", "needs a second encoder in the telegram"),
+        ("bus:bus.input_us=1000", "input_us does not fit"),
+        ("bus:bus.bus_us=601", "bus_us does not fit"),
+        ("bus:bus.output_us=1000", "output_us does not fit"),
+        ("bus:bus.bus_us=100", "before these have come"),
+    ],
+)
+def test_a_rig_that_does_not_fit_is_refused(change: str, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        settings_of(change)
+
+
+def test_a_gain_of_the_cnc_has_the_limit_of_its_dead_cycle() -> None:
+    """Kv T below 2 sin(pi/6) = 1 with one dead cycle, 1000 1/s at 1 ms."""
+    settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=99900")
+    with pytest.raises(UserError, match="must be below 1 with 1 dead cycles"):
+        settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=100000")
