@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from tests.exercise.lag import section, signals, words
-from tests.exercise.lag.findings import lag_blocks, lag_events
+from tests.exercise.lag.findings import LagFindings, lag_events, lag_findings
 from tests.exercise.lag.metrics import LAG_METRICS, LAG_PEAK
 from tests.recordings import MS, facts, kept
 from tests.reports.pages import opened, whole
@@ -32,7 +32,7 @@ from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.topics import TOPICS as PAGE_TOPICS
 
 ROWS, PEAK_ROW, PEAK_MM = 101, 30, 0.25
-MINE = Topic("lag", LAG_METRICS, lag_events, lag_blocks)
+MINE = Topic("lag", LAG_METRICS, lag_events, lag_findings)
 MINE_SHOWN = ReportTopic(
     "lag", "tests.exercise.lag", section.sections, signals.with_signals, signals.plots, words.LEGEND
 )
@@ -74,9 +74,10 @@ def test_its_marks_and_its_block_come_with_the_others() -> None:
     marks = {mark.label: mark.time_ns for mark in events(recorded(), ALL)}
     assert marks["Z: largest lag"] == PEAK_ROW * MS
     found = findings(recorded(), ALL)
-    assert [block["axis"] for block in found["lag"]] == ["X", "Z"]
-    assert found["lag"][1]["mm"] == pytest.approx(PEAK_MM)
-    assert (found["fixed_stop"], found["distance"]) == ([], [])
+    lags = found.of(LagFindings)
+    assert [lag.axis for lag in lags] == ["X", "Z"]
+    assert lags[1].mm == pytest.approx(PEAK_MM)
+    assert list(found.of_topics) == lags
 
 
 def written(folder: Path) -> Path:

@@ -8,6 +8,7 @@ import pytest
 
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.cli.main import main
+from axisrig.bench.record.bus import real_time_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import check_outside, outside_axes, simulated_plants
 from axisrig.bench.rig.settings import read_settings
@@ -222,7 +223,7 @@ def test_the_report_says_in_words_what_was_late() -> None:
         deadlines.sync_sent(k * 1_000_000, k * 1_000_000 + (250_000 if k == 500 else 20_000))
     deadlines.slipped(3_000_000)
     deadlines.waited(12_000_000)
-    section = real_time(deadlines.as_data(1_000_000))
+    section = real_time(real_time_of(deadlines, 1_000_000))
     assert section is not None
     rows = dict(section["rows"])
     assert rows["SYNCs sent"] == "1000"

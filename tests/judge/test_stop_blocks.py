@@ -30,7 +30,9 @@ from tests.judge.stop_recordings import (
     seen,
 )
 
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
+from axisrig.bench.judge.fixed_stop.findings import stop_events, stop_findings
+from axisrig.bench.judge.fixed_stop.stop_findings import Decision
+from axisrig.bench.judge.fixed_stop.values import Value
 from axisrig.bench.oracles.fixed_stop.slopes import slopes_as_written
 from axisrig.kernel.time.clock import MS, US
 
@@ -38,48 +40,48 @@ OVERTRAVEL_MM = float(DEMAND[-1]) - LATCHED_MM
 
 
 def test_values_stand_beside_what_was_expected() -> None:
-    (block,) = stop_blocks(recorded())
-    found = {value["key"]: value for value in block["values"]}
+    (block,) = stop_findings(recorded())
+    found = {value.key: value for value in block.values}
     lag = found["running_lag"]
-    assert (lag["measured"], lag["expected"]) == pytest.approx((E0_MM, E0_MM))
+    assert (lag.measured, lag.expected) == pytest.approx((E0_MM, E0_MM))
     latched = found["latched"]
-    assert latched["measured"] == pytest.approx(LATCHED_MM)
-    assert latched["expected"] is None  # without damping the axis rings for ever
+    assert latched.measured == pytest.approx(LATCHED_MM)
+    assert latched.expected is None  # without damping the axis rings for ever
     peak = found["stop_force_max"]
     impact_n = V_MM_S * 1e-3 * math.sqrt(K_N_M * MASS_KG)
-    assert peak["measured"] == pytest.approx(1.5 * FORCE_N)
-    assert peak["low"] == pytest.approx(impact_n)
-    assert peak["high"] == pytest.approx(FORCE_N + math.hypot(FORCE_N, impact_n))
+    assert peak.measured == pytest.approx(1.5 * FORCE_N)
+    assert peak.low == pytest.approx(impact_n)
+    assert peak.high == pytest.approx(FORCE_N + math.hypot(FORCE_N, impact_n))
     end = found["stop_force_end"]
-    assert (end["measured"], end["low"], end["high"]) == pytest.approx((FORCE_N, 0.0, FORCE_N))
-    assert found["command_excess"]["measured"] == pytest.approx(OVERTRAVEL_MM)
+    assert (end.measured, end.low, end.high) == pytest.approx((FORCE_N, 0.0, FORCE_N))
+    assert found["command_excess"].measured == pytest.approx(OVERTRAVEL_MM)
 
 
 def test_a_damped_stop_has_a_band_for_what_is_latched() -> None:
     """x_stop + (F_lim -+ F_c)/k -+ 1 um; it decays in 2 m/d = 2 ms, the time is ten times that."""
     damped = {"viscous_friction": 1e5, "coulomb_friction": 50.0, "weight": 20.0}
-    (block,) = stop_blocks(recorded(plant=damped))
-    (latched,) = [value for value in block["values"] if value["key"] == "latched"]
+    (block,) = stop_findings(recorded(plant=damped))
+    (latched,) = [value for value in block.values if value.key == "latched"]
     low, high = (STOP_MM + (FORCE_N - 20.0 + f) / K_N_M * 1e3 for f in (-50.0, 50.0))
-    assert (latched["low"], latched["high"]) == pytest.approx((low - 0.001, high + 0.001))
-    assert latched["expected"] == pytest.approx((low + high) / 2)
+    assert (latched.low, latched.high) == pytest.approx((low - 0.001, high + 0.001))
+    assert latched.expected == pytest.approx((low + high) / 2)
     for way_mm in (0.01, -0.01):  # in each ms from the contact on
         path = STOP_MM + way_mm * np.maximum(K - 190.0, 0.0)
-        (block,) = stop_blocks(recorded(plant=damped, columns={"stop_mm": path}))
-        (latched,) = [value for value in block["values"] if value["key"] == "latched"]
-        assert (latched["low"], latched["note"]) == (None, "the stop moves")
+        (block,) = stop_findings(recorded(plant=damped, columns={"stop_mm": path}))
+        (latched,) = [value for value in block.values if value.key == "latched"]
+        assert (latched.low, latched.note) == (None, "the stop moves")
     short = {DETECT + "min_time": 9_000}
-    (block,) = stop_blocks(recorded(plant=damped, written=short))
-    (latched,) = [value for value in block["values"] if value["key"] == "latched"]
-    assert (latched["low"], latched["note"]) == (
+    (block,) = stop_findings(recorded(plant=damped, written=short))
+    (latched,) = [value for value in block.values if value.key == "latched"]
+    assert (latched.low, latched.note) == (
         None, "the minimum time is shorter than 5 decay times of the ringing",
     )  # fmt: skip
 
 
 def test_the_timeline_is_in_the_order_of_its_process() -> None:
     observed = recorded()
-    (block,) = stop_blocks(observed)
-    found = [(mark["key"], mark["measured_ns"], mark["oracle_ns"]) for mark in block["marks"]]
+    (block,) = stop_findings(observed)
+    found = [(mark.key, mark.measured_ns, mark.oracle_ns) for mark in block.marks]
     contact_ns = round(CONTACT_MS * MS)
     assert found == [
         ("monitoring_off", 11 * MS, None),
@@ -94,25 +96,23 @@ def test_the_timeline_is_in_the_order_of_its_process() -> None:
         ("monitoring_on", 299 * MS, None),
         ("end", END_NS, None),
     ]
-    detected = next(mark for mark in block["marks"] if mark["key"] == "detected")
-    assert detected["is_inside"] is True
+    detected = next(mark for mark in block.marks if mark.key == "detected")
+    assert detected.is_inside is True
     # The SYNC after it, 0.6 ms until the cycle, one cycle of sampling
-    assert (detected["low_ns"], detected["high_ns"]) == pytest.approx(
-        (202.9 * MS, 203.9 * MS), abs=5
-    )
-    assert (block["main_axis"], block["is_found"]) == ("Z", True)
-    assert block["decided_by"] == {"axis": "Z", "criterion": "lag"}
-    assert block["limits"]["Z"]["force_limit_n"] == FORCE_N
-    assert block["limits"]["Z"]["min_time_ms"] == 20.0
+    assert (detected.low_ns, detected.high_ns) == pytest.approx((202.9 * MS, 203.9 * MS), abs=5)
+    assert (block.main_axis, block.is_found) == ("Z", True)
+    assert block.decided_by == Decision("Z", "lag")
+    assert block.limits["Z"].force_limit_n == FORCE_N
+    assert block.limits["Z"].min_time_ms == 20.0
     labels = [(event.kind, event.label) for event in stop_events(observed)]
     assert ("contact", "Z: contact at the stop") in labels
     assert ("brake", "Z: stop detected") in labels
     assert "run over" not in {label for _, label in labels}
-    assert block["prediction"] == "contact of Z with its stop, found by lag"
+    assert block.prediction == "contact of Z with its stop, found by lag"
     late = replace(RUN, fixed_stop=replace(STOP, detected_ns=DETECTED_NS + MS))
-    (block,) = stop_blocks(recorded(run=late))
-    detected = next(mark for mark in block["marks"] if mark["key"] == "detected")
-    assert detected["is_inside"] is False
+    (block,) = stop_findings(recorded(run=late))
+    detected = next(mark for mark in block.marks if mark.key == "detected")
+    assert detected.is_inside is False
 
 
 @pytest.mark.parametrize(
@@ -124,13 +124,13 @@ def test_the_timeline_is_in_the_order_of_its_process() -> None:
     ],
 )  # fmt: skip
 def test_settings_foretell_what_is_found(written: Mapping[str, Any], words: str) -> None:
-    (block,) = stop_blocks(recorded(written=written))
-    assert block["prediction"].startswith(words)
+    (block,) = stop_findings(recorded(written=written))
+    assert block.prediction.startswith(words)
 
 
-def value_of(key: str, **changes: Any) -> dict[str, Any] | None:
-    (block,) = stop_blocks(recorded(**changes))
-    return next((value for value in block["values"] if value["key"] == key), None)
+def value_of(key: str, **changes: Any) -> Value | None:
+    (block,) = stop_findings(recorded(**changes))
+    return next((value for value in block.values if value.key == key), None)
 
 
 def test_the_set_value_goes_on_until_the_cycle_that_brakes_has_acted() -> None:
@@ -139,12 +139,12 @@ def test_the_set_value_goes_on_until_the_cycle_that_brakes_has_acted() -> None:
     assert found is not None
     way_mm = slopes_as_written(BY_LAG, {}).on_signal.way_mm(V_MM_S)
     low = E0_MM + V_MM_S * 1e-3 * (202.3 - CONTACT_MS + 3) - DEEP_MM + way_mm
-    assert (found["low"], found["high"]) == pytest.approx((low, low + V_MM_S * 1e-3), abs=1e-5)
-    assert found["expected"] == pytest.approx(low + V_MM_S * 1e-3 / 2, abs=1e-5)
+    assert (found.low, found.high) == pytest.approx((low, low + V_MM_S * 1e-3), abs=1e-5)
+    assert found.expected == pytest.approx(low + V_MM_S * 1e-3 / 2, abs=1e-5)
     # A stop that rings has no such end, and none of two axes
     ringing = value_of("command_excess")
     assert ringing is not None
-    assert (ringing["low"], ringing["note"]) == (
+    assert (ringing.low, ringing.note) == (
         None, "the minimum time is shorter than 5 decay times of the ringing",
     )  # fmt: skip
 
@@ -170,8 +170,8 @@ def test_a_latched_value_has_a_band_at_rest_alone(changes: dict[str, Any], note:
     """It decays in 2 m/d = 2 ms, the axis counts as at rest up to 0.1 mm/s."""
     found = value_of("latched", plant={"viscous_friction": 1e5}, **changes)
     assert found is not None
-    assert found["note"].startswith(note)
-    assert (found["low"] is None) is not note.startswith("x_stop")
+    assert found.note.startswith(note)
+    assert (found.low is None) is not note.startswith("x_stop")
 
 
 def test_what_still_rings_at_the_end_adds_to_the_force() -> None:
@@ -180,10 +180,10 @@ def test_what_still_rings_at_the_end_adds_to_the_force() -> None:
         found = value_of("stop_force_end", columns={"velocity_mm_s": at(row, speed)})
         assert found is not None
         more = 0.05e-3 * math.sqrt(K_N_M * MASS_KG) if adds else 0.0
-        assert found["high"] == pytest.approx(FORCE_N + more)
+        assert found.high == pytest.approx(FORCE_N + more)
     restless = value_of("stop_force_end", columns={"velocity_mm_s": at(295, 0.11)})
     assert restless is not None
-    assert (restless["high"], restless["note"]) == (
+    assert (restless.high, restless.note) == (
         None, "the axis was not at rest at the end: no bound",
     )  # fmt: skip
     assert value_of("stop_force_end", columns={"stop_mm": STOP_MM + 1e-6 * K}) is None
@@ -211,39 +211,39 @@ def test_an_encoder_is_where_the_force_and_the_screw_put_it(
 
 def test_both_criteria_and_the_path_are_in_the_timeline() -> None:
     both = {DETECT + "max_delta_position_window": 1500, DETECT + "start_distance": 5000}
-    (block,) = stop_blocks(recorded(written=both))
-    found = {mark["key"]: mark for mark in block["marks"]}
+    (block,) = stop_findings(recorded(written=both))
+    found = {mark.key: mark for mark in block.marks}
     window = found["window"]
-    assert window["measured_ns"] == STOP.window_ns["Z"]
-    assert window["oracle_ns"] == pytest.approx(155.3 * MS, abs=5)
-    assert window["is_inside"] is False
+    assert window.measured_ns == STOP.window_ns["Z"]
+    assert window.oracle_ns == pytest.approx(155.3 * MS, abs=5)
+    assert window.is_inside is False
     armed = found["armed"]
-    assert armed["measured_ns"] == 30 * MS
+    assert armed.measured_ns == 30 * MS
     # 0.5 mm after row 20 are row 70; the interpolation was there a cycle before
-    assert armed["oracle_ns"] == pytest.approx(69 * MS, abs=1)
-    assert armed["note"].startswith("arming path 0.5 mm gone")
+    assert armed.oracle_ns == pytest.approx(69 * MS, abs=1)
+    assert armed.note.startswith("arming path 0.5 mm gone")
     # 1 % of a cycle, which an increment of the demand makes, and the sampling
-    assert (armed["low_ns"], armed["high_ns"]) == pytest.approx((69.59 * MS, 70.61 * MS), abs=2)
+    assert (armed.low_ns, armed.high_ns) == pytest.approx((69.59 * MS, 70.61 * MS), abs=2)
     contact = found["contact"]
-    assert (contact["source"], contact["note"]) == ("plant", "known to 0.001 us")
-    assert found["detected"]["source"] == "kernel"
-    assert (block["begin_ns"], block["end_ns"], block["watched"]) == (10 * MS, END_NS, ["Z"])
+    assert (contact.source, contact.note) == ("plant", "known to 0.001 us")
+    assert found["detected"].source == "kernel"
+    assert (block.begin_ns, block.end_ns, block.watched) == (10 * MS, END_NS, ["Z"])
 
 
 def test_notes_say_once_why_there_is_no_closed_form() -> None:
     both = {DETECT + "max_delta_position_window": 1500}
-    (block,) = stop_blocks(recorded(plant={"kv": None}, written=both))
-    assert block["notes"] == ["Z: the plant does not give gain, mass and stiffness"]
-    (known,) = stop_blocks(recorded())
-    assert known["notes"] == []  # a criterion that is off is nothing to say
-    (lost,) = stop_blocks(recorded(run=replace(RUN, fixed_stop=replace(
+    (block,) = stop_findings(recorded(plant={"kv": None}, written=both))
+    assert block.notes == ["Z: the plant does not give gain, mass and stiffness"]
+    (known,) = stop_findings(recorded())
+    assert known.notes == []  # a criterion that is off is nothing to say
+    (lost,) = stop_findings(recorded(run=replace(RUN, fixed_stop=replace(
         STOP, detected_ns=None, detected_by=None))))  # fmt: skip
-    assert (lost["is_found"], lost["decided_by"], lost["main_axis"]) == (False, None, "Z")
+    assert (lost.is_found, lost.decided_by, lost.main_axis) == (False, None, "Z")
 
 
 def test_a_force_limit_has_the_sign_of_its_direction() -> None:
-    (up,), (down,) = (stop_blocks(recorded(side)) for side in (1.0, -1.0))
-    assert up["limits"]["Z"]["force_limit_n"] == FORCE_N
-    assert down["limits"]["Z"]["force_limit_n"] == -FORCE_N
-    (open_,) = stop_blocks(recorded(plant={"force_limit_motor": None}))
-    assert open_["limits"]["Z"]["force_limit_n"] is None
+    (up,), (down,) = (stop_findings(recorded(side)) for side in (1.0, -1.0))
+    assert up.limits["Z"].force_limit_n == FORCE_N
+    assert down.limits["Z"].force_limit_n == -FORCE_N
+    (open_,) = stop_findings(recorded(plant={"force_limit_motor": None}))
+    assert open_.limits["Z"].force_limit_n is None

@@ -28,7 +28,7 @@ from tests.judge.stop_recordings import (
     seen,
 )
 
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.fixed_stop.findings import stop_findings
 from axisrig.bench.judge.fixed_stop.run import StopRun, stop_runs
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.oracles.fixed_stop.lists import Limits
@@ -214,13 +214,13 @@ def test_the_contact_that_lasts_is_the_one_that_counts(
     assert (words in found.note) or not words
     free = seen(recorded(run=LATE, columns=_pushed(lost)), "found_without_contact")
     assert free.value == int(value_ms is None)
-    (block,) = stop_blocks(recorded(run=LATE, columns=_pushed(lost)))
-    broken = block["broken_contacts"]
+    (block,) = stop_findings(recorded(run=LATE, columns=_pushed(lost)))
+    broken = block.broken_contacts
     assert set(broken) == ({"Z"} if words else set())
     if words:
-        assert broken["Z"]["first_ns"] == pytest.approx(CONTACT_MS * MS, abs=2)
-        assert broken["Z"]["lost_ns"] == pytest.approx(51.3 * MS, abs=0.7 * MS)
-        assert (broken["Z"]["since_ns"] is None) == (value_ms is None)
+        assert broken["Z"].first_ns == pytest.approx(CONTACT_MS * MS, abs=2)
+        assert broken["Z"].lost_ns == pytest.approx(51.3 * MS, abs=0.7 * MS)
+        assert (broken["Z"].since_ns is None) == (value_ms is None)
 
 
 # What has no closed form

@@ -11,6 +11,17 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.bench.judge.distance.control_findings import (
+    MM,
+    ControlFindings,
+    DeadCycles,
+    DistanceLaw,
+    DistanceStretch,
+    EndError,
+    UsedLimit,
+)
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.oracles.distance.lists import Control, Limits
 from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.model import Law
@@ -143,88 +154,72 @@ def trace(sample: Sample) -> pa.Table:
     )
 
 
-def info(sample: Sample) -> dict[str, Any]:
-    """What the judge finds of distance control: its marks and its block."""
-    ends = [*(row for row, _, _ in sample.plan[1:]), sample.rows - 1]
-    stretches = [
-        {
-            "begin_ns": row * MS,
-            "end_ns": end * MS,
-            "state": word,
-            "by": by,
-            "is_dry_run": sample.is_dry_run and word in (ACTIVE, CONST),
-            "set_mm": sample.set_mm if word in (ACTIVE, CONST) else None,
-            "set_end_mm": sample.set_mm if word in (ACTIVE, CONST) else None,
-            "law": 0 if word in (ACTIVE, CONST) else None,
-        }
-        for (row, word, by), end in zip(sample.plan, ends, strict=True)
+def info(sample: Sample, **changes: Any) -> RunFindings:
+    """What the judge finds of distance control: its marks and the control, with changes of it."""
+    events = [
+        Event(row * MS, "alarm", label) for row, label in ([sample.alarm] if sample.alarm else [])
     ]
+    return RunFindings(events=events, of_topics=[replace(control(sample), **changes)])
+
+
+def control(sample: Sample) -> ControlFindings:
+    """What the judge finds of the control itself."""
+    ends = [*(row for row, _, _ in sample.plan[1:]), sample.rows - 1]
     word = next(word for _, word, _ in sample.plan if word in (ACTIVE, CONST))
-    signals = trace(sample)
-    offset = signals.column("Z.offset_mm").to_numpy()
-    control = {
-        "axis": "Z",
-        "sensor": "gap",
-        "zero_mm": 0.0,
-        "late_cycles": 0,
-        "period_ms": 1.0,
-        "stretches": stretches,
-        "laws": [law(sample.control, mode(word))],
-        "dead": {"predicted": 1, "measured": 1, "note": ""},
-        "errors": [
-            {
-                "begin_ns": 100 * MS,
-                "mode": mode(word),
-                "speed_mm_s": 0.0,
-                "measured_mm": 0.0004,
-                "spread_mm": 0.0001,
-                "expected_mm": None if sample.alarm else 0.0,
-                "note": "the transient needs 40 cycles" if sample.alarm else "",
-            }
-        ],
-        "limits": [
+    followed = law(sample.control, mode(word))
+    stretches = []
+    for (row, state, by), end in zip(sample.plan, ends, strict=True):
+        is_on = state in (ACTIVE, CONST)
+        set_mm = sample.set_mm if is_on else None
+        stretches.append(
+            DistanceStretch(
+                row * MS, end * MS, state, by, sample.is_dry_run and is_on, set_mm, set_mm,
+                followed if is_on else None,
+            )
+        )  # fmt: skip
+    offset = trace(sample).column("Z.offset_mm").to_numpy()
+    expected, note = (None, "the transient needs 40 cycles") if sample.alarm else (0.0, "")
+    return ControlFindings(
+        axis="Z",
+        unit=MM,
+        sensor="gap",
+        zero_mm=0.0,
+        late_cycles=0,
+        period_ms=1.0,
+        stretches=stretches,
+        laws=[followed],
+        dead=DeadCycles(1, 1),
+        errors=[EndError(100 * MS, mode(word), 0.0, 0.0004, 0.0001, expected, note)],
+        limits=[
             limit("v_max", 415, 100.0, "mm/s", float(np.abs(np.diff(offset)).max()) * 1000.0),
             limit("max_deviation", 414, 5.0, "mm", float(np.abs(offset).max())),
             limit("max_pos", 419, 8.0, "mm", 0.0),
             limit("min_pos", 420, -8.0, "mm", -2.5),
         ],
-        "notes": [],
-    }
-    events = [
-        {"time_ns": row * MS, "kind": "alarm", "label": label, "axis": None, "is_warning": False}
-        for row, label in ([sample.alarm] if sample.alarm else [])
-    ]
-    return {"events": events, "distance": [control]}
+    )
 
 
-def law(control: Control, of_mode: str) -> dict[str, Any]:
-    """One law as the bench tells it."""
+def law(control: Control, of_mode: str) -> DistanceLaw:
+    """One law as the bench finds it."""
     smooth = of_control(control, MS)
     loop = replace(Loop(of_mode, 1), smoothing=smooth)
-    return {
-        "mode": of_mode,
-        "formula": "o += limit(kp (SET_DIST − filter(d)))",
-        "kp": control.kp,
-        "tn_s": control.tn_s,
-        "tv_s": control.tv_s,
-        "filter": smooth.name,
-        "delay_cycles": smooth.delay_cycles,
-        "noise_gain": smooth.noise_gain,
-        "dead_cycles": 1,
-        "age_cycles": 0,
-        "drive_lag_ms": 0.0,
-        "kp_limit": kp_limit(loop),
-        "growth": growth(loop, control.kp),
-    }
+    return DistanceLaw(
+        mode=of_mode,
+        formula="o += limit(kp (SET_DIST − filter(d)))",
+        kp=control.kp,
+        tn_s=control.tn_s,
+        tv_s=control.tv_s,
+        filter=smooth.name,
+        delay_cycles=smooth.delay_cycles,
+        noise_gain=smooth.noise_gain,
+        dead_cycles=1,
+        age_cycles=0,
+        drive_lag_ms=0.0,
+        kp_limit=kp_limit(loop),
+        growth=growth(loop, control.kp),
+    )
 
 
-def limit(key: str, number: int, value: float, unit: str, used: float) -> dict[str, Any]:
-    """One limit as the bench tells it."""
-    return {
-        "key": key,
-        "parameter": f"P-AXIS-{number:05d}",
-        "value": value,
-        "unit": unit,
-        "used": used,
-        "acts": "clamps",
-    }
+def limit(key: str, number: int, value: float, unit: str, used: float) -> UsedLimit:
+    """One limit as the bench finds it."""
+    return UsedLimit(key, f"P-AXIS-{number:05d}", value, unit, used, "clamps")

@@ -1,8 +1,8 @@
 """A results folder of runs whose signals and findings are made of formulas."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 from tests.recordings import facts, kept
@@ -10,6 +10,7 @@ from tests.recordings import facts, kept
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
@@ -44,12 +45,13 @@ def write_runs(
     return folder / "out"
 
 
-def made(found: Mapping[str, Mapping[str, Any]]) -> Findings:
-    """Make findings: those of the judge, and in place of its blocks and marks those of a case."""
+def made(found: Mapping[str, RunFindings]) -> Findings:
+    """Make findings: those of the judge with the events, and what topics find, of a case."""
 
-    def of_run(observed: Observed) -> dict[str, Any]:
+    def of_run(observed: Observed) -> RunFindings:
         assert isinstance(observed.series.source, Path)
         case = observed.series.source.stem.partition("-")[2]
-        return {**findings(observed), **found[case]}
+        own = found[case]
+        return replace(findings(observed), events=own.events, of_topics=own.of_topics)
 
     return of_run

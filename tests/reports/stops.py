@@ -4,11 +4,23 @@ An axis without mass runs at V against a stop: it stands at STOP + PENETRATION f
 the set value goes on, brakes, and is led back. Instants are those of the formulas, in ns.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+
+from axisrig.bench.judge.fixed_stop.stop_findings import (
+    KERNEL,
+    PLANT,
+    Decision,
+    Mark,
+    StopFindings,
+    StopLimits,
+)
+from axisrig.bench.judge.fixed_stop.values import Value
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.run_findings import RunFindings
 
 MS = 1_000_000
 V, KV, LAG = 10.0, 40.0, 0.25
@@ -99,83 +111,64 @@ def samples() -> list[Sample]:
     ]
 
 
-def info(sample: Sample) -> dict[str, Any]:
-    """What the judge finds of a run to a fixed stop: its marks and its block."""
-    stops = [_stop(sample, number) for number in range(1, sample.count + 1)]
-    at = sample.end_ns - MS
-    events = [
-        {"time_ns": at, "kind": kind, "label": label, "axis": None, "is_warning": False}
-        for kind, label in sample.trouble
-    ]
+def info(sample: Sample, **changes: Any) -> RunFindings:
+    """What the judge finds of a run to a fixed stop: its marks and each run, with changes of it."""
+    stops = [replace(stop(sample, number), **changes) for number in range(1, sample.count + 1)]
+    events = [Event(sample.end_ns - MS, kind, label) for kind, label in sample.trouble]
     if sample.has_contact and sample.has_plant:
-        for stop in stops:
-            shift = stop["begin_ns"] - BEGIN
-            events.append(
-                {
-                    "time_ns": CONTACT + shift,
-                    "kind": "contact",
-                    "label": "Z: contact",
-                    "axis": "Z",
-                    "is_warning": False,
-                }
-            )
-    return {"events": sorted(events, key=lambda e: e["time_ns"]), "fixed_stop": stops}
+        for found in stops:
+            touched_ns = CONTACT + found.begin_ns - BEGIN
+            events.append(Event(touched_ns, "contact", "Z: contact", "Z"))
+    events.sort(key=lambda event: event.time_ns)
+    return RunFindings(events=events, of_topics=stops)
 
 
-def _stop(sample: Sample, number: int) -> dict[str, Any]:
-    axes = list(sample.watched)
-    limits = {
-        "lag_limit_mm": sample.lag_limit_mm,
-        "window_mm": sample.window_mm,
-        "min_time_ms": sample.tau_ms,
-        "force_limit_n": FORCE if sample.has_plant else None,
-        "arming_mm": sample.extra.get("arming", 0.5),
-    }
+def stop(sample: Sample, number: int = 1) -> StopFindings:
+    """What the judge finds of one of its runs."""
+    limits = StopLimits(
+        sample.lag_limit_mm,
+        sample.window_mm,
+        sample.tau_ms,
+        sample.extra.get("arming", 0.5),
+        force_limit_n=FORCE if sample.has_plant else None,
+    )
     shift = (number - 1) * 4000 * MS
-    return {
-        "number": number,
-        "block": "stop.nc:5 N50 G100 Z1000 F600",
-        "axes": ["Z"],
-        "watched": axes,
-        "main_axis": sample.decided,
-        "is_found": sample.is_found,
-        "decided_by": {"axis": sample.decided, "criterion": sample.criterion}
-        if sample.is_found
-        else None,
-        "limits": {axis: dict(limits) for axis in axes},
-        "begin_ns": BEGIN + shift,
-        "end_ns": sample.end_ns + shift,
-        "marks": [_shifted(row, shift) for row in _marks(sample)],
-        "values": _values(sample) if sample.has_plant and sample.is_found else [],
-        "prediction": "contact at the stop, found by the lag" if sample.has_oracle else "",
-        "notes": list(sample.notes),
-    }
+    return StopFindings(
+        number=number,
+        block="stop.nc:5 N50 G100 Z1000 F600",
+        axes=["Z"],
+        watched=sample.watched,
+        main_axis=sample.decided,
+        is_found=sample.is_found,
+        decided_by=Decision(sample.decided, sample.criterion) if sample.is_found else None,
+        limits=dict.fromkeys(sample.watched, limits),
+        rotary={},
+        begin_ns=BEGIN + shift,
+        end_ns=sample.end_ns + shift,
+        broken_contacts={},
+        marks=[_shifted(row, shift) for row in _marks(sample)],
+        values=_values(sample) if sample.has_plant and sample.is_found else [],
+        prediction="contact at the stop, found by the lag" if sample.has_oracle else "",
+        notes=sample.notes,
+    )
 
 
-def _shifted(row: dict[str, Any], shift: int) -> dict[str, Any]:
+def _shifted(row: Mark, shift: int) -> Mark:
     names = ("measured_ns", "oracle_ns", "low_ns", "high_ns")
-    return {**row, **{n: None if row[n] is None else row[n] + shift for n in names}}
+    instants = {name: getattr(row, name) for name in names}
+    return replace(row, **{n: None if at is None else at + shift for n, at in instants.items()})
 
 
-def _mark(key: str, label: str, at: int | None, **more: Any) -> dict[str, Any]:
+def _mark(key: str, label: str, at: int | None, **more: Any) -> Mark:
     form = more.get("form")
     low, high = (None, None) if form is None else (form - 2 * MS, form + 3 * MS)
     inside = None if form is None or at is None else low <= at <= high
-    return {
-        "key": key,
-        "label": label,
-        "axis": more.get("axis"),
-        "measured_ns": at,
-        "source": "plant" if key == "contact" else "kernel",
-        "oracle_ns": form,
-        "low_ns": low,
-        "high_ns": high,
-        "is_inside": inside,
-        "note": "closed form, +2 -3 cycles" if form is not None else "",
-    }
+    source = PLANT if key == "contact" else KERNEL
+    note = "closed form, +2 -3 cycles" if form is not None else ""
+    return Mark(key, label, more.get("axis"), at, source, form, low, high, inside, note)
 
 
-def _marks(sample: Sample) -> list[dict[str, Any]]:
+def _marks(sample: Sample) -> list[Mark]:
     """The rows in the order of the process; the kernel acts 0.6 ms after a SYNC."""
     oracle, decided, found = sample.has_oracle, sample.decided, sample.is_found
     real = sample.false_ms is None and found
@@ -218,20 +211,11 @@ def _marks(sample: Sample) -> list[dict[str, Any]]:
     return [*rows, _mark("end", "run over", sample.end_ns)]
 
 
-def _values(sample: Sample) -> list[dict[str, Any]]:
-    def row(key: str, label: str, unit: str, *numbers: float | None) -> dict[str, Any]:
-        measured, expected, low, high = numbers
-        return {
-            "key": key,
-            "label": label,
-            "unit": unit,
-            "axis": sample.decided,
-            "measured": measured,
-            "expected": expected if sample.has_oracle else None,
-            "low": low if sample.has_oracle else None,
-            "high": high if sample.has_oracle else None,
-            "note": "F_lim/k",
-        }
+def _values(sample: Sample) -> list[Value]:
+    def row(key: str, label: str, unit: str, *numbers: float | None) -> Value:
+        measured, *form = numbers
+        form = form if sample.has_oracle else [None, None, None]
+        return Value(key, label, unit, sample.decided, measured, *form, "F_lim/k")
 
     rows = [row("running_lag", "lag while running", "mm", LAG, LAG, LAG - 1e-4, LAG + 1e-4)]
     place = STOP + PENETRATION

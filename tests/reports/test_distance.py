@@ -1,5 +1,6 @@
 """What the report tells of distance control, on runs made of formulas."""
 
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -7,11 +8,12 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pytest
-from tests.reports.distances import MS, info, law, samples, trace
+from tests.reports.distances import MS, control, info, law, limit, samples, trace
 from tests.reports.formulas import made, write_runs
 from tests.reports.pages import opened, whole
 from tests.reports.test_report import Page
 
+from axisrig.bench.judge.distance.control_findings import DeadCycles
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import CONST_DIST
 from axisrig.kernel.errors import UserError
@@ -72,7 +74,7 @@ def test_a_stable_loop_is_told_with_its_settling() -> None:
 
 
 def test_a_sensor_of_the_wrong_sign_has_no_stable_kp() -> None:
-    row = {**law(Control(kp=0.2), CONST_DIST), "kp_limit": 0.0, "growth": 1.2}
+    row = replace(law(Control(kp=0.2), CONST_DIST), kp_limit=0.0, growth=1.2)
     assert "no kp keeps this loop stable" in law_words(row)
     assert "sign of the sensor" in law_words(row)
 
@@ -115,19 +117,16 @@ def test_limits_say_what_was_used_of_them() -> None:
     assert (rows["v_max"]["used"], rows["v_max"]["word"]) == ("100", "reached")
     assert rows["max_deviation"]["word"] == ""
     sample = SAMPLES["profile"]
-    told = info(sample)
-    told["distance"][0]["limits"][-1]["used"] = -8.5  # min_pos
-    (found,) = sections(told, None, "x", {})
+    used = [*control(sample).limits[:-1], limit("min_pos", 420, -8.0, "mm", -8.5)]
+    (found,) = sections(info(sample, limits=used), None, "x", {})
     assert (found["limits"][-1]["word"], found["limits"][-1]["off"]) == ("outside", True)
 
 
 def test_dead_cycles_of_the_frames_that_differ_are_marked() -> None:
-    told = info(SAMPLES["profile"])
-    told["distance"][0]["dead"]["measured"] = 2
-    (found,) = sections(told, None, "x", {})
+    (found,) = sections(info(SAMPLES["profile"], dead=DeadCycles(1, 2)), None, "x", {})
     assert found["laws"][0]["dead_off"] is True
-    told["distance"][0]["dead"] = {"predicted": 1, "measured": None, "note": "no step"}
-    (found,) = sections(told, None, "x", {})
+    unknown = DeadCycles(1, note="no step")
+    (found,) = sections(info(SAMPLES["profile"], dead=unknown), None, "x", {})
     assert (found["laws"][0]["measured"], found["laws"][0]["dead_off"]) == ("–", False)
 
 
@@ -158,7 +157,7 @@ def test_surfaces_are_put_together_from_what_was_recorded() -> None:
     """Filtered surface = SET_POS + filtered deviation; true surface = tool less true distance."""
     sample = SAMPLES["surface-with-freeze"]
     before = trace(sample)
-    after = with_surfaces(before, info(sample)["distance"])
+    after = with_surfaces(before, [control(sample)])
     names = set(after.column_names)
     assert not {"Z.filtered_mm", "Z.distance_cnc_mm", "gap.distance_mm", "gap.valid"} & names
     truth = after.column("Z.surface_truth_mm").to_numpy()
@@ -226,11 +225,11 @@ def test_without_signals_the_section_still_stands() -> None:
 
 def test_the_tool_is_drawn_over_the_surface_where_another_axis_moves() -> None:
     sample = SAMPLES["profile"]
-    svg = drawing(trace(sample), info(sample)["distance"][0])
+    svg = drawing(trace(sample), control(sample))
     assert svg.count("<polyline") == 3
     assert "X in mm" in svg
     assert len(svg) < 30_000
-    assert drawing(trace(SAMPLES["alarm"]), info(SAMPLES["alarm"])["distance"][0]) == ""
+    assert drawing(trace(SAMPLES["alarm"]), control(SAMPLES["alarm"])) == ""
 
 
 @pytest.mark.parametrize(
@@ -269,6 +268,6 @@ def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
 
 
 def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) -> None:
-    lacking = FINDINGS | {"alarm": {"distance": [{"axis": "Z"}]}}
+    lacking = FINDINGS | {"alarm": info(SAMPLES["alarm"], errors=None)}
     with pytest.raises(UserError, match="`distance` of run distance-alarm cannot be read"):
         build_report(results, findings=made(lacking))

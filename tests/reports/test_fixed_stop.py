@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +24,13 @@ from tests.reports.stops import (
     V,
     info,
     samples,
+    stop,
     trace,
 )
 from tests.reports.test_report import Page
 
+from axisrig.bench.judge.fixed_stop.stop_findings import BrokenContact
+from axisrig.bench.judge.observed.event import Event
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
 from axisrig.reports.fixed_stop.section import sections
@@ -107,15 +111,9 @@ def test_a_contact_that_was_lost_counts_from_its_return(
 ) -> None:
     """First contact at 1500 ms, detected at 1677.6 ms, apart for 60 ms of them."""
     sample = SAMPLES["found-by-lag"]
-    told = info(sample)
-    told["fixed_stop"][0]["broken_contacts"] = {
-        "Z": {
-            "first_ns": 1500 * MS,
-            "since_ns": None if since_ms is None else since_ms * MS,
-            "lost_ns": 60 * MS,
-        }
-    }
-    (found,) = sections(told, trace(sample), "x", {})
+    since_ns = None if since_ms is None else since_ms * MS
+    broken = info(sample, broken_contacts={"Z": BrokenContact(1500 * MS, since_ns, 60 * MS)})
+    (found,) = sections(broken, trace(sample), "x", {})
     lost = "; first contact 177.6 ms before, lost for 60 ms"
     assert dict(found["answers"])["real stop"] == answer + lost
     assert found["word"] == word
@@ -123,19 +121,18 @@ def test_a_contact_that_was_lost_counts_from_its_return(
 
 def test_plots_open_with_the_axis_of_the_run_that_is_open() -> None:
     """X has an event and a run before; the last run is that of Z."""
-    told = info(SAMPLES["three-runs"])
-    told["events"].insert(0, {"time_ns": 0, "kind": "mark", "label": "X: homed", "axis": "X"})
+    found = info(SAMPLES["three-runs"])
+    found = replace(found, events=[Event(0, "mark", "X: homed", "X"), *found.events])
     signals = trace(SAMPLES["three-runs"])
     signals = signals.append_column("X.actual_mm", signals.column("Z.actual_mm"))
-    assert chart(signals, told)[0]["axis"] == "Z"
+    assert chart(signals, found)[0]["axis"] == "Z"
 
 
 def test_a_contact_of_another_axis_names_it() -> None:
     """The master of a gantry lags behind while its slave stands at a stop."""
     sample = SAMPLES["found-by-lag"]
-    told = info(sample)
-    next(m for m in told["fixed_stop"][0]["marks"] if m["key"] == "contact")["axis"] = "Z2"
-    (found,) = sections(told, trace(sample), "x", {})
+    marks = [replace(m, axis="Z2") if m.key == "contact" else m for m in stop(sample).marks]
+    (found,) = sections(info(sample, marks=marks), trace(sample), "x", {})
     assert dict(found["answers"])["real stop"].startswith("yes: Z2 in contact for 177.6 ms")
 
 
@@ -196,7 +193,7 @@ def test_without_a_closed_form_the_measured_instants_stand_alone() -> None:
     for name in ("no-closed-form", "on-a-real-bus"):
         assert all(row["form"] == "" and row["bar"] == "" for row in shown(name)["rows"])
         assert not any("tl-band" in row["lane"] for row in shown(name)["rows"])
-    assert shown("no-closed-form")["notes"] == ["friction is above the torque limit"]
+    assert shown("no-closed-form")["notes"] == ("friction is above the torque limit",)
     assert row("on-a-real-bus", "detected")["at"] == "1177.60"
 
 
@@ -211,20 +208,19 @@ def test_an_instant_outside_its_band_is_marked() -> None:
 
 def test_values_outside_their_bounds_are_marked() -> None:
     sample = SAMPLES["found-by-lag"]
-    told = info(sample)
-    told["fixed_stop"][0]["values"][1] |= {"measured": 40.03}
-    (found,) = sections(told, trace(sample), "x", {})
+    values = list(stop(sample).values)
+    values[1] = replace(values[1], measured=40.03)
+    (found,) = sections(info(sample, values=values), trace(sample), "x", {})
     assert [value["is_inside"] for value in found["values"]].count(False) == 1
 
 
 def test_a_value_on_its_bound_to_the_digits_shown_is_inside() -> None:
     """500.39287786 N with 500.39287785 N allowed; bounds that are one number are no bounds."""
     sample = SAMPLES["found-by-lag"]
-    told = info(sample)
-    rows = told["fixed_stop"][0]["values"]
-    rows[1] |= {"low": 40.025, "high": 40.025}
-    rows[3] |= {"measured": 500.392877864, "high": 500.392877863}
-    (found,) = sections(told, trace(sample), "x", {})
+    values = list(stop(sample).values)
+    values[1] = replace(values[1], low=40.025, high=40.025)
+    values[3] = replace(values[3], measured=500.392877864, high=500.392877863)
+    (found,) = sections(info(sample, values=values), trace(sample), "x", {})
     assert (found["values"][3]["is_inside"], found["values"][1]["is_inside"]) == (True, None)
     assert found["values"][1]["apart"] == "+0.200 µm"
 
@@ -308,7 +304,8 @@ def test_several_runs_have_a_button_each_and_the_last_timeline_open() -> None:
     labels = [window["label"] for window in description["windows"]]
     assert labels == [f"{what} {n}" for n in (1, 2, 3) for what in ("fixed stop", "detection")]
     assert labels[description["opens"]] == "fixed stop 3"
-    assert [stop["number"] for stop in sections(info(sample), trace(sample), "x", {})] == [1, 2, 3]
+    shown = sections(info(sample), trace(sample), "x", {})
+    assert [timeline["number"] for timeline in shown] == [1, 2, 3]
 
 
 def test_a_run_without_signals_still_has_its_timeline() -> None:
@@ -320,7 +317,7 @@ def test_a_run_without_signals_still_has_its_timeline() -> None:
 
 
 def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) -> None:
-    lacking = FINDINGS | {"found-by-lag": {"fixed_stop": [{"number": 1}]}}
+    lacking = FINDINGS | {"found-by-lag": info(SAMPLES["found-by-lag"], marks=None)}
     with pytest.raises(UserError, match="`fixed_stop` of run stops-found-by-lag cannot be read"):
         build_report(results, findings=made(lacking))
 

@@ -9,6 +9,7 @@ from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
+from axisrig.bench.judge.fixed_stop.stop_findings import StopFindings
 from axisrig.bench.judge.topics import findings
 
 PLANS = Path(__file__).parents[2] / "testplans"
@@ -33,15 +34,15 @@ def test_the_timeline_shows_what_the_bench_tells(tmp_path: Path) -> None:
     plan.write_text(f"{','.join(CELLS)}\n{','.join(CELLS.values())}\n", encoding="utf-8")
     told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
     assert told.exit_code == 0, told.output
-    (stop,) = findings(only_run(out))["fixed_stop"]
-    marks = {mark["key"]: mark for mark in stop["marks"] if mark["axis"] in ("X2", None)}
+    (stop,) = findings(only_run(out)).of(StopFindings)
+    marks = {mark.key: mark for mark in stop.marks if mark.axis in ("X2", None)}
     page = Page(whole(out / "report.html"))
     text = " ".join(" ".join(page.text).split())
     assert "stop found" in text
-    since_ns = marks["detected"]["measured_ns"] - marks["contact"]["measured_ns"]
+    since_ns = marks["detected"].measured_ns - marks["contact"].measured_ns
     assert f"in contact for {since_ns / 1e6:.1f} ms when detected" in text
     assert f"{since_ns / 1e6:.2f}" in text
-    for mark in stop["marks"]:
-        assert mark["label"] in text
-    for value in stop["values"]:
-        assert value["label"] in text
+    for mark in stop.marks:
+        assert mark.label in text
+    for value in stop.values:
+        assert value.label in text

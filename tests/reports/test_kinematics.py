@@ -11,13 +11,16 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from tests.recordings import MS, kept
-from tests.reports import tilted
+from tests.reports import distances, tilted
 from tests.reports.formulas import write_runs
 from tests.reports.pages import opened, whole
 from tests.reports.test_report import Page
 
-from axisrig.bench.judge.kinematics.findings import tool_blocks
+from axisrig.bench.judge.kinematics.findings import tool_findings
+from axisrig.bench.judge.kinematics.tool_findings import ToolFindings
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.run_findings import RunFindings
+from axisrig.bench.record.distance import Diagnosis
 from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.reports.build import build_report
 from axisrig.reports.kinematics.motion import Motion, motion_of, moved_mm
@@ -41,7 +44,7 @@ TOOL = tilted.tool(ECS, LEFT)
 STEADY = slice(tilted.STEP - tilted.KINEMATIC + 5, tilted.OFF - tilted.KINEMATIC)
 
 
-def motion(trace: pa.Table = ECS, tool: dict[str, Any] = TOOL) -> Motion:
+def motion(trace: pa.Table = ECS, tool: ToolFindings = TOOL) -> Motion:
     found = motion_of(trace, tool)
     assert found is not None
     return found
@@ -51,11 +54,11 @@ def motion(trace: pa.Table = ECS, tool: dict[str, Any] = TOOL) -> Motion:
 
 
 def test_the_block_names_limits_sensor_and_where_the_offset_acted() -> None:
-    (stretch,) = TOOL["kinematics"]
-    assert stretch["limits"] == {"HD2": 50.0, "HD3": 70.0, "HD4": 85.0}
-    assert (stretch["ids"], stretch["tool_mm"]) == ([9, 98], 80.0)
-    assert TOOL["sensor"] == "gap"
-    assert [(g["mode"], g["is_used"]) for g in TOOL["guides"]] == [("MCS", False), ("ECS", True)]
+    (stretch,) = TOOL.kinematics
+    assert stretch.limits == {"HD2": 50.0, "HD3": 70.0, "HD4": 85.0}
+    assert (stretch.record.ids, stretch.record.tool_mm) == ((9, 98), 80.0)
+    assert TOOL.sensor == "gap"
+    assert [(g.change.mode, g.is_used) for g in TOOL.guides] == [("MCS", False), ("ECS", True)]
 
 
 def test_what_a_program_writes_wins_and_no_extension_has_no_limit_of_it() -> None:
@@ -63,8 +66,8 @@ def test_what_a_program_writes_wins_and_no_extension_has_no_limit_of_it() -> Non
     program = (((1, 98, 1), 900_000.0), ((1, 98, 3), 910_000.0))
     on = KinematicRecord(0, None, tilted.AXES, (9, 98), 80.0, program)
     changed = replace(LEFT, kinematics=(on,))
-    (stretch,) = tilted.tool(ECS, changed)["kinematics"]
-    assert stretch["limits"] == {"HD4": 91.0}
+    (stretch,) = tilted.tool(ECS, changed).kinematics
+    assert stretch.limits == {"HD4": 91.0}
 
 
 def test_a_sensor_without_a_true_distance_has_its_beam_only() -> None:
@@ -77,8 +80,8 @@ def test_a_sensor_without_a_true_distance_has_its_beam_only() -> None:
 
 def test_a_run_without_a_kinematic_has_no_tool() -> None:
     observed = Observed(replace(LEFT, kinematics=()), kept(ECS))
-    assert tool_blocks(observed) == []
-    assert sections({"kinematics": []}, ECS, "a", {}) == []
+    assert tool_findings(observed) == []
+    assert sections(RunFindings(), ECS, "a", {}) == []
 
 
 # Motion: numbers of the issue, 1.5 mm at A -35 and C 20
@@ -97,7 +100,7 @@ def test_along_the_tool_the_contour_moves_by_1_8312_and_1_0503_to_the_side() -> 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_offset_below_0_moves_the_tool_the_other_way(mode: str, way: float, sign: float) -> None:
     trace = tilted.trace(mode=mode, has_sensor=False, offset_mm=sign * 1.5)
-    tool = {**tilted.tool(trace, tilted.left(mode)), "sensor": None}
+    tool = replace(tilted.tool(trace, tilted.left(mode)), sensor=None)
     assert motion(trace, tool).moved_mm[STEADY] == pytest.approx(sign * way, abs=5e-5)
     assert moved_mm(trace, tool)[tilted.STEP + 5] == pytest.approx(sign * way, abs=5e-5)
 
@@ -111,7 +114,7 @@ def test_along_the_normal_nothing_moves_to_the_side() -> None:
 
 def test_plant_and_chain_of_matrices_agree_on_the_tool() -> None:
     """Without a sensor the tool is that of the true positions of the axes, without a surface."""
-    by_chain = motion(tilted.trace(has_sensor=False), {**TOOL, "sensor": None})
+    by_chain = motion(tilted.trace(has_sensor=False), replace(TOOL, sensor=None))
     by_plant = motion()
     for name in ("clamp_mm", "tcp_mm", "programmed_mm", "tilt_deg", "length_mm"):
         assert np.abs(getattr(by_chain, name) - getattr(by_plant, name)).max() < 1e-9
@@ -121,7 +124,7 @@ def test_plant_and_chain_of_matrices_agree_on_the_tool() -> None:
 
 def test_the_length_is_virtually_extended_from_50_to_70_degrees() -> None:
     """FCT-M3 12.4.2 with [50; 70] and 80 mm: 150.351 mm at 70 degrees, frozen above."""
-    steep = motion(tilted.trace(-80.0, has_sensor=False), {**TOOL, "sensor": None})
+    steep = motion(tilted.trace(-80.0, has_sensor=False), replace(TOOL, sensor=None))
     assert steep.length_mm.max() == pytest.approx(150.351, abs=5e-4)
     between = (steep.tilt_deg > 50.0) & (steep.tilt_deg < 70.0) & ~steep.is_on
     heights = steep.clamp_mm[between, 2]
@@ -227,9 +230,10 @@ def test_the_picture_of_the_surface_is_about_the_control_or_about_what_is_near()
 
 def test_set_pos_is_an_ideal_surface_along_the_normal_from_the_origin() -> None:
     """n (p - p0) = SET_POS with SET_POS 2 and the origin 5 above zero: at 7."""
-    guides = [{**TOOL["guides"][1], "origin_mm": (3.0, 0.0, 5.0)}]
+    last = TOOL.guides[1]
+    guides = [replace(last, change=replace(last.change, origin_mm=(3.0, 0.0, 5.0)))]
     found = replace(motion(), set_pos_mm=np.full(len(motion().times_ns), 2.0))
-    assert ideal(found, {**TOOL, "guides": guides}) == [{"normal": [0.0, 0.0, 1.0], "at_mm": 7.0}]
+    assert ideal(found, replace(TOOL, guides=guides)) == [{"normal": [0.0, 0.0, 1.0], "at_mm": 7.0}]
     assert ideal(motion(), TOOL) == []
 
 
@@ -237,7 +241,7 @@ def test_set_pos_is_an_ideal_surface_along_the_normal_from_the_origin() -> None:
 
 
 def test_truth_and_what_the_plc_sees_are_one_plot_with_the_limits_of_the_tilt() -> None:
-    description, _ = chart(ECS, {"kinematics": [TOOL], "events": []})
+    description, _ = chart(ECS, RunFindings(of_topics=[TOOL]))
     drawn = {plot["plot"]: plot["series"] for plot in description["plots"]}
     shown = [entry["label"] for entry in drawn["tilt"]["channel"]]
     assert shown == ["shown to the PLC", "true"]
@@ -246,15 +250,15 @@ def test_truth_and_what_the_plc_sees_are_one_plot_with_the_limits_of_the_tilt() 
 
 
 def test_every_signal_has_its_place_and_points_of_the_tool_have_none() -> None:
-    control = {"axis": "channel", "sensor": "gap"}
-    assert plots(ECS, {"kinematics": [TOOL], "distance": [control]}).axes == ["channel"]
-    assert plots(ECS, {"kinematics": [TOOL]}).axes == []
-    after = with_signals(ECS, {"kinematics": [TOOL], "distance": [control]})
+    control = replace(distances.control(distances.samples()[0]), axis="channel")
+    assert plots(ECS, RunFindings(of_topics=[TOOL, control])).axes == ["channel"]
+    assert plots(ECS, RunFindings(of_topics=[TOOL])).axes == []
+    after = with_signals(ECS, RunFindings(of_topics=[TOOL, control]))
     names = set(after.column_names)
     assert "channel.moved_mm" in names
     assert not {"C.superposed_deg", "A.superposed_deg"} & names
     assert not [name for name in names if "clamping" in name or "tcp_" in name]
-    alone = with_signals(ECS, {"kinematics": [TOOL]})
+    alone = with_signals(ECS, RunFindings(of_topics=[TOOL]))
     known = [name.partition(".")[2] for name in alone.column_names if name != "time_ns"]
     assert [name for name in known if name not in signals()] == []
     assert "channel.distance_state" not in alone.column_names  # never on
@@ -265,7 +269,7 @@ def test_what_is_superposed_on_an_axis_that_turns_is_drawn_in_degrees(recorded: 
     """Older recordings have it under the name of a length."""
     other = ECS.drop_columns(["A.superposed_deg"])
     other = other.append_column(recorded, other.column("Z.superposed_mm"))
-    names = set(with_signals(other, {"kinematics": [TOOL]}).column_names)
+    names = set(with_signals(other, RunFindings(of_topics=[TOOL])).column_names)
     assert {name for name in names if name.startswith("A.superposed")} == {"A.superposed_deg"}
     found = Observed(LEFT, kept(other)).column("A", "superposed_mm")
     assert found.tolist() == other.column("Z.superposed_mm").to_pylist()
@@ -274,7 +278,7 @@ def test_what_is_superposed_on_an_axis_that_turns_is_drawn_in_degrees(recorded: 
 def test_without_a_sensor_tilt_and_length_are_those_of_the_chain() -> None:
     """80 cos 50/cos 70 = 150.351 mm at 80 degrees; nothing before the kinematic is on."""
     bare = tilted.trace(-80.0, has_sensor=False).drop_columns(["channel.tilt_deg"])
-    after = with_signals(bare, {"kinematics": [{**TOOL, "sensor": None}]})
+    after = with_signals(bare, RunFindings(of_topics=[replace(TOOL, sensor=None)]))
     tilt = after.column("channel.tilt_true_deg").to_numpy()
     assert np.isnan(tilt[: tilted.KINEMATIC]).all()
     assert tilt[tilted.ON] == pytest.approx(80.0, abs=1e-9)
@@ -286,12 +290,12 @@ def test_a_kinematic_without_distance_control_has_its_section() -> None:
     """Nothing of a control is recorded: no guides, no columns of the channel."""
     columns = [name for name in ECS.column_names if name.split(".")[0] in ("time_ns", *"XYZCA")]
     bare = ECS.select([name for name in columns if "superposed" not in name])
-    (tool,) = tool_blocks(Observed(replace(LEFT, distance_3d=None), kept(bare)))
-    assert (tool["guides"], tool["diagnosis"], tool["sensor"]) == ([], [], None)
-    (found,) = sections({"kinematics": [tool]}, bare, "a", {})
+    (tool,) = tool_findings(Observed(replace(LEFT, distance_3d=None), kept(bare)))
+    assert (tool.guides, tool.diagnosis, tool.sensor) == ([], (), None)
+    (found,) = sections(RunFindings(of_topics=[tool]), bare, "a", {})
     assert (found["has_surface"], found["has_offset"], found["modes"]) == (False, False, [])
     assert [row[0] for row in found["rows"]] == ["tilt", "tool length, true"]
-    description, _ = chart(bare, {"kinematics": [tool], "events": []})
+    description, _ = chart(bare, RunFindings(of_topics=[tool]))
     assert "tilt" in [plot["plot"] for plot in description["plots"]]
 
 
@@ -299,7 +303,7 @@ def test_a_kinematic_without_distance_control_has_its_section() -> None:
 
 
 def shown() -> dict[str, Any]:
-    (found,) = sections({"kinematics": [TOOL]}, ECS, "a", {})
+    (found,) = sections(RunFindings(of_topics=[TOOL]), ECS, "a", {})
     return found
 
 
@@ -327,16 +331,16 @@ def test_diagnosis_data_are_a_table_of_its_names() -> None:
         ("", "kp", False),
         ("Dist-Ctrl Interface", "cmd_offset", True),
     ]
-    many = [{"time_ns": n * MS, "values": {"zstd": str(n)}} for n in range(40)]
-    table = dumps({**TOOL, "diagnosis": many})
+    many = [Diagnosis(n * MS, {"zstd": str(n)}) for n in range(40)]
+    table = dumps(replace(TOOL, diagnosis=many))
     assert table is not None
     assert (len(table["instants"]), table["left_out"]) == (12, 28)
     assert table["rows"][0]["values"][-1] == "39"
-    assert dumps({**TOOL, "diagnosis": []}) is None
+    assert dumps(replace(TOOL, diagnosis=[])) is None
 
 
 def test_without_signals_the_section_is_still_there() -> None:
-    (found,) = sections({"kinematics": [TOOL]}, None, "a", {})
+    (found,) = sections(RunFindings(of_topics=[TOOL]), None, "a", {})
     assert (found["scene"], found["rows"]) == (None, [])
 
 

@@ -1,5 +1,6 @@
 """The section on an inclined tool of a run that the bench has made: plant against chains."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
+from axisrig.bench.judge.kinematics.tool_findings import ToolFindings
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import findings
 from axisrig.reports.kinematics.motion import motion_of
@@ -53,9 +55,9 @@ def test_plant_and_chain_agree_and_the_offset_is_that_of_the_closed_form(
     An increment is 10 nm and 1e-4 degrees, 0.3 um at a lever of 180 mm; kp 0.2 holds within some.
     """
     observed, _ = run
-    (tool,) = findings(observed)["kinematics"]
+    (tool,) = findings(observed).of(ToolFindings)
     trace = observed.series.table()
-    by_plant, by_chain = motion_of(trace, tool), motion_of(trace, {**tool, "sensor": None})
+    by_plant, by_chain = motion_of(trace, tool), motion_of(trace, replace(tool, sensor=None))
     assert by_plant is not None
     assert by_chain is not None
     for name in ("clamp_mm", "tcp_mm", "tilt_deg", "length_mm"):

@@ -1,12 +1,13 @@
 """The drawing beside a failure: signal and limit lie where the numbers say."""
 
 import re
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pytest
 
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.plan.checks import parse_check, plot_limits
 from axisrig.reports.parts.picture import HEIGHT, WIDTH, picture
 from axisrig.reports.signals import chart
@@ -26,10 +27,10 @@ def ramp(rows: int = 2000) -> pa.Table:
     )
 
 
-def drawn(metric: str, condition: str, **info: Any) -> str:
+def drawn(metric: str, condition: str, *events: Event) -> str:
     limits = plot_limits(parse_check(metric, condition, "a.csv:2"))
     table = ramp()
-    description, _ = chart(table, {"limits": limits, **info})
+    description, _ = chart(table, RunFindings(events=events), limits=limits)
     return picture(table, description, metric)
 
 
@@ -60,8 +61,8 @@ def test_the_peak_is_above_the_limit_that_it_breaks() -> None:
 
 def test_without_a_limit_in_a_plot_the_position_is_drawn_around_what_happened() -> None:
     """An edge at 500 ms; the stretch with a button ends long before 2 s."""
-    event = {"time_ns": 500 * MS, "kind": "edge", "label": "edge", "axis": None}
-    svg = drawn("latch_error_um:Z", "-0.2 .. 0.2", events=[event])
+    event = Event(500 * MS, "edge", "edge")
+    svg = drawn("latch_error_um:Z", "-0.2 .. 0.2", event)
     assert "Z actual, mm" in svg
     assert 'class="pic-mark k-edge"' in svg
     assert limit_places(svg) == []
@@ -72,14 +73,14 @@ def test_without_a_limit_in_a_plot_the_position_is_drawn_around_what_happened() 
 def test_what_is_not_there_is_not_drawn() -> None:
     table = ramp()
     assert picture(table, {}, "lag_mm_max:Z") == ""
-    description, _ = chart(table, {})
+    description, _ = chart(table, RunFindings())
     assert picture(table, description, "lag_mm_max:X") == ""
     nothing = table.set_column(1, "Z.actual_mm", pa.array(np.full(2000, np.nan)))
-    assert picture(nothing, chart(nothing, {})[0], "latch_error_um:Z") == ""
+    assert picture(nothing, chart(nothing, RunFindings())[0], "latch_error_um:Z") == ""
 
 
 def test_hostile_names_stay_text() -> None:
     table = ramp().rename_columns(["time_ns", "<b>.actual_mm", "<b>.cnc_lag_mm"])
-    svg = picture(table, chart(table, {})[0], "alarms")
+    svg = picture(table, chart(table, RunFindings())[0], "alarms")
     assert "<b>" not in svg
     assert "&lt;b&gt;" in svg

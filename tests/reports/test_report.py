@@ -5,7 +5,7 @@ import json
 import re
 import shutil
 from collections import Counter
-from dataclasses import asdict, replace
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -15,7 +15,8 @@ import pytest
 from tests.recordings import alarm
 from tests.reports.pages import whole
 
-from axisrig.bench.judge.observed.event import WARNING
+from axisrig.bench.judge.observed.event import WARNING, Event
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.record.axes import PlantRecord
 from axisrig.bench.record.bus import RealTime
 from axisrig.bench.record.facts import AlarmRecord, read_run, run_text
@@ -249,7 +250,7 @@ def test_a_run_whose_trace_is_empty_is_shown_without_plots(campaign: Path, tmp_p
 
 def test_a_signal_that_the_table_does_not_know_gets_a_plot() -> None:
     trace = pa.table({"time_ns": [0, 1], "Z.gap_mm": [0.5, 0.25], "Z.set_mm": [1.0, 2.0]})
-    description, _ = chart(trace, {})
+    description, _ = chart(trace, RunFindings())
     assert [plot["plot"] for plot in description["plots"]] == ["position", "gap_mm"]
     assert description["axes"] == ["Z"]
 
@@ -306,13 +307,11 @@ def test_times_of_events_count_from_the_contact() -> None:
     """Also those behind an edge that comes later, until the next contact."""
     kinds = [("mark", 1), ("contact", 10), ("edge", 12), ("latch", 13), ("edge", 40), ("mark", 50)]
     kinds += [("contact", 60), ("edge", 62)]
-    events = [
-        {"kind": kind, "time_ns": ms * 1_000_000, "label": kind, "axis": None} for kind, ms in kinds
-    ]
-    told = [row["since"] and float(row["since"]) for row in event_rows({"events": events})]
+    events = [Event(ms * 1_000_000, kind, kind) for kind, ms in kinds]
+    told = [row["since"] and float(row["since"]) for row in event_rows(events)]
     assert told == ["", 0.0, 2.0, 3.0, 30.0, 40.0, 0.0, 2.0]
-    without = [event for event in events if event["kind"] != "contact"]
-    told = [row["since"] and float(row["since"]) for row in event_rows({"events": without})]
+    without = [event for event in events if event.kind != "contact"]
+    told = [row["since"] and float(row["since"]) for row in event_rows(without)]
     assert told == ["", 0.0, 1.0, 28.0, 38.0, 50.0], "else from the first edge"
 
 
@@ -343,13 +342,13 @@ def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> Non
     """100 ms long: 60 ms before, 40 ms after; the second one, 1 s later, is cut by the end."""
     ms = 1_000_000
     events = [
-        {"time_ns": 1000 * ms, "kind": "contact"},
-        {"time_ns": 1010 * ms, "kind": "brake"},
-        {"time_ns": 1100 * ms, "kind": "standstill"},
-        {"time_ns": 1300 * ms, "kind": "edge"},  # the probe leaves the surface
-        {"time_ns": 2100 * ms, "kind": "contact"},
-        {"time_ns": 2200 * ms, "kind": "standstill"},
-        {"time_ns": 5 * ms, "kind": "alarm"},
+        Event(1000 * ms, "contact", ""),
+        Event(1010 * ms, "brake", ""),
+        Event(1100 * ms, "standstill", ""),
+        Event(1300 * ms, "edge", ""),  # the probe leaves the surface
+        Event(2100 * ms, "contact", ""),
+        Event(2200 * ms, "standstill", ""),
+        Event(5 * ms, "alarm", ""),
     ]
     found = {w["label"]: (w["start_ns"], w["end_ns"]) for w in windows(events, 0, 2210 * ms)}
     assert found["measurement 1"] == (940 * ms, 1140 * ms)
@@ -358,7 +357,7 @@ def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> Non
     assert found["alarm"] == (0, 155 * ms)
     assert len(found) == 5
     assert windows([], 0, 100) == []
-    (edge,) = windows([{"time_ns": 500 * ms, "kind": "edge"}], 0, 1000 * ms)
+    (edge,) = windows([Event(500 * ms, "edge", "")], 0, 1000 * ms)
     assert edge["label"] == "edge"
     assert (edge["start_ns"], edge["end_ns"]) == (500 * ms - 60_000, 500 * ms + 40_000)
 
@@ -366,22 +365,22 @@ def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> Non
 def test_a_run_with_an_alarm_opens_there() -> None:
     """Not at a contact long before; a warning is no reason to look elsewhere."""
     ms = 1_000_000
-    contact = {"time_ns": 100 * ms, "kind": "contact", "label": "probe: contact"}
-    ended = {"time_ns": 900 * ms, "kind": "alarm", "label": "ID 900006"}
+    contact = Event(100 * ms, "contact", "probe: contact")
+    ended = Event(900 * ms, "alarm", "ID 900006")
     first, *_ = windows([contact, ended], 0, 2000 * ms)
     assert (first["label"], first["start_ns"], first["end_ns"]) == ("alarm", 850 * ms, 1050 * ms)
-    warning = {**ended, "label": f"ID 50052{WARNING}", "is_warning": True}
+    warning = replace(ended, label=f"ID 50052{WARNING}", is_warning=True)
     assert [w["label"] for w in windows([contact, warning], 0, 2000 * ms)] == ["edge"]
 
 
 def test_a_measurement_without_an_edge_has_no_button_for_one() -> None:
     ms = 1_000_000
-    end = {"time_ns": 100 * ms, "kind": "standstill", "label": "measurement run ended"}
+    end = Event(100 * ms, "standstill", "measurement run ended")
     assert [w["label"] for w in windows([end], 0, 2000 * ms)] == ["measurement"]
 
 
 def shown(record: AlarmRecord) -> dict[str, str]:
-    return alarm_words(asdict(record))
+    return alarm_words(record)
 
 
 def test_an_alarm_says_in_words_what_it_is() -> None:

@@ -1,5 +1,6 @@
 """What the pages say of a tool and of failures, by pure functions: each signal and note once."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,12 +8,15 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from axisrig.bench.judge.kinematics.tool_findings import ToolFindings, ToolGuide
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.kinematics import GuideChange
 from axisrig.reports.kinematics import section, signals
 from axisrig.reports.kinematics.section import angle_to_normal
 from axisrig.reports.run import _failures
 
-TOOL = {"sensor": "head", "axes": [], "rotary": [], "guides": []}
+TOOL = ToolFindings([], [], "head", {}, [], [], [])
 
 
 @pytest.mark.parametrize("is_controlled", [True, False])
@@ -23,12 +27,12 @@ def test_the_true_gap_is_shown_where_no_distance_control_shows_it(
     monkeypatch.setattr(signals, "_is_controlled", lambda _: is_controlled)
     names = ("tilt_deg", "virtual_length_mm", "along_mm", "distance_true_mm")
     trace = pa.table({f"head.{name}": [float(at)] for at, name in enumerate(names)})
-    found = signals._of_plant(trace, TOOL, {})
+    found = signals._of_plant(trace, TOOL, RunFindings())
     shown = {name: float(values[0]) for name, values in found.items()}
     of_any = {"channel.tilt_true_deg": 0.0, "channel.tool_length_true_mm": 1.0,
               "channel.along_true_mm": 2.0}  # fmt: skip
     assert shown == of_any | ({} if is_controlled else {"channel.gap_true_mm": 3.0})
-    short = signals._of_plant(trace.select(["head.tilt_deg"]), TOOL, {})
+    short = signals._of_plant(trace.select(["head.tilt_deg"]), TOOL, RunFindings())
     assert list(short) == ["channel.tilt_true_deg"]
 
 
@@ -42,8 +46,8 @@ def test_the_angle_to_the_normal_is_that_of_the_guide_in_force() -> None:
     )
 
     def found(*guides: tuple[int, str]) -> list[float | None]:
-        listed = [{"time_ns": t, "mode": mode, "normal": (0.0, 0.0, 1.0)} for t, mode in guides]
-        values = angle_to_normal(motion, {**TOOL, "guides": listed})
+        listed = [ToolGuide(GuideChange(t, mode), is_used=True) for t, mode in guides]
+        values = angle_to_normal(motion, replace(TOOL, guides=listed))
         return [None if np.isnan(value) else round(float(value), 6) for value in values]
 
     ecs, mcs = section.ECS, "MCS"

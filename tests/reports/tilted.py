@@ -13,9 +13,10 @@ import numpy.typing as npt
 import pyarrow as pa
 from tests.recordings import MS, facts, kept
 
-from axisrig.bench.judge.kinematics.findings import tool_blocks
+from axisrig.bench.judge.kinematics.findings import tool_findings
+from axisrig.bench.judge.kinematics.tool_findings import ToolFindings
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import shown_facts
+from axisrig.bench.judge.run_findings import RunFindings, of_facts
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import (
     ChannelDistanceRecord,
@@ -150,13 +151,12 @@ def left(mode: str = "ECS") -> Facts:
     )
 
 
-def tool(signals: pa.Table, of: Facts) -> dict[str, Any]:
-    """The block `kinematics` of the findings."""
-    (found,) = tool_blocks(Observed(of, kept(signals)))
+def tool(signals: pa.Table, of: Facts) -> ToolFindings:
+    """What the judge finds of the tool."""
+    (found,) = tool_findings(Observed(of, kept(signals)))
     return found
 
 
-def found(observed: Observed) -> dict[str, Any]:
+def found(observed: Observed) -> RunFindings:
     """Findings of a run: its facts and its tool alone."""
-    tools = tool_blocks(observed)
-    return {**shown_facts(observed.facts), "events": [], "distance": [], "kinematics": tools}
+    return replace(of_facts(observed.facts), of_topics=tool_findings(observed))

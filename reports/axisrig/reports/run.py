@@ -14,14 +14,16 @@ import pyarrow as pa
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import NOTE, PROBE, StoredRun
-from axisrig.bench.judge.observed.event import BESIDES
+from axisrig.bench.judge.observed.event import BESIDES, Event
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import shown_facts
+from axisrig.bench.judge.run_findings import RunFindings, of_facts
 from axisrig.bench.plan.checks import parse_check, plot_limits
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.searching import BAD, GOOD
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.bus import BusFigures, LineFigures
+from axisrig.bench.record.facts import AlarmRecord
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 from axisrig.reports.blocks.section import Address, blocks_lane, blocks_view
@@ -33,8 +35,8 @@ from axisrig.reports.parts.words import shown_unit
 from axisrig.reports.signals import chart, with_signals
 from axisrig.reports.sweeps.searches import searched_column
 
-Findings = Callable[[Observed], Mapping[str, Any]]
-"""What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
+Findings = Callable[[Observed], RunFindings]
+"""What is shown of a run beside its checks."""
 
 SECTION = "section.html"
 BUS_LOG = "bus log"
@@ -87,7 +89,7 @@ def _view(
     case, info = run.case, _info(run, series, parts.findings)
     _check_numbers(trace, run)
     blocks, lane = _blocks(run, partial(_program_address, links), is_reduced=is_reduced)
-    alarms = [alarm_words(alarm) for alarm in info["alarms"]]
+    alarms = [alarm_words(alarm) for alarm in info.alarms]
     alarm_texts = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
     sections = []
     for topic in parts.topics:
@@ -97,7 +99,10 @@ def _view(
     with readable(run, "trace"):
         drawn: tuple[dict[str, Any], str] = ({}, "")
         if trace is not None:
-            drawn = chart(trace, info | {"lane": lane}, parts.topics, is_reduced=is_reduced)
+            limits = _plot_limits(run)
+            drawn = chart(
+                trace, info, parts.topics, limits=limits, lane=lane, is_reduced=is_reduced
+            )
         pictures = _pictures(run, trace, info, drawn[0], parts.topics)
     checks = [_check(row) for row in run.checks]
     commands = [["replay", output, run.recorded]] if run.file else []
@@ -112,12 +117,12 @@ def _view(
         "is_in_plan": run.is_in_plan,
         "probe_of": run.case.get(PROBE, ""),
         "title": case.get("title", ""),
-        "sentence": _sentence(run, info.get("error")),
+        "sentence": _sentence(run, info.error),
         "failures": _failures(run, pictures),
         "about": _about(case),
         "inputs": inputs,
         "seed": case["seed"],
-        "clock": "ran" if info.get("real_time") else "simulated",
+        "clock": "ran" if info.real_time else "simulated",
         "sim_s": f"{float(case['sim_s']):.3f}",
         "alarms": alarms,
         "hash": case["frame_log_sha256"],
@@ -125,15 +130,15 @@ def _view(
         "checks": checks,
         # A run that ended before it could be judged needs one line, not one for each check.
         "unjudged": _is_unjudged(run, info),
-        "error": info.get("error"),
-        "messages": info.get("messages", []),
-        "log": info.get("log", []),
+        "error": info.error,
+        "messages": info.messages,
+        "log": info.log,
         "sections": sections,
-        "events": event_rows(info),
+        "events": event_rows(info.events),
         "blocks": blocks,
-        "real_time": real_time(info.get("real_time")),
-        "buses": [_bus(bus) for bus in info.get("bus", [])],
-        "waits": any(bus["waiting"] for bus in info.get("bus", [])),
+        "real_time": real_time(info.real_time),
+        "buses": [_bus(bus) for bus in info.buses],
+        "waits": any(bus.waiting for bus in info.buses),
         "commands": [shlex.join(["axisrig", *words]) for words in commands],
         "chart": drawn[0],
         "data": drawn[1],
@@ -179,8 +184,8 @@ def probe_rows(run: StoredRun, probes: Sequence[StoredRun]) -> list[dict[str, An
     return sorted(rows, key=lambda row: float(row["value"] or 0.0))
 
 
-def _is_unjudged(run: StoredRun, info: Mapping[str, Any]) -> bool:
-    return bool(info.get("error")) and not any(row["value"] for row in run.checks)
+def _is_unjudged(run: StoredRun, info: RunFindings) -> bool:
+    return bool(info.error) and not any(row["value"] for row in run.checks)
 
 
 def _about(case: Mapping[str, str]) -> list[tuple[str, str]]:
@@ -223,7 +228,7 @@ def _failed(run: StoredRun) -> list[Mapping[str, str]]:
 def _pictures(
     run: StoredRun,
     trace: pa.Table | None,
-    info: Mapping[str, Any],
+    info: RunFindings,
     description: Mapping[str, Any],
     topics: Sequence[ReportTopic],
 ) -> dict[str, Markup]:
@@ -299,21 +304,26 @@ def _one_line(error: Exception) -> str:
     return repr(error) if type(error) is KeyError else str(error).strip().partition("\n")[0]
 
 
-def _info(run: StoredRun, series: Series | None, findings: Findings) -> dict[str, Any]:
-    """What is shown of a run beside its checks: the findings, and limits to draw."""
+def _info(run: StoredRun, series: Series | None, findings: Findings) -> RunFindings:
+    """What is shown of a run beside its checks."""
     facts = run.recording.facts
-    found: dict[str, Any] = {"alarms": [], "log": run.log, "error": run.error}
-    if facts is not None:
-        found = shown_facts(facts)
-        if series is not None:
-            observed = Observed(facts, series)
-            found |= findings(observed)
-            observed.forget()
+    if facts is None:
+        return RunFindings(log=run.log, error=run.error)
+    if series is None:
+        return of_facts(facts)
+    observed = Observed(facts, series)
+    found = findings(observed)
+    observed.forget()
+    return found
+
+
+def _plot_limits(run: StoredRun) -> list[dict[str, Any]]:
+    """The limits of its checks, to draw."""
     checks = []
     for row in run.checks:
         with suppress(UserError):  # a metric of another version
             checks.append(parse_check(row["metric"], row["check"], row["reference"]))
-    return found | {"limits": [limit for check in checks for limit in plot_limits(check)]}
+    return [limit for check in checks for limit in plot_limits(check)]
 
 
 def _check_numbers(trace: pa.Table | None, run: StoredRun) -> None:
@@ -323,13 +333,13 @@ def _check_numbers(trace: pa.Table | None, run: StoredRun) -> None:
             raise UserError(f"the trace is damaged: {item.name!r} holds no numbers", file=run.trace)
 
 
-def alarm_words(alarm: Mapping[str, Any]) -> dict[str, str]:
+def alarm_words(alarm: AlarmRecord) -> dict[str, str]:
     """An alarm with what it says; short: its first sentence, without the place in the program."""
-    place = f" ({alarm['place']})" if alarm["place"] else ""
-    text = alarm["text"].partition(": ")[2]
+    place = f" ({alarm.place})" if alarm.place else ""
+    text = alarm.text.partition(": ")[2]
     return {
-        "id": str(alarm["id"]),
-        "text": f"{BESIDES}{text}" if alarm["is_further"] else text,
+        "id": str(alarm.id),
+        "text": f"{BESIDES}{text}" if alarm.is_further else text,
         "short": text.replace(place, "", 1).partition(". ")[0],
     }
 
@@ -388,24 +398,26 @@ def _short(text: str) -> str:
     return short_number(number, 7 if abs(number) >= _TINY else 3)
 
 
-def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
+def _bus(bus: BusFigures) -> dict[str, Any]:
     """The figures of a segment as the table prints them."""
     return {
-        "segment": bus["segment"],
-        "bitrate": _bit_rate(bus["bitrate"]),
-        "loads": [f"{bus[key]:.1f}" for key in ("load_pct", "load_100ms_pct", "load_1ms_pct")],
-        "frames": bus["frames"],
-        "error_frames": bus["error_frames"],
-        "overload": bus["overload"],
+        "segment": bus.segment,
+        "bitrate": _bit_rate(bus.bitrate),
+        "loads": [
+            f"{load_pct:.1f}" for load_pct in (bus.load_pct, bus.load_100ms_pct, bus.load_1ms_pct)
+        ],
+        "frames": bus.frames,
+        "error_frames": bus.error_frames,
+        "overload": bus.overload,
         "counters": [
             {"port": port, "tec": tec, "rec": rec, "state": state}
-            for port, tec, rec, state in bus["counters"]
+            for port, tec, rec, state in bus.counters
         ],
         "waiting": [
-            {"name": wait["name"], "id": f"{wait['can_id']:03X}", "us": f"{wait['worst_us']:.1f}"}
-            for wait in bus["waiting"]
+            {"name": wait.name, "id": f"{wait.can_id:03X}", "us": f"{wait.worst_us:.1f}"}
+            for wait in bus.waiting
         ],
-        "line": _line(bus["line"]) if bus.get("line") else [],
+        "line": _line(bus.line) if bus.line else [],
     }
 
 
@@ -413,34 +425,35 @@ def _bit_rate(bits_s: int) -> str:
     return f"{bits_s / 1e6:g} Mbit/s" if bits_s > MBIT_S else f"{bits_s / 1000:g} kbit/s"
 
 
-def _line(line: Mapping[str, Any]) -> list[tuple[str, str, bool]]:
+def _line(line: LineFigures) -> list[tuple[str, str, bool]]:
     """Cycle, working counters and states of an EtherCAT line: name, text, whether it is wrong."""
-    lost = line["sent"] - line["back"]
-    wrong = f"{line['counter']}, another one in {line['wrong']} frames"
-    if line["wrong_in_a_row"] > 1:
-        wrong += f", {line['wrong_in_a_row']} in a row"
+    lost = line.sent - line.back
+    wrong = f"{line.counter}, another one in {line.wrong} frames"
+    if line.wrong_in_a_row > 1:
+        wrong += f", {line.wrong_in_a_row} in a row"
     return [
-        ("cycle", f"{line['period_us']:g} µs, of it the frame {line['wire_us']:.2f} µs", False),
-        ("cyclic frames", f"{line['sent']}, not back {lost}", lost > 0),
-        ("working counter", wrong, line["wrong"] > 0),
-        *((f"{axis}: AL state", state, state != "OP") for axis, state in line["slaves"]),
+        ("cycle", f"{line.period_us:g} µs, of it the frame {line.wire_us:.2f} µs", False),
+        ("cyclic frames", f"{line.sent}, not back {lost}", lost > 0),
+        ("working counter", wrong, line.wrong > 0),
+        *((f"{axis}: AL state", state, state != "OP") for axis, state in line.slaves),
     ]
 
 
-def event_rows(info: Mapping[str, Any]) -> list[dict[str, str]]:
+def event_rows(events: Sequence[Event]) -> list[dict[str, str]]:
     """Events with their time, and the time since the contact (else the edge) before them."""
-    rows, origin_ns = [], None
-    for event in info.get("events", []):
-        if event["kind"] == "contact" or (event["kind"] == "edge" and origin_ns is None):
-            origin_ns = event["time_ns"]
-        since = "" if origin_ns is None else f"{(event['time_ns'] - origin_ns) / 1e6:.6f}"
+    rows: list[dict[str, str]] = []
+    origin_ns: int | None = None
+    for event in events:
+        if event.kind == "contact" or (event.kind == "edge" and origin_ns is None):
+            origin_ns = event.time_ns
+        since = "" if origin_ns is None else f"{(event.time_ns - origin_ns) / 1e6:.6f}"
         rows.append(
             {
-                "time": f"{event['time_ns'] / 1e6:.6f}",
+                "time": f"{event.time_ns / 1e6:.6f}",
                 "since": since,
-                "kind": event["kind"],
-                "label": event["label"],
-                "axis": event["axis"] or "",
+                "kind": event.kind,
+                "label": event.label,
+                "axis": event.axis or "",
             }
         )
     return rows

@@ -1,13 +1,15 @@
 """From a trace to plots: which signal goes where, and which stretch of time is worth looking at."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.record.series import SYNC_AFTER, values_of
 from axisrig.reports.parts.encode import encode_signal, pack
 from axisrig.reports.parts.envelope import envelope
@@ -58,15 +60,17 @@ def signals() -> Mapping[str, Signal]:
 
 def chart(
     content: pa.Table,
-    info: Mapping[str, Any],
+    info: RunFindings,
     topics: Sequence[ReportTopic] = TOPICS,
     *,
+    limits: Sequence[Mapping[str, Any]] = (),
+    lane: Mapping[str, Any] | None = None,
     is_reduced: bool = False,
 ) -> tuple[dict[str, Any], str]:
     """Return what the page needs to draw a run: the description, and the packed signals.
 
-    content: its trace. info: what is shown of it (events, limits, a block for each topic, the lane
-    of NC blocks).
+    content: its trace. info: what is shown of it. limits: of its checks, to draw. lane: of its NC
+    blocks.
     is_reduced: keep smallest and largest values only (`parts.envelope`); `rows` of the description
     is then below `rows_recorded`. The description is empty when the trace is.
     """
@@ -77,20 +81,19 @@ def chart(
     names = [name for name in content.column_names if not name.endswith(f".{SYNC_AFTER}")]
     content = content.select(names)
     series = _series(names)
-    lane = info.get("lane")
     if lane:
         entry = {"column": BLOCKS, "label": BLOCKS, "unit": "", "style": "state"}
         series[BLOCKS] = {SHARED: [entry]}
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
     time_ns = values_of(content.column("time_ns"))
-    events = info.get("events", [])
+    events = info.events
     description: dict[str, Any] = {
         "axes": axes,
         "axis": _first_axis(content, axes, events, added),
         "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
-        "events": events,
+        "events": [asdict(event) for event in events],
         "limits": [
-            *info.get("limits", []),
+            *limits,
             *(limit for plots in added for limit in plots.limits),
         ],
         "windows": _windows(events, added, int(time_ns[0]), int(time_ns[-1])),
@@ -109,7 +112,7 @@ def chart(
 
 
 def with_signals(
-    content: pa.Table, info: Mapping[str, Any], topics: Sequence[ReportTopic] = TOPICS
+    content: pa.Table, info: RunFindings, topics: Sequence[ReportTopic] = TOPICS
 ) -> pa.Table:
     """Return a trace with the signals that the topics add."""
     for topic in topics:
@@ -182,16 +185,16 @@ def _height(title: str) -> int:
 def _first_axis(
     content: pa.Table,
     axes: Sequence[str],
-    events: Sequence[Mapping[str, Any]],
+    events: Sequence[Event],
     added: Sequence[Plots],
 ) -> str | None:
     """The axis to show first: of the first topic that has one, else of an event, else the one that
     travels farthest.
     """
     of_topics = [axis for plots in added for axis in plots.axes]
-    for axis in (*of_topics, *(event["axis"] for event in events)):
+    for axis in (*of_topics, *(event.axis for event in events)):
         if axis in axes:
-            return str(axis)
+            return axis
     travel = {
         axis: float(np.ptp(values_of(content.column(name))))
         for axis in axes
@@ -202,7 +205,7 @@ def _first_axis(
 
 
 def _windows(
-    events: Sequence[Mapping[str, Any]],
+    events: Sequence[Event],
     added: Sequence[Plots],
     start_ns: int,
     end_ns: int,
@@ -210,8 +213,8 @@ def _windows(
     """The stretches of `windows`; those of the topics come first, before an alarm in them."""
     spans = [span for plots in added for span in plots.spans]
 
-    def is_outside(event: Mapping[str, Any]) -> bool:
-        return not any(begin <= event["time_ns"] <= end for begin, end in spans)
+    def is_outside(event: Event) -> bool:
+        return not any(begin <= event.time_ns <= end for begin, end in spans)
 
     own = [
         {**w, "start_ns": max(start_ns, w["start_ns"]), "end_ns": min(end_ns, w["end_ns"])}
@@ -221,9 +224,7 @@ def _windows(
     return [*own, *windows([event for event in events if is_outside(event)], start_ns, end_ns)]
 
 
-def windows(
-    events: Sequence[Mapping[str, Any]], start_ns: int, end_ns: int
-) -> list[dict[str, Any]]:
+def windows(events: Sequence[Event], start_ns: int, end_ns: int) -> list[dict[str, Any]]:
     """Find the stretches worth a button: the alarm, each measurement, its edge; the first opens.
 
     A measurement ends with its standstill; the edge when the probe leaves the surface is no part
@@ -234,11 +235,11 @@ def windows(
     stretches = _around_alarm(events)
     for number, group in enumerate(measurements, start=1):
         count = f" {number}" if len(measurements) > 1 else ""
-        kinds = {event["kind"] for event in group}
-        first = group[0]["time_ns"]
-        reaction = [event["time_ns"] for event in group if event["kind"] != "standstill"]
+        kinds = {event.kind for event in group}
+        first = group[0].time_ns
+        reaction = [event.time_ns for event in group if event.kind != "standstill"]
         for label, needed, last, least in (
-            ("measurement", _OF_A_RUN, group[-1]["time_ns"], _MARGIN_LEAST_NS),
+            ("measurement", _OF_A_RUN, group[-1].time_ns, _MARGIN_LEAST_NS),
             ("edge", _OF_AN_EDGE, max(reaction, default=first), _EDGE_LEAST_NS),
         ):
             if not kinds & needed:
@@ -253,29 +254,25 @@ def windows(
     ]
 
 
-def _around_alarm(events: Sequence[Mapping[str, Any]]) -> list[tuple[str, int, int]]:
+def _around_alarm(events: Sequence[Event]) -> list[tuple[str, int, int]]:
     """The stretch around the first alarm that ended the program; nothing for warnings."""
-    for event in sorted(events, key=lambda e: int(e["time_ns"])):
-        if event["kind"] == "alarm" and not event.get("is_warning"):
-            at = int(event["time_ns"])
+    for event in sorted(events, key=lambda event: event.time_ns):
+        if event.kind == "alarm" and not event.is_warning:
+            at = event.time_ns
             return [("alarm", at - _BEFORE_ALARM_NS, at + _AFTER_ALARM_NS)]
     return []
 
 
-def _measurements(events: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+def _measurements(events: Sequence[Event]) -> list[list[Event]]:
     """Group the events of each measurement: until its standstill, or half a second of nothing."""
-    groups: list[list[Mapping[str, Any]]] = []
-    for event in sorted(events, key=lambda e: int(e["time_ns"])):
-        if event["kind"] not in _OF_A_MEASUREMENT:
+    groups: list[list[Event]] = []
+    for event in sorted(events, key=lambda event: event.time_ns):
+        if event.kind not in _OF_A_MEASUREMENT:
             continue
         last = groups[-1][-1] if groups else None
-        if (
-            last is None
-            or last["kind"] == "standstill"
-            or event["time_ns"] - last["time_ns"] > _APART_NS
-        ):
+        if last is None or last.kind == "standstill" or event.time_ns - last.time_ns > _APART_NS:
             groups.append([])
         groups[-1].append(event)
     # A lone edge is the probe leaving the surface, unless there is nothing else to look at.
-    whole = [group for group in groups if {event["kind"] for event in group} != {"edge"}]
+    whole = [group for group in groups if {event.kind for event in group} != {"edge"}]
     return whole or groups

@@ -1,11 +1,20 @@
-"""The marks of the topic and its block."""
+"""The marks of the topic and what it finds."""
 
-from typing import Any
+from dataclasses import dataclass
 
 from tests.exercise.lag.metrics import peak
 
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
+
+
+@dataclass(frozen=True)
+class LagFindings:
+    """Where an axis lags most, and how much."""
+
+    axis: str
+    time_ns: int
+    mm: float
 
 
 def lag_events(observed: Observed) -> list[Event]:
@@ -16,7 +25,7 @@ def lag_events(observed: Observed) -> list[Event]:
     ]
 
 
-def lag_blocks(observed: Observed) -> list[dict[str, Any]]:
+def lag_findings(observed: Observed) -> list[LagFindings]:
     """Return what the report shows of each axis."""
     peaks = {axis: peak(observed, axis) for axis in observed.axes}
-    return [{"axis": a, "time_ns": time_ns, "mm": mm} for a, (time_ns, mm) in peaks.items()]
+    return [LagFindings(axis, *found) for axis, found in peaks.items()]

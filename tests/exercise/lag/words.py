@@ -1,11 +1,10 @@
 """The topic in words."""
 
-from collections.abc import Mapping
-from typing import Any
+from tests.exercise.lag.findings import LagFindings
 
 LEGEND = "The plot of the lag has a line at its largest amount."
 
 
-def words(block: Mapping[str, Any]) -> str:
+def words(found: LagFindings) -> str:
     """Say where an axis lags most."""
-    return f"{block['axis']} lags most at {block['time_ns'] / 1e6:g} ms: {block['mm']:.4g} mm"
+    return f"{found.axis} lags most at {found.time_ns / 1e6:g} ms: {found.mm:.4g} mm"

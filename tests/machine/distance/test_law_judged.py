@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.distance.findings import distance_blocks
+from axisrig.bench.judge.distance.findings import control_findings
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
@@ -47,13 +47,13 @@ def test_the_list_of_12_8_3_under_its_own_limits(run: Run) -> None:
     assert of(seen, "distance_overshoot_expected_mm").value == pytest.approx(0.105)
     assert of(seen, "distance_stability").value == "stable"
     assert of(seen, "offset_model_error_um").value == pytest.approx(0.0, abs=1e-3)
-    (block,) = distance_blocks(seen)
-    (law,) = block["laws"]
-    assert law["formula"] == (
+    (block,) = control_findings(seen)
+    (law,) = block.laws
+    assert law.formula == (
         "o += slope(PID(SET_DIST − filter(d))); D: Tv/T times the change of the feedback"
     )
-    assert law["growth"] == pytest.approx(0.998397, abs=5e-7)
-    acts = {limit["key"]: limit["acts"] for limit in block["limits"]}
+    assert law.growth == pytest.approx(0.998397, abs=5e-7)
+    acts = {limit.key: limit.acts for limit in block.limits}
     assert (acts["v_max"], acts["a_max"]) == ("slopes", "slopes")
 
 
@@ -63,11 +63,11 @@ def test_the_same_with_clamps(run: Run) -> None:
     assert of(seen, "distance_overshoot_mm").value == pytest.approx(0.262, rel=0.05)
     assert of(seen, "distance_overshoot_expected_mm").value == pytest.approx(0.467, abs=1e-3)
     assert of(seen, "offset_model_error_um").value == pytest.approx(0.0, abs=1e-3)
-    (block,) = distance_blocks(seen)
-    formula = block["laws"][0]["formula"]
+    (block,) = control_findings(seen)
+    formula = block.laws[0].formula
     assert formula.startswith("o += clamp(PID(")
     assert formula.endswith("D: Tv/T times the change of the error")
-    assert {limit["acts"] for limit in block["limits"][:2]} == {"clamps"}
+    assert {limit.acts for limit in block.limits[:2]} == {"clamps"}
 
 
 def test_a_slope_does_not_make_a_loop_stable_that_rings_by_its_kp(run: Run) -> None:

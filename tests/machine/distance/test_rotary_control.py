@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.judge.distance.findings import distance_blocks
+from axisrig.bench.judge.distance.findings import control_findings
 from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.judge.topics import DISTANCE_METRICS, observe
 from axisrig.bench.plan.checks import known_metrics, parse_check, rotary_twin
 from axisrig.reports.distance.section import sections
@@ -75,9 +76,9 @@ def test_signals_and_metrics_of_an_axis_that_turns_are_angles(turned: Any, linea
 
 def test_the_report_of_an_axis_that_turns_has_degrees(turned: Any, linear: Any) -> None:
     for observed, unit, small, plot in ((turned, "°", "m°", "_angle"), (linear, "mm", "µm", "")):
-        (block,) = distance_blocks(observed)
-        assert {row["unit"] for row in block["limits"]} == {unit, f"{unit}/s", f"{unit}/s²"}
-        info, trace = {"distance": [block], "events": []}, observed.series.table()
+        (block,) = control_findings(observed)
+        assert {row.unit for row in block.limits} == {unit, f"{unit}/s", f"{unit}/s²"}
+        info, trace = RunFindings(of_topics=[block]), observed.series.table()
         (section,) = sections(info, trace, "run", {})
         words = " ".join(line for _, line in section["happened"])
         assert f"SET_DIST 2 {unit}: offset 0 {unit} to 0.05 {unit}" in words

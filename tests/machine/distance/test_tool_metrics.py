@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from axisrig.bench.judge.distance.control_findings import ControlFindings
 from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
@@ -112,7 +113,7 @@ def test_along_the_tool_after_it_has_tilted(judged: Any) -> None:
     between, most = run.value("tcp_error_between_um"), run.value("tcp_error_between_expected_um")
     assert between <= most
     assert most > run.value("tcp_error_expected_um")
-    assert findings(run.observed)["distance"][0]["axis"] == "channel"
+    assert [one.axis for one in findings(run.observed).of(ControlFindings)] == ["channel"]
 
 
 def test_along_the_normal_nothing_goes_sideways(judged: Any) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.distance.findings import distance_blocks
+from axisrig.bench.judge.distance.findings import control_findings
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
@@ -328,13 +328,13 @@ def test_the_report_has_law_and_limits_that_acted(run: Run) -> None:
         f"G04 0.01; {ON.format(' KP=0.1')}; G04 0.08; {OFF}", *CALM, *STEP,
         f"{OBJECT}v_max=1000 at=4ms",
     )  # fmt: skip
-    (block,) = distance_blocks(seen.observed)
-    (law,) = block["laws"]
-    assert law["kp"] == 0.1
-    assert law["growth"] == pytest.approx(growth_of_mean(0.1, 4, 2), abs=1e-6)
-    v_max = next(row for row in block["limits"] if row["key"] == "v_max")
-    assert v_max["value"] == 1.0
-    assert v_max["used"] == pytest.approx(1.0)
+    (block,) = control_findings(seen.observed)
+    (law,) = block.laws
+    assert law.kp == 0.1
+    assert law.growth == pytest.approx(growth_of_mean(0.1, 4, 2), abs=1e-6)
+    v_max = next(row for row in block.limits if row.key == "v_max")
+    assert v_max.value == 1.0
+    assert v_max.used == pytest.approx(1.0)
 
 
 def test_each_time_on_has_the_zero_of_its_own_reference(run: Run) -> None:

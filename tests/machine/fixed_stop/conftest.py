@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 from tests.machine.conftest import RIGS, Outcome, run_files
 
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.fixed_stop.findings import stop_findings
+from axisrig.bench.judge.fixed_stop.stop_findings import StopFindings
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
 from axisrig.kernel.measuring.run import RunRecord
@@ -22,9 +22,9 @@ def observed(result: CaseResult) -> Observed:
     return Observed(result.facts, result.series)
 
 
-def blocks(result: CaseResult) -> list[dict[str, Any]]:
+def blocks(result: CaseResult) -> list[StopFindings]:
     """What the report shows of each run to a fixed stop."""
-    return stop_blocks(observed(result))
+    return stop_findings(observed(result))
 
 
 DETECT = "set:Z.kenngr.measure.fixed_stop_detect."

@@ -8,7 +8,7 @@ from tests.reports.pages import opened, whole
 
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.runner import run_case
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.fixed_stop.findings import stop_findings
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import power_of_arm
 from axisrig.bench.plan.checks import parse_check
@@ -59,11 +59,11 @@ def test_trace_and_report_are_in_degrees_and_newton_metres(
     names = {name.partition(".")[2] for name in result.series.names}
     assert {"truth_deg", "velocity_deg_s", "cnc_lag_deg", "stop_deg", "stop_torque_nm"} <= names
     assert not {name for name in names if name.endswith(("_mm", "_mm_s", "_n"))}
-    (stop,) = stop_blocks(Observed(result.facts, result.series))
-    assert stop["rotary"] == {"C": True}
-    assert {value["unit"] for value in stop["values"]} == {"deg", "N.m"}
-    (end,) = (v for v in stop["values"] if v["key"] == "stop_force_end")
-    assert end["measured"] == pytest.approx(47.784, abs=0.002)
+    (stop,) = stop_findings(Observed(result.facts, result.series))
+    assert stop.rotary == {"C": True}
+    assert {value.unit for value in stop.values} == {"deg", "N.m"}
+    (end,) = (v for v in stop.values if v.key == "stop_force_end")
+    assert end.measured == pytest.approx(47.784, abs=0.002)
 
     with ResultsWriter(tmp_path / "out", [replace(PLAN, cases=(result.case,))], {}) as writer:
         writer.add(result)

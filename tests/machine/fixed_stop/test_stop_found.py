@@ -3,7 +3,7 @@
 import pytest
 from tests.machine.fixed_stop.conftest import RunStop
 
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.fixed_stop.findings import stop_findings
 
 LAG_LIMIT, MIN_TIME = 15_000, 100_000  # 1.5 mm, 100 ms
 
@@ -55,8 +55,8 @@ def test_closed_forms_of_the_listed_slope_are_not_of_one_that_the_program_chose(
     run_stop: RunStop, before: str, *, has_form: bool
 ) -> None:
     found = run_stop(120, before=before, pos_lag_limit=LAG_LIMIT, min_time=MIN_TIME)
-    (told,) = stop_blocks(found.outcome.observed)
-    (excess,) = (value for value in told["values"] if value["key"] == "command_excess")
-    assert has_form or excess["expected"] is None
-    assert ("#SLOPE" in told["prediction"]) != has_form
-    assert told["prediction"].startswith("contact of Z") == has_form
+    (told,) = stop_findings(found.outcome.observed)
+    (excess,) = (value for value in told.values if value.key == "command_excess")
+    assert has_form or excess.expected is None
+    assert ("#SLOPE" in told.prediction) != has_form
+    assert told.prediction.startswith("contact of Z") == has_form

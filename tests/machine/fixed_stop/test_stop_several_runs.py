@@ -175,11 +175,11 @@ def test_the_contact_that_lasts_counts_when_the_stop_goes_away_and_is_met_again(
     since_ms = values["contact_to_detection_ms"]
     assert since_ms == pytest.approx(detected_ns / 1e6 - again_ms, abs=1.01)
     (told,) = blocks(result)
-    broken = told["broken_contacts"]["Z"]
-    assert broken["since_ns"] == pytest.approx(detected_ns - since_ms * 1e6, abs=1.0)
-    assert broken["first_ns"] / 1e6 == pytest.approx(first_ms, abs=1.01)
-    assert broken["lost_ns"] / 1e6 == pytest.approx(lost_ms, abs=2.01)
-    assert f"lost for {broken['lost_ns'] / 1e6:.0f} ms" in notes["contact_to_detection_ms"]
+    broken = told.broken_contacts["Z"]
+    assert broken.since_ns == pytest.approx(detected_ns - since_ms * 1e6, abs=1.0)
+    assert broken.first_ns / 1e6 == pytest.approx(first_ms, abs=1.01)
+    assert broken.lost_ns / 1e6 == pytest.approx(lost_ms, abs=2.01)
+    assert f"lost for {broken.lost_ns / 1e6:.0f} ms" in notes["contact_to_detection_ms"]
     assert values["found_without_contact"] == 0
 
 
@@ -205,7 +205,7 @@ def test_a_contact_that_is_over_at_the_detection_is_none(judge: Judge) -> None:
     assert values["found_without_contact"] == 1
     assert values["contact_to_detection_ms"] is None
     assert "had lost its contact" in notes["contact_to_detection_ms"]
-    assert blocks(result)[0]["broken_contacts"]["Z"]["since_ns"] is None
+    assert blocks(result)[0].broken_contacts["Z"].since_ns is None
 
 
 @pytest.mark.long
@@ -219,4 +219,4 @@ def test_bounces_at_the_first_touch_are_one_contact(judge: Judge) -> None:
     since_ms = values["contact_to_detection_ms"]
     assert since_ms == pytest.approx((detected_ns - times[first]) / 1e6, abs=1.01)
     assert "lost" not in notes["contact_to_detection_ms"]
-    assert blocks(result)[0]["broken_contacts"] == {}
+    assert blocks(result)[0].broken_contacts == {}

@@ -6,7 +6,7 @@ the interface had taken it. What an adapter does with the frame afterwards is no
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -108,33 +108,3 @@ class Deadlines:
             "waited_ms": self.waited_ns / 1e6,
             "send_errors": self.send_errors,
         }
-
-
-def in_words(data: Mapping[str, Any] | None) -> list[str]:
-    """Say what `Deadlines.as_data` means, for a reader; nothing for simulated time."""
-    if data is None or not data["cycles"]:
-        return []
-    late, interval = data["lateness_us"], data["interval_us"]
-    lines = [
-        f"real time: {data['cycles']} SYNCs, {data['late_cycles']} of them more than"
-        f" {data['late_us']:g} us late; lateness median {late['median_us']:.0f} us, p99"
-        f" {late['p99_us']:.0f} us, max {late['most_us']:.0f} us"
-    ]
-    if interval:
-        lines.append(
-            f"real time: SYNC interval {interval['least_us']:.0f} .. {interval['most_us']:.0f} us,"
-            f" median {interval['median_us']:.0f} us for {data['period_us']:g} us"
-        )
-    if data["slips"]:
-        lines.append(
-            f"real time: the plan moved {data['slips']} times, by {data['slipped_ms']:.3f} ms in"
-            " all, because this computer came too late"
-        )
-    if data["waits"]:
-        lines.append(
-            f"real time: {data['waits']} cycles waited for the answers of the drives,"
-            f" {data['waited_ms']:.3f} ms in all"
-        )
-    if data["send_errors"]:
-        lines.append(f"real time: the interface did not take {data['send_errors']} frames")
-    return lines

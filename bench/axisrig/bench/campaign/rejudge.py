@@ -30,7 +30,8 @@ from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import STOPPED, judged, sampled
+from axisrig.bench.judge.run_findings import STOPPED
+from axisrig.bench.judge.topics import judged, sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expectation import met

@@ -27,7 +27,8 @@ from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_value
 from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.files import DISK_FULL
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import STOPPED, judged, sampled
+from axisrig.bench.judge.run_findings import STOPPED
+from axisrig.bench.judge.topics import judged, sampled
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.live.states import LiveStates

@@ -5,17 +5,16 @@ TOPICS.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
-from axisrig.bench.judge.distance.findings import distance_blocks, distance_events
+from axisrig.bench.judge.distance.findings import control_findings, distance_events
 from axisrig.bench.judge.distance.metrics import LOOP_METRICS
 from axisrig.bench.judge.distance.offset_metrics import OFFSET_METRICS
 from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
+from axisrig.bench.judge.fixed_stop.findings import stop_events, stop_findings
 from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
-from axisrig.bench.judge.kinematics.findings import no_events, tool_blocks
+from axisrig.bench.judge.kinematics.findings import no_events, tool_findings
 from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
 from axisrig.bench.judge.latch.findings import latch_events
 from axisrig.bench.judge.latch.metrics import LATCH_METRICS
@@ -25,8 +24,9 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import Topic
 from axisrig.bench.judge.observed.turned import TORQUE, in_newton_metres, turned
 from axisrig.bench.judge.own_metrics import judged_by_own
-from axisrig.bench.judge.program.findings import log_lines, program_events
+from axisrig.bench.judge.program.findings import program_events
 from axisrig.bench.judge.program.metrics import PROGRAM_METRICS, printed
+from axisrig.bench.judge.run_findings import RunFindings, of_facts
 from axisrig.bench.judge.statistics.verdict import (
     Reading,
     RunSample,
@@ -37,19 +37,16 @@ from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict, worst
-from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import MissingSignalError
-
-STOPPED = "stopped by the operator"
 
 DISTANCE_METRICS = {**LOOP_METRICS, **OFFSET_METRICS}
 
 TOPICS: tuple[Topic, ...] = (
     Topic("program", PROGRAM_METRICS, program_events),
     Topic("latch", LATCH_METRICS, latch_events),
-    Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
-    Topic("distance", {**DISTANCE_METRICS, **TOOL_METRICS}, distance_events, distance_blocks),
-    Topic("kinematics", KINEMATIC_METRICS, no_events, tool_blocks),
+    Topic("fixed_stop", STOP_METRICS, stop_events, stop_findings),
+    Topic("distance", {**DISTANCE_METRICS, **TOOL_METRICS}, distance_events, control_findings),
+    Topic("kinematics", KINEMATIC_METRICS, no_events, tool_findings),
 )
 
 
@@ -151,25 +148,10 @@ def events(observed: Observed, topics: Sequence[Topic] = TOPICS) -> list[Event]:
     return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind))
 
 
-def findings(observed: Observed, topics: Sequence[Topic] = TOPICS) -> dict[str, Any]:
-    """Return what the report shows of a run beside its checks, as plain data.
-
-    `shown_facts` with the marks (`events`) and the block of each topic, by its name.
-    """
-    return {
-        **shown_facts(observed.facts),
-        "events": [asdict(event) for event in events(observed, topics)],
-        **{topic.name: topic.block(observed) for topic in topics},
-    }
-
-
-def shown_facts(facts: Facts) -> dict[str, Any]:
-    """Return what the report shows of a run that needs no series, as plain data."""
-    return {
-        "messages": [message.shown for message in facts.messages],
-        "log": log_lines(facts),
-        "bus": [asdict(bus) for bus in facts.buses],
-        "error": STOPPED if facts.is_stopped else facts.unfinished or None,
-        "real_time": None if facts.real_time is None else asdict(facts.real_time),
-        "alarms": [asdict(alarm) for alarm in facts.alarms],
-    }
+def findings(observed: Observed, topics: Sequence[Topic] = TOPICS) -> RunFindings:
+    """Return what the report shows of a run beside its checks."""
+    return replace(
+        of_facts(observed.facts),
+        events=events(observed, topics),
+        of_topics=[found for topic in topics for found in topic.findings(observed)],
+    )

@@ -10,7 +10,6 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
-from axisrig.bench.bus.deadlines import BINS_US
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.deflection import DeflectionLog
 from axisrig.bench.machine.families import Bench, Installed, build_fault, install_all
@@ -34,7 +33,7 @@ from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.bench.record.bus import RealTime, Spread
+from axisrig.bench.record.bus import RealTime, real_time_of
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.programs import programs_of
@@ -436,10 +435,7 @@ class Machine:
         """Return how well real time was kept; None for simulated time."""
         if not isinstance(self.scheduler, PacedScheduler):
             return None
-        kept = self.scheduler.deadlines.as_data(self.timing.period_ns)
-        spreads = {key: Spread(**kept[key]) for key in ("lateness_us", "interval_us") if kept[key]}
-        histogram = tuple(kept["histogram"])
-        return RealTime(**kept | spreads | {"bins_us": BINS_US, "histogram": histogram})
+        return real_time_of(self.scheduler.deadlines, self.timing.period_ns)
 
     def close(self) -> None:
         """Free plants, segments and the bus log."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from axisrig.bench.bus.deadlines import BINS_US, Deadlines
 from axisrig.bench.record.frozen import Frozen
 from axisrig.kernel.time.clock import TimeNs
 
@@ -104,3 +105,11 @@ class RealTime(Frozen):
     waits: int
     waited_ms: float
     send_errors: int
+
+
+def real_time_of(deadlines: Deadlines, period_ns: TimeNs) -> RealTime:
+    """Return how well real time was kept with a cycle of `period_ns`."""
+    kept = deadlines.as_data(period_ns)
+    spreads = {key: Spread(**kept[key]) for key in ("lateness_us", "interval_us") if kept[key]}
+    histogram = tuple(kept["histogram"])
+    return RealTime(**kept | spreads | {"bins_us": BINS_US, "histogram": histogram})

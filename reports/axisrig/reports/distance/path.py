@@ -6,7 +6,8 @@ from html import escape
 import numpy as np
 import pyarrow as pa
 
-from axisrig.reports.distance.signals import FOLLOWING, STATES, Control, Signal, column, signal
+from axisrig.bench.judge.distance.control_findings import ControlFindings
+from axisrig.reports.distance.signals import FOLLOWING, STATES, Signal, column, signal
 from axisrig.reports.parts.axes import ticks
 
 WIDTH, HEIGHT = 900, 220
@@ -21,7 +22,7 @@ _LINES = (
 )
 
 
-def drawing(trace: pa.Table | None, control: Control) -> str:
+def drawing(trace: pa.Table | None, control: ControlFindings) -> str:
     """Draw surface, tool tip and programmed path over the axis that moves most while it follows.
 
     Empty where no other axis moves by more than 1 mm, or the plant does not give the surface. The
@@ -29,9 +30,9 @@ def drawing(trace: pa.Table | None, control: Control) -> str:
     """
     if trace is None:
         return ""
-    axis = control["axis"]
+    axis = control.axis
     state, tool = (signal(trace, control, name) for name in ("distance_state", "truth_mm"))
-    gap = column(trace, f"{control['sensor']}.distance_true_mm")
+    gap = column(trace, f"{control.sensor}.distance_true_mm")
     if state is None or tool is None or gap is None:
         return ""
     rows = np.isin(state, [STATES.index(name) for name in FOLLOWING])
@@ -42,10 +43,10 @@ def drawing(trace: pa.Table | None, control: Control) -> str:
     lines = {"surface": tool - gap, "tool tip": tool}
     wanted, offset = (signal(trace, control, name) for name in ("set_mm", "offset_mm"))
     if wanted is not None and offset is not None:
-        late = control["late_cycles"]
+        late = control.late_cycles
         lines["programmed"] = wanted - np.concatenate([offset[:late], offset[: len(offset) - late]])
     shown = {label: values[rows] for label, values in lines.items()}
-    return _svg(way[rows], shown, f"{name} in mm", f"{axis} in {control.get('unit', 'mm')}")
+    return _svg(way[rows], shown, f"{name} in mm", f"{axis} in {control.unit}")
 
 
 def _widest(trace: pa.Table, axis: str, rows: np.ndarray) -> tuple[str, Signal] | None:

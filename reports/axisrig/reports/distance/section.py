@@ -1,4 +1,4 @@
-"""Distance control of a case: from its block of the findings to the page.
+"""Distance control of a case: from its findings to the page.
 
 Nothing is judged here: what the control did is beside what closed forms say of its loop.
 """
@@ -9,8 +9,16 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
+from axisrig.bench.judge.distance.control_findings import (
+    DEGREE,
+    ControlFindings,
+    DistanceLaw,
+    EndError,
+    UsedLimit,
+)
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.reports.distance.path import drawing
-from axisrig.reports.distance.signals import DEGREE, Control, controls_of
 from axisrig.reports.distance.words import happened, is_unstable, law_words, state
 from axisrig.reports.parts.bar import bar
 
@@ -19,7 +27,7 @@ _REACHED = 1e-6
 
 
 def sections(
-    info: Mapping[str, Any], trace: pa.Table | None, _run: str, alarms: Mapping[str, str]
+    info: RunFindings, trace: pa.Table | None, _run: str, alarms: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """Make what the page prints of each axis with distance control, in their order.
 
@@ -27,79 +35,78 @@ def sections(
     each alarm says, by the words of its event (`ID 70331`).
     """
     return [
-        _section(control, _ended(control, info.get("events", [])), trace, alarms)
-        for control in controls_of(info)
+        _section(control, _ended(control, info.events), trace, alarms)
+        for control in info.of(ControlFindings)
     ]
 
 
-def _ended(control: Control, events: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+def _ended(control: ControlFindings, events: Sequence[Event]) -> list[Event]:
     """Alarms that ended the program while the control was on, or in the cycle that it fell off."""
-    on = [s for s in control["stretches"] if s["state"] != "INACTIVE"]
-    slack = round(2 * control["period_ms"] * _NS_PER_MS)
+    on = [s for s in control.stretches if s.state != "INACTIVE"]
+    slack = round(2 * control.period_ms * _NS_PER_MS)
     return [
         event
         for event in events
-        if event["kind"] == "alarm"
-        and not event["is_warning"]
-        and any(s["begin_ns"] - slack <= event["time_ns"] <= s["end_ns"] + slack for s in on)
+        if event.kind == "alarm"
+        and not event.is_warning
+        and any(s.begin_ns - slack <= event.time_ns <= s.end_ns + slack for s in on)
     ]
 
 
 def _section(
-    control: Control,
-    ended: Sequence[Mapping[str, Any]],
+    control: ControlFindings,
+    ended: Sequence[Event],
     trace: pa.Table | None,
     alarms: Mapping[str, str],
 ) -> dict[str, Any]:
     key, glyph, word = state(control, ended)
-    control = {**control, "alarms": ended}
     return {
-        "axis": control["axis"],
-        "unit": control.get("unit", "mm"),
-        "small": "m°" if control.get("unit") == DEGREE else "µm",
-        "sensor": control["sensor"],
-        "period": f"{control['period_ms']:g}",
+        "axis": control.axis,
+        "unit": control.unit,
+        "small": "m°" if control.unit == DEGREE else "µm",
+        "sensor": control.sensor,
+        "period": f"{control.period_ms:g}",
         "state": key,
         "glyph": glyph,
         "word": word,
-        "happened": happened(control, trace, alarms),
-        "laws": [_law(row, control) for row in control["laws"]],
-        "errors": [_error(row) for row in control["errors"]],
-        "limits": [_limit(row) for row in control["limits"]],
-        "notes": control["notes"],
+        "happened": happened(control, ended, trace, alarms),
+        "laws": [_law(row, control) for row in control.laws],
+        "errors": [_error(row) for row in control.errors],
+        "limits": [_limit(row) for row in control.limits],
+        "notes": control.notes,
         "path": Markup(drawing(trace, control)),
     }
 
 
-def _law(row: Mapping[str, Any], control: Control) -> dict[str, Any]:
+def _law(row: DistanceLaw, control: ControlFindings) -> dict[str, Any]:
     """One law with its controller: what theory and frames say of it."""
-    limit, unstable = row["kp_limit"], is_unstable(row)
-    measured = control["dead"]["measured"]
+    limit, unstable = row.kp_limit, is_unstable(row)
+    measured = control.dead.measured
     return {
-        "mode": row["mode"],
-        "formula": row["formula"],
-        "filter": "none" if row["filter"] == "mean of 1" else row["filter"],
-        "delay": f"{round(row['delay_cycles'], 9) + 0.0:.3g}",
-        "noise": f"{row['noise_gain']:.3g}",
-        "kp": f"{row['kp']:g}",
-        "tn": f"{row['tn_s']:g} s" if row["tn_s"] else "off",
-        "tv": f"{row['tv_s']:g} s" if row["tv_s"] else "off",
-        "predicted": control["dead"]["predicted"],
+        "mode": row.mode,
+        "formula": row.formula,
+        "filter": "none" if row.filter == "mean of 1" else row.filter,
+        "delay": f"{round(row.delay_cycles, 9) + 0.0:.3g}",
+        "noise": f"{row.noise_gain:.3g}",
+        "kp": f"{row.kp:g}",
+        "tn": f"{row.tn_s:g} s" if row.tn_s else "off",
+        "tv": f"{row.tv_s:g} s" if row.tv_s else "off",
+        "predicted": control.dead.predicted,
         "measured": "–" if measured is None else measured,
-        "dead_off": measured is not None and measured != control["dead"]["predicted"],
-        "dead_note": control["dead"]["note"],
+        "dead_off": measured is not None and measured != control.dead.predicted,
+        "dead_note": control.dead.note,
         "limit": _limit_of_kp(row),
         "margin": _margin(row),
         "bar": Markup(
             ""
             if not limit
             else bar(
-                row["kp"],
+                row.kp,
                 0.0,
                 None,
                 limit,
                 "fail" if unstable else "pass",
-                f"kp {row['kp']:g}, limit {limit:.3f}",
+                f"kp {row.kp:g}, limit {limit:.3f}",
             )
         ),
         "unstable": unstable,
@@ -107,43 +114,43 @@ def _law(row: Mapping[str, Any], control: Control) -> dict[str, Any]:
     }
 
 
-def _limit_of_kp(row: Mapping[str, Any]) -> str:
-    if row.get("kp_limit_unknown"):
+def _limit_of_kp(row: DistanceLaw) -> str:
+    if row.kp_limit_unknown:
         return "not known"
-    return "none" if row["kp_limit"] is None else f"{row['kp_limit']:.3f}"
+    return "none" if row.kp_limit is None else f"{row.kp_limit:.3f}"
 
 
-def _margin(row: Mapping[str, Any]) -> str:
+def _margin(row: DistanceLaw) -> str:
     """Gain margin: limit over kp."""
-    limit = row["kp_limit"]
-    return "" if limit is None else f"{limit / row['kp']:.2f}"
+    limit = row.kp_limit
+    return "" if limit is None else f"{limit / row.kp:.2f}"
 
 
-def _error(row: Mapping[str, Any]) -> dict[str, Any]:
+def _error(row: EndError) -> dict[str, Any]:
     """The true error at the end of a stretch beside its closed form, in um or 0.001 degrees."""
-    expected = row["expected_mm"]
+    expected = row.expected_mm
     return {
-        "mode": row["mode"],
-        "begin": f"{row['begin_ns'] / _NS_PER_MS:.0f}",
-        "speed": f"{row['speed_mm_s']:.3f}",
-        "measured": f"{1000.0 * row['measured_mm']:.2f}",
-        "spread": f"{1000.0 * row['spread_mm']:.2f}",
+        "mode": row.mode,
+        "begin": f"{row.begin_ns / _NS_PER_MS:.0f}",
+        "speed": f"{row.speed_mm_s:.3f}",
+        "measured": f"{1000.0 * row.measured_mm:.2f}",
+        "spread": f"{1000.0 * row.spread_mm:.2f}",
         "expected": "–" if expected is None else f"{1000.0 * expected:.2f}",
-        "apart": "" if expected is None else f"{1000.0 * (row['measured_mm'] - expected):+.2f}",
-        "note": row["note"],
+        "apart": "" if expected is None else f"{1000.0 * (row.measured_mm - expected):+.2f}",
+        "note": row.note,
     }
 
 
-def _limit(row: Mapping[str, Any]) -> dict[str, Any]:
+def _limit(row: UsedLimit) -> dict[str, Any]:
     """A limit and the most that was used of it."""
-    value, used, is_lower = row["value"], row["used"], row["key"] == "min_pos"
+    value, used, is_lower = row.value, row.used, row.key == "min_pos"
     cells = {
-        "key": row["key"],
-        "parameter": row["parameter"],
-        "unit": row["unit"],
+        "key": row.key,
+        "parameter": row.parameter,
+        "unit": row.unit,
         "value": f"{value:.6g}",
         "used": "–" if used is None else f"{used:.6g}",
-        "acts": row["acts"],
+        "acts": row.acts,
         "word": "",
         "off": False,
         "bar": Markup(""),
@@ -159,7 +166,7 @@ def _limit(row: Mapping[str, Any]) -> dict[str, Any]:
         value if is_lower else None,
         None if is_lower else value,
         "fail" if beyond else "pass",
-        f"{row['key']}: {used:.6g} of {value:.6g} {row['unit']}",
+        f"{row.key}: {used:.6g} of {value:.6g} {row.unit}",
     )
     word = "outside" if beyond else ("reached" if reached else "")
     return {**cells, "word": word, "off": beyond, "bar": Markup(drawn)}

@@ -1,22 +1,20 @@
 """What the signals of distance control show: states as a lane, surfaces, limits, stretches."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.bench.judge.distance.control_findings import DEGREE, ControlFindings, UsedLimit
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.series import column_of, values_of
-from axisrig.reports.parts.topic import Info, Plots
+from axisrig.reports.parts.topic import Plots
 
-Control = Mapping[str, Any]
-"""One axis with distance control, as the block `distance` of the findings has it."""
 Signal = npt.NDArray[np.float64]
 
-DEGREE = "°"
-"""Unit of a control whose axis turns."""
 STATES = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
 SURFACE, DISTANCE = "ACTIVE", "ACTIVE_CONST_DIST"
 FOLLOWING = frozenset({SURFACE, DISTANCE})
@@ -28,30 +26,25 @@ _OF_SENSOR = ("sensor_mm",)
 _REPLACED = ("filtered_mm", "distance_held", "distance_override_pct")
 
 
-def controls_of(info: Mapping[str, Any]) -> list[Control]:
-    """Return the axes with distance control of a case; info: what is shown of it."""
-    return list(info.get("distance") or ())
-
-
-def with_signals(trace: pa.Table, info: Info) -> pa.Table:
+def with_signals(trace: pa.Table, info: RunFindings) -> pa.Table:
     """Return the signals of a run as its plots show them; see `with_surfaces`."""
-    return with_surfaces(trace, controls_of(info))
+    return with_surfaces(trace, info.of(ControlFindings))
 
 
-def plots(_trace: pa.Table, info: Info) -> Plots:
+def plots(_trace: pa.Table, info: RunFindings) -> Plots:
     """Return what distance control adds to the plots of a run."""
-    controls = controls_of(info)
+    controls = info.of(ControlFindings)
     return Plots(
-        axes=[str(control["axis"]) for control in controls],
+        axes=[str(control.axis) for control in controls],
         limits=limits(controls),
         windows=windows(controls),
         more={"lanes": lanes(controls)} if controls else {},
     )
 
 
-def modes(control: Control) -> set[str]:
+def modes(control: ControlFindings) -> set[str]:
     """Return the following states that a control was in."""
-    return {s["state"] for s in control["stretches"]} & FOLLOWING
+    return {s.state for s in control.stretches} & FOLLOWING
 
 
 def column(trace: pa.Table, name: str) -> Signal | None:
@@ -62,26 +55,26 @@ def column(trace: pa.Table, name: str) -> Signal | None:
     return values
 
 
-def name_of(columns: Sequence[str], control: Control, name: str) -> str:
+def name_of(columns: Sequence[str], control: ControlFindings, name: str) -> str:
     """Return the column of a signal of a control; that of an axis that turns ends in deg.
 
     name: as that of a linear axis. columns: of the trace; older ones have all names of lengths.
     """
-    turned = f"{control['axis']}.{_unit_name(control, name)}"
-    return turned if turned in columns else f"{control['axis']}.{name}"
+    turned = f"{control.axis}.{_unit_name(control, name)}"
+    return turned if turned in columns else f"{control.axis}.{name}"
 
 
-def _unit_name(control: Control, name: str) -> str:
-    is_turned = control.get("unit") == DEGREE and name.endswith("_mm")
+def _unit_name(control: ControlFindings, name: str) -> str:
+    is_turned = control.unit == DEGREE and name.endswith("_mm")
     return f"{name.removesuffix('_mm')}_deg" if is_turned else name
 
 
-def signal(trace: pa.Table, control: Control, name: str) -> Signal | None:
+def signal(trace: pa.Table, control: ControlFindings, name: str) -> Signal | None:
     """Return a signal of a control, named as that of a linear axis; None where it lacks."""
     return column(trace, name_of(trace.column_names, control, name))
 
 
-def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
+def with_surfaces(trace: pa.Table, controls: Sequence[ControlFindings]) -> pa.Table:
     """Put what belongs together into one unit: filtered surface and distance, the true surface.
 
     `filtered_mm` is a deviation from SET_POS in surface mode and a distance in the other one; true
@@ -91,15 +84,15 @@ def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
     for control in controls:
         added = _added(trace, control)
         for name, values in added.items():
-            turned = f"{control['axis']}.{_unit_name(control, name)}"
+            turned = f"{control.axis}.{_unit_name(control, name)}"
             trace = trace.append_column(turned, column_of(values))
         trace = trace.drop_columns(_dropped(trace, control))
     return trace
 
 
-def _added(trace: pa.Table, control: Control) -> dict[str, Signal]:
+def _added(trace: pa.Table, control: ControlFindings) -> dict[str, Signal]:
     state, filtered = (signal(trace, control, n) for n in ("distance_state", "filtered_mm"))
-    gap = column(trace, f"{control['sensor']}.distance_true_mm")
+    gap = column(trace, f"{control.sensor}.distance_true_mm")
     truth, wanted = (signal(trace, control, n) for n in ("truth_mm", "set_pos_mm"))
     added = {}
     if state is not None and filtered is not None:
@@ -109,87 +102,89 @@ def _added(trace: pa.Table, control: Control) -> dict[str, Signal]:
         added["filtered_distance_mm"] = np.where(in_distance, filtered, np.nan)
     if gap is not None:
         # As the control counts: from the zero of the sensor
-        added["gap_true_mm"] = gap - control["zero_mm"]
+        added["gap_true_mm"] = gap - control.zero_mm
         if truth is not None:
             added["surface_truth_mm"] = truth - added["gap_true_mm"]
     return added
 
 
-def _dropped(trace: pa.Table, control: Control) -> list[str]:
+def _dropped(trace: pa.Table, control: ControlFindings) -> list[str]:
     shown, of_axis = modes(control), list(_REPLACED)
     of_axis += () if SURFACE in shown else _OF_SURFACE
     # The sensor value of 3D control is the distance: it is shown in every mode
-    keeps_distance = DISTANCE in shown or control["axis"] == CHANNEL
+    keeps_distance = DISTANCE in shown or control.axis == CHANNEL
     of_axis += () if keeps_distance else _OF_DISTANCE
     of_axis += _OF_SENSOR if shown == {DISTANCE} else ()
     names = [name_of(trace.column_names, control, name) for name in of_axis]
-    names += [n for n in trace.column_names if n.startswith(f"{control['sensor']}.")]
+    names += [n for n in trace.column_names if n.startswith(f"{control.sensor}.")]
     return [name for name in names if name in trace.column_names]
 
 
-def lanes(controls: Sequence[Control]) -> list[dict[str, Any]]:
+def lanes(controls: Sequence[ControlFindings]) -> list[dict[str, Any]]:
     """States over time, for the lane of each axis."""
     return [
         {
-            "axis": control["axis"],
-            "start_ns": stretch["begin_ns"],
-            "end_ns": stretch["end_ns"],
-            "state": stretch["state"],
-            "label": stretch["state"] + (" (dry run)" if stretch["is_dry_run"] else ""),
+            "axis": control.axis,
+            "start_ns": stretch.begin_ns,
+            "end_ns": stretch.end_ns,
+            "state": stretch.state,
+            "label": stretch.state + (" (dry run)" if stretch.is_dry_run else ""),
         }
         for control in controls
-        for stretch in control["stretches"]
+        for stretch in control.stretches
     ]
 
 
-def limits(controls: Sequence[Control]) -> list[dict[str, Any]]:
+def limits(controls: Sequence[ControlFindings]) -> list[dict[str, Any]]:
     """Limits for the plots of offset, sensor or distance, and step."""
     found = []
     for control in controls:
         only_distance = modes(control) == {DISTANCE}
-        for row in control["limits"]:
+        for row in control.limits:
             for plot, value in _places(row, control, only_distance):
                 found.append(
                     {
-                        "plot": f"{plot}_angle" if control.get("unit") == DEGREE else plot,
-                        "axis": control["axis"],
+                        "plot": f"{plot}_angle" if control.unit == DEGREE else plot,
+                        "axis": control.axis,
                         "value": round(value, 9),
-                        "label": row["key"],
+                        "label": row.key,
                     }
                 )
     return found
 
 
-def _places(row: Control, control: Control, only_distance: bool) -> list[tuple[str, float]]:
+def _places(
+    row: UsedLimit, control: ControlFindings, only_distance: bool
+) -> list[tuple[str, float]]:
     """Plots in which a limit is a line, with its value there."""
-    value = row["value"]
-    if row["key"] == "max_deviation":
+    value = row.value
+    if row.key == "max_deviation":
         return [("offset", value), ("offset", -value)]
-    if row["key"] in ("max_pos", "min_pos"):
-        if control["axis"] == CHANNEL:  # its sensor value is the distance
+    if row.key in ("max_pos", "min_pos"):
+        if control.axis == CHANNEL:  # its sensor value is the distance
             return [("distance", value), ("sensor", value)]
         return [("distance", -value)] if only_distance else [("sensor", value)]
-    if row["key"] == "v_max":
-        step_mm = value * control["period_ms"] / 1000.0
+    if row.key == "v_max":
+        step_mm = value * control.period_ms / 1000.0
         return [("step", step_mm), ("step", -step_mm)]
     return []
 
 
-def windows(controls: Sequence[Control]) -> list[dict[str, Any]]:
+def windows(controls: Sequence[ControlFindings]) -> list[dict[str, Any]]:
     """Stretches worth a button: all that the control did, and each part of it when they are few."""
     found = []
     for control in controls:
-        on = [s for s in control["stretches"] if s["state"] != "INACTIVE"]
+        on = [s for s in control.stretches if s.state != "INACTIVE"]
         if not on:
             continue
-        name = f" {control['axis']}" if len(controls) > 1 else ""
-        found.append(_window(f"distance control{name}", on[0]["begin_ns"], on[-1]["end_ns"]))
+        name = f" {control.axis}" if len(controls) > 1 else ""
+        found.append(_window(f"distance control{name}", on[0].begin_ns, on[-1].end_ns))
         if 1 < len(on) <= _BUTTONS:
-            words = [s["state"].replace("_", " ").lower() for s in on]
+            words = [s.state.replace("_", " ").lower() for s in on]
             for place, (stretch, word) in enumerate(zip(on, words, strict=True)):
                 count = f" {words[: place + 1].count(word)}" if words.count(word) > 1 else ""
                 label = f"{word}{count}{name}"
-                found.append(_window(label, stretch["begin_ns"], stretch["end_ns"]))
+                found.append(_window(label, stretch.begin_ns, stretch.end_ns))
     return found
 
 

@@ -2,13 +2,18 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.judge.distance.control_findings import (
+    ControlFindings,
+    DistanceLaw,
+    DistanceStretch,
+)
+from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.record.series import values_of
-from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Control, Signal, signal
+from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Signal, signal
 
 LEGEND = "The lane above the plots of an axis with distance control is the state of the control."
 """How to read its plots."""
@@ -23,65 +28,65 @@ _SET_VALUES = {SURFACE: "SET_POS", DISTANCE: "SET_DIST"}
 _BY = {"NC": "the program", "PLC": "the PLC"}
 
 
-def state(control: Control, alarms: Sequence[Mapping[str, Any]]) -> tuple[str, str, str]:
+def state(control: ControlFindings, alarms: Sequence[Event]) -> tuple[str, str, str]:
     """Return what became of a control: key, glyph, words.
 
     alarms: events that ended the program while it was on.
     """
     if alarms:
-        return "ended", "■", f"ended by {alarms[0]['label']}"
-    following = [s for s in control["stretches"] if s["state"] in FOLLOWING]
-    if any(is_unstable(control["laws"][s["law"]]) and not s["is_dry_run"] for s in following):
+        return "ended", "■", f"ended by {alarms[0].label}"
+    following = [s for s in control.stretches if s.state in FOLLOWING]
+    if any(s.law is not None and is_unstable(s.law) and not s.is_dry_run for s in following):
         return "unstable", "▲", "above the limit of stability"
-    if all(s["is_dry_run"] for s in following):
+    if all(s.is_dry_run for s in following):
         return "dry", "○", "dry run" if following else "not on"
-    word = "keeps the distance" if following[-1]["state"] == DISTANCE else "follows the surface"
+    word = "keeps the distance" if following[-1].state == DISTANCE else "follows the surface"
     return "follows", "●", word
 
 
-def is_unstable(law: Mapping[str, Any]) -> bool:
+def is_unstable(law: DistanceLaw) -> bool:
     """Whether kp is above the limit of the loop."""
-    limit = law["kp_limit"]
-    return limit is not None and law["kp"] >= limit
+    limit = law.kp_limit
+    return limit is not None and law.kp >= limit
 
 
 # Law
 
 
-def law_words(law: Mapping[str, Any]) -> str:
+def law_words(law: DistanceLaw) -> str:
     """Say what theory says of a loop: "kp 1 is above the limit 0.62 for 1 dead cycle ..."."""
-    limit = law["kp_limit"]
-    if law.get("kp_limit_unknown"):
-        reason = law["kp_limit_unknown"]
+    limit = law.kp_limit
+    if law.kp_limit_unknown:
+        reason = law.kp_limit_unknown
         return f"the limit of kp is not known, {reason}: axisrig tune distance measures the loop"
     if limit is None:
-        return f"kp {law['kp']:g} has no limit of stability"
+        return f"kp {law.kp:g} has no limit of stability"
     where = _where(law)
     if limit == 0.0:
         return f"no kp keeps this loop stable ({where}): look at the sign of the sensor"
     if is_unstable(law):
         return (
-            f"kp {law['kp']:g} is above the limit {limit:.3g} for {where}: the loop oscillates,"
-            f" growing by {100.0 * (law['growth'] - 1.0):.2g} % per cycle"
+            f"kp {law.kp:g} is above the limit {limit:.3g} for {where}: the loop oscillates,"
+            f" growing by {100.0 * (law.growth - 1.0):.2g} % per cycle"
         )
-    words = f"kp {law['kp']:g} is below the limit {limit:.3g} for {where}: stable"
-    if 0.0 < law["growth"] < 1.0:
-        cycles = math.log(_SETTLED) / math.log(law["growth"])
+    words = f"kp {law.kp:g} is below the limit {limit:.3g} for {where}: stable"
+    if 0.0 < law.growth < 1.0:
+        cycles = math.log(_SETTLED) / math.log(law.growth)
         words += f", an error is down to 5 % in {max(cycles, 1.0):.0f} cycles"
     return words
 
 
-def _where(law: Mapping[str, Any]) -> str:
+def _where(law: DistanceLaw) -> str:
     """What a limit of kp holds for."""
-    dead = law["dead_cycles"]
+    dead = law.dead_cycles
     parts: list[str] = [f"{dead} dead cycle{'' if dead == 1 else 's'}"]
-    parts.append("no filter" if law["filter"] == "mean of 1" else law["filter"])
-    if law["age_cycles"]:
-        late = abs(law["age_cycles"])
-        beside = "late" if law["age_cycles"] > 0 else "newer than 6064"
+    parts.append("no filter" if law.filter == "mean of 1" else law.filter)
+    if law.age_cycles:
+        late = abs(law.age_cycles)
+        beside = "late" if law.age_cycles > 0 else "newer than 6064"
         parts.append(f"a sensor {late} cycle{'' if late == 1 else 's'} {beside}")
-    if law["drive_lag_ms"]:
-        parts.append(f"drive lag {law['drive_lag_ms']:.3g} ms")
+    if law.drive_lag_ms:
+        parts.append(f"drive lag {law.drive_lag_ms:.3g} ms")
     return ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
@@ -89,87 +94,95 @@ def _where(law: Mapping[str, Any]) -> str:
 
 
 def happened(
-    control: Control, trace: pa.Table | None, alarms: Mapping[str, str], origin_ns: int = 0
+    control: ControlFindings,
+    ended: Sequence[Event],
+    trace: pa.Table | None,
+    alarms: Mapping[str, str],
 ) -> list[tuple[str, str]]:
     """Return one line for each part: instant in ms, and what it did.
 
-    alarms: what each alarm says, by the words of its event (`ID 70331`).
+    ended: alarms that ended the program meanwhile. alarms: what each says, by the words of its
+    event (`ID 70331`).
     """
     lines = []
-    for number, stretch in enumerate(control["stretches"]):
-        before = control["stretches"][number - 1] if number else None
-        at = f"{(stretch['begin_ns'] - origin_ns) / _NS_PER_MS:.1f} ms"
+    for number, stretch in enumerate(control.stretches):
+        before = control.stretches[number - 1] if number else None
+        at = f"{stretch.begin_ns / _NS_PER_MS:.1f} ms"
         words = _part(control, stretch, before, trace)
         if words:
             lines.append((at, words))
-    for row in control["alarms"]:
-        at = f"{(row['time_ns'] - origin_ns) / _NS_PER_MS:.1f} ms"
-        alarm = alarms.get(row["label"], "")
-        lines.append((at, row["label"] + (f": {alarm}" if alarm else "")))
+    for row in ended:
+        at = f"{row.time_ns / _NS_PER_MS:.1f} ms"
+        alarm = alarms.get(row.label, "")
+        lines.append((at, row.label + (f": {alarm}" if alarm else "")))
     return lines
 
 
 def _part(
-    control: Control, stretch: Control, before: Control | None, trace: pa.Table | None
+    control: ControlFindings,
+    stretch: DistanceStretch,
+    before: DistanceStretch | None,
+    trace: pa.Table | None,
 ) -> str:
-    name = stretch["state"]
+    name = stretch.state
     offset = _inside(trace, control, "offset_mm", stretch)
     if name in FOLLOWING:
         return _on(control, stretch, before, trace, offset)
     if name == "ERROR":
         at = f" at {_shown(offset[-1], control)}" if len(offset) else ""
         return f"ERROR: the offset is held{at}"
-    by = _BY[stretch["by"]]
+    by = _BY[stretch.by]
     if name == "INACTIVE":
         return _inactive(before, by)
     if name == "FREEZE":
         return f"FREEZE by {by}: {_frozen(control, stretch, trace, offset)}"
-    took = (stretch["end_ns"] - stretch["begin_ns"]) / _NS_PER_MS
+    took = (stretch.end_ns - stretch.begin_ns) / _NS_PER_MS
     from_mm = _before(trace, control, "offset_mm", stretch)
     rest = "the offset runs" if from_mm is None else f"{_shown(from_mm, control)} run"
     return f"OFF by {by}: {rest} out, {took:.0f} ms"
 
 
 def _on(
-    control: Control,
-    stretch: Control,
-    before: Control | None,
+    control: ControlFindings,
+    stretch: DistanceStretch,
+    before: DistanceStretch | None,
     trace: pa.Table | None,
     offset: Signal,
 ) -> str:
     """A stretch in which the control follows, or computes as if it did."""
-    law = control["laws"][stretch["law"]]
     if before is not None and _is_same(before, stretch):
-        return f"parameters changed: {_followed(control, stretch, trace, offset, law)}"
-    name = stretch["state"]
-    head = f"{_COMMANDS[name]} by {_BY[stretch['by']]}"
-    if stretch["set_mm"] is not None:
-        head += f", {_SET_VALUES[name]} {stretch['set_mm']:.6g} {_unit(control)}"
-        if stretch["set_end_mm"] not in (None, stretch["set_mm"]):
-            head += f" to {stretch['set_end_mm']:.6g} {_unit(control)}"
-    if stretch["is_dry_run"]:
+        return f"parameters changed: {_followed(control, stretch, trace, offset)}"
+    name = stretch.state
+    head = f"{_COMMANDS[name]} by {_BY[stretch.by]}"
+    if stretch.set_mm is not None:
+        head += f", {_SET_VALUES[name]} {stretch.set_mm:.6g} {control.unit}"
+        if stretch.set_end_mm not in (None, stretch.set_mm):
+            head += f" to {stretch.set_end_mm:.6g} {control.unit}"
+    if stretch.is_dry_run:
         return f"{head}: DRYRUN, the offset stays"
-    return f"{head}: {_followed(control, stretch, trace, offset, law)}"
+    return f"{head}: {_followed(control, stretch, trace, offset)}"
 
 
-def _is_same(before: Control, stretch: Control) -> bool:
+def _is_same(before: DistanceStretch, stretch: DistanceStretch) -> bool:
     """Whether only parameters differ."""
     return (
-        before["state"] == stretch["state"]
-        and before["state"] in FOLLOWING
-        and before["is_dry_run"] == stretch["is_dry_run"]
-        and not stretch["is_dry_run"]
+        before.state == stretch.state
+        and before.state in FOLLOWING
+        and before.is_dry_run == stretch.is_dry_run
+        and not stretch.is_dry_run
     )
 
 
-def _inactive(before: Control | None, by: str) -> str:
+def _inactive(before: DistanceStretch | None, by: str) -> str:
     """Switched off: by itself behind TURNING_OFF, else with the offset kept."""
-    if before is None or before["state"] == "TURNING_OFF":
+    if before is None or before.state == "TURNING_OFF":
         return ""
     return f"off at once, by {by} or an error: nothing moves"
 
 
-def _frozen(control: Control, stretch: Control, trace: pa.Table | None, offset: Signal) -> str:
+def _frozen(
+    control: ControlFindings, stretch: DistanceStretch, trace: pa.Table | None, offset: Signal
+) -> str:
     if not len(offset):
         return "the offset is held"
     moved = float(np.ptp(offset))
@@ -185,11 +198,10 @@ def _frozen(control: Control, stretch: Control, trace: pa.Table | None, offset: 
 
 
 def _followed(
-    control: Control,
-    stretch: Control,
+    control: ControlFindings,
+    stretch: DistanceStretch,
     trace: pa.Table | None,
     offset: Signal,
-    law: Mapping[str, Any],
 ) -> str:
     if len(offset) < 2:
         return "followed"
@@ -198,7 +210,7 @@ def _followed(
     if high - low > 1.1 * abs(float(offset[-1] - offset[0])) + _LEAST_MM:
         words += f", between {_shown(low, control)} and {_shown(high, control)}"
     error = _inside(trace, control, "error_mm", stretch)
-    if is_unstable(law):
+    if stretch.law is not None and is_unstable(stretch.law):
         tail = error[-_TAIL_ROWS:]
         swing = float(np.ptp(tail)) / 2.0 if len(tail) else 0.0
         if swing >= _LEAST_MM:
@@ -206,7 +218,7 @@ def _followed(
         return f"{words}; nothing has excited the loop so far"
     surface = _inside(trace, control, "surface_cnc_mm", stretch)
     stands = not len(surface) or np.ptp(surface) <= _STILL * np.ptp(offset)
-    took = _settled_ms(offset, control["period_ms"]) if stands else None
+    took = _settled_ms(offset, control.period_ms) if stands else None
     if took is not None:
         words += f", within 5 % of it after {took:.0f} ms"
     if len(error):
@@ -223,32 +235,31 @@ def _settled_ms(offset: Signal, period_ms: float) -> float | None:
     return float(outside[-1] + 1 if len(outside) else 0) * period_ms
 
 
-def _inside(trace: pa.Table | None, control: Control, name: str, stretch: Control) -> Signal:
+def _inside(
+    trace: pa.Table | None, control: ControlFindings, name: str, stretch: DistanceStretch
+) -> Signal:
     """A signal within a stretch, empty where there is none."""
     values = None if trace is None else signal(trace, control, name)
     if trace is None or values is None:
         return np.empty(0)
     times = values_of(trace.column("time_ns"))
-    inside = values[(times >= stretch["begin_ns"]) & (times < stretch["end_ns"])]
+    inside = values[(times >= stretch.begin_ns) & (times < stretch.end_ns)]
     known: Signal = inside[np.isfinite(inside)]
     return known
 
 
-def _before(trace: pa.Table | None, control: Control, name: str, stretch: Control) -> float | None:
+def _before(
+    trace: pa.Table | None, control: ControlFindings, name: str, stretch: DistanceStretch
+) -> float | None:
     """A signal in the cycle before a stretch: what the PLC commands acts in its first cycle."""
     values = None if trace is None else signal(trace, control, name)
     if trace is None or values is None:
         return None
-    earlier = values[values_of(trace.column("time_ns")) < stretch["begin_ns"]]
+    earlier = values[values_of(trace.column("time_ns")) < stretch.begin_ns]
     return float(earlier[-1]) if len(earlier) else None
 
 
-def _shown(value: float, control: Control) -> str:
+def _shown(value: float, control: ControlFindings) -> str:
     """A length or angle with the digits that a reader compares."""
     text = f"{value:.4f}".rstrip("0").rstrip(".")
-    return f"{'0' if text in ('-0', '') else text} {_unit(control)}"
-
-
-def _unit(control: Control) -> str:
-    """Unit of its lengths; older findings have no angles."""
-    return str(control.get("unit", "mm"))
+    return f"{'0' if text in ('-0', '') else text} {control.unit}"

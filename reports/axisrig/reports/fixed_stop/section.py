@@ -1,4 +1,4 @@
-"""The timeline of a run to a fixed stop: from its block of the findings to the page.
+"""The timeline of a run to a fixed stop: from its findings to the page.
 
 Nothing is judged here: measured instants are beside those of the closed form, with its band.
 """
@@ -9,6 +9,10 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
+from axisrig.bench.judge.fixed_stop.stop_findings import KERNEL, Mark
+from axisrig.bench.judge.fixed_stop.values import Value
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.reports.fixed_stop.signals import (
     Stop,
     contact_ns,
@@ -45,7 +49,7 @@ _STATES = {
 
 
 def sections(
-    info: Mapping[str, Any], trace: pa.Table | None, run: str, alarms: Mapping[str, str]
+    info: RunFindings, trace: pa.Table | None, run: str, alarms: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """Make what the page prints of each run to a fixed stop of a case, in their order.
 
@@ -58,12 +62,12 @@ def sections(
         trace = with_changes(trace, stops)
     return [
         {
-            "number": stop["number"] if len(stops) > 1 else "",
+            "number": stop.number if len(stops) > 1 else "",
             **_timeline(
                 stop,
-                _trouble(stop, info.get("events", []), alarms),
+                _trouble(stop, info.events, alarms),
                 trace,
-                f"{run}-{stop['number']}",
+                f"{run}-{stop.number}",
             ),
         }
         for stop in stops
@@ -71,72 +75,63 @@ def sections(
 
 
 def _timeline(
-    stop: Stop, trouble: Sequence[Mapping[str, Any]], trace: pa.Table | None, name: str
+    stop: Stop, trouble: Sequence[Mark], trace: pa.Table | None, name: str
 ) -> dict[str, Any]:
     shown, origin = span(stop), origin_ns(stop)
     now = state(stop, trouble)
     glyph, word = _STATES[now]
     if trouble:
-        word = f"{word}{' ' if now == 'ended' else ', then '}{trouble[0]['label']}"
-    last = [row["key"] in ("monitoring_on", "end") for row in stop["marks"]]
+        word = f"{word}{' ' if now == 'ended' else ', then '}{trouble[0].label}"
+    last = [row.key in ("monitoring_on", "end") for row in stop.marks]
     end = last.index(True) if any(last) else len(last)
-    rows = [*stop["marks"][:end], *trouble, *stop["marks"][end:]]
+    rows = [*stop.marks[:end], *trouble, *stop.marks[end:]]
     return {
-        "block": stop["block"],
+        "block": stop.block,
         "glyph": glyph,
         "word": word,
         "state": now,
         "origin": "contact" if contact_ns(stop) is not None else "begin",
         "answers": answers(stop, trouble, trace),
-        "prediction": stop["prediction"],
-        "notes": stop["notes"],
+        "prediction": stop.prediction,
+        "notes": stop.notes,
         "axis": Markup(axis(shown, f"grid-{name}")),
         "rows": [_row(row, stop, origin, shown, f"grid-{name}") for row in rows],
-        "values": [_value(row) for row in stop["values"]],
+        "values": [_value(row) for row in stop.values],
     }
 
 
-def _trouble(
-    stop: Stop, events: Sequence[Mapping[str, Any]], alarms: Mapping[str, str]
-) -> list[dict[str, Any]]:
+def _trouble(stop: Stop, events: Sequence[Event], alarms: Mapping[str, str]) -> list[Mark]:
     """Alarms that end programs, and faults, within a run: as marks."""
     return [
-        {
-            "key": event["kind"],
-            "label": event["label"],
-            "axis": None,
-            "measured_ns": event["time_ns"],
-            **dict.fromkeys(("oracle_ns", "low_ns", "high_ns", "is_inside")),
-            "note": alarms.get(event["label"], ""),
-        }
+        Mark(event.kind, event.label, None, event.time_ns, KERNEL, note=alarms.get(event.label, ""))
         for event in events
-        if event["kind"] in ("alarm", "fault")
-        and not event["is_warning"]
-        and stop["begin_ns"] <= event["time_ns"] <= stop["end_ns"] + _AFTER_END_NS
+        if event.kind in ("alarm", "fault")
+        and not event.is_warning
+        and stop.begin_ns <= event.time_ns <= stop.end_ns + _AFTER_END_NS
     ]
 
 
 # Rows
 
 
-def _row(row: Mapping[str, Any], stop: Stop, origin: int, shown: Span, grid: str) -> dict[str, Any]:
+def _row(row: Mark, stop: Stop, origin: int, shown: Span, grid: str) -> dict[str, Any]:
     """One line of the table: names, drawing, instants in ms from the origin."""
-    at, middle = _ms(row["measured_ns"], origin), _ms(row["oracle_ns"], origin)
-    low, high = _ms(row["low_ns"], origin), _ms(row["high_ns"], origin)
+    at, middle = _ms(row.measured_ns, origin), _ms(row.oracle_ns, origin)
+    low, high = _ms(row.low_ns, origin), _ms(row.high_ns, origin)
     band = None if middle is None or low is None or high is None else (low, middle, high)
-    label = row["label"] + (f" · {row['axis']}" if row["axis"] else "")
+    label = row.label + (f" · {row.axis}" if row.axis else "")
     words = f"{label}: " + ("never" if at is None else f"{at:.2f} ms")
-    kind = _KINDS.get(row["key"], "mark")
+    kind = _KINDS.get(row.key, "mark")
     drawing = lane(shown, Row(kind, at, words, _stretch(row, stop, origin), band), grid)
     return {
-        "key": row["key"],
+        "key": row.key,
         "kind": kind,
         "label": label,
         "lane": Markup(drawing),
         "at": "never" if at is None else f"{at:.2f}",
         **_beside(at, band, label),
-        "is_inside": row["is_inside"],
-        "note": row["note"],
+        "is_inside": row.is_inside,
+        "note": row.note,
     }
 
 
@@ -161,21 +156,21 @@ def _beside(
     return {**cells, "apart": f"{at - middle:+.2f}", "bar": Markup(drawn)}
 
 
-def _stretch(row: Mapping[str, Any], stop: Stop, origin: int) -> tuple[float, float] | None:
+def _stretch(row: Mark, stop: Stop, origin: int) -> tuple[float, float] | None:
     """What lasts: the minimum time of a criterion, a motion, the time without monitoring."""
-    at = row["measured_ns"]
+    at = row.measured_ns
     if at is None:
         return None
-    tau_ns = round(_NS_PER_MS * stop["limits"].get(row["axis"], {}).get("min_time_ms", 0.0))
+    tau_ns = stop.min_time_ns(row.axis)
     begin, end = at, at
-    if row["key"] == "beyond":
+    if row.key == "beyond":
         end = at + tau_ns
-    elif row["key"] == "window":
+    elif row.key == "window":
         begin = at - tau_ns
-    elif row["key"] == "monitoring_off":
-        end = mark(stop, "monitoring_on") or stop["end_ns"]
+    elif row.key == "monitoring_off":
+        end = mark(stop, "monitoring_on") or stop.end_ns
     else:
-        begin = mark(stop, _FROM.get(row["key"], ""), row["axis"]) or at
+        begin = mark(stop, _FROM.get(row.key, ""), row.axis) or at
     if begin >= end:
         return None
     return (begin - origin) / _NS_PER_MS, (end - origin) / _NS_PER_MS
@@ -188,40 +183,40 @@ def _ms(time_ns: int | None, origin: int) -> float | None:
 # Values
 
 
-def _value(row: Mapping[str, Any]) -> dict[str, Any]:
+def _value(row: Value) -> dict[str, Any]:
     """One measured value beside the bounds of the closed form, as far as the digits shown go."""
-    measured, low, high = (_rounded(row[side]) for side in ("measured", "low", "high"))
+    measured, low, high = (_rounded(side) for side in (row.measured, row.low, row.high))
     if low == high:  # no bounds but a value, which is in a column of its own
         low = high = None
-    label = row["label"] + (f" · {row['axis']}" if row["axis"] else "")
+    label = row.label + (f" · {row.axis}" if row.axis else "")
     drawn = ""
     is_inside = None
     if measured is not None and (low is not None or high is not None):
         is_inside = (low is None or low <= measured) and (high is None or measured <= high)
-        words = f"{label}: {_number(measured)} {row['unit']}"
+        words = f"{label}: {_number(measured)} {row.unit}"
         drawn = bar(measured, 0.0, low, high, "pass" if is_inside else "fail", words)
     bounds = [("≥" if high is None else "", low), ("≤" if low is None else "", high)]
     return {
         "label": label,
-        "unit": row["unit"],
+        "unit": row.unit,
         "measured": "" if measured is None else _number(measured),
-        "expected": "" if row["expected"] is None else _number(row["expected"]),
+        "expected": "" if row.expected is None else _number(row.expected),
         "apart": _apart(row),
         "band": " … ".join(f"{sign}{_number(v)}" for sign, v in bounds if v is not None),
         "bar": Markup(drawn),
         "is_inside": is_inside,
-        "note": row["note"],
+        "note": row.note,
     }
 
 
-def _apart(row: Mapping[str, Any]) -> str:
+def _apart(row: Value) -> str:
     """Measured less expected, lengths in um."""
-    if row["measured"] is None or row["expected"] is None:
+    if row.measured is None or row.expected is None:
         return ""
-    apart = row["measured"] - row["expected"]
-    if row["unit"] == "mm":
+    apart = row.measured - row.expected
+    if row.unit == "mm":
         return f"{1000.0 * apart:+.3f} µm"
-    return f"{apart:+.4g} {row['unit']}"
+    return f"{apart:+.4g} {row.unit}"
 
 
 def _rounded(value: float | None) -> float | None:

@@ -3,20 +3,16 @@
 Nothing comes from the kernel but the set positions that it sent and what it superposed on them.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.bench.judge.kinematics.tool_findings import KinematicStretch, ToolFindings
 from axisrig.bench.oracles.kinematics.chain import Chain, tilt_deg
-from axisrig.bench.oracles.kinematics.lists import Program
 from axisrig.bench.record.series import TIME, values_of
 
-Tool = Mapping[str, Any]
-"""The tool of a run, as the block `kinematics` of the findings has it."""
 Signal = npt.NDArray[np.float64]
 
 DEMAND_CYCLES = 2
@@ -68,12 +64,12 @@ class Motion:
         return depth
 
 
-def motion_of(trace: pa.Table, tool: Tool) -> Motion | None:
+def motion_of(trace: pa.Table, tool: ToolFindings) -> Motion | None:
     """Return the motion of the tool; None where no row has a kinematic on."""
     times = values_of(trace.column(TIME))
     parts = [
         _part(trace, tool, stretch, rows)
-        for stretch in tool["kinematics"]
+        for stretch in tool.kinematics
         if len(rows := _rows(times, stretch))
     ]
     if not parts:
@@ -82,7 +78,7 @@ def motion_of(trace: pa.Table, tool: Tool) -> Motion | None:
     return Motion(*whole)
 
 
-def moved_mm(trace: pa.Table, tool: Tool) -> Signal:
+def moved_mm(trace: pa.Table, tool: ToolFindings) -> Signal:
     """Return by how much distance control moves the tool along its direction, shape (rows,).
 
     That is o/cos b of FCT-M3 12.4.3: the TCP of the set positions less that of the set positions
@@ -90,17 +86,17 @@ def moved_mm(trace: pa.Table, tool: Tool) -> Signal:
     """
     found = np.full(trace.num_rows, np.nan)
     times = values_of(trace.column(TIME))
-    for stretch in tool["kinematics"]:
+    for stretch in tool.kinematics:
         rows = _rows(times, stretch)
         if len(rows):
             found[rows] = _moved(trace, tool, stretch, rows)
     return found
 
 
-def chain_of(tool: Tool, stretch: Tool) -> Chain:
+def chain_of(tool: ToolFindings, stretch: KinematicStretch) -> Chain:
     """Return the oracle of a kinematic that was on."""
-    program: Program = {tuple(place): value for place, value in stretch["program"]}
-    return Chain(stretch["ids"], tool["written"], program, stretch["tool_mm"])
+    on = stretch.record
+    return Chain(on.ids, tool.written, dict(on.program), on.tool_mm)
 
 
 def column(trace: pa.Table, name: str) -> Signal | None:
@@ -111,11 +107,13 @@ def column(trace: pa.Table, name: str) -> Signal | None:
     return values
 
 
-def _rows(times: npt.NDArray[np.int64], stretch: Tool) -> npt.NDArray[np.int64]:
-    return np.flatnonzero((times >= stretch["begin_ns"]) & (times < stretch["end_ns"]))
+def _rows(times: npt.NDArray[np.int64], stretch: KinematicStretch) -> npt.NDArray[np.int64]:
+    return np.flatnonzero((times >= stretch.record.begin_ns) & (times < stretch.end_ns))
 
 
-def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]) -> Motion:
+def _part(
+    trace: pa.Table, tool: ToolFindings, stretch: KinematicStretch, rows: npt.NDArray[np.int64]
+) -> Motion:
     """The motion while one kinematic was on."""
     chain = chain_of(tool, stretch)
     base = _positions(trace, tool, stretch, "set") - _superposed(trace, stretch)
@@ -131,16 +129,16 @@ def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64
         moved_mm=_moved(trace, tool, stretch, rows),
         set_pos_mm=nothing if set_pos is None else set_pos[rows],
         is_on=np.zeros(len(rows), dtype=bool) if state is None else state[rows] != INACTIVE,
-        **_seen(trace, tool["sensor"], rows),
+        **_seen(trace, tool.sensor, rows),
         **_placed(trace, tool, stretch, rows),
     )
 
 
 def _placed(
-    trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]
+    trace: pa.Table, tool: ToolFindings, stretch: KinematicStretch, rows: npt.NDArray[np.int64]
 ) -> dict[str, Signal]:
     """Return where the tool was: clamping point, TCP, tilt, length."""
-    sensor = tool["sensor"]
+    sensor = tool.sensor
     if sensor is not None:
         return {
             "clamp_mm": _point(trace, f"{sensor}.clamping")[rows],
@@ -177,7 +175,9 @@ def _seen(trace: pa.Table, sensor: str | None, rows: npt.NDArray[np.int64]) -> d
     return {"hit_mm": hit, "distance_mm": distance, "along_mm": along}
 
 
-def _moved(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]) -> Signal:
+def _moved(
+    trace: pa.Table, tool: ToolFindings, stretch: KinematicStretch, rows: npt.NDArray[np.int64]
+) -> Signal:
     offset = column(trace, f"{CHANNEL}.offset_mm")
     if offset is None:
         return np.full(len(rows), np.nan)
@@ -194,22 +194,22 @@ def _moved(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int6
     return found
 
 
-def _names(tool: Tool, stretch: Tool, word: str) -> list[str]:
+def _names(tool: ToolFindings, stretch: KinematicStretch, word: str) -> list[str]:
     """Return the columns of positions of the axes of a kinematic, in its order."""
-    turns = dict(zip(tool["axes"], tool["rotary"], strict=True))
-    return [f"{axis}.{word}_{'deg' if turns[axis] else 'mm'}" for axis in stretch["axes"]]
+    turns = dict(zip(tool.axes, tool.rotary, strict=True))
+    return [f"{axis}.{word}_{'deg' if turns[axis] else 'mm'}" for axis in stretch.record.axes]
 
 
-def _positions(trace: pa.Table, tool: Tool, stretch: Tool, word: str) -> Signal:
+def _positions(trace: pa.Table, tool: ToolFindings, stretch: KinematicStretch, word: str) -> Signal:
     """Return positions of the axes of a kinematic, shape (rows, axes)."""
     return np.stack([_column(trace, name) for name in _names(tool, stretch, word)], axis=1)
 
 
-def _superposed(trace: pa.Table, stretch: Tool) -> Signal:
+def _superposed(trace: pa.Table, stretch: KinematicStretch) -> Signal:
     """Return what distance control superposes on the axes of a kinematic, shape (rows, axes)."""
     names, nothing = set(trace.column_names), np.zeros(trace.num_rows)
     found = []
-    for axis in stretch["axes"]:
+    for axis in stretch.record.axes:
         turned = f"{axis}.superposed_deg"
         one = column(trace, turned if turned in names else f"{axis}.superposed_mm")
         found.append(nothing if one is None else one)

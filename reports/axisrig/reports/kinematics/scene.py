@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.reports.kinematics.motion import PLACES, Motion, Signal, Tool
+from axisrig.bench.judge.kinematics.tool_findings import ToolFindings
+from axisrig.reports.kinematics.motion import PLACES, Motion, Signal
 from axisrig.reports.parts.encode import encode_signal, pack
 
 INSTANTS = 240
@@ -35,7 +36,7 @@ _LEAST_TILT_DEG, _LEAST_WAY_MM = 1.0, 1.0
 _USUAL, _LEAST_AWAY_MM = 3.0, 0.01
 
 
-def scene(motion: Motion, tool: Tool) -> dict[str, Any]:
+def scene(motion: Motion, tool: ToolFindings) -> dict[str, Any]:
     """Return the scene: `about` and `packed`, both texts, for `view.js`.
 
     about: JSON with rows and columns as the plots have them, the projections (name, directions of
@@ -246,23 +247,24 @@ def _fitted(
     return None
 
 
-def ideal(motion: Motion, tool: Tool) -> list[dict[str, Any]]:
+def ideal(motion: Motion, tool: ToolFindings) -> list[dict[str, Any]]:
     """Return the ideal surfaces that the program has given by SET_POS, each once.
 
     SET_POS counts along the normal from the origin of the coordinate system: n (p - p0) = SET_POS.
     In ACS it counts along an axis, which says nothing of the surface.
     """
     found: list[dict[str, Any]] = []
-    guides = tool["guides"]
+    guides = tool.guides
     last_ns = int(motion.times_ns[-1]) + 1
-    ends = [*(guide["time_ns"] for guide in guides[1:]), last_ns][: len(guides)]
+    ends = [*(guide.change.time_ns for guide in guides[1:]), last_ns][: len(guides)]
     for guide, end_ns in zip(guides, ends, strict=True):
-        if guide["mode"] in ("", "ACS") or not guide["is_used"]:
+        change = guide.change
+        if change.mode in ("", "ACS") or not guide.is_used:
             continue
-        rows = motion.is_on & (motion.times_ns >= guide["time_ns"]) & (motion.times_ns < end_ns)
-        normal = np.asarray(guide["normal"], dtype=float)
+        rows = motion.is_on & (motion.times_ns >= change.time_ns) & (motion.times_ns < end_ns)
+        normal = np.asarray(change.normal, dtype=float)
         for value in np.unique(motion.set_pos_mm[rows & np.isfinite(motion.set_pos_mm)]):
-            at_mm = round(float(value + normal @ np.asarray(guide["origin_mm"], dtype=float)), 6)
+            at_mm = round(float(value + normal @ np.asarray(change.origin_mm, dtype=float)), 6)
             one = {"normal": normal.tolist(), "at_mm": at_mm}
             if one not in found and len(found) < PLANES:
                 found.append(one)

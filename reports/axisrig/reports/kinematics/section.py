@@ -1,4 +1,4 @@
-"""The tool of a run with a kinematic: from its block of the findings to the page."""
+"""The tool of a run with a kinematic: from its findings to the page."""
 
 from collections.abc import Mapping
 from importlib import resources
@@ -8,7 +8,10 @@ import numpy as np
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.reports.kinematics.motion import Motion, Signal, Tool, motion_of
+from axisrig.bench.judge.kinematics.tool_findings import ToolFindings
+from axisrig.bench.judge.run_findings import RunFindings
+from axisrig.bench.record.distance import Diagnosis
+from axisrig.reports.kinematics.motion import Motion, Signal, motion_of
 from axisrig.reports.kinematics.scene import at_work, ideal, scene
 from axisrig.reports.kinematics.signals import tool_of
 from axisrig.reports.parts.shipped import shipped_text
@@ -34,7 +37,7 @@ def tool_script() -> Markup:
 
 
 def sections(
-    info: Mapping[str, Any], trace: pa.Table | None, run: str, _alarms: Mapping[str, str]
+    info: RunFindings, trace: pa.Table | None, run: str, _alarms: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """Make what the page prints of the tool; empty for a run without a kinematic.
 
@@ -60,48 +63,48 @@ def sections(
     ]
 
 
-def kinematics_words(tool: Tool) -> list[tuple[str, str]]:
+def kinematics_words(tool: ToolFindings) -> list[tuple[str, str]]:
     """Return one line for each time that a kinematic was on: instant in ms, and what it was."""
     lines = []
-    for stretch in tool["kinematics"]:
-        ids = ", ".join(str(number) for number in stretch["ids"])
-        words = f"kinematic {ids} on, tool {stretch['tool_mm']:.6g} mm"
-        limits = [f"{name} {value:.6g}°" for name, value in stretch["limits"].items()]
+    for stretch in tool.kinematics:
+        ids = ", ".join(str(number) for number in stretch.record.ids)
+        words = f"kinematic {ids} on, tool {stretch.record.tool_mm:.6g} mm"
+        limits = [f"{name} {value:.6g}°" for name, value in stretch.limits.items()]
         if limits:
             words += f", {', '.join(limits)}"
-        lines.append((_ms(stretch["begin_ns"]), words))
+        lines.append((_ms(stretch.record.begin_ns), words))
     return lines
 
 
-def modes_words(tool: Tool) -> list[tuple[str, str]]:
+def modes_words(tool: ToolFindings) -> list[tuple[str, str]]:
     """Return where the offset of distance control acted: instant in ms, and words."""
     lines: list[tuple[str, str]] = []
-    for guide in tool["guides"]:
-        if not guide["mode"] or not guide["is_used"]:
+    for guide in (each.change for each in tool.guides if each.is_used):
+        if not guide.mode:
             continue
-        words = f"{guide['mode']}: the offset acts {_CHOICES[guide['mode']].format(guide['axis'])}"
-        normal = guide["normal"]
-        if guide["mode"] != "ACS" and tuple(normal) != (0.0, 0.0, 1.0):
+        words = f"{guide.mode}: the offset acts {_CHOICES[guide.mode].format(guide.axis)}"
+        normal = guide.normal
+        if guide.mode != "ACS" and tuple(normal) != (0.0, 0.0, 1.0):
             words += f"; normal {', '.join(f'{part:.4g}' for part in normal)}"
         if not lines or lines[-1][1] != words:
-            lines.append((_ms(guide["time_ns"]), words))
+            lines.append((_ms(guide.time_ns), words))
     return lines
 
 
-def source_words(tool: Tool, motion: Motion | None) -> str:
+def source_words(tool: ToolFindings, motion: Motion | None) -> str:
     """Say where tool and surface come from."""
     if motion is None:
         return "The run left no signals of the tool."
     programmed = "Programmed: set positions without the offset, by the chain of matrices."
-    if tool["sensor"] is None:
+    if tool.sensor is None:
         return (
             "No plant sees this tool: it is drawn by the chain of matrices from the true positions"
             f" of the axes, without a surface. {programmed}"
         )
-    return f"Tool and surface are those of the plant {tool['sensor']}. {programmed}"
+    return f"Tool and surface are those of the plant {tool.sensor}. {programmed}"
 
 
-def rows(motion: Motion, tool: Tool) -> list[tuple[str, str, str, str]]:
+def rows(motion: Motion, tool: ToolFindings) -> list[tuple[str, str, str, str]]:
     """Return smallest and largest values: what, least, most, unit."""
     working = at_work(motion)
     table = (
@@ -132,44 +135,44 @@ def _if_any(values: Signal) -> Signal:
     return values if np.any(np.nan_to_num(values)) else values[:0]
 
 
-def angle_to_normal(motion: Motion, tool: Tool) -> Signal:
+def angle_to_normal(motion: Motion, tool: ToolFindings) -> Signal:
     """Return b of each row in which the control is on, degrees: 0 but for ECS."""
     found = np.full(len(motion.times_ns), np.nan)
-    for guide in tool["guides"]:
-        rows = motion.is_on & (motion.times_ns >= guide["time_ns"])
-        if not guide["mode"]:
+    for guide in (each.change for each in tool.guides):
+        rows = motion.is_on & (motion.times_ns >= guide.time_ns)
+        if not guide.mode:
             found[rows] = np.nan
-        elif guide["mode"] == ECS:
-            cosine = motion.direction[rows] @ np.asarray(guide["normal"])
+        elif guide.mode == ECS:
+            cosine = motion.direction[rows] @ np.asarray(guide.normal)
             found[rows] = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
         else:
             found[rows] = 0.0
     return found
 
 
-def dumps(tool: Tool) -> dict[str, Any] | None:
+def dumps(tool: ToolFindings) -> dict[str, Any] | None:
     """Return the diagnosis data (FCT-M3 12.10) as a table: instants, and rows under their heads.
 
     Equal dumps one after the other are one column; DUMPS at most, the others are counted.
     """
-    found: list[Mapping[str, Any]] = []
-    for dump in tool["diagnosis"]:
-        if not found or found[-1]["values"] != dump["values"]:
+    found: list[Diagnosis] = []
+    for dump in tool.diagnosis:
+        if not found or found[-1].values != dump.values:
             found.append(dump)
     if not found:
         return None
     left_out = max(len(found) - DUMPS, 0)
     shown = [*found[: DUMPS - 1], found[-1]] if left_out else found
-    names = list(shown[0]["values"])
+    names = list(shown[0].values)
     return {
-        "instants": [_ms(dump["time_ns"]) for dump in shown],
+        "instants": [_ms(dump.time_ns) for dump in shown],
         "left_out": left_out,
         "rows": [
             {
                 "head": HEADS.get(name, ""),
                 "name": name,
-                "values": [dump["values"][name] for dump in shown],
-                "changes": len({dump["values"][name] for dump in shown}) > 1,
+                "values": [dump.values[name] for dump in shown],
+                "changes": len({dump.values[name] for dump in shown}) > 1,
             }
             for name in names
         ],

@@ -6,8 +6,7 @@ from typing import Any
 
 import pyarrow as pa
 
-Info = Mapping[str, Any]
-"""What is shown of a run beside its checks: the findings of the judge, and limits to draw."""
+from axisrig.bench.judge.run_findings import RunFindings
 
 
 @dataclass(frozen=True)
@@ -26,17 +25,17 @@ class Plots:
     more: Mapping[str, Any] = field(default_factory=dict)
 
 
-def _unchanged(trace: pa.Table, _info: Info) -> pa.Table:
+def _unchanged(trace: pa.Table, _info: RunFindings) -> pa.Table:
     return trace
 
 
-def _nothing(_trace: pa.Table, _info: Info) -> Plots:
+def _nothing(_trace: pa.Table, _info: RunFindings) -> Plots:
     return Plots()
 
 
 @dataclass(frozen=True)
 class ReportTopic:
-    """One topic. name: of its block in the findings. package: holds its `section.html`.
+    """One topic. name: of its folder. package: holds its `section.html`.
 
     sections: what the macro `sections` of that file prints, of a run's findings, its signals as
     recorded, its ID and what each alarm says (by the words of its event). with_signals: the signals
@@ -45,7 +44,7 @@ class ReportTopic:
 
     name: str
     package: str
-    sections: Callable[[Info, pa.Table | None, str, Mapping[str, str]], list[dict[str, Any]]]
-    with_signals: Callable[[pa.Table, Info], pa.Table] = _unchanged
-    plots: Callable[[pa.Table, Info], Plots] = _nothing
+    sections: Callable[[RunFindings, pa.Table | None, str, Mapping[str, str]], list[dict[str, Any]]]
+    with_signals: Callable[[pa.Table, RunFindings], pa.Table] = _unchanged
+    plots: Callable[[pa.Table, RunFindings], Plots] = _nothing
     legend: str = ""

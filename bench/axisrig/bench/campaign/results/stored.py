@@ -22,7 +22,7 @@ from axisrig.bench.campaign.results.sums import (
     is_sum,
 )
 from axisrig.bench.judge.program.findings import log_lines
-from axisrig.bench.judge.topics import STOPPED
+from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.plan.run_ids import RUN_ID
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run

@@ -43,8 +43,8 @@ from axisrig.bench.campaign.results.stored import (
 from axisrig.bench.campaign.results.sums import SUMS
 from axisrig.bench.files import json_text, naming, write_whole
 from axisrig.bench.judge.program.findings import log_lines
+from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.judge.statistics.verdict import Reading
-from axisrig.bench.judge.topics import STOPPED
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.expanded import expanded_text, path_from

@@ -13,6 +13,16 @@ from typing import Any
 import numpy as np
 
 from axisrig.bench.judge.distance import stretches
+from axisrig.bench.judge.distance.control_findings import (
+    DEGREE,
+    MM,
+    ControlFindings,
+    DeadCycles,
+    DistanceLaw,
+    DistanceStretch,
+    EndError,
+    UsedLimit,
+)
 from axisrig.bench.judge.distance.stretches import Stretch
 from axisrig.bench.judge.distance.tool import distance_truths
 from axisrig.bench.judge.distance.truth import (
@@ -64,36 +74,34 @@ _WORDS = {
 }
 
 
-def distance_blocks(observed: Observed) -> list[dict[str, Any]]:
+def control_findings(observed: Observed) -> list[ControlFindings]:
     """Return what the report shows of each control that was ever on."""
-    return [block_of(truth) for truth in distance_truths(observed)]
+    return [_of_control(truth) for truth in distance_truths(observed)]
 
 
-def block_of(truth: DistanceTruth) -> dict[str, Any]:
-    """Return one axis as plain data."""
+def _of_control(truth: DistanceTruth) -> ControlFindings:
     changes = truth.control.changes
-    laws: list[dict[str, Any]] = []
-    parts = _parts(truth, changes, laws)
-    return {
-        "axis": truth.axis,
-        "unit": _unit(truth),
-        "sensor": truth.sensor_name or None,
-        "zero_mm": truth.zero_mm,
-        "period_ms": truth.period_ns / 1e6,
-        "late_cycles": 0 if truth.listed.is_optimized else 1,
-        "stretches": parts,
-        "laws": laws,
-        "dead": _dead(truth),
-        "errors": _errors(truth, changes),
-        "limits": _limits(truth),
-        "notes": _notes(truth),
-    }
+    parts = _parts(truth, changes)
+    return ControlFindings(
+        axis=truth.axis,
+        unit=_unit(truth),
+        sensor=truth.sensor_name or None,
+        zero_mm=truth.zero_mm,
+        period_ms=truth.period_ns / 1e6,
+        late_cycles=0 if truth.listed.is_optimized else 1,
+        stretches=parts,
+        laws=list(dict.fromkeys(part.law for part in parts if part.law is not None)),
+        dead=_dead(truth),
+        errors=_errors(truth, changes),
+        limits=_limits(truth),
+        notes=_notes(truth),
+    )
 
 
 def _unit(truth: DistanceTruth) -> str:
     """Return the unit of its lengths, which are angles of an axis that turns."""
     is_axis = truth.axis != CHANNEL
-    return "°" if is_axis and truth.observed.is_rotary(truth.axis) else "mm"
+    return DEGREE if is_axis and truth.observed.is_rotary(truth.axis) else MM
 
 
 def distance_events(observed: Observed) -> list[Event]:
@@ -124,30 +132,21 @@ def _commands(axis: str, changes: Sequence[DistanceChange]) -> list[Event]:
 # Stretches and laws
 
 
-def _parts(
-    truth: DistanceTruth, changes: Sequence[DistanceChange], laws: list[dict[str, Any]]
-) -> list[dict[str, Any]]:
-    """Stretches between two changes; laws: takes each law once."""
+def _parts(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[DistanceStretch]:
+    """Stretches between two changes."""
     found = []
     for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
-        is_on = change.is_on
         rows = _rows(truth, change, end_ns)
-        wanted = _set_values(truth, change, rows)
-        if is_on:
-            law = _law(truth, _stretch(truth, change, rows))
-            if law not in laws:
-                laws.append(law)
         found.append(
-            {
-                "begin_ns": change.time_ns,
-                "end_ns": end_ns,
-                "state": change.state,
-                "by": change.by,
-                "is_dry_run": is_on and change.is_dry_run,
-                "set_mm": wanted[0],
-                "set_end_mm": wanted[1],
-                "law": laws.index(law) if is_on else None,
-            }
+            DistanceStretch(
+                change.time_ns,
+                end_ns,
+                change.state,
+                change.by,
+                change.is_on and change.is_dry_run,
+                *_set_values(truth, change, rows),
+                _law(truth, _stretch(truth, change, rows)) if change.is_on else None,
+            )
         )
     return found
 
@@ -181,29 +180,29 @@ def _stretch(truth: DistanceTruth, change: DistanceChange, rows: "np.ndarray[Any
     return Stretch(begin, begin + len(rows), mode, acting.listed, acting.is_dry_run)
 
 
-def _law(truth: DistanceTruth, stretch: Stretch) -> dict[str, Any]:
+def _law(truth: DistanceTruth, stretch: Stretch) -> DistanceLaw:
     mode, control = stretch.mode, stretch.listed.control
     loop = truth.loop(mode, stretch.listed)
     unknown = stretches.unknown_poles(truth, mode)
     limit = math.inf if unknown else kp_limit(loop)
     is_plain = not control.tn_s and not control.tv_s
-    return {
-        "mode": mode,
-        "formula": _FORMULAS[mode].format(control.limiter, "kp " if is_plain else "PID")
+    return DistanceLaw(
+        mode=mode,
+        formula=_FORMULAS[mode].format(control.limiter, "kp " if is_plain else "PID")
         + (f"; {_derivative(control)}" if control.tv_s else ""),
-        "kp": control.kp,
-        "tn_s": control.tn_s,
-        "tv_s": control.tv_s,
-        "filter": loop.smoothing.name,
-        "delay_cycles": loop.smoothing.delay_cycles,
-        "noise_gain": loop.smoothing.noise_gain,
-        "dead_cycles": loop.dead_cycles,
-        "age_cycles": loop.skew_cycles,
-        "drive_lag_ms": truth.drive_lag_s * 1e3,
-        "kp_limit": None if math.isinf(limit) else limit,
-        "kp_limit_unknown": unknown,
-        "growth": growth(loop, control.kp),
-    }
+        kp=control.kp,
+        tn_s=control.tn_s,
+        tv_s=control.tv_s,
+        filter=loop.smoothing.name,
+        delay_cycles=loop.smoothing.delay_cycles,
+        noise_gain=loop.smoothing.noise_gain,
+        dead_cycles=loop.dead_cycles,
+        age_cycles=loop.skew_cycles,
+        drive_lag_ms=truth.drive_lag_s * 1e3,
+        kp_limit=None if math.isinf(limit) else limit,
+        growth=growth(loop, control.kp),
+        kp_limit_unknown=unknown,
+    )
 
 
 def _derivative(control: Control) -> str:
@@ -212,14 +211,12 @@ def _derivative(control: Control) -> str:
     return f"D: {worth} times the change of the {control.derivative_of}"
 
 
-def _dead(truth: DistanceTruth) -> dict[str, Any]:
-    """Dead cycles by the arithmetic of the rig and by the frames."""
-    told = {"predicted": truth.dead.dead, "measured": None, "note": ""}
+def _dead(truth: DistanceTruth) -> DeadCycles:
     try:
         found = truth.measured_dead()
     except NotMeasurableError as reason:
-        return {**told, "note": str(reason)}
-    return {**told, "measured": found.cycles.dead}
+        return DeadCycles(truth.dead.dead, note=str(reason))
+    return DeadCycles(truth.dead.dead, found.cycles.dead)
 
 
 def _notes(truth: DistanceTruth) -> list[str]:
@@ -239,7 +236,7 @@ def _notes(truth: DistanceTruth) -> list[str]:
 # Errors
 
 
-def _errors(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[dict[str, Any]]:
+def _errors(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[EndError]:
     """The true error in the last fifth of each stretch beside its closed form."""
     behind = truth.behind_mm
     if behind is None:
@@ -258,15 +255,15 @@ def _errors(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[dic
         except NoClosedFormError as reason:
             note = str(reason)
         found.append(
-            {
-                "begin_ns": int(truth.times_ns[stretch.begin]),
-                "mode": stretch.mode,
-                "speed_mm_s": speed,
-                "measured_mm": float(np.mean(errors)),
-                "spread_mm": float(np.std(errors)),
-                "expected_mm": expected,
-                "note": note,
-            }
+            EndError(
+                int(truth.times_ns[stretch.begin]),
+                stretch.mode,
+                speed,
+                float(np.mean(errors)),
+                float(np.std(errors)),
+                expected,
+                note,
+            )
         )
     return found
 
@@ -301,7 +298,7 @@ def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float) -> floa
 # Limits
 
 
-def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
+def _limits(truth: DistanceTruth) -> list[UsedLimit]:
     """Each limit with the most that was used of it."""
     offset, sensor = truth["offset_mm"], truth.watched_mm
     # The row in which the program switches on has no value of the control yet
@@ -327,14 +324,14 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
     found.append(("min_pos", "mm", listed.low_mm, None if lowest is None else -lowest))
     is_channel = truth.axis == CHANNEL
     return [
-        {
-            "key": key,
-            "parameter": _PARAMETERS[key][is_channel],
-            "value": value,
-            "unit": unit.replace("mm", _unit(truth)),
-            "used": used,
-            "acts": _acts(key, truth.listed.control.limiter, is_channel=is_channel),
-        }
+        UsedLimit(
+            key,
+            _PARAMETERS[key][is_channel],
+            value,
+            unit.replace(MM, _unit(truth)),
+            used,
+            _acts(key, truth.listed.control.limiter, is_channel=is_channel),
+        )
         for key, unit, value, used in found
     ]
 

@@ -4,42 +4,22 @@ Each mark has the instant that was measured beside the one that the closed form 
 """
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 from axisrig.bench.judge.fixed_stop.run import StopRun, stop_runs
+from axisrig.bench.judge.fixed_stop.stop_findings import (
+    KERNEL,
+    PLANT,
+    BrokenContact,
+    Decision,
+    Mark,
+    StopFindings,
+    StopLimits,
+)
 from axisrig.bench.judge.fixed_stop.values import Value, prediction, values
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.fixed_stop.timing import Instant, seen
-
-PLANT, KERNEL = "plant", "kernel"
-
-
-@dataclass(frozen=True)
-class Mark:
-    """One row of the timeline: an instant that was measured beside that of the closed form.
-
-    key: of `_LABELS`. source: who gives the measured instant, PLANT or KERNEL. oracle_ns, low_ns,
-    high_ns: of the closed form with its band, None without one. is_inside: measured in the band.
-    """
-
-    key: str
-    label: str
-    axis: str | None
-    measured_ns: int | None
-    source: str
-    oracle_ns: int | None = None
-    low_ns: int | None = None
-    high_ns: int | None = None
-    is_inside: bool | None = None
-    note: str = ""
-
-    @property
-    def says_nothing(self) -> bool:
-        """Whether it has neither an instant nor a word."""
-        return self.measured_ns is None and self.oracle_ns is None and not self.note
-
 
 _LABELS = {
     "monitoring_off": "lag monitoring off",
@@ -156,63 +136,59 @@ def _label(mark: Mark) -> str:
     return mark.label if mark.axis is None else f"{mark.axis}: {mark.label}"
 
 
-def stop_blocks(observed: Observed) -> list[dict[str, Any]]:
+def stop_findings(observed: Observed) -> list[StopFindings]:
     """Return what the report shows of each run to a fixed stop."""
-    return [as_data(run) for run in stop_runs(observed)]
+    return [of_run(run) for run in stop_runs(observed)]
 
 
-def as_data(run: StopRun) -> dict[str, Any]:
-    """Return a run as plain data."""
-    return {
-        "number": run.number,
-        "block": run.record.block,
-        "axes": list(run.record.axes),
-        "watched": list(run.stop.criteria),
-        "main_axis": run.main_axis(),
-        "is_found": run.is_found,
-        "decided_by": _decided(run),
-        "limits": {
-            axis: {
-                "lag_limit_mm": limits.lag_limit_mm,
-                "window_mm": limits.window_mm,
-                "min_time_ms": limits.min_time_ns / 1e6,
-                "arming_mm": run.arming_mm,
-                **_force_limit(run, axis),
-            }
-            for axis, limits in run.limits.items()
-        },
-        "rotary": {axis: run.torque_arm_m(axis) is not None for axis in run.rotary},
-        "begin_ns": run.record.begin_ns,
-        "end_ns": run.end_ns,
-        "broken_contacts": _broken(run),
-        "marks": [asdict(mark) for mark in marks(run)],
-        "values": [asdict(_turned(run, value)) for value in values(run)],
-        "prediction": prediction(run),
-        "notes": list(dict.fromkeys(_notes(run))),
-    }
+def of_run(run: StopRun) -> StopFindings:
+    """Return what the report shows of one run."""
+    return StopFindings(
+        number=run.number,
+        block=run.record.block,
+        axes=list(run.record.axes),
+        watched=list(run.stop.criteria),
+        main_axis=run.main_axis(),
+        is_found=run.is_found,
+        decided_by=_decided(run),
+        limits={axis: _limits(run, axis) for axis in run.limits},
+        rotary={axis: run.torque_arm_m(axis) is not None for axis in run.rotary},
+        begin_ns=run.record.begin_ns,
+        end_ns=run.end_ns,
+        broken_contacts=_broken(run),
+        marks=marks(run),
+        values=[_turned(run, value) for value in values(run)],
+        prediction=prediction(run),
+        notes=list(dict.fromkeys(_notes(run))),
+    )
 
 
-def _broken(run: StopRun) -> dict[str, dict[str, int | None]]:
-    """Return the axes whose contact was lost; since_ns: of its return, None without one."""
+def _broken(run: StopRun) -> dict[str, BrokenContact]:
     lasting = {axis: run.lasting(axis) for axis in run.truths}
     return {
-        axis: {
-            "first_ns": round(told.first_ns),
-            "since_ns": None if told.contact is None else round(told.contact.time_ns),
-            "lost_ns": round(told.lost_ns),
-        }
-        for axis, told in lasting.items()
-        if told is not None and told.lost_ns
+        axis: BrokenContact(
+            round(found.first_ns),
+            None if found.contact is None else round(found.contact.time_ns),
+            round(found.lost_ns),
+        )
+        for axis, found in lasting.items()
+        if found is not None and found.lost_ns
     }
 
 
-def _force_limit(run: StopRun, axis: str) -> dict[str, float | None]:
-    """Return the limit of the motor towards the stop, with the sign of its direction."""
-    pressing, arm_m = run.pressing(axis), run.torque_arm_m(axis)
+def _limits(run: StopRun, axis: str) -> StopLimits:
+    """Return what acts on an axis, the force of the motor with the sign of its direction."""
+    own, pressing, arm_m = run.limits[axis], run.pressing(axis), run.torque_arm_m(axis)
     limit_n = None if pressing is None else pressing.stop.direction * pressing.limit_n
-    if arm_m is None or limit_n is None:
-        return {"force_limit_n": limit_n}
-    return {"torque_limit_nm": limit_n * arm_m}
+    is_torque = arm_m is not None and limit_n is not None
+    return StopLimits(
+        own.lag_limit_mm,
+        own.window_mm,
+        own.min_time_ns / 1e6,
+        run.arming_mm,
+        force_limit_n=None if is_torque else limit_n,
+        torque_limit_nm=None if arm_m is None or limit_n is None else limit_n * arm_m,
+    )
 
 
 def _turned(run: StopRun, value: Value) -> Value:
@@ -222,8 +198,8 @@ def _turned(run: StopRun, value: Value) -> Value:
         return replace(value, unit="deg", note=f"{value.note}{_AS_SLIDE}")
     if arm_m is None or value.unit != "N":
         return value
-    told = (value.measured, value.expected, value.low, value.high)
-    measured, expected, low, high = (None if n is None else n * arm_m for n in told)
+    forces = (value.measured, value.expected, value.low, value.high)
+    measured, expected, low, high = (None if n is None else n * arm_m for n in forces)
     return Value(
         *(value.key, value.label, "N.m", value.axis, measured, expected, low, high),
         f"{value.note}{_AS_SLIDE}",
@@ -238,8 +214,8 @@ def _notes(run: StopRun) -> Iterator[str]:
                 yield f"{axis}: {instant.note}"
 
 
-def _decided(run: StopRun) -> dict[str, str] | None:
+def _decided(run: StopRun) -> Decision | None:
     criterion = run.deciding_criterion()
     if criterion is None or run.stop.detected_by is None:
         return None
-    return {"axis": run.stop.detected_by, "criterion": criterion}
+    return Decision(run.stop.detected_by, criterion)

@@ -6,10 +6,9 @@ sees the tool, where 3D distance control acted, and its diagnosis data.
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
 from itertools import pairwise
-from typing import Any
 
+from axisrig.bench.judge.kinematics.tool_findings import KinematicStretch, ToolFindings, ToolGuide
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
@@ -29,7 +28,7 @@ def no_events(_observed: Observed) -> list[Event]:
     return []
 
 
-def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
+def tool_findings(observed: Observed) -> list[ToolFindings]:
     """Return what the report shows of the tool; empty for a run that had no kinematic on."""
     facts = observed.facts
     if not facts.kinematics:
@@ -39,35 +38,25 @@ def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
     }
     control = facts.distance_3d
     return [
-        {
-            "axes": list(facts.axes),
-            "rotary": [axis.is_rotary for axis in facts.axes.values()],
-            "sensor": _sensor(observed),
-            "period_ms": facts.timing.period_ns / 1e6,
-            "written": written,
-            "kinematics": [_stretch(observed, on, written) for on in facts.kinematics],
-            "guides": [] if control is None else _guides(control),
-            "diagnosis": [] if control is None else _diagnosis(control),
-        }
+        ToolFindings(
+            axes=list(facts.axes),
+            rotary=[axis.is_rotary for axis in facts.axes.values()],
+            sensor=_sensor(observed),
+            written=written,
+            kinematics=[_stretch(observed, on, written) for on in facts.kinematics],
+            guides=[] if control is None else _guides(control),
+            diagnosis=() if control is None else control.diagnosis,
+        )
     ]
 
 
-def _stretch(observed: Observed, on: KinematicRecord, written: Written) -> dict[str, Any]:
-    """Return one time in which a kinematic was on; it ends after the last row at the latest."""
+def _stretch(observed: Observed, on: KinematicRecord, written: Written) -> KinematicStretch:
     last_ns = int(observed.times_ns[-1]) + 1 if len(observed) else on.begin_ns
-    return {
-        "begin_ns": on.begin_ns,
-        "end_ns": last_ns if on.end_ns is None else on.end_ns,
-        "axes": list(on.axes),
-        "ids": list(on.ids),
-        "program": [(list(place), value) for place, value in on.program],
-        "tool_mm": on.tool_mm,
-        "limits": _limits(written, on),
-    }
+    return KinematicStretch(on, last_ns if on.end_ns is None else on.end_ns, _limits(written, on))
 
 
-def _guides(control: ChannelDistanceRecord) -> list[dict[str, Any]]:
-    """Return where the offset acted; is_used: whether the control was on meanwhile."""
+def _guides(control: ChannelDistanceRecord) -> list[ToolGuide]:
+    """Return where the offset acted."""
     changes = _spans([change.time_ns for change in control.changes])
     on = [
         span
@@ -76,7 +65,7 @@ def _guides(control: ChannelDistanceRecord) -> list[dict[str, Any]]:
     ]
     spans = _spans([guide.time_ns for guide in control.guides])
     return [
-        {**asdict(guide), "is_used": any(begin < last and first < end for first, last in on)}
+        ToolGuide(guide, any(begin < last and first < end for first, last in on))
         for (begin, end), guide in zip(spans, control.guides, strict=True)
     ]
 
@@ -108,7 +97,3 @@ def _sensor(observed: Observed) -> str | None:
     if chosen is not None and chosen.sensor in names:
         return chosen.sensor
     return next(iter(names), None)
-
-
-def _diagnosis(control: ChannelDistanceRecord) -> list[dict[str, Any]]:
-    return [{"time_ns": dump.time_ns, "values": dict(dump.values)} for dump in control.diagnosis]

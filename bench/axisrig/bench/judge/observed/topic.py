@@ -1,8 +1,7 @@
-"""What a topic of the judge gives: metrics, marks, and a block for the report."""
+"""What a topic of the judge gives: metrics, marks, and findings for the report."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observation import Observation
@@ -11,19 +10,20 @@ from axisrig.bench.judge.observed.observed import Observed
 MetricFunction = Callable[[Observed, str | None], Observation]
 
 
-def _nothing(_observed: Observed) -> list[dict[str, Any]]:
-    return []
+def _nothing(_observed: Observed) -> Sequence[object]:
+    return ()
 
 
 @dataclass(frozen=True)
 class Topic:
-    """One topic. name: of its folder, and of its block in the report.
+    """One topic. name: of its folder.
 
     metrics: by name; each takes the run and the axis that a check names. events: its marks.
-    block: what its section of the report shows, empty where a run has nothing of it.
+    findings: what its section of the report shows, each of a class of its own; empty where a run
+    has nothing of it.
     """
 
     name: str
     metrics: Mapping[str, MetricFunction]
     events: Callable[[Observed], list[Event]]
-    block: Callable[[Observed], list[dict[str, Any]]] = _nothing
+    findings: Callable[[Observed], Sequence[object]] = _nothing

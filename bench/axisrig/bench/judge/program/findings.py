@@ -1,9 +1,7 @@
 """Marks of a whole program: alarms, buses, faults, drives, homing; and its log."""
 
 from collections.abc import Iterator
-from dataclasses import asdict
 
-from axisrig.bench.bus.deadlines import in_words
 from axisrig.bench.judge.observed.event import BESIDES, WARNING, Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.record.facts import Facts, NoteSource
@@ -104,4 +102,30 @@ def _deflections(facts: Facts) -> list[str]:
 
 def _real_time(facts: Facts) -> list[str]:
     """Say how well real time was kept; nothing for simulated time."""
-    return [] if facts.real_time is None else in_words(asdict(facts.real_time))
+    kept = facts.real_time
+    if kept is None or kept.lateness_us is None:
+        return []
+    late, interval = kept.lateness_us, kept.interval_us
+    lines = [
+        f"real time: {kept.cycles} SYNCs, {kept.late_cycles} of them more than"
+        f" {kept.late_us:g} us late; lateness median {late.median_us:.0f} us, p99"
+        f" {late.p99_us:.0f} us, max {late.most_us:.0f} us"
+    ]
+    if interval:
+        lines.append(
+            f"real time: SYNC interval {interval.least_us:.0f} .. {interval.most_us:.0f} us,"
+            f" median {interval.median_us:.0f} us for {kept.period_us:g} us"
+        )
+    if kept.slips:
+        lines.append(
+            f"real time: the plan moved {kept.slips} times, by {kept.slipped_ms:.3f} ms in"
+            " all, because this computer came too late"
+        )
+    if kept.waits:
+        lines.append(
+            f"real time: {kept.waits} cycles waited for the answers of the drives,"
+            f" {kept.waited_ms:.3f} ms in all"
+        )
+    if kept.send_errors:
+        lines.append(f"real time: the interface did not take {kept.send_errors} frames")
+    return lines
