@@ -13,7 +13,7 @@ from axisrig.bench.campaign.results.sums import is_log_sums, sums_of
 from axisrig.bench.record.bus import LineFigures
 from axisrig.bench.rig.reading.carriers import on_carriers
 from axisrig.kernel.errors import UserError
-from axisrig.reports.run import _line
+from axisrig.reports.parts.buses import line_facts
 from axisrig.results.loading import Results
 
 ROOT = Path(__file__).parents[2]
@@ -133,8 +133,9 @@ def shown(**changes: Any) -> dict[str, tuple[str, bool]]:
         "period_us": 1000.0, "wire_us": 10.0, "sent": 2000, "back": 2000, "counter": 6,
         "wrong": 0, "wrong_in_a_row": 0, "slaves": (("X", "OP"), ("Z", "OP")),
     }  # fmt: skip
-    assert set(figures) == set(LineFigures.__dataclass_fields__)
-    return {name: (text, is_bad) for name, text, is_bad in _line(figures | changes)}
+    return {
+        name: (text, is_bad) for name, text, is_bad in line_facts(LineFigures(**figures | changes))
+    }
 
 
 def test_the_report_marks_what_went_wrong_on_a_line() -> None:

@@ -22,12 +22,12 @@ from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.searching import BAD, GOOD
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.bus import BusFigures, LineFigures
 from axisrig.bench.record.facts import AlarmRecord
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 from axisrig.reports.blocks.section import Address, blocks_lane, blocks_view
 from axisrig.reports.parts.bar import bar
+from axisrig.reports.parts.buses import bus_row
 from axisrig.reports.parts.picture import picture
 from axisrig.reports.parts.realtime import real_time
 from axisrig.reports.parts.topic import ReportTopic
@@ -43,7 +43,6 @@ BUS_LOG = "bus log"
 # What comes up where a part of a recording lacks what another part has
 _UNREADABLE = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, AssertionError)
 _WHOLE, _TINY = 1e15, 1e-3
-MBIT_S = 1_000_000
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 _GOOD = (Verdict.PASS, Verdict.MARGINAL)
 
@@ -137,7 +136,7 @@ def _view(
         "events": event_rows(info.events),
         "blocks": blocks,
         "real_time": real_time(info.real_time),
-        "buses": [_bus(bus) for bus in info.buses],
+        "buses": [bus_row(bus) for bus in info.buses],
         "waits": any(bus.waiting for bus in info.buses),
         "commands": [shlex.join(["axisrig", *words]) for words in commands],
         "chart": drawn[0],
@@ -396,47 +395,6 @@ def _short(text: str) -> str:
     if number is None or len(text) <= 9:
         return text
     return short_number(number, 7 if abs(number) >= _TINY else 3)
-
-
-def _bus(bus: BusFigures) -> dict[str, Any]:
-    """The figures of a segment as the table prints them."""
-    return {
-        "segment": bus.segment,
-        "bitrate": _bit_rate(bus.bitrate),
-        "loads": [
-            f"{load_pct:.1f}" for load_pct in (bus.load_pct, bus.load_100ms_pct, bus.load_1ms_pct)
-        ],
-        "frames": bus.frames,
-        "error_frames": bus.error_frames,
-        "overload": bus.overload,
-        "counters": [
-            {"port": port, "tec": tec, "rec": rec, "state": state}
-            for port, tec, rec, state in bus.counters
-        ],
-        "waiting": [
-            {"name": wait.name, "id": f"{wait.can_id:03X}", "us": f"{wait.worst_us:.1f}"}
-            for wait in bus.waiting
-        ],
-        "line": _line(bus.line) if bus.line else [],
-    }
-
-
-def _bit_rate(bits_s: int) -> str:
-    return f"{bits_s / 1e6:g} Mbit/s" if bits_s > MBIT_S else f"{bits_s / 1000:g} kbit/s"
-
-
-def _line(line: LineFigures) -> list[tuple[str, str, bool]]:
-    """Cycle, working counters and states of an EtherCAT line: name, text, whether it is wrong."""
-    lost = line.sent - line.back
-    wrong = f"{line.counter}, another one in {line.wrong} frames"
-    if line.wrong_in_a_row > 1:
-        wrong += f", {line.wrong_in_a_row} in a row"
-    return [
-        ("cycle", f"{line.period_us:g} µs, of it the frame {line.wire_us:.2f} µs", False),
-        ("cyclic frames", f"{line.sent}, not back {lost}", lost > 0),
-        ("working counter", wrong, line.wrong > 0),
-        *((f"{axis}: AL state", state, state != "OP") for axis, state in line.slaves),
-    ]
 
 
 def event_rows(events: Sequence[Event]) -> list[dict[str, str]]:
