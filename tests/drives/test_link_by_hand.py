@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -47,6 +48,27 @@ def _link(**settings: Any) -> tuple[AxisLink, Wire]:
     link = AxisLink(LinkSettings("Z", 1000.0, node_id=3, **settings), wire)
     link.begin()
     return link, wire
+
+
+@pytest.mark.parametrize(("after_ns", "actual"), [(154_999, 0.0), (155_000, 2.0)])
+def test_what_ends_before_it_can_answer_the_sync_is_of_an_earlier_one(
+    after_ns: int, actual: float
+) -> None:
+    """SYNC, intermission and 8 bytes without a stuff bit: 44 + 3 + 44 + 64 bits at 1 Mbit/s."""
+    wire, clock = Wire(), SimpleNamespace(now_ns=0)
+    answers_ns = tuple((91 + 8 * count) * 1000 for count in range(9))
+    settings = LinkSettings("Z", 1000.0, node_id=3, answers_ns=answers_ns)
+    link = AxisLink(settings, wire, clock=clock)  # type: ignore[arg-type]
+    link.begin()
+    for sync_ns in (7_000_000, 8_000_000):
+        clock.now_ns = sync_ns
+        link.begin_cycle()
+        clock.now_ns = sync_ns + after_ns
+        wire.status(OPERATION_ENABLED, 2000)
+        clock.now_ns = sync_ns + 200_000
+        wire.latch()
+        link.take()
+        assert (link.actual_mm, link.has_actual) == (actual, actual > 0)
 
 
 def test_missing_telegrams_leave_more_way_before_a_position_has_jumped() -> None:

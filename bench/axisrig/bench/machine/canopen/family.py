@@ -30,6 +30,7 @@ from axisrig.bench.machine.recording.received import Received, noted
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.series import ACTUAL, Times
+from axisrig.bench.rig.canopen.answers import first_answer_ns
 from axisrig.bench.rig.canopen.io_node import synced_segments, terminal_telegrams
 from axisrig.bench.rig.canopen.members import drive_of, segment_of
 from axisrig.bench.rig.canopen.startup import watch_settings
@@ -153,10 +154,13 @@ class CanBuses(Cia402Segments):
                 if ACTUAL not in fields or telegram.is_received:
                     continue
                 into.increments[axis] = partial(_value, telegram.codec, fields.index(ACTUAL))
+                segment = settings.rig.axis[axis].segment
+                into.first_ns[axis] = first_answer_ns(settings, segment, telegram.codec.size)
                 note = noted(into.positions.setdefault(axis, []), clock)
                 link.network.subscribe(telegram.cob_id(link.node_id), note)
         node = terminal_telegrams(settings)
         if node is not None:
+            into.inputs_first_ns = node.first_ns
             self._networks[node.segment].subscribe(node.cob_id, noted(into.inputs, clock))
 
     def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from axisrig.bench.rig.canopen.answers import first_answer_ns
 from axisrig.bench.rig.canopen.arrival import stamp_clock
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.latches import SdoRoom, sdo_room
@@ -47,6 +48,7 @@ def build_links(
             proves_latches=drive.latch_check and room is not SdoRoom.NONE,
             proves_places=drive.position_check and room is not SdoRoom.NONE,
             room=rooms[axis.segment] if room is SdoRoom.STANDSTILL else None,
+            clock=clock,
         )
         members[axis.segment].append(links[name])
     return links
@@ -65,6 +67,7 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
         lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
         pdo_map=drive.pdo_map,
         missing_cycles=drive.missing_cycles,
+        answers_ns=tuple(first_answer_ns(settings, axis.segment, n) for n in range(9)),
         homing_limit_ns=round(drive.homing_limit_s * S),
         lag_limit_mm=drive.lag_limit_mm or float("inf"),
         fault_reset=drive.fault_reset,

@@ -18,12 +18,16 @@ class Received:
     """Telegrams in their order.
 
     positions: those with the actual position of an axis, and what takes it, in increments, out of
-    their data. inputs: of the node with digital inputs that is the terminal of the PLC.
+    their data. inputs: of the node with digital inputs that is the terminal of the PLC. first_ns:
+    by axis, how long after the request of a SYNC one can answer it at the earliest; inputs_first_ns
+    of the node.
     """
 
     positions: dict[str, list[Telegram]] = field(default_factory=dict)
     increments: dict[str, Callable[[bytes], int]] = field(default_factory=dict)
     inputs: list[Telegram] = field(default_factory=list)
+    first_ns: dict[str, TimeNs] = field(default_factory=dict)
+    inputs_first_ns: TimeNs = 0
 
 
 def noted(into: list[Telegram], clock: Clock) -> Callable[[int, bytearray, float], None]:

@@ -4,17 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axisrig.bench.bus.can.arithmetic import PlannedFrame
-from axisrig.bench.bus.can.frame import IFS_BITS
-from axisrig.bench.rig.canopen.members import can_axes, can_segments, segment_of
+from axisrig.bench.rig.canopen.answers import first_answer_ns
+from axisrig.bench.rig.canopen.members import can_axes, can_segments
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.profiles.canopen.identifiers import ERROR_CONTROL_BASE, PDO_BASE
-from axisrig.kernel.time.clock import US, S, TimeNs
-
-_BARE_BITS = 44
-"""Of a standard data frame without data, stuff bits and intermission (Bosch CAN 2.0)."""
+from axisrig.kernel.time.clock import US, TimeNs
 
 
 @dataclass(frozen=True)
@@ -42,19 +39,17 @@ def node_table(settings: Settings) -> TerminalTable | None:
 def terminal_telegrams(settings: Settings) -> NodeTelegrams | None:
     """Return the telegrams with its inputs, None where it is no node.
 
-    One frame comes after the other: an answer ends after the SYNC and itself, both at their
-    shortest, and before the NC cycle of that SYNC (`axisrig check` reckons it to be in by then).
+    An answer ends before the NC cycle of its SYNC (`axisrig check` reckons it to be in by then).
     """
     table = node_table(settings)
     if table is None or table.segment is None or table.node is None:
         return None
     cycle = settings.rig.cycle
-    bits = 2 * _BARE_BITS + IFS_BITS + 8 * (1 + bool(cycle.sync_counter))
     return NodeTelegrams(
         table.segment,
         PDO_BASE["TPDO1"] + table.node,
         cycle.period_us * US,
-        bits * S // segment_of(settings, table.segment).bitrate,
+        first_answer_ns(settings, table.segment, 1),
         cycle.cycle_offset_us * US,
     )
 

@@ -1,9 +1,10 @@
 """What of a wrong value follows from what a bus brought, which no control can know.
 
 A signal at the PLC gives the position of a SYNC, or one between SYNCs, that telegrams brought. Each
-answers the SYNC it comes after as far as anybody sees: once, before the NC cycle. One that is older
-all the same, or altered within what is credible, makes a value wrong by what it is wrong: with the
-weights l of the polynomial through the positions around the instant t of the value
+answers the SYNC it comes after as far as anybody sees: once, after both frames can have ended, and
+before the NC cycle. One that is older all the same, or altered within what is credible, makes a
+value wrong by what it is wrong: with the weights l of the polynomial through the positions around
+the instant t of the value
 
     sum of l(t) (brought - true),
 
@@ -56,7 +57,9 @@ def _ways(
         return ways_of_signal(observed, task, seen, axis)
     timing = observed.facts.timing
     wanted = observed.facts.axes[axis].written.get("kenngr.measure.edge", "POS") == "POS"
-    telegrams = counting(received.inputs, timing.period_ns, 0, timing.offset_ns)
+    telegrams = counting(
+        received.inputs, timing.period_ns, received.inputs_first_ns, timing.offset_ns
+    )
     edges: list[tuple[TimeNs, bool]] = []
     level: bool | None = None
     for end_ns, data in telegrams:
@@ -107,7 +110,8 @@ def _samples(observed: Observed, received: Received, axis: str) -> tuple[Times, 
         return times, np.zeros(len(times)), true
     timing, record = observed.facts.timing, observed.facts.axes[axis]
     increments = received.increments[axis]
-    taken = counting(received.positions[axis], timing.period_ns, 0, timing.offset_ns)
+    first_ns = received.first_ns.get(axis, 0)
+    taken = counting(received.positions[axis], timing.period_ns, first_ns, timing.offset_ns)
     by_cycle = {end_ns // timing.period_ns: increments(data) for end_ns, data in taken}
     found = [by_cycle.get(int(ns) // timing.period_ns) for ns in times]
     has = np.array([each is not None for each in found], np.bool_)

@@ -11,14 +11,15 @@ from axisrig.kernel.drives.cia402.latch_check import StandstillRoom
 from axisrig.kernel.drives.cia402.link import Cia402Drive
 from axisrig.kernel.drives.cia402.words import latch_object
 from axisrig.kernel.profiles.canopen.identifiers import EMERGENCY_BASE
-from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 
 class AxisLink(Cia402Drive):
     """One drive on a canopen network (simulated or real), read and written once per cycle.
 
-    sdo, proves_latches, proves_places, room: see `Cia402Drive`. second_telegram: the one that
-    carries the second encoder, if any does.
+    sdo, proves_latches, proves_places, room: see `Cia402Drive`. clock: by which a telegram is known
+    that came before it can answer the SYNC. second_telegram: the one that carries the second
+    encoder, if any does.
     """
 
     def __init__(
@@ -30,6 +31,7 @@ class AxisLink(Cia402Drive):
         proves_latches: bool = False,
         proves_places: bool = False,
         room: StandstillRoom | None = None,
+        clock: Clock | None = None,
     ) -> None:
         wanted = latch_object(settings.probe_input, settings.edge)
         found = telegrams(
@@ -40,7 +42,7 @@ class AxisLink(Cia402Drive):
             second=settings.has_second,
             speed=settings.loop is not None,
         )
-        pdos = ProcessData(found, settings.node_id, network)
+        pdos = ProcessData(found, settings.node_id, network, clock, settings.answers_ns)
         super().__init__(
             settings,
             pdos,

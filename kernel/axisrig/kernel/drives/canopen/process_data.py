@@ -15,6 +15,7 @@ from axisrig.kernel.drives.canopen.sdo import Network
 from axisrig.kernel.drives.cia402.cyclic_data import TAKEN, CyclicData, Values
 from axisrig.kernel.drives.cia402.words import find_state
 from axisrig.kernel.drives.mapped import MappedObject
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 # Why a telegram could not be used: alarm IDs
 STAYED_OUT, CONTRADICTED, NO_STATE = 900006, 900080, 900081
@@ -23,9 +24,22 @@ Place = tuple[int, int]
 
 
 class ProcessData(CyclicData):
-    """Takes the TPDOs of a drive apart and packs its RPDOs; names: of its cyclic TPDOs."""
+    """Takes the TPDOs of a drive apart and packs its RPDOs; names: of its cyclic TPDOs.
 
-    def __init__(self, telegrams: Mapping[str, Telegram], node_id: int, network: Network) -> None:
+    answers_ns: how long after a SYNC a telegram with 0, 1 .. bytes can end at the earliest, by the
+    clock; one that ends before is of an earlier SYNC, or of nobody who has heard this one.
+    """
+
+    def __init__(
+        self,
+        telegrams: Mapping[str, Telegram],
+        node_id: int,
+        network: Network,
+        clock: Clock | None = None,
+        answers_ns: Sequence[TimeNs] = (),
+    ) -> None:
+        self._clock, self._answers_ns = clock, tuple(answers_ns)
+        self._sync_ns: TimeNs = 0
         everything = telegrams.values()
         self._cyclic = [t for t in everything if t.transmission == 1 and not t.is_received]
         super().__init__([t.name for t in self._cyclic], STAYED_OUT)
@@ -51,9 +65,12 @@ class ProcessData(CyclicData):
         ]
 
     def _receiver(self, slot: int, telegram: Telegram) -> Callable[[int, bytearray, float], None]:
-        size, name = telegram.codec.size, telegram.name
+        size, name, clock = telegram.codec.size, telegram.name, self._clock
+        first_ns = self._answers_ns[size] if self._answers_ns else 0
 
         def receive(_can_id: int, data: bytearray, _timestamp: float) -> None:
+            if clock is not None and clock.now_ns < self._sync_ns + first_ns:
+                return
             if len(data) == size:
                 known = self._data[slot]
                 if known is not None and known != data:
@@ -114,6 +131,8 @@ class ProcessData(CyclicData):
 
     def begin_cycle(self) -> None:
         """Forget what is there: a SYNC counts with its own answers only."""
+        if self._clock is not None:
+            self._sync_ns = self._clock.now_ns
         self._data[:] = self._empty
         if self._contradicted:
             self._contradicted.clear()
