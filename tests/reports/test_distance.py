@@ -271,3 +271,20 @@ def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) 
     lacking = FINDINGS | {"alarm": info(SAMPLES["alarm"], errors=None)}
     with pytest.raises(UserError, match="`distance` of run distance-alarm cannot be read"):
         build_report(results, findings=made(lacking))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "1 dead cycle and mean of 4:"),
+        ({"dead_cycles": 2, "filter": "mean of 1"}, "2 dead cycles and no filter:"),
+        ({"age_cycles": 1}, "1 dead cycle, mean of 4 and a sensor 1 cycle late:"),
+        ({"age_cycles": 3}, "1 dead cycle, mean of 4 and a sensor 3 cycles late:"),
+        ({"age_cycles": -1}, "mean of 4 and a sensor 1 cycle newer than 6064:"),
+        ({"age_cycles": -2, "drive_lag_ms": 25.0},
+         "mean of 4, a sensor 2 cycles newer than 6064 and drive lag 25 ms:"),
+    ],
+)  # fmt: skip
+def test_what_a_limit_of_kp_holds_for(changes: dict[str, Any], words: str) -> None:
+    row = {**law(Control(kp=0.2, count=4), CONST_DIST), "drive_lag_ms": 0.0, **changes}
+    assert words in law_words(row)

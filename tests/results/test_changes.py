@@ -108,6 +108,26 @@ def test_nothing_changed_says_nothing_and_long_lists_are_cut(tmp_path: Path) -> 
     assert lines[-1] == "  10 more"
 
 
+@pytest.mark.parametrize(
+    ("name", "before", "after", "keys"),
+    [
+        ("z.lst", "a.b 1 # c\nEnde\n", "a.b  2\nc 3\nEnd\n", ["a.b 1 -> 2", "c (missing) -> 3"]),
+        ("m.toml", "[a.b]\nc = 'x'\n", "[a.b]\nc = true\n", ["a.b.c x -> true"]),
+        # What has no keys: a name is there twice, in the first or the second, or it is no TOML
+        ("n.txt", "G1 X1\nG1 X2\n", "G1 X1\n", []),
+        ("n.txt", "G1 X1\n", "G1 X1\nG1 X2\n", []),
+        ("m.toml", "a = \n", "a = 1\n", []),
+        ("m.toml", "a = 1\n", "a = \n", []),
+    ],
+)
+def test_a_file_has_keys_where_each_of_them_is_there_once(
+    tmp_path: Path, name: str, before: str, after: str, keys: list[str]
+) -> None:
+    lines = found(folder(tmp_path / "a", {name: before}), folder(tmp_path / "b", {name: after}))
+    assert [line.strip() for line in lines[1:]] == keys
+    assert lines[0].startswith(f"changed: {name} ")
+
+
 @pytest.mark.parametrize("text", ["no json", "[1]", '{"a": 1}', None])
 def test_a_folder_that_kept_no_texts_names_the_files_alone(
     tmp_path: Path, text: str | None

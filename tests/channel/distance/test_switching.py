@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel import ChannelSettings
-from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.channel.distance.sensor import SensorSettings
+from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
+from axisrig.kernel.distance import DistanceSettings, DistanceState
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.plc.interface import PlcParticipant
@@ -87,10 +89,14 @@ def test_wait_holds_the_next_command_until_the_offset_is_gone(
     assert seen.interpolated_mm[done + 2] > say.start_mm
 
 
+@pytest.mark.parametrize("has_other", [False, True])
 def test_the_end_of_a_program_waits_for_an_offset_that_runs_out(
-    distance_bench: Make, say: Any
+    distance_bench: Make, say: Any, words: Any, has_other: bool
 ) -> None:
-    made = distance_bench(raised, v_max_mm_s=5.0)
+    """Whatever the control of another axis does."""
+    rests = AxisDistanceSettings(DistanceSettings(), SensorSettings(), is_optimized=True)
+    more = (words.axis("W", distance=rests),) if has_other else ()
+    made = distance_bench(raised, more=more, v_max_mm_s=5.0)
     made.run(on(say), say.dwell(300), say.command("off"))
     assert made.seen.offset_mm[-1] == 0.0
     assert made.control.state is DistanceState.INACTIVE
