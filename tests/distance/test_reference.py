@@ -86,6 +86,25 @@ def test_values_from_a_motion_do_not_count(make_loop: Make) -> None:
     assert control.sensor_mm == 1.6
 
 
+def test_before_a_surface_is_known_the_sensor_counts_for_ref_as_it_does_after(
+    make_loop: Make,
+) -> None:
+    """A control of the channel without a mode only listens; twice, from the zero before."""
+    control = make_loop(n_cycles=4).control
+    for zero_mm in (-3.0, 1.25):
+        control.forget_readings()
+        for cycle in range(4):
+            assert not control.may_reference()
+            control.listen(zero_mm + 0.01 * cycle)
+        assert control.may_reference()
+        assert control.has_read
+        control.reference(zero_mm)
+        control.listen(zero_mm + 0.5)
+        # The mean of 0, 10, 20, 30 um over the first value
+        assert control.sensor_mm == pytest.approx(0.485)
+        assert control.distance_mm == pytest.approx(-0.485)
+
+
 def test_what_refuses_ref_does_not_wait(make_loop: Make) -> None:
     loop = make_loop(n_cycles=30)
     loop.control.set_surface(0.0)

@@ -92,7 +92,9 @@ def test_the_list_says_how_the_sensor_counts(mode: str, kind: str, is_modulo: bo
 def test_a_variable_is_in_tenths_of_micrometres_as_the_plc_has_it(name: str) -> None:
     values = {"SENSOR": -12_500.0}
     settings = SensorSettings(2**20, 100_000, True, is_inverted=True, ref_offset_mm=0.25)
-    assert VariableSensor(name, values, settings).read_mm() == -1.5
+    sensor = VariableSensor(name, values, settings)
+    assert sensor.read_mm() == -1.5
+    assert (sensor.period_ns(MS), sensor.age_cycles) == (None, 0), "nobody promises a period"
     missing = VariableSensor("V.E.OTHER", values, settings)
     assert (missing.exists, missing.read_mm()) == (False, None)
 
