@@ -1,14 +1,22 @@
 """Metrics of the tool centre point where a program has several kinematics, or rapid traverse."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pytest
+from tests.recordings import kept
+from tests.reports import tilted
 
 from axisrig.bench.judge.distance import tool_metrics
 from axisrig.bench.judge.kinematics import metrics
 from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import observe
+from axisrig.bench.plan.checks import parse_check
 from axisrig.kernel.time.clock import MS
 
 FIRST, LAST = (SimpleNamespace(axes=axes) for axes in (("X", "Y", "Z", "A"), ("U", "V", "W", "B")))
@@ -115,3 +123,130 @@ def test_what_is_superposed_turns_as_long_as_its_kinematic_is_on(
 
     found = tool_metrics._expected_superposed(Truth(**vars(truth)))  # type: ignore[arg-type]
     assert found[:, 0].tolist() == pytest.approx(expected)
+
+
+# ---- of a recording made of formulas: what is found is what was written into it
+
+U = tilted.direction(np.array([tilted.C_DEG]), np.array([tilted.A_DEG]))[0]
+INCLINED = (0.0, np.sin(np.radians(20.0)), np.cos(np.radians(20.0)))
+UNTIL = 600
+"""The kinematic goes while the offset is there: its last row is the one before."""
+AT = np.arange(tilted.ROWS)
+
+
+def seen(
+    mode: str = "ECS",
+    columns: Mapping[str, Any] | None = None,
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0),
+) -> Observed:
+    """tilted.py with the kinematic on until 600 ms, and other or further columns."""
+    table = tilted.trace(mode=mode)
+    for name, values in (columns or {}).items():
+        if name in table.column_names:
+            table = table.drop_columns([name])
+        table = table.append_column(name, pa.array(values))
+    of = tilted.left(mode)
+    assert of.distance_3d is not None
+    guides = tuple(replace(guide, normal=normal) for guide in of.distance_3d.guides)
+    on = (replace(of.kinematics[0], end_ns=UNTIL * MS),)
+    of = replace(of, kinematics=on, distance_3d=replace(of.distance_3d, guides=guides))
+    return Observed(of, kept(table))
+
+
+def changed(name: str, **rows: float) -> dict[str, Any]:
+    """A column of the recording with something added in these rows."""
+    values = tilted.trace()[name].to_numpy().copy()
+    for row, more in rows.items():
+        values[int(row[1:])] += more
+    return {name: values}
+
+
+def value(of: Observed, metric: str) -> Any:
+    return observe(of, parse_check(metric, "> -1e12", "")).value
+
+
+@pytest.mark.parametrize("mode", ["ECS", "MCS"])
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), INCLINED])
+def test_how_the_offset_moves_the_tool_and_the_axes(
+    mode: str, normal: tuple[float, float, float]
+) -> None:
+    """1.5 mm along u/u_z or Z in one cycle; the tool is two cycles late, 0.1 mm behind in Y."""
+    of = seen(mode, normal=normal)
+    way = 1.5 * (U / U[2] if mode == "ECS" else np.array([0.0, 0.0, 1.0]))
+    late = way - (0.0, 0.1, 0.0)
+
+    def across(what: Any) -> float:
+        return float(np.linalg.norm(what - (what @ normal) * np.array(normal)))
+
+    expected = {
+        "tool_offset_path_mm": np.linalg.norm(late),
+        "tool_offset_sideways_mm": across(late),
+        **{f"tool_offset_{letter}_mm": late[k] for k, letter in enumerate("xyz")},
+        "tool_sideways_um_max": 1e3 * across(way),
+        **{
+            f"superposed_{word}_max:{axis}": scale * abs(way[k])
+            for word, scale in (("mm", 1.0), ("speed_mm_s", 1e3), ("acceleration_mm_s2", 1e6))
+            for k, axis in enumerate("XYZ")
+        },
+    }
+    found = {metric: value(of, metric) for metric in expected}
+    assert found == {metric: pytest.approx(mm, abs=1e-9) for metric, mm in expected.items()}
+
+
+def test_what_the_plc_sees_of_the_tool_is_judged_while_a_kinematic_is_on() -> None:
+    tilt = np.where((AT < 50) | (AT > 650), np.nan, 35.0)
+    tilt[320], tilt[650] = 41.5, 12.0
+    length = np.where(AT > 640, np.nan, 80.0)
+    length[640] = 77.0
+    share = np.where((AT >= 300) & (AT < 690), 90.0, 20.0)
+    share[500] = 40.0
+    own = {"tilt_deg": tilt, "tool_length_mm": length, "axes_share_pct": share}
+    of = seen(columns={f"channel.{name}": values for name, values in own.items()})
+    assert value(of, "tool_tilt_end_deg") == 12.0
+    assert value(of, "tool_tilt_deg_max") == 41.5
+    assert value(of, "tool_length_end_mm") == 77.0
+    assert value(of, "superposed_share_pct_min") == 40.0
+
+
+@pytest.mark.parametrize(
+    ("metric", "column", "unit"),
+    [
+        ("tool_length_error_um", "channel.tool_length_mm", 1e3),
+        ("kinematic_error_nm", "gap.tcp_x_mm", 1e6),
+        ("kinematic_error_nm", "gap.tcp_z_mm", 1e6),
+        ("kinematic_error_nm", "gap.clamping_y_mm", 1e6),
+    ],
+)
+def test_an_error_of_a_tool_is_the_largest_while_its_kinematic_is_on(
+    metric: str, column: str, unit: float
+) -> None:
+    """In either direction; what is before and after it is none."""
+    assert value(seen(), metric) == pytest.approx(0.0, abs=1e-9 * unit)
+    columns = changed(column, r20=9.0, r50=0.001, r100=0.003, r400=-0.004, r599=0.002, r600=9.0)
+    assert value(seen(columns=columns), metric) == pytest.approx(0.004 * unit, rel=1e-6)
+    last = changed(column, r599=0.002)
+    assert value(seen(columns=last), metric) == pytest.approx(0.002 * unit, rel=1e-6)
+
+
+def test_the_height_that_the_control_uses_is_that_of_the_chains() -> None:
+    """Surface and sensor of the CNC add up to the clamping point, from the cycle after ON on."""
+    clamp = tilted.trace()["gap.clamping_z_mm"].to_numpy()
+    sensor = 3.0 + 0.001 * AT
+    for rows, error_nm in (({500: 2e-6, 450: -5e-6}, 5.0), ({300: 1.0, 690: 1.0, 20: 1.0}, 0.0)):
+        surface = clamp - sensor
+        for row, more in rows.items():
+            surface[row] += more
+        columns = {"channel.surface_cnc_mm": surface, "channel.sensor_mm": sensor}
+        found = value(seen(columns=columns), "clamping_height_error_nm")
+        assert found == pytest.approx(error_nm, abs=0.001)
+
+
+def test_without_a_control_or_a_kinematic_each_metric_says_so() -> None:
+    for of, word in (
+        (Observed(replace(tilted.left(), distance_3d=None), kept(tilted.trace())), "control"),
+        (Observed(replace(tilted.left(), kinematics=()), kept(tilted.trace())), "kinematic"),
+    ):
+        for metric in ("tool_offset_x_mm", "tool_sideways_um_max", "tool_offset_path_mm"):
+            found = observe(of, parse_check(metric, "> -1e12", ""))
+            assert found.value is None
+            assert word in found.note

@@ -132,6 +132,11 @@ def test_what_is_not_there_is_listed_and_a_wrong_value_has_its_line(
         ("hli.ax = {}", "ax has been replaced"),
         ("hli.ax.clear()", "ax has been replaced"),
         ("hli.ax['Y'] = hli.ax['Z']", "ax has been replaced"),
+        ("hli.ax['X'] = hli.ax['Z']", "ax has been replaced"),
+        ("hli.ax = dict(hli.ax)", "ax has been replaced"),
+        ("del hli.ax['X']", "ax has been replaced"),
+        ("hli.ax['X'].lr_mc_control.override = 5", r"ax\[X\].*override has been replaced"),
+        ("hli.ax['Z'].lr_mc_control.ext_latch = None", "set ax.Z..lr_mc_control.ext_latch.done_w"),
         ("hli.ax['Z'].lr_mc_control = None", r"ax\[Z\].lr_mc_control has been replaced"),
         ("hli.ax['Z'].lr_state = 1", r"ax\[Z\].lr_state has been replaced"),
     ],
@@ -140,7 +145,7 @@ def test_what_is_replaced_is_found_after_the_cycle(tmp_path: Path, use: str, wor
     path = tmp_path / "plc.py"
     path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
     with pytest.raises(UserError, match=words) as caught:
-        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["X", "Z"]))
     assert caught.value.file == str(path)
 
 

@@ -51,13 +51,22 @@ def test_a_pulse_shorter_than_the_filter_changes_nothing() -> None:
     assert terminal.image[1].latch_pos_ns == 3_200_000
 
 
-@pytest.mark.parametrize(("which", "stamp_ns"), [("first", 2_100_000), ("last", 2_700_000)])
-def test_which_edge_of_a_cycle_keeps_its_stamp(which: str, stamp_ns: int) -> None:
-    edges = [(2_100_000, True), (2_300_000, False), (2_700_000, True)]
-    terminal, _ = _terminal(Signal(edges), stamp_edge=which)
+@pytest.mark.parametrize(
+    ("which", "stamps_ns"), [("first", (2_100_000, 2_300_000)), ("last", (2_700_000, 2_800_000))]
+)
+def test_which_edge_of_a_cycle_keeps_its_stamp(which: str, stamps_ns: tuple[int, int]) -> None:
+    """In each direction; the next cycle has its own, and keeps the others."""
+    edges = [(2_100_000, True), (2_300_000, False), (2_700_000, True), (2_800_000, False)]
+    terminal, _ = _terminal(Signal([*edges, (3_500_000, True)]), stamp_edge=which)
     terminal.exchange_until(3 * MS)
-    image = terminal.image[1]
-    assert (image.latch_pos_ns, image.latch_neg_ns) == (stamp_ns, 2_300_000)
+    assert (terminal.image[1].latch_pos_ns, terminal.image[1].latch_neg_ns) == stamps_ns
+    assert not terminal.image[1].input
+    terminal.exchange_until(4 * MS)
+    assert (terminal.image[1].latch_pos_ns, terminal.image[1].latch_neg_ns) == (
+        3_500_000,
+        stamps_ns[1],
+    )
+    assert terminal.image[1].input
 
 
 def test_a_stamp_counts_in_the_clock_of_the_terminal_and_64_bits() -> None:

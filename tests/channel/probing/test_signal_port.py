@@ -98,6 +98,26 @@ def test_a_run_takes_nothing_of_the_latch_before():
         port.disarm()
 
 
+@pytest.mark.parametrize(
+    ("after_ns", "cycles"), [(-3 * MS, 0), (-MS, 0), (1 - MS, 1), (0, 1), (1, 2), (400_000, 2)]
+)
+def test_the_value_of_a_stamp_is_there_with_the_second_position_from_it_on(after_ns, cycles):
+    """The cubic through two on each side. after_ns: after the SYNC of the cycle that reads it."""
+    bench = Bench()
+    port = StampPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    port.arm()
+    for _ in range(100):
+        bench.next(port, signal=False)
+    stamp_ns = (bench.cycle + 1) * MS + SYNC_NS + after_ns
+    bench.next(port, signal=True, stamp_ns=stamp_ns)
+    for _ in range(cycles):
+        assert (port.has_latched, port.latched_mm) == (True, None)
+        bench.next(port, signal=True, stamp_ns=stamp_ns)
+    assert port.latched_mm == pytest.approx(bench.place_mm(stamp_ns), abs=1e-9)
+    speed_mm = A_MM_S2 * stamp_ns / S * MS / S
+    assert port.latched_speed_mm == pytest.approx(speed_mm, rel=1e-6)
+
+
 WATCHDOG_CYCLES = 5
 
 
