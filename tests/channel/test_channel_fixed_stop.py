@@ -151,6 +151,16 @@ def test_x_hits_while_y_is_free(channel_bench: Make, words: Any) -> None:
         assert bench.final_mm(name) == pytest.approx(record.latched_mm[name], abs=1e-9)
 
 
+def test_an_axis_that_the_block_does_not_move_is_none_of_the_run(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(axis(words, "X", stop_mm=10.0), words.axis("Y"))
+    stop = run(bench, words, X=30.0).fixed_stop
+    assert stop is not None
+    assert stop.detected_by == "X"
+    assert stop.criteria.keys() == stop.set_mm.keys() == stop.actual_mm.keys() == {"X"}
+
+
 def test_err_no_signal_of_meas_changes_nothing_in_type_7(channel_bench: Make, words: Any) -> None:
     for may_be_missing, alarms in ((False, [900240]), (True, [])):
         settings = ChannelSettings(stop_may_be_missing=may_be_missing)

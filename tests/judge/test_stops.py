@@ -335,3 +335,25 @@ def test_of_both_criteria_the_later_one_counts() -> None:
     # ... and the other way round
     free = found_at(203.6, {**both, DETECT + "max_delta_position_window": 2000})
     assert free.value == pytest.approx(1.3, abs=1e-5)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_contact_with_a_stop_has_its_place_and_the_speed_before_it(side: float) -> None:
+    """Which the stop brakes within the same step; a probe would not."""
+    of = recorded(side)
+    place, speed = (seen(of, f"contact_{word}:Z") for word in ("mm", "velocity_mm_s"))
+    assert place.value == pytest.approx(side * STOP_MM, abs=1e-6)
+    assert place.uncertainty == pytest.approx(0.0, abs=1e-9)
+    assert speed.value == pytest.approx(side * V_MM_S, rel=1e-6)
+    assert ("signed" in speed.note) is (side < 0)
+    latched = seen(of, "latch_error_um:Z")
+    assert latched.value is None
+    assert "latch_force_error_um" in latched.note
+
+
+def test_a_contact_with_a_stop_is_of_the_axes_that_it_stops() -> None:
+    assert "does not belong to axis X" in seen(recorded(), "contact_mm:X").note
+    none = {name: np.zeros(ROWS) for name in ("stop_force_n", "stop_force_peak_n")}
+    free = recorded(plant={"stop_position": 1.0}, columns=none)
+    for metric in ("contact_mm:Z", "contact_velocity_mm_s:Z", "latch_error_um:Z"):
+        assert seen(free, metric).value is None
