@@ -347,8 +347,18 @@ def test_reset_and_start_of_the_program(run_plc: RunNc) -> None:
 
 
 def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
-    """probe_actuated_r, measurement_active_r and measure_value_ok_r, counted by the PLC."""
+    """probe_actuated_r, measurement_active_r and measure_value_ok_r, counted by the PLC.
+
+    And what the CNC has taken of each unit that the PLC enables.
+    """
     body = """    def cycle(self, inputs, hli):
+        units = hli.ax["Z"].lr_mc_control
+        names = ("probing_signal", "timestamp", "probing_position")
+        for number, name in enumerate(names):
+            unit, command = getattr(units, name), (True, 77, 12345)[number]
+            unit.enable_w, unit.command_w = True, command
+            if f"UNIT_{number}" in hli.ve:
+                hli.ve[f"UNIT_{number}"] = int(unit.state_r)
         state = hli.ax["Z"].lr_state
         for name, bit in (
             ("ACTIVE", state.measurement_active_r),
@@ -362,12 +372,14 @@ def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
         "N10 G1 Z101 F3000\nN20 G100 Z98 F600\nN30 G1 Z110 F3000",
         body,
         *(f"plc:V.E.{name}=0" for name in ("ACTIVE", "OK", "ACTUATED")),
+        *(f"plc:V.E.UNIT_{number}=0" for number in range(3)),
     )
     values, (record,) = out.machine.channel.plc.values, out.machine.channel.records
     cycles = (record.end_ns - record.begin_ns) / (2 * MS)
     assert values["ACTIVE"] == pytest.approx(cycles, abs=2)
     assert values["OK"] > 0
     assert 0 < values["ACTUATED"] < values["ACTIVE"] + values["OK"]
+    assert [values[f"UNIT_{number}"] for number in range(3)] == [1, 77, 12345]
 
 
 def test_columns_give_the_signal_in_a_rig_without_a_task(run_nc: RunNc) -> None:

@@ -1,12 +1,13 @@
 """`-k EXPR`: Python's own boolean expressions are the reference."""
 
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
 import pytest
 
 from axisrig.bench.plan.case import Case
-from axisrig.bench.plan.select import matches
+from axisrig.bench.plan.select import chosen, matches, only
 from axisrig.kernel.errors import UserError
 
 
@@ -95,3 +96,32 @@ def test_what_cannot_be_read_is_told_with_the_place(expression: str, at: str) ->
         matches(expression, _case())
     assert repr(expression) in caught.value.message
     assert caught.value.message.endswith(f"at {at!r}")
+
+
+RUNS = (
+    replace(_case("p-drill"), case="drill"),
+    replace(_case("p-drill-2"), case="drill-2"),
+    replace(_case("p-mill", title="a drill comes before"), case="mill"),
+)
+
+
+@pytest.mark.parametrize(
+    ("expression", "runs"),
+    [
+        ("drill", ["p-drill"]),  # its name alone
+        ("p-drill-2", ["p-drill-2"]),
+        ("p-drill", ["p-drill"]),
+        ("rill", ["p-drill", "p-drill-2", "p-mill"]),
+        ("drill and not mill", ["p-drill", "p-drill-2"]),
+        ("lathe", []),
+    ],
+)
+def test_a_whole_name_chooses_its_case_alone(expression: str, runs: list[str]) -> None:
+    assert [case.run for case in chosen(RUNS, expression)] == runs
+    if len(runs) == 1:
+        assert only(RUNS, expression).run == runs[0]
+        return
+    with pytest.raises(UserError, match=f"has to name one case, {len(runs)} fit") as caught:
+        only(RUNS, expression)
+    for case in RUNS:
+        assert (case.run in str(caught.value)) is (not runs or case.run in runs)
