@@ -114,6 +114,18 @@ def test_each_frame_of_the_latch_that_does_not_count_is_v_t_of_overtravel(
     assert condition(case, "alarms") == "none"
 
 
+def test_frames_that_leave_later_and_the_clock_that_they_lead_move_the_way_by_no_more() -> None:
+    """All leave before SYNC0; SYNC0 follows the time in them, which is older by as much at most."""
+    late_us = re.findall(r"=(\d+)us", given("frame-jitter", "fault:line_late"))
+    late_s = sum(map(int, late_us)) * 1e-6
+    assert late_s < 100e-6  # shift_us, its default
+    v = speed("frame-jitter")
+    low, high = limits(condition("f3000", "overtravel_mm"))
+    assert limits(condition("frame-jitter", "overtravel_mm")) == pytest.approx(
+        (low - v * late_s, high + v * late_s)
+    )
+
+
 @pytest.mark.parametrize(
     ("case", "alarm"),
     [("frames-lost-4", 900730), ("frames-corrupt-4", 900730), ("counter-wrong-4", 900731),
