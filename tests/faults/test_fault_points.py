@@ -64,6 +64,15 @@ def test_a_line_has_faults_of_its_own() -> None:
     assert not {"line_lost", "slave_falls"} & {kind for kinds in on_can.values() for kind in kinds}
 
 
+def test_a_drive_with_idents_has_faults_of_its_own() -> None:
+    """Real-time bits, the service channel and its commands; other drives of a line have none."""
+    own = {"bit_stuck", "soe_silent", "soe_refused", "command_ends"}
+    assert own <= {*points_of(settings_of("probe-z-sercos.toml"))["Z"]}
+    assert not own & {*points_of(settings_of("probe-z-ethercat.toml"))["Z"]}
+    with pytest.raises(UserError, match="has no idents"):
+        settings_of("probe-z-ethercat.toml", "fault:bit_stuck=Z")
+
+
 RIGS_WITH = {  # what is there besides: of these targets the first is a point, the second none
     "probe-xyz.toml": (("can2", "babble"), ("plc", "plc_lost")),
     "plc-io-node.toml": (("terminal.TPDO1", "drop"), ("terminal", "clock_off")),

@@ -87,7 +87,6 @@ def test_900100_ends_the_program_at_the_block(run):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("#COMMAND WR SYN [AX=X ID=S-0-0170 SERC]", "#COMMAND WR SYN"),
         ('#MSG SYN_ACK ["ready?"]', "#MSG SYN_ACK"),
         ("Z[MC_TOUCHPROBE CHANNEL=1]", "Z[MC_TOUCHPROBE]"),
         ("G41", "G41"),

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,6 +16,7 @@ from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import Phase
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-sercos.toml"
 SHORT = "%short\nN10 G01 G90 Z129.9 F3000\nN20 M30\n"
@@ -185,3 +187,66 @@ def test_an_axis_is_not_led_from_a_place_that_its_telegrams_alone_report(run: Ru
     assert "the service channel (S-0-0051)" in str(proved.channel.alarms[0])
     assert moved_mm(proved) < 0.01
     assert moved_mm(run(still, "drive:servo.position_check=false", before=altered)) > 0.01
+
+
+COMMANDS = """%commands
+N10 #COMMAND WR SYN [AX=Z ID=S-0-0099 SERC]
+N20 #IDENT RD [AX=Z ID=S-0-0135 P=P10 TYP=2 DEC=0 SERC]
+N30 #COMMAND WAIT SYN [AX=Z ID=S-0-0099 SERC]
+N40 #IDENT RD [AX=Z ID=S-0-0135 P=P11 TYP=2 DEC=0 SERC]
+N50 #COMMAND WR [AXNR=3 ID=S-0-0099 SERC]
+N60 #COMMAND WAIT SYN [SERC]
+N70 #IDENT RD [AX=Z ID=S-0-0135 P=P12 TYP=2 DEC=0 SERC]
+N80 #MSG SYN["%d %d %d", P10, P11, P12]
+N90 M30
+"""
+CHANGED = 1 << 5
+
+
+def test_a_program_runs_a_command_of_the_drive_and_waits_for_its_end(run: Run) -> None:
+    """The change bit of S-0-0135 comes with the end of the command, and goes with the waiting."""
+    machine = run(COMMANDS)
+    assert ids(machine) == []
+    (message,) = machine.messages
+    assert [bool(int(word) & CHANGED) for word in message.shown.split()] == [True, False, False]
+
+
+@pytest.mark.long
+def test_a_program_waits_as_long_as_a_command_runs(run: Run) -> None:
+    """S-0-0099 lets the servo acknowledge its error; here it takes 50 ms to end."""
+
+    def slow(drive: virtual.SercosDrive) -> None:
+        def begin() -> int:
+            end = partial(drive.commands.end, virtual.RESET, virtual.DONE)
+            drive._clock.call_at(drive._clock.now_ns + 50_000_000, Phase.APPLICATION, end)
+            return virtual.RUNNING
+
+        drive.commands._run[virtual.RESET] = begin  # type: ignore[index]
+
+    waits = "N15 #COMMAND WAIT SYN [AX=Z ID=S-0-0099 SERC]\n"
+    start = "%slow\nN10 #COMMAND WR SYN [AX=Z ID=S-0-0099 SERC]\n"
+    after = 'N20 #MSG SYN["after"]\nN30 M30\n'
+    late = run(start + waits + after, prepare=slow)
+    soon = run(start + after, prepare=slow)
+    assert 40e6 < late.end_ns - soon.end_ns < 60e6
+
+
+@pytest.mark.provokes(900748, 4, axis="Z", key="S-0-0099", state="0xF")
+def test_900748_for_a_command_that_ends_with_an_error(run: Run) -> None:
+    def fails(drive: virtual.SercosDrive) -> None:
+        drive.commands._run[virtual.RESET] = lambda: virtual.FAILED  # type: ignore[index]
+
+    program = COMMANDS.replace("N20", "; N20")
+    assert ids(run(program, prepare=fails)) == [900748]
+
+
+@pytest.mark.provokes(900749, 2, axis="Z", key="S-0-0092")
+def test_900749_for_an_ident_that_is_no_command(run: Run) -> None:
+    assert ids(run("%no\nN10 #COMMAND WR SYN [AX=Z ID=S-0-0092 SERC]\nN20 M30\n")) == [900749]
+
+
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("ident", ["S-0-0128", "S-0-0999"])
+def test_a_command_that_the_drive_does_not_take_is_an_alarm(run: Run, ident: str) -> None:
+    """S-0-0128 in phase 4 (0x7005); one that it does not have (0x1001)."""
+    assert ids(run(f"%no\nN10 #COMMAND WR SYN [AX=Z ID={ident} SERC]\nN20 M30\n")) == [900032]

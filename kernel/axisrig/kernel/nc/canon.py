@@ -9,7 +9,13 @@ from dataclasses import dataclass, field
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
+from axisrig.kernel.nc import canon_drives
 from axisrig.kernel.nc.block import Block
+
+DriveWrite = canon_drives.DriveWrite
+DriveRead = canon_drives.DriveRead
+DriveWait = canon_drives.DriveWait
+DriveCommand = DriveWrite | DriveRead | DriveWait
 
 # V.E. variables of a channel with 3D distance control: degrees, mm; 0 without a kinematic. The
 # channel writes them, no program does.
@@ -202,48 +208,6 @@ class Message:
 
 
 @dataclass(frozen=True)
-class DriveWrite:
-    """A value for a drive function (#DRIVE) or an ident (#IDENT), given out when it is due.
-
-    waits: nothing goes on before the drive has taken it. length_bytes: of an ident (TYP), None for
-    a drive function. value: of an ident in its smallest digits.
-    """
-
-    block: Block
-    axis: str
-    key: str
-    value: float
-    waits: bool
-    length_bytes: int | None = None
-
-    @property
-    def word(self) -> str:
-        """The command as programs write it."""
-        return "#DRIVE WR" if self.length_bytes is None else "#IDENT WR"
-
-
-@dataclass(frozen=True)
-class DriveRead:
-    """The value of a drive function or an ident is asked for; nothing goes on before it is here.
-
-    length_bytes: as in `DriveWrite`.
-    """
-
-    block: Block
-    axis: str
-    key: str
-    length_bytes: int | None = None
-
-
-@dataclass(frozen=True)
-class DriveWait:
-    """Nothing goes on before the drive has taken every earlier `DriveWrite`."""
-
-    block: Block
-    axis: str
-
-
-@dataclass(frozen=True)
 class Warn:
     """An alarm of class 1: it is reported when the machining gets here, and the program goes on."""
 
@@ -407,7 +371,6 @@ AxisOrder = (
     | AdoptActual
     | DistanceCommand
 )
-DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop
 Measuring = MeasuringRun | ProbeSettings | DefaultProbes | PrepareProbe
 Command = (

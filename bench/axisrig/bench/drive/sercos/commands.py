@@ -12,6 +12,7 @@ from axisrig.bench.drive.sercos.service_channel import STATES
 from axisrig.kernel.profiles.sercos.service import RUN
 
 DONE, FAILED, RUNNING = STATES["DONE"], STATES["FAILED"], STATES["RUNNING"]
+INTERRUPTED = STATES["INTERRUPTED"]
 
 Run = Callable[[], int]
 """Begins a command; returns its data state then."""

@@ -11,7 +11,7 @@ from axisrig.bench.drive.ethercat.description import Description
 from axisrig.bench.drive.ethercat.mailbox import MailboxService
 from axisrig.bench.drive.ethercat.node import EthercatDrive, SlaveSettings
 from axisrig.bench.drive.ethercat.process_data import Exchanged
-from axisrig.bench.drive.sercos.commands import DONE, FAILED, RUNNING, Commands
+from axisrig.bench.drive.sercos.commands import DONE, FAILED, INTERRUPTED, RUNNING, Commands
 from axisrig.bench.drive.sercos.description import describe
 from axisrig.bench.drive.sercos.front import NO_ERROR, Front
 from axisrig.bench.drive.sercos.idents import Idents, rows_of
@@ -97,7 +97,8 @@ class SercosDrive(EthercatDrive):
         return self.telegrams
 
     def _make_service(self) -> MailboxService:
-        return ServiceChannel([self.idents.table], self._mailbox_size, lambda: self.phase)
+        self.channel = ServiceChannel([self.idents.table], self._mailbox_size, lambda: self.phase)
+        return self.channel
 
     @property
     def phase(self) -> int:
@@ -276,6 +277,26 @@ class SercosDrive(EthercatDrive):
             self.probing.end()
         elif ident == RESET:
             self.front.is_resetting = False
+
+    # Faults
+
+    def hold_bit(self, name: str, *, level: bool | None) -> None:
+        """Let a real-time bit keep its level on the wire; None: it passes again."""
+        self.telegrams.hold(name, level=level)
+
+    def disturb_channel(self, answers: Callable[[], str | None]) -> None:
+        """Ask this before each request: None, "" = no answer, name of the code that refuses it."""
+        self.channel.disturbances.append(answers)
+
+    def interrupt_probing(self) -> None:
+        """Let the probing cycle end by itself."""
+        servo, now_ns = self.servo, self._clock.now_ns
+        servo.begin(now_ns)
+        self.probing.end()
+        self.commands.end(words.PROBE_COMMAND, INTERRUPTED)
+        self._tell_servo()
+        servo.update()
+        servo.react(now_ns)
 
     # States of the slave
 

@@ -85,7 +85,8 @@ class ServiceChannel(MailboxService):
     """Answers for some drives of a slave.
 
     drives: idents of each by their words. size(): bytes of the mailbox to the master. phase():
-    communication phase, 2 to 4.
+    communication phase, 2 to 4. disturbances: each is asked before a request: None; "" = it gets no
+    answer; name of the code that refuses it.
     """
 
     def __init__(
@@ -97,6 +98,7 @@ class ServiceChannel(MailboxService):
         self.kind = MailboxType.SOE
         self._drives, self._size, self._phase = drives, size, phase
         self._parts = b""  # of a write that comes in fragments
+        self.disturbances: list[Callable[[], str | None]] = []
 
     def reset(self) -> None:
         """Drop what is under way."""
@@ -119,7 +121,12 @@ class ServiceChannel(MailboxService):
             answer = Operation.READ_ANSWER
         else:
             return []
+        disturbed = self._disturbed()
+        if disturbed == "":
+            return []
         try:
+            if disturbed is not None:
+                raise RefusedError(disturbed)
             ident = self._find(head)
             if head.operation is Operation.WRITE:
                 self._write(ident, head.elements, data)
@@ -130,6 +137,9 @@ class ServiceChannel(MailboxService):
             code = ERROR_CODE.pack(soe_errors()[str(refused)])
             return [Header(answer, head.drive, head.elements, head.ident, True).pack() + code]
         return self._fragments(Header(answer, head.drive, head.elements, head.ident), found)
+
+    def _disturbed(self) -> str | None:
+        return next((found for each in self.disturbances if (found := each()) is not None), None)
 
     def _find(self, head: Header) -> Ident:
         if head.drive >= len(self._drives):

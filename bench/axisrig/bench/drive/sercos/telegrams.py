@@ -15,6 +15,7 @@ from axisrig.kernel.profiles.sercos.words import (
     AT_LIST,
     LISTED,
     MDT_LIST,
+    REAL_TIME,
     TELEGRAM_TYPE,
     TelegramIdent,
     telegram_idents,
@@ -22,6 +23,12 @@ from axisrig.kernel.profiles.sercos.words import (
 
 _FORMAT: Final = {(2, False): "H", (2, True): "h", (4, False): "I", (4, True): "i"}
 _WORD: Final = "H"
+_ALL: Final = 0xFFFF
+_STUCK: Final = {
+    f"{word}_{number}": (word, mask)
+    for word in ("CONTROL", "STATUS")
+    for number, mask in enumerate(REAL_TIME, 1)
+}
 
 
 class Telegrams(Exchanged):
@@ -42,6 +49,9 @@ class Telegrams(Exchanged):
         self._take_control, self._status = take_control, status
         self._sent: list[int] = []
         self._received: list[str] = []
+        # Of the words on the wire: bits that are 1, and bits that may be
+        self.control_held, self.control_passes = 0, _ALL
+        self.status_held, self.status_passes = 0, _ALL
 
     def wrong(self) -> list[int]:
         """Return what the telegrams cannot carry, or the drive cannot do: for S-0-0021."""
@@ -71,12 +81,27 @@ class Telegrams(Exchanged):
         control, *values = self.outputs.codec.unpack_from(data)
         for name, value in zip(self._received, values, strict=True):
             setattr(image, name, value)
-        self._take_control(control)
+        self._take_control(control & self.control_passes | self.control_held)
+
+    def hold(self, name: str, *, level: bool | None) -> None:
+        """Let a real-time bit keep its level on the wire; None: it passes again.
+
+        name: CONTROL_1 to STATUS_2.
+        """
+        word, mask = _STUCK[name]
+        held, free = mask if level else 0, mask if level is None else 0
+        if word == "CONTROL":
+            self.control_held = self.control_held & ~mask | held
+            self.control_passes = self.control_passes & ~mask | free
+        else:
+            self.status_held = self.status_held & ~mask | held
+            self.status_passes = self.status_passes & ~mask | free
 
     def message(self, image: ProcessImage) -> bytes:
         """Return the AT as it is now."""
         number = self._idents.number
-        return self.inputs.codec.pack(self._status(), *[number(ident) for ident in self._sent])
+        status = self._status() & self.status_passes | self.status_held
+        return self.inputs.codec.pack(status, *[number(ident) for ident in self._sent])
 
 
 def _layout(fields: tuple[str, ...], carried: list[TelegramIdent]) -> Layout:

@@ -3,7 +3,17 @@
 import random
 from collections.abc import Callable, Mapping, Sequence
 
-from axisrig.bench.machine.faults import clock, drives, frames, lines, plants, plc, sensors, wires
+from axisrig.bench.machine.faults import (
+    clock,
+    drives,
+    frames,
+    idents,
+    lines,
+    plants,
+    plc,
+    sensors,
+    wires,
+)
 from axisrig.bench.machine.faults.acts import Act, Injected, drawn
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.faults.beside import Make as MakeBeside
@@ -18,8 +28,8 @@ BESIDE: Mapping[str, MakeBeside] = {
 """Kinds of what is between the plant and its readers: built in before these."""
 ON_CAN: Mapping[str, frames.Make] = {**frames.KINDS, **drives.KINDS}
 """Kinds of frames on CAN and of drives."""
-ON_LINES: Mapping[str, lines.Make] = {**lines.KINDS, **drives.KINDS}
-"""Kinds of EtherCAT lines and of drives."""
+ON_LINES: Mapping[str, lines.Make] = {**lines.KINDS, **drives.KINDS, **idents.KINDS}
+"""Kinds of EtherCAT lines and of drives on them."""
 
 BuildIn = Callable[[Fault, random.Random, Injected], Act]
 

@@ -1,9 +1,19 @@
 """Every place of a machine where a fault can act."""
 
-from axisrig.bench.machine.faults import clock, drives, frames, lines, plants, plc, sensors, wires
+from axisrig.bench.machine.faults import (
+    clock,
+    drives,
+    frames,
+    idents,
+    lines,
+    plants,
+    plc,
+    sensors,
+    wires,
+)
 from axisrig.bench.machine.faults.point import Equipped, FaultPoint, Points
 
-ROOMS = (frames, drives, lines, wires, sensors, plants, plc, clock)
+ROOMS = (frames, drives, lines, idents, wires, sensors, plants, plc, clock)
 """Modules of the rooms of `faults.csv`: each has `KINDS` and `points`."""
 
 

@@ -18,7 +18,7 @@ from axisrig.kernel.time.clock import US
 class OnEthercat(RigFamily):
     """Drives on EtherCAT lines."""
 
-    fault_rooms = ("lines", "drives")
+    fault_rooms = ("lines", "drives", "idents")
     has_objects = True
 
     def check(self, settings: Settings) -> None:

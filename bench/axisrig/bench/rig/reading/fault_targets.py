@@ -34,7 +34,7 @@ def place_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, str,
     words: of the column `target` of its kind.
     """
     place, _, telegram = target.partition(".")
-    if place in rig.axis and {"telegram", "axis", "slave"} & set(words):
+    if place in rig.axis and {"telegram", "axis", "slave", "idents"} & set(words):
         return place, "", telegram
     if {"telegram", "bus", "line"} & set(words):
         return "", terminal_segment(rig) if place == TERMINAL else place, telegram
@@ -96,12 +96,18 @@ def _is_on_line(axis: str, rig: RigFile) -> bool:
     return segment is not None and segment.is_line
 
 
+def _has_idents(drive: str, rig: RigFile) -> bool:
+    table = rig.drive.get(drive)
+    return table is not None and table.has_idents
+
+
 _NAMES: Mapping[str, Callable[[RigFile], Iterable[str]]] = {
     "telegram": _telegrams,
     "bus": lambda rig: rig.segment,
     "axis": lambda rig: rig.axis,
     "line": lambda rig: [name for name, table in rig.segment.items() if table.is_line],
     "slave": lambda rig: [name for name in rig.axis if _is_on_line(name, rig)],
+    "idents": lambda rig: [name for name, axis in rig.axis.items() if _has_idents(axis.drive, rig)],
     "signal": _signals,
     "sensor": _sensors,
     "plc": lambda rig: [] if rig.plc_task is None else [PLC],

@@ -71,6 +71,11 @@ class DriveKeys(Table):
         """Whether it sends heartbeats, or is asked for such by a guard."""
         return False
 
+    @property
+    def has_idents(self) -> bool:
+        """Whether it has idents, read and written over a service channel, and real-time bits."""
+        return False
+
     @classmethod
     @abstractmethod
     def value_of(cls, key: str, text: str) -> Any:

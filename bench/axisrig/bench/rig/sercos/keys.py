@@ -97,6 +97,11 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
         return "sercos"
 
     @property
+    def has_idents(self) -> bool:
+        """It has them."""
+        return True
+
+    @property
     def in_words(self) -> str:
         """What it is, for who reads a rig."""
         unit = f"2^{self.resolution.bit_length() - 1}" if self._is_power else f"{self.resolution}"

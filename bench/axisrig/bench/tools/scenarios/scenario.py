@@ -14,6 +14,7 @@ from functools import cache
 from importlib import resources
 from typing import TypeVar
 
+from axisrig.bench.rig.reading.faults import fault_keys
 from axisrig.bench.tools.scenarios.drawing import draw_inputs
 from axisrig.bench.tools.scenarios.machines import EVERY, ONE_AXIS, machines, places_of, rig_of
 
@@ -192,6 +193,10 @@ def _moment(numbers: random.Random) -> str:
     return name if numbers.random() < 0.5 else f"{name}+{_time(10, 50_000)(numbers)}"
 
 
+def _words(key: str) -> Sequence[str]:
+    return fault_keys()[key].allowed.split()
+
+
 _KEYS: dict[str, tuple[float, Draw]] = {
     "at": (0.9, _moment),
     "for": (0.5, _time(100, 100_000)),
@@ -218,4 +223,7 @@ _KEYS: dict[str, tuple[float, Draw]] = {
     "value": (1.0, lambda n: n.randint(0, 1)),
     "state": (0.5, lambda n: n.choice(_STATES)),
     "code": (0.5, lambda n: n.choice(_CODES)),
+    "real_time": (0.9, lambda n: n.choice(_words("real_time"))),
+    "level": (1.0, lambda n: n.randint(0, 1)),
+    "soe": (0.5, lambda n: n.choice(_words("soe"))),
 }  # fmt: skip

@@ -1,10 +1,12 @@
-"""#IDENT of a running program: idents of SERCOS drives over the service channel.
+"""#IDENT and #COMMAND of a running program: idents of SERCOS drives over the service channel.
 
-Source: TF5200 programming manual 207347083. A write waits until the drive has taken the value,
-unless the program says otherwise; an error of it comes up when the answer is there.
+Source: TF5200 programming manual 207347083, 207377291. A write waits until the drive has taken the
+value, unless the program says otherwise; an error of it comes up when the answer is there. A
+procedure command has ended when its data state is no longer 7; then it is cancelled.
 """
 
 from collections.abc import Mapping
+from typing import Final
 
 from axisrig.kernel.drives.accesses import AnsweredAccesses
 from axisrig.kernel.drives.sercos.link import SercosDrive
@@ -15,10 +17,13 @@ from axisrig.kernel.profiles.sercos.service import (
     Attribute,
     Element,
     Kind,
+    command_states,
     ident_number,
     parts_of,
 )
 
+_STATES: Final = command_states()
+IDLE, RUNNING, DONE = _STATES["IDLE"], _STATES["RUNNING"], _STATES["DONE"]
 BOTH = Element.ATTRIBUTE | Element.VALUE
 
 
@@ -28,6 +33,58 @@ class SercosAccesses(AnsweredAccesses):
     def __init__(self, drives: Mapping[str, SercosDrive]) -> None:
         super().__init__()
         self._drives = drives
+        self._started: dict[str, list[str]] = {name: [] for name in drives}
+        self._waits = 0  # a reset ends those before
+
+    def reset(self) -> None:
+        """Let nothing wait any more; a procedure command that runs goes on, and nobody asks."""
+        super().reset()
+        self._waits += 1
+
+    def begin(self, command: canon.DriveCommand) -> None:
+        """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
+        super().begin(command)
+        if isinstance(command, canon.DriveWait) and command.commands:
+            for name in [command.key] if command.key else self._started[command.axis]:
+                self._open[command.axis] += 1
+                self._await_end(command, name, self._waits)
+
+    def _await_end(self, command: canon.DriveWait, name: str, waits: int) -> None:
+        """Ask for the data state of a procedure command until it has ended, then cancel it."""
+        drive, ident = self._drives[command.axis], ident_number(name)
+
+        def answered(found: bytes | SoeError) -> None:
+            state = IDLE if isinstance(found, SoeError) else int.from_bytes(found, "little")
+            if isinstance(found, SoeError):
+                self._close(command, found, name)
+            elif waits != self._waits:
+                self._close(command, None, name)
+            elif state == RUNNING:
+                self._await_end(command, name, waits)
+            else:
+                wrong = None if state in (IDLE, DONE) else self._not_done(command, name, state)
+                drive.channel.write(
+                    drive.drive_number,
+                    ident,
+                    bytes(2),
+                    lambda found: self._close(
+                        command, wrong or (found if isinstance(found, SoeError) else None), name
+                    ),
+                )
+
+        if name in self._started[command.axis]:
+            self._started[command.axis].remove(name)
+        drive.channel.read(drive.drive_number, ident, Element.DATA_STATE, answered)
+
+    @staticmethod
+    def _not_one(command: canon.DriveWrite) -> Alarm:
+        return Alarm(900749, place=command.block.place, axis=command.axis, key=command.key)
+
+    @staticmethod
+    def _not_done(command: canon.DriveWait, name: str, state: int) -> Alarm:
+        return Alarm(
+            900748, place=command.block.place, axis=command.axis, key=name, state=f"0x{state:X}"
+        )
 
     def _carry_out(self, command: canon.DriveRead | canon.DriveWrite) -> None:
         if command.length_bytes is None:
@@ -68,6 +125,10 @@ class SercosAccesses(AnsweredAccesses):
                 return
             attribute = Attribute.read(found)
             wrong = self._length(command, attribute)
+            if command.is_command and not attribute.is_command:
+                wrong = self._not_one(command)
+            elif command.is_command:
+                self._started[command.axis].append(command.key)
             number = round(command.value)
             is_signed = attribute.kind is Kind.SIGNED
             try:
@@ -107,9 +168,12 @@ class SercosAccesses(AnsweredAccesses):
         )
 
     def _close(
-        self, command: canon.DriveWrite | canon.DriveRead, wrong: SoeError | Alarm | None
+        self,
+        command: canon.DriveWrite | canon.DriveRead | canon.DriveWait,
+        wrong: SoeError | Alarm | None,
+        key: str | None = None,
     ) -> None:
-        """Note that a command is over; a failure comes up in the next cycle."""
+        """Note that a command is over; a failure comes up in the next cycle. key: its ident."""
         self._open[command.axis] -= 1
         if wrong is None or self._failed is not None:
             return
@@ -118,7 +182,7 @@ class SercosAccesses(AnsweredAccesses):
                 900032,
                 place=command.block.place,
                 axis=command.axis,
-                key=command.key,
+                key=key or command.key,
                 object="service channel",
                 answer=str(wrong),
             )

@@ -7,10 +7,10 @@ latch cannot be one of this run. Source: FCT-C4 6.1, AX5000 and AX2000 ident des
 
 from typing import Final
 
-from axisrig.kernel.drives.sercos.service_channel import ServiceChannel, SoeError
+from axisrig.kernel.drives.sercos.service_channel import Done, ServiceChannel, SoeError
 from axisrig.kernel.drives.sercos.settings import RealTimeBits
 from axisrig.kernel.profiles.sercos.service import Element, command_states
-from axisrig.kernel.profiles.sercos.words import PROBE_COMMAND
+from axisrig.kernel.profiles.sercos.words import PROBE_COMMAND, ProbeIdents
 
 RUNNING: Final = command_states()["RUNNING"]
 
@@ -18,7 +18,7 @@ RUNNING: Final = command_states()["RUNNING"]
 class SercosLatch:
     """One axis. bits: in use. increments: latched, None while no latch is reported.
 
-    value_ident: S-0-0130 to S-0-0133. enable: mask of S-0-0134 for the next MDT. is_ordered: it has
+    idents: of probe and edge. enable: mask of S-0-0134 for the next MDT. is_ordered: it has
     been ordered on and not off again. echo_cycles: from an MDT to the AT that the drive has made
     after it.
     """
@@ -27,7 +27,7 @@ class SercosLatch:
         self,
         bits: RealTimeBits,
         drive: int,
-        value_ident: int,
+        idents: ProbeIdents,
         channel: ServiceChannel,
         echo_cycles: int,
         *,
@@ -35,7 +35,7 @@ class SercosLatch:
     ) -> None:
         self._echo = echo_cycles
         self._bits, self._drive, self._channel, self._proves = bits, drive, channel, proves
-        self.value_ident = value_ident
+        self._idents = idents
         self.is_ordered = False
         self.enable = 0
         self._age = self._echo  # ATs since the enable bit changed
@@ -119,7 +119,10 @@ class SercosLatch:
         return self._probing is False
 
     def is_confirmed(self) -> bool:
-        """Whether the service channel gives the value of the AT too; asks once."""
+        """Whether the drive has a done measurement and the value of the AT by its service channel.
+
+        Asks once, for the done measurement first: the value does not change behind it.
+        """
         if self.increments is None:
             return False
         if not self._proves:
@@ -127,13 +130,15 @@ class SercosLatch:
         if self._proof is None:
             self._proof = -1
             number = self._asks
-            self._channel.read(
-                self._drive,
-                self.value_ident,
-                Element.VALUE,
-                lambda found: self._note_proof(number, found),
-            )
+            self._ask(self._idents.latched, lambda found: self._note_latched(number, found))
         return self._proof == 1
+
+    def _ask(self, ident: int, done: Done) -> None:
+        self._channel.read(self._drive, ident, Element.VALUE, done)
+
+    def _note_latched(self, number: int, found: bytes | SoeError) -> None:
+        if number == self._asks and not isinstance(found, SoeError) and found[0] & 1:
+            self._ask(self._idents.value, lambda found: self._note_proof(number, found))
 
     def _note_proof(self, number: int, found: bytes | SoeError) -> None:
         if number == self._asks and not isinstance(found, SoeError):

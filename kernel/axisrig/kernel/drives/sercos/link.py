@@ -76,12 +76,11 @@ class SercosDrive(Drive):
         return True
 
     def _make_latch(self) -> SercosLatch:
-        idents = words.PROBES[self.probe_input, self.edge]
         settings = self._of_drive
         return SercosLatch(
             settings.bits,
             self.drive_number,
-            idents.value,
+            words.PROBES[self.probe_input, self.edge],
             self.channel,
             settings.echo_cycles,
             proves=settings.proves_latches,

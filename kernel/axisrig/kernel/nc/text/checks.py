@@ -295,6 +295,7 @@ _CHECKS: Mapping[str, Check] = {
     "CS": _system,
     "DRIVE": _drive,
     "IDENT": _ident,
+    "COMMAND": _ident,
     "KIN ID": _kinematic,
     "TRAFO": _kinematic,
     "TRAFO ON": _kinematic,

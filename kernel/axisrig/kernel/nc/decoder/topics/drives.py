@@ -1,6 +1,6 @@
-"""Functions of the drives (#DRIVE) and their idents (#IDENT)."""
+"""Functions of the drives (#DRIVE), their idents (#IDENT) and procedure commands (#COMMAND)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from axisrig.kernel.nc import canon
@@ -10,6 +10,9 @@ from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.syntax import Command, Expression, Name, Variable
 
 DIGITS_MAX: Final = 9  # DEC of #IDENT
+COMMAND_BYTES: Final = 2
+RUN: Final = 3
+"""Value with which a procedure command runs."""
 
 
 def _name(command: Command, keyword: str) -> str:
@@ -85,9 +88,26 @@ def _ident(context: Context, block: Block, command: Command) -> tuple[str, str, 
 
 def _ident_wait(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     """#IDENT WAIT SYN: of one axis, without one of all."""
-    is_one = command.has("AX") or command.has("AXNR")
-    for axis in (_axis(context, block, command),) if is_one else context.axes:
+    for axis in _axes(context, block, command):
         yield canon.DriveWait(block, axis)
+
+
+def _axes(context: Context, block: Block, command: Command) -> Sequence[str]:
+    is_one = command.has("AX") or command.has("AXNR")
+    return (_axis(context, block, command),) if is_one else tuple(context.axes)
+
+
+def _start(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """#COMMAND WR [SYN]: the ident of the procedure command gets 3, and runs from then on."""
+    axis, name = _axis(context, block, command), _name(command, "ID").upper()
+    yield canon.DriveWrite(block, axis, name, RUN, True, COMMAND_BYTES, is_command=True)
+
+
+def _end(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """#COMMAND WAIT SYN: until the command has ended, without ID until all have."""
+    name = _name(command, "ID").upper() if command.has("ID") else ""
+    for axis in _axes(context, block, command):
+        yield canon.DriveWait(block, axis, commands=True, key=name)
 
 
 TOPIC = Topic(
@@ -101,5 +121,8 @@ TOPIC = Topic(
         "IDENT RD": _ident_read,
         "IDENT RD SYN": _ident_read,
         "IDENT WAIT SYN": _ident_wait,
+        "COMMAND WR SYN": _start,
+        "COMMAND WR": _start,
+        "COMMAND WAIT SYN": _end,
     }
 )
