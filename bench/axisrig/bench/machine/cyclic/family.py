@@ -16,6 +16,7 @@ from axisrig.bench.rig.cyclic.members import (
 from axisrig.bench.rig.loop import feed_forward
 from axisrig.bench.rig.profidrive.loop import gain_of, loop_settings, wrong_mode
 from axisrig.bench.rig.profidrive.members import drive_of
+from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier, CyclicStart, ImagePort
@@ -25,6 +26,7 @@ from axisrig.kernel.drives.profidrive.link import ProfidriveDrive
 from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
 from axisrig.kernel.drives.profidrive.watch import ProfidriveWatch
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.profiles.profidrive.words import SPEED_BASE
 from axisrig.kernel.time.clock import US, S
 
@@ -62,10 +64,19 @@ class CyclicSegments(Installed):
     def _node(self, axis: str) -> VirtualProfidrive:
         bench, settings = self._bench, self._bench.settings
         beside = bench.beside
+        seen = beside.axis(axis)
+        if ControlKind.VELOCITY not in seen.kinds:
+            raise rig_error(
+                settings.files,
+                ("axis", axis, "plant"),
+                f"axis {axis}: its drive gives speeds, and its plant takes none",
+                value=settings.rig.axis[axis].plant,
+                hint="a plant whose FMU takes a speed, such as AxisRig.Drives.ServoAxis",
+            )
         return VirtualProfidrive(
             axis,
             bench.scheduler,
-            beside.axis(axis),
+            seen,
             beside.probes(axis),
             drive_of(settings, axis).make(),
             bench.seed + DRIVE_SEED_STRIDE * list(settings.rig.axis).index(axis),

@@ -24,6 +24,7 @@ FINE, XIST1, ABSOLUTE, BASE = (
     for key in ("feinaufloesung", "p1042", "p1043", "drive_velocity_base_value")
 )
 NOT_SET = -1
+DECODER, RELEASED_3D = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 SHOWN_MM_S = 10.0
 
 
@@ -38,12 +39,19 @@ def check_profidrive(settings: Settings, name: str, way_ns: TimeNs) -> None:
             value=parameters.integer(BASE),
             allowed=str(table.p0880),
         )
-    _check_telegram(settings, name)
+    _check_distance(settings, name)
     if measures(settings, name) and drive_input(parameters) != 1:
         raise (parameters.origin("kenngr.measure.input") or Origin(name)).error(
             f"axis {name}: its drive has one probe at its encoder, I0.x (P-AXIS-00517)",
             value=drive_input(parameters),
             allowed="1",
+        )
+    functions = [path for path, _ in parameters.items() if path.startswith("antr.function[")]
+    if functions:
+        raise (parameters.origin(functions[0]) or Origin(functions[0])).error(
+            f"axis {name}: #DRIVE writes to parameters of PROFIdrive drives (parameter channel),"
+            " which is not built",
+            hint="leave antr.function out of the list",
         )
     if wrong_mode(settings, name) is None:
         check_loop(settings, name, way_ns)
@@ -68,20 +76,19 @@ def _check_fine_bits(settings: Settings, name: str) -> None:
         )
 
 
-def _check_telegram(settings: Settings, name: str) -> None:
-    """Refuse a telegram that does not carry what distance control needs."""
-    axis, table = settings.rig.axis[name], drive_of(settings, name)
-    if not settings.axis[name].flag("lr_param.distance_control_on"):
+def _check_distance(settings: Settings, name: str) -> None:
+    """Refuse distance control: no run with such a drive has been held against its law."""
+    is_3d = settings.channel.word(DECODER) == RELEASED_3D
+    if not is_3d and not settings.axis[name].flag("lr_param.distance_control_on"):
         return
-    if table.make().telegram.has_second and uses_dsc(settings, name):
-        return
+    what = "3D distance control (P-CHAN-00500)" if is_3d else "distance control (P-AXIS-00328)"
     raise rig_error(
         settings.files,
-        ("drive", axis.drive, "telegram"),
-        f"axis {name}: distance control (P-AXIS-00328) needs a second encoder in the telegram and a"
-        " drive that closes the position loop",
-        value=table.telegram,
-        allowed="6",
+        ("drive", settings.rig.axis[name].drive, "family"),
+        f"axis {name}: {what} is not built for PROFIdrive drives; their telegrams 4 and 6 carry the"
+        " second encoder already",
+        value="profidrive",
+        allowed="canopen, sercos",
     )
 
 
