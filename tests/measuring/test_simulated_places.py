@@ -107,3 +107,21 @@ def test_an_axis_that_does_not_move_has_no_way_left(
     probe.arm()
     probe.look(STARTS, STARTS)
     assert probe.has_latched is signals
+
+
+def test_a_run_begins_with_a_probe_that_waits_for_nothing_and_has_nothing() -> None:
+    """Armed, latched and disarmed, twice; cycles count from the arming on, and the first stays."""
+    probe = SimulatedProbe("Z", CYCLES, 2, Way(STARTS, ENDS), (20.0, 10.0))
+    for begin_mm in (20.0, 15.0):
+        assert (probe.is_clear, probe.is_armed, probe.is_confirmed()) == (True, False, False)
+        probe.arm()
+        for cycle in range(4):
+            assert not probe.is_clear
+            assert probe.is_confirmed() is (cycle >= 2)
+            here = {"X": 0.0, "Z": begin_mm - cycle}
+            probe.look(here, here)
+        assert probe.latched_mm == begin_mm - 1.0
+        probe.is_armed = False  # a latch that nobody has taken
+        assert not probe.is_clear
+        probe.disarm()
+        assert probe.latched_mm is None

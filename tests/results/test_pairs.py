@@ -11,6 +11,7 @@ import pytest
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.results.compare.pairs import Comparison, MetricPair, compare, welch_p
+from axisrig.results.compare.words import diff_lines
 
 CASES = ("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed", "alarms",
          "frame_log_sha256")  # fmt: skip
@@ -128,7 +129,7 @@ def test_a_value_is_nearer_by_more_than_is_known(changes: dict[str, Any], is_nea
         ({"check": "== TRUE"}, None),
         ({"check": "<= 5", "lower": "0"}, 3.0),
         ({}, None),
-        ({"upper": "9", "value": ""}, None),
+        *(({side: "9", "value": ""}, None) for side in ("upper", "lower")),
         ({"upper": "9", "value": "FREE"}, None),
         ({"upper": "9", "value": "nan"}, None),
         ({"upper": "nan"}, None),
@@ -270,3 +271,32 @@ def test_only_values_without_any_spread_are_decided_at_once() -> None:
     assert welch_p([1.0, 1.0], [1.1, 1.1]) == 0.0
     assert 0.0 < welch_p([1.0, 1.0], [1.0, 2.0]) < 1.0
     assert 0.0 < welch_p([1.0, 2.0], [1.0, 1.0]) < 1.0
+
+
+def test_lines_say_each_kind_the_worse_and_the_surest_first_and_cut_long_lists(
+    tmp_path: Path,
+) -> None:
+    """50 values shift by 1, 2, 3 ... um in the order of a shuffled plan, known to 1 um each."""
+    order = [7 * n % 50 + 1 for n in range(50)]
+    uncertain = {"uncertainty": "1"}
+
+    def checks(scale: int) -> list[dict[str, str]]:
+        return [{"metric": f"m{n}", "value": str(scale * n), **uncertain} for n in order]
+
+    runs = [{"run": "r"}, {"run": "falls"}, {"run": "rises", "verdict": "fail"}]
+    after = [{"run": "r"}, {"run": "falls", "verdict": "fail"}, {"run": "rises"}, {"run": "new"}]
+    found = compared(
+        tmp_path, {"runs": runs, "checks": checks(0)}, {"runs": after, "checks": checks(1)}
+    )
+    *lines, last = diff_lines(found, [("r.toml", ["a 1 -> 2"])])
+    kinds = list(dict.fromkeys(line.partition(":")[0].strip() for line in lines))
+    assert kinds == ["changed", "a 1 -> 2", "worse", "better", "shifted", "new"]
+    shifted = [line for line in lines if line.startswith("shifted: r: m")]
+    # En of a shift of n um by two uncertainties of 1 um: n/sqrt 2
+    sure = [n for n in range(50, 0, -1) if n / math.sqrt(2.0) > 1.0]
+    assert shifted == [
+        f"shifted: r: m{n} 0 -> {n} um (En {n / math.sqrt(2.0):.3g})" for n in sure[:40]
+    ]
+    assert f"shifted: {len(sure) - 40} more" in lines
+    assert "better: rises: fail -> pass" in " ".join(lines)
+    assert last.startswith("3 runs in both (0 matched by equal inputs), 1 new, 0 missing;")
