@@ -89,6 +89,22 @@ def test_wait_holds_the_next_command_until_the_offset_is_gone(
     assert seen.interpolated_mm[done + 2] > say.start_mm
 
 
+@pytest.mark.parametrize("is_optimized", [False, True])
+def test_an_offset_is_there_until_the_last_of_it_was_sent(
+    distance_bench: Make, is_optimized: bool
+) -> None:
+    """Without P-AXIS-00509 a cycle later than the control has it; twice, up and down."""
+    axis = distance_bench(is_optimized=is_optimized).channel.distance.axes["Z"]
+    for offset_mm in (1.0, -0.5):
+        seen = []
+        for axis.control.offset_mm in (0.0, offset_mm, 0.0, 0.0, 0.0):
+            seen.append((axis.put_out(), axis.has_offset, axis.is_on_its_way, axis.is_idle))
+        late = [(0.0, True, False, False), (offset_mm, True, True, False)]
+        at_once = [(offset_mm, True, False, False), (0.0, False, False, True)]
+        none = (0.0, False, False, True)
+        assert seen == [none, *(at_once if is_optimized else late), none, none]
+
+
 @pytest.mark.parametrize("has_other", [False, True])
 def test_the_end_of_a_program_waits_for_an_offset_that_runs_out(
     distance_bench: Make, say: Any, words: Any, has_other: bool
