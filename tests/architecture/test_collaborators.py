@@ -25,7 +25,7 @@ ALLOWED = {
     (_TASK, "hli.ve"): "the values of this cycle",
     (_TASK, "self._hli.ve"): "the values of the first cycle",
     ("axisrig.kernel.channel.axes.independent", "mover.feed"): "of the motion that begins",
-    ("axisrig.bench.campaign.shown", "self._bar.draw"): "a view that comes and goes",
+    ("axisrig.bench.campaign.progress", "self._bar.draw"): "a view that comes and goes",
 }
 DATA = ("dataclass", "NamedTuple", "Enum", "IntEnum", "StrEnum", "TypedDict")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.leftovers import SIGNS, leftovers
+from axisrig.bench.campaign.older_packages import SIGNS, leftovers
 
 ROOT = Path(__file__).parents[2]
 

@@ -9,7 +9,7 @@ import pytest
 
 from axisrig.bench.tools.fmu import courses
 from axisrig.bench.tools.fmu.courses import course_findings
-from axisrig.bench.tools.fmu.trial import Reading
+from axisrig.bench.tools.fmu.stepped_instance import Reading
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.time.clock import MS, US
 

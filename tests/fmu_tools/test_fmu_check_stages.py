@@ -14,7 +14,7 @@ from axisrig.bench.tools.fmu.check import Checked, check_fmu
 from axisrig.bench.tools.fmu.examine import Examined
 from axisrig.bench.tools.fmu.findings import Finding, as_rows, fail, has_failed, ok, warn
 from axisrig.bench.tools.fmu.stages import Outcome
-from axisrig.bench.tools.fmu.trial import Reading
+from axisrig.bench.tools.fmu.stepped_instance import Reading
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS

@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 from tests.fmu_tools.described import variable
 
-from axisrig.bench.tools.fmu import trial
-from axisrig.bench.tools.fmu.trial import Reading, first_difference, not_finite, step_of
+from axisrig.bench.tools.fmu import stepped_instance
+from axisrig.bench.tools.fmu.stepped_instance import Reading, first_difference, not_finite, step_of
 from axisrig.kernel.time.clock import MS
 
 
 def reading(ms: int, *values: Any) -> Reading:
-    bits = b"\0".join(trial._bits(value) for value in values)
+    bits = b"\0".join(stepped_instance._bits(value) for value in values)
     return Reading(ms * MS, bits, values)
 
 
@@ -51,11 +51,11 @@ def test_numbers_that_are_not_finite_are_named() -> None:
         ("0.002", "0.001", 2 * MS),
         (None, "0.0005", 500_000),
         ("nan", "0.0005", 500_000),
-        ("0", None, trial.DEFAULT_STEP_NS),
-        ("1e-10", None, trial.DEFAULT_STEP_NS),
+        ("0", None, stepped_instance.DEFAULT_STEP_NS),
+        ("1e-10", None, stepped_instance.DEFAULT_STEP_NS),
         ("1e-9", None, 1),
-        ("inf", "inf", trial.DEFAULT_STEP_NS),
-        ("-1", None, trial.DEFAULT_STEP_NS),
+        ("inf", "inf", stepped_instance.DEFAULT_STEP_NS),
+        ("-1", None, stepped_instance.DEFAULT_STEP_NS),
     ],
 )
 def test_the_step_is_that_of_the_experiment_then_the_inner_one(
@@ -82,7 +82,9 @@ def test_inputs_move_within_their_limits_and_flags_change_once() -> None:
     def moved(count: int) -> dict[str, Any]:
         return {
             one.name: value
-            for one, value in trial._moved_inputs(trial.movable_inputs(description), count)
+            for one, value in stepped_instance._moved_inputs(
+                stepped_instance.movable_inputs(description), count
+            )
         }
 
     assert moved(0) == {"plain": 0.0, "large": -2000.0, "low": 0.0, "high": 0.0, "flag": True,

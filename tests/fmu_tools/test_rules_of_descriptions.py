@@ -12,7 +12,7 @@ from tests.fmu_tools.described import texts, variable
 
 from axisrig.bench.tools.fmu import examine
 from axisrig.bench.tools.fmu.stages import STATE_BOUND, _compared
-from axisrig.bench.tools.fmu.trial import Reading, largest_share
+from axisrig.bench.tools.fmu.stepped_instance import Reading, largest_share
 from axisrig.kernel.cosim.fmi.rules import bad_names, by_rule, rules
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.tools.fmu import roles, trial
-from axisrig.bench.tools.fmu.trial import Trial, readable_outputs
+from axisrig.bench.tools.fmu import roles, stepped_instance
+from axisrig.bench.tools.fmu.stepped_instance import Trial, readable_outputs
 from axisrig.kernel.cosim.fmi.fmu import EndedError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
@@ -55,7 +55,7 @@ class Slave:
 
 
 def on_trial(patch: pytest.MonkeyPatch, slave: Slave, **given: Any) -> Trial:
-    patch.setattr(trial, "load_fmu", lambda path, name: slave)
+    patch.setattr(stepped_instance, "load_fmu", lambda path, name: slave)
     made = Trial(Path("a.fmu"), **given)
     made.start()
     return made

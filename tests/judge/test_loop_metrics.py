@@ -22,7 +22,7 @@ from tests.judge.controls import (
     seen,
 )
 
-from axisrig.bench.judge.distance.stretches import Envelope, runs_of, unknown_poles
+from axisrig.bench.judge.distance.control_stretches import Envelope, runs_of, unknown_poles
 from axisrig.bench.judge.distance.tool import distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE, FREEZE, INACTIVE
 from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS

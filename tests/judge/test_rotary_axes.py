@@ -7,7 +7,7 @@ import pytest
 
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.plant_values import PlantValues, power_of_arm
-from axisrig.bench.judge.observed.turned import in_newton_metres, turned
+from axisrig.bench.judge.observed.rotary_metrics import in_newton_metres, turned
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.axes import PlantRecord, PlantValue
 

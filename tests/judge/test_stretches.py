@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.distance.stretches import Stretch, _by_law, is_disturbed
+from axisrig.bench.judge.distance.control_stretches import Stretch, _by_law, is_disturbed
 from axisrig.bench.judge.distance.times import Unbroken
 from axisrig.bench.judge.distance.truth import ACTIVE
 from axisrig.bench.oracles.distance.acting import Acting

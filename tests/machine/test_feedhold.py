@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.campaign.single import run_program
+from axisrig.bench.campaign.single_program import run_program
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, S
 

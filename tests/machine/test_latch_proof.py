@@ -15,7 +15,7 @@ from tests.reports.pages import whole
 from axisrig.bench.campaign.campaign import Choice, run_campaign
 from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.campaign.runner import no_stopwatch
-from axisrig.bench.campaign.single import run_program
+from axisrig.bench.campaign.single_program import run_program
 from axisrig.bench.judge.topics import observe
 from axisrig.bench.machine.facts import unproved_notes
 from axisrig.bench.plan.checks import judge, parse_check

@@ -13,10 +13,10 @@ import pytest
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.plc.control_units import PlcUnits
 from axisrig.bench.machine.recording.lag import largest_lag
-from axisrig.bench.machine.unfinished import at_work, in_words, waited_for
+from axisrig.bench.machine.unfinished_program import at_work, in_words, waited_for
+from axisrig.bench.rig.fmu_output import BYTES_MAX, cut, lines_in, output_lines
 from axisrig.bench.rig.plc.axis_words import SetCourse, UnitWrite
 from axisrig.bench.rig.plc.courses import Courses
-from axisrig.bench.rig.printed import BYTES_MAX, cut, lines_in, output_lines
 from axisrig.kernel.channel import ChannelState
 from axisrig.kernel.cosim.plant.outputs import MOTOR_VELOCITY
 from axisrig.kernel.distance import DistanceCommand

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from tests.machine.conftest import Outcome
 
-from axisrig.bench.campaign.single import run_program
+from axisrig.bench.campaign.single_program import run_program
 
 PLANS = Path(__file__).parents[2] / "testplans"
 RIG = PLANS / "rigs" / "probe-xyz.toml"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.single import run_program
+from axisrig.bench.campaign.single_program import run_program
 from axisrig.kernel.errors import UserError
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-xyz.toml"

@@ -11,7 +11,7 @@ from tests.plan.cases import OTHER, RIG, case_of
 
 from axisrig.bench.campaign import (
     hardware_runs,
-    single,
+    single_program,
 )
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
 from axisrig.bench.rig.reading.families import read_segment
@@ -169,17 +169,17 @@ def test_a_program_goes_to_real_axes_only_with_all_checks(
 ) -> None:
     news: list[Any] = []
     table = SimpleNamespace(axis={"Z": None}, segment={"can1": read_segment({})})
-    monkeypatch.setattr(single, "read_rig", lambda _: (table, []))
-    monkeypatch.setattr(single, "read_settings", lambda *given: ("settings", len(given[2])))
-    monkeypatch.setattr(single, "is_paced", lambda _: is_real)
-    monkeypatch.setattr(single, "refuse_processes", lambda *given: news.append(given))
-    monkeypatch.setattr(single, "read_program", lambda *given: news.append(given))
-    monkeypatch.setattr(single, "check_plant", lambda _: news.append("plant"))
-    monkeypatch.setattr(single, "allow", lambda *_: news.append("allowed"))
-    monkeypatch.setattr(single, "run_program", lambda *given: given)
+    monkeypatch.setattr(single_program, "read_rig", lambda _: (table, []))
+    monkeypatch.setattr(single_program, "read_settings", lambda *given: ("settings", len(given[2])))
+    monkeypatch.setattr(single_program, "is_paced", lambda _: is_real)
+    monkeypatch.setattr(single_program, "refuse_processes", lambda *given: news.append(given))
+    monkeypatch.setattr(single_program, "read_program", lambda *given: news.append(given))
+    monkeypatch.setattr(single_program, "check_plant", lambda _: news.append("plant"))
+    monkeypatch.setattr(single_program, "allow", lambda *_: news.append("allowed"))
+    monkeypatch.setattr(single_program, "run_program", lambda *given: given)
     on = outside([], interface="slcan")
     object.__setattr__(on, "open_hardware", lambda: nullcontext("hardware"))
-    found = single.run_outside(
+    found = single_program.run_outside(
         on, Path("a.nc"), RIG, ["plc:V.E.A=1"], [Path("x.blf")], print, is_apart=False
     )
     if not is_real:

@@ -6,8 +6,8 @@ from typing import Any, cast
 
 from rich.console import Console
 
+from axisrig.bench.campaign.progress import CampaignProgress
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.campaign.shown import CampaignProgress
 from axisrig.bench.plan.plan import counted
 from axisrig.bench.plan.verdict import Verdict
 

@@ -26,10 +26,10 @@ from axisrig.bench.plan.select import only
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.tools.budget.budget import CYCLES, Share, make_budget
 from axisrig.bench.tools.budget.causes import active_causes, causes
+from axisrig.bench.tools.budget.closed_forms import BOUNCE_MS, STIFFNESS_N_M, STRIBECK_M_S
 from axisrig.bench.tools.budget.combining import Runs as CausesOff
 from axisrig.bench.tools.budget.combining import combined, groups
-from axisrig.bench.tools.budget.forms import BOUNCE_MS, STIFFNESS_N_M, STRIBECK_M_S
-from axisrig.bench.tools.budget.seen import METRICS, Seen, Track
+from axisrig.bench.tools.budget.observed_run import METRICS, Seen, Track
 from axisrig.bench.tools.budget.words import budget_lines, budget_table
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS

@@ -15,8 +15,8 @@ from axisrig.bench.record.signal_sources import STAMPED
 from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.tools.budget.budget import CYCLES, Budget, Share
 from axisrig.bench.tools.budget.causes import Active, causes
-from axisrig.bench.tools.budget.forms import bound_um, expected_um
-from axisrig.bench.tools.budget.seen import Seen, Track
+from axisrig.bench.tools.budget.closed_forms import bound_um, expected_um
+from axisrig.bench.tools.budget.observed_run import Seen, Track
 from axisrig.bench.tools.budget.surface import (
     contact_um,
     normal_of,

@@ -36,7 +36,7 @@ from axisrig.bench.tools.budget.motion import (
     without_braking,
     without_run_up,
 )
-from axisrig.bench.tools.budget.seen import METRICS, Seen, Track
+from axisrig.bench.tools.budget.observed_run import METRICS, Seen, Track
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 

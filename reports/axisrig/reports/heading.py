@@ -5,10 +5,10 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from axisrig.bench.campaign.progress import duration
 from axisrig.bench.campaign.results.manifest import SPENT
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.campaign.results.tally import Tally, outcome_words
-from axisrig.bench.campaign.shown import duration
 from axisrig.bench.plan.info import info_of
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.run import verdict_words

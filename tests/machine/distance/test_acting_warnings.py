@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.campaign.checking import check_file
-from axisrig.bench.campaign.single import run_program
+from axisrig.bench.campaign.single_program import run_program
 
 RunDistance = Callable[..., Any]
 TESTPLANS = Path(__file__).parents[3] / "testplans"

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
-from tests.oracles.distance.forms import (
+from tests.oracles.distance.closed_forms import (
     acceleration_error_mm,
     butterworth,
     cycle_change_um,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.oracles.distance.forms import (
+from tests.oracles.distance.closed_forms import (
     aperiodic_limit,
     butterworth,
     exponential_limit,

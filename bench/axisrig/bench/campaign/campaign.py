@@ -12,6 +12,7 @@ from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, ref
 from axisrig.bench.campaign.plan_files import with_plans_in
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
+from axisrig.bench.campaign.progress import CampaignProgress, Watch
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
@@ -30,7 +31,6 @@ from axisrig.bench.campaign.resuming import (
 )
 from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.sharing import Shard
-from axisrig.bench.campaign.shown import CampaignProgress, Watch
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.campaign.talk import Manner, Talk
 from axisrig.bench.campaign.verdict_table import counts_line, show_verdicts

@@ -32,8 +32,8 @@ from axisrig.bench.rig.distance.check import (
     drive_lags_s,
 )
 from axisrig.bench.rig.families import rig_families
+from axisrig.bench.rig.fmu_output import printed_log
 from axisrig.bench.rig.plc.words import VARIABLE
-from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.errors import UserError

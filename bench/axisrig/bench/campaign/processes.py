@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 from axisrig.bench.campaign.channel import ChannelError, Inbox
 from axisrig.bench.campaign.worker import PARENT_ENDS, Answer, Line, Order, output_of, say, work
-from axisrig.bench.rig.printed import cut, lines_in, output_lines
+from axisrig.bench.rig.fmu_output import cut, lines_in, output_lines
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.kernel.cosim.fmi import journal
 from axisrig.kernel.cosim.fmi.session import session_folder

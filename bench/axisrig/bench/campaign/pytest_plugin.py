@@ -16,7 +16,7 @@ import pytest
 from _pytest._code.code import ReprEntryNative, ReprExceptionInfo, ReprFileLocation, ReprTraceback
 
 from axisrig.bench.campaign.cell_warnings import look_at
-from axisrig.bench.campaign.leftovers import leftovers
+from axisrig.bench.campaign.older_packages import leftovers
 from axisrig.bench.campaign.preparing import prepare, read_case
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles

@@ -41,7 +41,7 @@ from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import Series, SeriesWriter
-from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.fmu_output import printed_log
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError

@@ -7,8 +7,8 @@ from collections.abc import Hashable, Iterable, Sequence
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from axisrig.bench.campaign.progress import duration
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.campaign.shown import duration
 from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.plan.checks import CheckResult
 from axisrig.bench.plan.expectation import NOT_MET

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from axisrig.bench.campaign.channel import ChannelError, send
 from axisrig.bench.files import DISK_FULL
-from axisrig.bench.rig.printed import divert
+from axisrig.bench.rig.fmu_output import divert
 from axisrig.kernel.cosim.fmi import journal
 from axisrig.kernel.cosim.fmi.session import share_session_folder
 

@@ -70,7 +70,7 @@ from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
-    from axisrig.bench.campaign.shown import Watch
+    from axisrig.bench.campaign.progress import Watch
 
 DEMO = "demo"
 """Tag of the rows that `axisrig demo` runs."""
@@ -156,7 +156,7 @@ def _watch(line: Line, on_page: bool, in_terminal: bool) -> "Watch":
 
     line: gives way to it.
     """
-    from axisrig.bench.campaign.shown import Watch
+    from axisrig.bench.campaign.progress import Watch
     from axisrig.bench.cli.beside.ticking import ticking
 
     watch = Watch(ticking)
@@ -334,7 +334,7 @@ def nc(
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
     from axisrig.bench.campaign.processes import do_apart
-    from axisrig.bench.campaign.single import run_outside, run_program
+    from axisrig.bench.campaign.single_program import run_outside, run_program
     from axisrig.bench.campaign.worker import say
 
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)

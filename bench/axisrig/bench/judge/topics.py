@@ -21,8 +21,8 @@ from axisrig.bench.judge.latch.metrics import LATCH_METRICS
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.rotary_metrics import TORQUE, in_newton_metres, turned
 from axisrig.bench.judge.observed.topic import Topic
-from axisrig.bench.judge.observed.turned import TORQUE, in_newton_metres, turned
 from axisrig.bench.judge.own_metrics import judged_by_own
 from axisrig.bench.judge.program.findings import program_events
 from axisrig.bench.judge.program.metrics import PROGRAM_METRICS, printed

@@ -37,7 +37,7 @@ from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.distance.loops import unstable
 from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.families import TerminalGrid, family_of, rig_families
-from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.fmu_output import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
 from axisrig.bench.rig.reading.plc_task import TerminalTable

@@ -31,7 +31,7 @@ from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.edge_log import edge_log
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
-from axisrig.bench.machine.unfinished import in_words
+from axisrig.bench.machine.unfinished_program import in_words
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, real_time_of
 from axisrig.bench.record.series import SeriesWriter

@@ -5,7 +5,6 @@ from collections import Counter
 from pathlib import Path
 
 from axisrig.bench.plan.composition import Mistakes
-from axisrig.bench.rig.cause import blamed
 from axisrig.bench.rig.families import family_of, rig_families
 from axisrig.bench.rig.faults import check_faults
 from axisrig.bench.rig.plc.words import ObjectWrite
@@ -13,6 +12,7 @@ from axisrig.bench.rig.reading.families import carriers_of, joined
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers
 from axisrig.bench.rig.real_axes import check_outside
+from axisrig.bench.rig.refused_setting import blamed
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError, near_files
 

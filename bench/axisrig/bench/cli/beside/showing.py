@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from functools import partial
 
-from axisrig.bench.campaign.shown import CampaignProgress, Watch
+from axisrig.bench.campaign.progress import CampaignProgress, Watch
 from axisrig.bench.cli.beside.feed import Feed
 from axisrig.bench.cli.beside.server import serving
 from axisrig.bench.cli.beside.terminal import drawing

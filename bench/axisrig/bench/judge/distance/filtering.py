@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from axisrig.bench.judge.distance.control_stretches import Stretch, runs_of
 from axisrig.bench.judge.distance.plant import gap_true_mm
-from axisrig.bench.judge.distance.stretches import Stretch, runs_of
 from axisrig.bench.judge.distance.truth import DistanceTruth
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.errors import NoClosedFormError

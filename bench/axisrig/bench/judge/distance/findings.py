@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from axisrig.bench.judge.distance import stretches
+from axisrig.bench.judge.distance import control_stretches
 from axisrig.bench.judge.distance.control_findings import (
     DEGREE,
     MM,
@@ -23,7 +23,7 @@ from axisrig.bench.judge.distance.control_findings import (
     EndError,
     UsedLimit,
 )
-from axisrig.bench.judge.distance.stretches import Stretch
+from axisrig.bench.judge.distance.control_stretches import Stretch
 from axisrig.bench.judge.distance.tool import distance_truths
 from axisrig.bench.judge.distance.truth import (
     INACTIVE,
@@ -183,7 +183,7 @@ def _stretch(truth: DistanceTruth, change: DistanceChange, rows: "np.ndarray[Any
 def _law(truth: DistanceTruth, stretch: Stretch) -> DistanceLaw:
     mode, control = stretch.mode, stretch.listed.control
     loop = truth.loop(mode, stretch.listed)
-    unknown = stretches.unknown_poles(truth, mode)
+    unknown = control_stretches.unknown_poles(truth, mode)
     limit = math.inf if unknown else kp_limit(loop)
     is_plain = not control.tn_s and not control.tv_s
     return DistanceLaw(
@@ -275,7 +275,7 @@ def _tail(truth: DistanceTruth, stretch: Stretch) -> tuple[Stretch, float]:
     assert truth.surface_mm is not None
     rise = np.diff(truth.surface_mm[stretch.rows])
     is_uneven = np.abs(rise - rise[-1:]) > _EVEN_MM
-    uneven = np.flatnonzero(is_uneven | stretches.is_disturbed(truth, stretch))
+    uneven = np.flatnonzero(is_uneven | control_stretches.is_disturbed(truth, stretch))
     begin = stretch.begin + (int(uneven[-1]) + 2 if len(uneven) else 0)
     begin = min(begin, stretch.end - 1)
     per_cycle = float(rise[-1]) if len(rise) else 0.0
@@ -286,8 +286,8 @@ def _tail(truth: DistanceTruth, stretch: Stretch) -> tuple[Stretch, float]:
 def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float) -> float:
     """Closed form of the error at the end; raises NoClosedFormError."""
     loop = truth.loop(part.mode, part.listed)
-    stretches.must_settle(loop, part)
-    stretches.must_not_clamp(truth, part)
+    control_stretches.must_settle(loop, part)
+    control_stretches.must_not_clamp(truth, part)
     if speed_mm_s == 0.0:
         return 0.0
     if part.listed.control.tn_s:

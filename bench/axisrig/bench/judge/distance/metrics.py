@@ -10,10 +10,10 @@ from functools import partial
 
 import numpy as np
 
-from axisrig.bench.judge.distance import passes, stretches
+from axisrig.bench.judge.distance import control_stretches, passes
+from axisrig.bench.judge.distance.control_stretches import Stretch
 from axisrig.bench.judge.distance.plant import NO_PLANT, behind_mm, surface_mm
 from axisrig.bench.judge.distance.registry import UM, of_axis
-from axisrig.bench.judge.distance.stretches import Stretch
 from axisrig.bench.judge.distance.truth import DistanceTruth
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.topic import MetricFunction
@@ -72,8 +72,8 @@ def _known_loop(truth: DistanceTruth) -> tuple[Loop, float]:
 
     Raises NoClosedFormError where its poles are unknown.
     """
-    stretch = stretches.last_active(truth)
-    reason = stretches.unknown_poles(truth, stretch.mode)
+    stretch = control_stretches.last_active(truth)
+    reason = control_stretches.unknown_poles(truth, stretch.mode)
     if reason:
         words = f"{stretch.mode}: {reason}"
         raise NoClosedFormError(f"{words}; axisrig tune distance measures the loop")
@@ -92,7 +92,7 @@ def distance_kp_limit(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_growth(truth: DistanceTruth) -> Observation:
     """Factor per cycle by which the steps of the offset change when nothing excites them."""
-    found = stretches.envelope(truth, stretches.last_active(truth))
+    found = control_stretches.envelope(truth, control_stretches.last_active(truth))
     return Observation(found.growth, found.uncertainty, found.note)
 
 
@@ -106,7 +106,7 @@ def distance_growth_expected(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_stability(truth: DistanceTruth) -> Observation:
     """Say whether the steps of the offset died away."""
-    found = stretches.envelope(truth, stretches.last_active(truth))
+    found = control_stretches.envelope(truth, control_stretches.last_active(truth))
     doubt = f"factor {found.growth:.5g} per cycle: {found.note}"
     if not found.stability:
         raise NoClosedFormError(f"neither stable nor unstable for sure, {doubt}")
@@ -122,7 +122,7 @@ def _mean(truth: DistanceTruth, signal: Callable[[DistanceTruth], Signal]) -> Ob
     It is as uncertain as the signal is unsteady there: half of its swing, an increment of the
     sensor at least.
     """
-    part, speed = stretches.steady(truth)
+    part, speed = control_stretches.steady(truth)
     values = truth.gathered(signal, part.judged)
     half, increment = float(np.ptp(values)) / 2.0 * UM, _increment_um(truth)
     note = f"surface {speed:.4g} mm/s, last {len(values)} of {part.end - part.begin} cycles"
@@ -139,9 +139,9 @@ def distance_error_um(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_error_expected_um(truth: DistanceTruth) -> Observation:
     """Closed form of the same: v T/kp, 0 with an integral part."""
-    part, speed = stretches.steady(truth)
-    stretches.must_settle(_loop(truth, part), part)
-    stretches.must_not_clamp(truth, part)
+    part, speed = control_stretches.steady(truth)
+    control_stretches.must_settle(_loop(truth, part), part)
+    control_stretches.must_not_clamp(truth, part)
     if part.listed.control.tn_s:
         return Observation(0.0, note="integral part")
     return Observation(following.ramp_error_mm(speed, part.kp, truth.period_ns) * UM)
@@ -156,10 +156,10 @@ def distance_behind_um(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_behind_expected_um(truth: DistanceTruth) -> Observation:
     """Closed form of the same."""
-    part, speed = stretches.steady(truth)
+    part, speed = control_stretches.steady(truth)
     loop = _loop(truth, part)
-    stretches.must_settle(loop, part)
-    stretches.must_not_clamp(truth, part)
+    control_stretches.must_settle(loop, part)
+    control_stretches.must_not_clamp(truth, part)
     if part.listed.control.tn_s:
         raise NoClosedFormError("closed form of P control only")
     return Observation(following.ramp_lag_mm(loop, speed, part.kp, truth.period_ns) * UM)
@@ -174,7 +174,7 @@ def distance_behind_um_max(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_behind_end_um(truth: DistanceTruth) -> Observation:
     """The same in the last cycle with the control on."""
-    row = stretches.last_active(truth).end - 1
+    row = control_stretches.last_active(truth).end - 1
     (behind,) = truth.gathered(behind_mm, slice(row, row + 1))
     return Observation(float(behind) * UM, _increment_um(truth), "an increment")
 
@@ -190,20 +190,20 @@ def distance_sine_gain(truth: DistanceTruth) -> Observation:
 def distance_sine_gain_expected(truth: DistanceTruth) -> Observation:
     """Closed form of the same."""
     frequency, _, _ = _sines(truth)
-    stretch = stretches.last_active(truth)
+    stretch = control_stretches.last_active(truth)
     loop = _loop(truth, stretch)
     return Observation(following.sine_gain(loop, stretch.kp, frequency, truth.period_ns))
 
 
 def _sines(truth: DistanceTruth) -> tuple[float, complex, complex]:
-    stretch = stretches.last_active(truth)
+    stretch = control_stretches.last_active(truth)
     # Behind the transient, and before a profile ends in the braking ramp of its axis
     length = stretch.end - stretch.begin
     settled = slice(stretch.begin + length // 2, stretch.end - length // 10)
     heights = truth.gathered(surface_mm, settled)
-    frequency, _, surface = stretches.sine_parts(heights, truth.period_s)
+    frequency, _, surface = control_stretches.sine_parts(heights, truth.period_s)
     behinds = truth.gathered(behind_mm, settled)
-    _, behind = stretches.fitted(behinds, frequency, truth.period_s)
+    _, behind = control_stretches.fitted(behinds, frequency, truth.period_s)
     return frequency, surface, behind
 
 
@@ -212,7 +212,7 @@ def _sines(truth: DistanceTruth) -> tuple[float, complex, complex]:
 
 def _last_on(truth: DistanceTruth) -> slice:
     """Return the rows of the last unbroken time with the control on."""
-    found = stretches.last_on(truth)
+    found = control_stretches.last_on(truth)
     return slice(found[0].begin, found[-1].end)
 
 
@@ -258,7 +258,7 @@ def distance_overshoot_expected_mm(truth: DistanceTruth) -> Observation:
     rows = _last_on(truth)
     if any(np.any(part.override[inside] != 1.0) for part, _, inside in truth.parts(rows)):
         raise NoClosedFormError("an override of the axis scaled v_max")
-    parts = stretches.last_on(truth)
+    parts = control_stretches.last_on(truth)
     if len({(one.kp, one.listed.limits) for one in parts}) > 1:
         raise NoClosedFormError("kp or a limit was changed while the control was on")
     limit, kp = parts[-1].listed.limits, parts[-1].kp

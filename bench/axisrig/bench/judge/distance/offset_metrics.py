@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from axisrig.bench.judge.distance import expected_offset, filtering, passes, stretches
+from axisrig.bench.judge.distance import control_stretches, expected_offset, filtering, passes
 from axisrig.bench.judge.distance.registry import UM, of_axis
 from axisrig.bench.judge.distance.truth import FREEZE, STATE_WORDS, TURNING_OFF, DistanceTruth
 from axisrig.bench.judge.observed.observation import Observation
@@ -70,7 +70,7 @@ def _offset_steps(truth: DistanceTruth) -> Signal:
 @_of_axis
 def offset_noise_um(truth: DistanceTruth) -> Observation:
     """Standard deviation of the offset in the steady part."""
-    part, _ = stretches.steady(truth)
+    part, _ = control_stretches.steady(truth)
     offset = truth.gathered(lambda some: some["offset_mm"], part.rows)
     return Observation(float(np.std(offset[-(part.end - part.begin) // 2 :])) * UM)
 
@@ -106,7 +106,7 @@ def distance_state_end(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_filter_delay_cycles(truth: DistanceTruth) -> Observation:
     """By how many cycles the filter is late, at the largest step of the surface."""
-    filtered = stretches.of_last_filter(truth)
+    filtered = control_stretches.of_last_filter(truth)
     return Observation(filtering.delay_cycles(truth, filtered), note=_filter(truth).name)
 
 
@@ -119,7 +119,7 @@ def distance_filter_delay_expected_cycles(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_filter_noise_gain(truth: DistanceTruth) -> Observation:
     """Standard deviation after over that before the filter, while the surface is at rest."""
-    smooth, filtered = _filter(truth), stretches.of_last_filter(truth)
+    smooth, filtered = _filter(truth), control_stretches.of_last_filter(truth)
     settling = len(smooth.numerator) + round(6 * smooth.delay_cycles)
     gain, cycles = filtering.noise_gain(truth, filtered, settling)
     return Observation(gain, note=f"{smooth.name}; {cycles} cycles")
@@ -133,7 +133,7 @@ def distance_filter_noise_gain_expected(truth: DistanceTruth) -> Observation:
 
 def _filter(truth: DistanceTruth) -> Smoothing:
     """Return the last filter that acted."""
-    return truth.smoothing(stretches.of_last_filter(truth)[-1].listed)
+    return truth.smoothing(control_stretches.of_last_filter(truth)[-1].listed)
 
 
 # The own model
@@ -177,7 +177,7 @@ def distance_alarm_after_cycles(truth: DistanceTruth) -> Observation:
     if raised is None:
         raise NoClosedFormError("no alarm of sensor or offset came up")
     period_ns, offset_ns = truth.period_ns, truth.observed.facts.timing.offset_ns
-    first = expected_offset.first_step(truth, stretches.compared(truth)[0].begin)
+    first = expected_offset.first_step(truth, control_stretches.compared(truth)[0].begin)
     begin_ns = truth.observed.time_ns(first) // period_ns * period_ns
     return Observation((raised[0] - offset_ns - begin_ns) // period_ns, note=f"ID {raised[1]}")
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axisrig.bench.judge.distance.stretches import runs_of
+from axisrig.bench.judge.distance.control_stretches import runs_of
 from axisrig.bench.judge.distance.tool import Choice, axes_of, choices
 from axisrig.bench.judge.distance.truth import DEMAND_CYCLES
 from axisrig.bench.judge.observed.observed import Observed

@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 
 from axisrig.bench.judge.distance import expected_offset
+from axisrig.bench.judge.distance.control_stretches import compared
 from axisrig.bench.judge.distance.plant import NO_PLANT
-from axisrig.bench.judge.distance.stretches import compared
 from axisrig.bench.judge.distance.tilting import Tilts, tilts
 from axisrig.bench.judge.distance.tool import Choice, ToolTruth, axes_of, choices, distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, TURNING_OFF

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from axisrig.bench.machine.faults.acts import Act
 from axisrig.bench.machine.faults.beside import Beside, Make
 from axisrig.bench.machine.faults.point import Equipped, FaultPoint, Points
-from axisrig.bench.rig.cause import blamed
 from axisrig.bench.rig.reading.fault_targets import INPUT, axes_of
 from axisrig.bench.rig.reading.faults import Fault
 from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.refused_setting import blamed
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.inputs import HeldInput, parts_of
 from axisrig.kernel.cosim.plant.plant import Plant

@@ -12,7 +12,7 @@ from typing import Any
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.machine.unfinished import at_work, waited_for
+from axisrig.bench.machine.unfinished_program import at_work, waited_for
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.rig.rotary import is_rotary
 from axisrig.kernel.channel import Channel, ChannelState

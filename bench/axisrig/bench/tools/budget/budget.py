@@ -31,11 +31,11 @@ from axisrig.bench.tools.budget.causes import (
     measuring_axis,
     motion_causes,
 )
+from axisrig.bench.tools.budget.closed_forms import bound_um, expected_um
 from axisrig.bench.tools.budget.combining import USUAL, combined
 from axisrig.bench.tools.budget.combining import Runs as CausesOff
-from axisrig.bench.tools.budget.forms import bound_um, expected_um
 from axisrig.bench.tools.budget.instants import UNIT_UM, is_handed
-from axisrig.bench.tools.budget.seen import METRICS, Seen, see
+from axisrig.bench.tools.budget.observed_run import METRICS, Seen, see
 from axisrig.kernel.errors import UserError
 
 _ANY = "-1e15 .. 1e15"

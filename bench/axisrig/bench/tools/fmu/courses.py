@@ -9,7 +9,7 @@ from typing import Any, Final
 from fmpy.model_description import ModelVariable
 
 from axisrig.bench.tools.fmu.findings import Finding, fail, ok, warn
-from axisrig.bench.tools.fmu.trial import FLAG_AFTER_STEPS, Reading, Trial
+from axisrig.bench.tools.fmu.stepped_instance import FLAG_AFTER_STEPS, Reading, Trial
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs

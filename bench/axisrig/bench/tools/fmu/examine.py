@@ -11,7 +11,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 
 from axisrig.bench.tools.fmu.binaries import Binary, find_binaries, folder_platform
 from axisrig.bench.tools.fmu.findings import Finding, fail, has_failed, ok, warn
-from axisrig.bench.tools.fmu.trial import readable_outputs
+from axisrig.bench.tools.fmu.stepped_instance import readable_outputs
 from axisrig.kernel.cosim.fmi.archive import DESCRIPTION, MIB, inspect, unpack
 from axisrig.kernel.cosim.fmi.fmu import load_description
 from axisrig.kernel.cosim.fmi.library import Capabilities

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from axisrig.bench.rig.printed import printed_lines
+from axisrig.bench.rig.fmu_output import printed_lines
 from axisrig.bench.tools.fmu.courses import course_findings
 from axisrig.bench.tools.fmu.findings import Finding, fail, ok, warn
 from axisrig.bench.tools.fmu.roles import role_findings
-from axisrig.bench.tools.fmu.trial import (
+from axisrig.bench.tools.fmu.stepped_instance import (
     Reading,
     Trial,
     first_difference,

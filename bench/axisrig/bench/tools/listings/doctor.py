@@ -10,7 +10,7 @@ from pathlib import Path
 import platformdirs
 
 from axisrig.bench.bus.can.hardware import SIMULATED, interface_names, known_interfaces, usable
-from axisrig.bench.campaign.leftovers import leftovers
+from axisrig.bench.campaign.older_packages import leftovers
 from axisrig.bench.campaign.results.build_info import build_word, is_compiled, sources_sha256
 from axisrig.fmus import MODELS, BuildError, ensure_built, is_ours, place_in_cache, shipped_fmu
 

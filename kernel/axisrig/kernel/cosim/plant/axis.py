@@ -12,7 +12,6 @@ from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
 from axisrig.kernel.cosim.plant.curves import drop_before, end_slope, hermite, peak, two_before
 from axisrig.kernel.cosim.plant.demand import Control, Ramp, SampledDemand
-from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.cosim.plant.outputs import (
     AXIS_OUTPUTS,
     DEMAND_POSITION,
@@ -28,6 +27,7 @@ from axisrig.kernel.cosim.plant.outputs import (
     Tick,
     tick_of,
 )
+from axisrig.kernel.cosim.plant.refused_outputs import refusal
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import S, TimeNs
 

@@ -7,7 +7,7 @@ from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.members import TERMINAL, segment_of, slaves_on
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
-from axisrig.bench.tools.budget.seen import Seen
+from axisrig.bench.tools.budget.observed_run import Seen
 from axisrig.bench.tools.budget.starts import start_number
 from axisrig.bench.tools.budget.surface import contact_um, normal_of, seat_um
 from axisrig.kernel.time.clock import MS, S
