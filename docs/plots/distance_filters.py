@@ -1,6 +1,6 @@
 """The filters of the sensor value over an obstacle of 2.8 mm, as in the filter test of FCT-M3 4.
 
-One run of `testplans/distance_filters.csv` gives what the sensor told with distance control in
+One run of `testplans/distance_filters.csv` gives what the sensor showed with distance control in
 DRYRUN; every curve is a filter of the kernel over these values. `python
 docs/plots/distance_filters.py` draws docs/images/filter-*.svg.
 """

@@ -57,7 +57,7 @@ def row(
          "latch_mm:Z is 0.5 mm below its lower limit 40.0 mm, within its uncertainty of 0.6 mm"),
         ("latch_mm:Z", "!= 40", 40.0, 0.0, "fail", "latch_mm:Z is 40.0 mm, which is excluded"),
         ("latch_mm:Z", "!= 40", 40.001, 0.01, "inconclusive",
-         "latch_mm:Z is 40.001 mm, not to be told from 40, which is excluded, within its"
+         "latch_mm:Z is 40.001 mm, too near to 40, which is excluded, within its"
          " uncertainty of 0.01 mm"),
         ("msg:N30", "== TRUE", "FALSE", 0.0, "fail", "msg:N30 is FALSE, not TRUE"),
         ("msg:N30", "!= TRUE", "TRUE", 0.0, "fail", "msg:N30 is TRUE, which is excluded"),

@@ -43,7 +43,7 @@ def said(metric: str = "latch_mm", **cells: str) -> str:
         # Without limits
         ({"value": "3", "check": "!= 3", "verdict": "fail"}, "latch_mm is 3 mm, which is excluded"),
         ({"value": "3.05", "check": "!= 3", "verdict": "inconclusive", "uncertainty": "0.1"},
-         "latch_mm is 3.05 mm, not to be told from 3, which is excluded, within its uncertainty of"
+         "latch_mm is 3.05 mm, too near to 3, which is excluded, within its uncertainty of"
          " 0.1 mm"),
         ({"value": "4", "check": "!= 3", "verdict": "pass"}, "latch_mm is 4 mm, as asked for"),
         ({"value": "FREE", "check": "<= 3", "verdict": "fail"},

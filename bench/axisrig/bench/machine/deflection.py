@@ -118,8 +118,8 @@ class _Follower:
         now.beyond_ns = now_ns
         if not (self.table.breaks and is_first):
             return None
-        told = {"deflection_mm": f"{now.mm:.4f}", "stroke_mm": f"{stroke_mm:g}"}
-        return Alarm(900072, probe=self.name, **told)
+        lengths = {"deflection_mm": f"{now.mm:.4f}", "stroke_mm": f"{stroke_mm:g}"}
+        return Alarm(900072, probe=self.name, **lengths)
 
 
 def _driving(channel: Channel, axes: Sequence[str]) -> Block | None:

@@ -246,8 +246,8 @@ class Machine:
         plc, servos = self.channel.plc, list(self.drives.values())
 
         def sync_ns() -> TimeNs:
-            told_ns = max((servo.sync_ns for servo in servos), default=0)
-            return told_ns if told_ns >= self.channel.sync_ns else self.plant.now_ns
+            latest_sync_ns = max((servo.sync_ns for servo in servos), default=0)
+            return latest_sync_ns if latest_sync_ns >= self.channel.sync_ns else self.plant.now_ns
 
         if self.settings.rig.plc:
             tables = self.settings.rig.plc

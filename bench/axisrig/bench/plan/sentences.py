@@ -222,7 +222,7 @@ def _compared(cells: Mapping[str, str], number: Decimal | None) -> str:
         excluded = condition.expected[0]
         if cells.get("verdict") == "inconclusive" and number is not None:
             why = _why(cells, "inconclusive", Decimal(0))
-            return f"{metric} is {shown}, not to be told from {excluded}, which is excluded{why}"
+            return f"{metric} is {shown}, too near to {excluded}, which is excluded{why}"
         return f"{metric} is {shown}, which is excluded"
     if condition.kind == "text":
         return f"{metric} is {shown}, not {condition.expected[0]}"

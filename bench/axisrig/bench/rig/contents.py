@@ -91,10 +91,10 @@ def _offsets_text(path: Path, name: str) -> str:
     inches = inch_tools(lists.entries[name])
     lines = []
     for entry in lists.entries[name]:
-        told = ""
+        in_mm = ""
         if unit[entry.path] and not set(entry.indices[:1]) & inches:
-            told = f" x {unit[entry.path]} = {float(entry.value) / UNITS_PER_MM:g} mm"
-        lines.append(f"  {entry.written}{told}  {entry.origin.short}")
+            in_mm = f" x {unit[entry.path]} = {float(entry.value) / UNITS_PER_MM:g} mm"
+        lines.append(f"  {entry.written}{in_mm}  {entry.origin.short}")
     notes = [f"note: {note}" for note in offset_notes(lists)]
     return "\n".join([name, *lines, *(["", *notes] if notes else [])])
 

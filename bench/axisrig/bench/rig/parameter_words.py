@@ -60,11 +60,11 @@ def with_unit(row: Parameter, value: Value, *, is_rotary: bool = False) -> str:
         return text
     unit = UNITS[row.unit]
     name = unit.of(is_rotary=is_rotary)
-    told = f"{text} x {name}" if name[0].isdigit() else f"{text} {name}"
+    as_listed = f"{text} x {name}" if name[0].isdigit() else f"{text} {name}"
     is_mark = row.unset.startswith("<") and value < 0  # means not set, it is no length
     if unit.divisor == 1 or is_mark:
-        return told
-    return f"{told} = {unit.converted(value, is_rotary=is_rotary)}"
+        return as_listed
+    return f"{as_listed} = {unit.converted(value, is_rotary=is_rotary)}"
 
 
 def range_of(row: Parameter) -> str:

@@ -261,8 +261,8 @@ class ToolTruth(DistanceTruth):
             raise NotMeasurableError("distance control was never on")
         begin = next(t.begin for t in self.states if t.value in (ACTIVE, ACTIVE_CONST_DIST))
         rows = slice(begin, None)
-        told_mm = np.nan_to_num(self.gathered(lambda part: part.watched_mm, rows))
-        sensor = np.round(told_mm * 1e4).astype(int)
+        watched_mm = np.nan_to_num(self.gathered(lambda part: part.watched_mm, rows))
+        sensor = np.round(watched_mm * 1e4).astype(int)
         shifts = self.columns("superposed_mm")[rows]
         first = _first_step(sensor, shifts)
         moved = np.max(np.abs(shifts - shifts[first - 1]), axis=1) > _QUIET_MM

@@ -55,11 +55,11 @@ class StopRun(StopRows):
         share = truth.values.number("feed_forward")
         drive_mm = (1.0 - share) * speed_mm_s / truth.kv_per_s
         course, row = truth.course, contact.row
-        told_mm = abs(float(course.demand_mm[row] - course.encoder_mm[row]))
-        doubt_ns = contact.uncertainty_ns + abs(told_mm - drive_mm) / speed_mm_s * S
+        encoder_lag_mm = abs(float(course.demand_mm[row] - course.encoder_mm[row]))
+        doubt_ns = contact.uncertainty_ns + abs(encoder_lag_mm - drive_mm) / speed_mm_s * S
         if doubt_ns > self.cycles.period_ns:
             raise NoClosedFormError(
-                f"the lag had not settled before the contact: {told_mm:.4g} mm in the drive,"
+                f"the lag had not settled before the contact: {encoder_lag_mm:.4g} mm in the drive,"
                 f" {drive_mm:.4g} mm in steady motion"
             )
         running_mm = timing.running_lag_mm(

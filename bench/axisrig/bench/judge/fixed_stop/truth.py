@@ -151,12 +151,12 @@ class AxisTruth:
 
         The peak of the first row is of the time before it, which is none of theirs.
         """
-        told = self.stop_force_n
-        if told is None or not len(told[rows]):
+        forces_n = self.stop_force_n
+        if forces_n is None or not len(forces_n[rows]):
             return None
         if self.peak_n is None:
-            return float(np.max(told[rows]))
-        return float(np.max([told[rows][0], *self.peak_n[rows][1:]]))
+            return float(np.max(forces_n[rows]))
+        return float(np.max([forces_n[rows][0], *self.peak_n[rows][1:]]))
 
     def force_beside_n(self, rows: slice) -> float:
         """Return by how much the forces of the rows beside some pass the largest one of these.
@@ -164,10 +164,13 @@ class AxisTruth:
         What the rows belong to begins and ends between two SYNCs: by so much its largest force may
         be larger than that of its rows.
         """
-        told, largest_n = self.stop_force_n, self.stop_force_max_n(rows)
-        if told is None or largest_n is None:
+        forces_n, largest_n = self.stop_force_n, self.stop_force_max_n(rows)
+        if forces_n is None or largest_n is None:
             return 0.0
-        beside = [*told[max(rows.start - 1, 0) : rows.start], *told[rows.stop : rows.stop + 1]]
+        beside = [
+            *forces_n[max(rows.start - 1, 0) : rows.start],
+            *forces_n[rows.stop : rows.stop + 1],
+        ]
         return max(0.0, *(float(force_n) - largest_n for force_n in beside), 0.0)
 
     def force_doubt_n(self, force_n: float) -> float:
@@ -185,8 +188,8 @@ class AxisTruth:
         """Return axis against stop with the force limit that acts at an instant."""
         if self.stop is None or self.axis is None:
             return None
-        told_n = self._limit_n(time_ns, self.stop.direction)
-        limits_n = [told_n, self.values.get("force_limit_motor", "torque_limit_motor")]
+        limit_n = self._limit_n(time_ns, self.stop.direction)
+        limits_n = [limit_n, self.values.get("force_limit_motor", "torque_limit_motor")]
         known_n = [limit for limit in limits_n if limit is not None]
         return Pressing(self.stop, self.axis, min(known_n)) if known_n else None
 

@@ -1,4 +1,4 @@
-"""What the elements of the HLI have in common: names, types, ranges, and what a program gets told.
+"""What the elements of the HLI have in common: names, types, ranges, and what a program reads.
 
 A program uses `axisrig.bench.machine.plc.hli` alone.
 """

@@ -236,10 +236,10 @@ def simulate(
         gap = reached[0] - float(surface_mm[k])
         noisy = gap + (float(noise_mm[k]) if noise_mm is not None else 0.0)
         gaps.appendleft(noisy)
-        told = gaps[-1]
+        given_mm = gaps[-1]
         if rig.increment_mm:
-            told = round(told / rig.increment_mm) * rig.increment_mm
-        sensor = -rig.sign * told
+            given_mm = round(given_mm / rig.increment_mm) * rig.increment_mm
+        sensor = -rig.sign * given_mm
         offset = law.walk(sensor, actual, sent[0], float(wanted[k]))
         waiting.appendleft(offset)
         sent.appendleft(float(program[k]) + waiting[-1])

@@ -287,10 +287,10 @@ def _moment(text: str, key: str = "at") -> Moment:
             + ", ".join(plc_moments())
             + ", or one of them and a time: M50+20ms",
         )
-    return Moment(_told(function[1], int(function[2]), text), None, offset_ns)
+    return Moment(_function_code(function[1], int(function[2]), text), None, offset_ns)
 
 
-def _told(letter: str, code: int, text: str) -> str:
+def _function_code(letter: str, code: int, text: str) -> str:
     """Return a function as the program has it; refuse those that no PLC side receives."""
     word = f"{letter}{code}"
     if word in (*INTERNAL, *SPINDLE) or (letter != "T" and code > NUMBER_MAX):

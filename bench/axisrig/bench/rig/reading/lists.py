@@ -236,14 +236,14 @@ def offset_notes(lists: Lists, axes: Sequence[str] | None = None) -> list[str]:
     axes: those of the rig, in its order, which the indices count from 0; None without a rig.
     """
     notes: list[str] = []
-    told: set[tuple[int, ...]] = set()
+    numbers: set[tuple[int, ...]] = set()
     for name, entries in lists.entries.items():
         last = {(entry.path, entry.indices): entry for entry in entries}
         valid = {at for (path, at), entry in last.items() if "gueltig" in path and entry.value}
         for entry in last.values():
             why = _oddity(entry, axes)
-            if why is None and name == TOOLS and entry.indices[:1] not in valid | told:
-                told.add(entry.indices[:1])
+            if why is None and name == TOOLS and entry.indices[:1] not in valid | numbers:
+                numbers.add(entry.indices[:1])
                 number = entry.indices[0]
                 why = f"the list has no `wz[{number}].gueltig 1`, so D{number} is refused"
             if why is not None:

@@ -51,18 +51,18 @@ def read_fmu(path: Path) -> Shown:
             file=path,
             hint="axisrig fmu check FILE lists what is wrong",
         ) from error
-    identifiers = {str(told.modelIdentifier) for told in _interfaces(description).values()}
+    identifiers = {str(each.modelIdentifier) for each in _interfaces(description).values()}
     binaries = [found for name in sorted(identifiers) for found in find_binaries(folder, name)]
     return Shown(inspect(path), description, can, binaries)
 
 
 def _interfaces(description: ModelDescription) -> dict[str, Any]:
-    told = {
+    interfaces = {
         "co-simulation": description.coSimulation,
         "model exchange": description.modelExchange,
         "scheduled execution": description.scheduledExecution,
     }
-    return {name: interface for name, interface in told.items() if interface is not None}
+    return {name: interface for name, interface in interfaces.items() if interface is not None}
 
 
 def show_fmu(shown: Shown, *, is_all: bool) -> None:
@@ -94,7 +94,7 @@ def _head(shown: Shown) -> Iterator[tuple[str, str]]:
     yield "size", f"{archive.size} bytes, {size / MIB:.2f} MiB in {len(archive.entries)} entries"
     yield "sha256", archive.sha256
     yield "model", str(description.modelName)
-    told = {
+    facts = {
         "description": description.description,
         "version": description.version,
         "author": description.author,
@@ -102,7 +102,7 @@ def _head(shown: Shown) -> Iterator[tuple[str, str]]:
         "tool": description.generationTool,
         "made": description.generationDateAndTime,
     }
-    yield from ((label, str(text)) for label, text in told.items() if text)
+    yield from ((label, str(text)) for label, text in facts.items() if text)
     yield (
         "FMI",
         f"{description.fmiVersion}, {', '.join(_interfaces(description)) or 'no interface'}",
@@ -173,8 +173,8 @@ def _variables(variables: Sequence[ModelVariable], columns: Sequence[str]) -> Ri
             "max": variable.max,
             "description": variable.description,
         }
-        told = (cells[column] for column in columns)
-        table.add_row(*("" if cell is None else printable(str(cell)) for cell in told))
+        texts = (cells[column] for column in columns)
+        table.add_row(*("" if cell is None else printable(str(cell)) for cell in texts))
     return table
 
 
@@ -193,8 +193,8 @@ def _depends(unknown: Unknown) -> str:
     if unknown.dependencies is None:
         return f"{name}: dependencies are not given"
     kinds = unknown.dependenciesKind or ["dependent"] * len(unknown.dependencies)
-    told = [
+    needed = [
         variable.name if kind == "dependent" else f"{variable.name} ({kind})"
         for variable, kind in zip(unknown.dependencies, kinds, strict=False)
     ]
-    return f"{name}: depends on {', '.join(told) or 'nothing'}"
+    return f"{name}: depends on {', '.join(needed) or 'nothing'}"

@@ -35,8 +35,8 @@ def step_of(description: ModelDescription) -> TimeNs:
     """Return the step that the FMU itself proposes, else 1 ms."""
     experiment = description.defaultExperiment
     fixed = getattr(description.coSimulation, "fixedInternalStepSize", None)
-    for told in (experiment.stepSize if experiment is not None else None, fixed):
-        step_s = float(told) if told else 0.0
+    for proposed_s in (experiment.stepSize if experiment is not None else None, fixed):
+        step_s = float(proposed_s) if proposed_s else 0.0
         if math.isfinite(step_s) and step_s >= 1e-9:
             return seconds_to_ns(step_s)
     return DEFAULT_STEP_NS

@@ -99,7 +99,7 @@ def explained(alarm_id: int) -> str:
 
 
 def _rows(entry: CatalogueEntry, reaction: dict[str, str]) -> Iterator[tuple[str, str]]:
-    told = {
+    facts = {
         "says": _plain(entry.text),
         "values": ", ".join(_with_unit(name) for name in entry.values),
         "family": entry.relation,
@@ -111,7 +111,7 @@ def _rows(entry: CatalogueEntry, reaction: dict[str, str]) -> Iterator[tuple[str
         "source": entry.source,
         "inferred": ", ".join(entry.inferred),
     }
-    for name, text in told.items():
+    for name, text in facts.items():
         if text:
             yield name, fill(text, _WIDTH - _INDENT, subsequent_indent=" " * _INDENT)
 

@@ -61,14 +61,14 @@ def language_listing(word: str | None = None) -> str:
     if not found:
         names = [name for name, _, _ in lines]
         raise UserError("no word fits", value=word, allowed=nearest(word, names) or None)
-    told = []
+    lines_of_words = []
     for line in found:
-        told.append(_line(*line))
+        lines_of_words.append(_line(*line))
         if len(found) <= _FEW:
-            told += _keyword_lines(line[0])
+            lines_of_words += _keyword_lines(line[0])
             is_last = [other for other in found if other[0] == line[0]][-1] is line
-            told += _example_lines(line[0]) if is_last else []  # a word may have two rows
-    return "\n".join(told)
+            lines_of_words += _example_lines(line[0]) if is_last else []  # a word may have two rows
+    return "\n".join(lines_of_words)
 
 
 _MAY_PASS = "; may be passed over"
@@ -208,8 +208,8 @@ def _command(name: str) -> str:
 
 def _example_rows() -> Iterable[tuple[str, ...]]:
     by_example: dict[tuple[str, str], list[str]] = {}
-    for word, told in examples().items():
-        by_example.setdefault(told, []).append(word)
+    for word, example in examples().items():
+        by_example.setdefault(example, []).append(word)
     for (text, place), names in by_example.items():
         lines = "<br>".join(f"`{line}`" for line in text.splitlines())
         link = place.removeprefix("docs/")

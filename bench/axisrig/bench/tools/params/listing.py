@@ -98,10 +98,10 @@ def explained(row: Parameter) -> str:
         "list": f"{row.kind}, {TOPICS[row.topic]}",
         "source": row.source,
     }
-    told = [f"  {name:<12} {text}" for name, text in facts.items() if text]
+    lines = [f"  {name:<12} {text}" for name, text in facts.items() if text]
     head = f"{row.number}  {row.path}".strip()
     return "\n".join(
-        [head, fill(row.meaning, 96, initial_indent="  ", subsequent_indent="  "), *told]
+        [head, fill(row.meaning, 96, initial_indent="  ", subsequent_indent="  "), *lines]
     )
 
 

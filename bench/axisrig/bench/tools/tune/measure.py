@@ -206,8 +206,8 @@ class _Log:
             control = axis.control
             wanted = control.set_dist_mm if self._is_distance else control.set_pos_mm
             wanted_mm = math.nan if wanted is None else wanted
-            told_mm = (link.set_mm, link.actual_mm, -axis.sensor_mm)
-            self._rows.append((wanted_mm, control.offset_mm, *told_mm))
+            positions_mm = (link.set_mm, link.actual_mm, -axis.sensor_mm)
+            self._rows.append((wanted_mm, control.offset_mm, *positions_mm))
 
     def signals(self) -> Signals:
         return Signals(*np.array(self._rows).reshape(-1, 5).T)

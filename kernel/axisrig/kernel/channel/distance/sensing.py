@@ -132,8 +132,8 @@ class Sensing:
 
     def may_reference(self) -> bool:
         """Whether REF can act, or will be refused: it waits for what the filter remembers."""
-        is_told = self.sensor.exists and self.sensor_mm is not None
-        return not is_told or self.control.may_reference()
+        is_known = self.sensor.exists and self.sensor_mm is not None
+        return not is_known or self.control.may_reference()
 
     def age_warning(self) -> Alarm | None:
         """Return Alarm 900315 for a sensor whose silence nobody can notice; once for each."""

@@ -30,7 +30,7 @@ class Limits:
         self._lead_m = profile.lead_um * 1e-6
         self.rated_n = profile.rated_force_n
         self.negative = self.positive = NO_TORQUE_LIMIT
-        self._told: tuple[int, int, int, int | None] = (*(NO_TORQUE_LIMIT,) * 3, None)
+        self._limits_acting: tuple[int, int, int, int | None] = (*(NO_TORQUE_LIMIT,) * 3, None)
         self.is_limiting = False
         self.homing_torque: int | None = None
         self.blocked = 0
@@ -107,16 +107,16 @@ class Limits:
     def limit_torque(self) -> None:
         """Hand the torque limits over to the axis when they have changed."""
         image = self._image
-        told = (
+        limits = (
             image.max_torque,
             image.negative_torque_limit,
             image.positive_torque_limit,
             self.homing_torque,
         )
-        if told == self._told:
+        if limits == self._limits_acting:
             return
-        self._told = told
-        most, negative, positive, homing = told
+        self._limits_acting = limits
+        most, negative, positive, homing = limits
         if homing is not None:
             most = min(most, homing)
         negative, positive = min(most, negative), min(most, positive)

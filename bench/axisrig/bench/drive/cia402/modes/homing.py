@@ -215,8 +215,8 @@ class Homing(Mode):
         if self._step is Step.PRESS and is_slow and parts.limits.is_limiting:
             limit = parts.limits.positive if self._direction > 0 else parts.limits.negative
             torque = parts.limits.torque_per_mille() * self._direction
-            is_told = parts.motion.axis.force_n() is not None
-            is_slow = torque >= PRESSED * min(limit, PER_MILLE * 10) or not is_told
+            is_force_known = parts.motion.axis.force_n() is not None
+            is_slow = torque >= PRESSED * min(limit, PER_MILLE * 10) or not is_force_known
         if not self._blocked.holds(now_ns, is_slow, parts.homing_stop_ms):
             return False
         if self._step is not Step.PRESS:
