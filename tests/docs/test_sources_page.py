@@ -50,7 +50,7 @@ def test_the_stored_results_are_those_of_the_plan(plan: Plan, results: StoredRes
         inputs = {column: run.case[column] for column in case.inputs}
         assert inputs == dict(case.inputs), MADE_AGAIN
         asked = {check.metric: check.condition.text for check in case.checks}
-        assert {row["metric"]: row["check"] for row in run.checks} == asked, MADE_AGAIN
+        assert {row.metric: row.asked for row in run.checks} == asked, MADE_AGAIN
         assert run.verdict is Verdict.PASS
 
 
@@ -88,6 +88,6 @@ def test_a_run_of_the_study_is_the_stored_one(
     (found,) = partial(run_cases, files_of=lambda _: RunFiles())([case])
     (stored,) = [run for run in results.runs if run.run == case.run]
     assert found.frame_log_sha256 == stored.case["frame_log_sha256"], MADE_AGAIN
-    values = {row["metric"]: row["value"] for row in stored.checks if row["metric"] != "alarms"}
+    values = {row.metric: row.value for row in stored.checks if row.metric != "alarms"}
     numbers = [check for check in found.checks if check.check.metric != "alarms"]
     assert {check.check.metric: str(check.value) for check in numbers} == values

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,6 +20,7 @@ from axisrig.bench.campaign.results.sums import altered_files, is_log_sums, is_s
 from axisrig.bench.campaign.sharing import Shard, _kept_words
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.statistic_checks import parse_any_check
 from axisrig.bench.plan.table import Place
 from axisrig.bench.plan.verdict import Verdict
@@ -271,7 +273,8 @@ def stored(run: str, verdict: Verdict, *, plan: str = "p", is_in_plan: bool = Tr
             "uncertainty": "0.0", "verdict": verdict.word, "check": "<= 1", "note": "why",
         }
     ]  # fmt: skip
-    known = {"case": case, "checks": checks, "run": run, "verdict": verdict, "error": None,
+    read = [CheckRow.read(row) for row in checks]
+    known = {"case": case, "checks": read, "run": run, "verdict": verdict, "error": None,
              "messages": [], "log": [], "is_in_plan": is_in_plan, "is_probe": is_probe}  # fmt: skip
     return SimpleNamespace(**{**known, **more})
 
@@ -327,7 +330,7 @@ def test_a_run_has_its_place_in_the_plan_and_its_time(tmp_path: Path) -> None:
     runs = [stored(f"p-{n}", Verdict.PASS) for n in range(3)]
     places = ("p.csv:4", "other.csv:2", "")
     for run, place, second in zip(runs, places, (7, 5, 9), strict=True):
-        run.checks[0]["reference"] = place
+        run.checks[0] = replace(run.checks[0], reference=place)
         run.case["timestamp"] = f"2026-11-29T02:00:0{second}+00:00"
     (suite,) = ElementTree.parse(write_junit(tmp_path, runs)).getroot()
     assert suite.get("timestamp") == "2026-11-29T02:00:05"

@@ -71,7 +71,7 @@ def _check_whole(out: Path, plan: Plan, *, had_rows: bool, done: list[str]) -> N
             continue
         found = {}
         for run in read_results(out).runs:
-            (value,) = {check["value"] for check in run.checks if "latch" in check["metric"]}
+            (value,) = {check.value for check in run.checks if "latch" in check.metric}
             assert run.messages == ["0.7" if value == "0.7" else "Z 67.0 \x00 <&>"]
             assert run.trace is not None
             assert pq.read_table(run.trace).num_rows == 5

@@ -103,7 +103,7 @@ def test_a_check_nobody_judged_is_an_error(plan: Plan, tmp_path: Path) -> None:
         result = run_case(plan.cases[0])
         writer.add(CaseResult(result.case, Verdict.PASS, result.checks[:1]))
     (run,) = read_results(tmp_path / "out").runs
-    assert [check["verdict"] for check in run.checks] == ["pass", "error", "error"]
+    assert [check.verdict for check in run.checks] == ["pass", "error", "error"]
     assert run.verdict == Verdict.ERROR
 
 
@@ -111,8 +111,8 @@ def test_a_run_without_values_says_why(plan: Plan, tmp_path: Path) -> None:
     with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
         writer.add(no_values(plan.cases[0], Verdict.ERROR, "the FMU ended the process"))
     (run,) = read_results(tmp_path / "out").runs
-    assert {check["value"] for check in run.checks} == {""}
-    assert {check["note"] for check in run.checks} == {"the FMU ended the process"}
+    assert {check.value for check in run.checks} == {""}
+    assert {check.note for check in run.checks} == {"the FMU ended the process"}
     assert (run.error, run.recording.facts) == ("the FMU ended the process", None)
 
 

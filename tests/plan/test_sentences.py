@@ -1,10 +1,21 @@
 """What became of a check in one sentence: each expectation is reckoned by hand from its row."""
 
+from collections.abc import Mapping, Sequence
+
 import pytest
 
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.checks import judge, parse_check, value_text
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
+
+
+def sentence(cells: Mapping[str, str]) -> str:
+    return check_sentence(CheckRow.read(cells))
+
+
+def sentence_of_run(verdict: Verdict, error: str | None, rows: Sequence[Mapping[str, str]]) -> str:
+    return run_sentence(verdict, error, [CheckRow.read(cells) for cells in rows])
 
 
 def row(
@@ -95,7 +106,7 @@ def test_a_check_says_what_it_found(
 ) -> None:
     found = row(metric, condition, value, u)
     assert found["verdict"] == verdict
-    assert check_sentence(found) == said
+    assert sentence(found) == said
 
 
 @pytest.mark.parametrize(
@@ -109,22 +120,22 @@ def test_a_check_says_what_it_found(
 )
 def test_a_missing_value_says_why(verdict: str, said: str) -> None:
     found = row("latch_mm", "40 +- 1", None, note="the probe was actuated") | {"verdict": verdict}
-    assert check_sentence(found) == said
-    assert check_sentence(found | {"note": ""}) == said.partition(":")[0]
+    assert sentence(found) == said
+    assert sentence(found | {"note": ""}) == said.partition(":")[0]
 
 
 def test_alarms_that_could_not_be_judged_are_not_called_none() -> None:
     found = row("alarms", "none", []) | {"verdict": "error", "note": "the bench ended"}
-    assert check_sentence(found) == "alarms could not be judged: the bench ended"
+    assert sentence(found) == "alarms could not be judged: the bench ended"
 
 
 def test_rows_of_another_tool_need_the_metric_alone() -> None:
-    assert check_sentence({"metric": "torque"}) == "torque has no value"
-    assert check_sentence({"metric": "torque", "value": "7", "verdict": "fail"}) == "torque is 7"
+    assert sentence({"metric": "torque"}) == "torque has no value"
+    assert sentence({"metric": "torque", "value": "7", "verdict": "fail"}) == "torque is 7"
     told = {"metric": "torque", "value": "7", "check": "soft", "verdict": "fail"}
-    assert check_sentence(told) == "torque is 7, not soft"
+    assert sentence(told) == "torque is 7, not soft"
     limited = {"metric": "torque", "value": "7", "upper": "5", "unit": "N.m", "verdict": "fail"}
-    assert check_sentence(limited) == "torque is 2 N.m above its upper limit 5 N.m"
+    assert sentence(limited) == "torque is 2 N.m above its upper limit 5 N.m"
 
 
 def test_a_run_is_told_by_its_first_worst_check() -> None:
@@ -132,19 +143,20 @@ def test_a_run_is_told_by_its_first_worst_check() -> None:
     bad = row("latch_error_um", ">= 1.0", 0.9814)
     late = row("alarms", "none", [50052])
     first = "latch_error_um is 0.0186 um below its lower limit 1.0 um"
-    assert run_sentence(Verdict.FAIL, None, [good, bad]) == first
-    assert run_sentence(Verdict.FAIL, None, [good, bad, late]) == f"{first}, and 1 more check"
-    assert run_sentence(Verdict.FAIL, None, [bad, late, late]) == f"{first}, and 2 more checks"
+    assert sentence_of_run(Verdict.FAIL, None, [good, bad]) == first
+    assert sentence_of_run(Verdict.FAIL, None, [good, bad, late]) == f"{first}, and 1 more check"
+    assert sentence_of_run(Verdict.FAIL, None, [bad, late, late]) == f"{first}, and 2 more checks"
 
 
 def test_a_run_that_was_not_judged_is_told_by_its_error() -> None:
     empty = [{"metric": "lag_mm_max", "value": "", "verdict": "error"}]
-    assert run_sentence(Verdict.ERROR, "FMU failed", empty) == "no verdict: FMU failed"
-    assert run_sentence(Verdict.ABORTED, "stopped with Ctrl-C", empty) == "stopped with Ctrl-C"
-    assert run_sentence(Verdict.FAIL, None, []) == "no check"
+    assert sentence_of_run(Verdict.ERROR, "FMU failed", empty) == "no verdict: FMU failed"
+    assert sentence_of_run(Verdict.ABORTED, "stopped with Ctrl-C", empty) == "stopped with Ctrl-C"
+    assert sentence_of_run(Verdict.FAIL, None, []) == "no check"
     good = [row("lag_mm_max", "<= 0.5", 0.25)]
     assert (
-        run_sentence(Verdict.ABORTED, "stopped by the operator", good) == "stopped by the operator"
+        sentence_of_run(Verdict.ABORTED, "stopped by the operator", good)
+        == "stopped by the operator"
     )
 
 

@@ -1,15 +1,25 @@
 """One sentence for each way in which a check or a run can end, on both sides of its limits."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pytest
 
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
 
 
+def sentence(cells: Mapping[str, str]) -> str:
+    return check_sentence(CheckRow.read(cells))
+
+
+def sentence_of_run(verdict: Verdict, error: str | None, rows: Sequence[Mapping[str, str]]) -> str:
+    return run_sentence(verdict, error, [CheckRow.read(cells) for cells in rows])
+
+
 def said(metric: str = "latch_mm", **cells: str) -> str:
-    return check_sentence({"metric": metric, "unit": "mm", **cells})
+    return sentence({"metric": metric, "unit": "mm", **cells})
 
 
 @pytest.mark.parametrize(
@@ -87,20 +97,18 @@ def test_a_check_has_its_sentence(cells: dict[str, str], words: str) -> None:
 def test_alarms_have_their_sentence(value: str, check: str, words: str) -> None:
     verdict = "pass" if words == "no alarm came up" else "fail"
     row = {"metric": "alarms", "value": value, "check": check, "verdict": verdict}
-    assert check_sentence(row) == words
-    further = check_sentence({**row, "metric": "further_alarms"})
+    assert sentence(row) == words
+    further = sentence({**row, "metric": "further_alarms"})
     assert further == f"further_alarms: {words}"
 
 
 def test_a_word_against_a_word() -> None:
     row = {"metric": "detection_criterion", "value": "lag", "check": "== window"}
-    assert check_sentence({**row, "verdict": "fail"}) == "detection_criterion is lag, not window"
+    assert sentence({**row, "verdict": "fail"}) == "detection_criterion is lag, not window"
     row["check"] = "!= lag"
-    assert check_sentence({**row, "verdict": "fail"}) == (
-        "detection_criterion is lag, which is excluded"
-    )
+    assert sentence({**row, "verdict": "fail"}) == ("detection_criterion is lag, which is excluded")
     row["verdict"] = "inconclusive"  # a word is what it is
-    assert check_sentence(row) == "detection_criterion is lag, which is excluded"
+    assert sentence(row) == "detection_criterion is lag, which is excluded"
 
 
 def row(metric: str, verdict: str, note: str = "", value: str = "5") -> dict[str, str]:
@@ -139,7 +147,7 @@ EXPECTED, NOT_MET = "was expected to fail", "was expected to fail, and did not"
 def test_a_run_is_said_by_what_gave_it_its_verdict(
     verdict: Verdict, error: str | None, checks: list[dict[str, str]], words: str
 ) -> None:
-    assert run_sentence(verdict, error, checks) == words
+    assert sentence_of_run(verdict, error, checks) == words
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.lines.section import PICTURES_MAX, lines, lines_section
 
@@ -17,7 +18,8 @@ def row(metric: str, value: str, verdict: str = "pass", unit: str = "um") -> dic
 def run(name: str, checks: list[dict[str, str]], *, case: str = "a", feed: str = "",
         is_statistic: bool = False) -> Any:  # fmt: skip
     cells = {"plan": "p", "case": case, "plc:V.E.FEED": feed}
-    return SimpleNamespace(run=name, case=cells, checks=checks, is_statistic=is_statistic,
+    read = [CheckRow.read(row) for row in checks]
+    return SimpleNamespace(run=name, case=cells, checks=read, is_statistic=is_statistic,
                            verdict=Verdict.PASS)  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.judge.statistics.summary import describe
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.statistics.estimates import Effect, Estimate
 from axisrig.reports.statistics.section import _block, _limits, _members, _value
 from axisrig.reports.sweeps.sensitivity import Sensitivity, _cell, _per_cent, _rounded, tornado
@@ -114,10 +115,10 @@ def test_a_bar_says_whether_it_is_sure() -> None:
 
 
 def said(values: list[float], *limits: float | None, **more: Any) -> str:
-    checks = [{"metric": "mean(m)", "value": "0.123456789", "unit": "um", "verdict": "pass",
-               "check": "<= 1"},
-              {"metric": "cpk(m)", "value": "", "unit": "", "verdict": "inconclusive",
-               "check": "> 1"}]  # fmt: skip
+    checks = [
+        CheckRow("mean(m)", "<= 1", "0.123456789", "um", verdict="pass"),
+        CheckRow("cpk(m)", "> 1", verdict="inconclusive"),
+    ]
     view = {"run": "p-c", "title": "", "metric": "m", "unit": "um", "equal": [], "checks": checks,
             **describe([f"r{n}" for n in range(len(values))], values, *(limits or (None, None))),
             **more}  # fmt: skip
@@ -155,12 +156,15 @@ def test_a_sample_names_what_is_odd_in_it() -> None:
 def test_values_of_checks_have_seven_digits_and_their_unit() -> None:
     for value, unit, text in (("1.23456789", "um", "1.234568 um"), ("2", "", "2"),
                               ("FREE", "um", "no value"), ("", "um", "no value")):  # fmt: skip
-        assert _value({"value": value, "unit": unit}) == text
+        assert _value(CheckRow("m", value=value, unit=unit)) == text
 
 
 def _run(name: str, case: str, statistic: bool = False, rows: Any = ()) -> Any:
     return SimpleNamespace(
-        run=name, is_statistic=statistic, case={"plan": "p", "case": case}, checks=rows
+        run=name,
+        is_statistic=statistic,
+        case={"plan": "p", "case": case},
+        checks=[CheckRow.read(row) for row in rows],
     )
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from axisrig.bench.judge.kinematics.tool_findings import ToolFindings, ToolGuide
 from axisrig.bench.judge.run_findings import RunFindings
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.reports.kinematics import section, signals
@@ -57,12 +58,12 @@ def test_the_angle_to_the_normal_is_that_of_the_guide_in_force() -> None:
     assert found((0, mcs), (3, ecs)) == [0.0, 0.0, 0.0, 90.0, 120.0, None]
 
 
-def checked(metric: str, verdict: Verdict, **cells: str) -> dict[str, str]:
+def checked(metric: str, verdict: Verdict, **cells: str) -> CheckRow:
     known = {
         **{"metric": metric, "verdict": verdict.word, "value": "", "unit": "mm", "lower": ""},
         **{"upper": "2", "uncertainty": "0.0", "check": "<= 2", "note": "", "reference": "docs"},
     }
-    return known | cells
+    return CheckRow.read(known | cells)
 
 
 def test_a_note_is_in_the_sentence_or_beneath_it_and_the_worst_failure_comes_first() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 from axisrig.results.compare.trend import trend
@@ -21,8 +22,7 @@ def campaign(name: str, *rows: tuple[str, str, str, str, str], started: str = ""
             run=f"p-{case}-{number}",
             case={"plan": "p", "case": case},
             is_statistic=False,
-            checks=[{"metric": metric, "value": value, "unit": "um", "lower": "", "upper": upper,
-                     "verdict": verdict}],
+            checks=[CheckRow(metric, value=value, unit="um", upper=upper, verdict=verdict)],
         )
         for number, (case, metric, value, upper, verdict) in enumerate(rows)
     ]  # fmt: skip

@@ -243,7 +243,7 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
         plan = plans.get(run.case["plan"], "").replace("\\", "/")
         program = run.case.get("program", "").replace("\\", "/")
         name = posixpath.basename(plan)
-        rows = [row["reference"] for row in run.checks if row["reference"].startswith(f"{name}:")]
+        rows = [row.reference for row in run.checks if row.reference.startswith(f"{name}:")]
         for what, shown, path in (
             ("plan", next(iter(rows), name), plan),
             ("program", program, posixpath.join(posixpath.dirname(plan), program)),

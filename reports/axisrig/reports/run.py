@@ -5,7 +5,7 @@ import posixpath
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 from urllib.parse import quote
@@ -13,10 +13,11 @@ from urllib.parse import quote
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.bench.campaign.results.stored import NOTE, PROBE, StoredRun
+from axisrig.bench.campaign.results.stored import PROBE, StoredRun
 from axisrig.bench.judge.observed.event import BESIDES, Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.run_findings import RunFindings, of_facts
+from axisrig.bench.plan.check_row import CheckRow, finite
 from axisrig.bench.plan.checks import parse_check, plot_limits
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.searching import BAD, GOOD
@@ -184,7 +185,7 @@ def probe_rows(run: StoredRun, probes: Sequence[StoredRun]) -> list[dict[str, An
 
 
 def _is_unjudged(run: StoredRun, info: RunFindings) -> bool:
-    return bool(info.error) and not any(row["value"] for row in run.checks)
+    return bool(info.error) and not any(row.value for row in run.checks)
 
 
 def _about(case: Mapping[str, str]) -> list[tuple[str, str]]:
@@ -199,29 +200,23 @@ def _sentence(run: StoredRun, error: str | None) -> str:
     """The cause of a verdict; of a run that passed, how many checks did."""
     if run.verdict is not Verdict.PASS:
         return run_sentence(run.verdict, error, _with_units(run.checks))
-    found = {
-        row["metric"]: f"{row['value']} {shown_unit(row['unit'])}".rstrip() for row in run.checks
-    }
+    found = {row.metric: f"{row.value} {shown_unit(row.unit)}".rstrip() for row in run.checks}
     if {GOOD, BAD} <= found.keys():
         return f"holds at {found[GOOD]}, not at {found[BAD]}"
-    failed = sum(row.get(NOTE, "").startswith(EXPECTED) for row in run.checks)
+    failed = sum(row.had_to_fail for row in run.checks)
     count = len(run.checks) - failed
     passed = f"{count} check{'s' if count != 1 else ''} passed"
     return f"{passed}, {failed} failed as expected" if failed else passed
 
 
-def _with_units(rows: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:
-    return [{**row, "unit": shown_unit(row["unit"])} for row in rows]
+def _with_units(rows: Sequence[CheckRow]) -> list[CheckRow]:
+    return [replace(row, unit=shown_unit(row.unit)) for row in rows]
 
 
-def _failed(run: StoredRun) -> list[Mapping[str, str]]:
+def _failed(run: StoredRun) -> list[CheckRow]:
     """The checks that did not pass, the worst first, without those that are only marginal."""
-    rows = [
-        row
-        for row in run.checks
-        if Verdict.of(row["verdict"]) not in _GOOD or row.get(NOTE, "").startswith(NOT_MET)
-    ]
-    return sorted(rows, key=lambda row: -Verdict.of(row["verdict"]))
+    rows = [row for row in run.checks if row.outcome not in _GOOD or row.has_missed]
+    return sorted(rows, key=lambda row: -row.outcome)
 
 
 def _pictures(
@@ -238,15 +233,15 @@ def _pictures(
     content = with_signals(trace, info, topics)
     found: dict[str, Markup] = {}
     for row in failed:
-        drawn = Markup(picture(content, description, row["metric"]))
+        drawn = Markup(picture(content, description, row.metric))
         if drawn not in found.values():
-            found[row["metric"]] = drawn
+            found[row.metric] = drawn
     return found
 
 
-def _check_sentence(row: Mapping[str, str]) -> str:
-    if row.get(NOTE, "").startswith(NOT_MET):
-        return f"{row['metric']} {NOT_MET}"
+def _check_sentence(row: CheckRow) -> str:
+    if row.has_missed:
+        return f"{row.metric} {NOT_MET}"
     return check_sentence(_with_units([row])[0])
 
 
@@ -255,12 +250,12 @@ def _failures(run: StoredRun, pictures: Mapping[str, Markup]) -> list[dict[str, 
     return [
         {
             "sentence": _check_sentence(row),
-            "verdict": verdict_words(Verdict.of(row["verdict"])),
-            "reference": row["reference"],
-            "condition": row["check"],
-            "note": _note(row) if row["value"] else "",
-            "bar": _bar(row, float(row["uncertainty"])),
-            "picture": pictures.get(row["metric"], Markup("")),
+            "verdict": verdict_words(row.outcome),
+            "reference": row.reference,
+            "condition": row.asked,
+            "note": _note(row) if row.value else "",
+            "bar": _bar(row, float(row.uncertainty)),
+            "picture": pictures.get(row.metric, Markup("")),
         }
         for row in _failed(run)
     ]
@@ -275,7 +270,7 @@ def _find_text(
         *(run.run, *(case.get(name, "") for name in ("title", "tags", "requirement"))),
         *(case.get(name, "").rpartition("/")[2] for name in ("program", "rig")),
         *(f"{name}={value}" for name, value in inputs),
-        *(row["metric"] for row in run.checks),
+        *(row.metric for row in run.checks),
         *(f"{alarm['id']} {alarm['short']}" for alarm in alarms),
         case.get("drive_substituted", ""),
     ]
@@ -321,7 +316,7 @@ def _plot_limits(run: StoredRun) -> list[dict[str, Any]]:
     checks = []
     for row in run.checks:
         with suppress(UserError):  # a metric of another version
-            checks.append(parse_check(row["metric"], row["check"], row["reference"]))
+            checks.append(parse_check(row.metric, row.asked, row.reference))
     return [limit for check in checks for limit in plot_limits(check)]
 
 
@@ -343,53 +338,44 @@ def alarm_words(alarm: AlarmRecord) -> dict[str, str]:
     }
 
 
-def _check(row: Mapping[str, str]) -> dict[str, Any]:
-    uncertainty = float(row["uncertainty"])
+def _check(row: CheckRow) -> dict[str, Any]:
+    uncertainty = float(row.uncertainty)
     return {
-        "metric": row["metric"],
-        "condition": row["check"],
-        "value": _short(row["value"]),
-        "full": row["value"],
-        "unit": shown_unit(row["unit"]),
+        "metric": row.metric,
+        "condition": row.asked,
+        "value": _short(row.value),
+        "full": row.value,
+        "unit": shown_unit(row.unit),
         "uncertainty": short_number(uncertainty, 2) if uncertainty else "",
-        "verdict": verdict_words(Verdict.of(row["verdict"])),
-        "reference": row["reference"],
+        "verdict": verdict_words(row.outcome),
+        "reference": row.reference,
         "note": _note(row),
         "bar": _bar(row, uncertainty),
     }
 
 
-def _note(row: Mapping[str, str]) -> str:
+def _note(row: CheckRow) -> str:
     """The note of a check: why it has no value, or what its uncertainty is made of."""
-    note = row.get(NOTE, "")
-    is_of_value = bool(row["value"]) and float(row["uncertainty"]) > 0.0
+    note = row.note
+    is_of_value = bool(row.value) and float(row.uncertainty) > 0.0
     return f"uncertainty: {note}" if note and is_of_value and EXPECTED not in note else note
 
 
-def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
+def _bar(row: CheckRow, uncertainty: float) -> Markup:
     """The drawing of value and limits, or nothing where there is no number to draw."""
-    lower, upper = _number(row["lower"]), _number(row["upper"])
-    value = _number(row["value"])
+    (lower, upper), value = row.limits, row.number
     # Between equal limits there is nothing to draw
     limited = lower != upper
     if value is None or not limited or not math.isfinite(uncertainty):
         return Markup("")
-    value_words = f"{_short(row['value'])} {shown_unit(row['unit'])}"
-    label = f"{row['metric']} is {value_words}, asked for {row['check']}"
-    return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
-
-
-def _number(text: str) -> float | None:
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None
+    value_words = f"{_short(row.value)} {shown_unit(row.unit)}"
+    label = f"{row.metric} is {value_words}, asked for {row.asked}"
+    return Markup(bar(value, uncertainty, lower, upper, row.verdict, label))
 
 
 def _short(text: str) -> str:
     """A number with the digits that a reader compares; any other or short text as it is."""
-    number = _number(text)
+    number = finite(text)
     if number is not None and number.is_integer() and abs(number) < _WHOLE:
         return f"{number:.0f}"
     if number is None or len(text) <= 9:

@@ -78,7 +78,7 @@ class Results:
         `value` is a number, NaN where there is none; `text` is what the table has. Value, limits
         and uncertainty have the unit in the column `unit`.
         """
-        rows = [row for run in self._stored.runs for row in run.checks]
+        rows = [row for run in self._stored.runs for row in run.rows]
         table = _table(rows, (*RESULT_COLUMNS, NOTE))
         if "value" in table:
             place = list(table.columns).index("value") + 1

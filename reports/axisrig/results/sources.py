@@ -69,18 +69,18 @@ def _rows(results: StoredResults, one: Lines) -> Iterator[SourceRow]:
         case = runs[fastest.run].case
         signals = {text for column, text in case.items() if column.endswith(_SIGNAL) and text}
         ranges = [
-            float(row["value"])
+            float(row.value)
             for row in runs[fastest.run].checks
-            if row["metric"].startswith(f"range({one.metric}")
+            if row.metric.startswith(f"range({one.metric}")
         ]
         yield SourceRow(
             ", ".join(sorted(signals)),
             fitted.name,
-            _middle(slope["check"]) * um,
+            _middle(slope.asked) * um,
             fitted.slope * um,
-            float(slope["uncertainty"]) * um,
+            float(slope.uncertainty) * um,
             _speed(fastest) * 60.0,
-            (fastest.y - _middle(intercept["check"])) * um,
+            (fastest.y - _middle(intercept.asked)) * um,
             (fastest.spread or 0.0) * um,
             *(um * each for each in ranges),
         )

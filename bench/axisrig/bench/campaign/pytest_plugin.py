@@ -23,9 +23,10 @@ from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Limits, Stopwatch, no_stopwatch, run_cases
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.plan.sentences import result_cells, result_sentence, run_sentence
+from axisrig.bench.plan.sentences import result_sentence, run_sentence
 from axisrig.bench.plan.table import CASE_COLUMN, SUFFIXES, read_table
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.foreign import foreign_rigs
@@ -267,7 +268,7 @@ class StatisticItem(RowItem):
 
 
 def _sentence(result: CaseResult) -> str:
-    rows = [result_cells(check) for check in result.checks]
+    rows = [CheckRow.of(check) for check in result.checks]
     return run_sentence(result.verdict, result.error, rows)
 
 

@@ -221,7 +221,7 @@ def _runs(
 def _is_same(run: StoredRun, other: StoredRun) -> bool:
     once = dict.fromkeys(("wall_s", BUS_LOG_SUM), "")  # an asc log has a date
     first, second = ({**one.case, **once} for one in (run, other))
-    return first == second and list(run.checks) == list(other.checks)
+    return first == second and list(run.rows) == list(other.rows)
 
 
 def _take(writer: ResultsWriter, part: StoredResults, run: StoredRun) -> None:
@@ -233,7 +233,7 @@ def _take(writer: ResultsWriter, part: StoredResults, run: StoredRun) -> None:
             for kind in FOLDERS
             for path in _files(part.folder / kind, one.run)
         }
-        writer.take(one.case, one.checks, files)
+        writer.take(one.case, one.rows, files)
 
 
 def _files(folder: Path, run: str) -> Iterator[Path]:

@@ -1,23 +1,20 @@
 """What became of a check or a run, in one sentence: for report, terminal and pytest.
 
-Reads rows of `results.csv`, so that stored results and those of other tools give the same words as
-a run that has just ended.
+Of stored results and those of other tools the words are the same as of a run that has just ended.
 """
 
-import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from typing import NamedTuple
 
+from axisrig.bench.plan.check_row import CheckRow, decimal
 from axisrig.bench.plan.checks import (
     CheckResult,
     Condition,
     known_metrics,
     parse_condition,
-    value_text,
 )
-from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
+from axisrig.bench.plan.expectation import NOT_MET
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError, same_cause
 
@@ -26,59 +23,51 @@ _ALARMS = "alarms"
 _SIDES = {"lower": ("below", "above"), "upper": ("above", "below")}
 
 
-def check_sentence(row: Mapping[str, str]) -> str:
-    """Say what a row of `results.csv` found, without a full stop.
-
-    row: `metric`, `check`, `value`, `unit`, `lower`, `upper`, `uncertainty`, `verdict` and `note`,
-    all text; all but the first may be missing or empty. Distances have three digits.
-    """
-    cells = {key: (cell or "").strip() for key, cell in row.items()}
-    metric, value, note = cells["metric"], cells.get("value", ""), cells.get("note", "")
-    kind = _type(metric)
-    if not value and (kind != _ALARMS or cells.get("verdict") == "error"):
-        return _without_value(metric, cells.get("verdict", ""), note)
+def check_sentence(row: CheckRow) -> str:
+    """Say what a check found, without a full stop. Distances have three digits."""
+    kind = _type(row.metric)
+    if not row.value and (kind != _ALARMS or row.verdict == "error"):
+        return _without_value(row)
     if kind == _ALARMS:
-        return _alarms(cells)
-    number = _decimal(value)
-    limits = {side: _decimal(cells.get(side, "")) for side in _SIDES}
+        return _alarms(row)
+    number, limits = decimal(row.value), _limits(row)
     if number is not None and any(limit is not None for limit in limits.values()):
-        return _between(cells, number, limits)
-    return _compared(cells, number)
+        return _between(row, number, limits)
+    return _compared(row, number)
 
 
-def run_sentence(verdict: Verdict, error: str | None, checks: Sequence[Mapping[str, str]]) -> str:
+def _limits(row: CheckRow) -> Mapping[str, Decimal | None]:
+    """The limits by their sides."""
+    return {"lower": decimal(row.lower), "upper": decimal(row.upper)}
+
+
+def run_sentence(verdict: Verdict, error: str | None, checks: Sequence[CheckRow]) -> str:
     """Say why a run has its verdict: by its error, or else by the first check that has it.
 
-    error: why it ended without being judged. checks: its rows of `results.csv`.
+    error: why it ended without being judged.
     """
-    if error and not any(row.get("value") for row in checks):
+    if error and not any(row.value for row in checks):
         return error if verdict is Verdict.ABORTED else f"no verdict: {error}"
     row = decisive_check(verdict, checks)
     if row is None:
         return error or (f"no check is {verdict.word}" if checks else "no check")
-    if _is_missed(row):
-        return f"{row['metric']} {NOT_MET}"
-    more = sum(one.get("verdict") == verdict.word for one in checks) - 1
+    if row.has_missed:
+        return f"{row.metric} {NOT_MET}"
+    more = sum(one.verdict == verdict.word for one in checks) - 1
     besides = f", and {more} more check{'s' if more > 1 else ''}" if more else ""
     return f"{check_sentence(row)}{besides}"
 
 
-def decisive_check(
-    verdict: Verdict, checks: Sequence[Mapping[str, str]]
-) -> Mapping[str, str] | None:
-    """Return the row of `results.csv` that a run has its verdict from, None without any.
+def decisive_check(verdict: Verdict, checks: Sequence[CheckRow]) -> CheckRow | None:
+    """Return the check that a run has its verdict from, None without any.
 
     It is the first one with this verdict, or a check that had to fail and did not.
     """
-    own = [row for row in checks if row.get("verdict") == verdict.word]
-    missed = [row for row in checks if _is_missed(row)]
+    own = [row for row in checks if row.verdict == verdict.word]
+    missed = [row for row in checks if row.has_missed]
     if missed and verdict is Verdict.FAIL and len(own) <= _expected(checks):
         return missed[0]
     return own[0] if own else None
-
-
-def _is_missed(row: Mapping[str, str]) -> bool:
-    return row.get("note", "").startswith(NOT_MET)
 
 
 class Reach(NamedTuple):
@@ -91,11 +80,10 @@ class Reach(NamedTuple):
     room: Decimal
 
 
-def reach(row: Mapping[str, str]) -> Reach | None:
-    """Return where the value of a row of `results.csv` is, None without number or limit."""
-    number = _decimal((row.get("value") or "").strip())
-    limits = {side: _decimal((row.get(side) or "").strip()) for side in _SIDES}
-    return None if number is None else _nearest(number, limits)
+def reach(row: CheckRow) -> Reach | None:
+    """Return where the value of a check is, None without number or limit."""
+    number = decimal(row.value)
+    return None if number is None else _nearest(number, _limits(row))
 
 
 def _nearest(number: Decimal, limits: Mapping[str, Decimal | None]) -> Reach | None:
@@ -107,47 +95,29 @@ def _nearest(number: Decimal, limits: Mapping[str, Decimal | None]) -> Reach | N
     return min(sides, key=lambda one: one.room, default=None)
 
 
-def alike_sentence(rows: Sequence[Mapping[str, str]]) -> str:
+def alike_sentence(rows: Sequence[CheckRow]) -> str:
     """Say what rows of one metric have in common that are on the same side of their limits."""
     places = [known for row in rows if (known := reach(row)) is not None]
     if len(places) < len(rows) or not places:
         return check_sentence(rows[0])
-    metric, unit, side = rows[0]["metric"], rows[0].get("unit", ""), places[0].side
+    metric, unit, side = rows[0].metric, rows[0].unit, places[0].side
     limits = {one.limit for one in places}
     name = f"its {side} limit"
     name += f" {_with_unit(_number(places[0].limit), unit)}" if len(limits) == 1 else ""
-    if rows[0].get("verdict") == Verdict.INCONCLUSIVE.word:
+    if rows[0].verdict == Verdict.INCONCLUSIVE.word:
         return f"{metric} is within its uncertainty of {name}"
     return f"{metric} is {_SIDES[side][0]} {name}"
 
 
 def result_sentence(result: CheckResult) -> str:
     """Say the same of a check that has just been judged."""
-    return check_sentence(result_cells(result))
+    return check_sentence(CheckRow.of(result))
 
 
-def result_cells(result: CheckResult) -> dict[str, str]:
-    """Return a check as `results.csv` has it, without the run that it is of."""
-    condition = result.check.condition
-    return {
-        "metric": result.check.metric,
-        "check": condition.text,
-        "value": value_text(result.value),
-        "unit": result.check.unit,
-        "lower": value_text(condition.lower),
-        "upper": value_text(condition.upper),
-        "uncertainty": repr(float(result.uncertainty)),
-        "verdict": result.verdict.word,
-        "note": result.note,
-    }
-
-
-def _expected(checks: Sequence[Mapping[str, str]]) -> int:
+def _expected(checks: Sequence[CheckRow]) -> int:
     """How many checks failed as expected."""
     return sum(
-        row.get("verdict") == Verdict.FAIL.word
-        and row.get("note", "").startswith(EXPECTED)
-        and not row.get("note", "").startswith(NOT_MET)
+        row.verdict == Verdict.FAIL.word and row.had_to_fail and not row.has_missed
         for row in checks
     )
 
@@ -158,21 +128,21 @@ def _type(metric: str) -> str:
     return known.type if known else (_ALARMS if metric == _ALARMS else "any")
 
 
-def _without_value(metric: str, verdict: str, note: str) -> str:
+def _without_value(row: CheckRow) -> str:
     said = {
         "error": "could not be judged",
         "inconclusive": "is not available here",
         "aborted": "was not reached",
-    }.get(verdict, "has no value")
-    return f"{metric} {said}" + (f": {note}" if note else "")
+    }.get(row.verdict, "has no value")
+    return f"{row.metric} {said}" + (f": {row.note}" if row.note else "")
 
 
 # ---- numbers
 
 
-def _between(cells: Mapping[str, str], value: Decimal, limits: Mapping[str, Decimal | None]) -> str:
+def _between(row: CheckRow, value: Decimal, limits: Mapping[str, Decimal | None]) -> str:
     """A number and its limits: how far it is from the nearest one, on which side."""
-    metric, unit, verdict = cells["metric"], cells.get("unit", ""), cells.get("verdict", "")
+    metric, unit, verdict = row.metric, row.unit, row.verdict
     lower, upper = limits["lower"], limits["upper"]
     if verdict == "pass":
         return f"{metric} is {_with_unit(_number(value), unit)}, inside its limits"
@@ -190,14 +160,13 @@ def _between(cells: Mapping[str, str], value: Decimal, limits: Mapping[str, Deci
         place = f"is on {name}"
     else:
         place = f"is {_distance(room, unit)} {_SIDES[side][room > 0]} {name}"
-    return f"{metric} {place}{_why(cells, verdict, room)}"
+    return f"{metric} {place}{_why(row, verdict, room)}"
 
 
-def _why(cells: Mapping[str, str], verdict: str, room: Decimal) -> str:
+def _why(row: CheckRow, verdict: str, room: Decimal) -> str:
     """Why a verdict is not that of the bare number."""
-    uncertainty, unit = cells.get("uncertainty", ""), cells.get("unit", "")
-    known = _decimal(uncertainty)
-    spread = "" if known is None else _distance(known, unit)
+    known = decimal(row.uncertainty)
+    spread = "" if known is None else _distance(known, row.unit)
     if verdict == "inconclusive":
         return (
             f", within its uncertainty of {spread}"
@@ -209,19 +178,19 @@ def _why(cells: Mapping[str, str], verdict: str, room: Decimal) -> str:
     return ", which is outside" if verdict == "fail" and room >= 0 else ""
 
 
-def _compared(cells: Mapping[str, str], number: Decimal | None) -> str:
+def _compared(row: CheckRow, number: Decimal | None) -> str:
     """A text, or a number that has no limits: what it is, and what was asked for."""
-    metric, value, asked = cells["metric"], cells.get("value", ""), cells.get("check", "")
-    shown = value if number is None else _with_unit(_number(number), cells.get("unit", ""))
+    metric, value, asked = row.metric, row.value, row.asked
+    shown = value if number is None else _with_unit(_number(number), row.unit)
     condition = _condition(asked, _type(metric))
-    if cells.get("verdict") == "pass":
+    if row.verdict == "pass":
         return f"{metric} is {shown}, as asked for"
     if condition is None:
         return f"{metric} is {shown}, asked for {asked}" if asked else f"{metric} is {shown}"
     if condition.kind in {"unequal", "not_text"}:
         excluded = condition.expected[0]
-        if cells.get("verdict") == "inconclusive" and number is not None:
-            why = _why(cells, "inconclusive", Decimal(0))
+        if row.verdict == "inconclusive" and number is not None:
+            why = _why(row, "inconclusive", Decimal(0))
             return f"{metric} is {shown}, too near to {excluded}, which is excluded{why}"
         return f"{metric} is {shown}, which is excluded"
     if condition.kind == "text":
@@ -232,13 +201,13 @@ def _compared(cells: Mapping[str, str], number: Decimal | None) -> str:
 # ---- alarms
 
 
-def _alarms(cells: Mapping[str, str]) -> str:
+def _alarms(row: CheckRow) -> str:
     """The IDs that came up against those that were asked for; either ID of a family is one."""
-    metric, found = cells["metric"], cells.get("value", "").split()
+    metric, found = row.metric, row.value.split()
     prefix = "" if metric == _ALARMS else f"{metric}: "
     came = f"{_named(found)} came up" if found else "no alarm came up"
-    condition = _condition(cells.get("check", ""), _ALARMS)
-    if cells.get("verdict") == "pass" or condition is None:
+    condition = _condition(row.asked, _ALARMS)
+    if row.verdict == "pass" or condition is None:
         return f"{prefix}{came}"
     return prefix + _alarms_against(condition, found, came)
 
@@ -301,17 +270,6 @@ def _condition(text: str, kind: str) -> Condition | None:
         return parse_condition(text, kind)
     except UserError:
         return None
-
-
-def _decimal(text: str) -> Decimal | None:
-    """A finite number as written, so that differences are those that a reader reckons."""
-    if not re.match(r"[+-]?[\d.]", text):
-        return None
-    try:
-        number = Decimal(text)
-    except InvalidOperation:
-        return None
-    return number if number.is_finite() and math.isfinite(float(number)) else None
 
 
 def _distance(number: Decimal, unit: str) -> str:

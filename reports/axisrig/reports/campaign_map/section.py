@@ -35,8 +35,8 @@ class CampaignMap:
         """Take a run; of a metric with several checks the worst verdict counts."""
         verdicts: dict[str, int] = {}
         for row in run.checks:
-            verdict = int(Verdict.of(row["verdict"]))
-            verdicts[row["metric"]] = max(verdict, verdicts.get(row["metric"], 0))
+            verdict = int(row.outcome)
+            verdicts[row.metric] = max(verdict, verdicts.get(row.metric, 0))
         plan = self._plans.setdefault(run.case["plan"], [])
         plan.append((run.run, int(run.verdict), verdicts))
 

@@ -5,9 +5,9 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
+from axisrig.bench.plan.check_row import CheckRow, finite
 from axisrig.bench.plan.sentences import decisive_check, reach
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.reports.sweeps.drawing import number
 from axisrig.reports.sweeps.section import swept_columns
 
 _NUMBER = re.compile(r"[+-]?\d[\d.]*(e[+-]?\d+)?")
@@ -19,15 +19,15 @@ VALUES_NAMED = 3
 class FailureGroup:
     """Runs of one case that did not pass in the same way, in their order.
 
-    worst: the one that is shown, that is furthest beyond its limit. check: of it, the row of
-    `results.csv` that has the verdict, None for a run that was not judged. members: all runs of the
+    worst: the one that is shown, that is furthest beyond its limit. check: of it, the one
+    that has the verdict, None for a run that was not judged. members: all runs of the
     case. columns: its inputs that differ between them. where: of what values of these the failures
     are, in words. held: inputs that have one value in all of `runs`, and another one elsewhere.
     """
 
     runs: tuple[StoredRun, ...]
     worst: StoredRun
-    check: Mapping[str, str] | None
+    check: CheckRow | None
     members: tuple[StoredRun, ...]
     columns: tuple[str, ...]
     held: Mapping[str, str]
@@ -53,7 +53,7 @@ class FailureGroup:
         free = [column for column in self.columns if column not in self.held]
         for column in (*free, *self.held):
             shown = self.alike if column in free else self.members
-            values = [number(run.case.get(column, "")) for run in shown]
+            values = [finite(run.case.get(column, "")) for run in shown]
             if None not in values and len({*values}) > 2:
                 return column
         return ""
@@ -96,12 +96,12 @@ def _case_of(run: StoredRun) -> tuple[str, str]:
 def _way(run: StoredRun) -> tuple[Hashable, ...]:
     """In which way a run did not pass."""
     row = decisive_check(run.verdict, run.checks)
-    if row is None or not any(check["value"] for check in run.checks):
+    if row is None or not any(check.value for check in run.checks):
         error = replace(run).error or ""  # what it reads goes with the copy
         return (run.verdict, _NUMBER.sub("#", error))
     known = reach(row)
-    side = _NUMBER.sub("#", row.get("note", "")) if not row["value"] else row["value"]
-    return (run.verdict, row["metric"], side if known is None else known.side)
+    side = _NUMBER.sub("#", row.note) if not row.value else row.value
+    return (run.verdict, row.metric, side if known is None else known.side)
 
 
 def _group(runs: Sequence[StoredRun], members: Sequence[StoredRun]) -> FailureGroup:
@@ -139,9 +139,9 @@ def _stretch(column: str, runs: Sequence[StoredRun], others: Sequence[StoredRun]
         return []
     if len(bad) <= VALUES_NAMED:
         return [f"{name} {', '.join(text or 'empty' for text in bad)}"]
-    if any(number(text) is None for text in every):
+    if any(finite(text) is None for text in every):
         return [f"{len(bad)} of {len(every)} values of {name}"]
-    value = {text: number(text) or 0.0 for text in every}
+    value = {text: finite(text) or 0.0 for text in every}
     low, high = min(bad, key=value.__getitem__), max(bad, key=value.__getitem__)
     inside = sum(value[low] <= value[text] <= value[high] for text in every)
     is_first = value[low] == min(value.values())

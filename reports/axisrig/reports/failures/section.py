@@ -93,22 +93,22 @@ def _card(group: FailureGroup, view: Mapping[str, Any], name: str) -> dict[str, 
 
 def _of_several(group: FailureGroup) -> dict[str, str]:
     """What several runs have in common, which one is the worst, and what else did not pass."""
-    if group.check is None or not any(row["value"] for row in group.worst.checks):
+    if group.check is None or not any(row.value for row in group.worst.checks):
         return {}
-    metric = group.check["metric"]
-    rows = [row for run in group.runs for row in run.checks if row["metric"] == metric]
-    rows = [row for row in rows if row["verdict"] == group.check["verdict"]]
-    rows = [{**row, "unit": shown_unit(row["unit"])} for row in rows]
+    metric = group.check.metric
+    rows = [row for run in group.runs for row in run.checks if row.metric == metric]
+    rows = [row for row in rows if row.verdict == group.check.verdict]
+    rows = [replace(row, unit=shown_unit(row.unit)) for row in rows]
     words = {"sentence": alike_sentence(rows)}
     if reach(group.check) is not None:
-        value = short_number(float(group.check["value"]), _VALUE_DIGITS)
+        value = short_number(float(group.check.value), _VALUE_DIGITS)
         at = f" at {', '.join(group.at)}" if group.at else ""
-        words["worst"] = f"{value} {shown_unit(group.check['unit'])}".rstrip() + at
+        words["worst"] = f"{value} {shown_unit(group.check.unit)}".rstrip() + at
     others = Counter(
-        row["metric"]
+        row.metric
         for run in group.runs
         for row in run.checks
-        if row["metric"] != metric and Verdict.of(row["verdict"]) > Verdict.MARGINAL
+        if row.metric != metric and row.outcome > Verdict.MARGINAL
     )
     words["besides"] = ", ".join(f"{name} in {many}" for name, many in others.most_common())
     return words
@@ -119,7 +119,7 @@ def _swept(group: FailureGroup) -> Markup:
     column = group.leading
     if group.check is None or not column:
         return Markup("")
-    metric = group.check["metric"]
+    metric = group.check.metric
     runs = group.members if column in group.held else group.alike
     place = reach(group.check)
     found = [
@@ -130,7 +130,7 @@ def _swept(group: FailureGroup) -> Markup:
     ]
     if len({sample.value for sample in found}) < 2:
         return Markup("")
-    unit = group.check["unit"]
+    unit = group.check.unit
     over = short_column(column)
     words = metric_words(metric, unit)
     return Markup(

@@ -14,12 +14,11 @@ from importlib import resources
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
+from axisrig.bench.plan.check_row import CheckRow, finite
 from axisrig.bench.plan.checks import Check
 from axisrig.bench.plan.statistic_checks import EACH, StatisticCheck, parse_any_check
-from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 from axisrig.reports.lines.drawing import Fitted, Point, drawing
-from axisrig.reports.sweeps.drawing import number
 
 PICTURES_MAX = 6
 _ENDS = ("slope", "intercept")
@@ -34,8 +33,8 @@ class Lines:
     unit: str
     column: str
     fitted: tuple[Fitted, ...]
-    rows: tuple[tuple[Mapping[str, str], Mapping[str, str]], ...]
-    """Of each line the rows of `results.csv` of slope and intercept."""
+    rows: tuple[tuple[CheckRow, CheckRow], ...]
+    """Of each line the checks of slope and intercept."""
 
 
 def lines_style() -> Markup:
@@ -85,24 +84,24 @@ def lines(results: StoredResults) -> list[Lines]:
 
 @dataclass(frozen=True)
 class _Asked:
-    """A row that asks for a line. check: of its slope. slope, intercept: rows of `results.csv`."""
+    """A row that asks for a line. check: of its slope. slope, intercept: both of them."""
 
     run: StoredRun
     check: StatisticCheck
-    slope: Mapping[str, str]
-    intercept: Mapping[str, str]
+    slope: CheckRow
+    intercept: CheckRow
 
 
 def _asked(run: StoredRun) -> Iterator[_Asked]:
-    found: dict[str, dict[str, tuple[StatisticCheck, Mapping[str, str]]]] = {}
+    found: dict[str, dict[str, tuple[StatisticCheck, CheckRow]]] = {}
     for row in run.checks:
         with suppress(UserError):  # a metric of another version, or of the user
-            check = parse_any_check(row["metric"], row["check"], row["reference"])
+            check = parse_any_check(row.metric, row.asked, row.reference)
             if isinstance(check, StatisticCheck) and check.statistic.name in _ENDS:
-                arguments = row["metric"].partition("(")[2]
+                arguments = row.metric.partition("(")[2]
                 found.setdefault(arguments, {})[check.statistic.name] = (check, row)
     for ends in found.values():
-        if len(ends) == len(_ENDS) and all(number(row["value"]) is not None
+        if len(ends) == len(_ENDS) and all(row.number is not None
                                            for _, row in ends.values()):  # fmt: skip
             (check, slope), (_, intercept) = (ends[name] for name in _ENDS)
             yield _Asked(run, check, slope, intercept)
@@ -119,19 +118,19 @@ def _fitted(asked: _Asked, members: Mapping[tuple[str, str], Sequence[StoredRun]
     (side,) = asked.check.sides
     points = []
     for run in members.get((case["plan"], case["case"]), ()):
-        values = {row["metric"]: number(row["value"]) for row in run.checks}
+        values = {row.metric: row.number for row in run.checks}
 
         def mean_of(name: str, values: Mapping[str, float | None] = values) -> float | None:
             mean = values.get(f"mean({name}; {EACH})")
             return values.get(name) if mean is None else mean
 
-        x = mean_of(side.metric) if isinstance(side, Check) else number(run.case.get(side, ""))
+        x = mean_of(side.metric) if isinstance(side, Check) else finite(run.case.get(side, ""))
         y = mean_of(metric)
         if x is not None and y is not None:
             spread = values.get(f"spread({metric}; {EACH})")
             points.append(Point(run.run, x, y, spread, run.verdict))
-    verdict = max(Verdict.of(row["verdict"]) for row in (asked.slope, asked.intercept))
-    ends = [number(row["value"]) or 0.0 for row in (asked.slope, asked.intercept)]
+    verdict = max(row.outcome for row in (asked.slope, asked.intercept))
+    ends = [row.number or 0.0 for row in (asked.slope, asked.intercept)]
     return Fitted(case["case"] or asked.run.run, ends[0], ends[1], tuple(points), verdict)
 
 
@@ -153,12 +152,12 @@ def _table(one: Lines) -> str:
     rows = []
     for fitted, pair in zip(one.fitted, one.rows, strict=True):
         cells = "".join(_cell(row) for row in pair)
-        run = escape(pair[0]["run"], quote=True)
+        run = escape(pair[0].run, quote=True)
         rows.append(
             f'<tr><th scope="row"><a href="#{run}">{escape(fitted.name)}</a></th>{cells}</tr>'
         )
     head = "".join(
-        f'<th scope="col">{name}, {escape(row["unit"].replace("um", "µm"))}</th>'
+        f'<th scope="col">{name}, {escape(row.unit.replace("um", "µm"))}</th>'
         '<th scope="col">asked for</th>'
         for name, row in zip(_ENDS, one.rows[0], strict=True)
     )
@@ -168,11 +167,11 @@ def _table(one: Lines) -> str:
     )
 
 
-def _cell(row: Mapping[str, str]) -> str:
-    verdict = Verdict.of(row["verdict"])
-    value, bound = float(row["value"]), float(row["uncertainty"])
+def _cell(row: CheckRow) -> str:
+    verdict = row.outcome
+    value, bound = float(row.value), float(row.uncertainty)
     return (
         f'<td class="word v-{verdict.word}"><span aria-hidden="true">{verdict.glyph}</span>'
         f'<span class="away">{verdict.word}</span> {value:.5g} ± {bound:.2g}</td>'
-        f"<td>{escape(row['check'])}</td>"
+        f"<td>{escape(row.asked)}</td>"
     )

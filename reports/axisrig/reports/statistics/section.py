@@ -14,6 +14,7 @@ from axisrig.bench.judge.statistics.summary import describe
 from axisrig.bench.judge.statistics.verdict import RunSample, counted_values
 from axisrig.bench.judge.topics import sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
@@ -47,10 +48,10 @@ def statistics_views(results: StoredResults) -> Iterator[Mapping[str, Any]]:
     Beside that: run, title and metric, unit, `equal` runs, and `checks`: rows of its statistics.
     """
     for run in results.planned:
-        by_metric: dict[str, list[tuple[StatisticCheck, Mapping[str, str]]]] = {}
+        by_metric: dict[str, list[tuple[StatisticCheck, CheckRow]]] = {}
         for row in run.checks:
             with suppress(UserError):  # a metric of another version
-                check = parse_any_check(row["metric"], row["check"], row["reference"])
+                check = parse_any_check(row.metric, row.asked, row.reference)
                 if isinstance(check, StatisticCheck) and not check.is_each:
                     key = f"{check.metric_check.metric}{' last' if check.is_last else ''}"
                     by_metric.setdefault(key, []).append((check, row))
@@ -95,8 +96,8 @@ def _sample(run: StoredRun, check: StatisticCheck) -> RunSample:
 
 def _limits(members: Sequence[StoredRun], metric: str) -> tuple[float | None, float | None]:
     """Return the limits that all runs check for the metric itself."""
-    rows = [row for run in members for row in run.checks if row["metric"] == metric]
-    found = {(row["lower"], row["upper"]) for row in rows}
+    rows = [row for run in members for row in run.checks if row.metric == metric]
+    found = {(row.lower, row.upper) for row in rows}
     if len(found) != 1:
         return None, None
     lower, upper = (float(text) if text else None for text in found.pop())
@@ -125,8 +126,8 @@ def _block(view: Mapping[str, Any]) -> str:
     if view["equal"]:
         said.append(f"not counted, same frames as an earlier run: {', '.join(view['equal'])}")
     rows = "".join(
-        f"<li>{escape(row['verdict'])}: {escape(row['metric'])} = {escape(_value(row))},"
-        f" asked for {escape(row['check'])}</li>"
+        f"<li>{escape(row.verdict)}: {escape(row.metric)} = {escape(_value(row))},"
+        f" asked for {escape(row.asked)}</li>"
         for row in view["checks"]
     )
     head = f"{escape(view['run'])}: {escape(words)}"
@@ -138,10 +139,10 @@ def _block(view: Mapping[str, Any]) -> str:
     )
 
 
-def _value(row: Mapping[str, str]) -> str:
+def _value(row: CheckRow) -> str:
     """The value of a check for a reader: seven digits, with its unit."""
     try:
-        text = f"{float(row['value']):.7g}"
+        text = f"{float(row.value):.7g}"
     except ValueError:
         return "no value"
-    return f"{text} {row['unit']}".strip()
+    return f"{text} {row.unit}".strip()

@@ -1,11 +1,11 @@
 """A metric over one input: values with uncertainty and a sign for the verdict, limits, marks."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
 
+from axisrig.bench.plan.check_row import finite
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.parts.axes import Field, margin, with_room
 
@@ -36,15 +36,6 @@ class Mark:
     words: str
 
 
-def number(text: str) -> float | None:
-    """Return a finite number, None for any other text."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
-
-
 def drawing(
     samples: Sequence[Sample], title: str, unit: str, place: int = 0, marks: Sequence[Mark] = ()
 ) -> str:
@@ -53,7 +44,7 @@ def drawing(
     An input that is no number has its values side by side, in their order.
     """
     texts = list(dict.fromkeys(sample.at[place] for sample in samples))
-    numbers = {text: number(text) for text in texts}
+    numbers = {text: finite(text) for text in texts}
     is_number = all(value is not None for value in numbers.values())
     places = {
         text: (numbers[text] or 0.0) if is_number else float(at) for at, text in enumerate(texts)
@@ -70,7 +61,7 @@ def drawing(
     )
 
     def x(text: str) -> float:
-        return field.x(places.get(text, number(text) or 0.0))
+        return field.x(places.get(text, finite(text) or 0.0))
 
     named = [(places[text], text or "empty") for text in texts]
     return "".join(

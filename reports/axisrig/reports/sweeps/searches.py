@@ -6,9 +6,10 @@ from html import escape
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import PROBE, StoredResults, StoredRun
+from axisrig.bench.plan.check_row import finite
 from axisrig.bench.plan.searching import BAD, GOOD, HEAD
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.reports.sweeps.drawing import Mark, Sample, drawing, number
+from axisrig.reports.sweeps.drawing import Mark, Sample, drawing
 from axisrig.reports.sweeps.section import PICTURES_MAX, samples_of, with_unit
 
 OF_A_SEARCH = 3
@@ -32,7 +33,7 @@ def search_pictures(run: StoredRun, probes: Sequence[StoredRun]) -> Markup:
     metrics: dict[str, tuple[str, list[Sample]]] = {}
     for probe in probes:
         at = probe.case.get(column, "")
-        if number(at) is None:
+        if finite(at) is None:
             continue
         for metric, unit, sample in samples_of(probe, (at,)):
             metrics.setdefault(metric, (unit, []))[1].append(sample)
@@ -60,11 +61,11 @@ def _has_limit(samples: Sequence[Sample]) -> bool:
 
 def _marks(run: StoredRun) -> list[Mark]:
     """The two values between which the limit is, where the search has found them."""
-    values = {row["metric"]: row["value"] for row in run.checks}
+    values = {row.metric: row.value for row in run.checks}
     return [
         Mark(values[name], kind, f"{words} {float(values[name]):.12g}")
         for name, kind, words in ((GOOD, "holds", "holds at"), (BAD, "fails", "not at"))
-        if number(values.get(name, "")) is not None
+        if finite(values.get(name, "")) is not None
     ]
 
 

@@ -12,8 +12,9 @@ from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_column
+from axisrig.bench.plan.check_row import finite
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.reports.sweeps.drawing import DOTS_MAX, Sample, drawing, number
+from axisrig.reports.sweeps.drawing import DOTS_MAX, Sample, drawing
 
 PICTURES_MAX, CELLS_MAX, RUNS_MIN = 12, 400, 3
 _IN_ALL = 48
@@ -115,13 +116,12 @@ def samples_of(run: StoredRun, at: tuple[str, ...]) -> list[tuple[str, str, Samp
     """Return each metric of a run that is a number: its name, its unit, and the sample."""
     found = []
     for row in run.checks:
-        value = number(row["value"])
-        if value is None or row["metric"] == "alarms":
+        value = row.number
+        if value is None or row.metric == "alarms":
             continue
-        limits = (number(row["lower"]), number(row["upper"]))
-        u, verdict = number(row["uncertainty"]) or 0.0, Verdict.of(row["verdict"])
-        sample = Sample(run.run, at, value, u, limits, verdict)
-        found.append((row["metric"], row["unit"], sample))
+        u = finite(row.uncertainty) or 0.0
+        sample = Sample(run.run, at, value, u, row.limits, row.outcome)
+        found.append((row.metric, row.unit, sample))
     return found
 
 

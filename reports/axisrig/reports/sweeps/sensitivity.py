@@ -11,9 +11,9 @@ from html import escape
 
 from markupsafe import Markup
 
+from axisrig.bench.plan.check_row import finite
 from axisrig.bench.statistics.estimates import Effect, Estimate, effects
 from axisrig.kernel.errors import UserError
-from axisrig.reports.sweeps.drawing import number
 from axisrig.reports.sweeps.section import PICTURES_MAX, Sweep
 
 WIDTH, ROW = 420, 30
@@ -55,7 +55,7 @@ def sensitivities(found: Sequence[Sweep]) -> tuple[list[Sensitivity], list[str]]
 
 
 def _setting(texts: Sequence[str]) -> Sequence[float] | Sequence[str]:
-    values = [number(text) for text in texts]
+    values = [finite(text) for text in texts]
     known = [value for value in values if value is not None]
     return known if len(known) == len(texts) else texts
 

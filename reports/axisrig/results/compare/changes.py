@@ -151,8 +151,8 @@ def _of_pair(pair: RunPair) -> Iterator[tuple[str, str, str]]:
             kind in (*INPUT_KINDS, "info") or column in ("program", "rig", "seed")
         ):
             yield column, one, other
-    checks = {row["metric"]: row["check"] for row in pair.before.checks}
+    checks = {row.metric: row.asked for row in pair.before.checks}
     for row in pair.after.checks:
-        asked = checks.get(row["metric"], row["check"])
-        if asked != row["check"]:
-            yield f"check:{row['metric']}", asked, row["check"]
+        asked = checks.get(row.metric, row.asked)
+        if asked != row.asked:
+            yield f"check:{row.metric}", asked, row.asked

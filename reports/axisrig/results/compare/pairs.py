@@ -1,12 +1,13 @@
 """Two results folders beside each other: which runs belong together, and what changed."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.plan.assignment import INPUT_KINDS
+from axisrig.bench.plan.check_row import CheckRow, known
 from axisrig.bench.plan.checks import parse_condition
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
@@ -224,17 +225,17 @@ def _inputs(run: StoredRun) -> object:
     files = (case.get("program", ""), case.get("rig", ""))
     if not cells and not any(files):
         return None
-    metrics = tuple(sorted(row["metric"] for row in run.checks))
+    metrics = tuple(sorted(row.metric for row in run.checks))
     return (files, tuple(sorted(cells.items())), metrics, run.is_statistic)
 
 
 def _pair(before: StoredRun, after: StoredRun, *, is_by_inputs: bool = False) -> RunPair:
-    rows = {row["metric"]: row for row in before.checks}
+    rows = {row.metric: row for row in before.checks}
     failing = {*_expected(before), *_expected(after)}
     metrics = tuple(
-        _metric(after.run, rows[row["metric"]], row, has_to_fail=row["metric"] in failing)
+        _metric(after.run, rows[row.metric], row, has_to_fail=row.metric in failing)
         for row in after.checks
-        if row["metric"] in rows
+        if row.metric in rows
     )
     return RunPair(before, after, is_by_inputs, metrics)
 
@@ -244,50 +245,40 @@ def _expected(run: StoredRun) -> Sequence[str]:
     return run.case.get("expected", "").removeprefix("fail:").split()
 
 
-def _metric(
-    run: str, before: Mapping[str, str], after: Mapping[str, str], *, has_to_fail: bool
-) -> MetricPair:
-    values = [_number(row["value"]) for row in (before, after)]
+def _metric(run: str, before: CheckRow, after: CheckRow, *, has_to_fail: bool) -> MetricPair:
+    values = [known(row.value) for row in (before, after)]
     return MetricPair(
         run,
-        after["metric"],
-        after["unit"],
+        after.metric,
+        after.unit,
         values[0],
         values[1],
-        _number(before["uncertainty"]) or 0.0,
-        _number(after["uncertainty"]) or 0.0,
+        known(before.uncertainty) or 0.0,
+        known(after.uncertainty) or 0.0,
         (_margin(before), _margin(after)),
-        (Verdict.of(before["verdict"]), Verdict.of(after["verdict"])),
+        (before.outcome, after.outcome),
         has_to_fail,
     )
 
 
-def _margin(row: Mapping[str, str]) -> float | None:
+def _margin(row: CheckRow) -> float | None:
     """Distance of a value to its nearest limit, positive inside; None without value or limit."""
-    value = _number(row["value"])
+    value = known(row.value)
     lower, upper = _limits(row)
     sides = [value - lower] if value is not None and lower is not None else []
     sides += [upper - value] if value is not None and upper is not None else []
     return min(sides, default=None)
 
 
-def _limits(row: Mapping[str, str]) -> tuple[float | None, float | None]:
-    lower, upper = _number(row["lower"]), _number(row["upper"])
-    if lower is None and upper is None and row["check"]:
+def _limits(row: CheckRow) -> tuple[float | None, float | None]:
+    lower, upper = known(row.lower), known(row.upper)
+    if lower is None and upper is None and row.asked:
         try:
-            condition = parse_condition(row["check"], "number")
+            condition = parse_condition(row.asked, "number")
         except UserError:
             return None, None
         return condition.lower, condition.upper
     return lower, upper
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return None if math.isnan(value) else value
 
 
 # ---- cases with several runs
@@ -320,9 +311,9 @@ def _samples(
         if frames[1]:
             seen.add(frames)
         for row in run.checks:
-            value = _number(row["value"])
-            if value is not None and math.isfinite(value):
-                found.setdefault((case, row["metric"]), (row["unit"], []))[1].append(value)
+            value = row.number
+            if value is not None:
+                found.setdefault((case, row.metric), (row.unit, []))[1].append(value)
     yield from found.items()
 
 

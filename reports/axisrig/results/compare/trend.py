@@ -60,17 +60,16 @@ def trend(folders: Sequence[StoredResults], metric: str, case: str | None = None
     for place, folder in enumerate(folders):
         by_case: dict[str, list[tuple[float, Verdict]]] = {}
         for run in folder.planned:
-            known |= {row["metric"] for row in run.checks}
+            known |= {row.metric for row in run.checks}
             if case is not None and case not in _names(run):
                 continue
             for row in run.checks:
-                value = _number(row["value"])
-                if row["metric"] == metric and value is not None:
+                value = row.number
+                if row.metric == metric and value is not None:
                     name = _with_values(run, swept)
-                    by_case.setdefault(name, []).append((value, Verdict.of(row["verdict"])))
-                    units[name] = row["unit"]
-                    ends = (_number(row["lower"]), _number(row["upper"]))
-                    limits.setdefault(name, []).append(ends)
+                    by_case.setdefault(name, []).append((value, row.outcome))
+                    units[name] = row.unit
+                    limits.setdefault(name, []).append(row.limits)
         for name, values in by_case.items():
             numbers = [value for value, _ in values]
             spread = statistics.stdev(numbers) if len(numbers) > 1 else math.nan
@@ -130,11 +129,3 @@ def _names(run: StoredRun) -> list[str]:
     """The case with its plan, and alone."""
     plan, case = run.case["plan"], run.case["case"]
     return [f"{plan}-{case}" if case else run.run, case]
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None

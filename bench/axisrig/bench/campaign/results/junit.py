@@ -19,6 +19,7 @@ from axisrig.bench.campaign.results.stored import (
     read_results,
 )
 from axisrig.bench.files import write_parts
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.info import info_of
 from axisrig.bench.plan.sentences import check_sentence
 from axisrig.bench.plan.verdict import Verdict
@@ -60,7 +61,7 @@ def _places(manifest: Mapping[str, Any]) -> Place:
     def place(run: StoredRun) -> Mapping[str, str]:
         path = paths.get(run.case["plan"], "")
         for check in run.checks:
-            name, _, line = check.get("reference", "").rpartition(":")
+            name, _, line = check.reference.rpartition(":")
             if name and line.isdecimal():
                 return {"file": path if path.endswith(name) else name, "line": line}
         return {"file": path} if path else {}
@@ -124,7 +125,7 @@ def _case(run: StoredRun, place: Mapping[str, str]) -> Iterator[str]:
         yield _property(key, value)
     for check in run.checks:
         for name in ("value", "lower", "upper", "unit", "uncertainty", "verdict"):
-            yield _property(f"{check['metric']}.{name}", check[name])
+            yield _property(f"{check.metric}.{name}", getattr(check, name))
     yield "   </properties>\n"
     yield from _outcome(run)
     lines = run.messages + run.log
@@ -142,15 +143,15 @@ def _outcome(run: StoredRun) -> Iterator[str]:
         return
     tag = "error" if run.verdict >= Verdict.ABORTED else "failure"
     lines = [run.error] if run.error else []
-    lines += [_line(check) for check in run.checks if check["verdict"] not in _GOOD]
+    lines += [_line(check) for check in run.checks if check.verdict not in _GOOD]
     word = run.verdict.word
     attributes = _attributes(type=word, message=lines[0] if lines else word)
     yield _element(tag, attributes, "\n".join(lines))
 
 
-def _line(check: Mapping[str, str]) -> str:
+def _line(check: CheckRow) -> str:
     """Say one check in a line, in the words of the report."""
-    return f"{check['verdict']}: {check_sentence(check)}"
+    return f"{check.verdict}: {check_sentence(check)}"
 
 
 def _property(name: str, value: str) -> str:

@@ -23,6 +23,7 @@ from axisrig.bench.campaign.results.sums import (
 )
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.run_findings import STOPPED
+from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.run_ids import RUN_ID
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run
@@ -84,17 +85,22 @@ class Said(NamedTuple):
 class StoredRun:
     """One run of a results folder.
 
-    case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
+    case: its row of `cases.csv`. rows: those of `results.csv`, in order, as they are there.
     file: `runs/<run>.json`, None when it is missing. trace: the Parquet file, or None when the run
     left none. said: where that is known without `file`. place: the folder with its recording.
     """
 
     case: Mapping[str, str]
-    checks: Sequence[Mapping[str, str]]
+    rows: Sequence[Mapping[str, str]]
     file: Path | None
     trace: Path | None
     said: Said | None = None
     place: Path | None = None
+
+    @cached_property
+    def checks(self) -> Sequence[CheckRow]:
+        """Its checks, in their order."""
+        return [CheckRow.read(row) for row in self.rows]
 
     @cached_property
     def altered(self) -> list[str]:

@@ -23,7 +23,6 @@ from types import TracebackType
 from typing import Self
 
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES
-from axisrig.bench.campaign.results.check_row import check_row
 from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
@@ -46,6 +45,7 @@ from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.judge.statistics.verdict import Reading
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.check_row import stored_cells
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.expanded import expanded_text, path_from
 from axisrig.bench.plan.info import INFO
@@ -325,7 +325,7 @@ class ResultsWriter:
         is_run = self._keeps_runs and not case.runs and case.search is None
         if is_run:
             self._write_run(result)
-        rows = [check_row(case, item) for item in checks]
+        rows = [stored_cells(case, item) for item in checks]
         self._rows.put(case.run, self._case_row(result, verdict), rows)
         self._said[case.run] = result.said if is_run else Said(None, (), ())
 
