@@ -1,0 +1,80 @@
+"""The cycle of an EtherCAT line as a rig has it: what does not fit is refused, with the arithmetic.
+
+The frame of one axis, by hand: 16 bytes of heads, two datagrams of 12 + 4 for the time, one of
+12 + 27 for the image (8 out, 18 in, 1 of the mailbox), one of 12 + 2 for the states: 101. With 24
+more at 80 ns it has the wire for 10 us; it is received whole after 8 + 101 + 4 bytes, 9.04 us.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.ethercat.family import FAMILY
+from axisrig.bench.rig.ethercat.schedule import schedule_of
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+
+def settings_of(*changes: str, rig: str = "probe-z-ethercat.toml") -> Settings:
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    return read_settings(*read_rig(RIGS / rig), assigned)
+
+
+def test_the_cycle_of_one_axis() -> None:
+    cycle = schedule_of(settings_of(), "ec1")
+    assert (cycle.frame_bytes, cycle.wire_ns) == (101, 10_000)
+    # A wire of 50 ns each way and a slave of 300 ns
+    assert (cycle.there_ns, cycle.back_ns) == (50 + 9_040, 2 * 50 + 300 + 9_040)
+    assert cycle.mailbox_ns == (16 + 12 + 128 + 24) * 80
+
+
+def test_three_axes_share_the_frame() -> None:
+    """27 bytes for each; wires before three slaves, two of them passed both ways."""
+    settings = settings_of("bus:ec1.wire_ns=50", rig="probe-xyz-ethercat.toml")
+    cycle = schedule_of(settings, "ec1")
+    length = 16 + 2 * 16 + 12 + 3 * 27 + 14
+    assert cycle.frame_bytes == length
+    assert cycle.back_ns == 6 * 50 + 5 * 300 + (8 + length + 4) * 80
+
+
+LONGEST_NS = (600_000 - 300 - 9_040) // 2
+"""Of the wire, each way, so that the frame is back at the NC cycle at 600 us."""
+
+
+@pytest.mark.parametrize(("wire_ns", "fits"), [(LONGEST_NS, True), (LONGEST_NS + 1, False)])
+def test_a_frame_that_is_back_after_its_nc_cycle_is_refused(wire_ns: int, fits: bool) -> None:
+    settings = settings_of(f"bus:ec1.wire_ns={wire_ns}")
+    if fits:
+        FAMILY.check(settings)
+        return
+    with pytest.raises(UserError) as caught:
+        FAMILY.check(settings)
+    message = caught.value.message
+    assert message.startswith("the cycle does not fit on segment ec1")
+    assert "frame 101 bytes, at least 60, of 1514" in message
+    assert "10.00 us at 100 Mbit/s" in message
+    assert "(NC cycle at 600 us)" in message
+    assert "frame_us" in (caught.value.hint or "")
+    FAMILY.check(settings_of(f"bus:ec1.wire_ns={wire_ns}", "bus:ec1.overload=run"))
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ("bus:ec1.frame_us=1000", "frame_us is after the end of the cycle"),
+        ("bus:ec1.shift_us=1000", "shift_us is after the end of the cycle"),
+        ("bus:ec1.frame_us=600", "the frame leaves at the instant of the NC cycle"),
+        ("bus:ec1.wire_ns=Q=5", "wire_ns names no axis of it"),
+        ("drive:servo.heartbeat_ms=100", "there is no heartbeat"),
+        ("drive:servo.guard_time_ms=100", "there is no node guarding"),
+        ("drive:servo.rpdo_timeout_ms=10", "the watchdog of the outputs is in the place"),
+    ],
+)
+def test_what_a_line_has_not_is_refused_by_name(change: str, says: str) -> None:
+    with pytest.raises(UserError) as caught:
+        FAMILY.check(settings_of(change))
+    assert says in caught.value.message
