@@ -144,6 +144,7 @@ class Bus:
         given = self.values | {"ZSW2": self.life << words.LIFE_SHIFT}
         self.port.receive(self._inputs.pack(*(given.get(name, 0) for name in self._taken)))
         self.drive.take()
+        self.drive.find_place()
         self.drive.send(set_mm)
         self.drive.begin_cycle()
         self.carrier.begin_cycle()
@@ -233,3 +234,22 @@ def test_a_second_encoder_comes_with_telegram_6() -> None:
     bus = Bus(replace(SETTINGS, telegram=words.telegrams()[6]))
     bus.cycle(0.0, G2_XIST1=-5)
     assert (bus.drive.has_second, bus.drive.second_increments) == (True, -5)
+
+
+@pytest.mark.parametrize(("absolute", "is_placed"), [(5, True), (4194304, False)])
+def test_a_drive_is_led_only_from_the_place_that_its_absolute_position_gives(
+    absolute: int, is_placed: bool
+) -> None:
+    bus = Bus(replace(SETTINGS, proves_places=True))
+    bus.drive.order(PowerOrder.SWITCH_ON)
+    raised = list[int]()
+    for _ in range(60):
+        asked = bool(bus.sent.get("G1_STW", 0) & words.ABSOLUTE)
+        shown = {"G1_ZSW": words.ABSOLUTE, "G1_XIST2": absolute} if asked else {}
+        try:
+            bus.cycle(0.0, ZSW1=0x0231, G1_XIST1=5, **({"G1_ZSW": 0, "G1_XIST2": 0} | shown))
+        except Alarm as alarm:
+            raised.append(alarm.id)
+    assert bus.drive.is_placed is is_placed
+    assert bus.sent["STW1"] == (0x047F if is_placed else 0x047E)
+    assert set(raised) == (set() if is_placed else {900084})

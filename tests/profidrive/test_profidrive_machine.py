@@ -93,7 +93,7 @@ def test_a_sign_of_life_that_sticks_is_a_fault_of_the_drive(run: Run) -> None:
 
     def lose(machine: Machine) -> None:
         part = part_of(machine)
-        segment, node = part.segments["bus"], part.nodes["Z"]
+        segment, node = part.segments["bus"], part.ends["Z"].node
 
         def loses(_axis: str) -> bool:
             is_lost = bool(segment.exchanges > 50)
@@ -119,7 +119,7 @@ def test_one_lost_image_is_no_fault(run: Run) -> None:
 @pytest.mark.long
 def test_a_drive_without_power_sends_nothing(run: Run) -> None:
     def unplug(machine: Machine) -> None:
-        node = part_of(machine).nodes["Z"]
+        node = part_of(machine).ends["Z"].node
         machine.scheduler.call_at(60_000_000, 1, node.power_off)
 
     assert ids(run(SHORT, before=unplug)) == [900764]

@@ -1,4 +1,4 @@
-"""Drives on cyclic segments as a rig asks for them: PROFIdrive."""
+"""Drives on cyclic segments as a rig asks for them."""
 
 from axisrig.bench.rig.cyclic.members import (
     axes_on,
@@ -7,9 +7,8 @@ from axisrig.bench.rig.cyclic.members import (
     instants_of,
     phases_of,
 )
+from axisrig.bench.rig.cyclic.on_segment import on_segment
 from axisrig.bench.rig.families import RigFamily, SecondEncoder
-from axisrig.bench.rig.profidrive.checks import check_profidrive, describe_profidrive
-from axisrig.bench.rig.profidrive.members import drive_of
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.time.clock import US, TimeNs
@@ -23,13 +22,13 @@ class OnCyclic(RigFamily):
         for segment in cyclic_segments(settings):
             _check_instants(settings, segment)
         for name in cyclic_axes(settings):
-            check_profidrive(settings, name, _way_ns(settings, name))
+            on_segment(settings, name).check(settings, name, _way_ns(settings, name))
 
     def describe(self, settings: Settings) -> list[str]:
         """Say where loops are closed, and when values act and are seen."""
         lines = []
         for name in cyclic_axes(settings):
-            lines += describe_profidrive(settings, name, _way_ns(settings, name))
+            lines += on_segment(settings, name).describe(settings, name, _way_ns(settings, name))
             at = instants_of(settings, settings.rig.axis[name].segment)
             lines.append(
                 f"axis {name}: positions sampled {at.input_ns / US:g} us before a cycle, images"
@@ -39,11 +38,9 @@ class OnCyclic(RigFamily):
         return lines
 
     def second_encoder(self, settings: Settings, axis: str) -> SecondEncoder | None:
-        """Return how G2_XIST1 comes, None where the telegram has none."""
-        if not drive_of(settings, axis).make().telegram.has_second:
-            return None
-        period_ns = settings.rig.cycle.period_us * US
-        return SecondEncoder("G2_XIST1, in the telegram of each cycle", 1, period_ns)
+        """Return how the second encoder comes, None where it does not."""
+        words = on_segment(settings, axis).second(settings, axis)
+        return SecondEncoder(words, 1, settings.rig.cycle.period_us * US) if words else None
 
     def late_cycles(self, settings: Settings, axis: str) -> int:
         """Return by how many cycles more than 2 an NC cycle sees what its set values do."""

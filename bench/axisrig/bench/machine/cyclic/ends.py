@@ -1,0 +1,43 @@
+"""Both ends of one drive on a cyclic segment, whatever its family."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from axisrig.bench.bus.cyclic.segment import ImageNode
+from axisrig.bench.drive.axis.drive import VirtualDrive
+from axisrig.bench.machine.families import Bench
+from axisrig.bench.record.axes import Telegram
+from axisrig.kernel.drives.cyclic.carrier import ImagePort
+from axisrig.kernel.drives.interface import Drive, DriveStart, DriveWatch
+from axisrig.kernel.profiles.cia402.ds402 import State
+
+
+class Plugged(NamedTuple):
+    """What a drive is made of. seed: of everything random in it. entered: gets its states."""
+
+    bench: Bench
+    axis: str
+    seed: int
+    entered: Callable[[State], None]
+
+
+class ImageEnds:
+    """A virtual drive and the control's end of it; a family derives its own.
+
+    node: what the segment swaps images with. drive: as a machine sees it. port, link: of the
+    control. telegrams: what the images carry.
+    """
+
+    node: ImageNode
+    drive: VirtualDrive
+    port: ImagePort
+    link: Drive
+    telegrams: list[Telegram]
+
+    def watch(self) -> DriveWatch:
+        """Make the watch over the drive."""
+        raise NotImplementedError
+
+    def start_up(self) -> DriveStart:
+        """Make the start-up of the drive."""
+        raise NotImplementedError
