@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from axisrig.bench.bus.ethercat.frame import Datagram, datagrams, working_counter
-from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.members import (
     TERMINAL,
     TERMINAL_BYTES,
@@ -16,6 +15,7 @@ from axisrig.bench.rig.ethercat.members import (
 from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.canopen.object_words import name_of, number_of, value_words
+from axisrig.bench.tools.bus_log.ethercat.idents import carried_words, message_words
 from axisrig.kernel.drives.cia402.objects import object_name
 from axisrig.kernel.drives.ethercat.image import Image, codec_of
 from axisrig.kernel.drives.ethercat.settings import STATION_BASE, RegisterInputs, SlaveSettings
@@ -29,6 +29,7 @@ from axisrig.kernel.profiles.ethercat.tables import (
     registers,
     state_name,
 )
+from axisrig.kernel.profiles.sercos.service import HEADER, ident_name
 
 _LOGICAL = (Command.LRD, Command.LWR, Command.LRW)
 _FIRST_RAM = 0x1000
@@ -104,16 +105,23 @@ class LineNames:
         outputs, inputs = axis_pdos(self._settings, axis)
         objects = outputs.objects if is_output else inputs.objects
         codec = codec_of(objects)
-        per_mm = drive_of(self._settings, axis).make().units_per_mm
+        drive = self._settings.rig.drive[self._settings.rig.axis[axis].drive]
+        per_mm = drive.facts().units_per_mm
         numbers = codec.unpack(data[at : at + codec.size])
-        words = [
-            f"{name_of(o.index, o.sub)} "
-            + value_words(o.index, o.sub, o.bits, number, per_mm, hexadecimal=False)
-            for o, number in zip(objects, numbers, strict=True)
-        ]
+        if drive.has_idents:
+            pairs = zip(objects, numbers, strict=True)
+            words = [carried_words(o, number, float(per_mm)) for o, number in pairs]
+            names = {ident_name(o.index).lower() for o in objects}
+        else:
+            words = [
+                f"{name_of(o.index, o.sub)} "
+                + value_words(o.index, o.sub, o.bits, number, per_mm, hexadecimal=False)
+                for o, number in zip(objects, numbers, strict=True)
+            ]
+            names = {f"{o.index:04x}" for o in objects}
         name = f"{axis}.{'outputs' if is_output else 'inputs'}"
         text = f"WKC {counter}{wrong}  {'; '.join(words)}"
-        tags = {name.lower(), axis.lower(), "image", *(f"{o.index:04x}" for o in objects)}
+        tags = {name.lower(), axis.lower(), "image", *names}
         yield Described(name, text, tags)
 
     # Registers and mailboxes
@@ -170,6 +178,9 @@ def _mailbox(data: bytes) -> tuple[str, set[str]]:
         return "nothing", {"mailbox"}
     length, _, _, kind = MAILBOX.unpack_from(data)
     body = data[MAILBOX.size : MAILBOX.size + length]
+    if kind & 0xF == MailboxType.SOE and len(body) >= HEADER.size:
+        text, more = message_words(body)
+        return text, {"mailbox"} | more
     if kind & 0xF != MailboxType.COE or len(body) < _HEAD + SDO.size:
         return f"mailbox {data[: MAILBOX.size + length].hex(' ')}", {"mailbox"}
     service, content = int.from_bytes(body[:2], "little") >> 12, body[_HEAD:]
