@@ -3,6 +3,7 @@
 Lengths in mm, v in mm/s. 2^20 increments are a turn, and a turn is a lead of 10 mm.
 """
 
+import csv
 import re
 
 import pytest
@@ -56,3 +57,33 @@ def test_the_edge_that_the_telegram_leaves() -> None:
     assert not re.search(r"^kenngr\.measure\.(input|edge)", text, re.M)
     assert f"msg:N40 == {round(100 * PER_MM)}" in checks("last-in-at")
     assert "alarms == 70390" in checks("last-in-at")
+
+
+def study() -> tuple[dict[str, str], list[dict[str, str]]]:
+    """The row `*` of the study, and the others."""
+    with (PLANS / "sercos_study.csv").open(encoding="utf-8", newline="") as file:
+        default, *rows = csv.DictReader(file)
+    return default, rows
+
+
+def test_the_study_has_the_delay_at_each_feed_edge_and_cycle() -> None:
+    """Mean -v t_d to half an increment, all values of a feed within one.
+
+    The slope is t_d; a value that is up to half an increment off at each feed, always the same as
+    the place is, moves it by q/2 sum|v - m| / sum(v - m)^2 at most.
+    """
+    default, rows = study()
+    feeds = [float(word) for word in re.findall(r"\d+", default["plc:V.E.FEED"])]
+    assert feeds == [60, 300, 1000, 3000]
+    speeds = [feed / 60 for feed in feeds]
+    mean = sum(speeds) / len(speeds)
+    increment_um = 1000 / PER_MM
+    slope = sum(abs(v - mean) for v in speeds) / sum((v - mean) ** 2 for v in speeds)
+    expected = [f"{-v * DELAY_US * 1e-3:.4f} +- {increment_um / 2:.4f}" for v in speeds]
+    for row in rows:
+        assert row["check:mean(latch_error_um; each)"] == f"[{' | '.join(expected)}]"
+        assert row["check:range(latch_error_um; each)"] == f"<= {increment_um:.4f}"
+        told = row["check:slope(latch_error_um; contact_velocity_mm_s)"]
+        assert told == f"{DELAY_US * 1e-3:.6f} +- {increment_um / 2 * slope:.6f}"
+    cycles = {(row["plc:V.E.CYCLE_MS"], "NEG" in row["inputs"]) for row in rows}
+    assert cycles == {(cycle, is_neg) for cycle in "124" for is_neg in (True, False)}

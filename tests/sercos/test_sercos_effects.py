@@ -1,0 +1,126 @@
+"""Each ident that can be written changes something; each other one has its reason in the table."""
+
+import csv
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.drive.sercos.idents import rows
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.profiles.sercos.service import (
+    ERROR_CODE,
+    HEADER,
+    Element,
+    Header,
+    Operation,
+    command_states,
+    ident_number,
+    pack_list,
+    soe_errors,
+)
+
+ROOT = Path(__file__).parents[2]
+EFFECTS = list(csv.DictReader((Path(__file__).parent / "ident_effects.csv").open("r")))
+RIGS = ROOT / "testplans" / "rigs"
+Open = Callable[[str], Any]
+
+
+@pytest.fixture
+def drive_of(tmp_path: Path) -> Iterator[Open]:
+    """Return the virtual drive of a shipped rig, in PREOP."""
+    (tmp_path / "own.nc").write_text("%own\nN10 M30\n", encoding="utf-8")
+    machines: list[Machine] = []
+
+    def make(rig: str) -> Any:
+        changes = [(parse_assignment("drive:servo.latch_check=true"), as_written)]
+        settings = read_settings(*read_rig(RIGS / rig), changes)
+        machines.append(Machine(settings, read_program(tmp_path / "own.nc", ("Z",))))
+        part: Any = machines[-1].installed[0]
+        return part.nodes["Z"]
+
+    yield make
+    for machine in machines:
+        machine.close()
+
+
+def written(drive: Any, ident: str, data: bytes) -> str | None:
+    """Write a value; return the name of the code that refuses it."""
+    head = Header(Operation.WRITE, 0, Element.VALUE, ident_number(ident))
+    (answer,) = drive.channel.serve(head.pack() + data)
+    if not Header.read(answer).is_error:
+        return None
+    code = ERROR_CODE.unpack_from(answer, HEADER.size)[0]
+    return next(name for name, number in soe_errors().items() if number == code)
+
+
+def test_each_ident_that_can_be_written_is_in_the_table() -> None:
+    may = [row["ident"] for row in rows() if row["access"] == "rw"]
+    assert [row["ident"] for row in EFFECTS] == may
+    texts = [path.read_text("utf-8") for path in sorted((ROOT / "tests" / "sercos").glob("*.py"))]
+    tests = {name for text in texts for name in re.findall(r"^def (test_\w+)", text, re.M)}
+    cases = {
+        line.partition(",")[0]
+        for plan in ("sercos", "fixed_stop_sercos")
+        for line in (ROOT / "testplans" / f"{plan}.csv").read_text("utf-8").splitlines()
+    }
+    assert {row["shown_by"] for row in EFFECTS} <= tests | cases
+
+
+def test_values_of_the_drive_itself_are_read_only(drive_of: Open) -> None:
+    drive = drive_of("probe-z-sercos-two.toml")
+    for row in rows():
+        if row["access"] == "ro" and row["form"] == "value":
+            assert written(drive, row["ident"], bytes(int(row["bytes"]))) == "READ_ONLY", row
+
+
+def test_cyclic_set_values_are_taken_from_the_telegram_alone(drive_of: Open) -> None:
+    drive = drive_of("probe-z-sercos.toml")
+    for row in rows():
+        if row["access"] == "ignored":
+            ident = ident_number(row["ident"])
+            before = drive.idents.number(ident)
+            assert written(drive, row["ident"], (77).to_bytes(int(row["bytes"]), "little")) is None
+            assert drive.idents.number(ident) == before
+
+
+def test_another_telegram_type_is_refused_before_phase_3(drive_of: Open) -> None:
+    drive = drive_of("probe-z-sercos.toml")
+    assert written(drive, "S-0-0015", (4).to_bytes(2, "little")) is None
+    assert drive.telegrams.wrong() == [ident_number("S-0-0015")]
+    assert written(drive, "S-0-0127", (3).to_bytes(2, "little")) is None
+    assert drive.idents.table[ident_number("S-0-0127")].state == command_states()["FAILED"]
+
+
+def test_the_lists_decide_on_the_telegrams(drive_of: Open) -> None:
+    """An MDT with S-0-0092 is two bytes longer."""
+    drive = drive_of("probe-z-sercos.toml")
+    assert written(drive, "S-0-0015", (7).to_bytes(2, "little")) is None
+    sizes = []
+    for names in (["S-0-0047"], ["S-0-0047", "S-0-0092"]):
+        listed = [ident_number(name) for name in names]
+        assert written(drive, "S-0-0024", pack_list(listed, 2, len(listed))) is None
+        drive.telegrams.compile()
+        sizes.append(drive.telegrams.outputs.codec.size)
+    assert sizes == [6, 8]
+
+
+def test_a_mode_that_there_is_not_is_refused(drive_of: Open) -> None:
+    drive = drive_of("probe-z-sercos.toml")
+    assert written(drive, "S-0-0032", (2).to_bytes(2, "little")) == "INVALID"
+    assert written(drive, "S-0-0032", (3).to_bytes(2, "little")) is None
+
+
+def test_the_second_enable_arms_the_second_probe(drive_of: Open) -> None:
+    drive = drive_of("probe-z-sercos-two.toml")
+    assert written(drive, "S-0-0169", (4).to_bytes(2, "little")) is None
+    drive.probing.begin()
+    assert drive.probing.function() == 0
+    assert written(drive, "S-0-0406", (1).to_bytes(2, "little")) is None
+    assert drive.probing.function() & 0xFF00
