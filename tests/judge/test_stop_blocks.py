@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,8 @@ from tests.judge.stop_recordings import (
 
 from axisrig.bench.judge.fixed_stop.findings import stop_events, stop_findings
 from axisrig.bench.judge.fixed_stop.stop_findings import Decision
-from axisrig.bench.judge.fixed_stop.values import Value
+from axisrig.bench.judge.fixed_stop.values import Value, prediction
+from axisrig.bench.oracles.fixed_stop.lists import Limits
 from axisrig.bench.oracles.fixed_stop.slopes import slopes_as_written
 from axisrig.kernel.time.clock import MS, US
 
@@ -126,6 +128,16 @@ def test_the_timeline_is_in_the_order_of_its_process() -> None:
 def test_settings_foretell_what_is_found(written: Mapping[str, Any], words: str) -> None:
     (block,) = stop_findings(recorded(written=written))
     assert block.prediction.startswith(words)
+
+
+@pytest.mark.parametrize("axes", ["", "X", "Z", "XZ"])
+def test_something_can_detect_where_one_axis_has_a_criterion(axes: str) -> None:
+    """Of two axes; ramps are on, so that nothing else is foretold."""
+    limits = {name: Limits(0.5 if name in axes else None) for name in "XZ"}
+    facts = SimpleNamespace(channel={"prog_start.slope.profile": 2}, blocks=None)
+    run: Any = SimpleNamespace(limits=limits, observed=SimpleNamespace(facts=facts))
+    words = "no closed form with the ramps" if axes else "nothing can detect: no criterion is on"
+    assert prediction(run).startswith(words)
 
 
 def value_of(key: str, **changes: Any) -> Value | None:
