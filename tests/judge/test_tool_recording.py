@@ -294,11 +294,11 @@ def test_a_kinematic_is_on_from_its_begin_and_off_at_its_end() -> None:
         assert kinematic_at(observed, time_ns) is on
     tool = tilted.tool(trace(), replace(left(), kinematics=(first, second)))
     # One that stays on ends after the last row
-    assert [(one["begin_ns"], one["end_ns"]) for one in tool["kinematics"]] == [
+    assert [(one.record.begin_ns, one.end_ns) for one in tool.kinematics] == [
         (10 * MS, 20 * MS), (20 * MS, (ROWS - 1) * MS + 1),
     ]  # fmt: skip
-    assert (tool["period_ms"], tool["axes"]) == (1.0, list(AXES))
-    assert tool["rotary"] == [False, False, False, True, True]
+    assert list(tool.axes) == list(AXES)
+    assert list(tool.rotary) == [False, False, False, True, True]
 
 
 def test_a_guide_is_used_where_the_control_was_on_meanwhile() -> None:
@@ -308,10 +308,10 @@ def test_a_guide_is_used_where_the_control_was_on_meanwhile() -> None:
     assert of.distance_3d is not None
     guides = tuple(GuideChange(row * MS, "MCS") for row in rows)
     tool = tilted.tool(trace(), replace(of, distance_3d=replace(of.distance_3d, guides=guides)))
-    assert [guide["is_used"] for guide in tool["guides"]] == [False, False, True, True, False]
-    assert [guide["time_ns"] for guide in tool["guides"]] == [row * MS for row in rows]
+    assert [guide.is_used for guide in tool.guides] == [False, False, True, True, False]
+    assert [guide.change.time_ns for guide in tool.guides] == [row * MS for row in rows]
     without = tilted.tool(trace(), replace(of, distance_3d=None))
-    assert (without["guides"], without["diagnosis"]) == ([], [])
+    assert ([*without.guides], [*without.diagnosis]) == ([], [])
 
 
 @pytest.mark.parametrize(
@@ -335,6 +335,6 @@ def test_the_plant_that_sees_the_tool_is_that_of_the_control(
     assert of.distance_3d is not None
     control = None if variable is None else replace(of.distance_3d, variable=variable)
     plc = {name: PlcSensor(plant, 1, 0) for name, plant in sensors.items()}
-    assert tilted.tool(table, replace(of, distance_3d=control, plc_sensors=plc))["sensor"] == chosen
+    assert tilted.tool(table, replace(of, distance_3d=control, plc_sensors=plc)).sensor == chosen
     bare = trace(has_sensor=False)
-    assert tilted.tool(bare, replace(of, distance_3d=control, plc_sensors=plc))["sensor"] is None
+    assert tilted.tool(bare, replace(of, distance_3d=control, plc_sensors=plc)).sensor is None

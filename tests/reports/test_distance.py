@@ -286,5 +286,4 @@ def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) 
     ],
 )  # fmt: skip
 def test_what_a_limit_of_kp_holds_for(changes: dict[str, Any], words: str) -> None:
-    row = {**law(Control(kp=0.2, count=4), CONST_DIST), "drive_lag_ms": 0.0, **changes}
-    assert words in law_words(row)
+    assert words in law_words(replace(law(Control(kp=0.2, count=4), CONST_DIST), **changes))

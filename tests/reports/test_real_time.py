@@ -1,24 +1,33 @@
 """The section "Real time" of a run on a real bus: what it says of which figures."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.reports.parts.realtime import real_time
 
-FIGURES: dict[str, Any] = {
-    "cycles": 400, "late_us": 250.0, "late_cycles": 3, "period_us": 1000.0,
-    "lateness_us": {"median_us": 12.4, "p99_us": 310.0, "most_us": 12_340.0},
-    "interval_us": {"least_us": 640.0, "most_us": 10_000.0},
-    "bins_us": [0.0, 100.0, 10_000.0], "histogram": [300, 99, 1],
-    "slips": 0, "slipped_ms": 0.0, "waits": 0, "waited_ms": 0.0, "send_errors": 0,
-}  # fmt: skip
+FIGURES = RealTime(
+    period_us=1000.0,
+    late_us=250.0,
+    cycles=400,
+    late_cycles=3,
+    lateness_us=Spread(0.0, 12.4, 310.0, 12_340.0),
+    interval_us=Spread(640.0, 1000.0, 1400.0, 10_000.0),
+    bins_us=(0.0, 100.0, 10_000.0),
+    histogram=(300, 99, 1),
+    slips=0,
+    slipped_ms=0.0,
+    waits=0,
+    waited_ms=0.0,
+    send_errors=0,
+)
 
 
 def test_a_run_in_simulated_time_or_without_a_cycle_has_none() -> None:
     assert real_time(None) is None
-    assert real_time({}) is None
-    assert real_time({**FIGURES, "cycles": 0}) is None
+    assert real_time(replace(FIGURES, cycles=0, lateness_us=None)) is None
 
 
 def test_figures_have_their_units_and_shares() -> None:
@@ -38,7 +47,7 @@ def test_figures_have_their_units_and_shares() -> None:
         ("100 µs to 10.0 ms", "99", "24.75"),
         ("10.0 ms and more", "1", "0.25"),
     ]
-    without = real_time({**FIGURES, "interval_us": None})
+    without = real_time(replace(FIGURES, interval_us=None))
     assert without is not None
     assert without["rows"] == found["rows"][:-1]
 
@@ -59,7 +68,7 @@ def test_figures_have_their_units_and_shares() -> None:
 def test_what_it_means_is_said_where_it_happened(
     changes: dict[str, Any], words: tuple[str, ...]
 ) -> None:
-    found = real_time({**FIGURES, **changes})
+    found = real_time(replace(FIGURES, **changes))
     assert found is not None
     first, *more = found["words"]
     assert first.startswith("A late SYNC does not move a latch")
