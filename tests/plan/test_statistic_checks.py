@@ -120,7 +120,7 @@ def test_a_statistic_of_each_run_stays_with_its_run(read: Read) -> None:
         ("mean(alarms)", "needs a metric that is a number"),
         ("bias(latch_mm; latch_error_um)", "different units"),
         ("cp(latch_error_um; == 3)", "not limits"),
-        ("cg(latch_error_um; 0)", "must be positive"),
+        ("cg(latch_error_um; 0)", "is not positive"),
         ("cg(latch_error_um; much)", "not a number"),
     ],
 )

@@ -228,7 +228,7 @@ def test_what_cannot_be_said_is_refused_in_words() -> None:
         line([1.0, 1.0, 1.0], [1.0, 2.0, 3.0])
     with pytest.raises(UserError, match="two or more parts"):
         gage_study([[[1.0, 2.0]]])
-    with pytest.raises(UserError, match="must be positive"):
+    with pytest.raises(UserError, match="is not positive"):
         type_1([1.0, 2.0], 0.0, 0.0)
 
 

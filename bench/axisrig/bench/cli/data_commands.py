@@ -61,7 +61,7 @@ def export(
     from axisrig.results.loading import load
 
     if mf4 + csv + diagnosis != 1:
-        raise UserError("which form?", allowed=("--mf4", "--csv", "--diagnosis"))
+        raise UserError("no form, or several, are named", allowed=("--mf4", "--csv", "--diagnosis"))
     if diagnosis:
         for path in export_diagnosis(load(folder), runs or [], into or folder / "export"):
             print(path)

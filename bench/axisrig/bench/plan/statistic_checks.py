@@ -163,7 +163,7 @@ def _with_argument(check: StatisticCheck, kind: str, word: str, reference: str) 
     if kind in ("tolerance", "spread"):
         tolerance = number(kind, word)
         if tolerance <= 0.0:
-            raise UserError(f"the {kind} must be positive", value=word)
+            raise UserError(f"the {kind} is not positive", value=word, allowed="a number above 0")
         return replace(check, tolerance=tolerance)
     if kind == "truth":
         truth = _metric(word, reference)

@@ -174,7 +174,8 @@ def cp(values: Sample, lower: float, upper: float) -> Estimate:
     Raises UserError for fewer than 2 values, for limits that leave no room, and without spread.
     """
     if not lower < upper:
-        raise UserError("the lower limit must be below the upper one", value=(lower, upper))
+        allowed = "a lower limit below the upper one"
+        raise UserError("the limits leave no room", value=(lower, upper), allowed=allowed)
     return cp_of(upper - lower, standard_deviation(values), len(values))
 
 

@@ -148,7 +148,7 @@ def type_1(values: Sample, reference: float, tolerance: float) -> TypeOne:
     from scipy.special import stdtr  # noqa: PLC0415 - takes long to load
 
     if not tolerance > 0.0:
-        raise UserError("the tolerance must be positive", value=tolerance)
+        raise UserError("the tolerance is not positive", value=tolerance, allowed="above 0")
     s, n = standard_deviation(values), len(values)
     found = mean(values)
     off = found.value - reference

@@ -305,9 +305,9 @@ class DistanceControl:
             state = self.state.name
             raise self.settings.alarm(REFERENCED_WHILE_ON, owner=self.owner, current=state)
         smooth = self._make_filter(self.settings)
-        told_mm = self._standing or [sensor_mm]
-        smooth.restart(told_mm[0])
-        for value_mm in told_mm:
+        standing_mm = self._standing or [sensor_mm]
+        smooth.restart(standing_mm[0])
+        for value_mm in standing_mm:
             self._zero_mm = smooth.step(value_mm)
 
     # Each cycle

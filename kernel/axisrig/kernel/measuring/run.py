@@ -263,8 +263,8 @@ class MeasuringRun:
         late = self._without_proof()
         if late:
             self._waited += 1
-            is_told = all(self._is_proved(port) for port in late)
-            if self._waited <= (CHECK_CYCLES_MAX if is_told else PROOF_CYCLES_MAX):
+            is_proved = all(self._is_proved(port) for port in late)
+            if self._waited <= (CHECK_CYCLES_MAX if is_proved else PROOF_CYCLES_MAX):
                 return Order.NONE
         self._judge_missing()
         return self._finish(now_ns)

@@ -108,7 +108,7 @@ class Controller:
         self.errors = ErrorCounters()
         self.takes_part = True
         self._has_power = True
-        self._told_state = ErrorState.ACTIVE
+        self._known_state = ErrorState.ACTIVE
         self._state_callbacks: tuple[StateCallback, ...] = ()
 
     # --- sending ---------------------------------------------------------------------------------
@@ -243,8 +243,8 @@ class Controller:
             if not takes_part:
                 self.discard()
             self.segment.update_parts()
-        if state is not self._told_state:
-            self._told_state = state
+        if state is not self._known_state:
+            self._known_state = state
             for callback in self._state_callbacks:
                 callback(state)
             self.segment.note_state(self, state)

@@ -121,7 +121,7 @@ class DistanceTruth:
         return self.observed.times_ns
 
     @cached_property
-    def gap_told_mm(self) -> Signal | None:
+    def gap_given_mm(self) -> Signal | None:
         """Distance as its sensor gives it, None where the axis has none in the plant."""
         return self._of_sensor("distance_mm")
 
@@ -283,8 +283,8 @@ class DistanceTruth:
     @staticmethod
     def beside_mm(some: "DistanceTruth") -> Signal:
         """Return what the sensor gives beside the sensor value of the control."""
-        assert some.gap_told_mm is not None
-        return some.gap_told_mm + some["sensor_mm"]
+        assert some.gap_given_mm is not None
+        return some.gap_given_mm + some["sensor_mm"]
 
     @property
     def unreferenced_mm(self) -> float:

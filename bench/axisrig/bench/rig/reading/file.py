@@ -277,7 +277,8 @@ def load_tables(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any
     if base is None:
         return table, [path]
     if not isinstance(base, str):
-        raise UserError("`base` must be the path of a rig file", file=path, value=base)
+        allowed = "a path in quotes, from this file"
+        raise UserError("`base` is no rig file", file=path, value=base, allowed=allowed)
     below, files = load_tables((path.parent / base).resolve(), (*above, path))
     return _merge(below, table), [path, *files]
 

@@ -69,7 +69,7 @@ def find_log(place: Path, run: str | None) -> tuple[list[Path], Settings | None]
         return [place / DRIVES_LOG], None
     runs = [stored.run for stored in read_results(place).runs]
     if run is None:
-        raise UserError("which run of the folder?", file=place, allowed=runs)
+        raise UserError("no run of the folder is named", file=place, allowed=runs)
     case, _ = recorded_case(place, run)
     return logs_of(place, run), settings_of(case)
 

@@ -175,12 +175,12 @@ class Plant:
 
         An axis that gives none, or one that is no whole nanosecond or too long, does not count.
         """
-        told_s = [axis.slave.can.fixed_step_s or 0.0 for axis in self._axes]
-        steps_ns = [round(step_s * S) for step_s in told_s]
+        fixed_steps_s = [axis.slave.can.fixed_step_s or 0.0 for axis in self._axes]
+        steps_ns = [round(step_s * S) for step_s in fixed_steps_s]
         common_ns = lcm(
             *[
                 step_ns
-                for step_ns, step_s in zip(steps_ns, told_s, strict=True)
+                for step_ns, step_s in zip(steps_ns, fixed_steps_s, strict=True)
                 if 0 < step_ns <= fine_ns and isclose(step_ns, step_s * S, rel_tol=1e-9)
             ]
         )

@@ -127,7 +127,7 @@ class DriveFunctions(AnsweredAccesses):
         def done(answer: bytes | SdoError) -> None:
             if not isinstance(answer, SdoError):
                 if isinstance(function, DriveIdent) and not function.can_tell(answer):
-                    self._failed = self._failed or _untold(command, function)
+                    self._failed = self._failed or _unknown_ident(command, function)
                 self._values[command.axis, command.key.upper()] = function.value(answer)
             self._close(command, function, answer)
 
@@ -152,7 +152,7 @@ class DriveFunctions(AnsweredAccesses):
             )
 
 
-def _untold(command: canon.DriveRead, ident: DriveIdent) -> Alarm:
+def _unknown_ident(command: canon.DriveRead, ident: DriveIdent) -> Alarm:
     return Alarm(
         900257,
         place=command.block.place,
