@@ -189,7 +189,6 @@ def test_a_drive_may_stand_for_one_of_another_type(
     settings = settings_of(listed(rig_file(), SERCOS), key)
     check_rig(settings)
     assert substituted(settings.rig, settings.axis) == {"Z": "SERCOS (2)"}
-    assert any("kenngr.antr_typ = 2" in note for note in settings.notes)
 
 
 def test_every_drive_is_meant_by_all(rig_file: Write, settings_of: Read) -> None:
