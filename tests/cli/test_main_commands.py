@@ -149,7 +149,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         found.update(more, simulated=given)
         return found["ended"]
 
-    monkeypatch.setattr(f"{CAMPAIGN}.single.run_outside", run_outside)
+    monkeypatch.setattr(f"{CAMPAIGN}.single_program.run_outside", run_outside)
     monkeypatch.setattr(f"{CAMPAIGN}.processes.do_apart", do_apart)
     return found
 

@@ -21,8 +21,8 @@ BEHIND_MM = [0.2, -0.3, 2.0, 1.0, 0.4, -0.1, -0.03, 0.019, -0.004, 0.006]
 
 def truth(values: list[float], monkeypatch: pytest.MonkeyPatch) -> Any:
     part = SimpleNamespace(begin=0, end=len(values))
-    monkeypatch.setattr(metrics.stretches, "last_on", lambda _: [part])
-    monkeypatch.setattr(metrics.stretches, "last_active", lambda _: part)
+    monkeypatch.setattr(metrics.control_stretches, "last_on", lambda _: [part])
+    monkeypatch.setattr(metrics.control_stretches, "last_active", lambda _: part)
     signal = np.array(values)
     some = SimpleNamespace(behind_mm=signal)
     return SimpleNamespace(
