@@ -21,8 +21,8 @@ from axisrig.fmus.equations.algebra import (
     solve_for,
 )
 from axisrig.fmus.equations.events import Memories, Row, is_synthetic
+from axisrig.fmus.equations.exact_integers import with_exact_wholes
 from axisrig.fmus.equations.sorting import Equation, Solver
-from axisrig.fmus.equations.wholes import with_exact_wholes
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.expressions import (
     ONE,

@@ -8,7 +8,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from tests.small_fmus import small_fmu
 
-from axisrig.fmus.writing import folded
+from axisrig.fmus.writing import fixed_parameters
 
 LIBRARY = """package Small
   model Held
@@ -164,9 +164,10 @@ def test_what_a_decided_parameter_follows_from_has_no_effect_at_any_distance(
         SimpleNamespace(index=slot, vector="p", value=sources) for slot, sources in follows.items()
     ]
     system = SimpleNamespace(initial=rows, previous=[])
-    monkeypatch.setattr(folded, "_slots_of_parameters", lambda _: {n: f"p{n}" for n in range(5)})
-    monkeypatch.setattr(folded, "_programs", lambda _: [read])
-    monkeypatch.setattr(folded, "_read", lambda values: set().union(*values))
-    monkeypatch.setattr(folded, "_mentioned", lambda _: ())
-    monkeypatch.setattr(folded, "_decided", lambda *_: set(decided))
-    assert folded.folded_slots(None, system) == lost
+    slots = {n: f"p{n}" for n in range(5)}
+    monkeypatch.setattr(fixed_parameters, "_slots_of_parameters", lambda _: slots)
+    monkeypatch.setattr(fixed_parameters, "_programs", lambda _: [read])
+    monkeypatch.setattr(fixed_parameters, "_read", lambda values: set().union(*values))
+    monkeypatch.setattr(fixed_parameters, "_mentioned", lambda _: ())
+    monkeypatch.setattr(fixed_parameters, "_decided", lambda *_: set(decided))
+    assert fixed_parameters.folded_slots(None, system) == lost

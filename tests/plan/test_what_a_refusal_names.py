@@ -119,8 +119,8 @@ def test_what_a_search_has_found_has_a_meaning() -> None:
         ("mean(detection_criterion)", "detection_criterion", None),
         ("cp(latch_mm; 5 .. 5)", "5 .. 5", "-0.5 .. 0.5, <= 0.5, >= -0.5"),
         ("cp(latch_mm; != 5)", "!= 5", "-0.5 .. 0.5, <= 0.5, >= -0.5"),
-        ("cg(latch_mm; 0)", "0", None),
-        ("spread_p(latch_mm; -1)", "-1", None),
+        ("cg(latch_mm; 0)", "0", "a number above 0"),
+        ("spread_p(latch_mm; -1)", "-1", "a number above 0"),
         ("bias(latch_mm; latch_error_um)", "mm and um", None),
         (
             "slope(latch_mm; title)",

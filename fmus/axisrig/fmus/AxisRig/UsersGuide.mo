@@ -47,6 +47,13 @@ with the version of the library, the tool and its version, and the model.</p>
 
   class ReleaseNotes "What has changed"
     annotation(DocumentationClass = true, Documentation(info="<html>
+<h4>0.2.0, 2026-11-29</h4>
+<ul>
+<li>New: Drives.TiltingSlide, a slide and a tilting axis that share the force of a fixed stop at the tool.</li>
+<li>Sensors.WorkpieceProbe: <code>contact_modulus</code>, by which ball and surface yield where they touch
+(Hertz); off by default. Scatter of its pre-travel, a first touch that is off, and a drift.</li>
+<li>New: a touch probe at a head with C and A axes.</li>
+</ul>
 <h4>0.1.0, 2026-11-25</h4>
 <ul>
 <li>First version with a version number.</li>

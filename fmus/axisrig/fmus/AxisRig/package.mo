@@ -2,8 +2,8 @@ within;
 // SPDX-License-Identifier: Apache-2.0
 package AxisRig "Plants of a CNC axis under test: servo axes and the sensors that watch them"
   annotation(
-    version = "0.1.0",
-    versionDate = "2026-11-25",
+    version = "0.2.0",
+    versionDate = "2026-11-29",
     Icon(graphics = {
       Rectangle(extent = {{-100, -100}, {100, 100}}, lineColor = {0, 0, 127},
           fillColor = {255, 255, 255}, fillPattern = FillPattern.Solid),

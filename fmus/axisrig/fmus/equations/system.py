@@ -14,8 +14,8 @@ from typing import Any
 from axisrig.fmus.equations.actions import Action, actions_of, kind_of, read_message, start_check
 from axisrig.fmus.equations.clocks import Schedule, read_clocks
 from axisrig.fmus.equations.events import AT_ZERO, Memories, Relation, Row, is_synthetic
+from axisrig.fmus.equations.exact_integers import with_exact_wholes
 from axisrig.fmus.equations.sorting import Block, Equation, Solver
-from axisrig.fmus.equations.wholes import with_exact_wholes
 from axisrig.fmus.reading.expressions import (
     ONE,
     Expr,

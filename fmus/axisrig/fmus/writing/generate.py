@@ -11,7 +11,7 @@ from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
 from axisrig.fmus.reading.texts import Texts
 from axisrig.fmus.writing.archive import other_files
 from axisrig.fmus.writing.description import TOKEN_MARK, describe, head_of, identifier_of
-from axisrig.fmus.writing.folded import folded_slots, with_notes
+from axisrig.fmus.writing.fixed_parameters import folded_slots, with_notes
 from axisrig.fmus.writing.source import write_source
 from axisrig.fmus.writing.variables import read_variables, scalars
 
