@@ -4,7 +4,11 @@ Source: behaviour of rumoca 0.10.2; the layout is pinned by `SCHEMA_VERSION`.
 """
 
 import json
+import os
+import pickle
 import re
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -26,6 +30,9 @@ _TOKEN = re.compile(
     r'(?P<json>(?:"[^"\\]*+"|[^"A-Za-z]++|\b(?:true|false)\b|(?<=\d)e(?=[-+\d]))++)'
     r'|"(?:[^"\\]|\\.)*"|[A-Za-z]+'
 )
+_ALONE = "from axisrig.fmus.reading.ir import compile_alone; compile_alone()"
+_compiled_in: set[int] = set()
+"""The processes that have compiled, of this one and those that it was forked from."""
 _WORDS = {"none": "null", "undefined": "null", "inf": "Infinity", "nan": "NaN", "NaN": "NaN"}
 
 
@@ -91,8 +98,13 @@ def compile_model(model: str, library: Path, roots: Sequence[Path] = ()) -> Ir:
     """Compile `model` (full name) of the library in folder `library`, or of a file.
 
     roots: folders of further libraries that it may use. Raises BuildError when the compiler refuses
-    the model or its representation is a different one.
+    the model or its representation is a different one. The compiler has threads, which a fork does
+    not take along and which it would wait for: in a process that was forked from one that has
+    compiled, a process of its own compiles.
     """
+    if _compiled_in - {os.getpid()}:
+        return _compiled_apart(model, library, roots)
+    _compiled_in.add(os.getpid())
     entry = library / "package.mo" if library.is_dir() else library
     if not entry.is_file():
         raise BuildError(entry, None, "there is no Modelica library")
@@ -116,6 +128,31 @@ def compile_model(model: str, library: Path, roots: Sequence[Path] = ()) -> Ir:
     files = {number: (Path(name).resolve(), text) for number, name, text in source_map}
     root = (library if library.is_dir() else entry).resolve().parent
     return Ir(model, data["solve"], data["dae"], flat, files, root)
+
+
+def _compiled_apart(model: str, library: Path, roots: Sequence[Path]) -> Ir:
+    """Compile in a process that is started anew. Raises BuildError as `compile_model` does."""
+    task = pickle.dumps((model, library, tuple(roots)))
+    ended = subprocess.run(
+        [sys.executable, "-c", _ALONE], input=task, stdout=subprocess.PIPE, check=False
+    )
+    if ended.returncode:
+        raise BuildError(None, None, f"the compiler ended with {ended.returncode}")
+    found = pickle.loads(ended.stdout)
+    if isinstance(found, BuildError):
+        raise found
+    assert isinstance(found, Ir)
+    return found
+
+
+def compile_alone() -> None:
+    """Compile what standard input asks for and write what came of it: `_compiled_apart`."""
+    found: Ir | BuildError
+    try:
+        found = compile_model(*pickle.load(sys.stdin.buffer))
+    except BuildError as error:
+        found = error
+    pickle.dump(found, sys.stdout.buffer)
 
 
 def _as_json(match: re.Match[str]) -> str:
