@@ -82,6 +82,6 @@ class TelegramLog(CyclicValues):
             ends = np.array([end_ns for end_ns, _ in found], dtype=np.int64)
             offsets = offsets_of(ends, times_ns, is_last=is_last)
             columns[f"{INPUTS}_{FRAME_NS}"] = lists_of(offsets, ends)
-            until_ns = times_ns[-1] if len(times_ns) and not is_last else 0
+            until_ns = int(times_ns[-1]) if len(times_ns) and not is_last else 0
             self._heard = [each for each in self._heard if not is_last and each[0] > until_ns]
         return columns
