@@ -194,6 +194,48 @@ def test_a_resolution_is_that_of_the_encoder_of_the_rig(
         with_list(lines)
 
 
+@pytest.mark.parametrize(
+    ("per_turn", "feed", "turns", "gear_in", "gear_out", "fits"),
+    [(1_048_576, 100_000, 1, 1, 1, True), (1_048_576, 200_000, 2, 1, 1, True),
+     (1_048_576, 200_000, 1, 2, 1, True), (524_288, 100_000, 1, 6, 3, True),
+     (1_048_576, 300_000, 1, 1, 1, False), (1_048_576, 200_000, 1, 1, 2, False),
+     (1024, 100_000, 1, 1, 1, False)],
+)  # fmt: skip
+def test_a_feed_constant_and_a_gearbox_are_the_encoder_of_the_rig(
+    with_list: Callable[..., Settings],
+    per_turn: int,
+    feed: int,
+    turns: int,
+    gear_in: int,
+    gear_out: int,
+    fits: bool,
+) -> None:
+    """Increments per mm: per_turn (gear_in/gear_out) / (feed/turns), in 0.1 um; 104857.6 here."""
+    lines = (
+        f"getriebe[0].incr_per_rev {per_turn}\ngetriebe[0].feed_const_num {feed}\n"
+        f"getriebe[0].feed_const_denom {turns}\ngetriebe[0].gear_fact_num {gear_in}\n"
+        f"getriebe[0].gear_fact_denom {gear_out}\n"
+    )
+    if fits:
+        check_rig(with_list(lines))
+        return
+    with pytest.raises(UserError, match="wrong by a factor") as error:
+        with_list(lines)
+    listed = per_turn * gear_in / gear_out / (feed / turns) * 10_000
+    allowed = str(error.value.allowed)
+    assert allowed.startswith("104857.6 increments per mm, those of the drive; the list has ")
+    assert float(allowed.rpartition(" ")[2]) == pytest.approx(listed, rel=1e-8)
+
+
+def test_a_resolution_in_both_ways_is_refused(with_list: Callable[..., Settings]) -> None:
+    """The page of P-AXIS-00234 wants P-AXIS-00362 and 00363 at 1 then."""
+    lines = "getriebe[0].wegaufz 1048576\ngetriebe[0].wegaufn 100000\n"
+    check_rig(with_list(lines + "getriebe[0].feed_const_num 1\ngetriebe[0].feed_const_denom 1"))
+    with pytest.raises(UserError, match="resolution of the encoder twice") as error:
+        with_list(lines + "getriebe[0].feed_const_num 100000")
+    assert error.value.line is not None
+
+
 @pytest.mark.parametrize("word", ["P-AXIS-99999", "getriebe[0].looose", "P-AXIS-00213"])
 def test_only_what_would_act_can_be_accepted(with_list: Callable[..., Settings], word: str) -> None:
     with pytest.raises(UserError, match="no parameter that has to be accepted"):

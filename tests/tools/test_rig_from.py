@@ -108,6 +108,24 @@ def test_confirmed_assumptions_are_not_counted(
     assert not any("assumption" in note for note in settings_of(rig, []).notes)
 
 
+def test_the_feed_constant_of_a_list_is_the_encoder_of_the_rig(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """2^20 increments, gearbox 2:1 and 20 mm in a turn of the screw: 10 mm in one of the motor."""
+    rig = tmp_path / "rig.toml"
+    lines = Z.replace("getriebe[0].wegaufz 4096\ngetriebe[0].wegaufn 50000\n", "")
+    lines += (
+        "getriebe[0].incr_per_rev 1048576\ngetriebe[0].feed_const_num 200000\n"
+        "getriebe[0].gear_fact_num 2\n"
+    )
+    assumed = rig_from(listed(z=lines), None, rig)
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    assert table["drive"]["z"] == {"encoder_increments": 1_048_576, "lead_mm": 10.0}
+    assert table["axis"]["Z"]["accept"] == ["P-AXIS-00103"]
+    assert any("P-AXIS-00092, 00362, 00363, 00511, 00512" in text for text in assumed)
+    check_rig(settings_of(rig, []))
+
+
 @pytest.mark.long
 def test_several_axes_a_channel_list_and_an_eds(
     listed: Callable[..., list[Path]], tmp_path: Path

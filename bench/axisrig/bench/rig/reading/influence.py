@@ -5,16 +5,13 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
+from axisrig.bench.rig.reading.encoder_resolution import counted_keys, listed_resolution
 from axisrig.bench.rig.reading.file import RigFile, rig_error
 from axisrig.kernel.errors import UserError, nearest, together
 from axisrig.kernel.parameters import ParameterSet, written
 from axisrig.kernel.parameters.influence import Group, group_of
 from axisrig.kernel.parameters.table import Kind, Parameter, indices_of, table
 from axisrig.kernel.parameters.types import Value
-
-COUNTS, PATHS = "getriebe[0].wegaufz", "getriebe[0].wegaufn"
-PER_MM = 10_000  # 0.1 um
-
 
 CHANNEL = "channel"
 INNER_UNITS = {"resolution_factor": 10_000}
@@ -41,15 +38,17 @@ def influence_notes(
         for row, key, value, group in classified(one.parameters):
             if not group.must_act:
                 without += 1
-            elif _is_as_the_rig(rig, one.keys[-1], key, one.parameters):
                 continue
-            elif row.path in accepted:
+            resolutions = _resolutions(rig, one, key)
+            if resolutions and resolutions[0] == resolutions[1]:
+                continue
+            if row.path in accepted:
                 notes.append(
                     f"{one.name}: {_named(row, key)} = {written(value)} is accepted and does not"
                     f" act: {group.reason}"
                 )
             else:
-                errors.append(_refused(one, row, key, value, group))
+                errors.append(_refused(one, row, key, value, group, resolutions))
         if without:
             what = "1 setting has" if without == 1 else f"{without} settings have"
             notes.append(
@@ -114,24 +113,38 @@ def _must(row: Parameter, kind: Kind) -> bool:
     return group is not None and group.must_act
 
 
-def _is_as_the_rig(rig: RigFile, name: str, key: str, parameters: ParameterSet) -> bool:
-    """Whether the resolution of the encoder is that which the drive of the rig has."""
-    if key not in (COUNTS, PATHS):
-        return False
-    counts, path = parameters.integer(COUNTS), parameters.integer(PATHS)
-    drive = rig.drive[rig.axis[name].drive]
-    return bool(path) and Fraction(counts * PER_MM, path) == drive.facts().units_per_mm
+def _resolutions(rig: RigFile, one: _List, key: str) -> tuple[Fraction, Fraction] | None:
+    """Return increments per mm of list and rig where `key` is a part of that, else None."""
+    parameters = one.parameters
+    if parameters.kind != "axis" or key not in counted_keys(parameters):
+        return None
+    resolution = listed_resolution(parameters)
+    assert resolution is not None
+    drive = rig.drive[rig.axis[one.keys[-1]].drive]
+    return resolution.per_mm, drive.facts().units_per_mm
 
 
-def _refused(one: _List, row: Parameter, key: str, value: Value, group: Group) -> UserError:
+def _refused(
+    one: _List,
+    row: Parameter,
+    key: str,
+    value: Value,
+    group: Group,
+    resolutions: tuple[Fraction, Fraction] | None,
+) -> UserError:
     place = one.parameters.origin(key)
     assert place is not None
     word = row.number or row.path
     index = "" if indices_of(key) in ((), (0,)) else f" (index {indices_of(key)[0]})"
+    allowed = f"{written(row.default)}, its neutral value"
+    if resolutions is not None:
+        unit = "degree" if one.parameters.is_rotary else "mm"
+        listed, of_drive = (f"{float(number):.9g}" for number in resolutions)
+        allowed = f"{of_drive} increments per {unit}, those of the drive; the list has {listed}"
     return place.error(
         f"{_named(row, key)}{index} does not act here: {group.reason}",
         value=written(value),
-        allowed=f"{written(row.default)}, its neutral value",
+        allowed=allowed,
         hint=f'or accept = ["{word}"] in [{".".join(one.keys)}]: every run then says so',
     )
 

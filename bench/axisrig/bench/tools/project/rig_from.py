@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.bench.rig.contents import read_parts
-from axisrig.bench.rig.reading.influence import CHANNEL, COUNTS, PATHS, classified
+from axisrig.bench.rig.reading.encoder_resolution import counted_keys, listed_resolution
+from axisrig.bench.rig.reading.influence import CHANNEL, classified
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import ParameterSet, written
 from axisrig.kernel.parameters.start_up import drive_type
 
 INCREMENTS, LEAD_MM, RATE = 1_048_576, 10.0, 1_000_000
 SURFACE_MM, CLEAR_MM = 100, 30
-PER_MM = 10_000  # 0.1 um
 INPUTS = ("x", "y", "z")
 """Inputs of the touch probe, taken by the axes that measure in their order."""
 
@@ -124,8 +124,9 @@ def _axis(
 def _accept(draft: _Draft, name: str, parameters: ParameterSet) -> list[str]:
     """Return the key that accepts what does not act of a list; nothing where there is nothing."""
     accepted = {}
+    counted = counted_keys(parameters) if parameters.kind == "axis" else ()
     for row, key, value, group in classified(parameters):
-        if group.must_act and key not in (COUNTS, PATHS):
+        if group.must_act and key not in counted:
             accepted[row.number or row.path] = (
                 f"{key} = {written(value)} does not act: {group.reason}"
             )
@@ -138,12 +139,13 @@ def _drive(
     draft: _Draft, name: str, parameters: ParameterSet, eds: Path | None, output: Path
 ) -> list[str]:
     """Return the keys of a drive: encoder of the list, EDS, another type of drive."""
-    counts, path = parameters.integer(COUNTS), parameters.integer(PATHS)
-    is_said = parameters.is_set(COUNTS) and parameters.is_set(PATHS) and path > 0
-    increments, lead_mm = (counts, path / PER_MM) if is_said else (INCREMENTS, LEAD_MM)
+    increments, lead_mm, source = INCREMENTS, LEAD_MM, ", since the list does not say"
+    if resolution := listed_resolution(parameters):
+        increments, lead_mm = resolution.increments, float(resolution.path_mm)
+        source = f" ({resolution.numbers})"
     draft.assumed.append(
-        f"axis {name}: one revolution of the motor is {increments} increments and {lead_mm:g} mm"
-        + (" (P-AXIS-00234, P-AXIS-00233)" if is_said else ", since the list does not say")
+        f"axis {name}: one revolution of the motor is {increments} increments and {lead_mm:g}"
+        f" mm{source}"
     )
     keys = [f"encoder_increments = {increments}", f"lead_mm = {lead_mm!r}"]
     if eds is not None:
