@@ -30,7 +30,6 @@ from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.drives.canopen.carrier import CanCarrier
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
-from axisrig.kernel.drives.canopen.functions import DriveFunction
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.canopen.sdo import SdoClient
@@ -42,6 +41,7 @@ from axisrig.kernel.drives.canopen.startup_steps import (
     start_up_steps,
 )
 from axisrig.kernel.drives.canopen.watch import LinkWatch, WatchSettings
+from axisrig.kernel.drives.functions import DriveFunction
 from axisrig.kernel.drives.power import PowerRequest
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.latest_edge import StampClock

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.can.faults import Drop, FrameFault
-from axisrig.kernel.drives.canopen.functions import DriveFunction
 from axisrig.kernel.drives.canopen.startup_steps import StartUpSettings
+from axisrig.kernel.drives.functions import DriveFunction
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS, S
 

@@ -7,8 +7,8 @@ import pytest
 from axisrig.bench.drive.cia402.dictionary.eds import object_dictionary
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.canopen.dictionary import check_functions
-from axisrig.kernel.drives.canopen.functions import DriveFunction, read_functions
 from axisrig.kernel.drives.canopen.mapping import telegrams
+from axisrig.kernel.drives.functions import DriveFunction, read_functions
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.parameters import read_list
 

@@ -19,7 +19,7 @@ from axisrig.bench.rig.plc.words import (
 )
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
-from axisrig.kernel.drives.canopen.functions import type_range
+from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
 

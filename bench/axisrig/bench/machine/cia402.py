@@ -6,8 +6,8 @@ from typing import Final
 from axisrig.bench.machine.families import Bench, Installed
 from axisrig.bench.record.axes import DriveState
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
-from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.cia402.link import Cia402Drive
+from axisrig.kernel.drives.functions import read_functions
 from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.drives.power import Power
 from axisrig.kernel.errors import Alarm

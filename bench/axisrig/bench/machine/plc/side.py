@@ -26,8 +26,8 @@ from axisrig.bench.rig.plc.override import PERMILLE_PER_PCT, OverrideCourse
 from axisrig.bench.rig.plc.words import VARIABLE, ObjectWrite, Rule, VariableWrite
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess
-from axisrig.kernel.drives.canopen.functions import type_range
 from axisrig.kernel.drives.cia402.objects import SdoError, object_name
+from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.interface import PlcParticipant

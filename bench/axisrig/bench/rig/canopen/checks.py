@@ -14,9 +14,9 @@ from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.canopen.dictionary import check_functions
-from axisrig.kernel.drives.canopen.functions import read_functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.canopen.startup_steps import BusSettings, Step
+from axisrig.kernel.drives.functions import read_functions
 from axisrig.kernel.errors import UserError
 
 TRIGGER_SOURCE = "antr.canopen.probing_trigger_source"

@@ -32,7 +32,7 @@ from axisrig.bench.rig.plc.channel_words import (
 )
 from axisrig.bench.rig.reading.faults import read_time
 from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS
-from axisrig.kernel.drives.canopen.functions import type_range
+from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc.decoder.topics.technology import INTERNAL, NUMBER_MAX, SPINDLE
 from axisrig.kernel.time.clock import TimeNs

@@ -15,9 +15,9 @@ from canopen.objectdictionary.eds import import_eds
 
 from axisrig.kernel.drives.canopen.eds_file import Note, read_eds_file
 from axisrig.kernel.drives.canopen.eds_text import EdsText, canonical
-from axisrig.kernel.drives.canopen.functions import Functions
 from axisrig.kernel.drives.canopen.mapping import Telegram
 from axisrig.kernel.drives.cia402.objects import object_name
+from axisrig.kernel.drives.functions import Functions
 from axisrig.kernel.errors import UserError, near_files
 from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 

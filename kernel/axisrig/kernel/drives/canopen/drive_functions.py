@@ -8,11 +8,11 @@ the drive's answer is there. Sources: TF5200 programming manual 207630987 (drive
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from axisrig.kernel.drives.accesses import AnsweredAccesses
-from axisrig.kernel.drives.canopen.functions import DriveFunction, Functions
 from axisrig.kernel.drives.canopen.idents import DriveIdent, drive_idents
 from axisrig.kernel.drives.cia402.link import Cia402Drive
-from axisrig.kernel.drives.cia402.objects import ObjectAccess, SdoError, object_name
+from axisrig.kernel.drives.cia402.objects import ObjectAccess, object_name
+from axisrig.kernel.drives.function_accesses import FunctionAccesses
+from axisrig.kernel.drives.functions import DriveFunction, Functions
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 
@@ -26,7 +26,7 @@ class DriveAccess:
     functions: Functions
 
 
-class DriveFunctions(AnsweredAccesses):
+class DriveFunctions(FunctionAccesses):
     """Carries out the #DRIVE commands of a channel; accesses: by axis."""
 
     def __init__(self, accesses: Mapping[str, DriveAccess]) -> None:
@@ -61,13 +61,11 @@ class DriveFunctions(AnsweredAccesses):
         else:
             self._write(command, function)
 
-    def _find(self, axis: str, key: str) -> DriveFunction:
-        functions = self._accesses[axis].functions if axis in self._accesses else {}
-        function = functions.get(key.upper())
-        if function is None:
-            known = ", ".join(f.key for f in functions.values()) or "none"
-            raise Alarm(900110, axis=axis, key=key, known=known)
-        return function
+    def _functions(self, axis: str) -> Functions:
+        return self._accesses[axis].functions if axis in self._accesses else {}
+
+    def _way(self, axis: str) -> ObjectAccess:
+        return self._accesses[axis].sdo
 
     def _ident(self, axis: str, name: str, length_bytes: int) -> DriveIdent:
         if axis not in self._accesses:
@@ -82,74 +80,23 @@ class DriveFunctions(AnsweredAccesses):
         return found
 
     def _write(self, command: canon.DriveWrite, function: DriveFunction) -> None:
-        access = self._accesses[command.axis]
-        raw = function.raw(command.value, command.axis)
         if function.communication == "CYCLIC":
+            access = self._accesses[command.axis]
+            raw = function.raw(command.value, command.axis)
             present = access.link.get_object(function.index, function.sub)
             whole = function.merged(raw, function.encode(present))
             access.link.set_object(function.index, function.sub, whole)
             self._open[command.axis] += 1
             self._cyclic.append(command.axis)
         elif function.communication == "ACYCLIC":
-            self._open[command.axis] += 1
-            if function.mask is None:
-                self._download(command, function, raw)
-            else:
-                access.sdo.read(
-                    function.index,
-                    function.sub,
-                    lambda present: self._merge(command, function, raw, present),
-                )
-
-    def _merge(
-        self,
-        command: canon.DriveWrite,
-        function: DriveFunction,
-        raw: int,
-        present: bytes | SdoError,
-    ) -> None:
-        if isinstance(present, SdoError):
-            self._close(command, function, present)
+            self._write_beside(command, function)
         else:
-            self._download(command, function, function.merged(raw, present))
+            function.raw(command.value, command.axis)  # what it cannot be is an alarm all the same
 
-    def _download(self, command: canon.DriveWrite, function: DriveFunction, raw: int) -> None:
-        self._accesses[command.axis].sdo.write(
-            function.index,
-            function.sub,
-            function.encode(raw),
-            lambda answer: self._close(command, function, answer),
-        )
-
-    def _read(self, command: canon.DriveRead, function: DriveFunction) -> None:
-        self._open[command.axis] += 1
-
-        def done(answer: bytes | SdoError) -> None:
-            if not isinstance(answer, SdoError):
-                if isinstance(function, DriveIdent) and not function.can_tell(answer):
-                    self._failed = self._failed or _unknown_ident(command, function)
-                self._values[command.axis, command.key.upper()] = function.value(answer)
-            self._close(command, function, answer)
-
-        self._accesses[command.axis].sdo.read(function.read_index, function.read_sub, done)
-
-    def _close(
-        self,
-        command: canon.DriveWrite | canon.DriveRead,
-        function: DriveFunction,
-        answer: bytes | SdoError,
-    ) -> None:
-        """Note that a command is over; a failure comes up in the next cycle."""
-        self._open[command.axis] -= 1
-        if isinstance(answer, SdoError) and self._failed is None:
-            self._failed = Alarm(
-                900032,
-                place=command.block.place,
-                axis=command.axis,
-                key=function.key,
-                object=object_name(answer.index, answer.sub),
-                answer=str(answer),
-            )
+    def _take(self, command: canon.DriveRead, function: DriveFunction, data: bytes) -> None:
+        if isinstance(function, DriveIdent) and not function.can_tell(data):
+            self._failed = self._failed or _unknown_ident(command, function)
+        super()._take(command, function, data)
 
 
 def _unknown_ident(command: canon.DriveRead, ident: DriveIdent) -> Alarm:

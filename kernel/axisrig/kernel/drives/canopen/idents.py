@@ -14,7 +14,7 @@ from functools import cache
 from importlib import resources
 from typing import Final
 
-from axisrig.kernel.drives.canopen.functions import UNLIMITED, DriveFunction
+from axisrig.kernel.drives.functions import UNLIMITED, DriveFunction
 from axisrig.kernel.errors import Alarm
 
 IDENT_PER_MM: Final = 10000  # S-0-0076, preferred scaling: 10^-7 m and 10^-4 degrees

@@ -5,10 +5,11 @@ Source: CiA 301 section 7.2.4, which CAN and the mailbox of EtherCAT (CoE) share
 
 from collections.abc import Callable
 
+from axisrig.kernel.drives.function_accesses import AccessError
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 
 
-class SdoError(Exception):
+class SdoError(AccessError):
     """An object could not be read or written.
 
     code: the abort code, None when the server was silent. by_server: who gave up.
@@ -16,6 +17,7 @@ class SdoError(Exception):
 
     def __init__(self, index: int, sub: int, code: int | None, by_server: bool = True) -> None:
         self.index, self.sub, self.code, self.by_server = index, sub, code, by_server
+        self.target = object_name(index, sub)
         super().__init__(abort_text(code) if code is not None else "no answer")
 
 

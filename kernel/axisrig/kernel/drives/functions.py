@@ -1,4 +1,4 @@
-"""Drive functions: objects of a drive that an NC program writes and reads with #DRIVE.
+"""Drive functions: values of a drive that an NC program writes and reads with #DRIVE.
 
 The axis list declares them (`antr.function[i].*`). Sources: TF5200 axis parameters 118084619
 (P-AXIS-00396 to 00401, 00408, 00409, 00429), FCT-C4 section 7.3.2.
@@ -7,7 +7,7 @@ The axis list declares them (`antr.function[i].*`). Sources: TF5200 axis paramet
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.parameters import INTEGER_RANGES, ParameterSet
@@ -15,8 +15,27 @@ from axisrig.kernel.parameters import INTEGER_RANGES, ParameterSet
 FUNCTIONS_MAX: Final = 10
 UNLIMITED: Final = 1e199  # the manual's default of both limits
 NOT_USED: Final = "NOT_USED"
-_IDENT = re.compile(r"(?:0[xX])?(?P<index>[0-9A-Fa-f]{4})_(?P<sub>[0-9A-Fa-f]{2})")
 _WHOLE = 1e-9
+
+
+class Idents(NamedTuple):
+    """How a list names what a function writes (P-AXIS-00398).
+
+    pattern: its groups `index` and `sub`, to the base of each. what, allowed: words of a refusal.
+    """
+
+    pattern: str
+    bases: tuple[int, int]
+    what: str
+    allowed: str
+
+
+OBJECTS: Final = Idents(
+    r"(?:0[xX])?(?P<index>[0-9A-Fa-f]{4})_(?P<sub>[0-9A-Fa-f]{2})",
+    (16, 16),
+    "object of a CANopen drive",
+    "index and sub-index as in 6072_00",
+)
 
 
 @dataclass(frozen=True)
@@ -105,9 +124,11 @@ def type_range(data_type: str) -> tuple[int, int]:
 
 
 def read_functions(
-    axis: str, parameters: ParameterSet
+    axis: str, parameters: ParameterSet, idents: Idents = OBJECTS
 ) -> tuple[dict[str, DriveFunction], list[Alarm]]:
     """Return the functions of an axis by key (upper case) and the warnings of their limits.
+
+    idents: how the family of its drive names what they write.
 
     Warnings: 70383, 70384 (a limit outside the data type was corrected), 70385 (limits swapped).
     Raises UserError for a function without ident and for a key that is there twice.
@@ -123,18 +144,23 @@ def read_functions(
                 f"axis {axis}: two drive functions have one name",
                 value=f"antr.function[..].id {key}",
             )
-        functions[key.upper()] = _function(axis, parameters, number, key, warnings)
+        functions[key.upper()] = _function(axis, parameters, idents, number, key, warnings)
     return functions, warnings
 
 
 def _function(
-    axis: str, parameters: ParameterSet, number: int, key: str, warnings: list[Alarm]
+    axis: str,
+    parameters: ParameterSet,
+    idents: Idents,
+    number: int,
+    key: str,
+    warnings: list[Alarm],
 ) -> DriveFunction:
     path = f"antr.function[{number}]"
     written = parameters.word(f"{path}.wr_ident[0]")
-    index, sub = _ident(axis, f"{path}.wr_ident[0]", written)
+    index, sub = _ident(idents, axis, f"{path}.wr_ident[0]", written)
     read = parameters.word(f"{path}.rd_ident") or written
-    read_index, read_sub = _ident(axis, f"{path}.rd_ident", read)
+    read_index, read_sub = _ident(idents, axis, f"{path}.rd_ident", read)
     data_type = parameters.word(f"{path}.data_type")
     scaling = parameters.word(f"{path}.scaling_type")
     if scaling == "TORQUE_DRIVE_SIDE":
@@ -165,15 +191,14 @@ def _function(
     )
 
 
-def _ident(axis: str, path: str, text: str) -> tuple[int, int]:
-    match = _IDENT.fullmatch(text)
+def _ident(idents: Idents, axis: str, path: str, text: str) -> tuple[int, int]:
+    match = re.fullmatch(idents.pattern, text)
     if match is None:
         raise UserError(
-            f"axis {axis}: {path} is no object of a CANopen drive",
-            value=text,
-            allowed="index and sub-index as in 6072_00",
+            f"axis {axis}: {path} is no {idents.what}", value=text, allowed=idents.allowed
         )
-    return int(match["index"], 16), int(match["sub"], 16)
+    index_base, sub_base = idents.bases
+    return int(match["index"], index_base), int(match["sub"] or "0", sub_base)
 
 
 def _number(axis: str, path: str, text: str) -> int:
