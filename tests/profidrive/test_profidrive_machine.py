@@ -156,11 +156,6 @@ def test_a_gain_of_the_cnc_has_the_limit_of_its_dead_cycle() -> None:
         settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=100000")
 
 
-def test_drive_functions_are_refused_by_name() -> None:
-    with pytest.raises(UserError, match=r"parameter channel\), which is not built"):
-        settings_of("set:Z.antr.function[0].id=X")
-
-
 @pytest.mark.long
 def test_a_plant_that_takes_no_speed_is_refused(tmp_path: Path) -> None:
     (tmp_path / "own.nc").write_text(SHORT, encoding="utf-8")

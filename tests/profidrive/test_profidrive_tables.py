@@ -113,7 +113,7 @@ def test_speeds_are_shares_of_the_base_speed() -> None:
 
 
 def counted(values: list[int], limit: int = 1) -> tuple[list[int], list[bool]]:
-    life, counters, lost = SignOfLife(limit), [], []
+    life, counters, lost = SignOfLife(lambda: limit), [], []
     for value in values:
         life.take(value)
         counters.append(life.counter)
@@ -158,7 +158,7 @@ def probe() -> Probe:
 
 @pytest.fixture
 def interface(probe: Probe) -> EncoderInterface:
-    return EncoderInterface(probe, has_input=True)
+    return EncoderInterface(probe, has_input=lambda: True)
 
 
 def test_a_value_is_shown_by_the_command_to_read_alone(
@@ -243,7 +243,7 @@ def test_abort_drops_function_and_value(interface: EncoderInterface, probe: Prob
 
 
 def test_without_p0660_a_function_waits_for_ever(probe: Probe) -> None:
-    interface = EncoderInterface(probe, has_input=False)
+    interface = EncoderInterface(probe, has_input=lambda: False)
     probe.inputs = 1
     interface.command(POS | ACTIVATE | FLYING)
     assert (interface.status(), interface.function()) == (POS, 0)

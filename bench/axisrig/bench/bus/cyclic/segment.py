@@ -24,12 +24,16 @@ _HEAD: Final = Struct("<qHH")
 
 @dataclass(frozen=True)
 class Instants:
-    """Of a cycle. input_ns: T_I, before its begin. bus_ns: T_DX, output_ns: T_O, after it."""
+    """Of a cycle. input_ns: T_I, before its begin. bus_ns: T_DX, output_ns: T_O, after it.
+
+    request_ns: from a request beside the cycle to its response.
+    """
 
     period_ns: TimeNs
     input_ns: TimeNs = 0
     bus_ns: TimeNs = 0
     output_ns: TimeNs = 0
+    request_ns: TimeNs = 0
 
 
 class ImageNode(Protocol):
@@ -51,6 +55,7 @@ class ImageNode(Protocol):
 
 
 Received = Callable[[str, bytes], None]
+Answer = Callable[[bytes], bytes]
 Losses = Callable[[str], bool]
 
 
@@ -101,6 +106,22 @@ class CyclicSegment:
     def _cycle(self) -> None:
         for node in self._nodes.values():
             node.cycle()
+
+    def ask(self, answer: Answer, request: bytes, done: Callable[[bytes], None]) -> None:
+        """Bring a request beside the cycle to a drive, and its response back.
+
+        answer: of the drive, asked at half the time; an empty response is none.
+        """
+        clock, way_ns = self._clock, self._at.request_ns // 2
+        back_ns = clock.now_ns + self._at.request_ns
+
+        def at_drive() -> None:
+            response = answer(request)
+            self._hash.update(_HEAD.pack(clock.now_ns, len(request), len(response)))
+            self._hash.update(request + response)
+            clock.call_at(back_ns, Phase.DELIVERY, lambda: done(response))
+
+        clock.call_at(clock.now_ns + way_ns, Phase.APPLICATION, at_drive)
 
     def hexdigest(self) -> str:
         """Return a hash of all images, as they were swapped: instant, lengths, contents."""

@@ -7,6 +7,7 @@ Source: SINAMICS S120 4-113, SIMODRIVE 611 universal p. 248, MASTERDRIVES MC 8.2
 (docs/profidrive.md).
 """
 
+from collections.abc import Callable
 from typing import Final, Protocol
 
 from axisrig.bench.drive.profidrive.tables import (
@@ -54,7 +55,7 @@ class EncoderInterface:
     states: of functions 1 and 2. state: of the interface. values: latched at the edges of both.
     """
 
-    def __init__(self, probe: ProbePort, *, has_input: bool) -> None:
+    def __init__(self, probe: ProbePort, *, has_input: Callable[[], bool]) -> None:
         self._probe, self._has_input = probe, has_input
         self.states = [_OFF, _OFF]
         self.state = InterfaceState.READY
@@ -128,7 +129,7 @@ class EncoderInterface:
 
     def function(self) -> int:
         """Return what the touch probe unit has to do, as 60B8 says it."""
-        if not self._has_input:
+        if not self._has_input():
             return 0
         word = sum(
             edge for state, edge in zip(self.states, _EDGES, strict=True) if state is _ACTIVE
@@ -143,7 +144,7 @@ class EncoderInterface:
                 word |= 1 << number
             elif state is not _OFF:
                 word |= 1 << number + words.VALUE_SHIFT
-        if self._has_input and self._probe.inputs & 1:
+        if self._has_input() and self._probe.inputs & 1:
             word |= words.DEFLECTED[0]
         return word
 

@@ -4,14 +4,16 @@ Source: Kollmorgen AKD2G help: 10 up for a wrong one, 1 down for a right one and
 fault above 10 times P0925.
 """
 
+from collections.abc import Callable
+
 from axisrig.kernel.profiles.profidrive.words import LIFE_RIGHT, LIFE_WRONG, next_life
 
 
 class SignOfLife:
     """Counts. limit: P0925, wrong ones in a row that are tolerated. is_lost: a fault is due."""
 
-    def __init__(self, limit: int) -> None:
-        self._most = LIFE_WRONG * limit
+    def __init__(self, limit: Callable[[], int]) -> None:
+        self._limit = limit
         self.counter = 0
         self._last = 0
 
@@ -33,4 +35,4 @@ class SignOfLife:
     @property
     def is_lost(self) -> bool:
         """Whether the counter is above 10 times P0925."""
-        return self.counter > self._most
+        return self.counter > LIFE_WRONG * self._limit()

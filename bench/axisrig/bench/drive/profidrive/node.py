@@ -12,6 +12,7 @@ from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.drive.profidrive import front
 from axisrig.bench.drive.profidrive.encoder import EncoderInterface
 from axisrig.bench.drive.profidrive.life import SignOfLife
+from axisrig.bench.drive.profidrive.parameters import DriveParameters
 from axisrig.bench.drive.profidrive.profile import ProfidriveProfile
 from axisrig.bench.drive.profidrive.speed import SPEED_MODE, SpeedMode
 from axisrig.kernel.profiles.cia402.ds402 import State
@@ -23,7 +24,7 @@ LIFE_REGISTER: Final = 1 << 4
 """Code and bit of the fault that the drive makes of a lost sign of life."""
 _STOPS: Final = {"mode": SPEED_MODE, "shutdown_option": 1, "disable_option": 0}
 """OFF1 stops by a ramp; taking away the enable bit takes the torque at once."""
-_OUTPUT_WORDS: Final = ("STW1", "NSOLL_B", "STW2", "G1_STW", "XERR", "KPC")
+_OUTPUT_WORDS: Final = ("STW1", "NSOLL_B", "STW2", "G1_STW", "XERR", "KPC", "MOMRED")
 
 
 class ProfidriveDrive(Cia402Node):
@@ -69,14 +70,16 @@ class ProfidriveDrive(Cia402Node):
         self.speed = SpeedMode(servo.mode.parts)
         servo.modes[SPEED_MODE] = self.speed
         servo.power_on.own.update(_STOPS)
+        self.parameters = DriveParameters(profidrive)
         servo.watch(frozenset({"second_position"} if telegram.has_second else ()))
         self.encoder = EncoderInterface(
-            servo.touch_probe, has_input=profidrive.p0660 == words.PROBE_AT_INPUT
+            servo.touch_probe, has_input=lambda: self.parameters.values[660] == words.PROBE_AT_INPUT
         )
-        self.life = SignOfLife(profidrive.p0925)
+        self.life = SignOfLife(lambda: self.parameters.values[925])
         self.inputs = b""
         self._outputs: bytes | None = None
         self._control = self._encoder_control = self._own_life = self._heard = 0
+        self._reduction = 0
         self._sampled_m = self._sent_m = self._sent_before_m = 0.0
         clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
 
@@ -85,6 +88,8 @@ class ProfidriveDrive(Cia402Node):
         self.life.reset()
         self._outputs = None
         self._control = self._encoder_control = self._own_life = self._heard = 0
+        self._reduction = 0
+        self.parameters.reset()
         self.servo.reset(self._clock.now_ns)
         self.servo.update()
         self.sample()
@@ -133,6 +138,10 @@ class ProfidriveDrive(Cia402Node):
         self._sent_before_m, self._sent_m = self._sent_m, self._sampled_m
         return self.inputs
 
+    def answer(self, request: bytes) -> bytes:
+        """Return the response to a request for a parameter; empty without power."""
+        return self.parameters.answer(request) if self.is_on else b""
+
     def cycle(self) -> None:
         """Take the set values that have come: one cycle of the drive."""
         if not self.is_on:
@@ -152,15 +161,18 @@ class ProfidriveDrive(Cia402Node):
         if image.controlword == front.RESET:
             self.life.reset()
         image.probe_function = self.encoder.function()
+        image.max_torque = self.parameters.torque_limit(self._reduction)
         servo.cycle(now_ns)
 
     def _take(self, data: bytes) -> None:
         values = (*self._out.unpack(data), 0)
-        control, speed, second, encoder, deviation, gain = (values[place] for place in self._places)
+        control, speed, second, encoder, deviation, gain, reduction = (
+            values[place] for place in self._places
+        )
         self._heard = (second >> words.LIFE_SHIFT) & words.LIFE_VALUES
         if not control & words.BY_CONTROL:
             return
-        self._control, self._encoder_control = control, encoder
+        self._control, self._encoder_control, self._reduction = control, encoder, reduction
         mode, metres = self.speed, self.servo.scaling.metres
         mode.speed_m_s = speed * self._speed_m_s
         mode.deviation_m = metres(deviation)

@@ -12,7 +12,9 @@ class ProfidriveProfile:
     """One drive. drive: its axis, inputs and encoder, whose increments are those of G1_XIST1.
 
     p0660: function of the fast input. p0880_rpm: what speeds are shares of. p0925: wrong signs of
-    life that are tolerated. absolute_shift: P1043 less P1042, of the absolute position.
+    life that are tolerated. p1042: fine bits of G1_XIST1. p1230: torque limit in 0.1 % of the rated
+    torque. p0881: torque reduction in 1 % at MOMRED = 16384. absolute_shift: P1043 less P1042, of
+    the absolute position.
     """
 
     drive: DriveProfile
@@ -20,6 +22,9 @@ class ProfidriveProfile:
     p0660: int
     p0880_rpm: int
     p0925: int
+    p1042: int = 11
+    p1230: int = 1000
+    p0881: int = 100
     absolute_shift: int = 0
 
     @property

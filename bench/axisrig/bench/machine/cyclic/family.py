@@ -1,6 +1,7 @@
 """Drives on cyclic segments in a machine."""
 
 import hashlib
+from collections.abc import Sequence
 from functools import partial
 
 from axisrig.bench.bus.cyclic.segment import CyclicSegment
@@ -9,9 +10,11 @@ from axisrig.bench.machine.cyclic.profidrive_drive import ProfidriveEnds
 from axisrig.bench.machine.families import Bench, Installed
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.rig.cyclic.members import axes_on, cyclic_axes, cyclic_segments, instants_of
+from axisrig.kernel.drives.accesses import AccessesByAxis
 from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier
-from axisrig.kernel.drives.interface import DriveStart, DriveWatch
+from axisrig.kernel.drives.interface import DriveAccesses, DriveStart, DriveWatch
 from axisrig.kernel.drives.power import Power
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import TimeNs
 
@@ -61,6 +64,21 @@ class CyclicSegments(Installed):
     def _note_state(self, axis: str, state: State) -> None:
         now_ns = self._bench.scheduler.now_ns
         self.states[axis].append(DriveState(now_ns, state.name, state in _TROUBLE))
+
+    def functions(self) -> DriveAccesses | None:
+        """Return what #DRIVE acts on."""
+        by_axis = {}
+        for axis, ends in self.ends.items():
+            segment = self.segments[self._bench.settings.rig.axis[axis].segment]
+            accesses = ends.accesses(segment.ask)
+            if accesses is not None:
+                by_axis[axis] = accesses
+        return AccessesByAxis(by_axis) if by_axis else None
+
+    @property
+    def warnings(self) -> Sequence[Alarm]:
+        """Limits of drive functions that were corrected."""
+        return [alarm for ends in self.ends.values() for alarm in ends.warnings]
 
     def watch(self, axis: str) -> DriveWatch:
         """Make the watch over one drive."""

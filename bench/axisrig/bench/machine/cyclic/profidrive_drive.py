@@ -1,7 +1,9 @@
 """Both ends of a PROFIdrive drive on a cyclic segment."""
 
+from functools import partial
+
 from axisrig.bench.drive.profidrive.node import ProfidriveDrive as VirtualProfidrive
-from axisrig.bench.machine.cyclic.ends import ImageEnds, Plugged
+from axisrig.bench.machine.cyclic.ends import Ask, ImageEnds, Plugged
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.rig.cyclic.members import phases_of
 from axisrig.bench.rig.loop import feed_forward
@@ -11,8 +13,15 @@ from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.cyclic.carrier import CyclicStart, ImagePort
-from axisrig.kernel.drives.interface import DriveStart, DriveWatch
+from axisrig.kernel.drives.functions import read_functions
+from axisrig.kernel.drives.interface import DriveAccesses, DriveStart, DriveWatch
 from axisrig.kernel.drives.profidrive.link import ProfidriveDrive
+from axisrig.kernel.drives.profidrive.parameter_channel import (
+    NUMBERS,
+    ParameterChannel,
+    ParameterWay,
+    ProfidriveAccesses,
+)
 from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
 from axisrig.kernel.drives.profidrive.watch import ProfidriveWatch
 from axisrig.kernel.profiles.control_kind import ControlKind
@@ -58,6 +67,13 @@ class ProfidriveEnds(ImageEnds):
             Telegram("outputs", 1, made.telegram.to_drive),
             Telegram("inputs", 1, made.telegram.from_drive),
         ]
+
+        self._functions, self.warnings = read_functions(axis, settings.axis[axis], NUMBERS)
+
+    def accesses(self, ask: Ask) -> DriveAccesses:
+        """Return what #DRIVE acts on: parameters."""
+        channel = ParameterChannel(partial(ask, self.node.answer))
+        return ProfidriveAccesses({self.link.name: ParameterWay(channel, self._functions)})
 
     def watch(self) -> DriveWatch:
         """Make the watch over the drive."""

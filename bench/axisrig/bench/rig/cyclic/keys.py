@@ -21,13 +21,14 @@ class SegmentTable(SegmentKeys):
 
     input_us: the drives sample so long before a cycle begins (T_I). bus_us: the images have been
     swapped so long after its begin (T_DX). output_us: the drives take their set values so long
-    after it (T_O).
+    after it (T_O). request_us: from a request beside the cycle to its response.
     """
 
     carrier: Literal["cyclic"]
     input_us: Microseconds = 0.0
     bus_us: Microseconds = 0.0
     output_us: Microseconds = 0.0
+    request_us: Annotated[float, BeforeValidator(_cell), Field(ge=2, le=1_000_000)] = 10_000.0
 
     def ns(self, key: str) -> TimeNs:
         """Return one of the instants in ns."""

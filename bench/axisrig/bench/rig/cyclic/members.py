@@ -33,6 +33,7 @@ def instants_of(settings: Settings, segment: str) -> Instants:
         table.ns("input_us"),
         table.ns("bus_us"),
         table.ns("output_us"),
+        table.ns("request_us"),
     )
 
 

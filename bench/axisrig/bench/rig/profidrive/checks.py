@@ -14,8 +14,12 @@ from axisrig.bench.rig.profidrive.members import drive_of
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.functions import read_functions
+from axisrig.kernel.drives.profidrive.parameter_channel import NUMBERS
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import Origin
 from axisrig.kernel.parameters.signal_sources import SOURCES
+from axisrig.kernel.profiles.profidrive.parameters import parameters as known_parameters
 from axisrig.kernel.profiles.profidrive.words import PROBE_AT_INPUT
 from axisrig.kernel.time.clock import TimeNs
 
@@ -46,15 +50,38 @@ def check_profidrive(settings: Settings, name: str, way_ns: TimeNs) -> None:
             value=drive_input(parameters),
             allowed="1",
         )
-    functions = [path for path, _ in parameters.items() if path.startswith("antr.function[")]
-    if functions:
-        raise (parameters.origin(functions[0]) or Origin(functions[0])).error(
-            f"axis {name}: #DRIVE writes to parameters of PROFIdrive drives (parameter channel),"
-            " which is not built",
-            hint="leave antr.function out of the list",
-        )
+    _check_functions(settings, name)
     if wrong_mode(settings, name) is None:
         check_loop(settings, name, way_ns)
+
+
+def _check_functions(settings: Settings, name: str) -> None:
+    """Refuse drive functions of parameters that the drive does not have, or not so."""
+    known = known_parameters()
+    functions, _ = read_functions(name, settings.axis[name], NUMBERS)
+    for function in functions.values():
+        where = f"axis {name}: drive function {function.key}"
+        if function.communication == "CYCLIC":
+            raise UserError(
+                f"{where}: no word of the telegram is known to carry it (P-AXIS-00397)",
+                value=function.communication,
+                allowed="ACYCLIC, IGNORE",
+            )
+        for number in (function.index, function.read_index):
+            found = known.get(number)
+            if found is None:
+                raise UserError(
+                    f"{where}: the drive has no such parameter (P-AXIS-00398)",
+                    value=number,
+                    allowed=", ".join(map(str, known)),
+                )
+            data_type = f"{'SGN' if found.is_signed else 'UNS'}{found.bits:02d}"
+            if function.data_type != data_type:
+                raise UserError(
+                    f"{where}: parameter {number} has another data type (P-AXIS-00399)",
+                    value=function.data_type,
+                    allowed=data_type,
+                )
 
 
 def _check_fine_bits(settings: Settings, name: str) -> None:

@@ -32,7 +32,8 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     telegram: its number. lines: of the encoder per turn; p1042, p1043: fine bits of a line in
     G1_XIST1 with measured values, and of the absolute position. p0660: function of the fast input.
     p0880: speed in rpm that NSOLL_B is a share of. p0925: wrong signs of life that the drive
-    tolerates. speed_loop_us: time of its speed loop. missing_cycles: how often in a row its
+    tolerates. p1230: torque limit in 0.1 % of the rated torque; p0881: its reduction in 1 % at
+    MOMRED = 16384. speed_loop_us: time of its speed loop. missing_cycles: how often in a row its
     telegram may stay out. position_check: it is led only from a position that its absolute position
     gives too. as_canopen: a run may set it (`--as-canopen`), and has the usual drive with the same
     axis then.
@@ -46,6 +47,8 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     p0660: Annotated[int, Field(ge=0, le=255)] = 0
     p0880: Annotated[int, Field(ge=1, le=100_000)] = 16_384
     p0925: Annotated[int, Field(ge=0, le=65_535)] = 1
+    p1230: Annotated[int, Field(ge=50, le=9000)] = 1000
+    p0881: Annotated[int, Field(ge=0, le=1000)] = 100
     speed_loop_us: Annotated[float, Field(ge=0, le=1_000_000)] = 0.0
     missing_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
     jump_factor: Annotated[float, Field(ge=0, le=1000)] = 2.0
@@ -104,6 +107,9 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
             self.p0660,
             self.p0880,
             self.p0925,
+            self.p1042,
+            self.p1230,
+            self.p0881,
             self.p1043 - self.p1042,
         )
 
