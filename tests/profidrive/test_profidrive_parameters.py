@@ -14,7 +14,7 @@ from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.profidrive.members import drive_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
-from axisrig.kernel.drives.function_accesses import AccessError
+from axisrig.kernel.drives.functions import AccessError
 from axisrig.kernel.drives.profidrive.parameter_channel import ParameterChannel
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program

@@ -8,16 +8,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 from axisrig.kernel.drives.accesses import AnsweredAccesses
-from axisrig.kernel.drives.functions import DriveFunction, Functions
+from axisrig.kernel.drives.functions import AccessError, DriveFunction, Functions
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-
-
-class AccessError(Exception):
-    """A value could not be read or written. target: what was addressed, as messages name it."""
-
-    target: str = ""
-
 
 Answered = Callable[[bytes | AccessError], None]
 """Takes the data of a value (empty after a write) or the reason why there are none."""

@@ -18,6 +18,12 @@ NOT_USED: Final = "NOT_USED"
 _WHOLE = 1e-9
 
 
+class AccessError(Exception):
+    """A value could not be read or written. target: what was addressed, as messages name it."""
+
+    target: str = ""
+
+
 class Idents(NamedTuple):
     """How a list names what a function writes (P-AXIS-00398).
 

@@ -5,7 +5,7 @@ Source: CiA 301 section 7.2.4, which CAN and the mailbox of EtherCAT (CoE) share
 
 from collections.abc import Callable
 
-from axisrig.kernel.drives.function_accesses import AccessError
+from axisrig.kernel.drives.functions import AccessError
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 
 

@@ -8,8 +8,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
-from axisrig.kernel.drives.function_accesses import AccessError, Answered, FunctionAccesses
-from axisrig.kernel.drives.functions import Functions, Idents
+from axisrig.kernel.drives.function_accesses import Answered, FunctionAccesses
+from axisrig.kernel.drives.functions import AccessError, Functions, Idents
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.profiles.profidrive import parameters as words
