@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
@@ -20,7 +21,7 @@ from axisrig.bench.judge.observed.observed import KEPT_BYTES, Columns, Observed
 from axisrig.bench.judge.topics import TOPICS
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.record.axes import AxisRecord
-from axisrig.bench.record.series import Series, SeriesWriter, column_of
+from axisrig.bench.record.series import INPUTS, Series, SeriesWriter, column_of
 
 ROOT = Path(__file__).parents[2]
 MS = 1_000_000
@@ -97,6 +98,27 @@ def test_unbroken_times_do_not_end_with_a_block(values: list[int], size: int) ->
     told = unbroken(blocks)
     assert [time.value for time in told for _ in range(time.begin, time.end)] == values
     assert all(one.value != other.value for one, other in pairwise(told))
+
+
+@pytest.mark.parametrize("sizes", [[6], [3, 3], [1, 2, 3], [5, 1], [1] * 6])
+@pytest.mark.parametrize("row_later", [0, 1])
+def test_frames_between_two_instants_do_not_depend_on_blocks(
+    sizes: Sequence[int], row_later: int, tmp_path: Path
+) -> None:
+    """A frame ends 2 ns after each SYNC, and is in the row of this SYNC or of the next one."""
+    writer, begin = SeriesWriter(tmp_path / "a.parquet"), 0
+    for size in sizes:
+        row = np.arange(begin, begin + size, dtype=np.int64)
+        ends_ns = [[n * STEP_NS + 2] if n >= 0 else [] for n in row - row_later]
+        frames = pa.array(ends_ns, type=pa.list_(pa.int64()))
+        writer.add({"time_ns": column_of(row * STEP_NS), f"{INPUTS}_frame_ns": frames})
+        begin += size
+    observed = Observed(facts(), writer.close())
+    every_ns = [n * STEP_NS + 2 for n in range(6 - row_later)]
+    for first_ns in range(-1, 18):
+        for last_ns in range(first_ns, 18):
+            found = observed.frame_ends_ns(INPUTS, first_ns, last_ns)
+            assert found.tolist() == [n for n in every_ns if first_ns <= n <= last_ns]
 
 
 def test_what_is_kept_of_a_long_run_does_not_grow(tmp_path: Path) -> None:

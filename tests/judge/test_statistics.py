@@ -282,6 +282,24 @@ def test_a_metric_of_a_measurement_run_is_asked_of_each_of_them() -> None:
     assert len(values_of(observed, "mean(duration_s)")) == 1
 
 
+@pytest.mark.parametrize(("axis", "ends_ns"), [("Z", [1, 2, 3]), ("Z2", [1, 3]), ("X", [2, 3])])
+def test_a_stop_counts_for_every_axis_that_takes_part_in_it(axis: str, ends_ns: list[int]) -> None:
+    """Z measures in each; its slave is held in the first and the last, X from the second on."""
+    taking_part = ("Z", "Z2"), ("Z", "X"), ("Z", "X", "Z2")
+    runs = tuple(
+        MeasurementRun("N1", ("Z",), {"Z": 1}, end_ns=end_ns, fixed_stop=FixedStop({}, axes=axes))
+        for end_ns, axes in enumerate(taking_part, start=1)
+    )
+    observed = Observed(facts(runs=runs), kept(pa.table({"time_ns": np.arange(4) * MS})))
+
+    def last(part: Observed, _check: Check) -> Observation:
+        return Observation(part.facts.runs[-1].end_ns)
+
+    found = readings(observed, asked(f"mean(stop_force_n:{axis})"), last)
+    assert [reading.metric.value for reading in found] == ends_ns
+    assert [reading.touch for reading in found] == list(range(1, len(ends_ns) + 1))
+
+
 def test_of_a_series_of_stops_each_is_looked_at_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not every one before it once more: 50 stops would cost as much as 1275."""
     made: list[int] = []

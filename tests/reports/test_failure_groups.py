@@ -87,6 +87,14 @@ def test_both_sides_other_metrics_and_other_cases_are_cards_of_their_own(tmp_pat
     assert [group.worst.run for group in groups] == ["r1", "r5", "r6"]
 
 
+def test_a_card_draws_the_limit_that_was_broken_and_not_the_other_one(tmp_path: Path) -> None:
+    """Below -1 at A = 0 and 1, above 1 from 3 on: each card has the limit of its own side."""
+    rows = [("c", str(a), "1", value) for a, value in enumerate((-2.0, -3.0, 0.0, 2.0, 3.0, 4.0))]
+    below, above = cards(written(tmp_path, rows))
+    assert ("\u2265 -1" in below, "\u2264 1" in below) == (True, False)
+    assert ("\u2265 -1" in above, "\u2264 1" in above) == (False, True)
+
+
 def test_what_else_failed_is_counted(tmp_path: Path) -> None:
     rows = [("c", str(a), "1", 2.0 + a) for a in range(3)]
     (card,) = cards(written(tmp_path, rows, more="inconclusive"))

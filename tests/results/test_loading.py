@@ -183,6 +183,7 @@ def test_sql_asks_all_tables(
 
 OUTSIDE = [
     "create table t as pivot cases on verdict using count(*)",
+    "with c as (pivot cases on verdict using count(*)) insert into cases select * from c",
     "select * from read_csv('{place}/secret.csv')", "load httpfs", "select 1;select 1", "",
     "copy (select 1) to '{trace}' (use_tmp_file false)", "select * from results",
     "set enable_external_access = true", "explain analyze copy (select 1) to '{place}/new.csv'",
@@ -193,7 +194,7 @@ OUTSIDE = [
 ]  # fmt: skip
 
 
-@pytest.mark.long(but=8)
+@pytest.mark.long(but=9)
 @pytest.mark.parametrize("sql", OUTSIDE)
 def test_a_query_reads_the_folder_and_nothing_else(
     folder_of_results: Path, monkeypatch: pytest.MonkeyPatch, sql: str
@@ -219,6 +220,9 @@ def test_a_query_reads_the_folder_and_nothing_else(
     [
         ("from cases", 2), ("describe checks", 14), ("with c as (from cases) select * from c;", 2),
         ("pivot cases on verdict using count(*) group by plan", 1), ("select 1 -- ;", 1),
+        ("Pivot_Wider cases on verdict using count(*) group by plan; -- done", 1),
+        ("with c as (pivot cases on verdict using count(*) group by plan) select * from c", 1),
+        ("-- as columns\n(pivot cases on verdict using count(*) group by plan)", 1),
     ],
 )  # fmt: skip
 def test_a_query_in_any_form_of_a_selection(folder_of_results: Path, sql: str, rows: int) -> None:

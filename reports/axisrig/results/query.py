@@ -1,6 +1,7 @@
 """`axisrig query`: SQL over a results folder, and over nothing else."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ def query(results: Results, sql: str) -> pd.DataFrame:
         for text in _SHUT:
             connection.execute(text)
         try:
-            _refuse_others(connection.extract_statements(sql), duckdb.StatementType)
+            _refuse_others(connection.extract_statements, sql, duckdb)
             if files:
                 connection.execute(
                     "create view signals as select parse_filename(filename, true) as run,"
@@ -61,20 +62,20 @@ def _quoted(text: str) -> str:
     return "'" + text.replace("'", "''") + "'"
 
 
-def _refuse_others(statements: Sequence[Any], kinds: Any) -> None:
+def _refuse_others(parse: Callable[[str], Sequence[Any]], sql: str, duckdb: Any) -> None:
     """Raise UserError unless there is one statement, which selects.
 
-    A PIVOT looks for the values first: DuckDB 1 makes two statements without a text of it, DuckDB 2
-    one of the kind MULTI.
+    parse: cuts a text into statements. A PIVOT looks for the values first: DuckDB 1 makes two
+    statements without a text of it, DuckDB 2 one of the kind MULTI, whatever the whole does. What
+    selects can stand in brackets as a table, and nothing else can.
     """
+    statements, kinds = parse(sql), duckdb.StatementType
     texts = [statement.query for statement in statements if statement.query]
-    selects = bool(statements) and (
-        statements[-1].type == kinds.SELECT
-        or (
-            statements[-1].type == getattr(kinds, "MULTI", None)
-            and texts[-1].split(maxsplit=1)[0].lower() in ("pivot", "select", "from")
-        )
-    )
+    selects = bool(statements) and statements[-1].type == kinds.SELECT
+    if len(texts) == 1 and not selects and statements[-1].type == getattr(kinds, "MULTI", None):
+        for text in (texts[0], texts[0].rpartition(";")[0]):
+            with suppress(duckdb.Error):
+                selects = selects or len(parse(f"from (\n{text}\n)")) == 1
     if len(texts) > 1 or not selects:
         raise UserError(
             "a query is one statement that selects",
