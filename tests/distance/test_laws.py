@@ -226,12 +226,15 @@ def test_a_sensor_that_counts_with_the_motor_runs_away(
 
 @pytest.mark.parametrize("between", [(DistanceCommand.OFF,), (DistanceCommand.FREEZE,)])
 @pytest.mark.parametrize("start", [constant, surface])
-def test_a_second_on_begins_with_an_empty_integral(
-    make_loop: Make, start: Any, between: Any
+@pytest.mark.parametrize("tv_s", [0.0, T / 2])
+def test_a_second_on_begins_with_an_empty_integral_and_nothing_before(
+    make_loop: Make, start: Any, between: Any, tv_s: float
 ) -> None:
-    """A ramp fills the sum; the first step of the next ON is kp e (1 + T/Tn)."""
-    kp, tn_s = 0.2, 0.02
-    loop = start(make_loop(lambda k: 0.01 * min(k, 200), kp=kp, tn_s=tn_s, max_deviation_mm=1e3))
+    """A ramp fills the sum; the first step of the next ON is kp e (1 + T/Tn), without a D part:
+    what it would look back on was measured before the control was off.
+    """
+    kp, tn_s, ramp = 0.2, 0.02, lambda k: 0.01 * min(k, 200)
+    loop = start(make_loop(ramp, kp=kp, tn_s=tn_s, tv_s=tv_s, max_deviation_mm=1e3))
     loop.run(200)
     assert loop.steps_mm[-1] == pytest.approx(0.01, abs=1e-6)  # the sum carries the ramp alone
     loop.say(*between).run(30).say(DistanceCommand.OFF).run(300)

@@ -184,6 +184,53 @@ def test_the_place_that_the_plant_has_noted_counts_before_one_between_two_syncs(
     assert found(observed)[1].value == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_of_several_noted_places_the_nearest_one_counts(turn: int) -> None:
+    """One of another edge, 0.8 us before, is 5 um off; that of the instant itself 0.5 um."""
+    at_ns = 10_400 * US
+    observed = left([(at_ns, True)], 12 * MS + CYCLE_NS, at_ns, source="PLC_TIMESTAMP")
+    rows = tuple(
+        EdgeTruth("probe", "Z", True, ns, None, None, ns, place_mm(ns) + mm, place_mm(ns) + mm)
+        for ns, mm in ((at_ns - 800, 0.005), (at_ns, -0.0005))[::turn]
+    )
+    noted = Observed(replace(observed.facts, edges=rows), observed.series)
+    assert found(noted)[1].value == pytest.approx(0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("true_ns", "true_ppm", "assumed_ns", "assumed_ppm"),
+    [(100 * US, 0.0, 60 * US, 0.0), (0, 400.0, 0, -100.0), (-30 * US, 50.0, 10 * US, 50.0)],
+)
+def test_a_stamp_is_believed_by_what_the_cnc_assumes_of_the_clock(
+    true_ns: int, true_ppm: float, assumed_ns: int, assumed_ppm: float
+) -> None:
+    """The terminal shows t + offset + drift t; the CNC takes its own offset and drift out again."""
+    edge_ns = 10_400 * US
+    shown_ns = edge_ns * (1.0 + true_ppm * 1e-6) + true_ns
+    believed_ns = round((shown_ns - assumed_ns) / (1.0 + assumed_ppm * 1e-6))
+    task = replace(
+        TASK,
+        clock_offset_ns=true_ns,
+        clock_drift_ppm=true_ppm,
+        assumed_offset_ns=assumed_ns,
+        assumed_drift_ppm=assumed_ppm,
+    )
+    cycle_ns = 12 * MS + CYCLE_NS
+    observed = left([(edge_ns, True)], cycle_ns, believed_ns, task=task, source="PLC_TIMESTAMP")
+    assert found(observed)[1].value == pytest.approx(0.0, abs=2e-5)  # 10 mm/s in 2 ns
+
+
+def test_what_a_latch_is_believed_within_counts_in_micrometres() -> None:
+    """0.25 mm are 250 um."""
+    edges = [(10_280 * US, True)]
+    observed = left(edges, 10 * MS + CYCLE_NS, 10 * MS + SYNC_NS)
+    (run,) = observed.facts.runs
+    doubted = replace(observed.facts, runs=(replace(run, doubt_mm={"Z": 0.25}),))
+    sure, unsure = found(observed)[1], found(Observed(doubted, observed.series))[1]
+    assert unsure.uncertainty - sure.uncertainty == pytest.approx(250.0)
+    assert "unproved: believed within 0.25 mm" in unsure.note
+
+
 def test_external_hardware_keeps_what_it_has_seen_for_a_slow_cnc() -> None:
     """PLC each 0.5 ms, CNC each 3 ms: on for 0.6 ms only. The CNC has it by the latch alone."""
     task = replace(TASK, period_ns=MS // 2, offset_ns=0, terminal_ns=MS // 2, terminal_offset_ns=0)

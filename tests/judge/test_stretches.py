@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.distance.control_stretches import Stretch, _by_law, is_disturbed
+from axisrig.bench.judge.distance.control_stretches import Stretch, _by_law, is_disturbed, steady
 from axisrig.bench.judge.distance.times import Unbroken
 from axisrig.bench.judge.distance.truth import ACTIVE
 from axisrig.bench.oracles.distance.acting import Acting
@@ -72,3 +72,36 @@ def test_a_part_is_disturbed_by_its_own_set_value_and_by_a_hold(mode: str) -> No
     assert is_disturbed(truth, part).tolist() == [
         *(False, False, False, True, False, True, False),
     ]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_steady_part_is_where_the_surface_moves_up_or_down_however_long_it_rests(
+    sign: int, turn: int
+) -> None:
+    """Rest for 60 cycles, 0.01 mm in each of 30 after or before it: the shorter part counts."""
+    steps_mm = np.concatenate([np.zeros(60), np.full(30, sign * 0.01)])[::turn]
+    still = np.zeros(len(steps_mm) + 1)
+
+    class Part:
+        surface_mm = np.concatenate([[0.0], np.cumsum(steps_mm)])
+
+        def wanted_mm(self, _column: str) -> Any:
+            return still
+
+        def __getitem__(self, _column: str) -> Any:
+            return still
+
+    laws = [Acting(0, ONE, False, True)]  # type: ignore[arg-type]
+    truth: Any = SimpleNamespace(
+        has_surface=True,
+        period_s=1e-3,
+        states=[Unbroken(0, 91, ACTIVE)],
+        acting=laws,
+        acting_in=lambda _row: laws[0],
+        mode_in=lambda _state, _listed: "SET_POS",
+        gathered=lambda made, rows: made(Part())[rows],
+    )
+    part, speed_mm_s = steady(truth)
+    assert speed_mm_s == pytest.approx(sign * 10.0)
+    assert 28 <= part.end - part.begin <= 30

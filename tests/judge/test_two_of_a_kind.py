@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -161,6 +162,25 @@ def test_a_latch_that_nothing_proves_is_known_as_far_as_it_is_believed() -> None
         assert "unproved" in other.note
         assert "unproved" not in one.note
     assert seen(proved, "latch_error_um:Z").value == pytest.approx(0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("of_run", "doubt_mm"), [(None, 0.25), ({}, 0.0), ({"Z": 0.125}, 0.125), ({"X": 0.125}, 0.0)]
+)
+def test_a_latch_of_a_run_has_the_doubt_of_this_run(
+    of_run: dict[str, float] | None, doubt_mm: float
+) -> None:
+    """Nothing proved another latch of the axis, to 0.25 mm; a recording without doubts of its runs
+    has no more than that.
+    """
+    observed = _touched(doubt_mm=0.25, unproved_latches=1)
+    (run,) = observed.facts.runs
+    observed = Observed(
+        replace(observed.facts, runs=(replace(run, doubt_mm=of_run),)), observed.series
+    )
+    found, proved = seen(observed, "latch_mm:Z"), seen(_touched(), "latch_mm:Z")
+    assert found.uncertainty - proved.uncertainty == pytest.approx(doubt_mm)
+    assert ("unproved" in found.note) is bool(doubt_mm)
 
 
 def test_a_number_printed_by_a_program_says_whose_latches_nothing_proves() -> None:
