@@ -1,4 +1,4 @@
-"""True motion inside a step: the fastest place of a cubic, and set positions that are on the way."""
+"""True motion inside a step: where a cubic is fastest, and set positions that are on the way."""
 
 import numpy as np
 import pyarrow as pa
