@@ -131,6 +131,55 @@ def in_turns(bench: ChannelBench, course: Callable[[int], Mapping[str, int]]) ->
     plc.join(PlcParticipant(turn))
 
 
+BESIDE = canon.IndependentMove(Block(1, 10, "N10"), "Z", 40.0, feed_mm_min=3000.0)
+ARRIVED = canon.WaitIndependent(Block(2, 20, "N20"), ("Z",))
+
+
+@pytest.mark.parametrize("is_beside", [False, True])
+@pytest.mark.parametrize("permille", [0, 300])
+def test_an_override_acts_in_the_cycle_in_which_the_plc_side_gives_it(
+    channel_bench: Make, words: Any, permille: int, is_beside: bool
+) -> None:
+    """At 50 mm/s: the way of this cycle is the first one with 1000 mm/s2, on the path or beside."""
+    bench = channel_bench(words.axis("Z", override_mode=OverrideMode.AXIS))
+    changed: list[int] = []
+
+    def course(cycle: int) -> Mapping[str, int]:
+        if cycle == 400:
+            changed.append(len(bench.samples))
+        return {"Z": permille if 400 <= cycle < 900 else 1000}
+
+    in_turns(bench, course)
+    commands = [BESIDE, ARRIVED] if is_beside else [words.move(1, 3000.0, Z=40.0)]
+    bench.run([*commands, canon.EndOfProgram(Block(99, 990, "N990 M30"))])
+    (at,) = changed
+    speeds = speeds_mm_s(bench, "Z")  # speeds[n]: from sample n to the next one
+    assert speeds[at - 2 : at + 1] == pytest.approx([50.0, 49.5, 48.5], abs=1e-5)
+    assert min(speeds[at : at + 300]) == pytest.approx(50.0 * permille / 1000, abs=1e-5)
+    assert bench.final_mm("Z") == 40.0
+
+
+@pytest.mark.parametrize("is_beside", [False, True])
+def test_a_motion_that_begins_at_override_0_waits_where_it_is(
+    channel_bench: Make, words: Any, is_beside: bool
+) -> None:
+    """Nothing moves in the first 300 cycles, by an increment; then with 50 % to the target."""
+    bench = channel_bench(words.axis("Z", override_mode=OverrideMode.AXIS))
+    until: list[int] = []
+
+    def course(cycle: int) -> Mapping[str, int]:
+        if cycle == 300:
+            until.append(len(bench.samples))
+        return {"Z": 0 if cycle < 300 else 500}
+
+    in_turns(bench, course)
+    commands = [BESIDE, ARRIVED] if is_beside else [words.move(1, 3000.0, Z=40.0)]
+    bench.run([*commands, canon.EndOfProgram(Block(99, 990, "N990 M30"))])
+    assert set(bench.set_mm("Z")[: until[0]]) == {0.0}
+    assert max(speeds_mm_s(bench, "Z")) == pytest.approx(25.0, abs=2e-6)
+    assert bench.final_mm("Z") == 40.0
+
+
 @pytest.mark.parametrize("name", ["", "Z"])
 def test_an_override_back_at_100_percent_is_taken_each_time(
     channel_bench: Make, words: Any, name: str

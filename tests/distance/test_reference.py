@@ -13,7 +13,7 @@ import pytest
 
 from axisrig.kernel.distance import DistanceCommand, Reading
 from axisrig.kernel.distance.control import STANDING_MAX
-from axisrig.kernel.distance.filters import FilterSettings, make_filter, memory_cycles
+from axisrig.kernel.distance.filters import FilterSettings, filter_kinds, make_filter, memory_cycles
 from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
@@ -50,6 +50,19 @@ def test_the_zero_has_the_noise_gain_of_exponential_weights(make_loop: Make) -> 
     gain = math.sqrt(float(np.sum((weights / weights.sum()) ** 2)))
     zeros = zeros_mm(make_loop, filter_type="EXPO_MEAN", n_cycles=20, smoothing_factor=0.2)
     assert np.std(zeros) == pytest.approx(NOISE_MM * gain, rel=0.14)
+
+
+@pytest.mark.parametrize("kind", sorted(filter_kinds()))
+def test_a_quiet_sensor_is_exactly_0_after_ref_whatever_the_filter(
+    make_loop: Make, kind: str
+) -> None:
+    """A filter has the gain 1, and what was before the first value was equal to it."""
+    control = make_loop(filter_type=kind, n_cycles=6).control
+    while not control.may_reference():
+        control.step(Reading(-GAP_MM, 0.0, 0.0))
+    control.reference(-GAP_MM)
+    control.step(Reading(-GAP_MM, 0.0, 0.0))
+    assert control.sensor_mm == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("count", [1, 4, 30])

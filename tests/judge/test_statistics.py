@@ -287,7 +287,7 @@ def test_a_stop_counts_for_every_axis_that_takes_part_in_it(axis: str, ends_ns: 
     """Z measures in each; its slave is held in the first and the last, X from the second on."""
     taking_part = ("Z", "Z2"), ("Z", "X"), ("Z", "X", "Z2")
     runs = tuple(
-        MeasurementRun("N1", ("Z",), {"Z": 1}, end_ns=end_ns, fixed_stop=FixedStop({}, axes=axes))
+        MeasurementRun(("Z",), inputs={"Z": 1}, end_ns=end_ns, fixed_stop=FixedStop({}, axes=axes))
         for end_ns, axes in enumerate(taking_part, start=1)
     )
     observed = Observed(facts(runs=runs), kept(pa.table({"time_ns": np.arange(4) * MS})))

@@ -70,6 +70,16 @@ def test_what_the_program_wrote_counts_before_the_list() -> None:
     assert _build([9], text, {(0, 9, 0): 300000}).forward((0, 0, 0, 0, 0))[2] == -130
 
 
+@pytest.mark.parametrize(("kinematic", "at"), [(9, 1), (45, 6), (45, 9)])
+def test_a_0_that_the_program_wrote_counts_before_the_list(kinematic: int, at: int) -> None:
+    arms = f"trafo[0].id {kinematic}\ntrafo[0].param[7] 4000000\ntrafo[0].param[8] 3000000"
+    pose, offset = (10.0, 20.0, 30.0, 40.0, 50.0, 60.0), f"{arms}\ntrafo[0].param[{at}] 200000"
+    own = _build([kinematic], offset, {(0, kinematic, at): 0.0})
+    pose = pose[: own.count]
+    assert own.forward(pose) == _build([kinematic], arms).forward(pose)
+    assert own.forward(pose) != _build([kinematic], offset).forward(pose)
+
+
 def test_a_kinematic_without_parameters_has_all_of_them_0() -> None:
     assert _build([9], tool_mm=0.0).forward((1, 2, 3, 4, 5)) == (1, 2, 3, 4, 5)
 

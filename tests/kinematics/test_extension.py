@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic, KinematicData, build
+from axisrig.kernel.kinematics.extension import ExtendedTool
 
 HD1_MM = 100.0
 
@@ -107,3 +108,6 @@ def test_where_the_tilt_passes_the_angles_of_98() -> None:
     assert [-40.0 + 120.0 * share for share in kinks] == pytest.approx([-30, 30, 60], abs=1e-9)
     assert _extended((HD1_MM, 90, 0, 91)).kinks(start, end) == ()
     assert _extended((HD1_MM, 30, 60, 91)).kinks(start, start) == ()
+    twice = ExtendedTool(_extended((HD1_MM, 30, 60, 91)), 0.0, 25.0, 35.0, 91.0)
+    both = [-40.0 + 120.0 * share for share in twice.kinks(start, end)]
+    assert both == pytest.approx([-35, -30, -25, 25, 30, 35, 60], abs=1e-9)  # of both steps

@@ -95,12 +95,43 @@ def test_a_card_draws_the_limit_that_was_broken_and_not_the_other_one(tmp_path: 
     assert ("\u2265 -1" in above, "\u2264 1" in above) == (False, True)
 
 
+TABLE = "plan,case,run,verdict,runs"
+ROWS = "plan,case,run,metric,value,lower,upper,verdict,note"
+
+
+@pytest.mark.parametrize(
+    ("other", "groups"),
+    [
+        ("p,c,b,fail,|-3,fail", [["a", "b"]]),
+        ("q,c,b,fail,|-3,fail", [["a"], ["b"]]),  # a case of another plan
+        ("p,d,b,fail,|-3,fail", [["a"], ["b"]]),
+        ("p,c,b,fail,4|-3,fail", [["a"], ["b"]]),  # a row about several runs is none of them
+        ("p,c,b,inconclusive,|-3,inconclusive", [["a"], ["b"]]),
+        ("p,c,b,fail,|3,fail", [["a"], ["b"]]),  # above its upper limit
+    ],
+)
+def test_runs_are_one_card_if_case_kind_verdict_and_side_are_the_same(
+    tmp_path: Path, other: str, groups: list[list[str]]
+) -> None:
+    of_case, _, of_check = other.partition("|")
+    value, _, verdict = of_check.partition(",")
+    plan, case, *_ = of_case.split(",")
+    cases = [TABLE, "p,c,a,fail,", of_case, "p,c,good,pass,", ""]
+    checks = [ROWS, "p,c,a,m,-2,-1,1,fail,", f"{plan},{case},b,m,{value},-1,1,{verdict},", ""]
+    (tmp_path / "cases.csv").write_text("\n".join(cases), encoding="utf-8")
+    (tmp_path / "results.csv").write_text("\n".join(checks), encoding="utf-8")
+    found = failure_groups(read_results(tmp_path))
+    assert sorted([run.run for run in group.runs] for group in found) == groups
+
+
 def test_what_else_failed_is_counted(tmp_path: Path) -> None:
     rows = [("c", str(a), "1", 2.0 + a) for a in range(3)]
     (card,) = cards(written(tmp_path, rows, more="inconclusive"))
     assert "in all 3 runs" in card
     assert "besides: n in 3" in card
     assert "where" not in card
+    (card,) = cards(written(tmp_path, rows, more="marginal"))  # it passed, near its limit
+    assert "besides" not in card
 
 
 def test_errors_that_differ_in_numbers_alone_are_equal(tmp_path: Path) -> None:

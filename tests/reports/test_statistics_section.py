@@ -1,12 +1,23 @@
 """Drawings of samples: what they show, and that they stay small."""
 
+import math
 import re
+from statistics import NormalDist, stdev
+from types import SimpleNamespace
+from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
+import pyarrow as pa
 import pytest
+from tests.recordings import facts
 
 from axisrig.bench.judge.statistics.summary import describe
-from axisrig.reports.statistics.drawings import DOTS, drawings
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.kernel.time.clock import MS
+from axisrig.reports.statistics.drawings import DOTS, HEIGHT, drawings
+from axisrig.reports.statistics.section import statistics_views
 
 VALUES = (0.4, 0.1, -0.2, 0.3, 0.0, 0.2)
 
@@ -36,6 +47,64 @@ def test_three_drawings_show_values_limits_and_mean() -> None:
     across = [x for x, _ in circles(normal)]
     assert across == sorted(across)
     assert order.get("aria-label", "").endswith('metric & "unit"')
+
+
+@pytest.mark.parametrize("limits", [(0.0, 1.0), (-1.0, 0.0), (0.0, None)])
+def test_a_limit_of_0_is_a_limit(limits: tuple[float | None, float | None]) -> None:
+    order, bars, _ = drawn(VALUES, *limits)
+    count = sum(limit is not None for limit in limits)
+    assert (lines(order, "st-limit"), lines(bars, "st-limit")) == (count, count)
+
+
+@pytest.mark.parametrize("scale", [1.0, 100.0])
+def test_the_curve_is_as_high_as_the_bars_of_a_normal_sample(scale: float) -> None:
+    """n w / (s sqrt(2 pi)) values are in a bin of width w in the middle, whatever the unit."""
+    normal = NormalDist()
+    values = tuple(scale * normal.inv_cdf((n + 0.5) / 400) for n in range(400))
+    _, bars, _ = drawn(values)
+    counts = [int(re.findall(r"\d+$", t.text or "")[0]) for t in bars.findall("rect/title")]
+    heights = [float(b.get("height", "")) for b in bars.iter("rect") if b.get("class") == "st-bin"]
+    (curve,) = bars.iter("polyline")
+    ys = [float(point.split(",")[1]) for point in curve.get("points", "").split()]
+    base = HEIGHT - 16.0
+    assert (base - min(ys)) / max(heights) == pytest.approx(
+        400 * _width(bars) / (stdev(values) * math.sqrt(2 * math.pi)) / max(counts),
+        rel=0.02,
+    )
+
+
+def _width(bars: ElementTree.Element) -> float:
+    """Width of a bin in the unit of the values, from what its title says."""
+    low, high = re.match(r"(\S+) to (\S+):", bars.findall("rect/title")[0].text or "").groups()  # type: ignore[union-attr]
+    return float(high) - float(low)
+
+
+def test_samples_of_all_touches_and_of_the_last_ones_are_two() -> None:
+    """Two runs of the same case: 1, 2 and 3, 4 were measured; the last ones are 2 and 4."""
+
+    def run(name: str, values: tuple[float, ...]) -> Any:
+        runs = tuple(
+            MeasurementRun(("Z",), inputs={"Z": 1}, end_ns=MS, latched_mm={"Z": v}) for v in values
+        )
+        axes = {"Z": AxisRecord("can1", 1, 1.0)}
+        columns = {"time_ns": np.arange(3) * MS, "Z.truth_mm": np.zeros(3)}
+        case = {"plan": "p", "case": "c", "frame_log_sha256": name}
+        return SimpleNamespace(
+            run=name, case=case, checks=[], is_statistic=False,
+            judged_facts=facts(axes=axes, runs=runs), trace=pa.table(columns),
+        )  # fmt: skip
+
+    asked = [
+        SimpleNamespace(metric=metric, asked="<= 9", reference="here", lower="", upper="")
+        for metric in ("mean(latch_mm:Z)", "mean(latch_mm:Z; last)", "count(latch_mm:Z)")
+    ]
+    row = SimpleNamespace(
+        run="p-c", case={"plan": "p", "case": "c"}, checks=asked, is_statistic=True
+    )
+    members = [run("a", (1.0, 2.0)), run("b", (3.0, 4.0))]
+    views = list(statistics_views(SimpleNamespace(planned=[*members, row])))  # type: ignore[arg-type]
+    found = [([value for _, value in view["values"]], len(view["checks"])) for view in views]
+    assert found == [([1.0, 2.0, 3.0, 4.0], 2), ([2.0, 4.0], 1)]
 
 
 @pytest.mark.parametrize("values", [(1.0,), (1.0, 2.0)])

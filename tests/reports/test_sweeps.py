@@ -58,6 +58,17 @@ def test_two_inputs_are_a_grid_with_signs_and_values(tmp_path: Path) -> None:
     assert re.search(r'href="#r3">.*✖.*fail</span> 3<', text)
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_cell_of_a_grid_is_the_worst_of_its_runs(tmp_path: Path, turn: int) -> None:
+    """Repeats at A 2, B y: 5 has failed, 6 has passed; whichever came last."""
+    again = [("c", "2", "y", 5.0, "fail"), ("c", "2", "y", 6.0, "pass")][::turn]
+    rest = [("c", a, b, 1.0, "pass") for a, b in (("1", "y"), ("1", "z"), ("2", "z"))]
+    text = sweeps_section(read_results(folder(tmp_path, rest + again)))
+    assert text.count("<td class") == 4
+    assert re.findall(r"✖.*?fail</span> (\S+?)<", text) == ["5"]
+    assert "</span> 6<" not in text
+
+
 def test_what_is_no_sweep_is_not_drawn(tmp_path: Path) -> None:
     rows = [("a", "1", "1", 1.0, "pass"), ("a", "2", "1", 2.0, "pass")]  # two points
     rows += [("b", "1", "1", 1.0, "pass")] * 3  # repeats of one input
@@ -106,6 +117,7 @@ def test_coverage_counts_runs_and_names_what_is_left() -> None:
     assert visited <= set(known)
     assert f"Transitions of the drives (DS402): 4 of {len(known)}" in text
     assert "Steps of measurement runs: 2 of 5" in text
+    assert "not in the table" not in text
 
 
 @pytest.mark.parametrize("turn", [1, -1])

@@ -87,6 +87,36 @@ def test_versions_are_named(tmp_path: Path) -> None:
     ]
 
 
+def test_plans_and_models_are_files_as_well(tmp_path: Path) -> None:
+    """A model has no text that a folder keeps; a plan is known by its name, wherever it was."""
+    one, other = (
+        folder(
+            tmp_path / name,
+            {},
+            fmus={"Axis.fmu": f"{fmu:064x}", "Probe.fmu": f"{7:064x}"},
+            plans=[{"name": "p", "path": f"{name}/p.csv", "sha256": f"{plan:064x}"}],
+        )
+        for name, fmu, plan in (("a", 1, 3), ("b", 2, 4))
+    )
+    heads = [line.split(" ")[1] for line in found(one, other) if line.startswith("changed")]
+    assert heads == ["Axis.fmu", "p.csv"]
+
+
+@pytest.mark.parametrize("column", ["seed", "program", "rig", "plc:V.E.F", "info:device"])
+def test_a_cell_that_decides_or_tells_what_was_run_is_named(tmp_path: Path, column: str) -> None:
+    folders = []
+    for value in ("1", "2"):
+        place = folder(tmp_path / value, {})
+        cells = dict.fromkeys([*HEAD.split(","), column], "") | {"plan": "p", "case": "c"}
+        cells |= {"run": "r0", "verdict": "pass", "sim_s": "1", "wall_s": value, column: value}
+        cases = [",".join(cells), ",".join(cells.values())]
+        (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
+        folders.append(place)
+    lines = found(*folders)
+    assert lines[-1] == f"  {column} 1 -> 2"
+    assert not any("wall_s" in line for line in lines)
+
+
 def test_cells_of_the_plan_are_counted(tmp_path: Path) -> None:
     one = folder(tmp_path / "a", {}, [("300", "<= 1"), ("600", "<= 1"), ("900", "<= 1")])
     other = folder(tmp_path / "b", {}, [("300", "<= 0.5"), ("600", "<= 0.5"), ("901", "<= 1")])

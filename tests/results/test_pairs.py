@@ -265,6 +265,28 @@ def test_shifts_are_of_cases_with_several_runs_in_both_the_surest_first(tmp_path
     assert found[0].p_value == pytest.approx(0.00154, abs=1e-5)
 
 
+@pytest.mark.parametrize(("frames", "count"), [("", 3), ("h", 1)])
+def test_runs_count_once_if_their_frames_are_known_to_be_equal(
+    tmp_path: Path, frames: str, count: int
+) -> None:
+    """Of a real bus, and of other tools, no frames are known: none of these runs is a twin."""
+    runs = [{"run": f"r{n}", "frame_log_sha256": frames} for n in range(3)]
+    runs.append({"run": "x", "frame_log_sha256": "other"})
+    checks = [{"run": run["run"], "value": str(n)} for n, run in enumerate(runs)]
+    side = {"runs": runs, "checks": checks}
+    (shift,) = compared(tmp_path / "one", side, side).shifts
+    assert shift.n == (count + 1, count + 1)
+    # Of another case, and of a case with this name in another plan, they are runs of their own
+    others = [{**run, "run": f"{key}{n}", key: value} for n, run in enumerate(runs)
+              for key, value in (("case", "d"), ("plan", "q"))]  # fmt: skip
+    checks = [{"run": run["run"], "value": str(n)} for n, run in enumerate([*runs, *others])]
+    side = {"runs": [*runs, *others], "checks": checks}
+    found = compared(tmp_path / "more", side, side).shifts
+    assert sorted((one.case, one.n) for one in found) == [
+        (case, (count + 1, count + 1)) for case in ("p-c", "p-d", "q-c")
+    ]
+
+
 @pytest.mark.filterwarnings("ignore:Precision loss")
 def test_only_values_without_any_spread_are_decided_at_once() -> None:
     assert welch_p([1.0, 1.0], [1.0 + 1e-12, 1.0 + 1e-12]) == 1.0
