@@ -87,12 +87,12 @@ def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, pl
 
     # What a report shows is the sample that was judged
     (view, other) = statistics_views(read_results(place / "all"))
-    assert (view["run"], view["metric"], view["unit"]) == ("plan-drawn", "latch_error_um", "um")
-    assert [value for _, value in view["values"]] == pytest.approx(single)
-    assert (view["lower"], view["upper"], view["mean"]["value"]) == (
-        *(-3.0, 3.0, pytest.approx(sum(single) / 2)),
-    )
-    assert (other["n"], other["equal"]) == (1, ["plan-equal-002"])
+    assert (view.run, view.metric, view.unit) == ("plan-drawn", "latch_error_um", "um")
+    assert [value for _, value in view.found.values] == pytest.approx(single)
+    assert view.found.mean is not None
+    assert (view.found.lower, view.found.upper) == (-3.0, 3.0)
+    assert view.found.mean.value == pytest.approx(sum(single) / 2)
+    assert (other.found.n, other.equal) == (1, ["plan-equal-002"])
 
     # The same from recordings, without a simulation
     code, _, _ = axisrig("judge", "all", "--plan", plan)

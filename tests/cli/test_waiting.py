@@ -60,6 +60,19 @@ COMMANDS = {
     "fmu build": ("fmu", "build"),
     "fmu check": ("fmu", "check", "m.fmu"),
     "fmu show": ("fmu", "show", "m.fmu"),
+    "nc": ("nc", "p.nc", "--rig", "r.toml"),
+    "nc --check": ("nc", "--check", "p.nc"),
+    "plan expand": ("plan", "expand", "p.csv"),
+    "rig from": ("rig", "from", "z.lst", "-o", "r.toml"),
+    "rig export": ("rig", "export", "r.toml"),
+    "drive": ("drive", "r.toml"),
+    "bus": ("bus", "can.log"),
+    "export": ("export", "out", "--csv"),
+    "query": ("query", "out", "select 1"),
+    "sources": ("sources", "out"),
+    "perf": ("perf",),
+    "distance readings": ("distance", "readings", "r.toml"),
+    "params of a rig": ("params", "--rig", "r.toml"),
 }
 
 

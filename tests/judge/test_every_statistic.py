@@ -302,20 +302,27 @@ def test_an_axis_is_asked_of_the_runs_in_which_it_takes_part() -> None:
 
 def test_a_description_has_what_each_part_is_called() -> None:
     found = describe(["a", "b", "c"], [0.0, 1.0, 5.0], -1.0, 7.0)
-    assert found["values"] == [("a", 0.0), ("b", 1.0), ("c", 5.0)]
-    assert (found["drift"]["value"], found["drift"]["tau"]) == (pytest.approx(2.5), 1.0)
-    assert found["outlier"]["run"] == "c"
-    assert found["outlier"]["is_apart"] is False
-    assert found["first_sample"]["run"] == "a"
-    assert found["cp"]["value"] == pytest.approx(8.0 / (6.0 * math.sqrt(7.0)))
-    assert found["cpk"]["value"] == pytest.approx(1.0 / math.sqrt(7.0))
-    assert describe("abc", [0.0, 1.0, 5.0], None, 7.0)["cp"] is None
-    assert describe("abc", [0.0, 1.0, 5.0], -1.0, None)["cp"] is None
+    assert found.values == [("a", 0.0), ("b", 1.0), ("c", 5.0)]
+    assert found.drift
+    assert (found.drift.slope.value, found.drift.rank.tau) == (pytest.approx(2.5), 1.0)
+    assert found.outlier
+    assert (found.outlier.run, found.outlier.is_apart) == ("c", False)
+    assert found.first_sample
+    assert found.first_sample.run == "a"
+    assert found.cp
+    assert found.cp.value == pytest.approx(8.0 / (6.0 * math.sqrt(7.0)))
+    assert found.cpk
+    assert found.cpk.value == pytest.approx(1.0 / math.sqrt(7.0))
+    assert describe("abc", [0.0, 1.0, 5.0], None, 7.0).cp is None
+    assert describe("abc", [0.0, 1.0, 5.0], -1.0, None).cp is None
     apart = describe([*"abcdefghij"], [9.0, *(0.01 * n for n in range(9))], None, None)
-    assert (apart["is_small"], apart["outlier"]["is_apart"]) == (False, True)
-    assert apart["first_sample"]["is_apart"] is True
-    assert describe([*"abcdefghi"], [*range(9)], None, None)["is_small"] is True
-    assert describe("abc", [9.0, 1.0, 1.0], None, None)["first_sample"] is None
+    assert apart.outlier
+    assert apart.first_sample
+    assert (apart.is_small, apart.outlier.is_apart, apart.first_sample.is_apart) == (
+        *(False, True, True),
+    )
+    assert describe([*"abcdefghi"], [*range(9)], None, None).is_small is True
+    assert describe("abc", [9.0, 1.0, 1.0], None, None).first_sample is None
 
 
 def _rows(
@@ -341,7 +348,7 @@ def test_a_limit_is_shown_where_all_runs_have_it(
     limits: Sequence[str], upper: float | None
 ) -> None:
     (found,) = statistics_data(*_rows(["1", "3"], limits))
-    assert (found["lower"], found["upper"]) == (None, upper)
+    assert (found.found.lower, found.found.upper) == (None, upper)
 
 
 def test_only_inputs_that_vary_are_columns() -> None:
@@ -354,16 +361,18 @@ def test_only_inputs_that_vary_are_columns() -> None:
         "plc": ["1", "2", "3"],
     }
     (found,) = statistics_data(*_rows(["10", "20", "40"], **columns))
-    assert set(found["columns"]) == {"plc:V.E.A", "set:Z.kind"}
-    feed, kind = found["columns"]["plc:V.E.A"], found["columns"]["set:Z.kind"]
-    assert feed["slope"]["value"] == pytest.approx(10.0)
-    assert feed["intercept"]["value"] == pytest.approx(0.0, abs=1e-9)
-    assert (kind["places"], kind["slope"]) == (["on", "off", "on"], None)
+    assert set(found.inputs) == {"plc:V.E.A", "set:Z.kind"}
+    feed, kind = found.inputs["plc:V.E.A"], found.inputs["set:Z.kind"]
+    assert feed.slope
+    assert feed.intercept
+    assert feed.slope.value == pytest.approx(10.0)
+    assert feed.intercept.value == pytest.approx(0.0, abs=1e-9)
+    assert (kind.places, kind.slope) == (["on", "off", "on"], None)
     # Means 25 and 20 about 70/3: (2 (5/3)^2 + (10/3)^2)/((40/3)^2 + (10/3)^2 + (50/3)^2)
-    assert kind["share"] == pytest.approx(150.0 / 4200.0)
+    assert kind.share == pytest.approx(150.0 / 4200.0)
 
 
 def test_a_value_that_is_not_finite_is_left_out() -> None:
     (found,) = statistics_data(*_rows(["1", "inf", "3"]))
-    assert (found["n"], found["missing"]) == (2, ["r1"])
+    assert (found.found.n, found.missing) == (2, ["r1"])
     assert statistics_data(*_rows(["inf", "nan"])) == []

@@ -1,12 +1,11 @@
 """What a report shows of the runs of a case, from rows alone."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import pytest
 from scipy import stats
 
-from axisrig.bench.judge.statistics.summary import statistics_data
+from axisrig.bench.judge.statistics.summary import CaseStatistics, statistics_data
 
 FEED = "plc:V.E.FEED"
 VALUES = (0.4, 0.1, -0.2, 0.3, 0.0, 0.2)
@@ -29,35 +28,33 @@ def rows(values: Sequence[object], **columns: Sequence[str]) -> tuple[Rows, Rows
     return checks, cases
 
 
-def only(found: Sequence[Mapping[str, object]]) -> Mapping[str, object]:
+def only(found: Sequence[CaseStatistics]) -> CaseStatistics:
     (entry,) = found
-    json.dumps(entry, allow_nan=False)
     return entry
 
 
 def test_a_metric_of_several_runs_is_summed_up() -> None:
     entry = only(statistics_data(*rows(VALUES)))
     s = stats.tstd(VALUES)
-    assert (entry["plan"], entry["case"], entry["metric"], entry["unit"]) == (
-        *("p", "a", "latch_error_um", "um"),
-    )
-    assert (entry["n"], entry["is_small"], entry["lower"], entry["upper"]) == (6, True, -1.0, 1.0)
-    mean, spread, cpk = (entry[name] for name in ("mean", "spread", "cpk"))
-    assert isinstance(mean, dict)
-    assert isinstance(spread, dict)
-    assert isinstance(cpk, dict)
-    assert mean["value"] == pytest.approx(0.8 / 6)
-    assert spread["value"] == pytest.approx(s)
-    assert cpk["value"] == pytest.approx((1 - 0.8 / 6) / (3 * s))
-    assert entry["normality_p"] == pytest.approx(stats.shapiro(VALUES).pvalue, rel=1e-6)
-    assert entry["columns"] == {}
+    assert (entry.plan, entry.case, entry.metric, entry.unit) == ("p", "a", "latch_error_um", "um")
+    found = entry.found
+    assert (found.n, found.is_small, found.lower, found.upper) == (6, True, -1.0, 1.0)
+    assert found.limits == [-1.0, 1.0]
+    assert found.mean
+    assert found.spread
+    assert found.cpk
+    assert found.mean.value == pytest.approx(0.8 / 6)
+    assert found.spread.value == pytest.approx(s)
+    assert found.cpk.value == pytest.approx((1 - 0.8 / 6) / (3 * s))
+    assert found.normality_p == pytest.approx(stats.shapiro(VALUES).pvalue, rel=1e-6)
+    assert entry.inputs == {}
 
 
 def test_equal_and_missing_runs_are_named_and_not_counted() -> None:
     checks, cases = rows((*VALUES, 0.4, ""))
     cases[6]["frame_log_sha256"] = cases[0]["frame_log_sha256"]
     entry = only(statistics_data(checks, cases))
-    assert (entry["n"], entry["equal"], entry["missing"]) == (6, ["p-a-6"], ["p-a-7"])
+    assert (entry.found.n, entry.equal, entry.missing) == (6, ["p-a-6"], ["p-a-7"])
 
 
 @pytest.mark.parametrize("verdict", ["aborted", "error"])
@@ -66,22 +63,23 @@ def test_a_run_that_did_not_end_gives_no_value(verdict: str) -> None:
     checks, cases = rows((*VALUES, 99.0))
     checks[6]["verdict"] = verdict
     entry = only(statistics_data(checks, cases))
-    assert (entry["n"], entry["missing"]) == (6, ["p-a-6"])
+    assert (entry.found.n, entry.missing) == (6, ["p-a-6"])
     checks[6]["verdict"] = "inconclusive"
-    assert only(statistics_data(checks, cases))["n"] == 7
+    assert only(statistics_data(checks, cases)).found.n == 7
 
 
 def test_columns_that_the_runs_vary_have_slope_and_share() -> None:
     feeds = ["300", "300", "600", "600", "900", "900"]
     values = [1.0, 1.2, 2.0, 2.2, 3.0, 3.2]
     entry = only(statistics_data(*rows(values, **{FEED: feeds, "set:Z.edge": ["POS"] * 6})))
-    columns = entry["columns"]
-    assert isinstance(columns, dict)
-    assert list(columns) == [FEED]
-    assert columns[FEED]["slope"]["value"] == pytest.approx(1.0 / 300.0)
-    assert columns[FEED]["places"] == [300.0, 300.0, 600.0, 600.0, 900.0, 900.0]
+    assert list(entry.inputs) == [FEED]
+    feed = entry.inputs[FEED]
+    assert feed.slope
+    assert feed.slope.value == pytest.approx(1.0 / 300.0)
+    assert feed.places == [300.0, 300.0, 600.0, 600.0, 900.0, 900.0]
     groups = stats.f_oneway(values[:2], values[2:4], values[4:]).statistic  # F = S/2 : (1-S)/3
-    share = columns[FEED]["share"]
+    share = feed.share
+    assert share
     assert share / 2 / ((1 - share) / 3) == pytest.approx(groups)
 
 
@@ -99,8 +97,8 @@ def test_a_run_that_the_plan_has_no_more_does_not_count() -> None:
     checks[6]["upper"] = "99.0"
     cases[6]["in_plan"] = "no"
     entry = only(statistics_data(checks, cases))
-    assert (entry["n"], entry["missing"], entry["upper"]) == (6, [], 1.0)
-    assert [run for run, _ in entry["values"]] == [f"p-a-{n}" for n in range(6)]
+    assert (entry.found.n, entry.missing, entry.found.upper) == (6, [], 1.0)
+    assert [run for run, _ in entry.found.values] == [f"p-a-{n}" for n in range(6)]
 
 
 def test_rows_of_another_tool_need_few_columns() -> None:
@@ -110,6 +108,5 @@ def test_rows_of_another_tool_need_few_columns() -> None:
         {"run": "x2", "metric": "gap", "value": "3"},
     ]
     entry = only(statistics_data(checks, cases))
-    mean = entry["mean"]
-    assert isinstance(mean, dict)
-    assert (mean["value"], entry["cpk"], entry["outlier"]) == (2.0, None, None)
+    assert entry.found.mean
+    assert (entry.found.mean.value, entry.found.cpk, entry.found.outlier) == (2.0, None, None)

@@ -300,7 +300,7 @@ def test_the_bands_of_the_bar_lie_where_the_verdict_changes() -> None:
     ]
     for (kind, left, right), (word, low, high) in zip(found, wanted, strict=True):
         assert kind == word
-        assert (left, right) == pytest.approx((area.x(low), area.x(high)), abs=0.11)
+        assert (left, right) == pytest.approx((area.clipped(low), area.clipped(high)), abs=0.11)
 
 
 def test_times_of_events_count_from_the_contact() -> None:

@@ -1,5 +1,6 @@
 """What a table and a picture of sensitivity say of an effect, and the words of a sample."""
 
+import dataclasses
 import re
 from types import SimpleNamespace
 from typing import Any
@@ -9,7 +10,7 @@ import pytest
 from axisrig.bench.judge.statistics.summary import describe
 from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.statistics.estimates import Effect, Estimate
-from axisrig.reports.statistics.section import _block, _limits, _members, _value
+from axisrig.reports.statistics.section import SampleView, _block, _limits, _members, _value
 from axisrig.reports.sweeps.sensitivity import Sensitivity, _cell, _per_cent, _rounded, tornado
 
 
@@ -119,10 +120,9 @@ def said(values: list[float], *limits: float | None, **more: Any) -> str:
         CheckRow("mean(m)", "<= 1", "0.123456789", "um", verdict="pass"),
         CheckRow("cpk(m)", "> 1", verdict="inconclusive"),
     ]
-    view = {"run": "p-c", "title": "", "metric": "m", "unit": "um", "equal": [], "checks": checks,
-            **describe([f"r{n}" for n in range(len(values))], values, *(limits or (None, None))),
-            **more}  # fmt: skip
-    return _block(view)
+    found = describe([f"r{n}" for n in range(len(values))], values, *(limits or (None, None)))
+    view = SampleView("p-c", "", "m", "um", [], checks, found)
+    return _block(dataclasses.replace(view, **more))
 
 
 def test_a_sample_is_told_in_words() -> None:

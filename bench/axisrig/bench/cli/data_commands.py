@@ -56,23 +56,23 @@ def export(
     ] = False,
 ) -> None:
     """Write the time series of runs for other programs, a file for each run."""
-    from axisrig.results.export import export as exported
-    from axisrig.results.export import export_diagnosis
-    from axisrig.results.loading import load
-
     if mf4 + csv + diagnosis != 1:
         raise UserError("no form, or several, are named", allowed=("--mf4", "--csv", "--diagnosis"))
-    if diagnosis:
-        for path in export_diagnosis(load(folder), runs or [], into or folder / "export"):
-            print(path)
-        return
-    try:
-        for path in exported(
-            load(folder), runs or [], into or folder / "export", "mf4" if mf4 else "csv"
-        ):
-            print(path)
-    except ImportError as error:
-        raise _lacking("asammdf", "mdf") from error
+    target = into or folder / "export"
+    with waiting(f"writing the series of {folder} to {target}"):
+        from axisrig.results.export import export as exported
+        from axisrig.results.export import export_diagnosis
+        from axisrig.results.loading import load
+
+        if diagnosis:
+            for path in export_diagnosis(load(folder), runs or [], target):
+                print(path)
+            return
+        try:
+            for path in exported(load(folder), runs or [], target, "mf4" if mf4 else "csv"):
+                print(path)
+        except ImportError as error:
+            raise _lacking("asammdf", "mdf") from error
 
 
 @rejecting
@@ -82,14 +82,15 @@ def query(
     csv: Annotated[bool, typer.Option("--csv", help="CSV in place of a table.")] = False,
 ) -> None:
     """Ask a results folder in SQL: tables cases, checks and signals."""
-    from axisrig.results.loading import load
-    from axisrig.results.query import query as asked
+    with waiting(f"asking {folder}"):
+        from axisrig.results.loading import load
+        from axisrig.results.query import query as asked
 
-    results = load(folder)
-    try:
-        found = asked(results, sql)
-    except ImportError as error:
-        raise _lacking("duckdb", "query") from error
+        results = load(folder)
+        try:
+            found = asked(results, sql)
+        except ImportError as error:
+            raise _lacking("duckdb", "query") from error
     if csv:
         print(found.to_csv(index=False, lineterminator="\n"), end="")
     else:
@@ -99,10 +100,12 @@ def query(
 @rejecting
 def sources(folder: FolderArgument) -> None:
     """Say which signal source is how accurate, from results of testplans/latch_study.csv."""
-    from axisrig.bench.campaign.results.stored import read_results
-    from axisrig.results.sources import sources_table
+    with waiting(f"reading {folder}"):
+        from axisrig.bench.campaign.results.stored import read_results
+        from axisrig.results.sources import sources_table
 
-    print(sources_table(read_results(folder)), end="")
+        table = sources_table(read_results(folder))
+    print(table, end="")
 
 
 @rejecting
@@ -157,9 +160,11 @@ def diff(
     for line in diff_lines(found, changed):
         print(line)
     if page is not None:
-        from axisrig.results.compare.page import write_diff
+        with waiting(f"writing {page}"):
+            from axisrig.results.compare.page import write_diff
 
-        print(write_diff(page, found, folders, changed))
+            write_diff(page, found, folders, changed)
+        print(page)
     raise typer.Exit(1 if found.worse() else 0)
 
 

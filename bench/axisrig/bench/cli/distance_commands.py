@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import SetOption, rejecting
 from axisrig.bench.cli.start import Whole
 
@@ -27,7 +28,9 @@ def readings(
     assignments: SetOption = None,
 ) -> None:
     """Say what a real control shows under each reading of the law, so that one look decides it."""
-    from axisrig.bench.rig.contents import settings_of
-    from axisrig.bench.tools.distance.readings import readings_text
+    with waiting(f"stepping each reading with {rig}"):
+        from axisrig.bench.rig.contents import settings_of
+        from axisrig.bench.tools.distance.readings import readings_text
 
-    print(readings_text(settings_of(rig, assignments or [])))
+        text = readings_text(settings_of(rig, assignments or []))
+    print(text)

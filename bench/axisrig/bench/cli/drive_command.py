@@ -1,11 +1,11 @@
 """The command `axisrig drive`; imports as in `axisrig.bench.cli.main`."""
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting_for_line
 from axisrig.bench.cli.options import (
     BitrateOption,
     BusOption,
@@ -67,32 +67,37 @@ def drive(
 
     --interface ecat --channel IF: as EtherCAT slaves on an Ethernet interface; else on a CAN bus.
     """
-    from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.tools.virtual_drive import ethercat
-    from axisrig.bench.tools.virtual_drive.serve import drive_settings, serve, whose_eds, write_eds
+    with waiting_for_line(f"making the drives of {rig}") as put_out:
+        from axisrig.bench.campaign.hardware_runs import Outside
+        from axisrig.bench.tools.virtual_drive import ethercat
+        from axisrig.bench.tools.virtual_drive.serve import (
+            drive_settings,
+            serve,
+            whose_eds,
+            write_eds,
+        )
 
-    if interface == ethercat.INTERFACE or esi is not None:
-        settings = ethercat.line_settings(rig, axes or [], assignments or [])
-        if esi is not None:
-            print(ethercat.write_esi(settings, esi))
+        if interface == ethercat.INTERFACE or esi is not None:
+            settings = ethercat.line_settings(rig, axes or [], assignments or [])
+            if esi is not None:
+                print(ethercat.write_esi(settings, esi))
+                to_stderr(f"the drive of {whose_eds(settings)}")
+                return
+            given = {"--bitrate": bitrate, "--option": options, "--segment": segment, "--eds": eds}
+            _refuse([name for name, value in given.items() if value] + ["--by-sync"] * by_sync)
+            wanted = ethercat.Wanted(channel, is_real, out, store, for_s)
+            with hardware() as real_time:
+                ethercat.serve_line(settings, wanted, real_time, put_out)
+            return
+        if is_real:
+            raise UserError("this is for EtherCAT", value="--real", hint="--interface ecat")
+        said = Outside(hardware, True, to_stderr, interface, channel, options, bitrate, segment)
+        settings = drive_settings(rig, said, axes or [], assignments or [])
+        if eds is not None:
+            print(write_eds(settings, eds))
             to_stderr(f"the drive of {whose_eds(settings)}")
             return
-        given = {"--bitrate": bitrate, "--option": options, "--segment": segment, "--eds": eds}
-        _refuse([name for name, value in given.items() if value] + ["--by-sync"] * by_sync)
-        wanted = ethercat.Wanted(channel, is_real, out, store, for_s)
-        with hardware() as real_time:
-            ethercat.serve_line(settings, wanted, real_time, partial(print, flush=True))
-        return
-    if is_real:
-        raise UserError("this is for EtherCAT", value="--real", hint="--interface ecat")
-    said = Outside(hardware, True, to_stderr, interface, channel, options, bitrate, segment)
-    settings = drive_settings(rig, said, axes or [], assignments or [])
-    if eds is not None:
-        print(write_eds(settings, eds))
-        to_stderr(f"the drive of {whose_eds(settings)}")
-        return
-    put_out = partial(print, flush=True)
-    serve(settings, said, put_out, by_sync=by_sync, for_s=for_s, folder=out, store=store)
+        serve(settings, said, put_out, by_sync=by_sync, for_s=for_s, folder=out, store=store)
 
 
 def _refuse(names: list[str]) -> None:

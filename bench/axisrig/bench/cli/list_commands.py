@@ -196,12 +196,14 @@ def expand(
     assignments: SetOption = None,
 ) -> None:
     """Print a plan with a row for each run: defaults, included tables, lists; a plan itself."""
-    from axisrig.bench.campaign.checking import check_inputs
-    from axisrig.bench.plan.assignment import parse_assignment
-    from axisrig.bench.plan.expanded import expanded_text
-    from axisrig.bench.plan.plan import read_plan, selected
+    with waiting(f"reading {plan}"):
+        from axisrig.bench.campaign.checking import check_inputs
+        from axisrig.bench.plan.assignment import parse_assignment
+        from axisrig.bench.plan.expanded import expanded_text
+        from axisrig.bench.plan.plan import read_plan, selected
 
-    changes = [parse_assignment(text) for text in assignments or []]
-    meant = selected(read_plan(plan).with_inputs(changes, select), select)
-    check_inputs(meant)
-    print(expanded_text(meant), end="")
+        changes = [parse_assignment(text) for text in assignments or []]
+        meant = selected(read_plan(plan).with_inputs(changes, select), select)
+        check_inputs(meant)
+        text = expanded_text(meant)
+    print(text, end="")

@@ -328,22 +328,25 @@ def nc(
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
     if is_check:
-        from axisrig.bench.cli.nc_check import check_file
+        with waiting(f"checking {program}"):
+            from axisrig.bench.cli.nc_check import check_file
 
-        raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
+            is_right = check_file(program, rig)
+        raise typer.Exit(0 if is_right else EXIT_REJECTED)
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
-    from axisrig.bench.campaign.processes import do_apart
-    from axisrig.bench.campaign.single_program import run_outside, run_program
-    from axisrig.bench.campaign.worker import say
+    with waiting(f"running {program} on {rig}", has_lines=True):
+        from axisrig.bench.campaign.processes import do_apart
+        from axisrig.bench.campaign.single_program import run_outside, run_program
+        from axisrig.bench.campaign.worker import say
 
-    inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
-    outside = outside_of(may_move, interface, channel, options, bitrate, segment)
-    is_apart = is_isolated or bool(call_limit_s)
-    alarms = run_outside(outside, *inputs, is_apart=is_apart)
-    if alarms is None:
-        limits = (is_isolated, call_limit_s)
-        alarms = do_apart(run_program, *inputs, rigs=[rig], file=program, limits=limits)
+        inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
+        outside = outside_of(may_move, interface, channel, options, bitrate, segment)
+        is_apart = is_isolated or bool(call_limit_s)
+        alarms = run_outside(outside, *inputs, is_apart=is_apart)
+        if alarms is None:
+            limits = (is_isolated, call_limit_s)
+            alarms = do_apart(run_program, *inputs, rigs=[rig], file=program, limits=limits)
     for alarm in alarms:
         print(alarm.text, file=sys.stderr)
     raise typer.Exit(1 if any(alarm.ends_program for alarm in alarms) else 0)

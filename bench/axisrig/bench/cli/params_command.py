@@ -1,11 +1,13 @@
 """The command `axisrig params`; imports as in `axisrig.bench.cli.main`."""
 
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import SetOption, rejecting
 from axisrig.kernel.errors import UserError
 
@@ -35,39 +37,47 @@ def params(
     assignments: SetOption = None,
 ) -> None:
     """List and explain parameters, show what a rig has, compare lists or rigs."""
+    what = rig or " ".join(words or [])
+    with waiting(f"reading {what}") if rig or words else nullcontext():
+        text, code = _answer(words or [], rig, axis, form, assignments or [])
+    print(text)
+    raise typer.Exit(code)
+
+
+def _answer(
+    words: list[str], rig: Path | None, axis: str | None, form: str, sets: list[str]
+) -> tuple[str, int]:
+    """Return what is printed, and the exit code."""
     from axisrig.bench.rig.contents import contents_text
     from axisrig.bench.tools.params.effective import difference_text, effective_text, written_lists
     from axisrig.bench.tools.params.listing import parameters_text
 
-    said, sets = words or [], assignments or []
-    if said[:1] == ["diff"]:
-        if len(said) != 3 or rig or axis or sets:
+    if words[:1] == ["diff"]:
+        if len(words) != 3 or rig or axis or sets:
             raise UserError("`params diff` takes two lists or two rigs and nothing else")
-        text, is_different = difference_text(Path(said[1]), Path(said[2]))
-        print(text)
-        raise typer.Exit(1 if is_different else 0)
-    if said[:1] == ["known"]:
-        _write_known(said[1:])
-    elif said[:1] == ["write"]:
-        if len(said) != 2 or rig:
+        text, is_different = difference_text(Path(words[1]), Path(words[2]))
+        return text, 1 if is_different else 0
+    if words[:1] == ["known"]:
+        return _known(words[1:]), 0
+    if words[:1] == ["write"]:
+        if len(words) != 2 or rig:
             raise UserError("`params write` takes one rig, and --axis and --set")
-        print(written_lists(Path(said[1]), axis, sets))
-    elif rig is not None:
-        print(effective_text(rig, axis, said, sets))
-    elif len(said) == 1 and Path(said[0]).is_file():
-        print(contents_text(Path(said[0])))
-    elif axis or sets:
+        return written_lists(Path(words[1]), axis, sets), 0
+    if rig is not None:
+        return effective_text(rig, axis, words, sets), 0
+    if len(words) == 1 and Path(words[0]).is_file():
+        return contents_text(Path(words[0])), 0
+    if axis or sets:
         raise UserError("--axis and --set belong to --rig")
-    else:
-        print(parameters_text(said, form))
+    return parameters_text(words, form), 0
 
 
-def _write_known(words: list[str]) -> None:
-    """Print a list whose lines that are refused are comments, and their number beside it."""
+def _known(words: list[str]) -> str:
+    """Return a list whose lines that are refused are comments; put their number out beside it."""
     from axisrig.bench.tools.params.known import known_text
 
     if len(words) != 1:
         raise UserError("`params known` takes one list")
     text, count = known_text(Path(words[0]))
-    print(text, end="")
     print(f"{count} lines are comments now: they act on nothing here", file=sys.stderr)
+    return text.removesuffix("\n")

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import rejecting
 from axisrig.kernel.errors import UserError
 
@@ -56,15 +57,18 @@ def perf(
         raise UserError(
             f"{chosen[0]} has no earlier numbers to compare with", hint="--against is for a row"
         )
-    if profile:
-        return _profile(plan, case)
-    if stages:
-        return _stages(plan, case, repeats, as_json)
-    return _row(plan, case, repeats, as_json, against)
+    with waiting(f"timing {case or 'the first row'} of {plan}"):
+        if profile:
+            found = _profile(plan, case)
+        elif stages:
+            found = _stages(plan, case, repeats, as_json)
+        else:
+            found = _row(plan, case, repeats, as_json, against)
+    print(found)
 
 
-def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Path | None) -> None:
-    """Time a row."""
+def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Path | None) -> str:
+    """Time a row; return what is printed of it."""
     from axisrig.bench.campaign.checking import plan_of, rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
@@ -77,13 +81,14 @@ def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Pat
     result = do_apart(measure, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan)
     if before is not None and as_json:
         result["gains"] = gains(result, before)
-    print(show(result, as_json))
+    text = show(result, as_json)
     if before is not None and not as_json:
-        print(f"\n{show_gains(result, before)}")
+        text += f"\n\n{show_gains(result, before)}"
+    return text
 
 
-def _profile(plan: Path, case: str | None) -> None:
-    """Print the functions of a run."""
+def _profile(plan: Path, case: str | None) -> str:
+    """Return the functions of a run."""
     import cProfile
 
     from axisrig.bench.campaign.checking import plan_of, rigs_of
@@ -92,11 +97,11 @@ def _profile(plan: Path, case: str | None) -> None:
     from axisrig.bench.tools.perf.profile import profile_row
 
     what = (plan, case, Clocks(time.perf_counter_ns, cpu_ns), cProfile.Profile)
-    print(do_apart(profile_row, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan))
+    return do_apart(profile_row, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan)
 
 
-def _stages(plan: Path, case: str | None, repeats: int, as_json: bool) -> None:
-    """Print the stages of a next run."""
+def _stages(plan: Path, case: str | None, repeats: int, as_json: bool) -> str:
+    """Return the stages of a next run."""
     from axisrig.bench.campaign.checking import plan_of, rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
@@ -104,4 +109,4 @@ def _stages(plan: Path, case: str | None, repeats: int, as_json: bool) -> None:
 
     what = (plan, case, repeats, Clocks(time.perf_counter_ns, cpu_ns))
     result = do_apart(measure_stages, *what, rigs=rigs_of(plan, plan_of(plan)), file=plan)
-    print(json.dumps(result) if as_json else show_stages(result))
+    return json.dumps(result) if as_json else show_stages(result)

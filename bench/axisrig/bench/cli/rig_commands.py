@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from axisrig.bench.cli.beside.waiting import waiting
 from axisrig.bench.cli.options import SetOption, rejecting
 from axisrig.bench.cli.start import Whole
 
@@ -22,9 +23,11 @@ def from_lists(
     ] = None,
 ) -> None:
     """Write a rig for the lists of a machine, with what had to be assumed at its top."""
-    from axisrig.bench.tools.project.rig_from import rig_from
+    with waiting(f"reading {', '.join(map(str, lists))}"):
+        from axisrig.bench.tools.project.rig_from import rig_from
 
-    for line in rig_from(lists, eds, output):
+        assumed = list(rig_from(lists, eds, output))
+    for line in assumed:
         print(f"assumed: {line}", file=sys.stderr)
     print(output)
 
@@ -43,10 +46,12 @@ def export(
 
     A sensor and the axes it reads become one FMU. What of a rig cannot be exported is reported.
     """
-    from axisrig.bench.rig.contents import settings_of
-    from axisrig.bench.tools.rig_export.package import SUFFIX, export_rig
+    with waiting(f"packing the plants of {rig}"):
+        from axisrig.bench.rig.contents import settings_of
+        from axisrig.bench.tools.rig_export.package import SUFFIX, export_rig
 
-    target = output or Path(rig.with_suffix(SUFFIX).name)
-    for line in export_rig(settings_of(rig, assignments or []), target, fmi):
+        target = output or Path(rig.with_suffix(SUFFIX).name)
+        left_out = list(export_rig(settings_of(rig, assignments or []), target, fmi))
+    for line in left_out:
         print(line, file=sys.stderr)
     print(target)

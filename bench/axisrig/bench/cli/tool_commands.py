@@ -43,23 +43,25 @@ def bus(
     ] = False,
 ) -> None:
     """Show a bus log in words: services, states, aborts, emergencies, values of PDOs."""
-    from axisrig.bench.rig.reading.file import read_rig
-    from axisrig.bench.rig.settings import read_settings
-    from axisrig.bench.tools.bus_log.bus_log import find_log, tell_log
-    from axisrig.bench.tools.bus_log.choice.channels import given_channels
-    from axisrig.bench.tools.bus_log.choice.selection import Selection
-    from axisrig.bench.tools.bus_log.reading.progress import Progress
+    with waiting(f"reading {place}"):
+        from axisrig.bench.rig.reading.file import read_rig
+        from axisrig.bench.rig.settings import read_settings
+        from axisrig.bench.tools.bus_log.bus_log import find_log, tell_log
+        from axisrig.bench.tools.bus_log.choice.channels import given_channels
+        from axisrig.bench.tools.bus_log.choice.selection import Selection
+        from axisrig.bench.tools.bus_log.reading.progress import Progress
 
-    paths, settings = find_log(place, run_id)
-    if rig is not None:
-        settings = read_settings(*read_rig(rig), [])
-    words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
-    begin_ms = float("-inf") if from_ms is None else from_ms
-    selection = Selection(words, begin_ms, to_ms, is_all, given_channels(segments or ()))
-    progress = Progress()
-    with needs_progress(progress, paths[0]):
-        for line in tell_log(paths, settings, selection, progress):
-            print(line)
+        paths, settings = find_log(place, run_id)
+        if rig is not None:
+            settings = read_settings(*read_rig(rig), [])
+        names = [word.strip() for text in only or () for word in text.split(",")]
+        begin_ms = float("-inf") if from_ms is None else from_ms
+        limits = begin_ms, to_ms, is_all, given_channels(segments or ())
+        selection = Selection(tuple(name for name in names if name), *limits)
+        progress = Progress()
+        with needs_progress(progress, paths[0]):
+            for line in tell_log(paths, settings, selection, progress):
+                print(line)
 
 
 @rejecting
@@ -155,7 +157,9 @@ def budget(
             print(write_budget(path, found))
             continue
         print(add_budget(path, found))
-        print(build_report(path))
+        with waiting(f"writing the report of {path}"):
+            report = build_report(path)
+        print(report)
 
 
 TOOLS = (new, bus, budget, probe_feed, scenarios)

@@ -6,6 +6,8 @@ from importlib import resources
 
 from markupsafe import Markup
 
+from axisrig.reports.parts.axes import Scale
+
 WIDTH, ROW, LEFT, RIGHT = 720.0, 26.0, 190.0, 120.0
 
 
@@ -25,12 +27,7 @@ def waterfall(steps: Sequence[tuple[str, float]], error_um: float) -> str:
         place += size
     bars.append(("published value", 0.0, error_um, error_um))
     ends = [0.0, *(end for _, begin, to, _ in bars for end in (begin, to))]
-    low, high = min(ends), max(ends)
-    span = (high - low) or 1.0
-
-    def x(value: float) -> float:
-        return LEFT + (value - low) / span * (WIDTH - LEFT - RIGHT)
-
+    x = Scale(min(ends), max(ends), LEFT, WIDTH - RIGHT).at
     height = ROW * len(bars) + 10
     words = "; ".join(f"{name} {size:+z.4f} um" for name, _, _, size in bars)
     parts = [

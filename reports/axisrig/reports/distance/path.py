@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from axisrig.bench.judge.distance.control_findings import ControlFindings
 from axisrig.reports.distance.signals import FOLLOWING, STATES, Signal, column, signal
-from axisrig.reports.parts.axes import ticks
+from axisrig.reports.parts.axes import Field, with_room
 
 WIDTH, HEIGHT = 900, 220
 _LEFT, _RIGHT, _TOP, _BOTTOM = 54, 10, 14, 26
@@ -65,19 +65,18 @@ def _widest(trace: pa.Table, axis: str, rows: np.ndarray) -> tuple[str, Signal] 
 
 def _svg(way: Signal, lines: dict[str, Signal], across: str, up: str) -> str:
     finite = [values[np.isfinite(values)] for values in lines.values()]
-    low = min(float(values.min()) for values in finite if len(values))
-    high = max(float(values.max()) for values in finite if len(values))
-    room = max(_ROOM * (high - low), 1e-3)
-    x_range = (float(way.min()), float(way.max()))
-    y_range = (low - room, high + room)
+    ends = [float(end) for values in finite if len(values) for end in (values.min(), values.max())]
+    y_ends = with_room(ends, 1e-3, _ROOM)
+    x_ends = (float(way.min()), float(way.max()))
+    field = Field(_LEFT, WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM, x_ends, y_ends)
     parts = [
         f'<svg class="dp" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
         f' aria-label="{escape(f"{up} of surface and tool over {across}", quote=True)}">'
     ]
-    parts += _grid(x_range, y_range)
+    parts += [field.frame(), *field.up(), *field.across()]
     for kind, label in _LINES:
         if label in lines:
-            points = _points(way, lines[label], x_range, y_range)
+            points = _points(way, lines[label], field)
             parts.append(f'<polyline class="{kind}" points="{points}"/>')
     parts.append(f'<text x="{_LEFT}" y="10">{escape(up)}</text>')
     parts.append(
@@ -86,34 +85,7 @@ def _svg(way: Signal, lines: dict[str, Signal], across: str, up: str) -> str:
     return "".join((*parts, "</svg>"))
 
 
-def _x(value: float, x_range: tuple[float, float]) -> float:
-    share = (value - x_range[0]) / (x_range[1] - x_range[0])
-    return _LEFT + share * (WIDTH - _LEFT - _RIGHT)
-
-
-def _y(value: float, y_range: tuple[float, float]) -> float:
-    share = (value - y_range[0]) / (y_range[1] - y_range[0])
-    return HEIGHT - _BOTTOM - share * (HEIGHT - _TOP - _BOTTOM)
-
-
-def _grid(x_range: tuple[float, float], y_range: tuple[float, float]) -> list[str]:
-    parts = []
-    for tick in ticks(*x_range):
-        x = _x(tick, x_range)
-        parts.append(f'<line class="dp-grid" x1="{x:.1f}" x2="{x:.1f}" y1="{_TOP}" y2="194"/>')
-        parts.append(f'<text class="dp-x" x="{x:.1f}" y="{HEIGHT - 13}">{tick:.10g}</text>')
-    for tick in ticks(*y_range):
-        y = _y(tick, y_range)
-        parts.append(
-            f'<line class="dp-grid" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>'
-        )
-        parts.append(f'<text class="dp-y" x="{_LEFT - 5}" y="{y + 4:.1f}">{tick:.10g}</text>')
-    return parts
-
-
-def _points(
-    way: Signal, values: Signal, x_range: tuple[float, float], y_range: tuple[float, float]
-) -> str:
+def _points(way: Signal, values: Signal, field: Field) -> str:
     """A line of few points: of each bin of the rows lowest and highest, in their order."""
     keep: Sequence[int] = range(len(way))
     if len(way) > 2 * _POINTS:
@@ -125,7 +97,7 @@ def _points(
             kept |= {int(rows[lowest[bin_].argmin()]), int(rows[highest[bin_].argmax()])}
         keep = sorted(kept)
     return " ".join(
-        f"{_x(float(way[row]), x_range):.1f},{_y(float(values[row]), y_range):.1f}"
+        f"{field.x(float(way[row])):.1f},{field.y(float(values[row])):.1f}"
         for row in keep
         if np.isfinite(values[row])
     )

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from axisrig.reports.parts.axes import ticks
+from axisrig.reports.parts.axes import Scale, ticks
 
 HEIGHT = 22
 _TICKS_LEAST = 4
@@ -24,8 +24,7 @@ class Span:
 
     def x(self, time_ms: float) -> float:
         """Give the place of an instant in per cent of the width; one outside lands on the end."""
-        share = (time_ms - self.low) / (self.high - self.low)
-        return 100.0 * min(max(share, _EDGE), 1.0 - _EDGE)
+        return Scale(self.low, self.high, 0.0, 100.0).clipped(time_ms, _EDGE)
 
     def holds(self, time_ms: float) -> bool:
         """Whether the instant lies on the drawing."""

@@ -6,11 +6,11 @@ from html import escape
 from itertools import pairwise
 
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.reports.parts.axes import ticks
+from axisrig.reports.parts.axes import Field, with_room
 
 WIDTH, HEIGHT = 760, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 150.0, 16.0, 42.0
-_ROOM, _APART, _DODGE = 0.06, 14.0, 6.0
+_APART, _DODGE = 14.0, 6.0
 _KINDS = 8
 _SIGNS = (
     "m-4,0a4,4 0 1,0 8,0a4,4 0 1,0 -8,0",
@@ -51,29 +51,20 @@ class Fitted:
         return self.intercept + self.slope * x
 
 
-class _Frame:
-    """Where values are in the picture. x goes outwards: where all are negative it is mirrored."""
+def _field(fitted: Sequence[Fitted]) -> Field:
+    """Return the field of the picture. x goes outwards: where all are negative it is mirrored."""
+    points = [point for one in fitted for point in one.points]
+    x_ends = _with_zero([point.x for point in points] or [0.0, 1.0])
+    ends = [point.y + sign * (point.spread or 0.0) for point in points for sign in (-1, 1)]
+    ends += [one.at(x) for one in fitted for x in x_ends]
+    edges = _LEFT, WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM
+    return Field(*edges, x_ends, with_room(ends), is_mirrored=x_ends[1] <= 0.0, inset=(14.0, 38.0))
 
-    def __init__(self, fitted: Sequence[Fitted]) -> None:
-        points = [point for one in fitted for point in one.points]
-        self.x_ends = _with_zero([point.x for point in points] or [0.0, 1.0])
-        low, high = self.x_ends
-        ends = [point.y + sign * (point.spread or 0.0) for point in points for sign in (-1, 1)]
-        ends += [one.at(x) for one in fitted for x in (low, high)]
-        room = _ROOM * (max(ends) - min(ends)) or max(abs(ends[0]) * 1e-3, 1e-9)
-        self.y_ends = min(ends) - room, max(ends) + room
-        self.is_mirrored = high <= 0.0
-        self.last = low if self.is_mirrored else high
 
-    def x(self, value: float) -> float:
-        low, high = self.x_ends
-        share = (value - low) / (high - low)
-        share = 1.0 - share if self.is_mirrored else share
-        return _LEFT + 14 + share * (WIDTH - _LEFT - _RIGHT - 52)
-
-    def y(self, value: float) -> float:
-        low, high = self.y_ends
-        return _TOP + (high - value) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
+def _outwards(field: Field) -> tuple[float, float]:
+    """Return the values at the left and at the right end."""
+    low, high = field.x_ends
+    return (high, low) if field.is_mirrored else (low, high)
 
 
 def _with_zero(values: Sequence[float]) -> tuple[float, float]:
@@ -89,25 +80,26 @@ def drawing(fitted: Sequence[Fitted], title: str, up: str, across: str) -> str:
 
     The value at 0 is the intercept, and 0 is in the picture where the points begin near it.
     """
-    frame = _Frame(fitted)
+    field = _field(fitted)
     parts = [
         f'<svg class="ln" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
         f' aria-label="{escape(title, quote=True)}">',
-        *_axes(frame, up, across),
+        *_axes(field, up, across),
     ]
-    heights = _apart([frame.y(one.at(frame.last)) for one in fitted])
+    last = _outwards(field)[1]
+    heights = _apart([field.y(one.at(last)) for one in fitted])
     for place, one in enumerate(fitted):
         parts.append(f'<g class="ln-{place % _KINDS}">')
-        parts += _line(one, place, len(fitted), frame, heights[place])
+        parts += _line(one, place, len(fitted), field, heights[place])
         parts.append("</g>")
     return "".join((*parts, "</svg>"))
 
 
-def _line(one: Fitted, place: int, count: int, frame: _Frame, height: float) -> list[str]:
+def _line(one: Fitted, place: int, count: int, field: Field, height: float) -> list[str]:
     """The line from end to end, its points side by side with those of others, and its name."""
-    start = sum(frame.x_ends) - frame.last
-    first, last = frame.x(start), frame.x(frame.last)
-    begin, end = frame.y(one.at(start)), frame.y(one.at(frame.last))
+    ends = _outwards(field)
+    first, last = (field.x(at) for at in ends)
+    begin, end = (field.y(one.at(at)) for at in ends)
     words = f"{one.name}: {one.intercept:.6g} and {one.slope:.6g} for each unit"
     parts = [
         f'<path class="ln-line" d="M{first:.1f},{begin:.1f}L{last:.1f},{end:.1f}">'
@@ -117,7 +109,7 @@ def _line(one: Fitted, place: int, count: int, frame: _Frame, height: float) -> 
     ]
     aside = (place - (count - 1) / 2) * _DODGE
     for point in one.points:
-        parts += _point(point, place, aside, frame)
+        parts += _point(point, place, aside, field)
     mark = "" if one.verdict <= Verdict.MARGINAL else f" {one.verdict.glyph} {one.verdict.word}"
     at = WIDTH - _RIGHT
     parts.append(
@@ -128,13 +120,13 @@ def _line(one: Fitted, place: int, count: int, frame: _Frame, height: float) -> 
     return parts
 
 
-def _point(point: Point, place: int, aside: float, frame: _Frame) -> list[str]:
-    x, y = frame.x(point.x) + aside, frame.y(point.y)
+def _point(point: Point, place: int, aside: float, field: Field) -> list[str]:
+    x, y = field.x(point.x) + aside, field.y(point.y)
     words = f"{point.run}: {point.y:.6g} at {point.x:.6g}, {point.verdict.word}"
     parts = []
     if point.spread is not None:
         words += f", standard deviation {point.spread:.4g}"
-        ends = [frame.y(point.y + sign * point.spread) for sign in (-1, 1)]
+        ends = [field.y(point.y + sign * point.spread) for sign in (-1, 1)]
         parts.append(f'<path class="ln-bar" d="M{x:.1f},{ends[0]:.1f}V{ends[1]:.1f}"/>')
     sign = f'<path class="ln-sign" d="M{x:.1f},{y:.1f}{_SIGNS[place % _KINDS]}"/>'
     if point.verdict > Verdict.MARGINAL:
@@ -155,26 +147,14 @@ def _apart(heights: Sequence[float]) -> list[float]:
     return placed
 
 
-def _axes(frame: _Frame, up: str, across: str) -> list[str]:
-    right, foot = WIDTH - _RIGHT, HEIGHT - _BOTTOM
-    parts = [
-        f'<rect class="ln-field" x="{_LEFT:g}" y="{_TOP:g}" width="{right - _LEFT:g}"'
-        f' height="{foot - _TOP:g}"/>',
-        f'<text x="{(_LEFT + right) / 2:g}" y="{HEIGHT - 8}" text-anchor="middle">'
-        f"{escape(across)}</text>",
-        f'<text x="14" y="{(_TOP + foot) / 2:g}" text-anchor="middle"'
-        f' transform="rotate(-90 14 {(_TOP + foot) / 2:g})">{escape(up)}</text>',
+def _axes(field: Field, up: str, across: str) -> list[str]:
+    """Draw the field with its ticks and what the two axes are."""
+    middle, height = (field.left + field.right) / 2, (field.top + field.foot) / 2
+    return [
+        field.frame(),
+        *field.up(least=4),
+        *field.across(least=4),
+        f'<text x="{middle:g}" y="{HEIGHT - 8}" text-anchor="middle">{escape(across)}</text>',
+        f'<text x="14" y="{height:g}" text-anchor="middle"'
+        f' transform="rotate(-90 14 {height:g})">{escape(up)}</text>',
     ]
-    for value in ticks(*frame.y_ends, least=4):
-        y = frame.y(value)
-        parts += [
-            f'<path class="ln-grid" d="M{_LEFT:g},{y:.1f}H{right:g}"/>',
-            f'<text x="{_LEFT - 6:g}" y="{y + 4:.1f}" text-anchor="end">{value:.6g}</text>',
-        ]
-    for value in ticks(*frame.x_ends, least=4):
-        x = frame.x(value)
-        parts += [
-            f'<path class="ln-grid" d="M{x:.1f},{_TOP:g}V{foot:g}"/>',
-            f'<text x="{x:.1f}" y="{foot + 15:g}" text-anchor="middle">{value:.6g}</text>',
-        ]
-    return parts

@@ -1,4 +1,4 @@
-"""Where a value is in a drawing: the field with its scales, round ticks, and the words at them."""
+"""Where a value is in a drawing: its scales, its field, round ticks, and the words at them."""
 
 import math
 from collections.abc import Sequence
@@ -11,10 +11,15 @@ ROOM = 0.06
 _SIGN_PX = 6.0
 
 
-def with_room(values: Sequence[float], least: float = 1e-9) -> tuple[float, float]:
-    """Return the ends of a scale that has these values and some room. least: of equal values."""
+def with_room(
+    values: Sequence[float], least: float = 1e-9, share: float = ROOM
+) -> tuple[float, float]:
+    """Return the ends of a scale that has these values and some room.
+
+    least: the room of equal values. share: of the values that the room is on either side.
+    """
     low, high = min(values), max(values)
-    room = ROOM * (high - low) or max(abs(high) * 1e-3, least)
+    room = share * (high - low) or max(abs(high) * 1e-3, least)
     return low - room, high + room
 
 
@@ -52,8 +57,42 @@ def _plain(value: float, step: float) -> str:
 
 
 @dataclass(frozen=True)
+class Scale:
+    """Values from low to high on places from first to last: pixels or per cent, any direction.
+
+    Where low and high are the same, all is in the middle.
+    """
+
+    low: float
+    high: float
+    first: float
+    last: float
+
+    def at(self, value: float) -> float:
+        """Give the place of a value; one outside lands outside."""
+        return self.first + self._share(value) * (self.last - self.first)
+
+    def clipped(self, value: float, edge: float = 0.0) -> float:
+        """Give the place of a value; one outside lands on the end. edge: share of the scale that
+        is kept free there."""
+        share = min(max(self._share(value), edge), 1.0 - edge)
+        return self.first + share * (self.last - self.first)
+
+    def holds(self, value: float) -> bool:
+        """Whether the value lies on the drawing."""
+        return self.low <= value <= self.high
+
+    def _share(self, value: float) -> float:
+        wide = self.high - self.low
+        return (value - self.low) / wide if wide > 0.0 else 0.5
+
+
+@dataclass(frozen=True)
 class Field:
-    """The field of a drawing: its edges in pixels, and the values at its ends."""
+    """The field of a drawing: its edges in pixels, and the values at its ends.
+
+    is_mirrored: large values are on the left. inset: pixels free on either side, left and right.
+    """
 
     left: float
     right: float
@@ -61,17 +100,19 @@ class Field:
     foot: float
     x_ends: tuple[float, float]
     y_ends: tuple[float, float]
+    is_mirrored: bool = False
+    inset: tuple[float, float] = (0.0, 0.0)
 
     def x(self, value: float) -> float:
         """Give the place of a value across; in the middle where the ends are the same."""
-        low, high = self.x_ends
-        share = (value - low) / (high - low) if high > low else 0.5
-        return self.left + share * (self.right - self.left)
+        first, last = self.left + self.inset[0], self.right - self.inset[1]
+        if self.is_mirrored:
+            first, last = last, first
+        return Scale(*self.x_ends, first, last).at(value)
 
     def y(self, value: float) -> float:
         """Give the place of a value up and down; large values are at the top."""
-        low, high = self.y_ends
-        return self.top + (high - value) / (high - low) * (self.foot - self.top)
+        return Scale(*self.y_ends, self.foot, self.top).at(value)
 
     def frame(self) -> str:
         """Draw its edge."""
@@ -80,9 +121,12 @@ class Field:
             f' width="{self.right - self.left:g}" height="{self.foot - self.top:g}"/>'
         )
 
-    def up(self) -> list[str]:
-        """Draw the ticks of the scale up and down with their lines, their words on the left."""
-        values = ticks(*self.y_ends)
+    def up(self, least: int = 3) -> list[str]:
+        """Draw the ticks of the scale up and down with their lines, their words on the left.
+
+        least: so many ticks at least.
+        """
+        values = ticks(*self.y_ends, least)
         parts = []
         for value, word in zip(values, tick_words(values), strict=True):
             y = self.y(value)
@@ -93,9 +137,9 @@ class Field:
             ]
         return parts
 
-    def across(self) -> list[str]:
+    def across(self, least: int = 3) -> list[str]:
         """Draw the ticks of the scale across with their lines, their words below."""
-        values = ticks(*self.x_ends)
+        values = ticks(*self.x_ends, least)
         return self.named(list(zip(values, tick_words(values), strict=True)))
 
     def named(self, places: Sequence[tuple[float, str]]) -> list[str]:

@@ -10,11 +10,11 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from axisrig.bench.record.series import TIME, values_of
+from axisrig.reports.parts.axes import Field, with_room
 
 WIDTH, HEIGHT = 440, 104
 _LEFT, _RIGHT, _TOP, _BOTTOM = 6.0, 6.0, 16.0, 15.0
 _COLUMNS = 210
-_ROOM = 0.06
 _STYLES = ("actual", "truth", "velocity")
 _POSITION = ("position", "angle")
 
@@ -73,30 +73,22 @@ def _drawing(
         return ""
     least = min(float(values.min()), *limits, math.inf)
     most = max(float(values.max()), *limits, -math.inf)
-    room = _ROOM * (most - least) or max(abs(most) * 1e-3, 1e-6)
-    low, high = least - room, most + room
-
-    def x(instant: float) -> float:
-        return _LEFT + (instant - span[0]) / (span[1] - span[0]) * (WIDTH - _LEFT - _RIGHT)
-
-    def y(value: float) -> float:
-        return _TOP + (high - value) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
-
+    ends = with_room((least, most), 1e-6)
+    field = Field(_LEFT, WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM, span, ends)
     words = f"{title} from {_ms(span[0])} to {_ms(span[1])}"
     parts = [
         f'<svg class="pic" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
         f' aria-label="{escape(words, quote=True)}">',
-        f'<rect class="pic-field" x="{_LEFT:g}" y="{_TOP:g}" width="{WIDTH - _LEFT - _RIGHT:g}"'
-        f' height="{HEIGHT - _TOP - _BOTTOM:g}"/>',
+        field.frame(),
     ]
-    for instant, kind in dict.fromkeys((round(x(t), 1), kind) for t, kind in marks):
+    for instant, kind in dict.fromkeys((round(field.x(t), 1), kind) for t, kind in marks):
         parts.append(
             f'<line class="pic-mark k-{kind}" x1="{instant}" x2="{instant}" y1="{_TOP:g}"'
             f' y2="{HEIGHT - _BOTTOM:g}"/>'
         )
-    parts.append(f'<polyline class="pic-signal" points="{_points(time_ns, values, x, y)}"/>')
+    parts.append(f'<polyline class="pic-signal" points="{_points(time_ns, values, field)}"/>')
     for limit in limits:
-        place = round(y(limit), 1)
+        place = round(field.y(limit), 1)
         parts.append(
             f'<line class="pic-limit" x1="{_LEFT:g}" x2="{WIDTH - _RIGHT:g}" y1="{place}"'
             f' y2="{place}"/>'
@@ -117,8 +109,9 @@ def _drawing(
     return "".join(parts)
 
 
-def _points(time_ns: npt.NDArray[np.int64], values: Array, x: Any, y: Any) -> str:
+def _points(time_ns: npt.NDArray[np.int64], values: Array, field: Field) -> str:
     """Smallest and largest value of each column of pixels, in the order of the signal."""
+    x, y = field.x, field.y
     if len(values) <= 2 * _COLUMNS:
         return " ".join(f"{x(t):.1f},{y(v):.1f}" for t, v in zip(time_ns, values, strict=True))
     first = np.linspace(0, len(values), _COLUMNS, endpoint=False).astype(np.int64)

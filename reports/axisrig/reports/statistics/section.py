@@ -1,16 +1,16 @@
 """The section of statistics: a block for each sample that a check of statistics is about."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from html import escape
 from importlib import resources
-from typing import Any
 
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.statistics.summary import describe
+from axisrig.bench.judge.statistics.summary import SampleFindings, describe
 from axisrig.bench.judge.statistics.verdict import RunSample, counted_values
 from axisrig.bench.judge.topics import sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS
@@ -19,6 +19,23 @@ from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 from axisrig.reports.statistics.drawings import drawings
+
+
+@dataclass(frozen=True)
+class SampleView:
+    """A sample as the page shows it.
+
+    run, title: of the row that asked. equal: runs that do not count, their frames are those of an
+    earlier one. checks: rows of its statistics. found: what is in the sample.
+    """
+
+    run: str
+    title: str
+    metric: str
+    unit: str
+    equal: Sequence[str]
+    checks: Sequence[CheckRow]
+    found: SampleFindings
 
 
 def statistics_style() -> Markup:
@@ -42,11 +59,8 @@ def statistics_section(results: StoredResults) -> Markup:
     )
 
 
-def statistics_views(results: StoredResults) -> Iterator[Mapping[str, Any]]:
-    """Yield each sample with what `summary.describe` finds in it.
-
-    Beside that: run, title and metric, unit, `equal` runs, and `checks`: rows of its statistics.
-    """
+def statistics_views(results: StoredResults) -> Iterator[SampleView]:
+    """Yield each sample of a results folder with what is found in it."""
     for run in results.planned:
         by_metric: dict[str, list[tuple[StatisticCheck, CheckRow]]] = {}
         for row in run.checks:
@@ -61,15 +75,15 @@ def statistics_views(results: StoredResults) -> Iterator[Mapping[str, Any]]:
             names, values, equal = counted_values([_sample(one, check) for one in members])
             if values:
                 limits = _limits(members, check.metric_check.metric)
-                yield {
-                    "run": run.run,
-                    "title": run.case.get("title", ""),
-                    "metric": check.metric_check.metric,
-                    "unit": check.metric_check.unit,
-                    "equal": equal,
-                    "checks": [row for _, row in asked],
-                    **describe(names, values, *limits),
-                }
+                yield SampleView(
+                    run=run.run,
+                    title=run.case.get("title", ""),
+                    metric=check.metric_check.metric,
+                    unit=check.metric_check.unit,
+                    equal=equal,
+                    checks=[row for _, row in asked],
+                    found=describe(names, values, *limits),
+                )
 
 
 def _members(results: StoredResults, run: StoredRun) -> Sequence[StoredRun]:
@@ -104,39 +118,44 @@ def _limits(members: Sequence[StoredRun], metric: str) -> tuple[float | None, fl
     return lower, upper
 
 
-def _block(view: Mapping[str, Any]) -> str:
-    unit = f" {view['unit']}" if view["unit"] else ""
-    words = f"{view['metric']}{unit and ','}{unit}"
-    mean, spread, cpk = view["mean"], view["spread"], view["cpk"]
-    said = [f"n {view['n']}" + (", a small sample" if view["is_small"] else "")]
-    if mean:
-        said.append(f"mean {mean['value']:.6g} ({mean['lower']:.6g} to {mean['upper']:.6g}){unit}")
-    if spread:
-        interval = f"{spread['lower']:.4g} to {spread['upper']:.4g}"
-        said.append(f"s {spread['value']:.4g} ({interval}){unit}")
-        said.append(f"2 s {2 * spread['value']:.4g}{unit}")
-    if cpk:
-        said.append(f"Cpk {cpk['value']:.3g} ({cpk['lower']:.3g} to {cpk['upper']:.3g})")
-    for word, key in (("outlier", "outlier"), ("first value apart", "first_sample")):
-        if view[key] and view[key]["is_apart"]:
-            said.append(f"{word}: {view[key]['run']}, {view[key]['ratio']:.3g} times its limit")
-    if view["drift"] and view["drift"]["p_value"] < 0.05:
-        drift = view["drift"]
-        said.append(f"drift {drift['value']:.3g}{unit} for each value, p {drift['p_value']:.2g}")
-    if view["equal"]:
-        said.append(f"not counted, same frames as an earlier run: {', '.join(view['equal'])}")
+def _block(view: SampleView) -> str:
+    unit = f" {view.unit}" if view.unit else ""
+    words = f"{view.metric}{unit and ','}{unit}"
     rows = "".join(
         f"<li>{escape(row.verdict)}: {escape(row.metric)} = {escape(_value(row))},"
         f" asked for {escape(row.asked)}</li>"
-        for row in view["checks"]
+        for row in view.checks
     )
-    head = f"{escape(view['run'])}: {escape(words)}"
-    title = f'<p class="note">{escape(view["title"])}</p>' if view["title"] else ""
-    drawn = "".join(drawings(view, words))
+    head = f"{escape(view.run)}: {escape(words)}"
+    title = f'<p class="note">{escape(view.title)}</p>' if view.title else ""
+    drawn = "".join(drawings(view.found, words))
     return (
-        f"<h3>{head}</h3>{title}<p>{escape('; '.join(said))}</p>"
+        f"<h3>{head}</h3>{title}<p>{escape('; '.join(_sentences(view, unit)))}</p>"
         f"{drawn and f'<figure>{drawn}</figure>'}<ul>{rows}</ul>"
     )
+
+
+def _sentences(view: SampleView, unit: str) -> Iterator[str]:
+    """Say what is found in a sample. unit: with a blank before it."""
+    found = view.found
+    yield f"n {found.n}" + (", a small sample" if found.is_small else "")
+    if found.mean:
+        mean = found.mean
+        yield f"mean {mean.value:.6g} ({mean.lower:.6g} to {mean.upper:.6g}){unit}"
+    if found.spread:
+        s = found.spread
+        yield f"s {s.value:.4g} ({s.lower:.4g} to {s.upper:.4g}){unit}"
+        yield f"2 s {2 * s.value:.4g}{unit}"
+    if found.cpk:
+        yield f"Cpk {found.cpk.value:.3g} ({found.cpk.lower:.3g} to {found.cpk.upper:.3g})"
+    for word, apart in (("outlier", found.outlier), ("first value apart", found.first_sample)):
+        if apart and apart.is_apart:
+            yield f"{word}: {apart.run}, {apart.ratio:.3g} times its limit"
+    if found.drift and found.drift.rank.p_value < 0.05:
+        slope, p_value = found.drift.slope.value, found.drift.rank.p_value
+        yield f"drift {slope:.3g}{unit} for each value, p {p_value:.2g}"
+    if view.equal:
+        yield f"not counted, same frames as an earlier run: {', '.join(view.equal)}"
 
 
 def _value(row: CheckRow) -> str:

@@ -5,7 +5,7 @@ over its swept range while the others are held. Normalised: as a share of the la
 smallest value of the metric.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -14,6 +14,7 @@ from markupsafe import Markup
 from axisrig.bench.plan.check_row import finite
 from axisrig.bench.statistics.estimates import Effect, Estimate, effects
 from axisrig.kernel.errors import UserError
+from axisrig.reports.parts.axes import Scale
 from axisrig.reports.sweeps.section import PICTURES_MAX, Sweep
 
 WIDTH, ROW = 420, 30
@@ -135,12 +136,7 @@ def tornado(one: Sensitivity) -> str:
     ends = [0.0]
     for _, effect in order:
         ends += [effect.change.value, effect.change.lower, effect.change.upper]
-    low, high = min(ends), max(ends)
-    span = (high - low) or 1.0
-
-    def x(value: float) -> float:
-        return _LEFT + 4 + (value - low) / span * (WIDTH - _LEFT - _RIGHT - 8)
-
+    x = Scale(min(ends), max(ends), _LEFT + 4, WIDTH - _RIGHT - 4).at
     height = _TOP + ROW * len(order) + 4
     title = escape(f"sensitivity of {sweep.metric}", quote=True)
     bars = "".join(
@@ -158,8 +154,7 @@ def tornado(one: Sensitivity) -> str:
     )
 
 
-def _bar(column: str, effect: Effect, unit: str, x: object, top: float) -> str:
-    assert callable(x)
+def _bar(column: str, effect: Effect, unit: str, x: Callable[[float], float], top: float) -> str:
     change = effect.change
     left, right = sorted((x(0.0), x(change.value)))
     low, high = (f"{v:.6g}" if isinstance(v, float) else v for v in (effect.low, effect.high))

@@ -120,12 +120,16 @@ def show_waiting(clock: Callable[[], float]) -> None:
 
 
 @contextmanager
-def waiting(text: str) -> Iterator[Line]:
-    """Show what is being done while the block lasts; gives what changes the text."""
+def waiting(text: str, *, has_lines: bool = False) -> Iterator[Line]:
+    """Show what is being done while the block lasts; gives what changes the text.
+
+    has_lines: other processes write lines to the terminal meanwhile, so nothing moves at its
+    bottom: there are lines as in a pipe.
+    """
     if not _clocks:
         yield _Nobody()
         return
-    line = Waiting(text, _clocks[-1], is_terminal=sys.stderr.isatty())
+    line = Waiting(text, _clocks[-1], is_terminal=sys.stderr.isatty() and not has_lines)
     from axisrig.fmus.watching import heard  # noqa: PLC0415 - takes long to load
 
     with ExitStack() as open_:
@@ -133,3 +137,16 @@ def waiting(text: str) -> Iterator[Line]:
         open_.enter_context(heard(line.inside))
         open_.enter_context(ticking(line))
         yield line
+
+
+@contextmanager
+def waiting_for_line(text: str) -> Iterator[Callable[[str], None]]:
+    """Show what is being done until the first line is put out; gives what puts lines out."""
+    with ExitStack() as stack:
+        stack.enter_context(waiting(text))
+
+        def put_out(line: str) -> None:
+            stack.close()
+            print(line, flush=True)
+
+        yield put_out

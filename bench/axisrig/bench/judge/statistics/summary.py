@@ -1,4 +1,4 @@
-"""What a report shows of the runs of a case: statistics of each metric, as plain data.
+"""What a report shows of the runs of a case: statistics of each metric.
 
 Made from the rows of `results.csv` and `cases.csv`, so that results of other tools serve too.
 Each run gives one value, as its row says; the touches within a run are in the recording alone.
@@ -6,12 +6,15 @@ Each run gives one value, as its row says; the touches within a run are in the r
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict
-from typing import Any
+from dataclasses import dataclass
+from typing import TypeVar
 
 from axisrig.bench.plan.assignment import INPUT_KINDS
 from axisrig.bench.statistics.distribution import (
     Distance,
+    Histogram,
+    NormalPlot,
+    Trend,
     first_apart,
     grubbs,
     histogram,
@@ -20,7 +23,7 @@ from axisrig.bench.statistics.distribution import (
     trend,
     variance_share,
 )
-from axisrig.bench.statistics.estimates import cp, cpk, line, mean, spread
+from axisrig.bench.statistics.estimates import Estimate, cp, cpk, line, mean, spread
 from axisrig.kernel.errors import UserError
 
 Row = Mapping[str, str]
@@ -28,16 +31,105 @@ FEW = 10
 """Below so many values a summary is marked as one of a small sample."""
 _NO_VALUES = ("aborted", "error")
 
+Answer = TypeVar("Answer")
 
-def statistics_data(checks: Sequence[Row], cases: Sequence[Row]) -> list[dict[str, Any]]:
+
+@dataclass(frozen=True)
+class ValueApart:
+    """The value of a sample that is farthest away. run: its name. ratio: of its test to the limit
+    of the test."""
+
+    run: str
+    ratio: float
+
+    @property
+    def is_apart(self) -> bool:
+        """Whether the test says that it does not belong to the sample."""
+        return self.ratio > 1.0
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How a sample moves. slope: unit of the value for each value. rank: test by ranks."""
+
+    slope: Estimate
+    rank: Trend
+
+
+@dataclass(frozen=True)
+class SampleFindings:
+    """What is found in a sample; None where the sample has no answer.
+
+    values: (name, value) in their order, such as the ids of their runs. lower, upper: limits, None
+    where open. normality_p: of the test for a normal distribution. All in the unit of the values.
+    """
+
+    values: Sequence[tuple[str, float]]
+    lower: float | None
+    upper: float | None
+    mean: Estimate | None
+    spread: Estimate | None
+    cp: Estimate | None
+    cpk: Estimate | None
+    histogram: Histogram | None
+    normal_plot: NormalPlot | None
+    normality_p: float | None
+    outlier: ValueApart | None
+    first_sample: ValueApart | None
+    drift: Drift | None
+
+    @property
+    def n(self) -> int:
+        """How many values there are."""
+        return len(self.values)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether there are fewer than FEW values."""
+        return self.n < FEW
+
+    @property
+    def limits(self) -> list[float]:
+        """The limits that are not open."""
+        return [limit for limit in (self.lower, self.upper) if limit is not None]
+
+
+@dataclass(frozen=True)
+class OverInput:
+    """A metric over an input. places: its numbers, or its texts, which have a share only.
+
+    slope, intercept: of the line. share: of the variance, 0 to 1. None without an answer.
+    """
+
+    places: Sequence[float] | Sequence[str]
+    slope: Estimate | None
+    intercept: Estimate | None
+    share: float | None
+
+
+@dataclass(frozen=True)
+class CaseStatistics:
+    """The statistics of a metric of a case.
+
+    found: of the values that count; its limits are those that all runs have. equal: runs that are
+    equal to an earlier one. missing: runs without a value. inputs: those that the runs vary.
+    """
+
+    plan: str
+    case: str
+    metric: str
+    unit: str
+    found: SampleFindings
+    equal: Sequence[str]
+    missing: Sequence[str]
+    inputs: Mapping[str, OverInput]
+
+
+def statistics_data(checks: Sequence[Row], cases: Sequence[Row]) -> list[CaseStatistics]:
     """Return the statistics of each metric of each case that has two different runs or more.
 
-    checks, cases: rows of `results.csv` and `cases.csv`. Each entry has plan, case, metric, unit,
-    `lower` and `upper` where all runs have the same limits, `values` (run, value) that count, n,
-    runs that are `equal` to an earlier one and `missing` ones, and, None where there is no answer:
-    mean, spread, cp, cpk (value, lower, upper, n), histogram, normal plot, normality_p, outlier,
-    first_sample, drift (with its rank test), and for each input that the runs vary its slope
-    (numbers) and share. Rows of statistics over several runs are left out: they are no runs.
+    checks, cases: rows of `results.csv` and `cases.csv`. Rows of statistics over several runs are
+    left out: they are no runs.
     """
     runs = {row["run"]: row for row in cases if not row.get("runs") and not row.get("in_plan")}
     by_case: dict[tuple[str, str], list[str]] = {}
@@ -54,8 +146,7 @@ def statistics_data(checks: Sequence[Row], cases: Sequence[Row]) -> list[dict[st
         members = [runs[run] for run in by_case[plan, case]]
         values = _values(rows)
         if len(members) > 1 and values is not None:
-            about = {"plan": plan, "case": case, "metric": metric}
-            found.append(about | _summary(members, rows, values))
+            found.append(_summary((plan, case, metric), members, rows, values))
     return found
 
 
@@ -72,59 +163,62 @@ def _values(rows: Mapping[str, Row]) -> dict[str, float] | None:
 
 
 def _summary(
-    members: Sequence[Row], rows: Mapping[str, Row], values: Mapping[str, float]
-) -> dict[str, Any]:
+    key: tuple[str, str, str],
+    members: Sequence[Row],
+    rows: Mapping[str, Row],
+    values: Mapping[str, float],
+) -> CaseStatistics:
+    """Sum up a metric. key: plan, case, metric. rows: its rows by run. values: its numbers."""
     columns = [c for c in members[0] if c.partition(":")[0] in INPUT_KINDS and ":" in c]
     seen: set[tuple[str, ...]] = set()
     counted, equal = [], []
     for row in members:
-        key = (row.get("frame_log_sha256", ""), *(row.get(column, "") for column in columns))
-        if key[0] and key in seen:
+        frames = (row.get("frame_log_sha256", ""), *(row.get(column, "") for column in columns))
+        if frames[0] and frames in seen:
             equal.append(row["run"])
         elif row["run"] in values:
             counted.append(row)
-        seen.add(key)
+        seen.add(frames)
     sample = [values[row["run"]] for row in counted]
-    first = next(iter(rows.values()))
-    lower, upper = (_limit(rows, end) for end in ("lower", "upper"))
-    return {
-        "unit": first.get("unit", ""),
-        **describe([row["run"] for row in counted], sample, lower, upper),
-        "equal": equal,
-        "missing": [row["run"] for row in members if row["run"] not in values],
-        "columns": dict(_columns(columns, counted, sample)),
-    }
+    plan, case, metric = key
+    names = [row["run"] for row in counted]
+    return CaseStatistics(
+        plan,
+        case,
+        metric,
+        unit=next(iter(rows.values())).get("unit", ""),
+        found=describe(names, sample, _limit(rows, "lower"), _limit(rows, "upper")),
+        equal=equal,
+        missing=[row["run"] for row in members if row["run"] not in values],
+        inputs=dict(_inputs(columns, counted, sample)),
+    )
 
 
 def describe(
     names: Sequence[str], sample: Sequence[float], lower: float | None, upper: float | None
-) -> dict[str, Any]:
-    """Return the statistics of a sample as plain data; as `statistics_data` has them.
+) -> SampleFindings:
+    """Return what is found in a sample.
 
     names: of the values, such as the ids of their runs. lower, upper: limits, None where open.
     """
-    return {
-        "lower": lower,
-        "upper": upper,
-        "values": list(zip(names, sample, strict=True)),
-        "n": len(sample),
-        "is_small": len(sample) < FEW,
-        "mean": _asked(lambda: asdict(mean(sample))),
-        "spread": _asked(lambda: asdict(spread(sample))),
-        "cp": _asked(lambda: asdict(cp(sample, _given(lower), _given(upper)))),
-        "cpk": _asked(lambda: asdict(cpk(sample, lower, upper))),
-        "histogram": _asked(lambda: asdict(histogram(sample))),
-        "normal_plot": _asked(lambda: asdict(normal_plot(sample))),
-        "normality_p": _asked(lambda: normality(sample)),
-        "outlier": _asked(lambda: _ratio(names, grubbs(sample))),
-        "first_sample": _asked(lambda: _ratio(names, first_apart(sample))),
-        "drift": _asked(
-            lambda: asdict(line(range(1, len(sample) + 1), sample).slope) | asdict(trend(sample))
-        ),
-    }
+    return SampleFindings(
+        values=list(zip(names, sample, strict=True)),
+        lower=lower,
+        upper=upper,
+        mean=_asked(lambda: mean(sample)),
+        spread=_asked(lambda: spread(sample)),
+        cp=_asked(lambda: cp(sample, _given(lower), _given(upper))),
+        cpk=_asked(lambda: cpk(sample, lower, upper)),
+        histogram=_asked(lambda: histogram(sample)),
+        normal_plot=_asked(lambda: normal_plot(sample)),
+        normality_p=_asked(lambda: normality(sample)),
+        outlier=_asked(lambda: _ratio(names, grubbs(sample))),
+        first_sample=_asked(lambda: _ratio(names, first_apart(sample))),
+        drift=_asked(lambda: Drift(line(range(1, len(sample) + 1), sample).slope, trend(sample))),
+    )
 
 
-def _asked(make: Callable[[], Any]) -> Any:
+def _asked(make: Callable[[], Answer]) -> Answer | None:
     """Return what `make` gives, None where the sample does not allow it."""
     try:
         return make()
@@ -132,11 +226,9 @@ def _asked(make: Callable[[], Any]) -> Any:
         return None
 
 
-def _ratio(names: Sequence[str], away: Distance) -> dict[str, Any] | None:
-    """Say which value is asked about, and whether it is apart."""
-    if not math.isfinite(away.ratio):
-        return None
-    return {"run": names[away.index], "ratio": away.ratio, "is_apart": away.ratio > 1.0}
+def _ratio(names: Sequence[str], away: Distance) -> ValueApart | None:
+    """Say which value is asked about, and how far it is."""
+    return ValueApart(names[away.index], away.ratio) if math.isfinite(away.ratio) else None
 
 
 def _limit(rows: Mapping[str, Row], end: str) -> float | None:
@@ -156,9 +248,9 @@ def _given(limit: float | None) -> float:
     return limit
 
 
-def _columns(
+def _inputs(
     columns: Sequence[str], counted: Sequence[Row], sample: Sequence[float]
-) -> Iterator[tuple[str, dict[str, Any]]]:
+) -> Iterator[tuple[str, OverInput]]:
     """Yield each input that the runs vary, with its slope and its share of the variance."""
     for column in columns:
         texts = [row.get(column, "") for row in counted]
@@ -171,11 +263,11 @@ def _columns(
         yield column, _over(texts, places, sample)
 
 
-def _over(texts: Sequence[str], places: Sequence[float], sample: Sequence[float]) -> dict[str, Any]:
+def _over(texts: Sequence[str], places: Sequence[float], sample: Sequence[float]) -> OverInput:
     """Return regression and share over a column. places: its numbers, none where it has texts."""
-    return {
-        "places": list(places or texts),
-        "slope": _asked(lambda: asdict(line(places, sample).slope)),
-        "intercept": _asked(lambda: asdict(line(places, sample).intercept)),
-        "share": _asked(lambda: variance_share(sample, texts).value),
-    }
+    return OverInput(
+        places=list(places) if places else list(texts),
+        slope=_asked(lambda: line(places, sample).slope),
+        intercept=_asked(lambda: line(places, sample).intercept),
+        share=_asked(lambda: variance_share(sample, texts).value),
+    )
