@@ -217,6 +217,24 @@ RIGS = [
     ),
     ("NC word as axis", "[axis.Z]", "[axis.F]", ["F"]),
     ("text not closed", '"one axis"', '"one', ["rig.toml:1:", "no valid TOML"]),
+    (
+        "text without quotes",
+        'title = "one axis"',
+        "title = one axis",
+        ["rig.toml:1:", 'a text is in quotes: title = "one axis"'],
+    ),
+    (
+        "quote missing",
+        'title = "one axis"',
+        'title = one axis"',
+        ["rig.toml:1:", 'a text is in quotes: title = "one axis"'],
+    ),
+    (
+        "decimal comma",
+        "lead_mm = 10.0",
+        "lead_mm = 10,5",
+        ["no valid TOML", "a decimal point, not a comma: lead_mm = 10.5"],
+    ),
     ("digits beyond Python", "period_us = 1000", f"period_us = {'9' * 5000}", ["rig.toml"]),
     ("nesting beyond Python", '"one axis"', "[" * 3000 + "]" * 3000, ["rig.toml"]),
 ]

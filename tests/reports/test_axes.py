@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.reports.parts.axes import Field, margin, tick_words, ticks, with_room
+from axisrig.reports.parts.axes import Field, Scale, margin, tick_words, ticks, with_room
 
 
 @pytest.mark.parametrize(
@@ -38,6 +38,22 @@ def test_values_are_where_the_scale_says() -> None:
     assert (field.x(0.0), field.x(5.0), field.x(10.0)) == (50.0, 100.0, 150.0)
     assert (field.y(1.0), field.y(0.0), field.y(-1.0)) == (10.0, 60.0, 110.0)
     assert Field(0.0, 10.0, 0.0, 10.0, (3.0, 3.0), (0.0, 1.0)).x(3.0) == 5.0
+
+
+def test_a_field_may_be_mirrored_and_have_room_on_its_sides() -> None:
+    field = Field(50.0, 150.0, 0.0, 9.0, (-10.0, 0.0), (0.0, 1.0), is_mirrored=True)
+    assert (field.x(-10.0), field.x(0.0)) == (150.0, 50.0)
+    free = Field(50.0, 150.0, 0.0, 9.0, (0.0, 10.0), (0.0, 1.0), inset=(10.0, 30.0))
+    assert (free.x(0.0), free.x(10.0)) == (60.0, 120.0)
+
+
+def test_a_scale_clips_only_where_it_is_asked_to() -> None:
+    scale = Scale(0.0, 4.0, 100.0, 0.0)
+    assert [scale.at(value) for value in (0.0, 1.0, 8.0)] == [100.0, 75.0, -100.0]
+    assert [scale.clipped(value) for value in (-1.0, 1.0, 8.0)] == [100.0, 75.0, 0.0]
+    assert scale.clipped(8.0, 0.1) == pytest.approx(10.0)
+    assert (scale.holds(4.0), scale.holds(4.1)) == (True, False)
+    assert Scale(3.0, 3.0, 0.0, 10.0).at(3.0) == 5.0
 
 
 def test_room_is_left_around_values_that_are_equal() -> None:

@@ -103,8 +103,19 @@ def test_samples_of_all_touches_and_of_the_last_ones_are_two() -> None:
     )
     members = [run("a", (1.0, 2.0)), run("b", (3.0, 4.0))]
     views = list(statistics_views(SimpleNamespace(planned=[*members, row])))  # type: ignore[arg-type]
-    found = [([value for _, value in view["values"]], len(view["checks"])) for view in views]
+    found = [([value for _, value in view.found.values], len(view.checks)) for view in views]
     assert found == [([1.0, 2.0, 3.0, 4.0], 2), ([2.0, 4.0], 1)]
+
+
+def test_each_drawing_has_ticks_on_both_axes() -> None:
+    """Of 0.4 to -0.2: 0.0, 0.2 and 0.4 at least; of six values the first and the last."""
+    order, bars, normal = drawn(VALUES, -1.0, 1.0)
+    for svg in (order, bars, normal):
+        words = [word for word in svg.iter("text") if word.get("class") == "ax-word"]
+        sides = [word.get("text-anchor") for word in words]
+        assert min(sides.count("end"), sides.count("middle")) >= 2
+    numbers = [w.text for w in order.iter("text") if w.get("text-anchor") == "middle"]
+    assert (numbers[0], numbers[-1]) == ("1", "6")
 
 
 @pytest.mark.parametrize("values", [(1.0,), (1.0, 2.0)])

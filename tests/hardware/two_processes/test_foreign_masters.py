@@ -122,14 +122,16 @@ def test_the_master_that_the_page_prints(tmp_path: Path) -> None:
 
 
 def test_the_master_that_the_readme_prints(tmp_path: Path) -> None:
-    """Its first lines: name of the drive, and where the axis is."""
+    """Its first lines, with the project of `axisrig new`: name of the drive, place of the axis."""
     page = (ROOT / "README.md").read_text(encoding="utf-8")
     script = page.partition("```python\n")[2].partition("```")[0]
-    made = axisrig("drive", str(RIG), "--eds", str(tmp_path / "drive.eds"))
+    assert axisrig("new", str(tmp_path / "bench")).returncode == 0
+    rig = tmp_path / "bench" / "testplans" / "rigs" / "bench.toml"
+    assert f"axisrig drive {rig.relative_to(tmp_path / 'bench').as_posix()} --interface" in page
+    made = axisrig("drive", str(rig), "--eds", str(tmp_path / "drive.eds"))
     assert made.returncode == 0, made.stderr
-    with drives_at(
-        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0"
-    ) as drives:
+    at = "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0"
+    with drives_at(tmp_path / "drives", *at, rig=rig) as drives:
         _, port = serving(drives)
         assert script.count("29536") == 1
         (tmp_path / "master.py").write_text(script.replace("29536", port), encoding="utf-8")

@@ -230,6 +230,19 @@ def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
+def _toml_hint(line: str) -> str | None:
+    """Say what a line that is no TOML was to be, where that can be seen."""
+    key, sign, value = (part.strip() for part in line.partition("#")[0].partition("="))
+    if not sign:
+        return None
+    if re.fullmatch(r"[+-]?\d+,\d+", value):
+        return f"a decimal point, not a comma: {key} = {value.replace(',', '.')}"
+    if re.match(r"[^\W\d]", value) and value not in ("true", "false"):
+        text = value.strip('"').replace('"', "")
+        return f'a text is in quotes: {key} = "{text}"'
+    return None
+
+
 def _read_toml(path: Path) -> dict[str, Any]:
     if not path.is_file():
         what = "a folder, not a rig file" if path.is_dir() else "rig file not found"
@@ -251,7 +264,10 @@ def _read_toml(path: Path) -> dict[str, Any]:
         place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line, column = (int(place[1]), int(place[2])) if place else (None, None)
         message = re.sub(r" \(at .*\)", "", str(error))
-        raise UserError(f"no valid TOML: {message}", file=path, line=line, column=column) from error
+        hint = _toml_hint(text.splitlines()[line - 1]) if line else None
+        raise UserError(
+            f"no valid TOML: {message}", file=path, line=line, column=column, hint=hint
+        ) from error
     except (ValueError, RecursionError) as error:  # numbers too long, brackets too deep
         raise UserError(
             "no valid TOML: a number too long or brackets too deep", file=path

@@ -13,6 +13,8 @@ from axisrig.kernel.errors import UserError
 
 Keys = tuple[str, ...]
 _UNKNOWN, _MISSING = "extra_forbidden", "missing"
+NAMED_MAX = 20
+"""So many keys are named beside the one that was meant."""
 
 
 def form_errors(
@@ -42,7 +44,8 @@ def form_errors(
             unclear.update([keys[:-1]] if not near else [])
             hint = f"did you mean {near[0]}?" if near else None
             message = f"unknown rig key {place}"
-            yield UserError(message, file=file, line=line, allowed=known, hint=hint)
+            allowed = known if len(known) <= NAMED_MAX or not near else None
+            yield UserError(message, file=file, line=line, allowed=allowed, hint=hint)
         elif one["type"] == _MISSING:
             if keys[:-1] in unclear:
                 continue
