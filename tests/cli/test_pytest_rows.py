@@ -85,7 +85,7 @@ def test_no_traceback_of_the_bench_is_shown(report: str) -> None:
 def test_the_shipped_conftest_is_the_one_line_that_the_page_shows() -> None:
     text = (PLANS / "conftest.py").read_text(encoding="utf-8")
     assert len(text.splitlines()) == 1
-    assert f"```python\n{text}```" in (ROOT / "docs/plans.md").read_text(encoding="utf-8")
+    assert f"```python\n{text}```" in (ROOT / "docs/campaigns.md").read_text(encoding="utf-8")
 
 
 def _collected(*arguments: object) -> str:

@@ -64,7 +64,9 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a shell of Unix")
-@pytest.mark.parametrize("name", ["README.md", "docs/plans.md", "docs/install.md"])
+@pytest.mark.parametrize(
+    "name", ["README.md", "docs/plans.md", "docs/campaigns.md", "docs/install.md"]
+)
 def test_the_commands_of_a_page_run_as_printed(checkout: Path, name: str) -> None:
     for block in shell_blocks(name):
         script = "\n".join(["set -e", *block])

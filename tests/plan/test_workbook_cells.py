@@ -1,4 +1,4 @@
-"""What a cell of a workbook counts as, by its kind (docs/plans.md) and by who wrote it.
+"""What a cell of a workbook counts as, by its kind (docs/plan-columns.md) and by who wrote it.
 
 The programs that write workbooks are asked themselves; what LibreOffice writes is written out here
 in its form, and read where it is OpenDocument.

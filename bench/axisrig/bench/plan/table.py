@@ -189,7 +189,7 @@ def read_table(path: Path) -> Table:
 
 
 def _formula_text(path: Path, sheet: str, formula: "Formula", column: str) -> str:
-    """Return what a cell with a formula counts as (docs/plans.md), else raise UserError.
+    """Return what a cell with a formula counts as (docs/plan-columns.md), else raise UserError.
 
     A program that writes the text of a condition, `== 3`, may make a formula of it with 0 for its
     value.

@@ -2,7 +2,7 @@
 
 The library lays out every cell between A1 and the last one; a formula without a stored value, or
 one that ended in an error, is an empty cell for it, and a percentage is its number. What each kind
-of cell counts as is in docs/plans.md.
+of cell counts as is in docs/plan-columns.md.
 Source: ECMA-376-1 18.3.1 (sheets of XLSX: `c`, `f`, `v`), 18.2.2 (`calcPr`), OpenDocument 1.3
 part 3, 9.1 (tables).
 """
