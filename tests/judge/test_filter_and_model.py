@@ -1,5 +1,6 @@
 """What a filter did to the sensor value, and the own model of the offset along what was read."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -121,6 +122,27 @@ def test_a_word_of_the_program_acts_in_the_model_from_the_cycle_after_it_on() ->
     orders = (WITH_CONST_DIST, DistanceOrder(400 * MS, "NC", words={"kp": 0.4}))
     observed = recorded(0.001, columns={"offset_mm": offset}, orders=orders)
     assert seen(observed, METRIC).value == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("percent", [100.0, 50.0, 10.0])
+def test_an_override_of_the_axis_scales_v_max_in_the_model(percent: float) -> None:
+    """1 mm behind all along, 10 mm/s and no other limit: 10 um a cycle at 100 %."""
+    words = {"v_max": 10_000, "a_max": 10**9, "max_deviation": 10**9}
+    step_mm = 0.01 * percent / 100.0
+    columns = {
+        "offset_mm": np.cumsum(np.where(K >= ON, step_mm, 0.0)),
+        "distance_override_pct": np.full(ROWS, percent),
+    }
+    found = seen(recorded(1.0, columns=columns, words=words), METRIC)
+    assert found.value == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_model_stands_in_a_dry_run_and_goes_on_after_it() -> None:
+    assert modelled(K < 0, orders=(replace(WITH_CONST_DIST, is_dry_run=True),)) == 0.0
+    orders = (WITH_CONST_DIST, replace(WITH_CONST_DIST, time_ns=400 * MS, is_dry_run=True),
+              replace(WITH_CONST_DIST, time_ns=600 * MS))  # fmt: skip
+    dry = (K > 400) & (K <= 600)
+    assert modelled((K >= ON) & ~dry, orders=orders) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_new_begin_starts_from_the_offset_that_is_there() -> None:

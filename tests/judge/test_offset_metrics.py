@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 from tests.judge.controls import ON, ROWS, WITH_CONST_DIST, K, no_value, recorded, seen
 
-from axisrig.bench.judge.distance.truth import ACTIVE_CONST_DIST, FREEZE, INACTIVE, TURNING_OFF
+from axisrig.bench.judge.distance.truth import (
+    ACTIVE_CONST_DIST,
+    ERROR,
+    FREEZE,
+    INACTIVE,
+    TURNING_OFF,
+)
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.record.distance import DistanceOrder
 from axisrig.bench.record.facts import AlarmRecord
@@ -166,6 +172,16 @@ def test_an_alarm_is_late_by_the_cycles_since_it_was_due(
     found = seen(observed, LATE)
     assert found.value == pytest.approx(late)
     assert found.note.endswith("due in the cycle of 500 ms")
+
+
+@pytest.mark.parametrize("late", [0, 3])
+def test_an_alarm_is_due_in_the_cycle_in_which_the_control_fails(late: int) -> None:
+    """The state of its row is ERROR already: what this cycle has read counts all the same."""
+    state = np.where(K < ON, float(INACTIVE), float(ACTIVE_CONST_DIST))
+    state[500 + late :] = ERROR
+    observed = recorded(below(500), words=FAR, columns={"distance_state": state})
+    found = seen(raised(observed, (500 + late, 70576, False)), LATE)
+    assert found.value == pytest.approx(late)
 
 
 @pytest.mark.parametrize("alarm_id", [70329, 70330, 70331, 70576, 900314])

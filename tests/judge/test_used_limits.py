@@ -1,0 +1,56 @@
+"""How much of each limit of a distance control was used, as the report shows it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.judge.controls import ON, ROWS, K, recorded
+
+from axisrig.bench.judge.distance.findings import control_findings
+from axisrig.bench.judge.distance.truth import ACTIVE_CONST_DIST, INACTIVE, TURNING_OFF
+from axisrig.bench.record.distance import Controller, DistanceChange
+from axisrig.kernel.time.clock import MS
+
+CONTROLLER = Controller(0.2, 0.0, 0.0, "DEFAULT", 1, 0.7, 4, 25.0, 0.1, False)
+
+
+def used(behind_mm: Any = 0.0, **columns: Any) -> dict[str, float | None]:
+    on = DistanceChange(ON * MS, "ACTIVE_CONST_DIST", "NC", "60E4", False, CONTROLLER)
+    (found,) = control_findings(recorded(behind_mm, columns=columns, changes=(on,)))
+    return {limit.key: limit.used for limit in found.limits}
+
+
+def from_row(*values: tuple[int, float]) -> Any:
+    course = np.zeros(ROWS)
+    for row, value in values:
+        course[row:] = value
+    return course
+
+
+def test_a_sensor_value_has_its_ends_with_their_signs() -> None:
+    """2 mm of distance: the value is -2; 0.5 mm nearer is -1.5, 0.25 mm farther -2.25."""
+    found = used(from_row((50, 9.0), (ON, 0.0), (300, 0.5), (500, -0.25), (700, 0.0)))
+    assert (found["max_pos"], found["min_pos"]) == (pytest.approx(-1.5), pytest.approx(-2.25))
+    # A jump of 0.75 mm in a cycle of 1 ms; that in the first row of the control is none
+    assert found["max_act_value_change"] == pytest.approx(750.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_offset_uses_its_limits_in_both_directions(sign: float) -> None:
+    """Up by 0.3 and 0.4 mm, down by 0.6: 600 mm/s; from +400 to 0 and to -600 in cycles."""
+    found = used(offset_mm=sign * from_row((300, 0.3), (301, 0.7), (500, 0.1)))
+    assert found["max_deviation"] == pytest.approx(0.7)
+    assert found["v_max"] == pytest.approx(600.0)
+    assert found["a_max"] == pytest.approx(600e3)
+
+
+@pytest.mark.parametrize(
+    ("before", "v_mm_s"), [(ACTIVE_CONST_DIST, 0.0), (TURNING_OFF, 500.0), (INACTIVE, 0.0)]
+)
+def test_what_is_handed_over_at_once_is_no_motion(before: int, v_mm_s: float) -> None:
+    """0.5 mm are gone in the row that is off: by NO_MOVE, or as the last step on the way to 0."""
+    state = np.where(K < ON, float(INACTIVE), float(ACTIVE_CONST_DIST))
+    state[499:], state[500:] = before, INACTIVE
+    offset = np.full(ROWS, 0.5)
+    offset[500:] = 0.0
+    assert used(offset_mm=offset, distance_state=state)["v_max"] == pytest.approx(v_mm_s)
