@@ -129,12 +129,13 @@ def test_what_is_kept_of_a_long_run_does_not_grow(tmp_path: Path) -> None:
     assert columns.kept_bytes <= KEPT_BYTES
 
 
+@pytest.mark.long(but=2)
 @pytest.mark.parametrize(
     ("plan", "case"),
     [
+        ("latch_accuracy", "f600"),
         ("distance_control", "p-2-plain-above"),
         ("distance_control", "profile-sine"),
-        ("latch_accuracy", "f600"),
     ],
 )
 def test_every_metric_is_the_same_in_blocks_of_any_size(

@@ -50,6 +50,25 @@ def test_a_metric_of_several_runs_is_summed_up() -> None:
     assert entry.inputs == {}
 
 
+@pytest.mark.parametrize(
+    ("frames", "feeds", "equal"),
+    [
+        ("ff", "11", ["p-a-1"]),
+        ("ff", "12", []),  # of other inputs the same frames say something
+        ("fg", "11", []),
+        ("", "11", []),  # not known
+    ],
+)
+def test_runs_are_equal_by_their_frames_and_inputs(
+    frames: str, feeds: str, equal: list[str]
+) -> None:
+    checks, cases = rows((1.0, 2.0, 3.0), **{FEED: [*feeds, "3"]})
+    for place, case in enumerate(cases[:2]):
+        case["frame_log_sha256"] = frames[place : place + 1]
+    entry = only(statistics_data(checks, cases))
+    assert (entry["equal"], entry["n"]) == (equal, 3 - len(equal))
+
+
 def test_equal_and_missing_runs_are_named_and_not_counted() -> None:
     checks, cases = rows((*VALUES, 0.4, ""))
     cases[6]["frame_log_sha256"] = cases[0]["frame_log_sha256"]

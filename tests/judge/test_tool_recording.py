@@ -173,6 +173,21 @@ def test_the_tool_is_on_the_line_of_its_block(row: int, is_inside: bool) -> None
         assert seen(observed, metric).value == pytest.approx(20.0 * is_inside, abs=1e-6)
 
 
+@pytest.mark.parametrize("buffer", [0, 1, 4])
+def test_the_axes_are_on_a_line_later_by_what_their_drives_buffer(buffer: int) -> None:
+    """Off the line by 20 um in its first and last row, which are so many cycles later."""
+    table = trace(c_deg=tilted.C_DEG)
+    for name in [name for name in table.column_names if name.endswith(".truth_mm")]:
+        values = table[name].to_numpy()
+        later = np.concatenate([np.full(buffer, values[0]), values[: len(values) - buffer]])
+        table = table.set_column(table.column_names.index(name), name, pa.array(later))
+    own = replace(left(), timing=Timing(MS, 600_000, buffer), blocks=block_trace((moves(),)))
+    for row, is_inside in ((1, False), (2, True), (92, True), (93, False)):
+        away = changed(table, {"X.truth_mm": {ON + buffer + row: -0.02}})
+        found = seen(Observed(own, kept(away)), "tcp_from_line_um_max")
+        assert found.value == pytest.approx(20.0 * is_inside, abs=1e-6)
+
+
 def test_beyond_its_end_a_line_goes_no_further() -> None:
     """Along Y by 0.03 mm at the last row: away from the end, and not from the middle."""
     for row, away_um in ((ON + 92, 30.0), (ON + 50, 0.0)):

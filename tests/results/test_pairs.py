@@ -211,6 +211,8 @@ SAME = {"program": "a.nc", "rig": "a.toml", "plc:V.E.A": "1"}
         ({"search:plc:V.E.A": "1 .. 2 to 1"}, {"search:plc:V.E.A": "1 .. 2 to 1"}, True),
         ({"search:plc:V.E.A": "1 .. 2 to 1"}, {"search:plc:V.E.A": "1 .. 3 to 1"}, False),
         ({"plc:V.E.A": "1", "plc:V.E.B": "2"}, {"plc:V.E.B": "2", "plc:V.E.A": "1"}, True),
+        ({**SAME, "runs": "4"}, SAME, False),  # what several runs say is none of them
+        ({**SAME, "runs": "4"}, {**SAME, "runs": "5"}, True),
     ],
 )
 def test_runs_belong_together_by_what_was_run(

@@ -1,6 +1,7 @@
 """Tables of a results folder that no machine has made: each cell from facts written by hand."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -103,6 +104,16 @@ def test_edges_have_their_places_and_units(made: Path) -> None:
     }
     with pytest.raises(UserError, match="no places of edges"):
         load(made).edges("r2")
+
+
+def test_a_run_without_an_edge_has_a_table_without_rows(made: Path, tmp_path: Path) -> None:
+    """It is no recording of an older version, which has no table at all."""
+    folder = shutil.copytree(made, tmp_path / "out")
+    text = run_text(replace(left(), edges=()))
+    (folder / "runs" / "r1.json").write_text(text, encoding="utf-8")
+    table = load(folder).edges("r1")
+    assert (len(table), list(table.columns)) == (0, list(load(made).edges("r1").columns))
+    assert str(table["latch_ns"].dtype) == "int64"
 
 
 def test_blocks_have_their_waits_and_holds(made: Path) -> None:
