@@ -66,6 +66,33 @@ def test_a_position_that_is_put_is_one_at_rest() -> None:
     assert guard.judge((80.0, 0.03)) is not None
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("all_axes", [False, True])
+def test_what_an_axis_did_before_it_was_put_counts_no_more(axis: int, all_axes: bool) -> None:
+    """It went with its limit; put, it may stay or go by an increment, and not go on as it went."""
+    limit = LIMITS[axis]
+
+    def put() -> SetpointGuard:
+        guard = guard_at(limit.speed_mm_s, axis)
+        if all_axes:
+            guard.put_all((7.0, 7.0))
+        else:
+            guard.put(0, 7.0)
+            guard.put(1, 7.0)
+        return guard
+
+    for way_mm, is_legal in (
+        (0.0, True),
+        (limit.increment_mm, True),
+        (-limit.increment_mm, True),
+        (limit.speed_mm_s * T, False),
+        (-limit.speed_mm_s * T, False),
+    ):
+        positions = [7.0, 7.0]
+        positions[axis] += way_mm
+        assert (put().judge((positions[0], positions[1])) is None) is is_legal
+
+
 def test_another_zero_changes_nothing() -> None:
     guard = guard_at(10.0, 0)
     guard.move(0, -3.0)
