@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axisrig.kernel.motion.curves import Arc, Line
+from axisrig.kernel.motion.dynamics import Dynamics
+from axisrig.kernel.motion.feed import Feed
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.profile import Slope, plan
 from axisrig.kernel.time.clock import MS
@@ -61,6 +63,27 @@ def test_at_constant_speed_it_stops_by_the_feedhold_ramp_and_goes_on_to_the_end(
     held.release()
     assert held.run_out() == pytest.approx((88.75 / 50 + 0.05) / 1e-3, abs=1)
     assert held.path.positions_mm == (LENGTH_MM,)
+
+
+@pytest.mark.parametrize(("own", "way_mm"), [(WEAK, 2.5), (None, 1.25)])
+def test_every_hold_stops_the_path_by_the_ramp_of_the_feedhold(
+    own: Slope | None, way_mm: float
+) -> None:
+    """v^2/2a with 500 mm/s2, without a ramp of its own with the 1000 of the motion, each time."""
+    path = Interpolator("Z", MS)
+    path.follow(Line((0.0,), (LENGTH_MM,)), plan(LENGTH_MM, FEED_MM_S, OWN, OWN))
+    feed = Feed(FEED_MM_S, Dynamics(OWN, OWN, OWN, 100.0, own))
+    for _ in range(3):
+        for _ in range(300):
+            path.advance()
+            feed.lead(path, 1.0, is_held=False)
+        assert path.speed_mm_s == pytest.approx(FEED_MM_S)
+        begin_mm = path.path_travelled_mm
+        for _ in range(150):
+            feed.lead(path, 1.0, is_held=True)
+            path.advance()
+        assert path.speed_mm_s == 0.0
+        assert path.path_travelled_mm - begin_mm == pytest.approx(way_mm, abs=1e-9)
 
 
 def test_while_the_path_still_gains_speed() -> None:

@@ -120,6 +120,26 @@ def test_braking_while_standing_changes_nothing() -> None:
     assert interpolator.advance() == (0.0, 0.0, 1.0)
 
 
+@pytest.mark.parametrize("at", [0, 1, 30, 200, 249])
+def test_a_cycle_that_is_taken_back_has_never_been(at: int) -> None:
+    """What comes after it is what came without it: place, way and speed of every cycle."""
+    plain, other = started({"Z": -10.0}, 50.0), started({"Z": -10.0}, 50.0)
+    for cycle in range(260):
+        plain.advance()
+        other.advance()
+        if cycle == at:
+            before = other.positions_mm, other.path_travelled_mm, other.speed_mm_s
+            other.advance()
+            other.take_back()
+            assert (other.positions_mm, other.path_travelled_mm, other.speed_mm_s) == before
+            other.take_back()  # only the last one can be
+        assert other.positions_mm == plain.positions_mm
+        assert (other.path_travelled_mm, other.speed_mm_s) == (
+            *(plain.path_travelled_mm, plain.speed_mm_s),
+        )
+    assert other.is_standing
+
+
 def test_starting_is_refused_while_moving_or_with_a_profile_of_another_length() -> None:
     interpolator = started({"Z": 1.0}, 50.0)
     with pytest.raises(ValueError, match="not ended"):
