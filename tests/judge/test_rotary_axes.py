@@ -1,10 +1,13 @@
 """Lengths and forces of axes that turn: names, reasons, arms, and parameters of their FMU."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.judge.fixed_stop.findings import _turned
+from axisrig.bench.judge.fixed_stop.values import Value
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.plant_values import PlantValues, power_of_arm
 from axisrig.bench.judge.observed.rotary_metrics import in_newton_metres, turned
@@ -48,6 +51,21 @@ def observed(axes: str, rotary: str = "", **arms_m: float) -> Any:
 )
 def test_a_metric_of_an_axis_has_the_unit_of_its_motion(metric: str, seen: Any, words: str) -> None:
     assert turned(seen, parse_check(metric, "> -1e9", "")) == words
+
+
+@pytest.mark.parametrize("arm_m", [0.25, 2.0])
+def test_every_part_of_a_force_at_an_arm_is_turned(arm_m: float) -> None:
+    """Four different numbers, so that none takes the place of another one."""
+    run: Any = SimpleNamespace(torque_arm_m=lambda axis: arm_m if axis == "C" else None, rotary=())
+    force = Value("force", "force", "N", "C", 100.0, 120.0, 90.0, 150.0, "why")
+    found = _turned(run, force)
+    assert (found.measured, found.expected, found.low, found.high) == (
+        *(100.0 * arm_m, 120.0 * arm_m, 90.0 * arm_m, 150.0 * arm_m),
+    )
+    assert (found.unit, found.axis) == ("N.m", "C")
+    assert _turned(run, replace(force, axis="X")) == replace(force, axis="X")
+    open_ended = _turned(run, replace(force, expected=None, high=None))
+    assert (open_ended.expected, open_ended.high, open_ended.low) == (None, None, 90.0 * arm_m)
 
 
 def test_a_force_times_its_arm_is_a_torque() -> None:

@@ -29,6 +29,7 @@ from tests.judge.stop_recordings import (
 )
 
 from axisrig.bench.judge.fixed_stop.findings import stop_findings
+from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS, _of_every_run
 from axisrig.bench.judge.fixed_stop.run import StopRun, stop_runs
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.oracles.fixed_stop.lists import Limits
@@ -172,6 +173,21 @@ def test_of_several_runs_the_worst_counts_where_it_would_hide(turn: int) -> None
     assert force.value == pytest.approx(1.5 * FORCE_N)
     assert force.note == f"fixed stop {3 - number} of 2, axis Z"
     assert [run.number for run in stop_runs(observed)] == [1, 2]
+
+
+@pytest.mark.parametrize("unknown", [1, 2])
+def test_the_largest_of_several_runs_is_open_where_one_is_not_known(unknown: int) -> None:
+    early = replace(RUN, begin_ns=2 * MS, start_ns=3 * MS, end_ns=100 * MS, block="N10")
+    observed = recorded(run=RUN, before=(early,))
+
+    def number_of(run: StopRun, _axis: str | None) -> Observation:
+        if run.number == unknown:
+            return Observation(None, note=f"run {run.number} has none")
+        return Observation(float(run.number))
+
+    _of_every_run(number_of)
+    found = STOP_METRICS.pop("number_of")(observed, None)
+    assert (found.value, found.note) == (None, f"run {unknown} has none")
 
 
 # A contact that is lost

@@ -1,5 +1,6 @@
 """Kinematic 45: signs pose by pose, its eight ways to one place, and where it is singular."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -10,6 +11,7 @@ from tests.kinematics.test_poses import assert_same_tool
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import ArticulatedRobot, KinematicData, build
+from axisrig.kernel.kinematics.rotation import IDENTITY
 
 MACHINE = MACHINES["45"]
 # base 400, out 100, upper arm 500, forearm 600 long and 50 down, flange 80
@@ -195,3 +197,23 @@ def test_the_reach_is_how_far_the_stretched_wrist_may_be_from_joint_1(out_mm: fl
     """|HD11| out to joint 2, 500 mm of upper arm, a forearm of hypot(600, 50), to either side."""
     reach_mm = _robot(_with(11, out_mm)).reach_mm
     assert reach_mm == pytest.approx(abs(out_mm) + 500 + math.hypot(600, 50))
+
+
+@pytest.mark.parametrize("out_mm", [0.0, 60.0, -60.0])
+def test_what_is_in_reach_has_no_excess_and_what_is_not_has_one(out_mm: float) -> None:
+    """Upper arm 400, forearm 300 mm, joint 2 beside joint 1: also overhead, and not too near."""
+    robot = ArticulatedRobot((0, 0, 0, 0, 0, 0, 0, 400, 300, 0, out_mm), 0.0)
+    seen = set()
+    for x, z in itertools.product(range(-737, 800, 74), range(-737, 800, 74)):
+        place = (float(x), 0.0, float(z))
+        ways = [math.hypot(side * abs(x) - out_mm, z) for side in (1.0, -1.0)]
+        excess_mm = min(max(way - 700.0, 100.0 - way, 0.0) for way in ways)
+        assert robot.excess_mm(place, IDENTITY) == pytest.approx(excess_mm, abs=1e-9)
+        try:
+            robot.inverse((*place, 0.0, 0.0, 0.0), (0.0,) * 6)
+        except Alarm:
+            assert excess_mm > 0.0
+        else:
+            assert excess_mm == 0.0
+        seen.add((excess_mm > 0.0, ways[0] < 100.0))
+    assert len(seen) >= 3 or not out_mm
