@@ -1,10 +1,16 @@
 """Cyclic values of two fields and axes, taken block by block."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.recording.cyclic_values import CyclicValues
 from axisrig.bench.record.series import ACTUAL, FRAME_NS, INCREMENTS, TARGET
+from axisrig.bench.rig.canopen.io_node import NodeTelegrams
+from axisrig.kernel.time.clock import MS, US
 
 
 def lists(columns: dict[str, pa.Array], axis: str, field: str) -> list[list[tuple[int, int]]]:
@@ -40,3 +46,22 @@ def test_each_row_has_the_values_up_to_its_instant_and_each_block_what_none_befo
     assert lists(last, "X", TARGET) == [[(45, 5)], []]
     assert lists(last, "X", ACTUAL) == [[], [(70, -3)]]
     assert lists(last, "Z", TARGET) == [[], []]
+
+
+def test_telegrams_of_a_node_are_in_one_row_and_in_no_block_again() -> None:
+    """One ends 0.3 ms after each SYNC: it belongs to the row of the next one, or to the last."""
+    taken: list[Any] = []
+    journal: Any = SimpleNamespace(add=taken.append, drain=lambda: None)
+    log = TelegramLog([], journal, NodeTelegrams("can1", 0x194, MS, 99 * US, 600 * US))
+    frame = SimpleNamespace(arbitration_id=0x194, data=b"\x01")
+
+    def rows(ends_ms: list[float], times_ms: list[int], *, is_last: bool) -> list[list[int]]:
+        taken[0]([(round(at * MS), "can1", frame, False) for at in ends_ms])
+        columns = log.take_columns(np.array(times_ms) * MS, is_last=is_last)
+        found: list[list[int]] = columns["plc.inputs_frame_ns"].to_pylist()
+        return found
+
+    first = rows([0.3, 1.3, 2.3], [0, 1, 2], is_last=False)
+    assert first == [[], [300 * US], [1300 * US]]
+    assert rows([3.3], [3], is_last=False) == [[2300 * US]]
+    assert rows([4.3, 5.3], [4, 5], is_last=True) == [[3300 * US], [4300 * US, 5300 * US]]

@@ -17,7 +17,7 @@ from tests.recordings import facts
 from axisrig.bench.record import axes, blocks, bus, distance, edges, measuring
 from axisrig.bench.record import facts as record
 from axisrig.bench.record.axes import Value
-from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run, run_text
+from axisrig.bench.record.facts import READABLE, VERSION, Facts, RunFile, read_run, run_text
 from axisrig.bench.record.frozen import Frozen
 from axisrig.kernel.errors import UserError
 
@@ -159,6 +159,20 @@ def test_a_damaged_recording_is_one_message_with_file_and_key(
     assert "plan-a.json" in message
     assert "run the case again" in message
     assert message.count("the recording is damaged") == 1
+
+
+@pytest.mark.parametrize("version", READABLE)
+def test_a_damaged_recording_of_a_version_that_is_read_is_no_other_version(
+    tmp_path: Path, version: int
+) -> None:
+    def change(content: Any) -> None:
+        content["version"] = version
+        wanting(content)
+
+    path = tmp_path / "plan-a.json"
+    path.write_text(edited(change), encoding="utf-8")
+    with pytest.raises(UserError, match=r"is damaged: facts.timing.period_ns is missing"):
+        read_run(path)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "7", "{", "null", '"a"', '{"version": 1}\n{}'])

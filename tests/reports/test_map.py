@@ -3,6 +3,8 @@
 import json
 from typing import Any
 
+import pytest
+
 from axisrig.bench.campaign.results.stored import StoredRun
 from axisrig.reports.campaign_map.section import METRICS_MAX, CampaignMap
 
@@ -49,6 +51,16 @@ def test_of_many_metrics_the_worst_are_kept_in_their_order() -> None:
     assert plan["left_out"] == 5
     assert plan["metrics"][0] == "m0"
     assert plan["metrics"][-1] == f"m{METRICS_MAX + 3}"
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_metric_that_failed_in_any_run_is_kept(turn: int) -> None:
+    """m34 has failed in one run and passed in the others, whichever came last."""
+    last = f"m{METRICS_MAX + 4}"
+    passed = {f"m{n}": "pass" for n in range(METRICS_MAX + 5)}
+    runs = [run("p-a", "fail", **(passed | {last: "fail"})), run("p-b", "pass", **passed)]
+    (plan,) = data(*runs[::turn])["plans"]
+    assert plan["metrics"][-1] == last
 
 
 def test_text_of_others_cannot_end_the_element() -> None:
