@@ -1,10 +1,11 @@
 """Drives on cyclic segments in a machine."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from axisrig.bench.bus.cyclic.segment import CyclicSegment
+from axisrig.bench.machine.cyclic.encoder_terminal_axis import EncoderTerminalEnds
 from axisrig.bench.machine.cyclic.ends import ImageEnds, Plugged
 from axisrig.bench.machine.cyclic.profidrive_drive import ProfidriveEnds
 from axisrig.bench.machine.families import Bench, Installed
@@ -19,7 +20,10 @@ from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import TimeNs
 
 DRIVE_SEED_STRIDE = 1_000_003
-ENDS = {"profidrive": ProfidriveEnds}
+ENDS: dict[str, Callable[[Plugged], ImageEnds]] = {
+    "profidrive": ProfidriveEnds,
+    "encoder_terminal": EncoderTerminalEnds,
+}
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 

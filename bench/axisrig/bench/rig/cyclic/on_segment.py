@@ -3,9 +3,14 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
+from axisrig.bench.rig.encoder_terminal.checks import (
+    check_encoder_terminal,
+    describe_encoder_terminal,
+)
 from axisrig.bench.rig.profidrive.checks import check_profidrive, describe_profidrive
 from axisrig.bench.rig.profidrive.members import second_of
 from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.speed_drive.members import no_second
 from axisrig.kernel.time.clock import TimeNs
 
 
@@ -21,7 +26,10 @@ class OnSegment(NamedTuple):
     second: Callable[[Settings, str], str]
 
 
-OF_FAMILY = {"profidrive": OnSegment(check_profidrive, describe_profidrive, second_of)}
+OF_FAMILY = {
+    "profidrive": OnSegment(check_profidrive, describe_profidrive, second_of),
+    "encoder_terminal": OnSegment(check_encoder_terminal, describe_encoder_terminal, no_second),
+}
 
 
 def on_segment(settings: Settings, name: str) -> OnSegment:

@@ -14,6 +14,7 @@ from axisrig.kernel.parameters.table import Kind, Parameter, indices_of, table
 from axisrig.kernel.parameters.types import Value
 
 CHANNEL = "channel"
+SPEED_SCALE = ("getriebe[0].multi_gain_z", "getriebe[0].multi_gain_n")
 INNER_UNITS = {"resolution_factor": 10_000}
 """What means the same as the neutral value: 0 of P-CHAN-00315 is 10000."""
 
@@ -42,6 +43,8 @@ def influence_notes(
             resolutions = _resolutions(rig, one, key)
             if resolutions and resolutions[0] == resolutions[1]:
                 continue
+            if key in SPEED_SCALE and rig.drive[rig.axis[one.keys[-1]].drive].has_output:
+                continue  # its family compares it with the drive
             if row.path in accepted:
                 notes.append(
                     f"{one.name}: {_named(row, key)} = {written(value)} is accepted and does not"

@@ -76,6 +76,11 @@ class DriveKeys(Table):
         """Whether it has idents, read and written over a service channel, and real-time bits."""
         return False
 
+    @property
+    def has_output(self) -> bool:
+        """Whether it gets its speed from an output whose scale its rig is checked for."""
+        return False
+
     @classmethod
     @abstractmethod
     def value_of(cls, key: str, text: str) -> Any:

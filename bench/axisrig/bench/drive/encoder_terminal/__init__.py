@@ -1,0 +1,1 @@
+"""The virtual axis with a speed drive and an encoder terminal."""

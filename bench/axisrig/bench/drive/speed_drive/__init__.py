@@ -1,0 +1,1 @@
+"""The virtual drive that only takes a speed."""

@@ -1,0 +1,119 @@
+"""Keys of `[drive.D]` that each drive has that only takes a speed; a family derives its own."""
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field
+
+from axisrig.bench.drive.cia402.dictionary.profiles import make_profile
+from axisrig.bench.drive.speed_drive.profile import SpeedProfile
+from axisrig.bench.oracles.latch.instant import LatchTimes
+from axisrig.bench.rig.habit_keys import OF_ANY, habit_table, number
+from axisrig.bench.rig.reading.families import FAMILIES, read_drive
+from axisrig.bench.rig.reading.tables import DriveFacts, DriveKeys
+
+POSITION_RANGE = 1 << 31
+HABITS = (
+    "lead_mm", "tick_us", "rated_torque_mnm", "rated_current_ma", "input_delay_us",
+    "input_jitter_us", "input_filter_us", "min_pulse_us", "delay_compensation_us", "latch",
+    "sample_us",
+)  # fmt: skip
+_HabitTable: Any = habit_table(HABITS)
+
+
+class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
+    """`[drive.NAME]` of a drive that only takes a speed.
+
+    rpm_at_10v: its speed at the full output. output_bits: resolution of the output.
+    output_offset: what the output has at 0, counts of 16 bits. watchdog_cycles: images in a row
+    that may stay out before the outputs are 0. speed_loop_us: time of its speed loop.
+    missing_cycles: how often in a row its image may stay out. as_canopen: a run may set it
+    (`--as-canopen`), and has the usual drive with the same axis then.
+    """
+
+    rpm_at_10v: Annotated[float, Field(gt=0, le=100_000)] = 3000.0
+    output_bits: Annotated[int, Field(ge=8, le=16)] = 16
+    output_offset: Annotated[int, Field(ge=-3276, le=3276)] = 0
+    watchdog_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
+    speed_loop_us: Annotated[float, Field(ge=0, le=1_000_000)] = 0.0
+    missing_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
+    jump_factor: Annotated[float, Field(ge=0, le=1000)] = 2.0
+    lag_limit_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    fault_reset: bool = False
+    as_canopen: Literal[False] = False
+
+    @property
+    def family_name(self) -> str:
+        """Its family."""
+        return str(self.family)
+
+    @property
+    def has_output(self) -> bool:
+        """Whether it gets its speed from an output."""
+        return True
+
+    @property
+    def increments_per_turn(self) -> int:
+        """Increments of its counter for a turn."""
+        raise NotImplementedError
+
+    @classmethod
+    def value_of(cls, key: str, text: str) -> Any:
+        """Read the cell of a plan for one of its keys; a text that fits nothing stays one."""
+        return number(text)
+
+    def changed(self, key: str, value: Any) -> Self:
+        """Return the drive with one key changed. Raises ValidationError."""
+        given = self.model_dump(exclude_unset=True)
+        if key == "as_canopen" and value is True:
+            kept = {name: given[name] for name in (*HABITS, *OF_ANY) if name in given}
+            usual: Any = read_drive({"family": FAMILIES[0].family, key: True, **kept})
+            return usual
+        return type(self).model_validate({**given, key: value})
+
+    @property
+    def per_mm(self) -> Fraction:
+        """Increments of the counter for 1 mm, exact."""
+        return self.increments_per_turn / (Fraction(self.make().drive.lead_um) / 1000)
+
+    @property
+    def full_mm_s(self) -> Fraction:
+        """Speed at 10 V, exact."""
+        return Fraction(self.rpm_at_10v) / 60 * Fraction(self.make().drive.lead_um, 1000)
+
+    def make(self) -> SpeedProfile:
+        """Make the drive. Raises UserError for a value that cannot be."""
+        return self._made
+
+    @cached_property
+    def _made(self) -> SpeedProfile:
+        drive = make_profile({key: getattr(self, key) for key in HABITS})
+        return SpeedProfile(
+            replace(drive, encoder_increments=self.increments_per_turn),
+            float(self.rpm_at_10v),
+            self.output_bits,
+            self.output_offset,
+            self.watchdog_cycles,
+        )
+
+    def facts(self) -> DriveFacts:
+        """Return what is asked of any drive. Raises UserError for a value that cannot be."""
+        drive = self.make().drive
+        before_ns, after_ns = drive.latch_window_ns
+        return DriveFacts(
+            units_per_mm=self.per_mm,
+            reach_mm=float(POSITION_RANGE / self.per_mm),
+            lead_mm=float(self.lead_mm),
+            rated_torque_mnm=drive.rated_torque_mnm,
+            look_back_ns=before_ns,
+            look_ahead_ns=after_ns,
+            second_delay_cycles=0,
+            latch=LatchTimes(
+                delay_ns=drive.input_delay_ns + drive.input_filter_ns,
+                compensation_ns=drive.delay_compensation_ns,
+                sample_ns=drive.grid_ns if drive.latch_mode == "sampled" else 0,
+                jitter_ns=drive.input_jitter_ns,
+            ),
+        )

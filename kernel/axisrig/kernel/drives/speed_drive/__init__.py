@@ -1,0 +1,1 @@
+"""The control's end of drives that only take a speed."""

@@ -1,0 +1,39 @@
+"""The watch over a drive that only takes a speed, while a program runs."""
+
+from axisrig.kernel.drives.interface import DriveWatch
+from axisrig.kernel.drives.position_watch import jump_alarm, lag_alarm
+from axisrig.kernel.drives.power import Power, PowerRequest
+from axisrig.kernel.drives.speed_drive.link import SpeedDrive
+from axisrig.kernel.errors import Alarm
+
+
+class SpeedDriveWatch(DriveWatch):
+    """The watch over one drive."""
+
+    def __init__(self, drive: SpeedDrive) -> None:
+        self._drive = drive
+
+    def begin(self) -> None:
+        """Nothing was noted before."""
+
+    def end(self) -> None:
+        """Nothing is asked beside the cycle."""
+
+    def communication(self) -> Alarm | None:
+        """Return Alarm 900781 for a lost reference, 900029 for a position that has jumped."""
+        return self._drive.wrong_reference() or jump_alarm(self._drive)
+
+    def condition(self) -> Alarm | None:
+        """Return what is wrong with the drive itself, None when nothing is.
+
+        Alarm 900005 (fault), 900036 (lag), 900027 (has left operation).
+        """
+        drive = self._drive
+        if drive.request is PowerRequest.STOP:
+            return None
+        if drive.power is Power.FAULT:
+            return drive.fault()
+        if drive.power is Power.OPERATING:
+            return lag_alarm(drive)
+        word = f"0x{drive.status:02X}"
+        return Alarm(900027, axis=drive.name, statusword=word, state=drive.state_name)

@@ -1,0 +1,1 @@
+"""Words of an incremental encoder terminal, as both ends take them."""

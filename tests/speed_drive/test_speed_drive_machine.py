@@ -1,0 +1,150 @@
+"""Drives that only take a speed in machines: what is refused, alarms, faults."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+SHORT = "%short\nN10 G01 G90 Z129.9 F3000\nN20 M30\n"
+FAMILIES = ("encoder-terminal",)
+
+Run = Callable[..., Machine]
+
+
+def settings_of(family: str, *changes: str) -> Settings:
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    settings = read_settings(*read_rig(RIGS / f"probe-z-{family}.toml"), assigned)
+    check_rig(settings)
+    return settings
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run a program with a shipped rig. changes: of its keys. before: called with the machine."""
+
+    def make(
+        family: str, program: str, *changes: str, before: Callable[[Machine], None] | None = None
+    ) -> Machine:
+        (tmp_path / "own.nc").write_text(program, encoding="utf-8")
+        machine = Machine(settings_of(family, *changes), read_program(tmp_path / "own.nc", ("Z",)))
+        try:
+            if before is not None:
+                before(machine)
+            machine.run()
+        finally:
+            machine.close()
+        return machine
+
+    return make
+
+
+def ids(machine: Machine) -> list[int]:
+    return [alarm.id for alarm in machine.channel.alarms]
+
+
+def part_of(machine: Machine) -> Any:
+    return machine.installed[0]
+
+
+COMMON = [
+    ("set:Z.getriebe[0].kv=900000", "position loop of the CNC is unstable"),
+    ("set:Z.getriebe[0].kv=100000", "must be below 1 with 1 dead cycles"),
+    ("set:Z.getriebe[0].multi_gain_n=60", r"factor of 0.5 .P-AXIS-00129"),
+    ("drive:servo.rpm_at_10v=1500", r"factor of 0.5 .P-AXIS-00129"),
+    ("bus:bus.input_us=1000", "input_us does not fit"),
+]
+OWN = {
+    "encoder-terminal": [
+        ("set:Z.kenngr.measure.edge=NEG", "type terminal does not latch at this edge"),
+        ("drive:servo.lines=600000", "nobody knows how often it has wrapped"),
+        ("drive:servo.missing_cycles=900", "nobody knows how often it has wrapped"),
+    ],
+}
+REFUSED = [(name, *row) for name in FAMILIES for row in [*COMMON, *OWN[name]]]
+
+
+@pytest.mark.parametrize(("family", "change", "words"), REFUSED)
+def test_a_rig_that_does_not_fit_is_refused(family: str, change: str, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        settings_of(family, change)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_gain_just_below_the_limit_is_none(family: str) -> None:
+    """Kv T below 2 sin(pi/6) = 1 with one dead cycle; 0.618 with a speed loop of one cycle."""
+    settings_of(family, "set:Z.getriebe[0].kv=99900")
+    slow = "drive:servo.speed_loop_us=1000"
+    settings_of(family, slow, "set:Z.getriebe[0].kv=61800")
+    with pytest.raises(UserError, match=r"must be below 0\.618 with 2 dead cycles"):
+        settings_of(family, slow, "set:Z.getriebe[0].kv=61900")
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_distance_control_is_corrected(family: str) -> None:
+    """110547: these types cannot do it."""
+    settings = settings_of(family, "set:Z.lr_param.distance_control_on=1")
+    assert [alarm.id for alarm in settings.warnings] == [110547]
+    assert not settings.axis["Z"].flag("lr_param.distance_control_on")
+
+
+@pytest.mark.provokes(900782, 7, axis="Z")
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.long
+def test_900782_for_homing(run: Run, family: str) -> None:
+    assert ids(run(family, "%home\nN10 G74 Z1\nN20 M30\n")) == [900782]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.long
+def test_a_program_cannot_choose_what_the_drive_does_not_have(run: Run, family: str) -> None:
+    """P-AXIS-00517: one input with these types; FCT-C4 6.3: one edge with a terminal."""
+    choices = ["INPUT=2"] + (["EDGE=NEG"] if family == "encoder-terminal" else [])
+    for choice in choices:
+        assert ids(run(family, f"%two\nN10 #MEAS [AX=Z {choice}]\nN20 M30\n")) == [900227]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.long
+def test_a_drive_without_power_sends_nothing(run: Run, family: str) -> None:
+    def unplug(machine: Machine) -> None:
+        node = part_of(machine).ends["Z"].node
+        machine.scheduler.call_at(60_000_000, 1, node.power_off)
+
+    assert ids(run(family, SHORT, before=unplug)) == [900780]
+
+
+RESTARTED = {"encoder-terminal": 900781}
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.long
+def test_a_drive_that_starts_again_is_not_led_on(run: Run, family: str) -> None:
+    def restart(machine: Machine) -> None:
+        node = part_of(machine).ends["Z"].node
+        machine.scheduler.call_at(60_000_000, 1, node.restart)
+
+    assert ids(run(family, SHORT, before=restart)) == [RESTARTED[family]]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.long
+def test_lost_images_are_borne_up_to_the_watchdog(run: Run, family: str) -> None:
+    def lose(count: int) -> Callable[[Machine], None]:
+        def build(machine: Machine) -> None:
+            segment = part_of(machine).segments["bus"]
+            segment.loses = lambda _axis: 50 < segment.exchanges <= 50 + count
+
+        return build
+
+    assert ids(run(family, SHORT, before=lose(3))) == []
+    assert ids(run(family, SHORT, before=lose(8))) != []

@@ -1,0 +1,79 @@
+"""Delay from an edge to the reaction of the control, and the value, at random instants.
+
+The unit has latched t_d after the edge t; the first sample not before that is at m T - T_I, its
+image is swapped at m T + T_DX, and the NC cycle at m T + C sees it: C + T_I after the sample, and 0
+to T more.
+"""
+
+import random
+
+import pytest
+from tests.speed_drive.ends import FAMILIES, Ends
+
+from axisrig.bench.bus.cyclic.segment import Instants
+from axisrig.kernel.drives.speed_drive.link import SpeedDrive
+from axisrig.kernel.time.clock import MS, US
+
+DELAY_NS = 4 * US
+SPEED_MM_S = 10.0
+START_MM = 159.0
+EDGES = {"encoder_terminal": ("POS",)}
+CASES = [(family, edge) for family in FAMILIES for edge in EDGES[family]]
+
+
+def position_m(time_s: float) -> float:
+    """At rest for 20 ms, then up and down, so that the counter wraps at 160 mm, both ways."""
+    moving_s = max(0.0, time_s - 0.02)
+    return (START_MM + 2.0 - abs(SPEED_MM_S * ((moving_s + 0.2) % 0.8) - 4.0)) * 1e-3
+
+
+@pytest.mark.parametrize(
+    ("times", "count"),
+    [
+        ((MS, 0, 0, 0, 600), 40),
+        pytest.param((MS, 0, 0, 0, 600), 400, marks=pytest.mark.long),
+        pytest.param((4 * MS, 700, 150, 250, 2400), 400, marks=pytest.mark.long),
+    ],
+)
+@pytest.mark.parametrize(("family", "edge"), CASES)
+def test_each_edge_is_seen_in_the_cycle_of_the_formula(
+    family: str, edge: str, times: tuple[int, int, int, int, int], count: int
+) -> None:
+    period_ns, input_us, bus_us, output_us, cycle_us = times
+    at = Instants(period_ns, input_us * US, bus_us * US, output_us * US)
+    numbers, edges = random.Random(37), list[int]()
+    for _ in range(count):
+        last_ns = edges[-1] if edges else 20 * period_ns
+        rises_ns = last_ns + 14 * period_ns + numbers.randrange(4 * period_ns)
+        edges += [rises_ns, rises_ns + 2 * period_ns]
+    ends = Ends(family, position_m, edges, at, cycle_ns=cycle_us * US, edge=edge)
+    found: list[tuple[int, float]] = []
+    stored_ns = 0
+
+    def run(link: SpeedDrive) -> None:
+        nonlocal stored_ns
+        if link.has_latched and not stored_ns:
+            stored_ns = ends.now_ns
+        if link.is_clear:
+            link.arm()
+        elif link.latched_mm is not None and link.is_probing:
+            found.append((stored_ns, link.latched_mm))
+            stored_ns = 0
+            link.disarm()
+
+    while len(found) < count and ends.number < count * 40:
+        ends.cycle(run)
+    phases = set()
+    per_mm = float(FAMILIES[family].table.per_mm)
+    step_mm = STEP_MM.get(family, 1.0 / per_mm)
+    for (seen_ns, value_mm), each_ns in zip(found, edges[edge == "NEG" :: 2], strict=True):
+        sample = -(-(each_ns + DELAY_NS + at.input_ns) // period_ns)
+        assert seen_ns == sample * period_ns + cycle_us * US
+        true_mm = position_m((each_ns + DELAY_NS) * 1e-9) * 1e3
+        assert abs(value_mm - true_mm) <= step_mm / 2 + 1e-9
+        phases.add((each_ns % period_ns) * 10 // period_ns)
+    assert count < 400 or phases == {*range(10)}
+
+
+STEP_MM: dict[str, float] = {}
+"""What a value is rounded to, where it is no increment of the position."""

@@ -1,0 +1,144 @@
+"""Tables of drives that only take a speed: each state with each input."""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.drive.speed_drive import front
+from axisrig.bench.drive.speed_drive import latch as of_unit
+from axisrig.bench.drive.speed_drive.latch import EnabledLatch
+from axisrig.kernel.drives.speed_drive import latch as of_control
+from axisrig.kernel.drives.speed_drive.latch import LatchControl
+
+S, E = of_control.LatchState, of_control.LatchInput
+U, V = of_unit.LatchState, of_unit.LatchInput
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "states", "inputs"),
+    [
+        (of_control, "latch", S, E),
+        (of_unit, "latch", U, V),
+        (front, "power", front.PowerState, front.PowerInput),
+    ],
+)
+def test_each_state_has_each_input_once(
+    module: object, name: str, states: type, inputs: type
+) -> None:
+    here = Path(str(module.__file__)).parent  # type: ignore[attr-defined]
+    text = (here / f"{name}.csv").read_text(encoding="utf-8")
+    rows = [(row["state"], row["input"]) for row in csv.DictReader(text.splitlines())]
+    expected = [(state.name, asked.name) for state in states for asked in inputs]  # type: ignore[attr-defined]
+    assert sorted(rows) == sorted(expected)
+
+
+@pytest.mark.parametrize("state", front.PowerState)
+@pytest.mark.parametrize("asked", front.PowerInput)
+def test_power_needs_the_enable(state: front.PowerState, asked: front.PowerInput) -> None:
+    command = front.COMMANDS[state, asked]
+    has_power = state in (front.PowerState.ON, front.PowerState.OPERATION)
+    is_enabled = asked is front.PowerInput.ENABLE
+    assert (command == "OPERATE") is (is_enabled and has_power)
+    is_reset = state is front.PowerState.FAULT and asked is front.PowerInput.RESET
+    assert (command == "RESET") is is_reset
+    assert command in front.CONTROLWORD
+
+
+@pytest.mark.parametrize("state", S)
+@pytest.mark.parametrize("asked", E)
+def test_what_the_control_takes_for_a_value(
+    state: of_control.LatchState, asked: of_control.LatchInput
+) -> None:
+    """Only the same value twice, after ARM from CLEAR, and never once it has been lost."""
+    after = of_control.TABLE[state, asked]
+    if after is S.VALUE:
+        assert (state, asked) in {(S.STORED, E.SAME), *((S.VALUE, i) for i in E)}
+    if after is S.ARMING:
+        assert state is S.ARMING or (state, asked) == (S.CLEAR, E.ARM)
+    if after is S.CLEAR:
+        assert state is S.CLEAR or (state, asked) == (S.IDLE, E.LOW)
+    if asked is E.DISARM:
+        assert after is (S.CLEAR if state is S.CLEAR else S.IDLE)
+    if state in (S.STORED, S.VALUE, S.LOST) and asked is E.LOW:
+        assert after is S.LOST
+
+
+@pytest.mark.parametrize("state", U)
+@pytest.mark.parametrize("asked", V)
+def test_what_the_unit_stores(state: of_unit.LatchState, asked: of_unit.LatchInput) -> None:
+    """It is armed from OFF alone: enabled before the valid bit is low it keeps the old value."""
+    latch = EnabledLatch()
+    latch.state, latch.value = state, 7
+    if asked is V.PULSE:
+        latch.pulse(9)
+    else:
+        latch.enable(is_enabled=asked is V.ENABLE)
+    assert latch.state is of_unit.TABLE[state, asked]
+    assert latch.value == (9 if (state, asked) == (U.ARMED, V.PULSE) else 7)
+    is_fresh = (state, asked) == (U.OFF, V.ENABLE)
+    is_kept = (state, asked) == (U.ARMED, V.ENABLE)
+    assert latch.is_armed is (is_fresh or is_kept)
+    if (state, asked) == (U.CLEARING, V.ENABLE):
+        assert latch.is_valid
+
+
+# The control's side
+
+
+@pytest.fixture
+def armed() -> LatchControl:
+    """A latch that is enabled, two telegrams after the order."""
+    latch = LatchControl(echo_cycles=2)
+    show(latch, None, None, None)
+    assert latch.is_clear
+    latch.arm()
+    show(latch, None, None)
+    assert latch.is_armed
+    return latch
+
+
+def show(latch: LatchControl, *values: int | None) -> None:
+    for value in values:
+        latch.take(value, 100, -4)
+
+
+def test_two_telegrams_with_the_same_are_a_value(armed: LatchControl) -> None:
+    show(armed, 5)
+    assert (armed.has_latched, armed.value) == (True, None)
+    show(armed, 5)
+    assert (armed.value, armed.place, armed.travel) == (5, 100, -4)
+
+
+def test_a_value_that_changes_is_none(armed: LatchControl) -> None:
+    show(armed, 5, 6, 7)
+    assert armed.value is None
+    show(armed, 7, 8)
+    assert (armed.value, armed.has_latched) == (None, False)
+
+
+def test_a_valid_bit_that_falls_takes_the_value_with_it(armed: LatchControl) -> None:
+    show(armed, 5, None, 5, 5)
+    assert (armed.value, armed.has_latched) == (None, False)
+
+
+def test_what_was_made_before_the_order_is_no_value() -> None:
+    latch = LatchControl(echo_cycles=2)
+    show(latch, None, None)
+    latch.arm()
+    show(latch, 5)
+    assert not latch.has_latched
+
+
+def test_it_is_not_enabled_while_a_bit_is_high(armed: LatchControl) -> None:
+    """Both have to be seen low: the enable bit by the unit, the valid bit by the control."""
+    show(armed, 5, 5)
+    armed.disarm()
+    assert (armed.is_ordered, armed.is_clear) == (False, False)
+    show(armed, None)  # made before the unit saw the enable bit low
+    assert not armed.is_clear
+    show(armed, 5, 5)
+    armed.arm()
+    assert not armed.is_ordered
+    show(armed, None)
+    assert armed.is_clear
