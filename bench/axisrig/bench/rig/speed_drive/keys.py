@@ -3,7 +3,7 @@
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -64,13 +64,12 @@ class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
         """Read the cell of a plan for one of its keys; a text that fits nothing stays one."""
         return number(text)
 
-    def changed(self, key: str, value: Any) -> Self:
+    def changed(self, key: str, value: Any) -> Any:
         """Return the drive with one key changed. Raises ValidationError."""
         given = self.model_dump(exclude_unset=True)
         if key == "as_canopen" and value is True:
             kept = {name: given[name] for name in (*HABITS, *OF_ANY) if name in given}
-            usual: Any = read_drive({"family": FAMILIES[0].family, key: True, **kept})
-            return usual
+            return read_drive({"family": FAMILIES[0].family, key: True, **kept})
         return type(self).model_validate({**given, key: value})
 
     @property
