@@ -101,10 +101,10 @@ def test_a_second_pulse_changes_nothing() -> None:
     terminal = EncoderTerminal()
     terminal.reset(0)
     terminal.command({"CONTROL": words.EN_LAT_EXT}, 0)
-    assert terminal.waits_for is True
-    terminal.pulse(3)
-    assert terminal.waits_for is None
-    terminal.pulse(9)
+    assert terminal.edges() == (True,)
+    terminal.pulse(True, 3)
+    assert terminal.edges() == ()
+    terminal.pulse(True, 9)
     assert terminal.inputs(0xFFFE, level=True) == {
         "STATUS": words.LAT_EXT_VAL | words.LEVEL, "COUNTER": 0xFFFE, "LATCH": 3,
     }  # fmt: skip

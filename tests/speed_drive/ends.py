@@ -8,12 +8,16 @@ from tests.drive_node.conftest import FakeAxis
 
 from axisrig.bench.bus.cyclic.segment import CyclicSegment, Instants
 from axisrig.bench.drive.encoder_terminal.unit import EncoderTerminal
+from axisrig.bench.drive.lightbus.unit import LightbusUnit
 from axisrig.bench.drive.speed_drive.node import SpeedDriveNode
 from axisrig.bench.oracles.phases import Phases
 from axisrig.bench.rig.encoder_terminal.keys import DriveTable as EncoderTerminalTable
+from axisrig.bench.rig.lightbus.keys import DriveTable as LightbusTable
 from axisrig.bench.rig.speed_drive.keys import SpeedDriveTable
 from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier, ImagePort
 from axisrig.kernel.drives.encoder_terminal.link import IMAGES, EncoderTerminalDrive
+from axisrig.kernel.drives.lightbus.link import IMAGES as LIGHTBUS_IMAGES
+from axisrig.kernel.drives.lightbus.link import LightbusDrive
 from axisrig.kernel.drives.position_loop import LoopSettings
 from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.drives.speed_drive.link import SpeedDrive
@@ -43,7 +47,14 @@ class Family:
     link: Callable[[SpeedDriveSettings, ImagePort, Callable[[], int]], SpeedDrive]
 
 
+LIGHTBUS = LightbusTable.model_validate({"family": "lightbus", "in2mode": 26})
 FAMILIES = {
+    "lightbus": Family(
+        LIGHTBUS,
+        LIGHTBUS_IMAGES,
+        lambda: LightbusUnit(LIGHTBUS.make(), LIGHTBUS.in2mode, is_in_turn=False),
+        lambda settings, port, _kept: LightbusDrive(settings, port),
+    ),
     "encoder_terminal": Family(
         EncoderTerminalTable.model_validate({"family": "encoder_terminal"}),
         IMAGES,

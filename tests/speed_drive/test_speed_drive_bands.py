@@ -17,7 +17,8 @@ import pytest
 PLANS = Path(__file__).parents[2] / "testplans"
 A_MM_S2, DELAY_S, SETTLED_MM, FULL_MM_S, FULL = 1000.0, 4e-6, 1e-4, 500.0, 32_767
 # Increment of the position, and of a latched value
-INCREMENTS_MM = {"encoder_terminal": (10 / 4096, 10 / 4096)}
+INCREMENTS_MM = {"encoder_terminal": (10 / 4096, 10 / 4096), "lightbus": (10 / 2**20, 1e-3)}
+IN_TURN_MM = 10 / 2**16
 
 
 def _rows() -> dict[str, tuple[str, dict[str, str]]]:
@@ -59,7 +60,9 @@ def _listed(family: str, key: str) -> float:
 def test_the_figures_used_here_are_those_of_rig_and_list(family: str) -> None:
     drive = _table(f"rigs/probe-z-{family.replace('_', '-')}.toml")["drive"]["servo"]
     assert drive["input_delay_us"] / 1e6 == DELAY_S
-    assert drive["rpm_at_10v"] / 60 * drive["lead_mm"] == FULL_MM_S
+    assert (
+        drive.get("rpm_at_10v", drive.get("rpm_at_full", 0.0)) / 60 * drive["lead_mm"] == FULL_MM_S
+    )
     assert _listed(family, "a_grenz_stufe_1") == A_MM_S2
     per_m_min = _listed(family, "multi_gain_z") / _listed(family, "multi_gain_n")
     assert per_m_min * 0.06 * FULL_MM_S == pytest.approx(FULL)
@@ -70,6 +73,7 @@ def test_limits_of_a_row(name: str) -> None:
     family, row = ROWS[name]
     position_mm, value_mm = INCREMENTS_MM[family]
     speed = float(row["plc:V.E.FEED"]) / 60.0
+    value_mm = IN_TURN_MM if "latch_variable=LATCH16" in row["inputs"] else value_mm
     surface = _number(row, "plant:probe.surface_mm", 100.0)
     period_us: dict[str, float] = _table(row["rig"])["cycle"]  # type: ignore[assignment]
     period_s = period_us["period_us"] / 1e6

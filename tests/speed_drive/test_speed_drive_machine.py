@@ -9,14 +9,16 @@ import pytest
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.lightbus.checks import describe_lightbus
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import MS
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 SHORT = "%short\nN10 G01 G90 Z129.9 F3000\nN20 M30\n"
-FAMILIES = ("encoder-terminal",)
+FAMILIES = ("encoder-terminal", "lightbus")
 
 Run = Callable[..., Machine]
 
@@ -59,12 +61,16 @@ def part_of(machine: Machine) -> Any:
 COMMON = [
     ("set:Z.getriebe[0].kv=900000", "position loop of the CNC is unstable"),
     ("set:Z.getriebe[0].kv=100000", "must be below 1 with 1 dead cycles"),
-    ("set:Z.getriebe[0].multi_gain_n=60", r"factor of 0.5 .P-AXIS-00129"),
-    ("drive:servo.rpm_at_10v=1500", r"factor of 0.5 .P-AXIS-00129"),
-    ("bus:bus.input_us=1000", "input_us does not fit"),
 ]
 OWN = {
+    "lightbus": [
+        ("drive:servo.rpm_at_full=1500", "factor of 0.5 .P-AXIS-00129"),
+        ("bus:bus.input_us=1000", "input_us does not fit"),
+        ("drive:servo.latch_variable=LATCH64", "latch_variable"),
+    ],
     "encoder-terminal": [
+        ("drive:servo.rpm_at_10v=1500", "factor of 0.5 .P-AXIS-00129"),
+        ("bus:bus.input_us=1000", "input_us does not fit"),
         ("set:Z.kenngr.measure.edge=NEG", "type terminal does not latch at this edge"),
         ("drive:servo.lines=600000", "nobody knows how often it has wrapped"),
         ("drive:servo.missing_cycles=900", "nobody knows how often it has wrapped"),
@@ -77,6 +83,25 @@ REFUSED = [(name, *row) for name in FAMILIES for row in [*COMMON, *OWN[name]]]
 def test_a_rig_that_does_not_fit_is_refused(family: str, change: str, words: str) -> None:
     with pytest.raises(UserError, match=words):
         settings_of(family, change)
+
+
+def test_a_latch_within_a_turn_is_refused_where_the_turn_is_not_known() -> None:
+    """500 mm/s for 4 cycles: 2 mm at 1 ms, 8 mm at 4 ms, of 5 mm that are half a turn."""
+    in_turn = "drive:servo.latch_variable=LATCH16"
+    settings_of("lightbus", in_turn)
+    settings_of("lightbus-2ms", in_turn)
+    with pytest.raises(UserError, match="nobody knows in which turn LATCH16 was"):
+        settings_of("lightbus-4ms", in_turn)
+    settings_of("lightbus-4ms", in_turn, "drive:servo.missing_cycles=1")
+
+
+def test_a_function_of_input_2_that_does_not_latch_is_warned_of() -> None:
+    """IN2MODE."""
+    shown = describe_lightbus(settings_of("lightbus", "drive:servo.in2mode=0"), "Z", MS)
+    assert "in2mode of its drive is 0 and not 26: its input 2 latches nothing" in shown[-1]
+    assert not any(
+        "in2mode" in line for line in describe_lightbus(settings_of("lightbus"), "Z", MS)
+    )
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -123,7 +148,7 @@ def test_a_drive_without_power_sends_nothing(run: Run, family: str) -> None:
     assert ids(run(family, SHORT, before=unplug)) == [900780]
 
 
-RESTARTED = {"encoder-terminal": 900781}
+RESTARTED = {"encoder-terminal": 900781, "lightbus": 900027}
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -17,7 +17,7 @@ from axisrig.kernel.time.clock import MS, US
 DELAY_NS = 4 * US
 SPEED_MM_S = 10.0
 START_MM = 159.0
-EDGES = {"encoder_terminal": ("POS",)}
+EDGES = {"encoder_terminal": ("POS",), "lightbus": ("POS", "NEG")}
 CASES = [(family, edge) for family in FAMILIES for edge in EDGES[family]]
 
 
@@ -75,5 +75,5 @@ def test_each_edge_is_seen_in_the_cycle_of_the_formula(
     assert count < 400 or phases == {*range(10)}
 
 
-STEP_MM: dict[str, float] = {}
+STEP_MM = {"lightbus": 1e-3}
 """What a value is rounded to, where it is no increment of the position."""

@@ -19,11 +19,15 @@ class EncoderTerminal:
         self._had_set, self._is_set = True, False
 
     @property
-    def waits_for(self) -> bool | None:
-        """A rising edge while the latch is armed; a falling one it does not latch."""
-        return True if self.latch.is_armed else None
+    def has_own_power(self) -> bool:
+        """It has that of the drive."""
+        return False
 
-    def pulse(self, position: int) -> None:
+    def edges(self) -> tuple[bool, ...]:
+        """Return a rising edge while the latch is armed; a falling one it does not latch."""
+        return (True,) if self.latch.is_armed else ()
+
+    def pulse(self, edge: bool, position: int) -> None:
         """Take a rising edge of the latch input."""
         self.latch.pulse(position + self._ahead)
 

@@ -35,11 +35,15 @@ class Unit(Protocol):
         ...
 
     @property
-    def waits_for(self) -> bool | None:
-        """The edge that it waits for, True = rising; None: it waits for none."""
+    def has_own_power(self) -> bool:
+        """Whether it goes on counting while the drive has no power."""
         ...
 
-    def pulse(self, position: int) -> None:
+    def edges(self) -> tuple[bool, ...]:
+        """Return the edges that it waits for, True = rising."""
+        ...
+
+    def pulse(self, edge: bool, position: int) -> None:
         """Take the edge that it waited for."""
         ...
 
@@ -117,14 +121,15 @@ class SpeedDriveNode(Cia402Node):
 
     def sample(self) -> None:
         """Sample the actual values: the image that goes out next."""
-        if not self.is_on:
+        if not (self.is_on or self.unit.has_own_power):
             return
         servo = self.servo
         servo.refresh(self._clock.now_ns, is_apart=True)
         self._take_edges()
         level = bool(servo.touch_probe.inputs & 1)
         values = self.unit.inputs(servo.image.position_actual, level=level)
-        self.inputs = self._in.packed({"DRIVE": front.status(servo), **values})
+        drive = front.status(servo) if self.is_on else 0
+        self.inputs = self._in.packed({"DRIVE": drive, **values})
 
     def exchange(self, outputs: bytes | None) -> bytes:
         """Swap images. outputs: None where none has come. Return the sampled one."""
@@ -148,8 +153,8 @@ class SpeedDriveNode(Cia402Node):
                 self._take({})
         image: ProcessImage = servo.image
         image.controlword = front.controlword(servo, self._control)
-        edge = self.unit.waits_for
-        image.probe_function = 0 if edge is None else _ENABLE | _EDGES[edge]
+        edges = self.unit.edges()
+        image.probe_function = _ENABLE | sum(_EDGES[edge] for edge in edges) if edges else 0
         servo.cycle(now_ns)
 
     def _take(self, values: dict[str, int]) -> None:
@@ -158,6 +163,7 @@ class SpeedDriveNode(Cia402Node):
         self.unit.command(values, self.servo.image.position_actual)
 
     def _take_edges(self) -> None:
-        edge, image = self.unit.waits_for, self.servo.image
-        if edge is not None and self.servo.touch_probe.status & _STORED[edge]:
-            self.unit.pulse(image.latch_1_positive if edge else image.latch_1_negative)
+        image, status = self.servo.image, self.servo.touch_probe.status
+        for edge in self.unit.edges():
+            if status & _STORED[edge]:
+                self.unit.pulse(edge, image.latch_1_positive if edge else image.latch_1_negative)

@@ -7,6 +7,7 @@ from functools import partial
 from axisrig.bench.bus.cyclic.segment import CyclicSegment
 from axisrig.bench.machine.cyclic.encoder_terminal_axis import EncoderTerminalEnds
 from axisrig.bench.machine.cyclic.ends import ImageEnds, Plugged
+from axisrig.bench.machine.cyclic.lightbus_drive import LightbusEnds
 from axisrig.bench.machine.cyclic.profidrive_drive import ProfidriveEnds
 from axisrig.bench.machine.families import Bench, Installed
 from axisrig.bench.record.axes import DriveState, Telegram
@@ -23,6 +24,7 @@ DRIVE_SEED_STRIDE = 1_000_003
 ENDS: dict[str, Callable[[Plugged], ImageEnds]] = {
     "profidrive": ProfidriveEnds,
     "encoder_terminal": EncoderTerminalEnds,
+    "lightbus": LightbusEnds,
 }
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 

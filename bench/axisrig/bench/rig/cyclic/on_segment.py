@@ -7,6 +7,7 @@ from axisrig.bench.rig.encoder_terminal.checks import (
     check_encoder_terminal,
     describe_encoder_terminal,
 )
+from axisrig.bench.rig.lightbus.checks import check_lightbus, describe_lightbus
 from axisrig.bench.rig.profidrive.checks import check_profidrive, describe_profidrive
 from axisrig.bench.rig.profidrive.members import second_of
 from axisrig.bench.rig.settings import Settings
@@ -28,6 +29,7 @@ class OnSegment(NamedTuple):
 
 OF_FAMILY = {
     "profidrive": OnSegment(check_profidrive, describe_profidrive, second_of),
+    "lightbus": OnSegment(check_lightbus, describe_lightbus, no_second),
     "encoder_terminal": OnSegment(check_encoder_terminal, describe_encoder_terminal, no_second),
 }
 

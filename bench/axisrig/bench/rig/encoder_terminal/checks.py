@@ -4,9 +4,9 @@ from axisrig.bench.rig.describe import unproved_place
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.rig.speed_drive.checks import check_speed_drive, describe_speed_drive
-from axisrig.bench.rig.speed_drive.members import drive_of
+from axisrig.bench.rig.speed_drive.members import drive_of, fastest_way_mm
 from axisrig.kernel.profiles.encoder_terminal.words import COUNTS
-from axisrig.kernel.time.clock import US, S, TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 WHY_UNPROVED = "a counter of 16 bits is no absolute position; the control has kept the place"
 
@@ -16,8 +16,7 @@ def check_encoder_terminal(settings: Settings, name: str, way_ns: TimeNs) -> Non
     check_speed_drive(settings, name, way_ns)
     table = drive_of(settings, name)
     cycles = table.missing_cycles + 1
-    fastest_mm_s = settings.axis[name].mm_s("getriebe[0].dynamik.vb_max")
-    way_mm = fastest_mm_s * cycles * settings.rig.cycle.period_us * US / S
+    way_mm = fastest_way_mm(settings, name, cycles)
     half_mm = float(COUNTS / 2 / table.per_mm)
     if way_mm < half_mm:
         return

@@ -1,27 +1,14 @@
 """Keys of `[drive.D]` of an axis with a speed drive and an encoder terminal."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import Field
-
-from axisrig.bench.rig.speed_drive.keys import SpeedDriveTable
-
-EDGES_PER_LINE = 4
+from axisrig.bench.rig.speed_drive.keys import AnalogueTable
 
 
-class DriveTable(SpeedDriveTable):
-    """`[drive.NAME]`: a speed drive at an analogue output, its encoder at a KL5101.
-
-    lines: of the encoder per turn, each counted four times.
-    """
+class DriveTable(AnalogueTable):
+    """`[drive.NAME]`: a speed drive at an analogue output, its encoder at a KL5101."""
 
     family: Literal["encoder_terminal"]
-    lines: Annotated[int, Field(ge=1, le=1 << 20)] = 1024
-
-    @property
-    def increments_per_turn(self) -> int:
-        """Increments of its counter for a turn."""
-        return int(self.lines) * EDGES_PER_LINE
 
     @property
     def in_words(self) -> str:

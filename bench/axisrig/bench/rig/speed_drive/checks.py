@@ -34,9 +34,8 @@ def _check_scale(settings: Settings, name: str) -> None:
         return
     parameters = settings.axis[name]
     raise (parameters.origin(NUMERATOR) or Origin(NUMERATOR)).error(
-        f"axis {name}: its drive has {full_mm_s:g} mm/s at 10 V (rpm_at_10v, lead_mm of the rig):"
-        f" speeds wrong by a factor of {listed * full_mm_s / OUTPUT_MAX:.6g} (P-AXIS-00129,"
-        " P-AXIS-00128)",
+        f"axis {name}: its drive has {full_mm_s:g} mm/s at the full output by the rig: speeds wrong"
+        f" by a factor of {listed * full_mm_s / OUTPUT_MAX:.6g} (P-AXIS-00129, P-AXIS-00128)",
         value=f"{listed * full_mm_s:.6g} counts",
         allowed=f"{OUTPUT_MAX} counts, to less than one",
     )
@@ -55,14 +54,15 @@ def describe_speed_drive(settings: Settings, name: str, way_ns: TimeNs) -> list[
     gain, forward = kv_per_s(settings, name), feed_forward(settings, name)
     period_s, dead = _period_and_dead(settings, name, way_ns)
     full_mm_s = float(table.full_mm_s)
-    step_mm_s = full_mm_s * (1 << 16 - table.output_bits) / OUTPUT_MAX
-    offset_mm_s = full_mm_s * table.output_offset / OUTPUT_MAX
+    bits, offset = table.output
+    step_mm_s = full_mm_s * (1 << 16 - bits) / OUTPUT_MAX
+    offset_mm_s = full_mm_s * offset / OUTPUT_MAX
     return [
         f"axis {name}: the CNC closes the position loop: Kv {gain:g} 1/s, feed-forward"
         f" {forward:.6g}, lag {ramp_lag_mm(SHOWN_MM_S, gain, forward):.4g} mm at {SHOWN_MM_S:g}"
         f" mm/s; stable below {gain_limit(dead, is_held=True) / period_s:.4g} 1/s with {dead:.4g}"
         " dead cycles",
-        f"axis {name}: output of {table.output_bits} bits, {full_mm_s:g} mm/s at 10 V: steps of"
+        f"axis {name}: output of {bits} bits, {full_mm_s:g} mm/s at the full one: steps of"
         f" {step_mm_s * 1e3:.4g} um/s are {step_mm_s / gain * 1e3:.4g} um of lag, its offset"
         f" {offset_mm_s * 1e3:.4g} um/s {offset_mm_s / gain * 1e3:.4g} um",
     ]

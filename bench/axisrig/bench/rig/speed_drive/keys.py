@@ -20,22 +20,18 @@ HABITS = (
     "input_jitter_us", "input_filter_us", "min_pulse_us", "delay_compensation_us", "latch",
     "sample_us",
 )  # fmt: skip
+EDGES_PER_LINE = 4
 _HabitTable: Any = habit_table(HABITS)
 
 
 class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     """`[drive.NAME]` of a drive that only takes a speed.
 
-    rpm_at_10v: its speed at the full output. output_bits: resolution of the output.
-    output_offset: what the output has at 0, counts of 16 bits. watchdog_cycles: images in a row
-    that may stay out before the outputs are 0. speed_loop_us: time of its speed loop.
-    missing_cycles: how often in a row its image may stay out. as_canopen: a run may set it
-    (`--as-canopen`), and has the usual drive with the same axis then.
+    watchdog_cycles: images in a row that may stay out before the outputs are 0. speed_loop_us:
+    time of its speed loop. missing_cycles: how often in a row its image may stay out. as_canopen: a
+    run may set it (`--as-canopen`), and has the usual drive with the same axis then.
     """
 
-    rpm_at_10v: Annotated[float, Field(gt=0, le=100_000)] = 3000.0
-    output_bits: Annotated[int, Field(ge=8, le=16)] = 16
-    output_offset: Annotated[int, Field(ge=-3276, le=3276)] = 0
     watchdog_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
     speed_loop_us: Annotated[float, Field(ge=0, le=1_000_000)] = 0.0
     missing_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
@@ -53,6 +49,16 @@ class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     def has_output(self) -> bool:
         """Whether it gets its speed from an output."""
         return True
+
+    @property
+    def full_rpm(self) -> float:
+        """Its speed at the full output."""
+        raise NotImplementedError
+
+    @property
+    def output(self) -> tuple[int, int]:
+        """Bits of the output with its sign, and what it has at 0 in counts of 16 bits."""
+        return 16, 0
 
     @property
     def increments_per_turn(self) -> int:
@@ -79,8 +85,8 @@ class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
 
     @property
     def full_mm_s(self) -> Fraction:
-        """Speed at 10 V, exact."""
-        return Fraction(self.rpm_at_10v) / 60 * Fraction(self.make().drive.lead_um, 1000)
+        """Speed at the full output, exact."""
+        return Fraction(self.full_rpm) / 60 * Fraction(self.make().drive.lead_um, 1000)
 
     def make(self) -> SpeedProfile:
         """Make the drive. Raises UserError for a value that cannot be."""
@@ -91,9 +97,8 @@ class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
         drive = make_profile({key: getattr(self, key) for key in HABITS})
         return SpeedProfile(
             replace(drive, encoder_increments=self.increments_per_turn),
-            float(self.rpm_at_10v),
-            self.output_bits,
-            self.output_offset,
+            self.full_rpm,
+            *self.output,
             self.watchdog_cycles,
         )
 
@@ -116,3 +121,32 @@ class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
                 jitter_ns=drive.input_jitter_ns,
             ),
         )
+
+
+class AnalogueTable(SpeedDriveTable):
+    """`[drive.NAME]` of a drive at an analogue output.
+
+    rpm_at_10v: its speed at the full output. output_bits: resolution of the output.
+    output_offset: what the output has at 0, counts of 16 bits. lines: of the encoder per turn, each
+    counted four times.
+    """
+
+    rpm_at_10v: Annotated[float, Field(gt=0, le=100_000)] = 3000.0
+    output_bits: Annotated[int, Field(ge=8, le=16)] = 16
+    output_offset: Annotated[int, Field(ge=-3276, le=3276)] = 0
+    lines: Annotated[int, Field(ge=1, le=1 << 20)] = 1024
+
+    @property
+    def full_rpm(self) -> float:
+        """Its speed at 10 V."""
+        return float(self.rpm_at_10v)
+
+    @property
+    def output(self) -> tuple[int, int]:
+        """Bits of the output with its sign, and what it has at 0 in counts of 16 bits."""
+        return int(self.output_bits), int(self.output_offset)
+
+    @property
+    def increments_per_turn(self) -> int:
+        """Increments of its counter for a turn."""
+        return int(self.lines) * EDGES_PER_LINE

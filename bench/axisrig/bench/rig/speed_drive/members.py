@@ -2,6 +2,8 @@
 
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.rig.speed_drive.keys import SpeedDriveTable
+from axisrig.kernel.parameters.signal_sources import SOURCES
+from axisrig.kernel.time.clock import US, S
 
 NUMERATOR, DENOMINATOR = "getriebe[0].multi_gain_z", "getriebe[0].multi_gain_n"
 M_MIN_PER_MM_S = 0.06
@@ -19,6 +21,19 @@ def listed_counts(settings: Settings, name: str) -> float:
     parameters = settings.axis[name]
     per_m_min = parameters.integer(NUMERATOR) / parameters.integer(DENOMINATOR)
     return per_m_min * M_MIN_PER_MM_S
+
+
+def fastest_way_mm(settings: Settings, name: str, cycles: int) -> float:
+    """Return how far the axis goes in so many cycles at P-AXIS-00212."""
+    fastest_mm_s = settings.axis[name].mm_s("getriebe[0].dynamik.vb_max")
+    return fastest_mm_s * cycles * settings.rig.cycle.period_us * US / S
+
+
+def measures(settings: Settings, name: str) -> bool:
+    """Whether an axis measures with the latch of its drive."""
+    parameters = settings.axis[name]
+    signal = parameters.word("kenngr.measure.signal")
+    return parameters.flag("kenngr.messachse") and SOURCES[signal].latched == "drive"
 
 
 def no_second(settings: Settings, name: str) -> str:

@@ -27,7 +27,8 @@ class EncoderTerminalDrive(SpeedDrive):
     def __init__(
         self, settings: SpeedDriveSettings, port: ImagePort, kept: Callable[[], int]
     ) -> None:
-        super().__init__(settings, port, IMAGES, LatchControl(settings.echo_cycles))
+        self._enabled = LatchControl(settings.echo_cycles)
+        super().__init__(settings, port, IMAGES, self._enabled)
         self._kept = kept
         self._set_to: int | None = None
         self._age = 0  # telegrams since the first one, while the counter is not set
@@ -54,7 +55,7 @@ class EncoderTerminalDrive(SpeedDrive):
         self._level = bool(status & words.LEVEL)
         is_clean = not status & words.LATC_VAL and not self._is_lost
         raw = values["LATCH"] if status & words.LAT_EXT_VAL and is_clean else None
-        self.latch.take(raw, place, travel)
+        self._enabled.take(raw, place, travel)
 
     def _latched_mm(self, value: int, place: int) -> float:
         return (place + signed(value - place, words.BITS)) / self._per_mm

@@ -13,6 +13,8 @@ from enum import Enum, auto
 from importlib import resources
 from typing import Final
 
+from axisrig.kernel.drives.speed_drive.probe_latch import ProbeLatch
+
 
 class LatchState(Enum):
     """What the control knows of the latch."""
@@ -56,29 +58,22 @@ _ORDERED: Final = (
 _STORED: Final = (LatchState.STORED, LatchState.VALUE)
 
 
-class LatchControl:
-    """One latch. echo_cycles: from an image to the one that was made after it.
-
-    place: where the axis was in the first telegram with the value, increments. travel: its way in
-    the cycle before.
-    """
+class LatchControl(ProbeLatch):
+    """One latch; as `ProbeLatch`."""
 
     def __init__(self, echo_cycles: int) -> None:
+        super().__init__(echo_cycles)
         self.state = LatchState.IDLE
-        self._echo, self._age = echo_cycles, 0
-        self._raw: int | None = None  # of the telegram before, None without a value in it
-        self.place = self.travel = 0
 
     def _change(self, event: LatchInput) -> None:
         before, self.state = self.state, TABLE[self.state, event]
         if (before in _ORDERED) is not (self.state in _ORDERED):
-            self._age, self._raw = 0, None
+            self._begin_anew()
 
     def take(self, raw: int | None, place: int, travel: int) -> None:
         """Take what a telegram shows. raw: the value, None while the valid bit is low."""
         before, self._raw = self._raw, raw
-        self._age = min(self._age + 1, self._echo)
-        if self._age < self._echo:
+        if self._is_old():
             self._raw = None
             self._change(LatchInput.OLD)
         elif raw is None:

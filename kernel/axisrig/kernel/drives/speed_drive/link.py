@@ -6,7 +6,7 @@ A family derives its own: which images there are, where the position is, what a 
 from axisrig.kernel.drives.cyclic.carrier import ImagePort
 from axisrig.kernel.drives.interface import Drive, DriveHoming
 from axisrig.kernel.drives.power import Power, PowerRequest
-from axisrig.kernel.drives.speed_drive.latch import LatchControl
+from axisrig.kernel.drives.speed_drive.probe_latch import ProbeLatch
 from axisrig.kernel.drives.speed_drive.settings import SpeedDriveSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
@@ -32,7 +32,7 @@ class SpeedDrive(Drive):
         settings: SpeedDriveSettings,
         port: ImagePort,
         images: tuple[Image, Image],
-        latch: LatchControl,
+        latch: ProbeLatch,
     ) -> None:
         super().__init__(settings, Arrival(0, settings.missing_cycles, is_new=False))
         self._of_drive, self.port, self.latch = settings, port, latch

@@ -1,0 +1,1 @@
+"""The virtual drive on Lightbus: its latches."""

@@ -1,0 +1,1 @@
+"""Drives on Lightbus, as a rig has them."""

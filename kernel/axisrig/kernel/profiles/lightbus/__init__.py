@@ -1,0 +1,1 @@
+"""Words of a drive on Lightbus, as both ends take them."""
