@@ -27,7 +27,7 @@ MAY_TAKE = {
 }
 NOTHING_OF = {f"{DRIVE}.axis": BUS, f"{DRIVE}.cia402": BUS, f"{KERNEL}.channel": PROFILES}
 # Folders of a family, in every room that has them
-FAMILIES = ("canopen", "encoder_terminal", "lightbus", "profidrive", "sercos")
+FAMILIES = ("canopen", "conventional", "encoder_terminal", "lightbus", "profidrive", "sercos")
 ROOMS = (DRIVES, DRIVE, "axisrig.bench.rig", "axisrig.bench.machine")
 
 

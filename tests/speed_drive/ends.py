@@ -7,13 +7,17 @@ from typing import Any
 from tests.drive_node.conftest import FakeAxis
 
 from axisrig.bench.bus.cyclic.segment import CyclicSegment, Instants
+from axisrig.bench.drive.conventional.unit import CounterCard
 from axisrig.bench.drive.encoder_terminal.unit import EncoderTerminal
 from axisrig.bench.drive.lightbus.unit import LightbusUnit
 from axisrig.bench.drive.speed_drive.node import SpeedDriveNode
 from axisrig.bench.oracles.phases import Phases
+from axisrig.bench.rig.conventional.keys import DriveTable as ConventionalTable
 from axisrig.bench.rig.encoder_terminal.keys import DriveTable as EncoderTerminalTable
 from axisrig.bench.rig.lightbus.keys import DriveTable as LightbusTable
 from axisrig.bench.rig.speed_drive.keys import SpeedDriveTable
+from axisrig.kernel.drives.conventional.link import IMAGES as CARD_IMAGES
+from axisrig.kernel.drives.conventional.link import ConventionalDrive
 from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier, ImagePort
 from axisrig.kernel.drives.encoder_terminal.link import IMAGES, EncoderTerminalDrive
 from axisrig.kernel.drives.lightbus.link import IMAGES as LIGHTBUS_IMAGES
@@ -49,6 +53,12 @@ class Family:
 
 LIGHTBUS = LightbusTable.model_validate({"family": "lightbus", "in2mode": 26})
 FAMILIES = {
+    "conventional": Family(
+        ConventionalTable.model_validate({"family": "conventional"}),
+        CARD_IMAGES,
+        CounterCard,
+        lambda settings, port, _kept: ConventionalDrive(settings, port),
+    ),
     "lightbus": Family(
         LIGHTBUS,
         LIGHTBUS_IMAGES,

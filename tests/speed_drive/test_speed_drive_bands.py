@@ -17,7 +17,11 @@ import pytest
 PLANS = Path(__file__).parents[2] / "testplans"
 A_MM_S2, DELAY_S, SETTLED_MM, FULL_MM_S, FULL = 1000.0, 4e-6, 1e-4, 500.0, 32_767
 # Increment of the position, and of a latched value
-INCREMENTS_MM = {"encoder_terminal": (10 / 4096, 10 / 4096), "lightbus": (10 / 2**20, 1e-3)}
+INCREMENTS_MM = {
+    "conventional": (10 / 4096, 10 / 4096),
+    "encoder_terminal": (10 / 4096, 10 / 4096),
+    "lightbus": (10 / 2**20, 1e-3),
+}
 IN_TURN_MM = 10 / 2**16
 
 

@@ -17,7 +17,7 @@ from axisrig.kernel.time.clock import MS, US
 DELAY_NS = 4 * US
 SPEED_MM_S = 10.0
 START_MM = 159.0
-EDGES = {"encoder_terminal": ("POS",), "lightbus": ("POS", "NEG")}
+EDGES = {"conventional": ("POS", "NEG"), "encoder_terminal": ("POS",), "lightbus": ("POS", "NEG")}
 CASES = [(family, edge) for family in FAMILIES for edge in EDGES[family]]
 
 

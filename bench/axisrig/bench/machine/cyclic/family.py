@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from axisrig.bench.bus.cyclic.segment import CyclicSegment
+from axisrig.bench.machine.cyclic.conventional_drive import ConventionalEnds
 from axisrig.bench.machine.cyclic.encoder_terminal_axis import EncoderTerminalEnds
 from axisrig.bench.machine.cyclic.ends import ImageEnds, Plugged
 from axisrig.bench.machine.cyclic.lightbus_drive import LightbusEnds
@@ -24,6 +25,7 @@ DRIVE_SEED_STRIDE = 1_000_003
 ENDS: dict[str, Callable[[Plugged], ImageEnds]] = {
     "profidrive": ProfidriveEnds,
     "encoder_terminal": EncoderTerminalEnds,
+    "conventional": ConventionalEnds,
     "lightbus": LightbusEnds,
 }
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
+from axisrig.bench.rig.conventional.checks import check_conventional, describe_conventional
 from axisrig.bench.rig.encoder_terminal.checks import (
     check_encoder_terminal,
     describe_encoder_terminal,
@@ -30,6 +31,7 @@ class OnSegment(NamedTuple):
 OF_FAMILY = {
     "profidrive": OnSegment(check_profidrive, describe_profidrive, second_of),
     "lightbus": OnSegment(check_lightbus, describe_lightbus, no_second),
+    "conventional": OnSegment(check_conventional, describe_conventional, no_second),
     "encoder_terminal": OnSegment(check_encoder_terminal, describe_encoder_terminal, no_second),
 }
 

@@ -1,0 +1,1 @@
+"""Conventional drives, as a rig has them."""

@@ -1,0 +1,1 @@
+"""The control's end of conventional drives."""

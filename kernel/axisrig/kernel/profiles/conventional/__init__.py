@@ -1,0 +1,1 @@
+"""Words of a card in the control for a conventional drive, as both ends take them."""
