@@ -26,10 +26,12 @@ IN_TURN_MM = 10 / 2**16
 
 
 def _rows() -> dict[str, tuple[str, dict[str, str]]]:
+    with (PLANS / "speed_drives.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
     found = {}
-    for family in INCREMENTS_MM:
-        with (PLANS / f"{family}.csv").open(encoding="utf-8", newline="") as file:
-            found |= {f"{family}-{row['case']}": (family, row) for row in csv.DictReader(file)}
+    for row in rows:
+        (rig,) = re.findall(r"probe-z-([a-z-]+?)(?:-\dms)?\.toml", row["rig"])
+        found[row["case"]] = (rig.replace("-", "_"), row)
     return found
 
 

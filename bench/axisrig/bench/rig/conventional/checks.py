@@ -1,6 +1,5 @@
 """Checks of conventional drives: there is no bus."""
 
-from axisrig.bench.rig.cyclic.keys import SegmentTable
 from axisrig.bench.rig.describe import unproved_place
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
@@ -14,14 +13,13 @@ def check_conventional(settings: Settings, name: str, way_ns: TimeNs) -> None:
     """Check one axis. way_ns: from a sample to what is made of it. Raises UserError."""
     check_speed_drive(settings, name, way_ns)
     segment = settings.rig.axis[name].segment
-    table = settings.segment[segment]
-    assert isinstance(table, SegmentTable), segment
-    if table.bus_us:
+    bus_us = getattr(settings.segment[segment], "bus_us", 0.0)
+    if bus_us:
         raise rig_error(
             settings.files,
             ("segment", segment, "bus_us"),
             f"axis {name}: a conventional drive is at a card of the control, and has no bus",
-            value=table.bus_us,
+            value=bus_us,
             allowed="0",
         )
 
