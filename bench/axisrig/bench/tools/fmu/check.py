@@ -7,12 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.tools.fmu import stages
 from axisrig.bench.tools.fmu.examine import Examined, examine
 from axisrig.bench.tools.fmu.findings import Finding, Level, as_rows, fail, has_failed, ok
 from axisrig.bench.tools.fmu.stages import Outcome, run_stage
+from axisrig.bench.tools.fmu.stepped_instance import readable_outputs
 from axisrig.kernel.cosim.fmi.fmu import load_description
+from axisrig.kernel.cosim.fmi.variable_index import by_name
 
 CALLS_MAX = 10  # so many calls of the longest allowed time may one trial take
 
@@ -57,9 +60,17 @@ def check_fmu(
     examined = _examined(path, call_limit_s, is_strict)
     findings = list(examined.findings)
     if examined.can_run:
-        load_description(path)  # once for the processes of all trials: they begin as copies
-        findings += _tried(path, call_limit_s)
+        with without_collector():
+            _sort_out(path)
+            findings += _tried(path, call_limit_s)
     return Checked(path, examined.sha256, findings)
+
+
+def _sort_out(path: Path) -> None:
+    """Read and sort a description once for the processes of all trials: they begin as copies."""
+    description, _ = load_description(path)
+    by_name(description)
+    readable_outputs(description)
 
 
 def _examined(path: Path, call_limit_s: float, is_strict: bool) -> Examined:

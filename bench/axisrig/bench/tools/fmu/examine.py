@@ -7,13 +7,15 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import fmpy
-from fmpy.model_description import ModelDescription, ModelVariable, ValidationError
+from fmpy.model_description import ModelDescription, ModelVariable
+from fmpy.validation import validate_model_description
 
+from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.tools.fmu.binaries import Binary, find_binaries, folder_platform
 from axisrig.bench.tools.fmu.findings import Finding, fail, has_failed, ok, warn
 from axisrig.bench.tools.fmu.stepped_instance import readable_outputs
 from axisrig.kernel.cosim.fmi.archive import DESCRIPTION, MIB, inspect, unpack
-from axisrig.kernel.cosim.fmi.fmu import load_description
+from axisrig.kernel.cosim.fmi.fmu import load_description, read_description
 from axisrig.kernel.cosim.fmi.library import Capabilities
 from axisrig.kernel.cosim.fmi.rules import bad_names, by_rule
 from axisrig.kernel.cosim.fmi.units import find_unit, unit_name
@@ -41,6 +43,11 @@ def examine(path: Path, is_strict: bool = False) -> Examined:
     """
     if not path.exists() or path.is_dir():
         unpack(path)  # says what is wrong
+    with without_collector():
+        return _examined(path, is_strict)
+
+
+def _examined(path: Path, is_strict: bool) -> Examined:
     try:
         archive = inspect(path)
     except UserError as error:
@@ -114,13 +121,19 @@ def _version(folder: Path) -> str:
 
 
 def _read(folder: Path) -> tuple[ModelDescription, list[str]]:
-    """Read a description; return it with what fmpy dislikes of it."""
+    """Read a description; return it with what fmpy dislikes of it, of its structure too.
+
+    Where it is against the schema, fmpy looks no further.
+    """
+    description, problems = read_description(folder)
     try:
-        read = fmpy.read_model_description
-        return read(str(folder), validate=True, validate_model_structure=True), []
-    except ValidationError as error:
-        problems = [str(problem) for problem in error.problems]
-        return fmpy.read_model_description(str(folder), validate=False), problems
+        found = validate_model_description(description, validate_model_structure=True)
+    except Exception:  # fmpy counts on the schema
+        if not problems:
+            raise
+        found = []
+    all_of_fmpy = [str(problem) for problem in found]
+    return description, all_of_fmpy if {*problems} <= {*all_of_fmpy} else list(problems)
 
 
 def _binaries(description: ModelDescription, folder: Path) -> Iterator[Finding]:

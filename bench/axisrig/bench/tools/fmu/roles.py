@@ -13,6 +13,7 @@ from axisrig.kernel.cosim.fmi.roles import (
     coordinates_of,
     map_roles,
 )
+from axisrig.kernel.cosim.fmi.variable_index import of_causality
 from axisrig.kernel.errors import UserError
 
 _SHOWN_MAX = 3
@@ -54,9 +55,7 @@ def _with_map(slave: FmuSlave, kind: str, coordinates: Sequence[str]) -> list[Fi
 def _candidates(slave: FmuSlave, name: str, role: Role) -> list[str]:
     """Return the variables that fit a role, with what the map must say about each."""
     found: dict[str, list[str]] = {}
-    for variable in slave.description.modelVariables:
-        if variable.causality != role.causality:
-            continue
+    for variable in of_causality(slave.description, role.causality):
         for mark, source in _attempts(variable, role):
             try:
                 bind(slave, name, role, source)

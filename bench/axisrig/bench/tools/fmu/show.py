@@ -11,6 +11,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.tools.fmu.binaries import Binary, find_binaries
 from axisrig.kernel.cosim.fmi.archive import MIB, Archive, inspect, unpack
 from axisrig.kernel.cosim.fmi.library import Capabilities
@@ -41,7 +42,8 @@ def read_fmu(path: Path) -> Shown:
     """Read an FMU of any version. Raises UserError for a file that is none, or no safe one."""
     folder = unpack(path)
     try:
-        description = fmpy.read_model_description(str(folder), validate=False)
+        with without_collector():
+            description = fmpy.read_model_description(str(folder), validate=False)
         has_steps = description.coSimulation is not None
         can = Capabilities.of(description, folder) if has_steps else None
     except Exception as error:  # fmpy reports what it cannot read by any Exception

@@ -12,6 +12,7 @@ import numpy as np
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from axisrig.kernel.cosim.fmi.fmu import EndedError, FmuSlave, load_fmu
+from axisrig.kernel.cosim.fmi.variable_index import of_causality
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
 DEFAULT_STEP_NS: TimeNs = 1_000_000
@@ -46,8 +47,8 @@ def readable_outputs(description: ModelDescription) -> list[ModelVariable]:
     """Return the outputs that have a value at every communication point: no clocks, not clocked."""
     return [
         variable
-        for variable in description.modelVariables
-        if variable.causality == "output" and variable.type != "Clock" and not variable.clocks
+        for variable in of_causality(description, "output")
+        if variable.type != "Clock" and not variable.clocks
     ]
 
 
@@ -127,8 +128,8 @@ def movable_inputs(description: ModelDescription) -> list[ModelVariable]:
     """Return the inputs that can be moved: single values that wait for no clock."""
     return [
         variable
-        for variable in description.modelVariables
-        if variable.causality == "input" and not variable.shape and not variable.clocks
+        for variable in of_causality(description, "input")
+        if not variable.shape and not variable.clocks
     ]
 
 

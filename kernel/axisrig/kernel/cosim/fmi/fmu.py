@@ -18,6 +18,7 @@ from axisrig.kernel.cosim.fmi.library import (
     PlantError,
 )
 from axisrig.kernel.cosim.fmi.slave import Exchange, FmuSlave
+from axisrig.kernel.cosim.fmi.variable_index import by_name
 from axisrig.kernel.errors import UserError
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "PlantError",
     "load_description",
     "load_fmu",
+    "read_description",
 ]
 
 _VERSIONS: dict[str, type[FmuSlave]] = {"2.0": Fmi2Slave, "3.0": Fmi3Slave}
@@ -40,29 +42,29 @@ _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 @cache
-def read_description(folder: Path) -> ModelDescription:
-    """Read the model description of an unpacked FMU and hold it to the schema of its FMI version.
+def read_description(folder: Path) -> tuple[ModelDescription, tuple[str, ...]]:
+    """Read the description of an unpacked FMU; return it with where it breaks the standard.
 
-    Raises ValidationError with every problem found, other Exceptions of fmpy for what is none.
-    """
-    return fmpy.read_model_description(str(folder))
-
-
-@cache
-def _read_anyhow(folder: Path) -> tuple[ModelDescription, tuple[str, ...]]:
-    """Read a description that may break the standard; return it with what is wrong.
-
-    Many tools leave out or add something that nobody needs to step the FMU. Names that are there
-    twice are another matter. Raises what `read_description` raises.
+    Read once in a process: the one of 100 000 variables takes seconds. Raises Exceptions of fmpy
+    for what is no description.
     """
     try:
-        return read_description(folder), ()
+        return fmpy.read_model_description(str(folder)), ()
     except ValidationError as error:
-        description = fmpy.read_model_description(str(folder), validate=False)
-        names = [variable.name for variable in description.modelVariables]
-        if len(set(names)) < len(names):
-            raise
-        return description, tuple(error.problems)
+        problems = tuple(str(problem) for problem in error.problems)
+        return fmpy.read_model_description(str(folder), validate=False), problems
+
+
+def _usable(folder: Path) -> ModelDescription:
+    """Return a description that may break the standard.
+
+    Many tools leave out or add something that nobody needs to step the FMU. Names that are there
+    twice are another matter. Raises ValidationError for these, else what `read_description` raises.
+    """
+    description, problems = read_description(folder)
+    if problems and len(by_name(description)) < len(description.modelVariables):
+        raise ValidationError(list(problems))
+    return description
 
 
 def load_description(path: Path) -> tuple[ModelDescription, str]:
@@ -73,7 +75,7 @@ def load_description(path: Path) -> tuple[ModelDescription, str]:
     """
     folder = unpack(path)
     try:
-        description, _ = _read_anyhow(folder)
+        description = _usable(folder)
     except Exception as error:  # fmpy reports an unknown version or a missing element like that
         problems = getattr(error, "problems", None) or [str(error) or type(error).__name__]
         more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
@@ -126,5 +128,5 @@ def load_fmu(path: Path, name: str) -> FmuSlave:
     """
     description, folder = load_description(path)
     slave = _VERSIONS[fmi_version(description)](path, name, description, folder)
-    slave.problems = _read_anyhow(Path(folder))[1]
+    slave.problems = read_description(Path(folder))[1]
     return slave

@@ -2,7 +2,7 @@
 
 import ctypes
 import math
-import xml.etree.ElementTree as ET
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -102,6 +102,9 @@ class Capabilities:
         )
 
 
+_LONGEST_STEP = re.compile(rb"<(?:\w+:)?LongestInternalStep\s[^>]*?seconds=[\"']([^\"']*)[\"']")
+
+
 @cache
 def longest_internal_step_s(folder: Path) -> float | None:
     """Return the longest internal step of an unpacked FMU of axisrig, s; None when it names none.
@@ -109,8 +112,8 @@ def longest_internal_step_s(folder: Path) -> float | None:
     Its solver takes shorter ones where it must, so that `fixedInternalStepSize` would be untrue:
     its own annotation says it (`LongestInternalStep`).
     """
-    found = ET.parse(folder / "modelDescription.xml").getroot().find(".//LongestInternalStep")
-    return float(found.attrib["seconds"]) if found is not None else None
+    found = _LONGEST_STEP.search((folder / "modelDescription.xml").read_bytes())
+    return float(found[1]) if found is not None else None
 
 
 def own_step_s(description: ModelDescription) -> float | None:

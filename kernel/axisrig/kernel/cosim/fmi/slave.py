@@ -38,6 +38,7 @@ from axisrig.kernel.cosim.fmi.library import (
     own_step_s,
     standstill,
 )
+from axisrig.kernel.cosim.fmi.variable_index import by_name, of_causality
 from axisrig.kernel.errors import UserError, nearest, printable
 from axisrig.kernel.time.clock import TimeNs, ns_to_seconds, seconds_to_ns
 
@@ -119,10 +120,7 @@ class FmuSlave(ABC):
         self.messages: deque[LogMessage] = deque(maxlen=MESSAGES_MAX)
         self.time_ns: TimeNs = 0
         self.pointer = 0
-        self._variables = {v.name: v for v in description.modelVariables}
-        self._names: dict[str, list[str]] = {}
-        for variable in description.modelVariables:
-            self._names.setdefault(variable.causality, []).append(variable.name)
+        self._variables = by_name(description)
         self._excess_s = 0.0  # how far before `time_ns` an early return left the FMU
         self.own_step_s = own_step_s(description)
         self.grid_ns = grid_of(description)
@@ -246,7 +244,7 @@ class FmuSlave(ABC):
 
     def names(self, causality: str) -> list[str]:
         """Return the names of all variables of one causality, in the order of the description."""
-        return self._names.get(causality, [])
+        return [variable.name for variable in of_causality(self.description, causality)]
 
     def set_start(self, name: str, value: float | bool | str) -> None:
         """Set a parameter or a start value before initialisation, in the FMU's unit."""
