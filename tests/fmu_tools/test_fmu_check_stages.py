@@ -50,7 +50,7 @@ class Apart:
         self.limits: list[Any] = []
         self._examined = Examined([ok("archive", "x")], "ab", can_run)
         patch.setattr(check, "run_apart", self._run)
-        patch.setattr(check, "load_description", lambda _: None)
+        patch.setattr(check, "_sort_out", lambda _: None)
 
     def _run(self, function: Any, tasks: Any, **options: Any) -> Any:
         self.limits.append((options.get("call_limit_s"), options.get("timeout_s")))

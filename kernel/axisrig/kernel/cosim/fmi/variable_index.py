@@ -4,7 +4,7 @@ A description of 100 000 variables is gone through once, not once for each insta
 """
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from typing import NamedTuple
 
 from fmpy.model_description import ModelDescription, ModelVariable
 
@@ -12,20 +12,34 @@ _KEPT = 64
 """So many descriptions keep their index."""
 
 
-@lru_cache(maxsize=_KEPT)
+class _Index(NamedTuple):
+    description: ModelDescription
+    by_name: Mapping[str, ModelVariable]
+    by_causality: Mapping[str, Sequence[ModelVariable]]
+
+
+_INDICES: dict[int, _Index] = {}
+"""By the identity of the description, which the index keeps alive."""
+
+
 def by_name(description: ModelDescription) -> Mapping[str, ModelVariable]:
     """Return the variables by their names."""
-    return {variable.name: variable for variable in description.modelVariables}
-
-
-@lru_cache(maxsize=_KEPT)
-def _by_causality(description: ModelDescription) -> Mapping[str, Sequence[ModelVariable]]:
-    found: dict[str, list[ModelVariable]] = {}
-    for variable in description.modelVariables:
-        found.setdefault(variable.causality, []).append(variable)
-    return found
+    return _index(description).by_name
 
 
 def of_causality(description: ModelDescription, causality: str) -> Sequence[ModelVariable]:
     """Return the variables of one causality in the order of the description."""
-    return _by_causality(description).get(causality, ())
+    return _index(description).by_causality.get(causality, ())
+
+
+def _index(description: ModelDescription) -> _Index:
+    found = _INDICES.get(id(description))
+    if found is None:
+        by_causality: dict[str, list[ModelVariable]] = {}
+        for variable in description.modelVariables:
+            by_causality.setdefault(variable.causality, []).append(variable)
+        names = {variable.name: variable for variable in description.modelVariables}
+        found = _INDICES[id(description)] = _Index(description, names, by_causality)
+        if len(_INDICES) > _KEPT:
+            del _INDICES[next(iter(_INDICES))]
+    return found
