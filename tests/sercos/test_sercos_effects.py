@@ -111,6 +111,20 @@ def test_the_lists_decide_on_the_telegrams(drive_of: Open) -> None:
     assert sizes == [6, 8]
 
 
+@pytest.mark.parametrize(
+    ("factor", "exponent", "per_turn"), [(1, -7, 100_000), (5, -6, 2000), (2, -6, 5000)]
+)
+def test_factor_and_exponent_are_the_unit_of_linear_positions(
+    drive_of: Open, factor: int, exponent: int, per_turn: int
+) -> None:
+    """S-0-0077 10^(S-0-0078) m by a lead of 10 mm, where S-0-0076 is linear by parameter."""
+    drive = drive_of("probe-z-sercos.toml")
+    for ident, number in (("S-0-0077", factor), ("S-0-0078", exponent), ("S-0-0076", 0x09)):
+        assert written(drive, ident, number.to_bytes(2, "little", signed=True)) is None
+    image = drive.servo.image
+    assert image.feed == per_turn * image.feed_shaft
+
+
 def test_a_mode_that_there_is_not_is_refused(drive_of: Open) -> None:
     drive = drive_of("probe-z-sercos.toml")
     assert written(drive, "S-0-0032", (2).to_bytes(2, "little")) == "INVALID"
