@@ -65,15 +65,15 @@ def test_each_edge_is_seen_in_the_cycle_of_the_formula(
         ends.cycle(run)
     phases = set()
     per_mm = float(FAMILIES[family].table.per_mm)
-    step_mm = STEP_MM.get(family, 1.0 / per_mm)
+    nearest_mm = (1.0 / per_mm + STEP_MM.get(family, 0.0)) / 2
     for (seen_ns, value_mm), each_ns in zip(found, edges[edge == "NEG" :: 2], strict=True):
         sample = -(-(each_ns + DELAY_NS + at.input_ns) // period_ns)
         assert seen_ns == sample * period_ns + cycle_us * US
         true_mm = position_m((each_ns + DELAY_NS) * 1e-9) * 1e3
-        assert abs(value_mm - true_mm) <= step_mm / 2 + 1e-9
+        assert abs(value_mm - true_mm) <= nearest_mm + 1e-9
         phases.add((each_ns % period_ns) * 10 // period_ns)
     assert count < 400 or phases == {*range(10)}
 
 
 STEP_MM = {"lightbus": 1e-3}
-"""What a value is rounded to, where it is no increment of the position."""
+"""What a value is rounded to after it was rounded to an increment of the position."""
