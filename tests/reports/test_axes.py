@@ -1,5 +1,7 @@
 """Scales of drawings: round ticks, words that keep them apart, values where they belong."""
 
+import re
+
 import pytest
 
 from axisrig.reports.parts.axes import Field, Scale, margin, tick_words, ticks, with_room
@@ -43,6 +45,10 @@ def test_values_are_where_the_scale_says() -> None:
 def test_a_field_may_be_mirrored_and_have_room_on_its_sides() -> None:
     field = Field(50.0, 150.0, 0.0, 9.0, (-10.0, 0.0), (0.0, 1.0), is_mirrored=True)
     assert (field.x(-10.0), field.x(0.0)) == (150.0, 50.0)
+    wide = Field(50.0, 450.0, 0.0, 9.0, (-10.0, 0.0), (0.0, 1.0), is_mirrored=True)
+    # The largest of 1, 2 and 5 that leaves three steps
+    words = re.findall(r">(-?\d+)</text>", "".join(wide.across()))
+    assert words == ["0", "-2", "-4", "-6", "-8", "-10"]
     free = Field(50.0, 150.0, 0.0, 9.0, (0.0, 10.0), (0.0, 1.0), inset=(10.0, 30.0))
     assert (free.x(0.0), free.x(10.0)) == (60.0, 120.0)
 

@@ -145,7 +145,7 @@ class Field:
     def named(self, places: Sequence[tuple[float, str]]) -> list[str]:
         """Draw lines at places across with their words below; what covers another is left out."""
         parts, taken = [], -math.inf
-        for value, word in places:
+        for value, word in sorted(places, key=lambda place: self.x(place[0])):
             x, half = self.x(value), _SIGN_PX / 2 * len(word)
             parts.append(f'<path class="ax-grid" d="M{x:.1f},{self.top:g}V{self.foot:g}"/>')
             begin = min(max(x - half, 0.0), self.right - 2 * half + 6)
