@@ -104,16 +104,13 @@ def _check_fine_bits(settings: Settings, name: str) -> None:
 
 
 def _check_distance(settings: Settings, name: str) -> None:
-    """Refuse distance control: no run with such a drive has been held against its law."""
-    is_3d = settings.channel.word(DECODER) == RELEASED_3D
-    if not is_3d and not settings.axis[name].flag("lr_param.distance_control_on"):
+    """Refuse 3D distance control: no run with such drives has been held against its law."""
+    if settings.channel.word(DECODER) != RELEASED_3D:
         return
-    what = "3D distance control (P-CHAN-00500)" if is_3d else "distance control (P-AXIS-00328)"
     raise rig_error(
         settings.files,
         ("drive", settings.rig.axis[name].drive, "family"),
-        f"axis {name}: {what} is not built for PROFIdrive drives; their telegrams 4 and 6 carry the"
-        " second encoder already",
+        f"axis {name}: 3D distance control (P-CHAN-00500) is not built for PROFIdrive drives",
         value="profidrive",
         allowed="canopen, sercos",
     )
