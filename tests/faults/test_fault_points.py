@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_LINES
+from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_IMAGES, ON_LINES
 from axisrig.bench.machine.faults.points import ROOMS, points
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
@@ -37,8 +37,8 @@ def points_of(settings: Settings) -> dict[str, tuple[str, ...]]:
 def test_each_kind_of_the_table_is_in_the_module_of_its_room() -> None:
     of_rooms = {kind: room.__name__.rpartition(".")[2] for room in ROOMS for kind in room.KINDS}
     assert of_rooms == {kind.name: kind.room for kind in fault_kinds().values()}
-    assert {*BESIDE, *ON_CAN, *ON_LINES} == {*fault_kinds()}
-    assert {*ON_CAN} & {*ON_LINES} == {"power_loss"}
+    assert {*BESIDE, *ON_CAN, *ON_IMAGES, *ON_LINES} == {*fault_kinds()}
+    assert {*ON_CAN} & {*ON_LINES} == {*ON_CAN} & {*ON_IMAGES} == {"power_loss"}
 
 
 def test_names_are_those_of_a_plan() -> None:
@@ -71,6 +71,17 @@ def test_a_drive_with_idents_has_faults_of_its_own() -> None:
     assert not own & {*points_of(settings_of("probe-z-ethercat.toml"))["Z"]}
     with pytest.raises(UserError, match="has no idents"):
         settings_of("probe-z-ethercat.toml", "fault:bit_stuck=Z")
+
+
+def test_a_cyclic_segment_and_its_drives_have_faults_of_their_own() -> None:
+    """Images of any drive there; sign of life and encoder interface of one that has them."""
+    found = points_of(settings_of("probe-z-profidrive.toml"))["Z"]
+    images = {"image_lost", "image_missed", "image_late"}
+    assert images | {"life_stuck", "encoder_error", "function_late", "power_loss"} <= {*found}
+    assert not {"bus_off", "line_lost", "bit_stuck"} & {*found}
+    assert not images & {*points_of(settings_of("probe-z-ethercat.toml"))["Z"]}
+    with pytest.raises(UserError, match="sign of life|has no"):
+        settings_of("probe-z-ethercat.toml", "fault:life_stuck=Z")
 
 
 RIGS_WITH = {  # what is there besides: of these targets the first is a point, the second none

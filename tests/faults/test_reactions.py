@@ -24,9 +24,9 @@ from axisrig.kernel.nc.text.parser import read_program
 
 ROOT = Path(__file__).parents[2]
 BUSES = ROOT / "bench" / "axisrig" / "bench" / "bus"
-ROWS, OF_LINES = (
+ROWS, OF_LINES, OF_IMAGES = (
     list(csv.DictReader((BUSES / carrier / "fault_reactions.csv").read_text("utf-8").splitlines()))
-    for carrier in ("can", "ethercat")
+    for carrier in ("can", "ethercat", "cyclic")
 )
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 MS = 1_000_000
@@ -79,6 +79,7 @@ def test_the_axis_is_stopped_within_the_configured_cycles(fault: str, alarm_id: 
 
 LINE_RIG = ROOT / "testplans" / "rigs" / "probe-z-ethercat.toml"
 LINE_PLANS = ("ethercat", "sercos")
+IMAGES_RIG = LINE_RIG.with_name("probe-z-profidrive.toml")
 IDENTS_RIG = LINE_RIG.with_name("probe-z-sercos.toml")
 """For kinds of drives with idents."""
 TOUCH = """%touch
@@ -92,17 +93,21 @@ N40 M30
 EDGE_MM = 100.0 - 10.0 * 4e-6
 """The surface, and what the axis moves on at 10 mm/s within the delay of the input."""
 INCREMENT_MM = 10.0 / 2**20
+FINE_INCREMENT_MM = 10.0 / 2**22
+"""2048 lines and 11 bits."""
 
 
-def run_on_line(tmp_path: Path, fault: str) -> tuple[list[int], list[float]]:
-    """Alarms and measured values of one touch on EtherCAT with a fault."""
+def run_on_line(
+    tmp_path: Path, fault: str, other: Path | None = None
+) -> tuple[list[int], list[float]]:
+    """Alarms and measured values of one touch with a fault, on EtherCAT or with another rig."""
     (tmp_path / "touch.nc").write_text(TOUCH, encoding="utf-8")
     assigned = [
         (parse_assignment(text), as_written)
         for text in (f"fault:{fault}", "plant:z.position_start_mm=102")
     ]
     kind = fault_kinds()[fault.partition("=")[0]]
-    rig = IDENTS_RIG if kind.room == "idents" else LINE_RIG
+    rig = other or (IDENTS_RIG if kind.room == "idents" else LINE_RIG)
     settings = read_settings(*read_rig(rig), assigned)
     machine = Machine(settings, read_program(tmp_path / "touch.nc", ("Z",)))
     try:
@@ -124,10 +129,22 @@ def test_the_reaction_on_a_line_is_the_documented_one(tmp_path: Path, row: dict[
     assert values == {"right": right, "none": []}[row["value"]]
 
 
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("row", OF_IMAGES, ids=lambda row: f"{row['kind']} {row['example']}")
+def test_the_reaction_on_a_cyclic_segment_is_the_documented_one(
+    tmp_path: Path, row: dict[str, str]
+) -> None:
+    alarms, values = run_on_line(tmp_path, f"{row['kind']}={row['example']}", IMAGES_RIG)
+    ending = [i for i in alarms if catalogue()[i].reaction_class > 1]
+    assert parse_condition(row["alarms"], "alarms").judge(ending[:1]) is Verdict.PASS
+    right = [pytest.approx(EDGE_MM, abs=FINE_INCREMENT_MM + 1e-6)]
+    assert values == {"right": right, "none": []}[row["value"]]
+
+
 def test_every_kind_of_fault_has_a_reaction() -> None:
     """Of what these machines have not (sensors, PLC, ...), rows of a plan are that."""
     text = (ROOT / "testplans" / "wires.csv").read_text(encoding="utf-8")
-    kinds = {row["kind"] for row in (*ROWS, *OF_LINES)}
+    kinds = {row["kind"] for row in (*ROWS, *OF_LINES, *OF_IMAGES)}
     for kind in fault_kinds().values():
         assert kind.name in kinds or f"fault:{kind.name}" in text, kind.name
         assert kind.name in kinds or kind.room in ("sensors", "plants", "plc", "clock")
@@ -144,12 +161,12 @@ def test_the_document_shows_the_table() -> None:
     ]
     assert shown == [
         [f"`fault:{row['kind']} = {row['example']}`", *list(row.values())[2:]]
-        for row in (*ROWS, *OF_LINES)
+        for row in (*ROWS, *OF_LINES, *OF_IMAGES)
     ]
 
 
 def test_every_alarm_of_the_table_is_in_the_catalogue() -> None:
-    ids = {word for row in (*ROWS, *OF_LINES) for word in row["alarms"].split()} - {
+    ids = {word for row in (*ROWS, *OF_LINES, *OF_IMAGES) for word in row["alarms"].split()} - {
         "none",
         "one",
         "of",

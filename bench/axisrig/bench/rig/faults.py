@@ -8,7 +8,7 @@ from axisrig.bench.rig.reading.faults import FaultKind, fault_kinds, misses_hear
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.settings import Settings
 
-ON_SEGMENTS = ("frames", "drives", "lines", "idents")
+ON_SEGMENTS = ("frames", "drives", "lines", "idents", "images")
 """Rooms of `faults.csv` whose kinds need a carrier that has them."""
 
 

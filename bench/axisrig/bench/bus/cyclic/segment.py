@@ -55,6 +55,8 @@ class ImageNode(Protocol):
 
 
 Received = Callable[[str, bytes], None]
+Falls = Callable[[], bool]
+"""Whether something falls on the image of this exchange."""
 Answer = Callable[[bytes], bytes]
 Losses = Callable[[str], bool]
 
@@ -63,6 +65,8 @@ class CyclicSegment:
     """Nodes by axis. received(axis, inputs): called at the exchange.
 
     exchanges: how many there were. loses: whether the image to a drive is lost in this cycle.
+    lost, missed, late: faults by axis: the image to it is lost, that of it does not come, or that
+    of the exchange before comes.
     """
 
     def __init__(
@@ -76,6 +80,10 @@ class CyclicSegment:
         self._hash = hashlib.sha256()
         self.exchanges = 0
         self.loses: Losses = _never
+        self.lost: dict[str, list[Falls]] = {axis: [] for axis in nodes}
+        self.missed: dict[str, list[Falls]] = {axis: [] for axis in nodes}
+        self.late: dict[str, list[Falls]] = {axis: [] for axis in nodes}
+        self._before: dict[str, bytes] = {}
 
     def begin(self, outputs: Mapping[str, bytes | None]) -> None:
         """Begin a cycle. outputs: images to the drives, None where the control gives none."""
@@ -97,11 +105,14 @@ class CyclicSegment:
         self.exchanges += 1
         now_ns = self._clock.now_ns
         for axis, node in self._nodes.items():
-            sent = None if self.loses(axis) else outputs[axis]
+            is_lost = _falls(self.lost[axis]) or self.loses(axis)
+            sent = None if is_lost else outputs[axis]
             inputs = node.exchange(sent)
             self._hash.update(_HEAD.pack(now_ns, len(sent or b""), len(inputs)))
             self._hash.update((sent or b"") + inputs)
-            self._received(axis, inputs)
+            came = self._before.get(axis, b"") if _falls(self.late[axis]) else inputs
+            self._before[axis] = inputs
+            self._received(axis, b"" if _falls(self.missed[axis]) else came)
 
     def _cycle(self) -> None:
         for node in self._nodes.values():
@@ -126,6 +137,12 @@ class CyclicSegment:
     def hexdigest(self) -> str:
         """Return a hash of all images, as they were swapped: instant, lengths, contents."""
         return self._hash.hexdigest()
+
+
+def _falls(faults: list[Falls]) -> bool:
+    """Ask each fault, so that each counts its own images."""
+    fallen = [falls() for falls in faults]
+    return any(fallen)
 
 
 def _never(_axis: str) -> bool:

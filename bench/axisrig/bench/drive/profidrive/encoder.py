@@ -52,7 +52,8 @@ class ProbePort(Protocol):
 class EncoderInterface:
     """One interface. has_input: P0660 gives the fast input to the probe.
 
-    states: of functions 1 and 2. state: of the interface. values: latched at the edges of both.
+    holds_other: by a fault; functions that nobody asked for are active. states: of functions 1 and
+    2. state: of the interface. values: latched at the edges of both.
     """
 
     def __init__(self, probe: ProbePort, *, has_input: Callable[[], bool]) -> None:
@@ -62,12 +63,18 @@ class EncoderInterface:
         self.values = [0, 0]
         self._code = 0
         self._control = 0
+        self.holds_other = False
 
     def reset(self) -> None:
         """Be as after power on."""
         self.states = [_OFF, _OFF]
         self.state = InterfaceState.READY
         self._code = self._control = 0
+
+    def break_off(self, code: int) -> None:
+        """End all functions with an error code, by a fault of the encoder."""
+        self._code, self.state = code, InterfaceState.ERROR
+        self.states = [_OFF, _OFF]
 
     def take_edges(self, latched: tuple[int, int]) -> None:
         """Take the edges until now. latched: positions of the last rising and falling one."""
@@ -122,7 +129,8 @@ class EncoderInterface:
 
     def _may_show(self, number: int) -> bool:
         others = [state for other, state in enumerate(self.states) if other != number]
-        return _ACTIVE not in self.states and FunctionState.SHOWN not in others
+        is_waiting = self.holds_other or _ACTIVE in self.states
+        return not is_waiting and FunctionState.SHOWN not in others
 
     def _change(self, number: int, asked: FunctionInput) -> None:
         self.states[number] = FUNCTION[self.states[number], asked]
@@ -140,7 +148,7 @@ class EncoderInterface:
         """Return G1_ZSW."""
         word = _SHOWN_BITS.get(self.state, 0)
         for number, state in enumerate(self.states):
-            if state is _ACTIVE:
+            if state is _ACTIVE or (state is _OFF and self.holds_other):
                 word |= 1 << number
             elif state is not _OFF:
                 word |= 1 << number + words.VALUE_SHIFT

@@ -31,7 +31,7 @@ class ProfidriveDrive(Cia402Node):
     """One drive: it moves an axis and has one probe signal at its fast input.
 
     Arguments as those of `Cia402Node`; profidrive: its profile. inputs: its telegram as it was
-    sampled last, empty while it has no power.
+    sampled last, empty while it has no power. holds_life: by a fault; its sign of life stays.
     """
 
     def __init__(
@@ -77,6 +77,7 @@ class ProfidriveDrive(Cia402Node):
         )
         self.life = SignOfLife(lambda: self.parameters.values[925])
         self.inputs = b""
+        self.holds_life = False
         self._outputs: bytes | None = None
         self._control = self._encoder_control = self._own_life = self._heard = 0
         self._reduction = 0
@@ -113,7 +114,8 @@ class ProfidriveDrive(Cia402Node):
         servo, image = self.servo, self.servo.image
         servo.refresh(self._clock.now_ns, is_apart=True)
         self._take_edges()
-        self._own_life = words.next_life(self._own_life)
+        if not self.holds_life:
+            self._own_life = words.next_life(self._own_life)
         self._sampled_m = servo.scaling.position_m(image.position_actual)
         actual = servo.scaling.metres(image.velocity_actual) / self._speed_m_s
         shift = self._made.absolute_shift

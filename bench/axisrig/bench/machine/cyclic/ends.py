@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from axisrig.bench.bus.cyclic.segment import Answer, ImageNode
 from axisrig.bench.drive.axis.drive import VirtualDrive
+from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.machine.families import Bench
 from axisrig.bench.record.axes import Telegram
 from axisrig.kernel.drives.cyclic.carrier import ImagePort
@@ -41,6 +42,11 @@ class ImageEnds:
     link: Drive
     telegrams: list[Telegram]
     warnings: Sequence[Alarm] = ()
+
+    @property
+    def drive_node(self) -> Cia402Node:
+        """The node with its supply."""
+        raise NotImplementedError
 
     def watch(self) -> DriveWatch:
         """Make the watch over the drive."""

@@ -1,6 +1,7 @@
 """Drives on cyclic segments in a machine."""
 
 import hashlib
+import random
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -11,8 +12,12 @@ from axisrig.bench.machine.cyclic.ends import ImageEnds, Plugged
 from axisrig.bench.machine.cyclic.lightbus_drive import LightbusEnds
 from axisrig.bench.machine.cyclic.profidrive_drive import ProfidriveEnds
 from axisrig.bench.machine.families import Bench, Installed
+from axisrig.bench.machine.faults.acts import Act, Injected
+from axisrig.bench.machine.faults.images import OnImages
+from axisrig.bench.machine.faults.injection import ON_IMAGES
 from axisrig.bench.record.axes import DriveState, Telegram
 from axisrig.bench.rig.cyclic.members import axes_on, cyclic_axes, cyclic_segments, instants_of
+from axisrig.bench.rig.reading.faults import Fault
 from axisrig.kernel.drives.accesses import AccessesByAxis
 from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier
 from axisrig.kernel.drives.interface import DriveAccesses, DriveStart, DriveWatch
@@ -43,6 +48,7 @@ class CyclicSegments(Installed):
         self.states = {axis: [] for axis in axes}
         self.ends = {axis: self._ends(axis) for axis in axes}
         self.drives = {axis: ends.drive for axis, ends in self.ends.items()}
+        self.nodes = {axis: ends.drive_node for axis, ends in self.ends.items()}
         self.links = {axis: ends.link for axis, ends in self.ends.items()}
         self.segments = {name: self._segment(name) for name in cyclic_segments(settings)}
         self.carriers = {
@@ -100,6 +106,14 @@ class CyclicSegments(Installed):
         """Return when the actual position of this cycle is sampled: T_I before its begin."""
         segment = self._bench.settings.rig.axis[axis].segment
         return sync_ns - instants_of(self._bench.settings, segment).input_ns
+
+    def build_fault(self, fault: Fault, numbers: random.Random, record: Injected) -> Act | None:
+        """Build in a fault of images, or of a drive there; None for others."""
+        on = fault.segment or self._bench.settings.rig.axis[fault.axis].segment
+        if on not in self.segments:
+            return None
+        images = OnImages(self._bench.scheduler, self.segments[on], self.nodes)
+        return ON_IMAGES[fault.kind](images, fault, numbers, record)
 
     def is_off(self, axis: str) -> bool:
         """Whether the drive of an axis has left operation."""

@@ -8,6 +8,7 @@ from axisrig.bench.machine.faults import (
     drives,
     frames,
     idents,
+    images,
     lines,
     plants,
     plc,
@@ -30,6 +31,8 @@ ON_CAN: Mapping[str, frames.Make] = {**frames.KINDS, **drives.KINDS}
 """Kinds of frames on CAN and of drives."""
 ON_LINES: Mapping[str, lines.Make] = {**lines.KINDS, **drives.KINDS, **idents.KINDS}
 """Kinds of EtherCAT lines and of drives on them."""
+ON_IMAGES: Mapping[str, images.Make] = {**images.KINDS, **drives.KINDS}
+"""Kinds of cyclic segments and of drives on them."""
 
 BuildIn = Callable[[Fault, random.Random, Injected], Act]
 

@@ -5,6 +5,7 @@ from axisrig.bench.machine.faults import (
     drives,
     frames,
     idents,
+    images,
     lines,
     plants,
     plc,
@@ -13,7 +14,7 @@ from axisrig.bench.machine.faults import (
 )
 from axisrig.bench.machine.faults.point import Equipped, FaultPoint, Points
 
-ROOMS = (frames, drives, lines, idents, wires, sensors, plants, plc, clock)
+ROOMS = (frames, drives, lines, idents, images, wires, sensors, plants, plc, clock)
 """Modules of the rooms of `faults.csv`: each has `KINDS` and `points`."""
 
 

@@ -17,6 +17,8 @@ from axisrig.kernel.time.clock import US, TimeNs
 class OnCyclic(RigFamily):
     """Drives on cyclic segments."""
 
+    fault_rooms = ("images", "drives")
+
     def check(self, settings: Settings) -> None:
         """Check instants and drives. Raises UserError with file, line and key of the rig."""
         for segment in cyclic_segments(settings):

@@ -30,6 +30,11 @@ class SegmentTable(SegmentKeys):
     output_us: Microseconds = 0.0
     request_us: Annotated[float, BeforeValidator(_cell), Field(ge=2, le=1_000_000)] = 10_000.0
 
+    @property
+    def swaps_images(self) -> bool:
+        """It does nothing else."""
+        return True
+
     def ns(self, key: str) -> TimeNs:
         """Return one of the instants in ns."""
         return round(float(getattr(self, key)) * US)

@@ -63,6 +63,11 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
         return "profidrive"
 
     @property
+    def has_interface(self) -> bool:
+        """G1, and bits 12 to 15 of ZSW2."""
+        return True
+
+    @property
     def in_words(self) -> str:
         """What it is, for who reads a rig."""
         return (

@@ -16,6 +16,9 @@ INPUT = "input"
 """Word for an input of a plant, `probe.switched_on`: which ones there are its FMU knows."""
 
 
+_OF_AXES = {"telegram", "axis", "slave", "idents", "image", "interface"}
+
+
 def targets(words: Iterable[str], rig: RigFile) -> list[str]:
     """Return everything that the words of a column `target` stand for in a rig."""
     return [name for word, names in _NAMES.items() if word in words for name in names(rig)]
@@ -34,7 +37,9 @@ def place_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, str,
     words: of the column `target` of its kind.
     """
     place, _, telegram = target.partition(".")
-    if place in rig.axis and {"telegram", "axis", "slave", "idents"} & set(words):
+    if place in rig.axis and {"telegram", "axis", "slave", "idents", "image", "interface"} & set(
+        words
+    ):
         return place, "", telegram
     if {"telegram", "bus", "line"} & set(words):
         return "", terminal_segment(rig) if place == TERMINAL else place, telegram
@@ -96,6 +101,16 @@ def _is_on_line(axis: str, rig: RigFile) -> bool:
     return segment is not None and segment.is_line
 
 
+def _swaps_images(axis: str, rig: RigFile) -> bool:
+    segment = rig.segment.get(rig.axis[axis].segment)
+    return segment is not None and segment.swaps_images
+
+
+def _has_interface(drive: str, rig: RigFile) -> bool:
+    table = rig.drive.get(drive)
+    return table is not None and table.has_interface
+
+
 def _has_idents(drive: str, rig: RigFile) -> bool:
     table = rig.drive.get(drive)
     return table is not None and table.has_idents
@@ -108,6 +123,8 @@ _NAMES: Mapping[str, Callable[[RigFile], Iterable[str]]] = {
     "line": lambda rig: [name for name, table in rig.segment.items() if table.is_line],
     "slave": lambda rig: [name for name in rig.axis if _is_on_line(name, rig)],
     "idents": lambda rig: [name for name, axis in rig.axis.items() if _has_idents(axis.drive, rig)],
+    "image": lambda rig: [name for name in rig.axis if _swaps_images(name, rig)],
+    "interface": lambda rig: [n for n, axis in rig.axis.items() if _has_interface(axis.drive, rig)],
     "signal": _signals,
     "sensor": _sensors,
     "plc": lambda rig: [] if rig.plc_task is None else [PLC],

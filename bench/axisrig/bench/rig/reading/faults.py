@@ -88,7 +88,7 @@ class Fault:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
-_REACTIONS = ("axisrig.bench.bus.can", "axisrig.bench.bus.ethercat")
+_REACTIONS = ("axisrig.bench.bus.can", "axisrig.bench.bus.ethercat", "axisrig.bench.bus.cyclic")
 """Where the tables of reactions are, `fault_reactions.csv`: those of a carrier."""
 
 

@@ -81,6 +81,11 @@ class DriveKeys(Table):
         """Whether it gets its speed from an output whose scale its rig is checked for."""
         return False
 
+    @property
+    def has_interface(self) -> bool:
+        """Whether it has an encoder interface and a sign of life."""
+        return False
+
     @classmethod
     @abstractmethod
     def value_of(cls, key: str, text: str) -> Any:
@@ -111,6 +116,11 @@ class SegmentKeys(Table):
     @property
     def is_line(self) -> bool:
         """Whether its drives are slaves that one frame passes in each cycle."""
+        return False
+
+    @property
+    def swaps_images(self) -> bool:
+        """Whether it swaps one image in and out with each drive in a cycle."""
         return False
 
     @property

@@ -66,7 +66,7 @@ class EncoderControl:
 
     def _measure(self, status: int, value: int, moved: int) -> None:
         is_there = bool(status & self._function << words.VALUE_SHIFT)
-        self._is_active = bool(status & self._function)
+        self._is_active = bool(status & self._function) or (is_there and self._was_clear)
         if status & (words.ACTIVE | _SHOWS_OTHER) or not is_there or not self._was_clear:
             self._read = None
         elif not self.has_latched:
@@ -117,8 +117,9 @@ class EncoderControl:
 
     @property
     def is_armed(self) -> bool:
-        """Whether the drive waits for the edge, or has its value."""
-        return self.is_ordered and (self._is_active or self.has_latched)
+        """Whether the drive waits for the edge, or has its value; the watch names an error."""
+        has_any = self._is_active or self.has_latched or self.error is not None
+        return self.is_ordered and has_any
 
     def is_deflected(self, probe_input: int) -> bool:
         """Whether a probe is deflected."""
