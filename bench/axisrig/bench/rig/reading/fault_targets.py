@@ -37,9 +37,7 @@ def place_of(target: str, words: Iterable[str], rig: RigFile) -> tuple[str, str,
     words: of the column `target` of its kind.
     """
     place, _, telegram = target.partition(".")
-    if place in rig.axis and {"telegram", "axis", "slave", "idents", "image", "interface"} & set(
-        words
-    ):
+    if place in rig.axis and _OF_AXES & set(words):
         return place, "", telegram
     if {"telegram", "bus", "line"} & set(words):
         return "", terminal_segment(rig) if place == TERMINAL else place, telegram
