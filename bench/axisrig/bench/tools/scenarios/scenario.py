@@ -225,5 +225,6 @@ _KEYS: dict[str, tuple[float, Draw]] = {
     "code": (0.5, lambda n: n.choice(_CODES)),
     "real_time": (0.9, lambda n: n.choice(_words("real_time"))),
     "level": (1.0, lambda n: n.randint(0, 1)),
+    "error": (0.7, lambda n: n.choice((1, 2, 4, 5, 6))),
     "soe": (0.5, lambda n: n.choice(_words("soe"))),
 }  # fmt: skip
