@@ -46,7 +46,8 @@ class ImageEnds:
     @property
     def drive_node(self) -> Cia402Node:
         """The node with its supply."""
-        raise NotImplementedError
+        assert isinstance(self.node, Cia402Node), "each family has such a one"
+        return self.node
 
     def watch(self) -> DriveWatch:
         """Make the watch over the drive."""

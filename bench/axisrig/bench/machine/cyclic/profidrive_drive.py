@@ -2,7 +2,6 @@
 
 from functools import partial
 
-from axisrig.bench.drive.cia402.node import Cia402Node
 from axisrig.bench.drive.profidrive.node import ProfidriveDrive as VirtualProfidrive
 from axisrig.bench.machine.cyclic.ends import Ask, ImageEnds, Plugged
 from axisrig.bench.record.axes import Telegram
@@ -70,11 +69,6 @@ class ProfidriveEnds(ImageEnds):
         ]
 
         self._functions, self.warnings = read_functions(axis, settings.axis[axis], NUMBERS)
-
-    @property
-    def drive_node(self) -> Cia402Node:
-        """The node with its supply."""
-        return self.node
 
     def accesses(self, ask: Ask) -> DriveAccesses:
         """Return what #DRIVE acts on: parameters."""
