@@ -134,6 +134,16 @@ def test_a_homing_without_end_is_an_alarm(limit_ns: TimeNs, limit: str) -> None:
         cycles(axis, 4 * SDO_CYCLES)
 
 
+def test_a_drive_without_bit_10_is_named_by_the_alarm() -> None:
+    drive = Drive()
+    axis, clock = homing(drive, S)
+    cycles(axis, 4 * SDO_CYCLES + BLIND_CYCLES)
+    drive.statusword = ATTAINED
+    clock.now_ns = S + MS
+    with pytest.raises(Alarm, match="bit 12 of 6041 is set, bit 10 is not"):
+        cycles(axis, 4 * SDO_CYCLES)
+
+
 @pytest.mark.provokes(900011, 4, axis="Z", node=3)
 @pytest.mark.parametrize("refused", [MODE, DISPLAY])
 def test_a_drive_that_does_not_take_the_mode(refused: int) -> None:
