@@ -44,7 +44,7 @@ class Held:
 
     def run_out(self) -> int:
         cycles = 0
-        while not self.path.is_standing:
+        while not self.path.is_standing and cycles < 10_000:
             self.run(1)
             cycles += 1
         return cycles
@@ -187,6 +187,22 @@ def test_a_feedhold_changes_nothing_about_a_path_that_is_braked_for_good() -> No
     held.hold()
     assert held.run_out() == 40
     assert held.travelled_mm[-1] == pytest.approx(8.75 + 1.25, abs=1e-9)
+
+
+@pytest.mark.parametrize("then", ["hold", "go on", "both"])
+def test_a_harder_hold_and_its_end_leave_a_brake_for_good_alone(then: str) -> None:
+    """v^2/2a with 500 mm/s2 and 100 cycles, though a feedhold would stop with 1000."""
+    held = Held(OWN)
+    held.run(200)
+    held.path.brake(WEAK)
+    held.run(10)
+    if then != "go on":
+        held.hold()
+    held.run(10)
+    if then != "hold":
+        held.release()
+    assert held.run_out() == 80
+    assert held.travelled_mm[-1] == pytest.approx(8.75 + 2.5, abs=1e-9)
 
 
 def test_an_arc_stops_and_goes_on_on_its_circle() -> None:

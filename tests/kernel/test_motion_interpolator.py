@@ -208,3 +208,14 @@ def test_a_buffer_settles_axis_by_axis_and_one_axis_can_be_put() -> None:
     buffer.put(1, 7.0)
     assert buffer.is_settled
     assert buffer.shift((0.0, 8.0)) == (0.0, 7.0)
+
+
+def test_a_buffer_is_not_settled_by_what_comes_back_to_where_it_was() -> None:
+    """Of two axes one went out and back within the cycles that are buffered."""
+    buffer = SetpointBuffer(2, (0.0, 0.0))
+    for place_mm, settled in ((1.0, False), (0.0, False), (0.0, False), (0.0, True)):
+        buffer.shift((place_mm, 0.0))
+        assert buffer.is_settled is settled
+        assert buffer.is_settled_of([0]) is settled
+        assert buffer.is_settled_of([0, 1]) is settled
+        assert buffer.is_settled_of([1])

@@ -1,5 +1,6 @@
 """`axisrig bus` on EtherCAT: frames of a run in words, and files that are none."""
 
+import struct
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,26 @@ def test_what_each_cycle_has_needs_all(log: tuple[Path, Settings]) -> None:
     everything = list(tell_log([path], settings, Selection(("FRMW",), to_ms=20.0, is_all=True)))
     assert "no frame for FRMW" in usual[0]
     assert len(everything) > 5
+
+
+def test_what_is_new_on_one_line_is_not_old_by_another_one(tmp_path: Path) -> None:
+    """Slaves of two lines are led to the same state; again nothing is new, until it changes."""
+
+    def frame(status: int) -> bytes:
+        datagram = struct.pack("<BBHHHH", 5, 0, 1001, 0x120, 2, 0) + struct.pack("<HH", status, 1)
+        head = struct.pack("<H", len(datagram) | 1 << 12)
+        return (b"\xff" * 6 + b"\x02" * 6 + b"\x88\xa4" + head + datagram).ljust(60, b"\0")
+
+    path = tmp_path / "run@ec1.pcapng"
+    file = PcapngFile(path, ["ec1", "ec2"])
+    course = ((1, 0, 2), (2, 1, 2), (3, 0, 2), (4, 1, 2), (5, 1, 4), (6, 0, 4))
+    for time_ms, line, status in course:
+        file.add(time_ms * 1_000_000, line, frame(status))
+    file.stop()
+    lines = [line.split() for line in tell_log([path], None, Selection()) if "AL_CONTROL" in line]
+    assert [(float(words[0]), words[1]) for words in lines] == [
+        (1.0, "ec1"), (2.0, "ec2"), (5.0, "ec2"), (6.0, "ec1"),
+    ]  # fmt: skip
 
 
 def test_a_damaged_file_is_an_error_of_its_user(tmp_path: Path) -> None:
