@@ -225,7 +225,8 @@ def test_clocks_are_named_and_an_fmu_without_outputs_too() -> None:
         "2 inputs, 0 outputs, 0 parameters, 1 locals", "it has no outputs",
         "it needs event mode, which is not there: clocks are not ticked: c, d",
     ]  # fmt: skip
-    own.modelVariables = [*kinds[:1], variable("y", start="2", max="1")]
+    kinds = [*kinds[:1], variable("y", start="2", max="1")]
+    own = SimpleNamespace(modelVariables=kinds, coSimulation=None)
     found = [one.text for one in examine._variables(own) if one.area == "variables"]
     assert found == [
         "1 inputs, 1 outputs, 0 parameters, 0 locals",

@@ -66,7 +66,7 @@ def test_runs_are_equal_by_their_frames_and_inputs(
     for place, case in enumerate(cases[:2]):
         case["frame_log_sha256"] = frames[place : place + 1]
     entry = only(statistics_data(checks, cases))
-    assert (entry["equal"], entry["n"]) == (equal, 3 - len(equal))
+    assert (entry.equal, entry.found.n) == (equal, 3 - len(equal))
 
 
 def test_equal_and_missing_runs_are_named_and_not_counted() -> None:

@@ -61,7 +61,7 @@ def test_the_rig_that_runs_away_is_warned_of() -> None:
 def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
     assert distance_warnings(settings) == age_warnings(settings) == []
-    sensor = "S-0-0053" if "sercos" in rig else "60E4:1"
+    sensor = {"sercos": "S-0-0053", "profidrive": "G2_XIST1"}.get(rig.rpartition("-")[2], "60E4:1")
     assert f"distance control of axis Z: gap on {sensor}" in check_file(RIGS / f"{rig}.toml")
 
 
