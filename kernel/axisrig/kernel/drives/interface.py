@@ -56,6 +56,31 @@ class Drive(SetPoints):
         self.request = NEXT.get((self.request, order), self.request)
         self.keeps_operating = self.request in (PowerRequest.ON, PowerRequest.KEEP)
 
+    def _loop_mm_s(self, set_mm: float) -> float:
+        """Return the set speed by the loop of the CNC, with the actual position of this cycle.
+
+        Where the encoder counts nothing it is the speed of the set positions alone: the axis stops
+        with them. In a run to a fixed stop it may stand.
+        """
+        assert self.loop is not None, "the CNC closes it"
+        speed_mm_s = self.loop.speed_mm_s(set_mm, self.actual_mm)
+        return self.loop.demand_mm_s if self._stands_by_encoder(speed_mm_s) else speed_mm_s
+
+    def _hold_loop(self, set_mm: float) -> None:
+        """Take note of a cycle in which the drive does not follow."""
+        if self.loop is not None:
+            self.loop.hold(set_mm, self.actual_mm)
+        if self.frozen is not None:
+            self.frozen.forget()
+
+    def _stands_by_encoder(self, speed_mm_s: float) -> bool:
+        assert self.frozen is not None
+        if not self.watches_lag:
+            self.frozen.forget()
+            return False
+        self.frozen.note(speed_mm_s, self.actual_increments)
+        return self.frozen.is_frozen
+
     # Where the axis stands, before it follows set positions
 
     def _note_power(self, power: Power) -> None:

@@ -23,14 +23,18 @@ class LoopSettings:
 
 
 class PositionLoop:
-    """One axis. lag_mm: what the controller has computed last."""
+    """One axis. lag_mm: what the controller has computed last. period_s: of the cycle.
+
+    demand_mm_s: the speed of the set positions alone, (s(k) - s(k - 1))/T.
+    """
 
     def __init__(self, settings: LoopSettings) -> None:
         self._kv = settings.kv_per_s
         self._forward_per_s = settings.feed_forward / settings.period_s
         self._per_s = 1.0 / settings.period_s
         self._set_mm = 0.0
-        self.lag_mm = 0.0
+        self.lag_mm = self.demand_mm_s = 0.0
+        self.period_s = settings.period_s
 
     def hold(self, set_mm: float, actual_mm: float) -> None:
         """Take note of a cycle in which the drive does not follow."""
@@ -39,7 +43,7 @@ class PositionLoop:
     def speed_mm_s(self, set_mm: float, actual_mm: float) -> float:
         """Return the set speed of this cycle."""
         moved_mm, self._set_mm = set_mm - self._set_mm, set_mm
-        self.lag_mm = set_mm - actual_mm
+        self.lag_mm, self.demand_mm_s = set_mm - actual_mm, self._per_s * moved_mm
         return self._kv * self.lag_mm + self._forward_per_s * moved_mm
 
     def open_mm_s(self, set_mm: float) -> float:
@@ -49,4 +53,5 @@ class PositionLoop:
         would drive the axis on for ever.
         """
         moved_mm, self._set_mm = set_mm - self._set_mm, set_mm
-        return self._per_s * moved_mm
+        self.demand_mm_s = self._per_s * moved_mm
+        return self.demand_mm_s

@@ -3,6 +3,7 @@
 from collections import deque
 from typing import Final
 
+from axisrig.kernel.drives.frozen_encoder import FrozenEncoder
 from axisrig.kernel.drives.position_loop import LoopSettings, PositionLoop
 
 POSITION_MAX: Final = 1 << 31  # a signed position of 32 bits, increments
@@ -16,7 +17,8 @@ class SetPoints:
     set_mm: sent last. is_still: the last two sent positions were the same. actual_increments: came
     last. jump_mm: a way that cannot be, None while there was none. leads_itself: the drive moves by
     itself (homing), so that there is no lag. may_jump: its position may jump to a new reference.
-    loop: of an axis whose position loop the CNC closes.
+    loop: of an axis whose position loop the CNC closes; frozen watches the encoder of one that runs
+    on with its last lag.
     """
 
     def __init__(
@@ -37,7 +39,11 @@ class SetPoints:
         self._actual_age: int | None = None  # cycles since the last actual position
         self.jump_mm: float | None = None
         self.leads_itself = self.may_jump = False
-        self.loop: PositionLoop | None = None if loop is None else PositionLoop(loop)
+        self.loop: PositionLoop | None = None
+        self.frozen: FrozenEncoder | None = None
+        if loop is not None:
+            self.loop = PositionLoop(loop)
+            self.frozen = FrozenEncoder(increments_per_mm, loop.period_s)
 
     def can_reach(self, position_mm: float) -> bool:
         """Whether a set position fits into 32 bits."""

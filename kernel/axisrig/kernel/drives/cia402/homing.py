@@ -122,7 +122,9 @@ class AxisHoming(DriveHoming):
             self._link.mode_bits = 0
             self._begin_proof()
         elif self._clock.now_ns - self._begin_ns > self._limit_ns:
-            waits = " (bit 12 of 6041 is set, bit 10 is not)" if word & Status.HOMING_ATTAINED else ""
+            waits = (
+                " (bit 12 of 6041 is set, bit 10 is not)" if word & Status.HOMING_ATTAINED else ""
+            )
             self._explain(f"not at its end after {self._limit_ns / S:g} s{waits}")
 
     def _begin_proof(self) -> None:

@@ -398,12 +398,12 @@ class Cia402Drive(Drive):
     def _set_speed(self, loop: PositionLoop, set_mm: float) -> int:
         """Return 60FF: what the position loop says while the drive follows, else standstill."""
         if self.state is not OPERATING or self.leads_itself:
-            loop.hold(set_mm, self.actual_mm)
+            self._hold_loop(set_mm)
             return 0
         if self._actual_age is None or self._actual_age > self._of_drive.missing_cycles:
             speed = round(loop.open_mm_s(set_mm) * self._per_mm)
         else:
-            speed = round(loop.speed_mm_s(set_mm, self.actual_mm) * self._per_mm)
+            speed = round(self._loop_mm_s(set_mm) * self._per_mm)
         return max(-SPEED_MAX, min(speed, SPEED_MAX))
 
 

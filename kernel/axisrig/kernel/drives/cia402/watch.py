@@ -23,8 +23,8 @@ class Cia402Watch(DriveWatch):
     def condition(self) -> Alarm | None:
         """Return what is wrong with the drive itself, None when nothing is.
 
-        Alarm 900005 (fault), 900036 (lag), 900025 or 900035 (emergency), 900027 (has left
-        operation enabled).
+        Alarm 900005 (fault), 900036 and 900037 (lag), 900025 or 900035 (emergency), 900027 (has
+        left operation enabled).
         """
         drive = self._drive
         if drive.request is PowerRequest.STOP:

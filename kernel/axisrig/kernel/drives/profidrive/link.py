@@ -3,6 +3,7 @@
 from typing import Final
 
 from axisrig.kernel.drives.cyclic.carrier import ImagePort
+from axisrig.kernel.drives.frozen_encoder import FrozenEncoder
 from axisrig.kernel.drives.interface import Drive, DriveHoming
 from axisrig.kernel.drives.position_check import Answered, PositionCheck
 from axisrig.kernel.drives.power import Power, PowerRequest
@@ -47,6 +48,10 @@ class ProfidriveDrive(Drive):
         self._second: int | None = None
         self._last_target = 0
         self._encoder = self._make_encoder()
+        if (
+            settings.gain
+        ):  # the loop in the drive runs on with XERR as the one of the CNC with its lag
+            self.frozen = FrozenEncoder(settings.increments_per_mm, settings.period_s)
         if settings.proves_places:
             self.place_check = PositionCheck(self._ask_place, BY_ABSOLUTE)
 
@@ -130,19 +135,18 @@ class ProfidriveDrive(Drive):
 
     def _set_values(self, set_mm: float, before_mm: float) -> tuple[float, float]:
         """Return NSOLL_B and XERR; standstill while the drive does not follow."""
-        settings, loop = self._of_drive, self.loop
-        is_following = self.power is Power.OPERATING
-        if loop is not None:
-            if is_following:
-                speed = loop.speed_mm_s(set_mm, self.actual_mm)
-                return speed * settings.speed_counts, 0.0
-            loop.hold(set_mm, self.actual_mm)
+        settings = self._of_drive
+        if self.power is not Power.OPERATING:
+            self._hold_loop(set_mm)
             return 0.0, 0.0
-        if not is_following:
-            return 0.0, 0.0
-        forward_mm_s = settings.feed_forward * (set_mm - before_mm) / settings.period_s
+        if self.loop is not None:
+            return self._loop_mm_s(set_mm) * settings.speed_counts, 0.0
+        demand_mm_s = (set_mm - before_mm) / settings.period_s
         deviation = set_mm * self._per_mm - self.actual_increments
-        return forward_mm_s * settings.speed_counts, deviation
+        gain_per_s = settings.gain / words.KPC_PER_S  # 0: the drive closes no loop over XERR
+        if gain_per_s and self._stands_by_encoder(gain_per_s * deviation / self._per_mm):
+            return demand_mm_s * settings.speed_counts, 0.0
+        return settings.feed_forward * demand_mm_s * settings.speed_counts, deviation
 
     def _power_bits(self) -> int:
         if self.power is Power.FAULT:

@@ -27,7 +27,8 @@ class ProfidriveWatch(DriveWatch):
     def condition(self) -> Alarm | None:
         """Return what is wrong with the drive itself, None when nothing is.
 
-        Alarm 900005 (fault), 900763 (encoder interface), 900036 (lag), 900027 (has left operation).
+        Alarm 900005 (fault), 900763 (encoder interface), 900036 and 900037 (lag), 900027 (has left
+        operation).
         """
         drive = self._drive
         if drive.request is PowerRequest.STOP:

@@ -118,10 +118,10 @@ class SpeedDrive(Drive):
         if self.power is Power.OPERATING:
             if not self.has_actual:
                 return loop.open_mm_s(set_mm)
-            speed = loop.speed_mm_s(set_mm, self.actual_mm)
+            speed = self._loop_mm_s(set_mm)
             # Less than an increment cannot be seen: the axis would hunt between two
             return 0.0 if self.is_still and target == self.actual_increments else speed
-        loop.hold(set_mm, self.actual_mm)
+        self._hold_loop(set_mm)
         if self.power is not Power.STOPPING:
             return 0.0
         less = self.settings.acceleration_mm_s2 * self._of_drive.period_s

@@ -26,7 +26,7 @@ class SpeedDriveWatch(DriveWatch):
     def condition(self) -> Alarm | None:
         """Return what is wrong with the drive itself, None when nothing is.
 
-        Alarm 900005 (fault), 900036 (lag), 900027 (has left operation).
+        Alarm 900005 (fault), 900036 and 900037 (lag), 900027 (has left operation).
         """
         drive = self._drive
         if drive.request is PowerRequest.STOP:
