@@ -59,27 +59,29 @@ class Drive(SetPoints):
     def _loop_mm_s(self, set_mm: float) -> float:
         """Return the set speed by the loop of the CNC, with the actual position of this cycle.
 
-        Where the encoder counts nothing it is the speed of the set positions alone: the axis stops
-        with them. In a run to a fixed stop it may stand.
+        Where the encoder counts nothing, or has jumped, it is the speed of the set positions alone:
+        the axis stops with them.
         """
         assert self.loop is not None, "the CNC closes it"
         speed_mm_s = self.loop.speed_mm_s(set_mm, self.actual_mm)
-        return self.loop.demand_mm_s if self._stands_by_encoder(speed_mm_s) else speed_mm_s
+        return self.loop.demand_mm_s if self._has_no_place(speed_mm_s) else speed_mm_s
 
     def _hold_loop(self, set_mm: float) -> None:
         """Take note of a cycle in which the drive does not follow."""
+        self.has_jumped = False
         if self.loop is not None:
             self.loop.hold(set_mm, self.actual_mm)
         if self.frozen is not None:
             self.frozen.forget()
 
-    def _stands_by_encoder(self, speed_mm_s: float) -> bool:
+    def _has_no_place(self, speed_mm_s: float) -> bool:
+        """Whether no set speed may come of the actual position; at a fixed stop it may stand."""
         assert self.frozen is not None
         if not self.watches_lag:
             self.frozen.forget()
-            return False
+            return self.has_jumped
         self.frozen.note(speed_mm_s, self.actual_increments)
-        return self.frozen.is_frozen
+        return self.has_jumped or self.frozen.is_frozen
 
     # Where the axis stands, before it follows set positions
 

@@ -15,7 +15,8 @@ class SetPoints:
     increments_per_mm: of the positions on the wire. lag_delay_cycles: P-AXIS-00191. jump_mm: the
     largest credible way from one actual position to the next.
     set_mm: sent last. is_still: the last two sent positions were the same. actual_increments: came
-    last. jump_mm: a way that cannot be, None while there was none. leads_itself: the drive moves by
+    last. jump_mm: a way that cannot be, None while there was none. has_jumped: so since
+    the drive follows, so that no loop counts on where the axis is. leads_itself: the drive moves by
     itself (homing), so that there is no lag. may_jump: its position may jump to a new reference.
     loop: of an axis whose position loop the CNC closes; frozen watches the encoder of one that runs
     on with its last lag.
@@ -38,6 +39,7 @@ class SetPoints:
         self.actual_increments = 0
         self._actual_age: int | None = None  # cycles since the last actual position
         self.jump_mm: float | None = None
+        self.has_jumped = False
         self.leads_itself = self.may_jump = False
         self.loop: PositionLoop | None = None
         self.frozen: FrozenEncoder | None = None
@@ -80,7 +82,7 @@ class SetPoints:
         moved, age = abs(increments - self.actual_increments), self._actual_age
         limit = self._jump_increments
         if moved > limit and not self.may_jump and age is not None and moved > limit * (age + 1):
-            self.jump_mm = moved / self._per_mm
+            self.jump_mm, self.has_jumped = moved / self._per_mm, True
         self.actual_increments, self._actual_age = increments, 0
 
     def _note_sent(self, set_mm: float) -> None:

@@ -144,7 +144,7 @@ class ProfidriveDrive(Drive):
         demand_mm_s = (set_mm - before_mm) / settings.period_s
         deviation = set_mm * self._per_mm - self.actual_increments
         gain_per_s = settings.gain / words.KPC_PER_S  # 0: the drive closes no loop over XERR
-        if gain_per_s and self._stands_by_encoder(gain_per_s * deviation / self._per_mm):
+        if gain_per_s and self._has_no_place(gain_per_s * deviation / self._per_mm):
             return demand_mm_s * settings.speed_counts, 0.0
         return settings.feed_forward * demand_mm_s * settings.speed_counts, deviation
 
