@@ -72,7 +72,8 @@ Runs = dict[str, subprocess.CompletedProcess[str]]
 @pytest.mark.parametrize("program", EXPECTED)
 def test_the_program_prints_what_the_manual_prints(runs: Runs, program: str) -> None:
     run = runs[program]
-    assert run.stderr == ""
+    # One line of progress at once, another one every 30 s
+    assert [line for line in run.stderr.splitlines() if not line.startswith("running ")] == []
     assert run.returncode == 0
     assert run.stdout.endswith("\n")
     lines = run.stdout[:-1].split("\n")
