@@ -132,8 +132,8 @@ def test_alarms_that_could_not_be_judged_are_not_called_none() -> None:
 def test_rows_of_another_tool_need_the_metric_alone() -> None:
     assert sentence({"metric": "torque"}) == "torque has no value"
     assert sentence({"metric": "torque", "value": "7", "verdict": "fail"}) == "torque is 7"
-    told = {"metric": "torque", "value": "7", "check": "soft", "verdict": "fail"}
-    assert sentence(told) == "torque is 7, not soft"
+    own = {"metric": "torque", "value": "7", "check": "soft", "verdict": "fail"}
+    assert sentence(own) == "torque is 7, not soft"
     limited = {"metric": "torque", "value": "7", "upper": "5", "unit": "N.m", "verdict": "fail"}
     assert sentence(limited) == "torque is 2 N.m above its upper limit 5 N.m"
 

@@ -83,7 +83,7 @@ def test_the_study_has_the_delay_at_each_feed_edge_and_cycle() -> None:
     for row in rows:
         assert row["check:mean(latch_error_um; each)"] == f"[{' | '.join(expected)}]"
         assert row["check:range(latch_error_um; each)"] == f"<= {increment_um:.4f}"
-        told = row["check:slope(latch_error_um; contact_velocity_mm_s)"]
-        assert told == f"{DELAY_US * 1e-3:.6f} +- {increment_um / 2 * slope:.6f}"
+        cell = row["check:slope(latch_error_um; contact_velocity_mm_s)"]
+        assert cell == f"{DELAY_US * 1e-3:.6f} +- {increment_um / 2 * slope:.6f}"
     cycles = {(row["plc:V.E.CYCLE_MS"], "NEG" in row["inputs"]) for row in rows}
     assert cycles == {(cycle, is_neg) for cycle in "124" for is_neg in (True, False)}

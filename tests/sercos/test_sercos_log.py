@@ -45,8 +45,8 @@ def test_messages_of_the_service_channel() -> None:
     assert message(Operation.READ, "S-0-0130", value) == "SoE read S-0-0130"
     found = struct.pack("<i", -5)
     assert message(Operation.READ_ANSWER, "S-0-0130", value, found) == "SoE answer S-0-0130 = -5"
-    told = message(Operation.WRITE, "S-0-0301", value, number(ident_number("S-0-0405")))
-    assert told == "SoE write S-0-0301 = S-0-0405"
+    sent = message(Operation.WRITE, "S-0-0301", value, number(ident_number("S-0-0405")))
+    assert sent == "SoE write S-0-0301 = S-0-0405"
     refused = message(Operation.WRITE_ANSWER, "S-0-0307", value, number(0x7008), is_error=True)
     assert refused.startswith("SoE written S-0-0307: SoE error 0x7008")
     state = Element.DATA_STATE

@@ -32,7 +32,7 @@ def check_encoder_terminal(settings: Settings, name: str, way_ns: TimeNs) -> Non
 
 
 def describe_encoder_terminal(settings: Settings, name: str, way_ns: TimeNs) -> list[str]:
-    """Say what the loop is, and what of the place nobody proves."""
+    """Describe the loop, and which place has no proof."""
     return [
         *describe_speed_drive(settings, name, way_ns),
         unproved_place(settings, name, WHY_UNPROVED),

@@ -35,7 +35,7 @@ def check_lightbus(settings: Settings, name: str, way_ns: TimeNs) -> None:
 
 
 def describe_lightbus(settings: Settings, name: str, way_ns: TimeNs) -> list[str]:
-    """Say what the loop is, what of the place nobody proves, and what input 2 does."""
+    """Describe the loop, which place has no proof, and what input 2 does."""
     table: Any = drive_of(settings, name)
     lines = [
         *describe_speed_drive(settings, name, way_ns),

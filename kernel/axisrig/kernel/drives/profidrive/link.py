@@ -48,9 +48,7 @@ class ProfidriveDrive(Drive):
         self._second: int | None = None
         self._last_target = 0
         self._encoder = self._make_encoder()
-        if (
-            settings.gain
-        ):  # the loop in the drive runs on with XERR as the one of the CNC with its lag
+        if settings.gain:  # the loop in the drive runs on with XERR as one of the CNC with its lag
             self.frozen = FrozenEncoder(settings.increments_per_mm, settings.period_s)
         if settings.proves_places:
             self.place_check = PositionCheck(self._ask_place, BY_ABSOLUTE)
