@@ -93,11 +93,12 @@ def increments_per_mm(tmp_path: Path, rig: str) -> float:
         machine.close()
 
 
-def run(tmp_path: Path, rig: str, fault: str) -> tuple[int, np.ndarray, np.ndarray, int]:
+def run(
+    tmp_path: Path, rig: str, fault: str, *more: str
+) -> tuple[int, np.ndarray, np.ndarray, int]:
     """The first alarm, instants and truth of the plant, shape (n,), and when the alarm came."""
-    machine = machine_of(
-        tmp_path, rig, f"fault:{fault}", "plant:z.position_start_mm=102", "plc:after_end_ms=400"
-    )
+    more = ("plant:z.position_start_mm=102", "plc:after_end_ms=400", *more)
+    machine = machine_of(tmp_path, rig, f"fault:{fault}", *more)
     try:
         machine.run()
         observed = Observed(facts_of(machine), machine.recorder.series())
@@ -137,3 +138,19 @@ def test_an_axis_whose_encoder_jumps_is_not_led_to_where_it_says(tmp_path: Path,
     assert alarm == 900029
     assert_at_rest(instants, truth_mm, alarm_ns)
     assert np.ptp(truth_mm[instants >= alarm_ns]) < 1.0
+
+
+@pytest.mark.parametrize("rig", RIGS_WITH_A_LOOP)
+def test_after_a_reset_the_axis_goes_on_without_a_leap(tmp_path: Path, rig: str) -> None:
+    """The encoder is back before the reset: the next program goes to its end, no faster than it.
+
+    At 10 mm/s a cycle of 1 ms is 0.010 mm; a lag of v/Kv that were led at once is Kv times it.
+    """
+    alarm, instants, truth_mm, alarm_ns = run(
+        tmp_path, rig, "encoder_freeze=Z at=motion+400ms for=300ms",
+        "plc:reset=at=motion+900ms", "plc:program_start=at=reset+100ms",
+    )  # fmt: skip
+    assert alarm == 900037
+    after = truth_mm[instants > alarm_ns + 350 * MS]
+    assert np.max(np.abs(np.diff(after))) < 0.011
+    assert truth_mm[-1] == pytest.approx(90.0, abs=AT_REST_MM)

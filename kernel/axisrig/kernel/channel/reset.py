@@ -46,7 +46,8 @@ class Reset:
     def go_on(self) -> bool:
         """Do one cycle while the set positions rest; return whether every drive is in operation.
 
-        Faults are acknowledged. An axis whose drive has left operation stays where it is.
+        Faults are acknowledged. An axis whose drive has left operation, or was led without its
+        actual position, stays where it is.
         Raises Alarm 900005 and 900008 as the start does, 900011 and 900200 for a homing
         that is broken off.
         """
@@ -54,7 +55,8 @@ class Reset:
         for leave in self._leaves:
             leave()
         for link in self._links:
-            if link.power is not Power.OPERATING:
+            if link.power is not Power.OPERATING or link.runs_open:
                 self._path.put(link.name, link.place_mm)
+                link.close_loop()
         is_back = self._lead_back()
         return self._power_up.step() and is_back

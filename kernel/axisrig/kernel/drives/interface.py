@@ -68,11 +68,9 @@ class Drive(SetPoints):
 
     def _hold_loop(self, set_mm: float) -> None:
         """Take note of a cycle in which the drive does not follow."""
-        self.has_jumped = False
+        self.close_loop()
         if self.loop is not None:
             self.loop.hold(set_mm, self.actual_mm)
-        if self.frozen is not None:
-            self.frozen.forget()
 
     def _has_no_place(self, speed_mm_s: float) -> bool:
         """Whether no set speed may come of the actual position; at a fixed stop it may stand."""
@@ -81,7 +79,18 @@ class Drive(SetPoints):
             self.frozen.forget()
             return self.has_jumped
         self.frozen.note(speed_mm_s, self.actual_increments)
-        return self.has_jumped or self.frozen.is_frozen
+        return self.runs_open
+
+    @property
+    def runs_open(self) -> bool:
+        """Whether the loop over the actual position is open, since that is none any more."""
+        return self.frozen is not None and (self.has_jumped or self.frozen.is_frozen)
+
+    def close_loop(self) -> None:
+        """Believe the actual position again; the set position begins there, without a lag."""
+        self.has_jumped = False
+        if self.frozen is not None:
+            self.frozen.forget()
 
     # Where the axis stands, before it follows set positions
 
