@@ -33,7 +33,8 @@ def watched(clock: Scheduler, settings: WatchSettings) -> tuple[LinkWatch, Any]:
         name="Z", network=network, node_id=3, begin=lambda: None,
         jump_mm=None, power=Power.OPERATING, emergency=None, forget=lambda: None,
         fault=lambda: AxisLink.fault(link), _active_fault=None,
-        request=PowerRequest.ON, settings=SimpleNamespace(lag_limit_mm=inf), statusword=0x0218,
+        frozen=None, request=PowerRequest.ON, settings=SimpleNamespace(lag_limit_mm=inf),
+        statusword=0x0218,
     )  # fmt: skip
     return LinkWatch(link, clock, settings), heard[0x703]
 
