@@ -3,14 +3,14 @@
 from typing import Final
 
 from axisrig.kernel.drives.cyclic.carrier import ImagePort
+from axisrig.kernel.drives.cyclic.image_drive import ImageDrive
 from axisrig.kernel.drives.frozen_encoder import FrozenEncoder
-from axisrig.kernel.drives.interface import Drive, DriveHoming
+from axisrig.kernel.drives.interface import DriveHoming
 from axisrig.kernel.drives.position_check import Answered, PositionCheck
 from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.drives.profidrive.encoder import EncoderControl
 from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.profiles.profidrive import words
 from axisrig.kernel.time.clock import Clock, TimeNs
 
@@ -30,23 +30,21 @@ _STATES: Final = (
 )
 
 
-class ProfidriveDrive(Drive):
+class ProfidriveDrive(ImageDrive):
     """One drive, read and written once per cycle. status, control: ZSW1 and STW1."""
 
     def __init__(self, settings: ProfidriveSettings, port: ImagePort) -> None:
-        super().__init__(settings, Arrival(0, settings.missing_cycles, is_new=False))
-        self._of_drive, self.port = settings, port
+        super().__init__(settings, port, settings.missing_cycles)
+        self._of_drive = settings
         telegram = settings.telegram
         self._in, self._out = (
             words.codec_of(names) for names in (telegram.from_drive, telegram.to_drive)
         )
         self._input_names, self._output_names = telegram.from_drive, telegram.to_drive
         self._has_second = telegram.has_second
-        self.status = self.control = 0
+        self.control = 0
         self._life = self._heard = 0  # signs of life, own and the drive's
-        self._missing = 0
         self._second: int | None = None
-        self._last_target = 0
         self._encoder = self._make_encoder()
         if settings.gain:  # the loop in the drive runs on with XERR as one of the CNC with its lag
             self.frozen = FrozenEncoder(settings.increments_per_mm, settings.period_s)
@@ -63,10 +61,6 @@ class ProfidriveDrive(Drive):
 
     # A cycle
 
-    def begin_cycle(self) -> None:
-        """Forget what is there: a cycle counts with its own answers only."""
-        self.port.begin_cycle()
-
     def take(self) -> None:
         """Take the telegram of this cycle. Raises Alarm 900764 when it stays out.
 
@@ -76,12 +70,7 @@ class ProfidriveDrive(Drive):
         values = self._new_values()
         self.arrival.is_new = values is not None
         if values is None:
-            self._missing += 1
-            self.second_age_cycles += 1
-            if self._actual_age is not None:
-                self._actual_age += 1
-            if self._missing > self._of_drive.missing_cycles:
-                raise Alarm(900764, axis=self.name, cycles=self._missing)
+            self._note_missing(900764)
             return
         self._missing = 0
         self.status = values["ZSW1"]
@@ -115,10 +104,7 @@ class ProfidriveDrive(Drive):
         """Send STW1, set speed, sign of life, G1_STW and what DSC needs."""
         before_mm = self.set_mm
         self.control = self._power_bits()
-        self._note_sent(set_mm)
-        target = round(set_mm * self._per_mm)
-        self.is_still = target == self._last_target
-        self._last_target = target
+        self._note_target(set_mm)
         self._life = words.next_life(self._life)
         speed, deviation = self._set_values(set_mm, before_mm)
         values = {
@@ -170,25 +156,9 @@ class ProfidriveDrive(Drive):
         return bool(self.status & words.FAULT)
 
     @property
-    def has_reported(self) -> bool:
-        """A drive says nothing by itself but the bit of its status word."""
-        return False
-
-    def ask_for_fault(self) -> None:
-        """No telegram carries the number of a fault, and parameters are not read."""
-
-    @property
-    def is_asked(self) -> bool:
-        """Nothing was asked."""
-        return False
-
-    def fault(self) -> Alarm:
-        """Return Alarm 900005; what the fault is the telegram does not say."""
-        return Alarm(900005, axis=self.name, statusword=f"0x{self.status:04X}", emcy="none")
-
-    def forget_fault(self) -> None:
-        """Begin anew: what led here is over."""
-        self.acknowledges_faults = False
+    def status_text(self) -> str:
+        """ZSW1 as messages have it."""
+        return f"0x{self.status:04X}"
 
     @property
     def encoder_error(self) -> int | None:
@@ -225,11 +195,6 @@ class ProfidriveDrive(Drive):
     def is_armed(self) -> bool:
         """Whether the drive waits for the edge, or has its value."""
         return self._encoder.is_armed
-
-    @property
-    def is_prepared(self) -> bool:
-        """Nothing but the function is needed."""
-        return True
 
     @property
     def has_latched(self) -> bool:

@@ -40,6 +40,4 @@ class ProfidriveWatch(DriveWatch):
             return Alarm(900763, axis=drive.name, code=code, meaning=text)
         if drive.power is Power.OPERATING:
             return lag_alarm(drive)
-        return Alarm(
-            900027, axis=drive.name, statusword=f"0x{drive.status:04X}", state=drive.state_name
-        )
+        return drive.left_operation()

@@ -4,12 +4,12 @@ A family derives its own: which images there are, where the position is, what a 
 """
 
 from axisrig.kernel.drives.cyclic.carrier import ImagePort
-from axisrig.kernel.drives.interface import Drive, DriveHoming
+from axisrig.kernel.drives.cyclic.image_drive import ImageDrive
+from axisrig.kernel.drives.interface import DriveHoming
 from axisrig.kernel.drives.power import Power, PowerRequest
 from axisrig.kernel.drives.speed_drive.probe_latch import ProbeLatch
 from axisrig.kernel.drives.speed_drive.settings import SpeedDriveSettings
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.profiles.speed_drive import words
 from axisrig.kernel.profiles.speed_drive.words import Image
 from axisrig.kernel.time.clock import Clock
@@ -21,7 +21,7 @@ _STATES = (
 )
 
 
-class SpeedDrive(Drive):
+class SpeedDrive(ImageDrive):
     """One drive, read and written once per cycle. status: DRIVE of its image.
 
     images: to the drive, and from it. latch: of its probing input.
@@ -34,12 +34,9 @@ class SpeedDrive(Drive):
         images: tuple[Image, Image],
         latch: ProbeLatch,
     ) -> None:
-        super().__init__(settings, Arrival(0, settings.missing_cycles, is_new=False))
-        self._of_drive, self.port, self.latch = settings, port, latch
+        super().__init__(settings, port, settings.missing_cycles)
+        self._of_drive, self.latch = settings, latch
         self._out, self._in = images
-        self.status = 0
-        self._missing = 0
-        self._last_target = 0
         self._speed_mm_s = 0.0
         self._level: bool | None = None
 
@@ -67,10 +64,6 @@ class SpeedDrive(Drive):
 
     # A cycle
 
-    def begin_cycle(self) -> None:
-        """Forget what is there: a cycle counts with its own answers only."""
-        self.port.begin_cycle()
-
     def take(self) -> None:
         """Take the image of this cycle. Raises Alarm 900780 when it stays out."""
         self._has_sent = False
@@ -78,11 +71,7 @@ class SpeedDrive(Drive):
         is_there = data is not None and len(data) == self._in.codec.size
         self.arrival.is_new = is_there
         if data is None or not is_there:
-            self._missing += 1
-            if self._actual_age is not None:
-                self._actual_age += 1
-            if self._missing > self._of_drive.missing_cycles:
-                raise Alarm(900780, axis=self.name, cycles=self._missing)
+            self._note_missing(900780)
             return
         self._missing = 0
         values = self._in.values_of(data)
@@ -102,10 +91,7 @@ class SpeedDrive(Drive):
 
     def send(self, set_mm: float) -> None:
         """Send enable, set speed and what the family has."""
-        self._note_sent(set_mm)
-        target = round(set_mm * self._per_mm)
-        self.is_still = target == self._last_target
-        self._last_target = target
+        target = self._note_target(set_mm)
         self._speed_mm_s = self._set_speed_mm_s(set_mm, target)
         limit = words.OUTPUT_MAX
         output = max(-limit, min(round(self._speed_mm_s * self._of_drive.speed_counts), limit))
@@ -150,25 +136,9 @@ class SpeedDrive(Drive):
         return bool(self.status & words.FAULT)
 
     @property
-    def has_reported(self) -> bool:
-        """A drive says nothing by itself but its fault bit."""
-        return False
-
-    def ask_for_fault(self) -> None:
-        """No image carries the number of a fault."""
-
-    @property
-    def is_asked(self) -> bool:
-        """Nothing was asked."""
-        return False
-
-    def fault(self) -> Alarm:
-        """Return Alarm 900005; what the fault is no image says."""
-        return Alarm(900005, axis=self.name, statusword=f"0x{self.status:02X}", emcy="none")
-
-    def forget_fault(self) -> None:
-        """Begin anew: what led here is over."""
-        self.acknowledges_faults = False
+    def status_text(self) -> str:
+        """DRIVE as messages have it."""
+        return f"0x{self.status:02X}"
 
     # The latch
 
@@ -198,11 +168,6 @@ class SpeedDrive(Drive):
     def is_armed(self) -> bool:
         """Whether the latch waits for the edge, or has its value."""
         return self.latch.is_armed
-
-    @property
-    def is_prepared(self) -> bool:
-        """Nothing but the latch is needed."""
-        return True
 
     @property
     def has_latched(self) -> bool:

@@ -35,5 +35,4 @@ class SpeedDriveWatch(DriveWatch):
             return drive.fault()
         if drive.power is Power.OPERATING:
             return lag_alarm(drive)
-        word = f"0x{drive.status:02X}"
-        return Alarm(900027, axis=drive.name, statusword=word, state=drive.state_name)
+        return drive.left_operation()
