@@ -3,7 +3,8 @@
 from typing import Final
 
 from axisrig.bench.drive.cia402.servo import Servo
-from axisrig.bench.drive.profidrive.tables import COMMANDS, PowerInput, PowerState
+from axisrig.bench.drive.cyclic.power_states import STATE_OF, PowerState
+from axisrig.bench.drive.profidrive.tables import COMMANDS, PowerInput
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.profidrive import words
 
@@ -16,16 +17,6 @@ CONTROLWORD: Final = {
     "HALT": 0x010F,
 }
 RESET: Final = 0x0080
-_STATE: Final = {
-    State.NOT_READY_TO_SWITCH_ON: PowerState.INHIBITED,
-    State.SWITCH_ON_DISABLED: PowerState.INHIBITED,
-    State.READY_TO_SWITCH_ON: PowerState.READY,
-    State.SWITCHED_ON: PowerState.ON,
-    State.OPERATION_ENABLED: PowerState.OPERATION,
-    State.QUICK_STOP_ACTIVE: PowerState.STOPPING,
-    State.FAULT_REACTION_ACTIVE: PowerState.FAULT,
-    State.FAULT: PowerState.FAULT,
-}
 _STATUS: Final = {
     PowerState.INHIBITED: words.INHIBITED,
     PowerState.READY: 1 << 0,
@@ -55,7 +46,7 @@ def asked(control: int) -> PowerInput:
 
 def power_state(servo: Servo) -> PowerState:
     """Return the state of the drive."""
-    return _STATE[servo.state]
+    return STATE_OF[servo.state]
 
 
 def controlword(servo: Servo, control: int) -> int:

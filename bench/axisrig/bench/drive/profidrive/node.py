@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
-from axisrig.bench.drive.cia402.node import Cia402Node
+from axisrig.bench.drive.cyclic.node import ImageNode
 from axisrig.bench.drive.profidrive import front
 from axisrig.bench.drive.profidrive.encoder import EncoderInterface
 from axisrig.bench.drive.profidrive.life import SignOfLife
@@ -17,7 +17,7 @@ from axisrig.bench.drive.profidrive.profile import ProfidriveProfile
 from axisrig.bench.drive.profidrive.speed import SPEED_MODE, SpeedMode
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.profidrive import words
-from axisrig.kernel.time.clock import Clock, Phase
+from axisrig.kernel.time.clock import Clock
 
 LIFE_LOST: Final = 0x8130
 LIFE_REGISTER: Final = 1 << 4
@@ -27,11 +27,11 @@ _STOPS: Final = {"mode": SPEED_MODE, "shutdown_option": 1, "disable_option": 0}
 _OUTPUT_WORDS: Final = ("STW1", "NSOLL_B", "STW2", "G1_STW", "XERR", "KPC", "MOMRED")
 
 
-class ProfidriveDrive(Cia402Node):
+class ProfidriveDrive(ImageNode):
     """One drive: it moves an axis and has one probe signal at its fast input.
 
-    Arguments as those of `Cia402Node`; profidrive: its profile. inputs: its telegram as it was
-    sampled last, empty while it has no power. holds_life: by a fault; its sign of life stays.
+    Arguments as those of `Cia402Node`; profidrive: its profile. holds_life: by a fault; its sign of
+    life stays.
     """
 
     def __init__(
@@ -46,16 +46,7 @@ class ProfidriveDrive(Cia402Node):
         switches: Mapping[str, SignalPort] | None = None,
         entered: Callable[[State], None] | None = None,
     ) -> None:
-        super().__init__(
-            name,
-            clock,
-            axis,
-            (probes[0], None),
-            profidrive.drive,
-            seed,
-            switches=switches,
-            entered=entered,
-        )
+        super().__init__(name, clock, axis, probes[0], profidrive.drive, seed, switches, entered)
         servo = self.servo
         self._made = profidrive
         self._speed_m_s = float(profidrive.speed_m_s)
@@ -76,13 +67,10 @@ class ProfidriveDrive(Cia402Node):
             servo.touch_probe, has_input=lambda: self.parameters.values[660] == words.PROBE_AT_INPUT
         )
         self.life = SignOfLife(lambda: self.parameters.values[925])
-        self.inputs = b""
         self.holds_life = False
-        self._outputs: bytes | None = None
-        self._control = self._encoder_control = self._own_life = self._heard = 0
+        self._encoder_control = self._own_life = self._heard = 0
         self._reduction = 0
         self._sampled_m = self._sent_m = self._sent_before_m = 0.0
-        clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
 
     def _boot(self) -> None:
         self.encoder.reset()
@@ -95,15 +83,6 @@ class ProfidriveDrive(Cia402Node):
         self.servo.update()
         self.sample()
         self._sent_m = self._sent_before_m = self._sampled_m
-
-    def _stop(self) -> None:
-        self.inputs = b""
-
-    def _send_emergency(self, code: int, register: int, info: int) -> None:
-        """A fault is a bit of ZSW1; nothing is sent by itself."""
-
-    def _changed(self) -> None:
-        """Between two samples the telegram stays as it is."""
 
     # What the carrier wakes up
 

@@ -6,18 +6,7 @@ from enum import Enum, auto
 from importlib import resources
 from typing import Final
 
-
-class PowerState(Enum):
-    """General states of a PROFIdrive drive: S1 to S5, and a fault."""
-
-    __hash__ = object.__hash__
-
-    INHIBITED = auto()
-    READY = auto()
-    ON = auto()
-    OPERATION = auto()
-    STOPPING = auto()
-    FAULT = auto()
+from axisrig.bench.drive.cyclic.power_states import PowerState
 
 
 class PowerInput(Enum):

@@ -11,21 +11,8 @@ from importlib import resources
 from typing import Final
 
 from axisrig.bench.drive.cia402.servo import Servo
-from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.bench.drive.cyclic.power_states import STATE_OF, PowerState
 from axisrig.kernel.profiles.speed_drive import words
-
-
-class PowerState(Enum):
-    """State of the drive."""
-
-    __hash__ = object.__hash__
-
-    INHIBITED = auto()
-    READY = auto()
-    ON = auto()
-    OPERATION = auto()
-    STOPPING = auto()
-    FAULT = auto()
 
 
 class PowerInput(Enum):
@@ -55,16 +42,6 @@ CONTROLWORD: Final = {
     "OPERATE": 0x000F,
     "RESET": 0x0080,
 }
-_STATE: Final = {
-    State.NOT_READY_TO_SWITCH_ON: PowerState.INHIBITED,
-    State.SWITCH_ON_DISABLED: PowerState.INHIBITED,
-    State.READY_TO_SWITCH_ON: PowerState.READY,
-    State.SWITCHED_ON: PowerState.ON,
-    State.OPERATION_ENABLED: PowerState.OPERATION,
-    State.QUICK_STOP_ACTIVE: PowerState.STOPPING,
-    State.FAULT_REACTION_ACTIVE: PowerState.FAULT,
-    State.FAULT: PowerState.FAULT,
-}
 _STATUS: Final = {PowerState.OPERATION: words.OPERATES, PowerState.FAULT: words.FAULT}
 
 
@@ -77,9 +54,9 @@ def asked(control: int) -> PowerInput:
 
 def controlword(servo: Servo, control: int) -> int:
     """Return what DRIVE asks of the servo in its state, as 6040 says it."""
-    return CONTROLWORD[COMMANDS[_STATE[servo.state], asked(control)]]
+    return CONTROLWORD[COMMANDS[STATE_OF[servo.state], asked(control)]]
 
 
 def status(servo: Servo) -> int:
     """Return DRIVE for the control."""
-    return words.READY | _STATUS.get(_STATE[servo.state], 0)
+    return words.READY | _STATUS.get(STATE_OF[servo.state], 0)

@@ -9,13 +9,13 @@ from typing import Final, Protocol
 
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
-from axisrig.bench.drive.cia402.node import Cia402Node
+from axisrig.bench.drive.cyclic.node import ImageNode
 from axisrig.bench.drive.speed_drive import front
 from axisrig.bench.drive.speed_drive.profile import SpeedProfile
 from axisrig.bench.drive.speed_drive.speed import SPEED_MODE, SetSpeed
 from axisrig.kernel.profiles.cia402.ds402 import ProbeFunction, ProbeStatus, State
 from axisrig.kernel.profiles.speed_drive.words import Image
-from axisrig.kernel.time.clock import Clock, Phase
+from axisrig.kernel.time.clock import Clock
 
 _STOPS: Final = {"mode": SPEED_MODE, "shutdown_option": 1, "disable_option": 0}
 """Without the enable it stops by a ramp."""
@@ -56,11 +56,10 @@ class Unit(Protocol):
         ...
 
 
-class SpeedDriveNode(Cia402Node):
+class SpeedDriveNode(ImageNode):
     """One drive: it moves an axis, and its unit has one probe signal.
 
-    Arguments as those of `Cia402Node`; made: its profile. images: to it, and from it. inputs: its
-    image as it was sampled last, empty while it has no power.
+    Arguments as those of `Cia402Node`; made: its profile. images: to it, and from it.
     """
 
     def __init__(  # noqa: PLR0913
@@ -77,16 +76,7 @@ class SpeedDriveNode(Cia402Node):
         switches: Mapping[str, SignalPort] | None = None,
         entered: Callable[[State], None] | None = None,
     ) -> None:
-        super().__init__(
-            name,
-            clock,
-            axis,
-            (probes[0], None),
-            made.drive,
-            seed,
-            switches=switches,
-            entered=entered,
-        )
+        super().__init__(name, clock, axis, probes[0], made.drive, seed, switches, entered)
         servo = self.servo
         self._made, self.unit = made, unit
         self._speed_m_s = float(made.speed_m_s)
@@ -95,10 +85,7 @@ class SpeedDriveNode(Cia402Node):
         servo.modes[SPEED_MODE] = self.speed
         servo.power_on.own.update(_STOPS)
         servo.watch(frozenset())
-        self.inputs = b""
-        self._outputs: bytes | None = None
-        self._control = self._missing = 0
-        clock.call_at(clock.now_ns, Phase.APPLICATION, self._switched_on)
+        self._missing = 0
 
     def _boot(self) -> None:
         self._outputs = None
@@ -107,15 +94,6 @@ class SpeedDriveNode(Cia402Node):
         self.servo.update()
         self.unit.reset(self.servo.image.position_actual)
         self.sample()
-
-    def _stop(self) -> None:
-        self.inputs = b""
-
-    def _send_emergency(self, code: int, register: int, info: int) -> None:
-        """A fault is a bit; nothing is sent by itself."""
-
-    def _changed(self) -> None:
-        """Between two samples the image stays as it is."""
 
     # What the carrier wakes up
 

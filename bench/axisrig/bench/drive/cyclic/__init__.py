@@ -1,0 +1,1 @@
+"""Virtual drives whose words come as one image in each cycle."""
