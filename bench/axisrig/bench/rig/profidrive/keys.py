@@ -10,9 +10,9 @@ from pydantic import Field
 from axisrig.bench.drive.cia402.dictionary.profiles import make_profile
 from axisrig.bench.drive.profidrive.profile import ProfidriveProfile
 from axisrig.bench.oracles.latch.instant import LatchTimes
-from axisrig.bench.rig.habit_keys import OF_ANY, habit_table, number
-from axisrig.bench.rig.reading.families import FAMILIES, read_drive
-from axisrig.bench.rig.reading.tables import DriveFacts, DriveKeys
+from axisrig.bench.rig.cyclic.drive_keys import ImageDriveKeys
+from axisrig.bench.rig.habit_keys import habit_table
+from axisrig.bench.rig.reading.tables import DriveFacts
 from axisrig.kernel.profiles.profidrive.words import telegrams
 
 POSITION_RANGE = 1 << 31
@@ -26,17 +26,15 @@ NUMBERS = tuple(telegrams())
 FineBits = Annotated[int, Field(ge=0, le=24)]
 
 
-class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
+class DriveTable(_HabitTable, ImageDriveKeys):  # type: ignore[misc]
     """`[drive.NAME]` of a PROFIdrive drive.
 
     telegram: its number. lines: of the encoder per turn; p1042, p1043: fine bits of a line in
     G1_XIST1 with measured values, and of the absolute position. p0660: function of the fast input.
     p0880: speed in rpm that NSOLL_B is a share of. p0925: wrong signs of life that the drive
     tolerates. p1230: torque limit in 0.1 % of the rated torque; p0881: its reduction in 1 % at
-    MOMRED = 16384. speed_loop_us: time of its speed loop. missing_cycles: how often in a row its
-    telegram may stay out. position_check: it is led only from a position that its absolute position
-    gives too. as_canopen: a run may set it (`--as-canopen`), and has the usual drive with the same
-    axis then.
+    MOMRED = 16384. position_check: it is led only from a position that its absolute position gives
+    too.
     """
 
     family: Literal["profidrive"]
@@ -49,13 +47,7 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
     p0925: Annotated[int, Field(ge=0, le=65_535)] = 1
     p1230: Annotated[int, Field(ge=50, le=9000)] = 1000
     p0881: Annotated[int, Field(ge=0, le=1000)] = 100
-    speed_loop_us: Annotated[float, Field(ge=0, le=1_000_000)] = 0.0
-    missing_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
-    jump_factor: Annotated[float, Field(ge=0, le=1000)] = 2.0
-    lag_limit_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    fault_reset: bool = False
     position_check: bool = True
-    as_canopen: Literal[False] = False
 
     @property
     def family_name(self) -> str:
@@ -76,17 +68,9 @@ class DriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
         )
 
     @classmethod
-    def value_of(cls, key: str, text: str) -> Any:
-        """Read the cell of a plan for one of its keys; a text that fits nothing stays one."""
-        return number(text)
-
-    def changed(self, key: str, value: Any) -> Any:
-        """Return the drive with one key changed. Raises ValidationError."""
-        given = self.model_dump(exclude_unset=True)
-        if key == "as_canopen" and value is True:
-            kept = {name: given[name] for name in (*HABITS, *OF_ANY) if name in given}
-            return read_drive({"family": FAMILIES[0].family, key: True, **kept})
-        return DriveTable.model_validate({**given, key: value})
+    def habits(cls) -> tuple[str, ...]:
+        """Return the habits of the axis that the family has."""
+        return HABITS
 
     @property
     def per_mm(self) -> Fraction:

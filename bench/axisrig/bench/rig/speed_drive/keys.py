@@ -3,16 +3,16 @@
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from axisrig.bench.drive.cia402.dictionary.profiles import make_profile
 from axisrig.bench.drive.speed_drive.profile import SpeedProfile
 from axisrig.bench.oracles.latch.instant import LatchTimes
-from axisrig.bench.rig.habit_keys import OF_ANY, habit_table, number
-from axisrig.bench.rig.reading.families import FAMILIES, read_drive
-from axisrig.bench.rig.reading.tables import DriveFacts, DriveKeys
+from axisrig.bench.rig.cyclic.drive_keys import ImageDriveKeys
+from axisrig.bench.rig.habit_keys import habit_table
+from axisrig.bench.rig.reading.tables import DriveFacts
 
 POSITION_RANGE = 1 << 31
 HABITS = (
@@ -24,21 +24,13 @@ EDGES_PER_LINE = 4
 _HabitTable: Any = habit_table(HABITS)
 
 
-class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
+class SpeedDriveTable(_HabitTable, ImageDriveKeys):  # type: ignore[misc]
     """`[drive.NAME]` of a drive that only takes a speed.
 
-    watchdog_cycles: images in a row that may stay out before the outputs are 0. speed_loop_us:
-    time of its speed loop. missing_cycles: how often in a row its image may stay out. as_canopen: a
-    run may set it (`--as-canopen`), and has the usual drive with the same axis then.
+    watchdog_cycles: images in a row that may stay out before the outputs are 0.
     """
 
     watchdog_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
-    speed_loop_us: Annotated[float, Field(ge=0, le=1_000_000)] = 0.0
-    missing_cycles: Annotated[int, Field(ge=0, le=1000)] = 3
-    jump_factor: Annotated[float, Field(ge=0, le=1000)] = 2.0
-    lag_limit_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    fault_reset: bool = False
-    as_canopen: Literal[False] = False
 
     @property
     def family_name(self) -> str:
@@ -66,17 +58,9 @@ class SpeedDriveTable(_HabitTable, DriveKeys):  # type: ignore[misc]
         raise NotImplementedError
 
     @classmethod
-    def value_of(cls, key: str, text: str) -> Any:
-        """Read the cell of a plan for one of its keys; a text that fits nothing stays one."""
-        return number(text)
-
-    def changed(self, key: str, value: Any) -> Any:
-        """Return the drive with one key changed. Raises ValidationError."""
-        given = self.model_dump(exclude_unset=True)
-        if key == "as_canopen" and value is True:
-            kept = {name: given[name] for name in (*HABITS, *OF_ANY) if name in given}
-            return read_drive({"family": FAMILIES[0].family, key: True, **kept})
-        return type(self).model_validate({**given, key: value})
+    def habits(cls) -> tuple[str, ...]:
+        """Return the habits of the axis that the family has."""
+        return HABITS
 
     @property
     def per_mm(self) -> Fraction:
