@@ -9,6 +9,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:  # noqa: D103
         "--stage", choices=("quick", "rest", "all"), help="of the suite; its CPU time is measured"
     )
     parser.addoption(
+        "--until",
+        type=float,
+        metavar="UNIX_TIME",
+        help="what has not begun by then, s since 1970, is skipped: CI has an hour on any machine",
+    )
+    parser.addoption(
         "--by-compiled",
         default="",
         metavar="FOLDERS",

@@ -14,6 +14,7 @@ and the compiled build runs the folders that `--by-compiled` names.
 import csv
 import gc
 import os
+import time
 from collections import Counter
 from collections.abc import Generator, Iterable, Mapping
 from functools import cache
@@ -28,6 +29,7 @@ from axisrig.bench.plan.case import Case
 SIMULATED = Path(__file__).parent / "plans" / "simulated.csv"
 STUDY = "study"
 """Tag of rows that are neither in the demo nor in the quick stage."""
+TIME_IS_OVER = "the time of --until is over"
 _BEGAN = pytest.StashKey[float]()
 
 
@@ -85,6 +87,7 @@ class Stages:
     def __init__(self, config: pytest.Config) -> None:
         self._stage: str | None = config.getoption("--stage")
         self._by_compiled: list[str] = config.getoption("--by-compiled").split()
+        self._until: float | None = config.getoption("--until")
 
     def pytest_collection_modifyitems(
         self, config: pytest.Config, items: list[pytest.Item]
@@ -115,8 +118,10 @@ class Stages:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
-        """Remember when a test began."""
+        """Remember when a test began, and begin none after the time of `--until`."""
         item.stash[_BEGAN] = cpu_s()
+        if self._until is not None and time.time() > self._until:
+            pytest.skip(TIME_IS_OVER)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, item: pytest.Item) -> Generator[None, Any, Any]:
@@ -134,6 +139,9 @@ class Stages:
         reports = terminalreporter.getreports("") + terminalreporter.getreports("error")
         folders = cpu_by_folder(reports)
         in_tests = sum(folders.values())
+        skipped = terminalreporter.getreports("skipped")
+        if late := sum(TIME_IS_OVER in str(report.longrepr) for report in skipped):
+            terminalreporter.write_line(f"NOT RUN, {TIME_IS_OVER}: {late} tests")
         terminalreporter.write_line(f"CPU time of the {self._stage} stage, s: {in_tests:.0f}")
         for folder, seconds in folders.most_common():
             if seconds >= 1:

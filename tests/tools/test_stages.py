@@ -8,7 +8,13 @@ from types import SimpleNamespace
 
 import pytest
 from tests.small_fmus import small_fmu
-from tests.stages import cpu_by_folder, is_left_to_compiled, rows_of_every_metric, simulated_s
+from tests.stages import (
+    TIME_IS_OVER,
+    cpu_by_folder,
+    is_left_to_compiled,
+    rows_of_every_metric,
+    simulated_s,
+)
 
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
@@ -107,6 +113,19 @@ def test_a_small_fmu_is_built_once_for_each_content(tmp_path):
         paths.append(small_fmu("Small.Plant", library))
     assert paths[0] == paths[2]
     assert paths[0].read_bytes() != paths[1].read_bytes()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("until", "outcome"), [("1", "skipped"), ("9e9", "passed")])
+def test_what_has_not_begun_by_the_time_of_until_is_skipped_and_counted(until, outcome) -> None:
+    place = f"{Path(__file__)}::{test_a_row_that_checks_everything_is_enough.__name__}"
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", place, "--stage", "all", "--until", until, "-q"],
+        cwd=TESTPLANS.parent, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stdout
+    assert f"1 {outcome}" in ended.stdout
+    assert (f"NOT RUN, {TIME_IS_OVER}: 1 tests" in ended.stdout) is (outcome == "skipped")
 
 
 @pytest.mark.long

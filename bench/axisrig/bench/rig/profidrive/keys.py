@@ -10,8 +10,8 @@ from pydantic import Field
 from axisrig.bench.drive.cia402.dictionary.profiles import make_profile
 from axisrig.bench.drive.profidrive.profile import ProfidriveProfile
 from axisrig.bench.oracles.latch.instant import LatchTimes
-from axisrig.bench.rig.cyclic.drive_keys import ImageDriveKeys
 from axisrig.bench.rig.habit_keys import habit_table
+from axisrig.bench.rig.image_drive_keys import ImageDriveKeys
 from axisrig.bench.rig.reading.tables import DriveFacts
 from axisrig.kernel.profiles.profidrive.words import telegrams
 
