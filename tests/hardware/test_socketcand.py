@@ -1,12 +1,13 @@
 """The TCP bus as its clients see it: the texts of socketcand's raw mode, written out by hand."""
 
+import contextlib
 import socket
 from collections.abc import Iterator
 
 import can
 import pytest
 
-from axisrig.bench.bus.can.socketcand import SocketcandServer
+from axisrig.bench.bus.can.socketcand import BUFFER_MAX, SocketcandServer, _Client
 
 
 @pytest.fixture
@@ -110,6 +111,46 @@ def test_a_client_that_talks_nonsense_without_end_is_put_out(
     client.write("<" * 5000)
     server.recv(0.05)
     assert client.socket.recv(100) == b""
+
+
+def test_a_client_that_reads_late_gets_every_frame_whole_and_in_its_order(
+    server: SocketcandServer,
+) -> None:
+    """A connection that takes a part of a piece: the rest waits for it, and what comes behind."""
+    here, there = socket.socketpair()
+    here.setblocking(False)
+    here.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+    slow = _Client(here, "slow")
+    frames = [b"< frame %03X 0.000000 %016X >" % (n % 0x800, n) for n in range(3000)]
+    got = b""
+    for begin in range(0, len(frames), 100):
+        slow.unsent += b"".join(frames[begin : begin + 100])
+        assert slow.flush()
+        if begin % 500 == 0:
+            got += there.recv(1000)  # less than has come
+    assert slow.unsent  # it has not taken all
+    while slow.unsent:
+        got += there.recv(1 << 20)
+        assert slow.flush()
+    there.setblocking(False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            got += there.recv(1 << 20)
+    assert got == b"".join(frames)
+    here.close()
+    there.close()
+
+
+def test_a_client_that_reads_nothing_is_put_out_when_its_frames_are_too_many() -> None:
+    here, there = socket.socketpair()
+    here.setblocking(False)
+    dead = _Client(here, "dead")
+    dead.unsent = bytes(BUFFER_MAX)
+    assert dead.flush()  # what the connection has taken does not count
+    dead.unsent = bytes(BUFFER_MAX)
+    assert not dead.flush()
+    here.close()
+    there.close()
 
 
 def test_nobody_gets_frames_before_raw_mode(server: SocketcandServer) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.ethercat.family import FAMILY
+from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
@@ -39,6 +40,22 @@ def test_three_axes_share_the_frame() -> None:
     length = 16 + 2 * 16 + 12 + 3 * 27 + 14
     assert cycle.frame_bytes == length
     assert cycle.back_ns == 6 * 50 + 5 * 300 + (8 + length + 4) * 80
+
+
+@pytest.mark.parametrize("has_inputs", [True, False])
+@pytest.mark.parametrize("released", [True, False])
+def test_the_image_has_inputs_of_the_drive_and_a_second_encoder_that_is_released(
+    has_inputs: bool, released: bool
+) -> None:
+    """60FD where the drive has it, 60E4:1 where distance control wants it: neither decides the
+    other. P-AXIS-00328 releases it."""
+    changes = [f"set:Z.lr_param.distance_control_on={int(released)}"]
+    changes += [] if has_inputs else ["drive:servo.lacks=60FD"]
+    for rig, has_encoder in (("distance-z-ethercat.toml", True), ("probe-z-ethercat.toml", False)):
+        _, inputs = axis_pdos(settings_of(*changes, rig=rig), "Z")
+        places = [(mapped.index, mapped.sub) for mapped in inputs.objects]
+        assert ((0x60FD, 0) in places) is has_inputs
+        assert ((0x60E4, 1) in places) is (released and has_encoder)
 
 
 LONGEST_NS = (600_000 - 300 - 9_040) // 2

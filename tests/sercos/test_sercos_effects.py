@@ -4,10 +4,12 @@ import csv
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.drive.cia402.monitor import FOLLOWING_ERROR, Monitor
 from axisrig.bench.drive.sercos.idents import rows
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
@@ -25,6 +27,7 @@ from axisrig.kernel.profiles.sercos.service import (
     pack_list,
     soe_errors,
 )
+from axisrig.kernel.time.clock import S
 
 ROOT = Path(__file__).parents[2]
 EFFECTS = list(csv.DictReader((Path(__file__).parent / "ident_effects.csv").open("r")))
@@ -129,6 +132,23 @@ def test_a_mode_that_there_is_not_is_refused(drive_of: Open) -> None:
     drive = drive_of("probe-z-sercos.toml")
     assert written(drive, "S-0-0032", (2).to_bytes(2, "little")) == "INVALID"
     assert written(drive, "S-0-0032", (3).to_bytes(2, "little")) is None
+
+
+def test_a_window_of_0_watches_no_lag_and_any_other_is_the_window(drive_of: Open) -> None:
+    """FCT-C4 7.3 switches the monitoring off by S-0-0159 = 0, and later on again."""
+    drive = drive_of("probe-z-sercos.toml")
+    following: Any = SimpleNamespace(limits_speed=False, follows_position=True, is_following=True)
+    for window in (100, 0, 101, 99):
+        assert written(drive, "S-0-0159", window.to_bytes(4, "little")) is None
+        assert drive.idents.number(ident_number("S-0-0159")) == window
+        image = drive.servo.image
+        image.following_error, image.following_timeout_ms = -100, 0
+        monitor = Monitor(image, drive.servo.limits, drive.servo.axis)
+        monitor.begin(following)
+        assert (monitor.is_active, monitor.look(S)) == (
+            window != 0,
+            FOLLOWING_ERROR if window == 99 else None,
+        )
 
 
 def test_the_second_enable_arms_the_second_probe(drive_of: Open) -> None:

@@ -1,0 +1,118 @@
+"""What the start-up of the control leaves in 1C12, 1C13 and the mappings of a drive in PREOP.
+
+The drive is the virtual one with the order of ETG.1000.6: an assignment changes while its
+sub-index 0 is 0, and a mapping while no assignment has its PDO.
+"""
+
+from typing import Any
+
+import pytest
+from tests.ethercat.line import Line
+
+from axisrig.kernel.drives.cia402.objects import SdoError
+from axisrig.kernel.drives.ethercat.coe_start import CoeSteps
+from axisrig.kernel.drives.ethercat.settings import Pdo, SlaveSettings
+from axisrig.kernel.drives.ethercat.steps import ReadObject, WriteObject
+from axisrig.kernel.drives.mapped import MappedObject
+from axisrig.kernel.errors import Alarm
+
+CONTROL, TARGET, PROBE = 0x60400010, 0x607A0020, 0x60B80010
+STATUS, PLACE = 0x60410010, 0x60640020
+SPEED, TORQUE = 0x60FF0020, 0x60710010
+
+
+def pdo(index: int, *entries: int) -> Pdo:
+    objects = [MappedObject(e >> 16, e >> 8 & 0xFF, e & 0xFF, False, "") for e in entries]
+    return Pdo(index, tuple(objects))
+
+
+INPUTS = (pdo(0x1A00, STATUS, PLACE),)
+
+
+class Started:
+    """A drive in PREOP with lists of its own, and what a start-up makes of them."""
+
+    def __init__(self, *, outputs: list[int], inputs: list[int]) -> None:
+        self.line = Line()
+        self.line.preop()
+        self.writes = 0
+        for index, entries in ((0x1C12, outputs), (0x1C13, inputs)):
+            self.line.sdo_write(index, 0, 0, 1)
+            for sub, entry in enumerate(entries, 1):
+                assert self.line.sdo_write(index, sub, entry, 2) == 0
+            assert self.line.sdo_write(index, 0, len(entries), 1) == 0
+
+    def run(self, *outputs: Pdo, objects: Alarm | None = None) -> None:
+        settings = SlaveSettings(axis="Z", node_id=1, increments_per_mm=1.0, lag_delay_cycles=0,
+                                 outputs=outputs, inputs=INPUTS)  # fmt: skip
+        start_up: Any = type("Objects", (), {"begin": lambda _, ended: ended(objects)})()
+        access: Any = None
+        steps = CoeSteps(settings, access, start_up).in_preop()
+        answer: Any = None
+        while True:
+            try:
+                step = steps.send(answer)
+            except StopIteration:
+                return
+            if isinstance(step, ReadObject):
+                answer = self.line.sdo_read(step.index, step.sub)
+            else:
+                assert isinstance(step, WriteObject)
+                self.writes += 1
+                value, size = int.from_bytes(step.data, "little"), len(step.data)
+                code = self.line.sdo_write(step.index, step.sub, value, size)
+                answer = SdoError(step.index, step.sub, code) if code else b""
+
+    def listed(self, index: int) -> list[int]:
+        return [
+            int.from_bytes(self.line.sdo_read(index, sub), "little")
+            for sub in range(1, self.line.sdo_read(index, 0)[0] + 1)
+        ]
+
+
+@pytest.mark.parametrize(
+    "there", [[0x1601], [0x1600, 0x1601], []], ids=["another", "one more", "none"]
+)
+def test_the_drive_has_the_pdos_of_the_rig_and_no_other(there: list[int]) -> None:
+    """Also where as many are assigned, and where those of the rig are mapped as wanted."""
+    started = Started(outputs=there, inputs=[0x1A00])
+    started.run(pdo(0x1600, CONTROL, TARGET, PROBE))
+    assert started.listed(0x1C12) == [0x1600]
+    assert started.listed(0x1600) == [CONTROL, TARGET, PROBE]
+    assert started.listed(0x1C13) == [0x1A00]
+    assert started.listed(0x1A00) == [STATUS, PLACE]
+
+
+def test_two_pdos_come_in_the_order_of_the_rig() -> None:
+    started = Started(outputs=[0x1600, 0x1601], inputs=[0x1A00])
+    started.run(pdo(0x1601, TORQUE, SPEED), pdo(0x1600, CONTROL, TARGET, PROBE))
+    assert started.listed(0x1C12) == [0x1601, 0x1600]
+    assert started.listed(0x1601) == [TORQUE, SPEED]
+    assert started.listed(0x1600) == [CONTROL, TARGET, PROBE]
+
+
+def test_nothing_is_written_to_a_drive_that_has_it_all() -> None:
+    """A drive with fixed PDOs would refuse it."""
+    started = Started(outputs=[0x1600], inputs=[0x1A00])
+    started.run(pdo(0x1600, CONTROL, TARGET, PROBE))
+    before = started.writes
+    assert before > 0  # the mapping of 1A00 is another at first
+    started.run(pdo(0x1600, CONTROL, TARGET, PROBE))
+    assert started.writes == before
+
+
+def test_what_the_drive_refuses_is_named_with_its_value() -> None:
+    started = Started(outputs=[0x1600], inputs=[0x1A00])
+    with pytest.raises(Alarm) as raised:
+        started.run(pdo(0x1600, CONTROL, STATUS))
+    assert (raised.value.id, raised.value.values["axis"]) == (900011, "Z")
+    assert raised.value.values["step"] == "PDOs: 0x1600:2 = 0x60410010"
+
+
+def test_after_an_object_that_is_refused_no_pdo_is_written() -> None:
+    started = Started(outputs=[0x1601], inputs=[0x1A00])
+    refused = Alarm(900011, axis="Z", node=1, step="6060", answer="no")
+    with pytest.raises(Alarm) as raised:
+        started.run(pdo(0x1600, CONTROL, TARGET), objects=refused)
+    assert raised.value is refused
+    assert started.writes == 0
