@@ -124,15 +124,15 @@ def test_sender_becomes_passive_after_16_errors_and_bus_off_after_32(
 ) -> None:
     """TEC 128 after 16 attempts, 256 after 32; receivers have one count for each."""
     sender, receiver = segment.port("sender"), segment.port("receiver")
-    told: list[tuple[int, ErrorState]] = []
+    found: list[tuple[int, ErrorState]] = []
     offs: list[int] = []
-    sender.on_error_state(lambda state: told.append((sender.tec, state)))
+    sender.on_error_state(lambda state: found.append((sender.tec, state)))
     sender.on_bus_off(lambda: offs.append(segment.load().error_frames))
     segment.add_fault(fails(99))
     sender.send_raw(0x080, b"")
     sender.send_raw(0x081, b"")
     scheduler.run_until(2 * MS)
-    assert told == [(128, PASSIVE), (256, OFF)]
+    assert found == [(128, PASSIVE), (256, OFF)]
     assert offs == [32]
     assert (sender.state, receiver.state) == (can.BusState.ERROR, can.BusState.ACTIVE)
     assert receiver.rec == 32
@@ -211,15 +211,15 @@ def test_a_controller_forced_off_the_bus_comes_back_in_the_same_time(
     """Forced in bit 20 of its own frame: 20 bits, 6 recessive, flag 6, delimiter 8, then 1408."""
     seen = watch(segment)
     sender, other = segment.port("sender"), segment.port("other")
-    told: list[ErrorState] = []
-    sender.on_error_state(told.append)
+    found: list[ErrorState] = []
+    sender.on_error_state(found.append)
     sender.send_raw(0x123, b"\x01\x02")
     scheduler.call_at(19_500, Phase.APPLICATION, sender.force_bus_off)
     scheduler.run_until(MS)
     assert seen == [(40_000, 0x123, "error")]
     assert (sender.error_state, sender.takes_part, other.rec) == (OFF, False, 1)
     scheduler.run_until(10 * MS)
-    assert told == [OFF, ErrorState.ACTIVE]
+    assert found == [OFF, ErrorState.ACTIVE]
     names = [(name, state) for _, name, state in segment.state_changes]
     assert names == [("sender", OFF), ("sender", ErrorState.ACTIVE)]
     # The error frame that its silence caused ends with 11 recessive bits as any other does

@@ -86,7 +86,7 @@ class Play:
             model = Model([port.port_name for port in ports])
             attempts: list[tuple[Controller, Frame, int]] = []
             got: list[list[Frame]] = [[] for _ in ports]
-            told = [0]  # attempts made when a frame got through
+            found = [0]  # attempts made when a frame got through
 
             def hook(frame: Frame, port: Controller, attempt: int) -> ErrorAtBit | None:
                 check_arbitration(frame, port, ports)
@@ -98,7 +98,7 @@ class Play:
                 port, wanted, _ = attempts[-1]
                 assert frame.arbitration_id == wanted.arbitration_id
                 name, index = port.port_name, int(port.port_name[1:])
-                if is_error and told[-1] == len(attempts):
+                if is_error and found[-1] == len(attempts):
                     self.passed.pop()  # an error in its last bit: it will come once more
                     model.failed_late(name)
                 elif is_error:
@@ -106,7 +106,7 @@ class Play:
                 else:
                     assert frame == wanted
                     model.passed(name)
-                    told.append(len(attempts))
+                    found.append(len(attempts))
                     self.passed.append((time_ns, index, frame))
                     self.heard.append((index, frame))
 

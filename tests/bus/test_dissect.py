@@ -47,9 +47,9 @@ from axisrig.kernel.profiles.canopen.identifiers import services
 def test_frames_of_the_standard(
     can_id: int, data: str, service: str, node: int | None, fields: dict[str, object]
 ) -> None:
-    told = dissect(data_frame(can_id, bytes.fromhex(data)))
-    assert (told.service, told.node) == (service, node)
-    assert dict(told.fields) == fields
+    found = dissect(data_frame(can_id, bytes.fromhex(data)))
+    assert (found.service, found.node) == (service, node)
+    assert dict(found.fields) == fields
 
 
 def test_remote_extended_and_error_frames() -> None:

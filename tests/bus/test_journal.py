@@ -104,7 +104,7 @@ def test_the_hash_by_block_is_the_hash_by_frame(block_frames: int) -> None:
 def test_the_load_may_be_asked_for_at_any_instant() -> None:
     """A question in the middle of a block changes nothing of what is told at the end."""
 
-    def told(block_frames: int, questions: bool) -> list[tuple[LoadFigures, list[int]]]:
+    def found(block_frames: int, questions: bool) -> list[tuple[LoadFigures, list[int]]]:
         with ExitStack() as opened:
             journal = Journal(block_frames)
             segments = play(journal, opened, frames=300)
@@ -118,7 +118,7 @@ def test_the_load_may_be_asked_for_at_any_instant() -> None:
                         assert sum(segment.busy_bits(MS)) > 0
             return [(segment.load(), segment.busy_bits(MS)) for segment in segments]
 
-    assert told(BLOCK_FRAMES, True) == told(BLOCK_FRAMES, False) == told(1, False)
+    assert found(BLOCK_FRAMES, True) == found(BLOCK_FRAMES, False) == found(1, False)
 
 
 def test_readers_get_every_frame_once_and_in_order() -> None:

@@ -145,8 +145,8 @@ def test_a_warning_of_one_drive_does_not_hide_what_another_one_tells(trouble: An
     case.other.send_message(0x081, struct.pack("<HB5x", 0x8120, 0x11))
     case.other.send_message(EMCY, struct.pack("<HB5x", 0x4310, 0x09))
     case.bench.finish()
-    told = [(alarm.id, alarm.values["axis"]) for alarm in case.bench.channel.alarms]
-    assert told == [(900035, "Y"), (900025, "Z")]
+    found = [(alarm.id, alarm.values["axis"]) for alarm in case.bench.channel.alarms]
+    assert found == [(900035, "Y"), (900025, "Z")]
     assert case.bench.final_mm("Y") < 60.0
 
 

@@ -53,10 +53,10 @@ class Rig:
         ended_ns = max(t for (_, a), (t, b) in pairwise(sent) if a != b)
         syncs = [t for t in bench.sync_ns() if t < bench.channel.end_ns]
         axis = bench.axes["Z"]
-        told = [round(axis.position_at(t) * 1e3 * INCREMENTS_PER_MM) for t in syncs]
+        found = [round(axis.position_at(t) * 1e3 * INCREMENTS_PER_MM) for t in syncs]
         return next(
             t
-            for t, before, here in zip(syncs[1:], told, told[1:], strict=False)
+            for t, before, here in zip(syncs[1:], found, found[1:], strict=False)
             if t > ended_ns
             and abs(here / INCREMENTS_PER_MM - TARGET_MM) <= WINDOW_MM
             and abs(here - before) <= 1

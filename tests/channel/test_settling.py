@@ -84,10 +84,10 @@ def test_waiting_in_every_cycle_is_one_wait() -> None:
 def test_an_axis_that_leaves_its_window_once_stands_10_cycles_after_it_has_come_back() -> None:
     """Inside for 5 cycles, outside for 1, inside again: the first 5 do not count."""
     bench = Bench()
-    told = [bench.stands(place) for place in [5] * 5 + [11] + [5] * 20]
+    found = [bench.stands(place) for place in [5] * 5 + [11] + [5] * 20]
     second_entry = 6
-    assert told.index(True) == second_entry + SETTLED_CYCLES == 16
-    assert all(told[16:])
+    assert found.index(True) == second_entry + SETTLED_CYCLES == 16
+    assert all(found[16:])
 
 
 def test_the_settling_time_goes_on_while_the_axis_goes_in_and_out() -> None:

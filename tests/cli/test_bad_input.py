@@ -360,8 +360,8 @@ def test_every_mistake_of_a_list_is_reported_at_once(
     (place / "p.csv").write_text("case,program,rig\n1,part.nc,rig.toml\n", encoding="utf-8")
     for what in (("check", "rig.toml"), ("check", "lists/axis-z.lst"), ("check", "p.csv")):
         code, _, err = axisrig(*what)
-        told = [line.partition("axis-z.lst:")[2][:4] for line in err.splitlines()]
-        assert (code, told) == (2, ["1:1:", "3:1:", "4:1:"]), err
+        found = [line.partition("axis-z.lst:")[2][:4] for line in err.splitlines()]
+        assert (code, found) == (2, ["1:1:", "3:1:", "4:1:"]), err
     path.write_text("".join(f"a{n} 1\n" for n in range(30)), encoding="utf-8")
     *_, last = axisrig("check", "rig.toml")[2].splitlines()
     assert last == "error: 5 further errors"

@@ -15,7 +15,7 @@ Tell = Callable[..., list[str]]
 def tell(place: Path, axisrig: Call) -> Tell:
     """Write frames `ms id#data` of can1 as a candump log and have them told."""
 
-    def told(frames: str, *options: str) -> list[str]:
+    def found(frames: str, *options: str) -> list[str]:
         lines = [
             f"({float(ms) / 1e3:.6f}) can1 {frame} R"
             for ms, frame in (line.split() for line in frames.split("\n") if line.strip())
@@ -25,7 +25,7 @@ def tell(place: Path, axisrig: Call) -> Tell:
         assert (code, err) == (0, "")
         return out.splitlines()
 
-    return told
+    return found
 
 
 def test_every_boot_up_and_every_new_nmt_state_is_told(tell: Tell) -> None:
@@ -62,25 +62,25 @@ def test_values_are_told_with_what_they_mean(tell: Tell) -> None:
         """,
         "--rig", "rig.toml",
     )  # fmt: skip
-    told = [line.split(maxsplit=3)[-1] for line in lines]
+    found = [line.split(maxsplit=3)[-1] for line in lines]
     assert lines[0].split()[0] == "0.123"
-    assert "Controlword 0x010F (enable operation, halt)" in told[0]
-    assert "Target position 10485760 (100.000000 mm)" in told[0]
-    assert "Touch probe function 0x0011 (probe 1 on, 1 positive edge)" in told[0]
-    assert "Statusword 0x0237 (operation enabled)" in told[1]
-    assert "Touch probe status 0x0003 (probe 1 on, 1 positive stored)" in told[1]
-    assert told[3].endswith("8 (0x08; cyclic synchronous position)")
-    assert told[4].endswith("= 0x60410010 (6041:0, 16 bit)")
-    assert told[5].endswith("= -1 (0xFFFFFFFF; -0.000010 mm)")
-    assert told[6].endswith("abort 0x6060:0 Modes of operation: 0x06090030, value is not allowed")
-    assert told[7].endswith("0x8611 (following error)")
-    assert told[9].endswith("0x1012 (probes off, 1 every event, 1 positive edge, 2 positive edge)")
+    assert "Controlword 0x010F (enable operation, halt)" in found[0]
+    assert "Target position 10485760 (100.000000 mm)" in found[0]
+    assert "Touch probe function 0x0011 (probe 1 on, 1 positive edge)" in found[0]
+    assert "Statusword 0x0237 (operation enabled)" in found[1]
+    assert "Touch probe status 0x0003 (probe 1 on, 1 positive stored)" in found[1]
+    assert found[3].endswith("8 (0x08; cyclic synchronous position)")
+    assert found[4].endswith("= 0x60410010 (6041:0, 16 bit)")
+    assert found[5].endswith("= -1 (0xFFFFFFFF; -0.000010 mm)")
+    assert found[6].endswith("abort 0x6060:0 Modes of operation: 0x06090030, value is not allowed")
+    assert found[7].endswith("0x8611 (following error)")
+    assert found[9].endswith("0x1012 (probes off, 1 every event, 1 positive edge, 2 positive edge)")
 
 
 def test_a_frame_of_nobody_is_told_so(tell: Tell) -> None:
     frames = "1 183#00\n2 705#00\n3 001#11\n4 080#\n5 000#0103\n6 000#0105\n7 000#0100"
-    told = tell(frames, "--rig", "rig.toml")
-    assert ["of no node of this rig" in line for line in told] == [
+    found = tell(frames, "--rig", "rig.toml")
+    assert ["of no node of this rig" in line for line in found] == [
         False, True, True, False, False, True, False,
     ]  # fmt: skip
     assert not any("of no node" in line for line in tell(frames))
@@ -166,7 +166,7 @@ def test_pcap_of_either_order_and_resolution_is_told(
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "found"),
     [
         (b"", "no pcap file"),
         (b"\x0a\x0d\x0d\x0a" + bytes(40), "no pcap file"),
@@ -180,12 +180,12 @@ def test_pcap_of_either_order_and_resolution_is_told(
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_pcap_of_can_is_refused(
-    place: Path, axisrig: Call, content: bytes, told: str
+    place: Path, axisrig: Call, content: bytes, found: str
 ) -> None:
     (place / "bad.pcap").write_bytes(content)
     code, _, err = axisrig("bus", "bad.pcap")
     assert code == 2
-    assert told in err
+    assert found in err
 
 
 @pytest.mark.parametrize(
@@ -201,13 +201,13 @@ def test_a_damaged_log_is_refused(place: Path, axisrig: Call, name: str, content
 def test_pcap_may_be_the_only_log_of_a_run(place: Path, axisrig: Call) -> None:
     """It is told as the BLF of the same run is."""
     (place / "plan.csv").write_text("case,program,rig,plc:V.E.FEED\na,part.nc,rig.toml,600\n")
-    told = []
+    found = []
     for kind in ("blf", "pcap"):
         assert axisrig("run", "plan.csv", "-o", kind, "--bus-log", kind)[0] == 0
-        told.append(axisrig("bus", kind, "plan-a", "--to", "20"))
-    assert told[0] == told[1]
-    assert told[0][0] == 0
-    assert "boot-up" in told[0][1]
+        found.append(axisrig("bus", kind, "plan-a", "--to", "20"))
+    assert found[0] == found[1]
+    assert found[0][0] == 0
+    assert "boot-up" in found[0][1]
 
 
 def test_a_folder_of_drives_for_another_master_is_told(

@@ -116,10 +116,10 @@ def test_nc_tells_stops_and_functions_with_their_instants(place: Path, axisrig: 
     words = ("nc", "part.nc", "--rig", "rig.toml")
     code, out, err = axisrig(*words, "--set", "plc:start_ms=250")
     assert (code, out) == (0, "on\n")
-    told = [line.partition(" s: ") for line in err.splitlines()]
-    instants = [round(1000 * float(at)) for at, _, _ in told]
+    found = [line.partition(" s: ") for line in err.splitlines()]
+    instants = [round(1000 * float(at)) for at, _, _ in found]
     assert [at - instants[0] for at in instants] == [0, 110, 360]
-    assert [text for _, _, text in told] == [
+    assert [text for _, _, text in found] == [
         "M8 to the PLC (part.nc line 1, block N10)",
         "M0: stop (part.nc line 3, block N30)",
         "M0: started again (part.nc line 3, block N30)",
@@ -190,8 +190,8 @@ def test_defect_in_one_row_costs_that_row_only(
     assert "Traceback" not in err
     cases = pd.read_csv(place / "out" / "cases.csv")
     assert list(cases["verdict"]) == ["error", "pass"]
-    told = json.loads((place / "out" / "runs" / "plan-a.json").read_text(encoding="utf-8"))
-    assert "a wheel came off" in told["error"]
+    found = json.loads((place / "out" / "runs" / "plan-a.json").read_text(encoding="utf-8"))
+    assert "a wheel came off" in found["error"]
 
 
 def test_check_describes_plan_and_rig_on_standard_output(place: Path, axisrig: Call) -> None:
@@ -275,17 +275,17 @@ def test_perf_json_is_one_object_with_the_split_and_the_hash_of_run(
     plan = write_plan(place, "slow,part.nc,rig.toml,1000,== 1,", "a,part.nc,rig.toml,3000,== 1,")
     code, out, err = axisrig("perf", "--json", "--plan", plan, "--case", "a", "--repeats", "1")
     assert (code, err) == (0, "")
-    told = json.loads(out)
-    assert told["case"] == "plan-a"
-    assert told["real_time_factor"] == pytest.approx(told["simulated_s"] / told["wall_s"])
-    split = told["cycle_us"]
+    found = json.loads(out)
+    assert found["case"] == "plan-a"
+    assert found["real_time_factor"] == pytest.approx(found["simulated_s"] / found["wall_s"])
+    split = found["cycle_us"]
     parts = {"kernel", "bus", "codec", "fmu", "recording"}
-    assert set(split) == {"rest"} | (set() if told["compiled"] else parts)
+    assert set(split) == {"rest"} | (set() if found["compiled"] else parts)
     assert all(isinstance(spent, float) and spent >= 0 for spent in split.values())
     assert axisrig("run", plan, "-o", "out", "-k", "a")[0] == 0
     cases = pd.read_csv(place / "out" / "cases.csv")
-    assert told["frame_log_sha256"] == cases["frame_log_sha256"][0]
-    assert told["simulated_s"] == cases["sim_s"][0]
+    assert found["frame_log_sha256"] == cases["frame_log_sha256"][0]
+    assert found["simulated_s"] == cases["sim_s"][0]
 
 
 def test_perf_takes_the_first_row_and_prints_a_table(place: Path, axisrig: Call) -> None:

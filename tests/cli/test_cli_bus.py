@@ -138,9 +138,9 @@ def test_a_log_is_told_in_words(place: Path, axisrig: Call, plan: Path) -> None:
     climbed = ["switch on disabled", "ready to switch on", "switched on", "operation enabled"]
     assert [state for state in dict.fromkeys(states) if state in climbed] == climbed
     # The same from the file, by the names of its rig; without a rig by numbers
-    _, told, _ = axisrig("bus", "out/bus/plan-a.log", "--rig", "rig.toml", "--only", "SDO")
-    assert told
-    assert all(" Z.SDO " in line for line in told.splitlines())
+    _, message, _ = axisrig("bus", "out/bus/plan-a.log", "--rig", "rig.toml", "--only", "SDO")
+    assert message
+    assert all(" Z.SDO " in line for line in message.splitlines())
     _, bare, _ = axisrig("bus", "out/bus/plan-a.blf", "--from", "1", "--to", "2")
     assert "3.SDO request" in bare
     assert all(1.0 <= float(line.split()[0]) <= 2.0 for line in bare.splitlines())
@@ -150,14 +150,14 @@ def test_a_log_is_told_in_words(place: Path, axisrig: Call, plan: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [(("out",), "plan-a"), (("plan.csv",), ".blf"), (("nowhere.blf",), ".blf")],
 )
 def test_a_log_that_is_none_is_refused(
-    place: Path, axisrig: Call, plan: Path, words: tuple[str, ...], told: str
+    place: Path, axisrig: Call, plan: Path, words: tuple[str, ...], message: str
 ) -> None:
     if words == ("out",):
         axisrig("run", plan, "-o", "out")
     code, out, err = axisrig("bus", *words)
     assert (code, out) == (2, "")
-    assert told in err
+    assert message in err

@@ -25,7 +25,7 @@ from axisrig.kernel.nc.text.words import commands, examples
 # Metrics
 
 
-def told(text: str) -> dict[str, str]:
+def message(text: str) -> dict[str, str]:
     """Each first line with what is indented below it, in one line."""
     found: dict[str, str] = {}
     for line in text.splitlines():
@@ -43,7 +43,7 @@ def without_spaces(text: str) -> str:
 
 
 def test_each_metric_has_its_form_its_unit_and_which_run_it_judges() -> None:
-    shown = told(metrics_table())
+    shown = message(metrics_table())
     assert "latch_mm[:AXIS]  mm" in shown
     assert "alarms" in shown
     for metric in known_metrics().values():
@@ -334,8 +334,8 @@ def test_gains_are_of_one_row_and_each_number_has_its_direction() -> None:
     assert "frames differ" not in show_gains(
         now, {key: value for key, value in before.items() if key != "frame_log_sha256"}
     )
-    told = show_gains(now, {**before, "compiled": True, "sources_sha256": "cd"})
-    assert "the file: axisrig compiled, sources cd" in told.splitlines()
+    message = show_gains(now, {**before, "compiled": True, "sources_sha256": "cd"})
+    assert "the file: axisrig compiled, sources cd" in message.splitlines()
     lines = gains_table({"long name": 2.0, "x": None}, {}, ["r"]).splitlines()
     assert lines[1:3] == ["  long name  2.00", "  x          -"]
     assert lines[-1] == "frames differ: r"

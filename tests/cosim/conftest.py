@@ -85,8 +85,8 @@ def build_fmu(
 
     promises: attributes of the co-simulation interface; `stepSize` is that of the experiment.
     """
-    told = {"canHandleVariableCommunicationStepSize": True, **promises}
-    identifier = model + hashlib.sha256(repr((version, told)).encode()).hexdigest()[:8]
+    found = {"canHandleVariableCommunicationStepSize": True, **promises}
+    identifier = model + hashlib.sha256(repr((version, found)).encode()).hexdigest()[:8]
     library = folder / f"{identifier}{this_platform().ending}"
     if not library.exists():
         command = [*find_compiler().command, "-std=c11", "-O1", "-shared", "-fPIC"]
@@ -96,18 +96,18 @@ def build_fmu(
     place = fmpy.platform if version == 2 else fmpy.platform_tuple
     with zipfile.ZipFile(path, "w") as archive:
         # Without the date of the day, so that one FMU built twice has the same bytes
-        text = _description(version, model, identifier, told)
+        text = _description(version, model, identifier, found)
         archive.writestr(zipfile.ZipInfo("modelDescription.xml"), text)
         name = f"binaries/{place}/{library.name}"
         archive.writestr(zipfile.ZipInfo(name), library.read_bytes())
     return path
 
 
-def _description(version: int, model: str, identifier: str, told: dict[str, str | bool]) -> str:
-    told = dict(told)
-    step = told.pop("stepSize", None)
+def _description(version: int, model: str, identifier: str, found: dict[str, str | bool]) -> str:
+    found = dict(found)
+    step = found.pop("stepSize", None)
     experiment = f'<DefaultExperiment stepSize="{step}"/>' if step else ""
-    flags = " ".join(f'{key}="{str(value).lower()}"' for key, value in told.items())
+    flags = " ".join(f'{key}="{str(value).lower()}"' for key, value in found.items())
     token = "guid" if version == 2 else "instantiationToken"
     rows = REALS[model]
     variables = [_variable(version, number, row) for number, row in enumerate(rows)]
@@ -181,7 +181,7 @@ def version(request: pytest.FixtureRequest) -> int:
 @pytest.fixture
 def fmu(odd_folder: Path, version: int) -> Callable[..., Path]:
     """Build the FMU of a C model with promises of its interface."""
-    return lambda model="odd", **told: build_fmu(odd_folder, version, model, **told)
+    return lambda model="odd", **found: build_fmu(odd_folder, version, model, **found)
 
 
 @pytest.fixture

@@ -139,8 +139,8 @@ def test_a_torque_without_its_lead_is_left_out_and_told(make) -> None:
     assert table.kinds == {ControlKind.POSITION}
     assert not table.limits_force
     assert table.force_n() is None
-    told = [note for note in table.roles.notes if "is not taken" in note]
-    assert any(note.startswith("reference_force of the FMU is not taken") for note in told)
+    found = [note for note in table.roles.notes if "is not taken" in note]
+    assert any(note.startswith("reference_force of the FMU is not taken") for note in found)
 
 
 def test_an_fmu_with_a_plain_demand_offers_position_control(fmu, make) -> None:

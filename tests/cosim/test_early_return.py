@@ -58,8 +58,8 @@ def place(tmp_path: Path, fmu: Make) -> Make:
     """A folder with rod and gate, rig and program. promises: of the gate."""
 
     def make(**promises: bool) -> Path:
-        for model, told in (("rod", {}), ("gate", promises)):
-            built = fmu(model, **told)
+        for model, found in (("rod", {}), ("gate", promises)):
+            built = fmu(model, **found)
             (tmp_path / built.name).write_bytes(built.read_bytes())
         (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")
         (tmp_path / "part.nc").write_text(PROGRAM, encoding="utf-8")

@@ -105,8 +105,10 @@ def test_crash_in_a_process_apart_is_told_with_call_and_time(
     words = ("nc", folder / "part.nc", "--rig", folder / "rig.toml", "--isolate")
     code, out, err = call(capsys, *words)
     assert (code, out) == (2, "")
-    told = rf"FMU table.fmu \(plant table\) crashed in fmi{version}DoStep at t = (\S+) ms: SIGABRT"
-    found = re.search(told, err)
+    answer = (
+        rf"FMU table.fmu \(plant table\) crashed in fmi{version}DoStep at t = (\S+) ms: SIGABRT"
+    )
+    found = re.search(answer, err)
     assert found is not None, err
     # the step that leads beyond 0.2 s begins less than a drive tick before
     assert 200.0 - 0.0625 < float(found[1]) <= 200.0

@@ -206,9 +206,9 @@ def test_notes_tell_what_is_left_out(machine: Machine) -> None:
 def test_input_without_a_role_is_told_and_never_wired_to_something(place: Path) -> None:
     settings = settings_of(place)
     plant = build_plant(settings)
-    told = describe_plants(settings, plant)
+    found = describe_plants(settings, plant)
     plant.close()
-    assert "  nothing is wired to draught: start values are kept" in told
+    assert "  nothing is wired to draught: start values are kept" in found
 
 
 def test_input_without_a_role_takes_a_start_value_in_its_own_unit(place: Path) -> None:

@@ -69,8 +69,8 @@ def test_force_belongs_to_the_instant_and_its_peak_to_the_interval(make, stiffne
     miss = {20e6: 5e-6, 500e6: 2e-4}[stiffness]
     for k in range(120):
         largest = max(fine[max(0, 200 * k - 1) : 200 * (k + 1)])
-        told = axis.stop_force_peak_n(k * MS, (k + 1) * MS)
-        assert told == pytest.approx(largest, rel=miss + 1e-5, abs=1e-6)
+        found = axis.stop_force_peak_n(k * MS, (k + 1) * MS)
+        assert found == pytest.approx(largest, rel=miss + 1e-5, abs=1e-6)
 
 
 @pytest.mark.parametrize("step_ns", [1 * MS, 4 * MS, 20 * MS])

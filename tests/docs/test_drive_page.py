@@ -75,9 +75,9 @@ def _range(row: ObjectRow) -> str:
 def test_object_table_is_that_of_the_csv() -> None:
     lines = PAGE.read_text(encoding="utf-8").splitlines()
     assert HEAD in lines, "\n".join(object_table())
-    told = takewhile(lambda line: line.startswith("|"), lines[lines.index(HEAD) :])
+    message = takewhile(lambda line: line.startswith("|"), lines[lines.index(HEAD) :])
     expected = object_table()
-    assert list(told) == expected, "\n".join(expected)
+    assert list(message) == expected, "\n".join(expected)
 
 
 if __name__ == "__main__":

@@ -14,12 +14,12 @@ def test_every_method_stands_in_the_page_as_it_is() -> None:
         for line in PAGE.splitlines()
         if line.startswith("|") and line.strip("|").split("|")[0].strip().lstrip("-").isdigit()
     ]
-    told = {int(row[0]): row[1:] for row in rows if len(row) == 7}
-    assert list(told) == list(METHODS)
+    message = {int(row[0]): row[1:] for row in rows if len(row) == 7}
+    assert list(message) == list(METHODS)
     for number, method in METHODS.items():
         has_edge = method.switch in ("negative", "positive", "home")
         level = ("on" if method.level else "off") if has_edge else "-"
-        assert told[number] == [
+        assert message[number] == [
             method.switch,
             WAYS[method.search],
             WAYS[method.approach],

@@ -25,7 +25,9 @@ def rows(first_cell: str) -> list[list[str]]:
 
 
 def test_transitions_are_those_of_the_table() -> None:
-    told = {(int(number), source, target) for number, source, target, _, _ in rows("number | from")}
+    answer = {
+        (int(number), source, target) for number, source, target, _, _ in rows("number | from")
+    }
     folder = ROOT / "kernel" / "axisrig" / "kernel" / "profiles" / "cia402"
     with (folder / "ds402_transitions.csv").open(encoding="utf-8") as file:
         ours = {
@@ -36,24 +38,24 @@ def test_transitions_are_those_of_the_table() -> None:
             )
             for row in csv.DictReader(file)
         }
-    assert told == ours
+    assert answer == ours
 
 
 def test_option_codes_are_those_of_the_table() -> None:
-    told = [tuple(row) for row in rows("object | code")]
-    assert told == [
+    answer = [tuple(row) for row in rows("object | code")]
+    assert answer == [
         (f"{index:X}", str(code), *(e.name.lower().replace("_", " ") for e in option))
         for (index, code), option in OPTIONS.items()
     ]
 
 
 def test_modes_are_those_of_the_drive() -> None:
-    told = {
+    answer = {
         (int(number), control, monitored == "yes")
         for number, _, _, control, monitored in rows("6060")
     }
     ours = {(m.number, m.needs.name.lower(), m.follows_position) for m in MODES}
-    assert told == ours
+    assert answer == ours
 
 
 def test_objects_that_are_said_to_be_missing_are_missing() -> None:

@@ -209,8 +209,8 @@ def test_scaling_objects_change_the_position_unit_on_the_bus(
         bench.remote.sdo[index][sub].raw = value
     increments = round(Fraction("123.4567") * Fraction("104857.6"))
     units = round(increments * factor)
-    told = bench.remote.sdo[0x6064].raw
-    assert told == (units + 2**31) % 2**32 - 2**31
+    found = bench.remote.sdo[0x6064].raw
+    assert found == (units + 2**31) % 2**32 - 2**31
     assert bench.remote.sdo[0x6063].raw == increments
     bench.operational(12)
     bench.enable(13)

@@ -83,8 +83,8 @@ def test_canopen_reads_back_what_the_table_says() -> None:
         elif "$NODEID" in row.default:
             assert read.default == 5 + int(row.default.removeprefix("$NODEID+"), 16)
         else:
-            told = row.default.format(**PROFILE.object_defaults)
-            assert read.default == from_profile.get(key, int(told, 0))
+            found = row.default.format(**PROFILE.object_defaults)
+            assert read.default == from_profile.get(key, int(found, 0))
     dummies = range(2, 8)  # canopen adds them by itself where DummyUsage says so
     assert sorted(dictionary) == [*dummies, *sorted({row.index for row in ROWS})]
 

@@ -110,8 +110,8 @@ def test_every_controlword_in_every_state(state: str, before: int) -> None:
         machine.command()
         machine.state, machine.option = start, option
         image.controlword = word
-        told = machine.command(), machine.state.name
-        assert told == by_bits[word & 0x8F], f"0x{word:04X}"
+        answer = machine.command(), machine.state.name
+        assert answer == by_bits[word & 0x8F], f"0x{word:04X}"
 
 
 @pytest.mark.parametrize("before", [0x06, 0x0F])

@@ -243,9 +243,9 @@ def played(make: Make, scene: Scene, key: tuple[int, int], value: int | None) ->
         bench.scheduler.run_until(-(-bench.scheduler.now_ns // (10 * MS)) * 10 * MS)
 
     scene(bench, write)
-    told = [astuple(command) for command in bench.axis.commands]
+    found = [astuple(command) for command in bench.axis.commands]
     said = [frame for frame in bench.heard if frame[1] not in SDO_IDS]
-    return told, bench.axis.limits, said
+    return found, bench.axis.limits, said
 
 
 def test_every_object_that_can_be_written_has_an_effect_or_a_reason() -> None:

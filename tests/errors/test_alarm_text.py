@@ -32,15 +32,15 @@ def test_word_class_and_area_filter(options: dict[str, object], present: int, ab
 
 @pytest.mark.parametrize("word", ["70331", "ID 70331", "ID70331"])
 def test_one_id_is_told_in_full(word: str) -> None:
-    told = alarm_listing(word)
-    assert told.startswith("ID 70331, class 7: controlled halt of the axis (distance control)")
-    assert "Newer builds report 310017." in told
-    assert "deviation_mm [mm]" in told
-    assert "P-AXIS-00414" in told
-    assert "raised     yes" in told
+    message = alarm_listing(word)
+    assert message.startswith("ID 70331, class 7: controlled halt of the axis (distance control)")
+    assert "Newer builds report 310017." in message
+    assert "deviation_mm [mm]" in message
+    assert "P-AXIS-00414" in message
+    assert "raised     yes" in message
     assert "raised     not yet" in alarm_listing("310021")
-    assert "FCT-M3 11" in told
-    assert "retract with care" in told
+    assert "FCT-M3 11" in message
+    assert "retract with care" in message
 
 
 def test_a_newer_twin_says_under_which_id_it_is_raised() -> None:
@@ -49,9 +49,9 @@ def test_a_newer_twin_says_under_which_id_it_is_raised() -> None:
 
 def test_every_alarm_can_be_told() -> None:
     for alarm_id, entry in catalogue().items():
-        told = " ".join(explained(alarm_id).split())
-        assert entry.remedy in told
-        assert reaction_classes()[entry.reaction_class]["machine"] in told
+        message = " ".join(explained(alarm_id).split())
+        assert entry.remedy in message
+        assert reaction_classes()[entry.reaction_class]["machine"] in message
 
 
 def test_an_unknown_id_names_the_nearest() -> None:

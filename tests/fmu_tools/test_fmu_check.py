@@ -30,14 +30,14 @@ def checked(axisrig: Call) -> Callable[..., tuple[int, Rows]]:
     def check(fmu: Path, *options: str) -> tuple[int, Rows]:
         code, out, err = axisrig("fmu", "check", fmu, "--json", *options)
         assert err == ""
-        (told,) = json.loads(out)["fmus"]
-        assert told["file"].endswith(".fmu")
-        assert fmu.stem in told["file"]
+        (answer,) = json.loads(out)["fmus"]
+        assert answer["file"].endswith(".fmu")
+        assert fmu.stem in answer["file"]
         rows: dict[str, list[Mapping[str, str]]] = {}
-        for finding in told["findings"]:
+        for finding in answer["findings"]:
             rows.setdefault(finding["area"], []).append(finding)
-        words = {finding["level"] for finding in told["findings"]}
-        assert told["verdict"] == ("FAIL" if "FAIL" in words else max(words))
+        words = {finding["level"] for finding in answer["findings"]}
+        assert answer["verdict"] == ("FAIL" if "FAIL" in words else max(words))
         assert code == (1 if "FAIL" in words else 0)
         return code, rows
 
@@ -358,9 +358,9 @@ def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> N
         text=True,
         check=True,
     )
-    (told,) = json.loads(ended.stdout)["fmus"]
-    assert told["verdict"] == "warn"
-    (found,) = [f for f in told["findings"] if "standard output" in f["text"]]
+    (answer,) = json.loads(ended.stdout)["fmus"]
+    assert answer["verdict"] == "warn"
+    (found,) = [f for f in answer["findings"] if "standard output" in f["text"]]
     assert found["area"] == "call sequence"
     assert found["text"] == "100 lines on standard output, the first: a step"
     assert ended.stderr == f"trying out {fmu}\n"

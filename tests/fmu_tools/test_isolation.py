@@ -64,13 +64,13 @@ def test_finished_cases_stay_and_the_others_go_on(
     cases = pd.read_csv(place / "results" / "cases.csv")
     assert list(cases["verdict"]) == ["pass", "error", "pass"]
     assert cases["frame_log_sha256"][0] == cases["frame_log_sha256"][2]
-    told = "ended the process in fmi3DoStep" if how == "EXIT" else "crashed in fmi3DoStep"
-    assert re.search(rf"FMU bad.fmu \(plant z\) {told} at t = [5-9]\.\d+ ms: ", out)
+    found = "ended the process in fmi3DoStep" if how == "EXIT" else "crashed in fmi3DoStep"
+    assert re.search(rf"FMU bad.fmu \(plant z\) {found} at t = [5-9]\.\d+ ms: ", out)
     assert SIGNALS.get(how, "exit code 3") in out
     assert "pass" in (place / "results" / "report.html").read_text(encoding="utf-8")
     code, out, err = axisrig("replay", "results", cases["run"][1], "--isolate")
     assert (code, out) == (2, "")
-    assert told in err
+    assert found in err
     code, out, _ = axisrig("replay", "results", cases["run"][0], "--isolate")
     assert (code, out.splitlines()[-1]) == (0, "frame_log_sha256 equal")
 

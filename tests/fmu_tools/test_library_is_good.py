@@ -42,4 +42,4 @@ def test_models_do_the_same_in_a_process_with_another_memory_layout() -> None:
     assert len(set(here.values())) == len(MODELS)
     tasks = [["determinism", path] for path in paths.values()]
     there = run_apart(stages.run_stage, tasks, is_fresh=False, is_unrelated=True)
-    assert [getattr(told, "digest", told) for told in there] == list(here.values())
+    assert [getattr(answer, "digest", answer) for answer in there] == list(here.values())

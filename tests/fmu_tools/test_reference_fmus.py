@@ -59,8 +59,10 @@ class Compared:
 
 
 def _own_step_ns(description: Any) -> TimeNs:
-    told = description.defaultExperiment.stepSize or description.coSimulation.fixedInternalStepSize
-    return round(float(told or 1e-3) * 1e9)
+    answer = (
+        description.defaultExperiment.stepSize or description.coSimulation.fixedInternalStepSize
+    )
+    return round(float(answer or 1e-3) * 1e9)
 
 
 def _plans(description: Any) -> list[tuple[TimeNs, int]]:

@@ -154,13 +154,13 @@ def test_late_syncs_are_counted_from_the_plan_before_it_moved(make_bench: Any) -
     bench = make_bench(slip_ns=250 * US)
     bench.wall.stall(after_ns=1900 * US, for_ns=3 * MS)
     _cycles(bench, 4)
-    told = bench.deadlines.as_data(MS)
-    assert told["cycles"] == 4
-    assert told["late_cycles"] == 1
-    assert 2800 <= told["lateness_us"]["most_us"] <= 3000
-    assert told["interval_us"]["least_us"] >= 980
-    assert sum(told["histogram"]) == 4
-    assert told["histogram"][BINS_US.index(2000)] == 1
+    found = bench.deadlines.as_data(MS)
+    assert found["cycles"] == 4
+    assert found["late_cycles"] == 1
+    assert 2800 <= found["lateness_us"]["most_us"] <= 3000
+    assert found["interval_us"]["least_us"] >= 980
+    assert sum(found["histogram"]) == 4
+    assert found["histogram"][BINS_US.index(2000)] == 1
 
 
 def test_a_delay_in_the_interface_itself_brings_no_second_sync_too_early(make_bench: Any) -> None:
@@ -173,10 +173,10 @@ def test_a_delay_in_the_interface_itself_brings_no_second_sync_too_early(make_be
 
     bench.adapter.send = slow
     _cycles(bench, 5)
-    told = bench.deadlines.as_data(MS)
-    assert told["interval_us"]["least_us"] >= 980
-    assert 900 <= told["lateness_us"]["most_us"] <= 920
-    assert (told["late_cycles"], told["slips"]) == (1, 1)
+    found = bench.deadlines.as_data(MS)
+    assert found["interval_us"]["least_us"] >= 980
+    assert 900 <= found["lateness_us"]["most_us"] <= 920
+    assert (found["late_cycles"], found["slips"]) == (1, 1)
 
 
 def test_the_syncs_of_two_segments_are_one_cycle(make_bench: Any) -> None:
@@ -190,21 +190,21 @@ def test_the_syncs_of_two_segments_are_one_cycle(make_bench: Any) -> None:
     bench.scheduler.run_until(5 * MS)
     second.close()
     assert bench.sent_ids() == [SYNC] * 8
-    told = bench.deadlines.as_data(MS)
-    assert told["cycles"] == 4
-    assert told["interval_us"]["least_us"] > 950
+    found = bench.deadlines.as_data(MS)
+    assert found["cycles"] == 4
+    assert found["interval_us"]["least_us"] > 950
 
 
 def test_figures_of_deadlines_against_numbers_counted_by_hand() -> None:
     deadlines = Deadlines(late_ns=100 * US)
     for k, late_us in enumerate([0, 5, 10, 99, 101, 5000]):
         deadlines.sync_sent(k * MS, k * MS + late_us * US)
-    told = deadlines.as_data(MS)
-    assert (told["cycles"], told["late_cycles"]) == (6, 2)
-    assert told["lateness_us"] == {
+    found = deadlines.as_data(MS)
+    assert (found["cycles"], found["late_cycles"]) == (6, 2)
+    assert found["lateness_us"] == {
         "least_us": 0.0, "median_us": 10.0, "p99_us": 5000.0, "most_us": 5000.0
     }  # fmt: skip
-    assert told["histogram"] == [2, 1, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0]
-    assert told["interval_us"] == {
+    assert found["histogram"] == [2, 1, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0]
+    assert found["interval_us"] == {
         "least_us": 1002.0, "median_us": 1005.0, "p99_us": 5899.0, "most_us": 5899.0
     }  # fmt: skip

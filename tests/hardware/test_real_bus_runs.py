@@ -61,7 +61,7 @@ def test_nothing_moves_unless_it_is_told_to(place: Path, axisrig: Call) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "told"),
+    ("key", "found"),
     [
         ("", "104857.6 position units per mm (the lead is NOT compared with the drive)"),
         ("position_unit_um = 0.1", "10000 position units per mm (compared with the drive"),
@@ -69,13 +69,13 @@ def test_nothing_moves_unless_it_is_told_to(place: Path, axisrig: Call) -> None:
     ],
 )
 def test_the_list_of_axes_says_how_far_they_will_go(
-    place: Path, axisrig: Call, key: str, told: str
+    place: Path, axisrig: Call, key: str, found: str
 ) -> None:
     """1048576 increments on 10 mm are 104857.6 per mm; units of 0.1 um are 10000."""
     name, _, value = key.partition(" = ")
     column = f",drive:servo.{name}" if name else ""
     _, _, err = axisrig("run", _plan(place, column, f",{value}" if name else ""), *SERIAL)
-    assert f"encoder 1048576 increments per revolution, lead 10 mm, {told}" in err
+    assert f"encoder 1048576 increments per revolution, lead 10 mm, {found}" in err
 
 
 def test_a_program_is_asked_for_in_the_same_way(place: Path, axisrig: Call) -> None:
@@ -102,7 +102,7 @@ def test_a_rig_of_real_hardware_says_so_itself(place: Path, axisrig: Call) -> No
 
 
 @pytest.mark.parametrize(
-    ("column", "cell", "told"),
+    ("column", "cell", "found"),
     [
         ("plant:probe.surface_mm", "90", "probe is not simulated"),
         ("plant:z.kv", "20", "z is not simulated"),
@@ -110,11 +110,11 @@ def test_a_rig_of_real_hardware_says_so_itself(place: Path, axisrig: Call) -> No
     ],
 )
 def test_what_only_a_simulation_can_do_is_refused(
-    place: Path, axisrig: Call, column: str, cell: str, told: str
+    place: Path, axisrig: Call, column: str, cell: str, found: str
 ) -> None:
     code, _, err = axisrig("run", _plan(place, f",{column}", f",{cell}"), *SERIAL, "--yes")
     assert code == 2
-    assert told in err
+    assert found in err
     if column.startswith("plant"):
         assert "plan.csv:2:5" in err
 

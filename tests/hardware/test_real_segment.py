@@ -154,7 +154,7 @@ def test_the_reason_of_a_lost_bus_is_one_line(make_bench: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("interface", "channel", "options", "told"),
+    ("interface", "channel", "options", "found"),
     [
         ("socketcand", "can0", {}, ["without host and port", "--option host=", "--option port="]),
         ("socketcand", None, {"host": "127.0.0.1", "port": 1}, ["without channel", "--channel"]),
@@ -164,9 +164,9 @@ def test_the_reason_of_a_lost_bus_is_one_line(make_bench: Any) -> None:
     ],
 )
 def test_what_an_interface_lacks_is_said_with_an_example(
-    interface: str, channel: str | None, options: dict[str, Any], told: list[str]
+    interface: str, channel: str | None, options: dict[str, Any], found: list[str]
 ) -> None:
     with pytest.raises(UserError) as caught:
         open_bus(interface, channel, 1_000_000, options)
-    assert all(words in str(caught.value) for words in told), str(caught.value)
+    assert all(words in str(caught.value) for words in found), str(caught.value)
     assert "__init__" not in str(caught.value)

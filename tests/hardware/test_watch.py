@@ -13,7 +13,7 @@ from axisrig.kernel.profiles.cia402.ds402 import State
 
 
 @pytest.mark.parametrize(
-    ("can_id", "data", "told"),
+    ("can_id", "data", "found"),
     [
         (0x083, "11 86 21 00 00 00 00 00",
          "EMCY    0x8611, following error, error register 0x21"),
@@ -24,7 +24,7 @@ from axisrig.kernel.profiles.cia402.ds402 import State
          "SDO     abort of 0x6060:00 with 0x0F000001, a code of the manufacturer"),
     ],
 )  # fmt: skip
-def test_codes_are_told_in_words(can_id: int, data: str, told: str) -> None:
+def test_codes_are_told_in_words(can_id: int, data: str, found: str) -> None:
     axis = SimpleNamespace(segment="can1", plant="z")
     settings: Any = SimpleNamespace(rig=SimpleNamespace(axis={"Z": axis}))
     node: Any = SimpleNamespace(
@@ -38,4 +38,4 @@ def test_codes_are_told_in_words(can_id: int, data: str, told: str) -> None:
     with ExitStack() as opened:
         watch = Watcher(settings, {"Z": node}, plant, lines.append, None, opened)
         watch(1_000_000, "can1", data_frame(can_id, bytes.fromhex(data)), False)
-    assert lines == [f"    0.001000 s  Z    {told}"]
+    assert lines == [f"    0.001000 s  Z    {found}"]

@@ -95,9 +95,9 @@ def test_parts_are_the_rows_in_their_order(
 @given(values=st.lists(st.integers(0, 2), max_size=30), size=st.integers(1, 9))
 def test_unbroken_times_do_not_end_with_a_block(values: list[int], size: int) -> None:
     blocks = [(np.array(values[at : at + size]), at) for at in range(0, len(values), size)]
-    told = unbroken(blocks)
-    assert [time.value for time in told for _ in range(time.begin, time.end)] == values
-    assert all(one.value != other.value for one, other in pairwise(told))
+    answer = unbroken(blocks)
+    assert [time.value for time in answer for _ in range(time.begin, time.end)] == values
+    assert all(one.value != other.value for one, other in pairwise(answer))
 
 
 @pytest.mark.parametrize("sizes", [[6], [3, 3], [1, 2, 3], [5, 1], [1] * 6])
@@ -146,12 +146,12 @@ def test_every_metric_is_the_same_in_blocks_of_any_size(
     result = run_case(row, RunFiles(trace=tmp_path / "run.parquet"))
     assert result.facts is not None
     table = pq.read_table(tmp_path / "run.parquet")
-    told = []
+    answer = []
     for rows in (table.num_rows, 97, 512):
         path = tmp_path / f"{rows}.parquet"
         pq.write_table(table, path, row_group_size=rows)
         observed = Observed(result.facts, Series(path))
-        told.append(
+        answer.append(
             {
                 (name, axis): repr(metric(observed, axis))
                 for topic in TOPICS
@@ -160,4 +160,4 @@ def test_every_metric_is_the_same_in_blocks_of_any_size(
             }
         )
     assert len(Series(tmp_path / "97.parquet").blocks) > 3
-    assert told[0] == told[1] == told[2]
+    assert answer[0] == answer[1] == answer[2]

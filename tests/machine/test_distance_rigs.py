@@ -44,11 +44,11 @@ def test_the_sensor_value_has_the_age_that_the_telegrams_give_it(
 ) -> None:
     """Whole cycles, from the truth of the plant; ages of even and odd cycles, in some order."""
     out = run_nc(APPROACH, "", f"drive:servo.second_delay_cycles={delay}", base=f"{rig}.toml")
-    told, true = told_and_true(out)
+    answer, true = told_and_true(out)
     assert out.alarms == []
     moving = np.flatnonzero(np.abs(np.diff(true)) > 1e-3)[12:-1] + 1  # past the begin
     found = [
-        next(age for age in range(20) if abs(told[k] - true[k - age]) < 0.51 * COUNT_MM)
+        next(age for age in range(20) if abs(answer[k] - true[k - age]) < 0.51 * COUNT_MM)
         for k in moving
     ]
     assert sorted([set(found[0::2]), set(found[1::2])], key=min) == [{age} for age in ages]
@@ -74,22 +74,22 @@ def test_the_trace_keeps_the_distance_control(run_nc: Run) -> None:
         base="distance-z.toml",
     )
     assert out.alarms == []
-    told = {
+    answer = {
         name: out.column(f"Z.{name}_mm")
         for name in ("sensor", "distance_cnc", "surface_cnc", "actual", "offset", "step", "set_pos")
     }
-    known = ~np.isnan(told["sensor"])
+    known = ~np.isnan(answer["sensor"])
     assert known[10:].all()
-    assert np.array_equal(told["distance_cnc"][known], -told["sensor"][known])
-    surface = told["actual"] + told["sensor"]
-    assert np.allclose(told["surface_cnc"][known], surface[known], rtol=0, atol=1e-12)
-    steps = np.diff(told["offset"], prepend=0.0)
-    assert np.allclose(told["step"], steps, rtol=0, atol=1e-12)
+    assert np.array_equal(answer["distance_cnc"][known], -answer["sensor"][known])
+    surface = answer["actual"] + answer["sensor"]
+    assert np.allclose(answer["surface_cnc"][known], surface[known], rtol=0, atol=1e-12)
+    steps = np.diff(answer["offset"], prepend=0.0)
+    assert np.allclose(answer["step"], steps, rtol=0, atol=1e-12)
     states = out.column("Z.distance_state")
     assert list(dict.fromkeys(states.tolist())) == [0, 1, 3]
-    assert np.isnan(told["set_pos"][0])
-    assert set(told["set_pos"][states == 1]) == {30.0}
-    assert told["offset"][states == 1][-1] == pytest.approx(0.2, rel=0, abs=COUNT_MM)
+    assert np.isnan(answer["set_pos"][0])
+    assert set(answer["set_pos"][states == 1]) == {30.0}
+    assert answer["offset"][states == 1][-1] == pytest.approx(0.2, rel=0, abs=COUNT_MM)
 
 
 def test_a_workpiece_moves_and_a_signal_is_lost_in_time(run_nc: Run) -> None:
@@ -121,10 +121,10 @@ def test_the_plc_side_shows_the_sensor_in_a_variable(run_nc: Run, rig: str, age:
     choose = "N1 Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]\nN2 G04 0.02\n"
     out = run_nc(choose + APPROACH, "", base=f"{rig}.toml")
     assert out.alarms == []
-    told, true = told_and_true(out)
+    answer, true = told_and_true(out)
     moving = np.flatnonzero(np.abs(np.diff(true)) > 1e-3)[4:] + 1
-    assert np.array_equal(np.round(told[moving] * 1e4), np.round(true[moving - age] * 1e4))
-    assert np.ptp(told[moving]) > 0.4
+    assert np.array_equal(np.round(answer[moving] * 1e4), np.round(true[moving - age] * 1e4))
+    assert np.ptp(answer[moving]) > 0.4
 
 
 FAST = [

@@ -68,8 +68,8 @@ def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) ->
 def test_values_given_to_a_drive_are_marks_of_the_run(run_own: Callable[..., Any]) -> None:
     """As the program has them, to the last digit, in its order."""
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
-    told = [m.label for m in events(outcome.observed) if m.label.startswith("#DRIVE")]
-    assert told[:2] == ["#DRIVE WR Z TORQUE_LIMIT = 10", "#DRIVE WR Z MON_WINDOW = 4294967295"]
+    found = [m.label for m in events(outcome.observed) if m.label.startswith("#DRIVE")]
+    assert found[:2] == ["#DRIVE WR Z TORQUE_LIMIT = 10", "#DRIVE WR Z MON_WINDOW = 4294967295"]
 
 
 def test_the_drive_begins_with_what_the_program_restores(run_own: Callable[..., Any]) -> None:
@@ -88,8 +88,8 @@ def test_a_fixed_stop_is_a_following_error_only_while_the_drive_watches(
     """Stopped at 105 mm on the way to 120 mm; the window is 1048575 of 1048576 units for 10 mm."""
     in_front = ["plant:z.position_start_mm=100", "plant:z.stop_position_mm=105"]
     outcome = run_own(PROGRAMS / program, RIGS / "drive-functions.toml", in_front)
-    told = [str(alarm) for alarm in outcome.machine.channel.alarms]
-    assert sum("900005" in text and "0x8611" in text for text in told) == len(told) == faults
+    found = [str(alarm) for alarm in outcome.machine.channel.alarms]
+    assert sum("900005" in text and "0x8611" in text for text in found) == len(found) == faults
 
 
 def test_a_cyclic_function_acts_like_one_over_sdo(

@@ -42,7 +42,7 @@ def witness(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def told(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
+def answer(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
     """What the witness tells: instant (s) and count, read when a machine is closed."""
     found: list[tuple[float, float]] = []
     close = Machine.close
@@ -64,7 +64,7 @@ def told(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
 def test_edge_comes_when_the_axis_passes_the_wall(
     run_nc: Callable[..., Any],
     witness: Path,
-    told: list[tuple[float, float]],
+    answer: list[tuple[float, float]],
     depth_mm: float,
     cycle: str,
     feed_forward: float,
@@ -82,7 +82,7 @@ def test_edge_comes_when_the_axis_passes_the_wall(
     start = {{ surface_mm = {wall}, trigger_delay_us = {DELAY_NS / 1000} }}
     """
     out = run_nc("N10 G100 Z100 F6000", rig, base="probe-z.toml")
-    ((hit_s, hits),) = told
+    ((hit_s, hits),) = answer
     (probe,) = out.machine.plant.probes.values()
     assert hits == 1
     assert abs(probe.contacts[0].time_ns - hit_s * 1e9) < 1.0

@@ -116,8 +116,8 @@ def test_check_says_how_latches_are_proved(tmp_path: Path, rig: str, words: str)
 
 @pytest.mark.parametrize("rig", sorted(path.name for path in RIGS.glob("*.toml")))
 def test_no_shipped_rig_measures_without_a_proof(rig: str) -> None:
-    told = describe_latches(read_settings(*read_rig(RIGS / rig), []))
-    assert [line for line in told if line.startswith("warning")] == []
+    answer = describe_latches(read_settings(*read_rig(RIGS / rig), []))
+    assert [line for line in answer if line.startswith("warning")] == []
 
 
 def test_results_report_and_command_line_name_the_axes(tmp_path: Path) -> None:
@@ -138,5 +138,7 @@ def test_results_report_and_command_line_name_the_axes(tmp_path: Path) -> None:
     assert campaign.exit_code == 3
     page = whole(build_report(tmp_path / "out"))
     assert "<dt>unproved latches</dt><dd>Z " in page
-    told = run_program(tmp_path / "z.nc", tmp_path / "rig.toml", [SURFACE], [], lambda _text: None)
-    assert [note.text for note in told if note.text.startswith("axis Z: unproved latches: 1")]
+    answer = run_program(
+        tmp_path / "z.nc", tmp_path / "rig.toml", [SURFACE], [], lambda _text: None
+    )
+    assert [note.text for note in answer if note.text.startswith("axis Z: unproved latches: 1")]

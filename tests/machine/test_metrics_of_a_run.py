@@ -96,7 +96,7 @@ def test_a_motor_that_goes_straight_has_no_lag_between_two_rows() -> None:
     assert np.max(bent) > 1e-6
 
 
-def told(metric: str, period_ns: int, end_ns: int | None) -> Any:
+def answer(metric: str, period_ns: int, end_ns: int | None) -> Any:
     """Observe a metric of a run of Z whose contact came at CONTACT_NS."""
     facts = Facts(
         Timing(period_ns, 0, 0),
@@ -116,11 +116,11 @@ def told(metric: str, period_ns: int, end_ns: int | None) -> Any:
 def test_contact_to_standstill_is_known_to_a_period(period_ms: int) -> None:
     """The axes stand in a cycle; that they stood one earlier it cannot have seen."""
     end_ns = 200 * MS + 600 * US
-    found = told("contact_to_standstill_ms", period_ms * MS, end_ns)
+    found = answer("contact_to_standstill_ms", period_ms * MS, end_ns)
     assert found.value == (end_ns - CONTACT_NS) / 1e6 == 77.143211
     assert found.uncertainty == period_ms
 
 
 def test_a_run_that_did_not_end_has_no_standstill() -> None:
-    found = told("contact_to_standstill_ms", MS, None)
+    found = answer("contact_to_standstill_ms", MS, None)
     assert (found.value, found.note) == (None, "the measurement run did not end")

@@ -25,6 +25,6 @@ def test_the_events_of_one_instant_keep_the_order_of_the_program(
     )
     wanted = ["M9 to", "V.E.DONE = 1", "M7 to", "V.E.DONE = 2", "M1: stop", "M1: started", "M8 to"]
     labels = [event.label for event in events(out.observed)]
-    told = [label for label in labels if label.startswith(("M", "V.E."))]
-    for seen in (told, [line.split(" s: ")[1] for line in said(out)]):
+    found = [label for label in labels if label.startswith(("M", "V.E."))]
+    for seen in (found, [line.split(" s: ")[1] for line in said(out)]):
         assert [line[: len(want)] for line, want in zip(seen, wanted, strict=True)] == wanted

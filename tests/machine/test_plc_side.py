@@ -39,11 +39,11 @@ def test_a_function_brings_a_value_to_the_drive_and_waits_until_it_is_there(run_
     )
     assert out.printed("limit") == [5000, 30, 500]
     period_ns = out.machine.timing.period_ns
-    ((told,), (sent,)) = (
+    ((answer,), (sent,)) = (
         at_ns(out, "M50 to the PLC"),
         at_ns(out, "Z.torque_limit = 300 from the PLC"),
     )
-    assert sent == told + period_ns
+    assert sent == answer + period_ns
     (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
     assert sent < taken < sent + 3 * MS
     labels = [event.label for event in events(out.observed)]
@@ -60,8 +60,8 @@ def test_a_motion_behind_the_function_begins_when_the_drive_has_its_value(run_nc
         base=BASE,
     )
     (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
-    (told,) = at_ns(out, "M50 to the PLC")
-    assert taken - told > 20 * MS
+    (answer,) = at_ns(out, "M50 to the PLC")
+    assert taken - answer > 20 * MS
     times, set_mm = out.column("time_ns"), out.column("Z.set_mm")
     begin_ns = int(times[(set_mm != set_mm[0]).argmax()])
     assert taken < begin_ns < taken + 3 * out.machine.timing.period_ns
@@ -74,11 +74,11 @@ def test_times_and_the_second_of_a_moment(run_nc: RunNc) -> None:
         "plc:Z.torque_limit=300 at=M50+20ms nth=2; 400 at=30ms",
         base=BASE,
     )
-    start_ns, told = out.machine.channel.start_ns, at_ns(out, "M50 to the PLC")
-    assert at_ns(out, "Z.torque_limit = 300 from the PLC") == [told[1] + 20 * MS]
+    start_ns, answer = out.machine.channel.start_ns, at_ns(out, "M50 to the PLC")
+    assert at_ns(out, "Z.torque_limit = 300 from the PLC") == [answer[1] + 20 * MS]
     assert at_ns(out, "Z.torque_limit = 400 from the PLC") == [start_ns + 30 * MS]
     (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
-    assert told[2] > taken  # M50 is acknowledged when the drive has its value
+    assert answer[2] > taken  # M50 is acknowledged when the drive has its value
 
 
 def test_a_limit_holds_for_a_measurement_run_and_is_restored_behind_it(run_nc: RunNc) -> None:

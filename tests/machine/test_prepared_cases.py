@@ -185,14 +185,14 @@ def test_several_processes_prepare_every_case(
         return prepare(case)
 
     monkeypatch.setattr(runner, "prepare", prepared)
-    told: list[tuple[object, list[Case]]] = []
+    found: list[tuple[object, list[Case]]] = []
 
     def noted(_function: object, tasks: list[tuple[object, list[Case]]], **_: object):  # type: ignore[no-untyped-def]
-        told.extend(tasks)
+        found.extend(tasks)
         yield from ([] for _ in tasks)
 
     monkeypatch.setattr(runner, "run_apart", noted)
     monkeypatch.setattr(runner, "FEW", 0)
     prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=2)
     assert here == ["one"]
-    assert [[case.case for case in some] for _, some in told] == [["two"], ["three"]]
+    assert [[case.case for case in some] for _, some in found] == [["two"], ["three"]]

@@ -100,15 +100,15 @@ def test_what_sensors_tell_at_each_sync_is_recorded(run_own: Run, tmp_path: Path
     assert out.column("X.velocity_mm_s")[steady] == pytest.approx(SPEED_MM_S, abs=0.01)
     lag = number * SPEED_MM_S / (2 * math.pi * CORNER_HZ)
     filtered = np.sin(number * x_mm - math.atan(lag)) / math.hypot(1, lag)
-    told = out.column("wave.distance_mm")[steady]
-    assert told == pytest.approx((z_mm - AMPLITUDE_MM * filtered)[steady], abs=1e-5)
+    found = out.column("wave.distance_mm")[steady]
+    assert found == pytest.approx((z_mm - AMPLITUDE_MM * filtered)[steady], abs=1e-5)
 
     # harmonic mean over the disc, and the filter of 1 kHz behind it
     seen = slope / 2 * (1 + np.sqrt(1 - (RADIUS_MM * SLOPE / slope) ** 2))
     behind = SLOPE * SPEED_MM_S / (2 * math.pi * 1000)
     assert np.all((slope - seen)[steady] > 4e-4)
-    told = out.column("slope.distance_mm")[steady]
-    assert told == pytest.approx((seen + behind)[steady], abs=2e-6)
+    found = out.column("slope.distance_mm")[steady]
+    assert found == pytest.approx((seen + behind)[steady], abs=2e-6)
 
     # a linear encoder 5 mm off, in whole micrometres
     counts = out.column("scale.distance_mm") * 1e3

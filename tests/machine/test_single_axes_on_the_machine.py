@@ -106,8 +106,8 @@ def test_a_run_beside_the_program_leaves_nothing_of_the_one_before(run_nc: Run) 
         "",
         base="independent-xy.toml",
     )
-    told = [out.printed(name)[0] for name in ("first", "under way", "without", "third")]
-    assert told == [1.0, 0.0, 0.0, 1.0]
+    found = [out.printed(name)[0] for name in ("first", "under way", "without", "third")]
+    assert found == [1.0, 0.0, 0.0, 1.0]
     assert out.printed("X") == [pytest.approx(60.0, abs=INCREMENT_MM)]
     assert out.alarms == [900101]
     run = [record for record in out.machine.channel.records if record.axes == ("X",)][2]

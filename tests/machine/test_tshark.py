@@ -176,14 +176,14 @@ def test_tshark_and_we_agree_on_every_frame(
 def test_the_case_holds_what_it_promises(case: tuple[Path, Path, Seen]) -> None:
     """Else the comparison above would prove less than it says."""
     _, _, seen = case
-    told = [dissect(frame, is_error=is_error) for _, frame, is_error in seen]
-    services = Counter(item.service for item in told)
+    found = [dissect(frame, is_error=is_error) for _, frame, is_error in seen]
+    services = Counter(item.service for item in found)
     assert {
         "NMT", "SYNC", "EMCY", "TPDO1", "TPDO2", "TPDO3", "RPDO1", "SDO request", "SDO answer",
         "heartbeat", "error frame",
     } == set(services)  # fmt: skip
-    assert any(item.fields.get("abort_code") == 0x06020000 for item in told)
-    assert any(item.fields.get("code") == 0x8210 for item in told)
-    assert {0, 5, 127} <= {item.fields.get("state") for item in told}
-    assert any(item.fields.get("remote") for item in told)
-    assert any(item.fields.get("is_last") for item in told)  # a segmented answer
+    assert any(item.fields.get("abort_code") == 0x06020000 for item in found)
+    assert any(item.fields.get("code") == 0x8210 for item in found)
+    assert {0, 5, 127} <= {item.fields.get("state") for item in found}
+    assert any(item.fields.get("remote") for item in found)
+    assert any(item.fields.get("is_last") for item in found)  # a segmented answer

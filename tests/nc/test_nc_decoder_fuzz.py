@@ -61,8 +61,8 @@ PROGRAMS = st.lists(st.recursive(PLAIN, _nested, max_leaves=8), max_size=6)
 def test_every_program_gives_commands_or_says_what_is_wrong(plane_machine, parts):
     text = "\n".join([HEAD, *parts, "[OUT] M30"])
     machine, external = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0)), {"A": 1.0}
-    told = (Alarm, UserError)
-    with suppress(*told), patch.object(interpreter, "IDLE_BLOCKS_MAX", 500):
+    message = (Alarm, UserError)
+    with suppress(*message), patch.object(interpreter, "IDLE_BLOCKS_MAX", 500):
         program = parse_program(text, axes=XYZ)
         commands = Interpreter(program, XYZ, machine, external=external).commands()
         for command in islice(commands, 100):

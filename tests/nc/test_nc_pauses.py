@@ -237,8 +237,8 @@ def test_stops_act_behind_the_motion_of_their_block() -> None:
 def test_functions_are_told_before_the_motion_of_their_block() -> None:
     commands = decoded(words("G0", X=1.0, m=("M8", "M80"), H=4.0, T=12.0))
     assert kinds(commands) == [*["TechnologyFunction"] * 4, "LinearMove"]
-    told = [f"{command.letter}{command.number}" for command in commands[:4]]
-    assert told == ["M8", "M80", "H4", "T12"]
+    message = [f"{command.letter}{command.number}" for command in commands[:4]]
+    assert message == ["M8", "M80", "H4", "T12"]
 
 
 def test_ends_of_program_and_stops_are_not_told() -> None:

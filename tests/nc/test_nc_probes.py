@@ -49,10 +49,10 @@ def test_900104_for_a_type_that_does_not_exist(run) -> None:
 def test_err_no_signal_goes_with_every_run_behind_it(run) -> None:
     before, after = _of(run(f"{RUN}\nG0 X0\n#MEAS[ERR_NO_SIGNAL=0]{RUN}"), MeasuringRun)
     assert (before.error_no_signal, after.error_no_signal) == (None, False)
-    (told,) = _of(run(f"#MEAS[TYPE=4 ERR_NO_SIGNAL=1]{RUN}"), MeasuringRun)
-    assert (told.measuring_type, told.error_no_signal) == (4, True)
-    (told,) = _of(run(f"#MEAS[ERR_NO_SIGNAL=1]\n#MEAS DEFAULT{RUN}"), MeasuringRun)
-    assert told.error_no_signal is None
+    (message,) = _of(run(f"#MEAS[TYPE=4 ERR_NO_SIGNAL=1]{RUN}"), MeasuringRun)
+    assert (message.measuring_type, message.error_no_signal) == (4, True)
+    (message,) = _of(run(f"#MEAS[ERR_NO_SIGNAL=1]\n#MEAS DEFAULT{RUN}"), MeasuringRun)
+    assert message.error_no_signal is None
 
 
 @pytest.mark.parametrize(
@@ -67,10 +67,10 @@ def test_err_no_signal_goes_with_every_run_behind_it(run) -> None:
     ],
 )
 def test_an_axis_gets_its_settings(run, text: str, settings: tuple[Any, ...]) -> None:
-    (told,) = _of(run(f"#MEAS[{text}]"), ProbeSettings)
-    assert (told.axis, told.edge, told.probe_input, told.probe) == settings
+    (message,) = _of(run(f"#MEAS[{text}]"), ProbeSettings)
+    assert (message.axis, message.edge, message.probe_input, message.probe) == settings
     source = re.search(r"SIGNAL=(\w+)", text)
-    assert told.source == (source and source[1])
+    assert message.source == (source and source[1])
 
 
 def test_default_and_preparation_are_handed_on(run) -> None:
@@ -80,7 +80,7 @@ def test_default_and_preparation_are_handed_on(run) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("SIMU_OFFSET=1 TRIGGER", ("TRIGGER", "SIMU_OFFSET")),
         ("SIMU_OFFSET=1 AX=X", ("AX", "SIMU_OFFSET")),
@@ -92,11 +92,11 @@ def test_default_and_preparation_are_handed_on(run) -> None:
     ],
 )
 def test_keywords_that_exclude_each_other_and_settings_of_no_axis_are_refused(
-    run, text: str, told: tuple[str, str]
+    run, text: str, message: tuple[str, str]
 ) -> None:
     with pytest.raises(UserError) as caught:
         run(f"#MEAS[{text}]")
-    assert all(word in str(caught.value) for word in told)
+    assert all(word in str(caught.value) for word in message)
 
 
 @pytest.mark.parametrize("text", ["#MEAS", "#MEAS[]", "#MEAS[AX=X]", "#MEAS[AXNR=1]"])

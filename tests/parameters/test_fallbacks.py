@@ -158,7 +158,7 @@ def test_a_set_default_still_counts_as_set() -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "told", "rotary"),
+    ("path", "value", "message", "rotary"),
     [
         ("kenngr.probing_offset", 12345, "1.2345 mm", "1.2345 deg"),
         ("kenngr.dist_ctrl[0].max_act_value_change", 5000, "5 mm/s", "5 deg/s"),
@@ -171,9 +171,9 @@ def test_a_set_default_still_counts_as_set() -> None:
         ("getriebe[0].kv", 1000, "10 1/s", "10 1/s"),
     ],
 )
-def test_a_unit_becomes_what_people_read(path: str, value: int, told: str, rotary: str) -> None:
+def test_a_unit_becomes_what_people_read(path: str, value: int, message: str, rotary: str) -> None:
     unit = UNITS[table("axis").find(path)[0].unit]
-    assert unit.converted(value) == told
+    assert unit.converted(value) == message
     assert unit.converted(value, is_rotary=True) == rotary
 
 

@@ -11,10 +11,10 @@ def test_three_ways_to_step_come_to_the_same_values(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(pair_perf, "STEPS", 20)
     monkeypatch.setattr(pair_perf, "ROUNDS", 2)
     ticks = count(0, 1000)
-    told = pair_perf.measure_pair(1, lambda: next(ticks))
+    found = pair_perf.measure_pair(1, lambda: next(ticks))
     for name in ("c_loop_us", "ours_us", "fmpy_us"):
-        assert told[name] == pytest.approx(1.0 / 20)
-    assert told["beyond_c_us"] == told["fmpy_beyond_c_us"] == 0.0
+        assert found[name] == pytest.approx(1.0 / 20)
+    assert found["beyond_c_us"] == found["fmpy_beyond_c_us"] == 0.0
 
 
 def test_the_ratio_is_of_what_is_beyond_c(monkeypatch: pytest.MonkeyPatch) -> None:

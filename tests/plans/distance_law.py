@@ -99,8 +99,8 @@ class Setup:
     @property
     def mode(self) -> str:
         """The law."""
-        told = self.program + (self.row.get("plc:Z.dist_ctrl") or "")
-        if any(word in told for word in SURFACE_WORDS):
+        answer = self.program + (self.row.get("plc:Z.dist_ctrl") or "")
+        if any(word in answer for word in SURFACE_WORDS):
             return SURFACE
         return BOTH if self.listed("mode_dist_use_both_encoder") else CONST
 

@@ -149,12 +149,12 @@ def test_the_program_sees_where_the_axis_is(row: dict[str, str]) -> None:
 
 def test_dead_cycles_are_one_and_without_optimized_scheduling_two() -> None:
     """docs/distance-control.md, "Dead time and stability"."""
-    told = {
+    answer = {
         row["set:Z.kenngr.distc.optimized_scheduling"] or "1": row["check:distance_dead_cycles"]
         for row in ROWS
         if row["check:distance_dead_cycles"]
     }
-    assert told == {"1": "1", "0": "2"}
+    assert answer == {"1": "1", "0": "2"}
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["case"])

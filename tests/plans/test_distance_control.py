@@ -211,18 +211,18 @@ def test_clamps_are_reached_and_never_passed(case: str) -> None:
     v = setup.listed("v_max") * 1e-3
     down = v * (setup.listed("v_weight_down") / 1000 or 1)
     is_down = setup.number("plant:gap.lift_mm") < 0
-    told = setup.row.get("check:offset_speed_mm_s_max")
-    assert not told or told == f"{down if is_down else v:g} +- 0.000001"
-    told = setup.row.get("check:offset_speed_down_mm_s_max")
-    assert not told or told == f"{down:g} +- 0.000001"
-    told = setup.row.get("check:offset_acceleration_mm_s2_max")
-    if told:
+    answer = setup.row.get("check:offset_speed_mm_s_max")
+    assert not answer or answer == f"{down if is_down else v:g} +- 0.000001"
+    answer = setup.row.get("check:offset_speed_down_mm_s_max")
+    assert not answer or answer == f"{down:g} +- 0.000001"
+    answer = setup.row.get("check:offset_acceleration_mm_s2_max")
+    if answer:
         a = setup.listed("a_max") or AXIS_A
         if setup.listed("use_adaptive_acceleration"):
             low, high = (setup.listed(f"dist_error_a_{end}") * 1e-4 for end in ("min", "max"))
             share = (abs(setup.number("plant:gap.lift_mm")) - low) / (high - low)
             a = setup.listed("a_min") + (a - setup.listed("a_min")) * min(share, 1.0)
-        assert float(told.split(" +- ")[0]) == pytest.approx(a)
+        assert float(answer.split(" +- ")[0]) == pytest.approx(a)
 
 
 def test_overshoot_of_the_manuals_sample_set() -> None:
@@ -230,9 +230,9 @@ def test_overshoot_of_the_manuals_sample_set() -> None:
     row = ROWS["clamps-surface"]
     v, a, gain = row.listed("v_max") * 1e-3, row.listed("a_max"), row.kp / row.T
     closed = v * v / (2 * a) - v / gain + a / (2 * gain * gain)
-    told = float(row.row[OVERSHOOT].split(" +- ")[0])
+    answer = float(row.row[OVERSHOOT].split(" +- ")[0])
     assert closed == pytest.approx(0.467, abs=1e-3)
-    assert told == pytest.approx(closed, abs=v * row.T)
+    assert answer == pytest.approx(closed, abs=v * row.T)
 
 
 # Alarms

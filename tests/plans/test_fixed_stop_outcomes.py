@@ -43,9 +43,9 @@ def _known(case: str) -> list[Axis]:
 
 
 def test_alarms_and_nothing_else() -> None:
-    told = {name: row["check:alarms"] for name, row in ROWS.items()}
+    answer = {name: row["check:alarms"] for name, row in ROWS.items()}
     expected = {name: text for text, names in ALARMS.items() for name in names}
-    assert told == {name: expected.get(name, "none") for name in ROWS}
+    assert answer == {name: expected.get(name, "none") for name in ROWS}
 
 
 @pytest.mark.parametrize("case", ROWS)

@@ -163,9 +163,9 @@ def test_force_at_detection(case: str) -> None:
 
 @pytest.mark.parametrize("column", ["stop_force_end_n", "after_run_force_n_max"])
 def test_force_behind_the_run_is_no_more_than_the_limit(column: str) -> None:
-    told = {name: row for name, row in ROWS.items() if row[f"check:{column}"]}
-    assert told
-    for row in told.values():
+    answer = {name: row for name, row in ROWS.items() if row[f"check:{column}"]}
+    assert answer
+    for row in answer.values():
         assert is_rounded(most(row[f"check:{column}"]), axis(row).end_n, 3)
 
 

@@ -258,8 +258,8 @@ def test_a_trace_says_its_units_its_run_and_its_rig(is_kept: bool, tmp_path: Pat
     writer.add(block(0, 3))
     series = writer.close()
     series.save(tmp_path / "a.parquet")
-    told = pq.read_schema(tmp_path / "a.parquet").metadata
-    assert {key: told[key] for key in (b"run", b"rig")} == {
+    answer = pq.read_schema(tmp_path / "a.parquet").metadata
+    assert {key: answer[key] for key in (b"run", b"rig")} == {
         b"run": b"plan-a",
         b"rig": b"rigs/z.toml",
     }
@@ -269,7 +269,7 @@ def test_a_trace_says_its_units_its_run_and_its_rig(is_kept: bool, tmp_path: Pat
         "Z.actual_frame_ns": "ns",
         "Z.actual_increments": "increments",
     }
-    assert json.loads(told[b"units"]) == units
+    assert json.loads(answer[b"units"]) == units
     assert Series(tmp_path / "a.parquet").units == units
     assert Series(tmp_path / "a.parquet").about == about
 

@@ -104,7 +104,7 @@ def trace(sample: Sample) -> pa.Table:
     state = np.zeros(count, dtype=np.int64)
     for row, word, _ in sample.plan:
         state[row:] = STATES.index(word)
-    told = {name: np.zeros(count) for name in ("offset", "error", "delta", "step", "filtered")}
+    found = {name: np.zeros(count) for name in ("offset", "error", "delta", "step", "filtered")}
     sent = np.full(count, sample.program_mm)
     truth = sent.copy()
     law, offset = None, 0.0
@@ -120,13 +120,13 @@ def trace(sample: Sample) -> pa.Table:
             moved = law.walk(sensor, truth[row], sent[max(row - 1, 0)], sample.set_mm)
             offset = before if sample.is_dry_run else moved
             law.offset_mm = offset
-            told["error"][row], told["filtered"][row] = law.error_mm, law.filtered_mm
-            told["delta"][row] = sample.control.kp * law.error_mm
+            found["error"][row], found["filtered"][row] = law.error_mm, law.filtered_mm
+            found["delta"][row] = sample.control.kp * law.error_mm
         else:
             law = None
             if word == TURNING_OFF:
                 offset -= np.sign(offset) * min(abs(offset), 0.01)
-        told["offset"][row], told["step"][row] = offset, offset - before
+        found["offset"][row], found["step"][row] = offset, offset - before
         sent[row] = sample.program_mm + offset
     gap = truth - surface
     in_surface = any(word == ACTIVE for _, word, _ in sample.plan)
@@ -140,7 +140,7 @@ def trace(sample: Sample) -> pa.Table:
             "Z.actual_mm": truth,
             "Z.truth_mm": truth,
             "Z.velocity_mm_s": np.gradient(truth, 0.001),
-            **{f"Z.{name}_mm": values for name, values in told.items()},
+            **{f"Z.{name}_mm": values for name, values in found.items()},
             "Z.distance_state": state.astype(np.float64),
             "Z.sensor_mm": -gap,
             "Z.distance_cnc_mm": gap,

@@ -80,15 +80,17 @@ def test_a_sensor_of_the_wrong_sign_has_no_stable_kp() -> None:
 
 
 def test_each_part_says_who_and_what() -> None:
-    told = happened("surface-with-freeze")
-    assert told["100.0 ms"].startswith("ON by the PLC, SET_POS 40 mm: offset 0 mm to 0 mm, between")
-    assert told["1000.0 ms"] == (
+    answer = happened("surface-with-freeze")
+    assert answer["100.0 ms"].startswith(
+        "ON by the PLC, SET_POS 40 mm: offset 0 mm to 0 mm, between"
+    )
+    assert answer["1000.0 ms"] == (
         "FREEZE by the PLC: the offset is held at 0 mm, bit for bit;"
         " the sensor goes from -2 mm to -1.5 mm"
     )
-    assert "to 0.5 mm" in told["1300.0 ms"]
-    assert told["1600.0 ms"] == "OFF by the PLC: 0.5 mm run out, 90 ms"
-    assert "1690.0 ms" not in told  # INACTIVE by itself
+    assert "to 0.5 mm" in answer["1300.0 ms"]
+    assert answer["1600.0 ms"] == "OFF by the PLC: 0.5 mm run out, 90 ms"
+    assert "1690.0 ms" not in answer  # INACTIVE by itself
 
 
 def test_a_freeze_that_moves_says_so() -> None:

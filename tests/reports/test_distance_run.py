@@ -37,8 +37,8 @@ N040 M30
 
 def run(plan: Path, out: Path, *more: str) -> tuple[ControlFindings, str]:
     """Run a plan of one case; return its control and the text of the page."""
-    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out), *more])
-    assert told.exit_code == 0, told.output
+    found = CliRunner().invoke(app, ["run", str(plan), "-o", str(out), *more])
+    assert found.exit_code == 0, found.output
     (control,) = findings(only_run(out)).of(ControlFindings)
     page = Page(whole(out / "report.html"))
     return control, " ".join(" ".join(page.text).split())
@@ -141,8 +141,8 @@ def test_a_loop_whose_poles_nobody_knows_is_told_as_such(
     head = "case,program,rig,check:distance_kp_limit"
     plan.write_text(f"{head}\na,loop.nc,{PLANS}/rigs/{rig}.toml,> 0\n", encoding="utf-8")
     out = tmp_path / "out"
-    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
-    assert told.exit_code == 1  # a metric without a number does not pass
+    found = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
+    assert found.exit_code == 1  # a metric without a number does not pass
     text = " ".join(Page(whole(out / "report.html")).text)
     assert f"the limit of kp is not known, {reason}" in " ".join(text.split())
 

@@ -32,8 +32,8 @@ def test_the_timeline_shows_what_the_bench_tells(tmp_path: Path) -> None:
     """A gantry whose slave meets the stop; the instants of the bench are those of the page."""
     plan, out = tmp_path / "plan.csv", tmp_path / "out"
     plan.write_text(f"{','.join(CELLS)}\n{','.join(CELLS.values())}\n", encoding="utf-8")
-    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
-    assert told.exit_code == 0, told.output
+    found = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
+    assert found.exit_code == 0, found.output
     (stop,) = findings(only_run(out)).of(StopFindings)
     marks = {mark.key: mark for mark in stop.marks if mark.axis in ("X2", None)}
     page = Page(whole(out / "report.html"))

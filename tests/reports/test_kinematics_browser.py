@@ -80,9 +80,9 @@ def test_the_slider_moves_the_tool_and_the_cursor_of_the_plots(page: Browser) ->
     last = page.run("Number(document.querySelector('.tv input').max)")
     slide(page, last // 2)
     page.run("new Promise((done) => setTimeout(done, 100))")
-    told = page.run(OUTPUT)
+    answer = page.run(OUTPUT)
     legend = page.run("document.querySelector('.opened .u-legend').textContent")
-    time = told.split(" ms")[0].removeprefix("t ").removesuffix(".0")
+    time = answer.split(" ms")[0].removeprefix("t ").removesuffix(".0")
     assert f"{time} ms" in legend
     assert page.errors == []
 

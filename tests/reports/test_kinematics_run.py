@@ -42,8 +42,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Observed, Path]:
     row = f"a,ecs.nc,{RIG},{RISEN_MM},1250,1450,none"
     plan = folder / "plan.csv"
     plan.write_text(f"{head},check:alarms\n{row}\n", encoding="utf-8")
-    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(folder / "out")])
-    assert told.exit_code == 0, told.output
+    found = CliRunner().invoke(app, ["run", str(plan), "-o", str(folder / "out")])
+    assert found.exit_code == 0, found.output
     return only_run(folder / "out"), folder / "out" / "report.html"
 
 

@@ -308,11 +308,11 @@ def test_times_of_events_count_from_the_contact() -> None:
     kinds = [("mark", 1), ("contact", 10), ("edge", 12), ("latch", 13), ("edge", 40), ("mark", 50)]
     kinds += [("contact", 60), ("edge", 62)]
     events = [Event(ms * 1_000_000, kind, kind) for kind, ms in kinds]
-    told = [row["since"] and float(row["since"]) for row in event_rows(events)]
-    assert told == ["", 0.0, 2.0, 3.0, 30.0, 40.0, 0.0, 2.0]
+    answer = [row["since"] and float(row["since"]) for row in event_rows(events)]
+    assert answer == ["", 0.0, 2.0, 3.0, 30.0, 40.0, 0.0, 2.0]
     without = [event for event in events if event.kind != "contact"]
-    told = [row["since"] and float(row["since"]) for row in event_rows(without)]
-    assert told == ["", 0.0, 1.0, 28.0, 38.0, 50.0], "else from the first edge"
+    answer = [row["since"] and float(row["since"]) for row in event_rows(without)]
+    assert answer == ["", 0.0, 1.0, 28.0, 38.0, 50.0], "else from the first edge"
 
 
 @pytest.mark.parametrize(
@@ -384,18 +384,18 @@ def shown(record: AlarmRecord) -> dict[str, str]:
 
 
 def test_an_alarm_says_in_words_what_it_is() -> None:
-    told = shown(alarm(900031, segment="can1"))
-    assert told["id"] == "900031"
-    assert told["text"].startswith("A SYNC could not be sent")
+    answer = shown(alarm(900031, segment="can1"))
+    assert answer["id"] == "900031"
+    assert answer["text"].startswith("A SYNC could not be sent")
 
 
 def test_the_table_shows_the_first_sentence_of_an_alarm() -> None:
     """Without the place in the program; the whole text stands at the run."""
     place = "a.nc line 6, block N50"
     line = f"ID 900005 class 5: Drive of axis Z is at 0.5 mm ({place}). Look it up."
-    told = shown(AlarmRecord(0, 900005, 5, True, line, place=place))
-    assert told["short"] == "Drive of axis Z is at 0.5 mm"
-    assert told["text"].endswith("Look it up.")
+    answer = shown(AlarmRecord(0, 900005, 5, True, line, place=place))
+    assert answer["short"] == "Drive of axis Z is at 0.5 mm"
+    assert answer["text"].endswith("Look it up.")
 
 
 def test_what_came_up_during_the_stop_is_told_beside_the_alarm() -> None:
@@ -408,8 +408,8 @@ def test_what_came_up_during_the_stop_is_told_beside_the_alarm() -> None:
 
 def test_an_alarm_with_a_newer_twin_names_it() -> None:
     values = {"owner": "axis Z", "deviation_mm": 6, "limit_mm": 5, "offset_mm": 5}
-    told = shown(alarm(70331, **values))
-    assert told["text"].endswith("Newer builds report 310017.")
+    answer = shown(alarm(70331, **values))
+    assert answer["text"].endswith("Newer builds report 310017.")
     assert str(Alarm(310017, **values)).endswith("Older builds report 70331.")
 
 

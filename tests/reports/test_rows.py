@@ -47,14 +47,14 @@ def test_what_did_not_pass_comes_before_the_runs_the_worst_first(
 
 def test_each_says_why_in_a_sentence_with_a_picture(source: str) -> None:
     """The error of feed_50_a is 0.31 um against -0.2 .. 0.2 (conftest): 0.11 um above."""
-    told = {run: unescape(body) for run, _, body in cards(source)}
-    late = told["probing-feed_50_a"]
+    answer = {run: unescape(body) for run, _, body in cards(source)}
+    late = answer["probing-feed_50_a"]
     assert "latch_error_um:Z is 0.11 µm above its upper limit 0.2 µm" in late
     assert '<svg class="pic"' in late
     assert '<svg class="bar"' in late
-    assert "the probe was actuated before the run: no latch" in told["probing-feed_5_b"]
-    assert "stopped with Ctrl-C" in told["probing-feed_25_b"]
-    assert "no verdict: FMU AxisRig.Drives.ServoAxis: status error" in told["probing-feed_50_b"]
+    assert "the probe was actuated before the run: no latch" in answer["probing-feed_5_b"]
+    assert "stopped with Ctrl-C" in answer["probing-feed_25_b"]
+    assert "no verdict: FMU AxisRig.Drives.ServoAxis: status error" in answer["probing-feed_50_b"]
 
 
 def test_a_run_shows_its_failures_above_everything_else(source: str) -> None:

@@ -356,8 +356,8 @@ def test_a_sensor_without_an_age_is_told_by_check(
 def test_the_age_of_a_sensor_and_its_limit(
     tmp_path: Path, table: str, base: str, words: str
 ) -> None:
-    told = describe_distance(settings_of(tmp_path, table, base=base), {})
-    assert any(re.search(words, text) for text in told)
+    message = describe_distance(settings_of(tmp_path, table, base=base), {})
+    assert any(re.search(words, text) for text in message)
 
 
 @pytest.mark.parametrize(("row", "words"), [

@@ -74,7 +74,7 @@ def test_a_base_keeps_its_keys_when_the_profile_changes(rig_file: Write, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ('profile = "lenze"', "lenze-i700-like"),
         ('rearm = "never"', "zero_first"),
@@ -82,10 +82,12 @@ def test_a_base_keeps_its_keys_when_the_profile_changes(rig_file: Write, tmp_pat
         ('toggle_bits = "yes"', "toggle_bits"),
     ],
 )
-def test_a_wrong_habit_is_told_with_what_is_allowed(rig_file: Write, line: str, told: str) -> None:
+def test_a_wrong_habit_is_told_with_what_is_allowed(
+    rig_file: Write, line: str, message: str
+) -> None:
     with pytest.raises(UserError) as caught:
         read_rig(rig_file(("lead_mm = 10.0", line)))
-    assert told in str(caught.value)
+    assert message in str(caught.value)
     assert caught.value.line is not None
 
 
@@ -131,7 +133,7 @@ def test_a_plan_changes_the_drive(rig_file: Write, settings_of: Callable[..., Se
 
 
 @pytest.mark.parametrize(
-    ("assignment", "told"),
+    ("assignment", "message"),
     [
         ("drive:servo.profile=lenze", "lenze-i700-like"),
         ("drive:servo.toggle_bits=perhaps", "toggle_bits"),
@@ -141,11 +143,11 @@ def test_a_plan_changes_the_drive(rig_file: Write, settings_of: Callable[..., Se
     ],
 )
 def test_a_wrong_column_for_a_drive_is_told(
-    rig_file: Write, settings_of: Callable[..., Settings], assignment: str, told: str
+    rig_file: Write, settings_of: Callable[..., Settings], assignment: str, message: str
 ) -> None:
     with pytest.raises(UserError) as caught:
         settings_of(rig_file(), assignment)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_the_documents_describe_every_profile() -> None:

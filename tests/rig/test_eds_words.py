@@ -11,7 +11,11 @@ from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
-from axisrig.bench.rig.canopen.schedule import describe_schedules, segment_schedules
+from axisrig.bench.rig.canopen.schedule import (
+    axis_telegrams,
+    describe_schedules,
+    segment_schedules,
+)
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
@@ -28,6 +32,34 @@ def test_the_eds_of_our_own_drive_is_no_reason_for_a_word(
     settings = with_eds(EDS)
     check_rig(settings)
     assert eds_warnings(settings) == []
+
+
+# Touch probe
+
+
+def without(eds: str, *indices: str) -> str:
+    """An EDS in which some objects are missing, their sections and sub-sections with them."""
+    parts = re.split(r"(?m)^(?=\[)", eds)
+    return "".join(part for part in parts if not part.startswith(tuple(f"[{i}" for i in indices)))
+
+
+@pytest.mark.parametrize("measures", [True, False])
+def test_a_drive_without_touch_probe_is_led_and_nobody_measures_with_it(
+    with_eds: Callable[..., Settings], tmp_path: Path, measures: bool
+) -> None:
+    """60B8, 60B9 and the latches are in no telegram; only who measures with it is warned."""
+    eds = without(EDS, "60B", "60D", "60E4")
+    axis = f"kopf.log_achs_name Z\nkenngr.messachse {measures:d}\n"
+    (tmp_path / "lists" / "axis-z.lst").write_text(axis)
+    settings = with_eds(eds)
+    check_rig(settings)
+    carried = {
+        f"{mapped.index:X}"
+        for telegram in axis_telegrams(settings, "Z").values()
+        for mapped in telegram.objects
+    }
+    assert carried == {"6040", "607A", "6041", "6064", "60FD"}
+    assert sum("no touch probe (60B8)" in text for text in eds_warnings(settings)) == measures
 
 
 # Modes
@@ -121,7 +153,7 @@ def test_the_bit_rate_of_the_segment_is_one_of_the_eds(
 
 @pytest.mark.long(but=2)
 @pytest.mark.parametrize(
-    ("node", "rate", "told"),
+    ("node", "rate", "found"),
     [
         ("0x10", "500", "its DCF is for node 16 at 500 kbit/s, the rig has node 3 at 1000 kbit/s"),
         ("3", "500", "its DCF is for node 3 at 500 kbit/s, the rig has node 3 at 1000 kbit/s"),
@@ -132,13 +164,15 @@ def test_the_bit_rate_of_the_segment_is_one_of_the_eds(
     ],
 )
 def test_a_dcf_is_of_the_node_and_the_bit_rate_of_the_rig(
-    with_eds: Callable[..., Settings], node: str, rate: str, told: str
+    with_eds: Callable[..., Settings], node: str, rate: str, found: str
 ) -> None:
     keys = [f"{key}={value}" for key, value in (("NodeID", node), ("Baudrate", rate)) if value]
     section = "\n".join(["[DeviceComissioning]", "NodeName=Z", *keys, "", ""])
     settings = with_eds(section + EDS, suffix="dcf")
     check_rig(settings)
-    assert [text.partition("servo: ")[2] for text in eds_warnings(settings)] == [told] * bool(told)
+    assert [text.partition("servo: ")[2] for text in eds_warnings(settings)] == [found] * bool(
+        found
+    )
 
 
 def test_two_axes_are_compared_each_with_its_own_node(

@@ -23,7 +23,7 @@ class Wire:
 
 
 @pytest.mark.parametrize(
-    ("rig", "changes", "told"),
+    ("rig", "changes", "message"),
     [
         ("probe-z", (), "axis Z, edge at standstill: believed up to 3.6 ms after that SYNC"),
         ("probe-z", (), "update delay 0 SYNCs, PDO 600 us, missing_cycles 3"),
@@ -38,12 +38,12 @@ class Wire:
     ],
 )
 def test_check_tells_how_late_a_status_may_be(
-    settings_of: SettingsOf, rig: str, changes: tuple[str, ...], told: str
+    settings_of: SettingsOf, rig: str, changes: tuple[str, ...], message: str
 ) -> None:
     """(update delay + missing telegrams) periods, and the cycle offset until it is taken."""
     lines = describe_arrival(settings_of(RIGS / f"{rig}.toml", *changes))
-    assert len(lines) == 2 * bool(told)
-    assert told in "\n".join(lines)
+    assert len(lines) == 2 * bool(message)
+    assert message in "\n".join(lines)
     assert all(len(line) <= 80 for line in lines)
 
 

@@ -207,7 +207,7 @@ NO_TIME = f"{NEVER}, its window of 0.02 mm has no minimum time: set min_time"
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (STOP + LAG, None),
         (STOP, f"{NEVER}: set a lag limit (P-AXIS-00774 pos_lag_limit) or a window"),
@@ -228,8 +228,8 @@ NO_TIME = f"{NEVER}, its window of 0.02 mm has no minimum time: set min_time"
     ],
 )
 def test_lists_that_find_no_stop_or_set_what_nobody_asks(
-    rig_file: Write, settings_of: Read, text: str, told: str | None
+    rig_file: Write, settings_of: Read, text: str, message: str | None
 ) -> None:
     notes = settings_of(listed(rig_file(), text)).notes
     about = [note for note in notes if "stop" in note or "does not act:" in note]
-    assert (about[0].startswith(told) and len(about) == 1) if told else about == []
+    assert (about[0].startswith(message) and len(about) == 1) if message else about == []

@@ -112,7 +112,7 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
 
 
 @pytest.mark.parametrize(
-    ("text", "value", "told"),
+    ("text", "value", "found"),
     [
         ("set:Q.kenngr.measure.edge=NEG", "Q", "channel, Z"),
         ("set:Z.kenngr.measure.edges=NEG", "kenngr.measure.edges", "kenngr.measure.edge"),
@@ -147,11 +147,11 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
     ],
 )
 def test_each_wrong_assignment_names_itself_and_what_is_allowed(
-    rig_file: Write, settings_of: Read, text: str, value: str | None, told: str
+    rig_file: Write, settings_of: Read, text: str, value: str | None, found: str
 ) -> None:
     error = _refused(settings_of, rig_file(), text)
     assert error.value == value
-    assert told in str(error)
+    assert found in str(error)
 
 
 @pytest.mark.parametrize("number", ["nan", "inf", "-inf"])

@@ -82,10 +82,10 @@ def test_another_screw_than_that_of_the_drive_is_told(
     try:
         check_plants(settings, plant)
         start_plant(settings, plant)
-        told = "\n".join(describe_plants(settings, plant))
+        message = "\n".join(describe_plants(settings, plant))
     finally:
         plant.close()
-    assert ("screw_lead is 5 mm and lead_mm of drive servo 10" in told) is is_told
+    assert ("screw_lead is 5 mm and lead_mm of drive servo 10" in message) is is_told
 
 
 def test_an_fmu_that_refuses_its_start_values_names_the_cell(

@@ -31,7 +31,7 @@ def rig() -> Settings:
     return settings_of(RIGS / "probe-z.toml", [])
 
 
-def told(
+def answer(
     folder: Path, frames: Sequence[tuple[float, str]], settings: Settings | None, **words: object
 ) -> list[str]:
     """Return what is said of frames (ms, `segment id#data`), without the time."""
@@ -91,14 +91,14 @@ def told(
 def test_each_frame_in_words(
     tmp_path: Path, rig: Settings, frame: str, name: str, text: str
 ) -> None:
-    (line,) = told(tmp_path, [(1, f"can1 {frame}")], rig)
+    (line,) = answer(tmp_path, [(1, f"can1 {frame}")], rig)
     _, segment, _, rest = line.split(maxsplit=3)
     assert segment == "can1"
     assert [part.strip() for part in (rest[:16], rest[16:])] == [name, text]
 
 
 def test_the_end_of_an_emergency_has_the_bytes_of_its_maker(tmp_path: Path) -> None:
-    (line,) = told(tmp_path, [(1, "can1 083#1086210102030405")], None)
+    (line,) = answer(tmp_path, [(1, "can1 083#1086210102030405")], None)
     assert "3.EMCY" in line
     assert line.endswith(", 01 02 03 04 05")
 
@@ -123,7 +123,7 @@ TIMES = [(1.0, "can1 080#"), (2.0, "can1 183#01"), (3.0, "can1 183#01"), (4.0, "
     ],
 )
 def test_which_frames_are_shown(tmp_path: Path, words: dict[str, object], times: list[int]) -> None:
-    lines = told(tmp_path, TIMES, None, **words)
+    lines = answer(tmp_path, TIMES, None, **words)
     assert [round(float(line.split()[0])) for line in lines] == times
 
 
@@ -131,7 +131,7 @@ def test_a_log_with_dates_counts_from_its_first_frame(tmp_path: Path) -> None:
     """From 10^8 s on a time is a date: candump writes seconds since 1970."""
     for first_ms, shown in ((1.0e11, 100_000_000_000.0), (1.7e12, 0.0)):
         frames = [(first_ms, "can1 080#"), (first_ms + 250.0, "can1 703#05")]
-        times = [float(line.split()[0]) for line in told(tmp_path, frames, None)]
+        times = [float(line.split()[0]) for line in answer(tmp_path, frames, None)]
         assert times == pytest.approx([shown, shown + 250.0], abs=0.01)
 
 
@@ -139,7 +139,7 @@ def test_a_log_with_dates_counts_from_its_first_frame(tmp_path: Path) -> None:
     ("only", "words"), [((), "no frame among"), (("sdo", "lss"), "no frame for sdo, lss among")]
 )
 def test_no_frame_to_show_is_said(tmp_path: Path, only: tuple[str, ...], words: str) -> None:
-    (line,) = told(tmp_path, [(1, "can1 080#")], None, only=only, from_ms=2.0)
+    (line,) = answer(tmp_path, [(1, "can1 080#")], None, only=only, from_ms=2.0)
     assert line.startswith(words)
     assert line.endswith("(see --all)")
 
@@ -157,10 +157,10 @@ def test_words_that_ask_for_something(
     tmp_path: Path, rig: Settings, word: str, is_known: bool
 ) -> None:
     if is_known:
-        told(tmp_path, [(1, "can1 080#")], rig, only=(word,))
+        answer(tmp_path, [(1, "can1 080#")], rig, only=(word,))
     else:
         with pytest.raises(UserError, match="no service, axis, telegram or object"):
-            told(tmp_path, [(1, "can1 080#")], rig, only=(word,))
+            answer(tmp_path, [(1, "can1 080#")], rig, only=(word,))
 
 
 def test_a_segment_has_the_name_of_the_rig_where_its_number_is_of_it() -> None:

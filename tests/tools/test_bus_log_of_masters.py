@@ -23,7 +23,7 @@ Sdo = tuple[str, bytes]
 
 
 @pytest.fixture
-def told(tmp_path: Path) -> "Tell":
+def outcome(tmp_path: Path) -> "Tell":
     return Tell(tmp_path)
 
 
@@ -105,13 +105,13 @@ def whole() -> Iterator[int]:
 @pytest.mark.parametrize("transfer", [download, upload])
 @pytest.mark.parametrize("size", [1, 65, 127])
 def test_segments_of_a_block_are_data_whatever_their_first_byte_is(
-    told: Tell, size: int, transfer: object
+    outcome: Tell, size: int, transfer: object
 ) -> None:
     """130 segments: among their numbers are those of every command, with the last bit too."""
     data = bytes(range(256)) * 4
     for length in (1, 7 * 65, 910):  # the last number is 1, 65 (0xC1, an end of a block), 3
         frames = ids(transfer(bytes.fromhex("101000"), data[:length], size, whole()))  # type: ignore[operator]
-        lines = told(frames)
+        lines = outcome(frames)
         segments = [line for line in lines if ", segment " in line]
         assert not [line for line in lines if "abort" in line or "unknown" in line]
         assert len(segments) == -(-length // 7)
@@ -119,8 +119,8 @@ def test_segments_of_a_block_are_data_whatever_their_first_byte_is(
             True
         ]
         assert all("0x1010:0" in line for line in segments)
-        assert told(frames, only=("abort",))[0].startswith("no frame for abort")
-        found = told(frames, only=("1010:0",))
+        assert outcome(frames, only=("abort",))[0].startswith("no frame for abort")
+        found = outcome(frames, only=("1010:0",))
         assert len(found) == len(segments) + 2  # and both frames of the begin
 
 
@@ -149,28 +149,28 @@ def test_values_that_come_in_blocks_are_put_together() -> None:
 
 @pytest.mark.parametrize("side", ["request", "answer"])
 @pytest.mark.parametrize("after", range(2, 9))
-def test_an_abort_of_either_side_ends_a_block(told: Tell, side: str, after: int) -> None:
+def test_an_abort_of_either_side_ends_a_block(outcome: Tell, side: str, after: int) -> None:
     frames = [*download(bytes.fromhex("101000"), bytes(40), 3, whole())][:after]
     abort = (side, bytes.fromhex("8010100000000405"))  # 0504 0000: timed out
     upload_of_one = ("request", bytes.fromhex("4041600000000000"))
-    lines = told(ids([*frames, abort, upload_of_one]))
+    lines = outcome(ids([*frames, abort, upload_of_one]))
     assert "abort 0x1010:0" in lines[-2]
     assert "0x05040000" in lines[-2]
     assert lines[-1].endswith("upload 0x6041:0 Statusword")
 
 
-def test_a_block_that_began_before_the_log_is_no_abort(told: Tell) -> None:
+def test_a_block_that_began_before_the_log_is_no_abort(outcome: Tell) -> None:
     """The other bits of the first byte of an abort are 0."""
     frames = [*download(bytes.fromhex("101000"), bytes(21), 127, whole())][3:]
-    lines = told(ids(frames))
+    lines = outcome(ids(frames))
     assert not [line for line in lines if "abort" in line]
-    assert told(ids([("answer", bytes.fromhex("8010100000000405"))]), only=("abort",))
+    assert outcome(ids([("answer", bytes.fromhex("8010100000000405"))]), only=("abort",))
 
 
-def test_a_master_that_begins_anew_within_a_block_is_understood(told: Tell) -> None:
+def test_a_master_that_begins_anew_within_a_block_is_understood(outcome: Tell) -> None:
     frames = [*download(bytes.fromhex("101000"), bytes(70), 127, whole())][:5]
     again = [("request", bytes.fromhex("4041600000000000"))]
-    assert told(ids([*frames, *again]))[-1].endswith("upload 0x6041:0 Statusword")
+    assert outcome(ids([*frames, *again]))[-1].endswith("upload 0x6041:0 Statusword")
 
 
 # Mappings
@@ -203,16 +203,16 @@ PDO = "183#370683FF0000A000"  # 0x0637, -125, 10485760 = 100 mm; or the default:
 
 @pytest.mark.parametrize("with_rig", [True, False])
 def test_a_mapping_of_the_log_says_what_its_pdos_carry(
-    told: Tell, rig: Settings, with_rig: bool
+    outcome: Tell, rig: Settings, with_rig: bool
 ) -> None:
     frames = [*mapped(0x1800, 0x183, STATUS, TORQUE, ACTUAL), PDO]
-    (line,) = told(frames, rig if with_rig else None, only=("TPDO",))
+    (line,) = outcome(frames, rig if with_rig else None, only=("TPDO",))
     assert line.split()[3] == ("Z.TPDO1" if with_rig else "3.TPDO1")
     assert "Statusword 0x0637 (operation enabled), Torque actual value -125" in line
     assert line.endswith("Position actual value 10485760" + " (100.000000 mm)" * with_rig)
 
 
-def test_identifiers_of_the_log_say_which_pdo_a_frame_is(told: Tell, rig: Settings) -> None:
+def test_identifiers_of_the_log_say_which_pdo_a_frame_is(outcome: Tell, rig: Settings) -> None:
     """TPDO2 on 0x1A3, in the pre-defined set TPDO1 of node 35; TPDO5 on 0x2F0; 29 bits; RPDO1."""
     frames = [
         *mapped(0x1801, 0x1A3, SPEED), "1A3#9A990100",
@@ -220,7 +220,7 @@ def test_identifiers_of_the_log_say_which_pdo_a_frame_is(told: Tell, rig: Settin
         *mapped(0x1803, 0x18FF0003 | 1 << 29, TORQUE), "18FF0003#0100",
         *mapped(0x1400, 0x2F1, 0x60400010), "2F1#0F00", "203#0F00000000000000",
     ]  # fmt: skip
-    lines = told(frames, rig, only=("PDO",))
+    lines = outcome(frames, rig, only=("PDO",))
     assert [line.split(maxsplit=4)[3:] for line in lines] == [
         ["Z.TPDO2", "Velocity actual value 104858"],
         ["Z.TPDO5", "Torque actual value -125"],
@@ -228,56 +228,62 @@ def test_identifiers_of_the_log_say_which_pdo_a_frame_is(told: Tell, rig: Settin
         ["Z.RPDO1", "Controlword 0x000F (enable operation)"],
         ["Z.RPDO1", "0f 00 00 00 00 00 00 00"],  # by its identifier alone: nothing says more
     ]
-    assert len(told(frames, rig, only=("Z.TPDO5",))) == len(told(frames, rig, only=("tpdo5",))) == 1
+    assert (
+        len(outcome(frames, rig, only=("Z.TPDO5",)))
+        == len(outcome(frames, rig, only=("tpdo5",)))
+        == 1
+    )
 
 
 def test_frames_of_a_pdo_that_was_switched_off_are_not_taken_for_it(
-    told: Tell, rig: Settings
+    outcome: Tell, rig: Settings
 ) -> None:
     """On, off, on: the rig's latch in TPDO2, no TPDO2, and again."""
     frame = "283#9A9901000100"
     frames = [frame, *write(0x1801, 1, 0x80000283), frame, *write(0x1801, 1, 0x283), frame]
-    lines = told(frames, rig, only=("TPDO2",))
+    lines = outcome(frames, rig, only=("TPDO2",))
     assert ["Touch probe" in line for line in lines] == [True, False, True]
 
 
 @pytest.mark.parametrize("answer", ["80", ""])
 def test_a_write_that_was_refused_or_not_answered_counts_for_nothing(
-    told: Tell, rig: Settings, answer: str
+    outcome: Tell, rig: Settings, answer: str
 ) -> None:
     frames = [*write(0x1801, 1, 0x1A3, answer=answer), "1A3#9A990100", "283#9A990100"]
-    assert [line.split()[3] for line in told(frames, rig, only=("PDO",))] == [
+    assert [line.split()[3] for line in outcome(frames, rig, only=("PDO",))] == [
         "35.TPDO1", "Z.TPDO2",
     ]  # fmt: skip
 
 
-def test_a_mapping_that_was_read_counts_too(told: Tell) -> None:
+def test_a_mapping_that_was_read_counts_too(outcome: Tell) -> None:
     frames = [*read(0x1801, 1, 0x400001A3), *read(0x1A01, 0, 1), *read(0x1A01, 1, SPEED)]
-    line = told([*frames, "1A3#9A990100"])[-1]
+    line = outcome([*frames, "1A3#9A990100"])[-1]
     assert line.split(maxsplit=4)[3:] == ["3.TPDO2", "Velocity actual value 104858"]
 
 
-def test_of_a_mapping_that_is_known_in_part_nothing_is_guessed(told: Tell, rig: Settings) -> None:
+def test_of_a_mapping_that_is_known_in_part_nothing_is_guessed(
+    outcome: Tell, rig: Settings
+) -> None:
     """Two entries of three were before the log: bytes without a rig, with one its entries."""
     frames = [*write(0x1A00, 2, TORQUE), *write(0x1A00, 0, 3, 1), "183#370683FF0100"]
-    assert told(frames)[-1].endswith("3.TPDO1          37 06 83 ff 01 00")
-    assert "Torque actual value -125" in told(frames, rig)[-1]
+    assert outcome(frames)[-1].endswith("3.TPDO1          37 06 83 ff 01 00")
+    assert "Torque actual value -125" in outcome(frames, rig)[-1]
 
 
-def test_a_node_that_starts_anew_has_what_the_rig_says(told: Tell, rig: Settings) -> None:
+def test_a_node_that_starts_anew_has_what_the_rig_says(outcome: Tell, rig: Settings) -> None:
     frames = [*mapped(0x1800, 0x183, STATUS, TORQUE, ACTUAL), PDO, "703#00", PDO]
-    own, after = told(frames, rig, only=("TPDO",))
+    own, after = outcome(frames, rig, only=("TPDO",))
     assert ("Torque" in own, "Touch probe status" in own) == (True, False)
     assert ("Torque" in after, "Touch probe status" in after) == (False, True)
 
 
-def test_what_was_written_before_the_time_that_is_shown_counts(told: Tell) -> None:
+def test_what_was_written_before_the_time_that_is_shown_counts(outcome: Tell) -> None:
     frames = [*mapped(0x1801, 0x1A3, SPEED), "1A3#9A990100"]
-    (line,) = told(frames, from_ms=len(frames) - 0.5)
+    (line,) = outcome(frames, from_ms=len(frames) - 0.5)
     assert line.endswith("Velocity actual value 104858")
 
 
-def test_nodes_and_segments_are_kept_apart(told: Tell) -> None:
+def test_nodes_and_segments_are_kept_apart(outcome: Tell) -> None:
     """Node 3 of can2 and node 4 of can1 have not been written to."""
     text = "".join(
         f"({n}.000000) can1 {frame}\n" for n, frame in enumerate(mapped(0x1800, 0x183, SPEED))
@@ -285,18 +291,18 @@ def test_nodes_and_segments_are_kept_apart(told: Tell) -> None:
     text += "".join(
         f"(90.000000) {where}#9A990100\n" for where in ("can1 183", "can2 183", "can1 184")
     )
-    lines = told.text(text, only=("TPDO1",))
+    lines = outcome.text(text, only=("TPDO1",))
     assert ["Velocity" in line for line in lines] == [True, False, False]
 
 
 # Error frames
 
 
-def test_error_frames_of_candump_keep_their_segment(told: Tell) -> None:
+def test_error_frames_of_candump_keep_their_segment(outcome: Tell) -> None:
     """Whatever their class: bus error, controller, no acknowledge, bus off."""
     where = ("can2 20000080", "can1 20000080", "can1 20000004", "can1 20000020", "7 20000040")
     text = "".join(f"(0.00{n}000) {what}#0000\n" for n, what in enumerate(where, 1))
-    assert [line.split() for line in told.text(text)] == [
+    assert [line.split() for line in outcome.text(text)] == [
         ["1.000", "can2", "error", "frame"],
         ["2.000", "can1", "error", "frame", "3", "times", "until", "4.000", "ms"],
         ["5.000", "7", "error", "frame"],

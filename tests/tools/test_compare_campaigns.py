@@ -58,7 +58,7 @@ def test_equal_campaigns_but_for_the_clock(compare: Callable[..., tuple[int, str
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "found"),
     [
         (("cases", 1, "frame_log_sha256", "a0"), "p-a: frames"),
         (("cases", 2, "verdict", "pass"), "p-b: verdict fail -> pass"),
@@ -73,10 +73,10 @@ def test_equal_campaigns_but_for_the_clock(compare: Callable[..., tuple[int, str
     ],
 )
 def test_a_difference_is_told_and_ends_with_1(
-    compare: Callable[..., tuple[int, str]], change: tuple[str, int, str, str], told: str
+    compare: Callable[..., tuple[int, str]], change: tuple[str, int, str, str], found: str
 ) -> None:
     code, out = compare(*change)
-    assert (code, out) == (1, f"{told}\n1 runs equal, 1 differ, 0 of them as expected\n")
+    assert (code, out) == (1, f"{found}\n1 runs equal, 1 differ, 0 of them as expected\n")
 
 
 def test_runs_that_are_new_or_lost(compare: Callable[..., tuple[int, str]]) -> None:

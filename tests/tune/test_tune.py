@@ -77,11 +77,11 @@ def test_the_default_is_unstable_in_const_dist_and_the_best_in_set_pos(tuned: Tu
     assert surface.is_stable
     assert surface.advice is not None
     assert surface.advice.law.kp == 1.0
-    told = list(warnings_of(found))
-    assert len(told) == 1
-    assert "CONST_DIST with kp 1" in told[0]
-    assert "filter DEFAULT, 4 values is unstable with 1 cycle of dead time" in told[0]
-    assert "only kp below 0.619 is stable" in told[0]
+    outcome = list(warnings_of(found))
+    assert len(outcome) == 1
+    assert "CONST_DIST with kp 1" in outcome[0]
+    assert "filter DEFAULT, 4 values is unstable with 1 cycle of dead time" in outcome[0]
+    assert "only kp below 0.619 is stable" in outcome[0]
 
 
 def test_the_suggested_law_does_what_was_predicted(tuned: Tune) -> None:
@@ -228,9 +228,9 @@ def test_command_writes_picture_and_json(tmp_path: Path) -> None:
     picture = tmp_path / "loop.svg"
     ended = _invoke("--json", "--picture", str(picture), "--set", "set:Z.kenngr.distc.kp=1")
     assert ended.exit_code == 0
-    told = json.loads(ended.stdout)
-    assert told["dead_cycles"] == 2
-    assert [found["is_stable"] for found in told["modes"]] == [False, False, True]
+    outcome = json.loads(ended.stdout)
+    assert outcome["dead_cycles"] == 2
+    assert [found["is_stable"] for found in outcome["modes"]] == [False, False, True]
     assert "warning: CONST_DIST with kp 1" in ended.stderr
     drawn = picture.read_text("utf-8")
     for words in ("suggested", "as configured", "answer to a step of the offset"):

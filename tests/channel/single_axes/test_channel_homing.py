@@ -21,7 +21,7 @@ def home(*groups: tuple[str, ...]) -> canon.Homing:
     return canon.Homing(Block(3, 30, "N30"), groups)
 
 
-def told(method: int, home_mm: float) -> StartUpSettings:
+def found(method: int, home_mm: float) -> StartUpSettings:
     """Tell every drive its method, and where home lies in its positions."""
     offset = round(-home_mm / INCREMENT_MM)
     return StartUpSettings(writes=[(0x6098, 0, method), (0x607C, 0, offset)])
@@ -39,7 +39,7 @@ def modes(bench: Any, node: int) -> list[int]:
 def test_home_is_where_the_drive_says_and_the_program_goes_on_from_there(
     channel_bench: Make, words: Any
 ) -> None:
-    bench = channel_bench(words.axis("Z", start_mm=40.0), start_up=told(PRESENT_POSITION, 100.0))
+    bench = channel_bench(words.axis("Z", start_mm=40.0), start_up=found(PRESENT_POSITION, 100.0))
     bench.run(
         [words.move(2, 600.0, Z=42.0), home(("Z",)), words.move(4, 600.0, Z=103.0), words.end()]
     )
@@ -54,7 +54,7 @@ def test_the_jump_to_the_reference_and_the_lag_are_no_faults(
     channel_bench: Make, words: Any
 ) -> None:
     bench = channel_bench(
-        words.axis("Z", start_mm=40.0), lag_limit_mm=0.5, start_up=told(PRESENT_POSITION, 500.0)
+        words.axis("Z", start_mm=40.0), lag_limit_mm=0.5, start_up=found(PRESENT_POSITION, 500.0)
     )
     bench.run([home(("Z",)), words.end()])
     assert bench.alarm_ids == []
@@ -68,7 +68,7 @@ def test_nothing_of_the_time_before_is_left_in_the_buffer(
     bench = channel_bench(
         words.axis("Z", start_mm=40.0),
         buffer_cycles=buffer_cycles,
-        start_up=told(PRESENT_POSITION, 500.0),
+        start_up=found(PRESENT_POSITION, 500.0),
     )
     bench.run(
         [words.move(2, 600.0, Z=42.0), home(("Z",)), words.move(4, 600.0, Z=501.0), words.end()]
@@ -84,7 +84,7 @@ def test_nothing_of_the_time_before_is_left_in_the_buffer(
 def test_groups_home_one_after_the_other_and_a_group_together(
     channel_bench: Make, words: Any
 ) -> None:
-    bench = channel_bench(words.axis("X"), words.axis("Z"), start_up=told(PRESENT_POSITION, 10.0))
+    bench = channel_bench(words.axis("X"), words.axis("Z"), start_up=found(PRESENT_POSITION, 10.0))
     bench.run([home(("Z",), ("X",)), home(("X", "Z")), words.end()])
     assert bench.alarm_ids == []
     entered = {
@@ -103,7 +103,7 @@ def test_groups_home_one_after_the_other_and_a_group_together(
 @pytest.mark.provokes(900190, 4, axis="Z", method=17, error="0x0000")
 def test_900190_tells_what_the_drive_says(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(
-        words.axis("Z", start_mm=40.0), start_up=told(NEGATIVE_SWITCH, 0.0)
+        words.axis("Z", start_mm=40.0), start_up=found(NEGATIVE_SWITCH, 0.0)
     )  # no switch is wired
     bench.run([home(("Z",)), words.move(4, 600.0, Z=41.0), words.end()])
     (alarm,) = bench.channel.alarms

@@ -101,8 +101,8 @@ def test_block_transfers_of_canopen_are_read_off_the_bus(drive_bench: Make) -> N
     bench.scheduler.run_until(bench.scheduler.now_ns + MS)
     transfers, values = Transfers(), []
     for frame in seen:
-        told, value = transfers.take("can1", frame.data, dissect(frame))
-        assert "abort_code" not in told.fields
+        found, value = transfers.take("can1", frame.data, dissect(frame))
+        assert "abort_code" not in found.fields
         values += [] if value is None else [value]
     assert values == [Value(0x1021, 0, text), Value(0x1017, 0, b"\x10\x27")]
 

@@ -94,9 +94,9 @@ def test_the_drive_takes_it_and_runs_with_it(
         bench.master.send_message(0x701, b"\x05")
         bench.master.send_message(0x203, struct.pack("<Hi", controlword, 1000))
         bench.sync_at_ms(begin_ms + 2 * cycle)
-    told = [struct.unpack("<HiB", data) for data in bench.frames(0x183)]
-    assert [word & 0x6F for word, _, _ in told] == [0x21, 0x23, 0x27, 0x27, 0x27]
-    assert [register for *_, register in told] == [0] * 5
+    found = [struct.unpack("<HiB", data) for data in bench.frames(0x183)]
+    assert [word & 0x6F for word, _, _ in found] == [0x21, 0x23, 0x27, 0x27, 0x27]
+    assert [register for *_, register in found] == [0] * 5
     assert bench.frames(0x283) == []
     assert bench.remote.sdo[0x6061].raw == 9
     bench.run_to_ms(begin_ms + 2000)

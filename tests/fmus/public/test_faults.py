@@ -36,10 +36,10 @@ def test_fault_is_told_with_place_and_time(built, load, model, start, time_s, wo
 
     with pytest.raises(FMICallException):
         run()
-    told = plant.messages[-1]
-    assert words in told
-    match = re.search(r"t = ([-+.e\d]+)", told)
-    assert match is not None, told
+    found = plant.messages[-1]
+    assert words in found
+    match = re.search(r"t = ([-+.e\d]+)", found)
+    assert match is not None, found
     assert float(match.group(1)) == pytest.approx(time_s, abs=2e-3)
 
 

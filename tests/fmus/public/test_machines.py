@@ -191,7 +191,7 @@ def test_no_ball_falls_through_the_floor(built, load, e, size_s):
 
     with pytest.raises(FMICallException):
         run()
-    told = piling.messages[-1]
-    assert "Faults/package.mo" in told
-    assert "without end at t = " in told
-    assert float(told.split("t = ")[1].split()[0]) == pytest.approx(end_s, abs=5e-5)
+    answer = piling.messages[-1]
+    assert "Faults/package.mo" in answer
+    assert "without end at t = " in answer
+    assert float(answer.split("t = ")[1].split()[0]) == pytest.approx(end_s, abs=5e-5)

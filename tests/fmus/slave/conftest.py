@@ -84,9 +84,9 @@ class Slave:
 
     def step(self, size: float, begin: float | None = None) -> Any:
         begin = self.time if begin is None else begin
-        told = self.slave.doStep(begin, size)
+        answer = self.slave.doStep(begin, size)
         self.time = begin + size
-        return told
+        return answer
 
     def run(self, count: int, size: float = 1e-3) -> list[dict[str, Any]]:
         """Outputs after each of `count` steps."""

@@ -42,9 +42,9 @@ def ended_at(plant, size):
         _, terminate, early, last = plant.step(size)
         assert (terminate, early) == (True, False)  # nobody has allowed an early return
         return last
-    with pytest.raises(FMICallException) as told:
+    with pytest.raises(FMICallException) as found:
         plant.step(size)
-    assert told.value.status == 2  # discard
+    assert found.value.status == 2  # discard
     ended, last = ctypes.c_int(), ctypes.c_double()
     component = plant.slave.component
     plant.slave.fmi2GetBooleanStatus(component, fmi2Terminated, ctypes.byref(ended))

@@ -174,9 +174,9 @@ def distance_sensor(time_s: Vector) -> Mapping[str, Vector]:
     (touch,) = crossings(lambda t: float(z(t)) - 1.9e-3, np.linspace(0.0, span, 101))
     left = (70e-3 + radius) / np.cos(0.1) / feed
     inside = np.minimum(raw(ticks), full)
-    told = inside + 0.01 * inside * (1 - inside / full)
-    told[ticks >= touch] = 0.0  # short circuit; the step to full scale behind it in closed form
-    y = followed(told, tick, 300, 0.7)[::parts] + full * step_response(time_s - left, 300, 0.7)
+    answer = inside + 0.01 * inside * (1 - inside / full)
+    answer[ticks >= touch] = 0.0  # short circuit; the step to full scale behind it in closed form
+    y = followed(answer, tick, 300, 0.7)[::parts] + full * step_response(time_s - left, 300, 0.7)
     noisy = y + 3e-6 * (y / 1.1e-3) ** 2 * noise_at(time_s, 130e-6, 99)
     touching = within([(touch, left)], time_s)
     true = gap(time_s)

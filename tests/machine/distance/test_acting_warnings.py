@@ -21,7 +21,7 @@ LISTED_1 = "set:Z.kenngr.distc.kp=1"
 KP_1 = "plc:Z.object.DIST_CTRL::kp=1 at=20ms"
 
 
-def told(run_distance: RunDistance, blocks: str, *assignments: str) -> list[str]:
+def found(run_distance: RunDistance, blocks: str, *assignments: str) -> list[str]:
     lines = [f"N{10 * n} {word}" for n, word in enumerate(blocks.split("; "), 1)]
     facts = run_distance("\n".join(lines), *assignments).outcome.facts
     return [note.text for note in facts.notes if note.source == "distance"]
@@ -42,7 +42,7 @@ def told(run_distance: RunDistance, blocks: str, *assignments: str) -> list[str]
 def test_what_nobody_uses_is_not_warned_of(
     run_distance: RunDistance, blocks: str, assignments: tuple[str, ...]
 ) -> None:
-    assert told(run_distance, blocks, *assignments) == []
+    assert found(run_distance, blocks, *assignments) == []
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_what_nobody_uses_is_not_warned_of(
 def test_what_acts_beyond_its_limit_is_warned_of_once(
     run_distance: RunDistance, blocks: str, assignments: tuple[str, ...]
 ) -> None:
-    (warning,) = told(run_distance, blocks, *assignments)
+    (warning,) = found(run_distance, blocks, *assignments)
     assert warning.startswith("axis Z: CONST_DIST by gap on 60E4:1, TPDO4 with every SYNC is unst")
     assert "with kp 1 (P-AXIS-00759): its limit is 0.431 with 2 dead cycles" in warning
 

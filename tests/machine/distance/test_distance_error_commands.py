@@ -57,8 +57,8 @@ def test_another_mode_while_on(run_distance, alarm_id, first, second, current, p
         f"N10 {first}\nN20 G4 0.02\nN30 {second}\nN40 G4 1", newer=alarm_id == 310025
     )
     assert ends_at(watched, 30) == alarm_id
-    told = (watched.alarm.values["current"], watched.alarm.values["programmed"])
-    assert told == (current, programmed)
+    found = (watched.alarm.values["current"], watched.alarm.values["programmed"])
+    assert found == (current, programmed)
 
 
 @pytest.mark.provokes(70334, 7)

@@ -15,7 +15,7 @@ RAMP = ("plant:gap.lift_mm=1", "plant:gap.lift_begin_ms=60", "plant:gap.lift_end
 
 
 @pytest.fixture
-def told(run_nc: Callable[..., Any]) -> Callable[..., Callable[[str], Observation]]:
+def found(run_nc: Callable[..., Any]) -> Callable[..., Callable[[str], Observation]]:
     """Return `run(program, *assignments)`, which returns what a metric tells of that run."""
 
     def run(program: str, *assignments: str, base: str = "distance-z.toml") -> Any:
@@ -46,15 +46,15 @@ def test_every_metric_of_distance_control_is_in_the_table() -> None:
     assert {linear for linear in known.values() if linear} <= set(DISTANCE_METRICS)
 
 
-def test_without_distance_control(told: Any) -> None:
-    of = told("G04 0.02", base="probe-z.toml")
+def test_without_distance_control(found: Any) -> None:
+    of = found("G04 0.02", base="probe-z.toml")
     for name in DISTANCE_METRICS:
         assert "no axis has it" in text_of(of(name))
     assert "axis Z has no distance control" in text_of(of("offset_end_mm:Z"))
 
 
-def test_never_switched_on(told: Any) -> None:
-    of = told("G04 0.02")
+def test_never_switched_on(found: Any) -> None:
+    of = found("G04 0.02")
     for name in ("distance_growth", "distance_kp_limit", "distance_behind_um_max"):
         assert "never on" in text_of(of(name))
     assert "never frozen" in text_of(of("freeze_drift_um"))
@@ -63,8 +63,8 @@ def test_never_switched_on(told: Any) -> None:
 
 
 @pytest.mark.long
-def test_a_level_surface_has_no_step_to_measure_dead_cycles_with(told: Any) -> None:
-    of = told(LEVEL)
+def test_a_level_surface_has_no_step_to_measure_dead_cycles_with(found: Any) -> None:
+    of = found(LEVEL)
     assert text_of(of("distance_dead_cycles"))
     assert of("distance_dead_cycles_expected").value == 2
     assert "none, raised: none" in text_of(of("distance_alarm_late_cycles"))
@@ -72,8 +72,8 @@ def test_a_level_surface_has_no_step_to_measure_dead_cycles_with(told: Any) -> N
     assert of("offset_model_error_um").value == pytest.approx(0.0, abs=1e-9)
 
 
-def test_an_unstable_loop_has_no_closed_form_of_its_error(told: Any) -> None:
-    of = told(
+def test_an_unstable_loop_has_no_closed_form_of_its_error(found: Any) -> None:
+    of = found(
         LEVEL.replace("1.9]", "1.995]").replace("0.3", "0.05"), *STEEP, "set:Z.kenngr.distc.kp=1"
     )
     assert "not stable" in text_of(of("distance_error_expected_um"))
@@ -83,25 +83,25 @@ def test_an_unstable_loop_has_no_closed_form_of_its_error(told: Any) -> None:
     )
 
 
-def test_a_transient_that_is_not_over_is_told(told: Any) -> None:
-    of = told(LEVEL.replace("1.9]", "2]"), *STEEP, *RAMP, "set:Z.kenngr.distc.kp=0.005")
+def test_a_transient_that_is_not_over_is_told(found: Any) -> None:
+    of = found(LEVEL.replace("1.9]", "2]"), *STEEP, *RAMP, "set:Z.kenngr.distc.kp=0.005")
     assert "the transient needs" in text_of(of("distance_error_expected_um"))
     assert "the transient needs" in text_of(of("distance_behind_expected_um"))
 
 
-def test_a_limit_that_acts_is_named(told: Any) -> None:
-    of = told(LEVEL.replace("1.9]", "2]"), *RAMP, "set:Z.kenngr.distc.v_max=4000")
+def test_a_limit_that_acts_is_named(found: Any) -> None:
+    of = found(LEVEL.replace("1.9]", "2]"), *RAMP, "set:Z.kenngr.distc.v_max=4000")
     assert "limited" in text_of(of("distance_error_expected_um"))
     assert of("offset_speed_mm_s_max").value == pytest.approx(4.0)
 
 
-def test_a_telegram_that_comes_seldom_has_no_limit_of_kp(told: Any) -> None:
-    of = told(LEVEL, base="distance-z-every-second.toml")
+def test_a_telegram_that_comes_seldom_has_no_limit_of_kp(found: Any) -> None:
+    of = found(LEVEL, base="distance-z-every-second.toml")
     assert "every SYNC" in text_of(of("distance_kp_limit"))
     assert "every SYNC" in text_of(of("distance_growth_expected"))
 
 
-def test_a_surface_that_stands_is_no_sine(told: Any) -> None:
-    of = told(LEVEL)
+def test_a_surface_that_stands_is_no_sine(found: Any) -> None:
+    of = found(LEVEL)
     assert "fewer than two periods" in text_of(of("distance_sine_gain"))
     assert "fewer than two periods" in text_of(of("distance_sine_gain_expected"))

@@ -20,7 +20,7 @@ def gains(outcome):
 
 
 @pytest.mark.parametrize(
-    ("program", "told"),
+    ("program", "found"),
     [
         (f"N10 M50\nN20 {ON}\nN30 G4 0.2", [0.3]),  # written while INACTIVE
         (f"N10 {ON}\nN20 G4 0.01\nN30 M50\nN40 G4 0.1", [0.2]),  # while it is on: not at all
@@ -32,11 +32,11 @@ def gains(outcome):
         (f"N10 {ON}\nN20 G4 0.01\nN30 Z[DIST_CTRL KP=0.3]\nN40 G4 0.1", [0.2, 0.3]),  # program
     ],
 )
-def test_a_gain_acts_at_the_transitions_and_that_of_a_program_at_once(run_distance, program, told):
+def test_a_gain_acts_at_the_transitions_and_that_of_a_program_at_once(run_distance, program, found):
     write = "plc:Z.object.DIST_CTRL::kp=0.3 at=M50"
     put = (*NO_FILTER, write) if "M50" in program else NO_FILTER
     outcome = run_distance(program, *put).outcome
-    assert list(dict.fromkeys(gains(outcome))) == told
+    assert list(dict.fromkeys(gains(outcome))) == found
 
 
 def test_a_command_waits_until_the_plc_is_enabled(run_distance):

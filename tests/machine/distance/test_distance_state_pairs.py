@@ -69,8 +69,8 @@ def holds_in_the_end(watched, after):
     end = "INACTIVE" if after == "TURNING_OFF" else after
     assert watched.cycles[-1].state == end
     assert does(end, watched.cycles[-30:])
-    told = [] if end == "INACTIVE" else [70332]
-    assert [alarm.id for alarm in watched.channel.alarms] == told
+    found = [] if end == "INACTIVE" else [70332]
+    assert [alarm.id for alarm in watched.channel.alarms] == found
 
 
 def stays_behind_an_alarm(watched):

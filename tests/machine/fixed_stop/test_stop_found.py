@@ -55,8 +55,8 @@ def test_closed_forms_of_the_listed_slope_are_not_of_one_that_the_program_chose(
     run_stop: RunStop, before: str, *, has_form: bool
 ) -> None:
     found = run_stop(120, before=before, pos_lag_limit=LAG_LIMIT, min_time=MIN_TIME)
-    (told,) = stop_findings(found.outcome.observed)
-    (excess,) = (value for value in told.values if value.key == "command_excess")
+    (answer,) = stop_findings(found.outcome.observed)
+    (excess,) = (value for value in answer.values if value.key == "command_excess")
     assert has_form or excess.expected is None
-    assert ("#SLOPE" in told.prediction) != has_form
-    assert told.prediction.startswith("contact of Z") == has_form
+    assert ("#SLOPE" in answer.prediction) != has_form
+    assert answer.prediction.startswith("contact of Z") == has_form

@@ -84,25 +84,25 @@ def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
     assert values["stop_force_n_max"] >= values["stop_force_n"] - 1e-6
     assert values["after_run_motion_um"] < 0.1
 
-    (told,) = blocks(result)
-    assert json.dumps(asdict(told), allow_nan=False), "finite numbers"
-    marks = {mark.key: mark for mark in told.marks}
-    assert told.is_found
+    (found,) = blocks(result)
+    assert json.dumps(asdict(found), allow_nan=False), "finite numbers"
+    marks = {mark.key: mark for mark in found.marks}
+    assert found.is_found
     for key in ("armed", "beyond", "window", "detected"):
         assert marks[key].is_inside, marks[key]
     assert marks["beyond"].high_ns - marks["beyond"].low_ns < 1.2e6
-    order = [mark.key for mark in told.marks]
+    order = [mark.key for mark in found.marks]
     assert order == [key for key in order if key in marks], "one mark of each for one axis"
     assert {"monitoring_off", "contact", "relax_begin", "relax_end", "monitoring_on"} <= set(order)
-    for value in told.values:
+    for value in found.values:
         if value.low is not None:
             assert value.low - 1e-4 <= value.measured, value
         if value.high is not None:
             assert value.measured <= value.high + 1e-4, value
-    values_told = {value.key: value for value in told.values}
+    values_told = {value.key: value for value in found.values}
     # F + sqrt(F² + k m v²), m = 120 kg and 1.8e-4 kg m² on 10 mm: 191.06 kg
     assert values_told["stop_force_max"].high == pytest.approx(552.9 + 829.3, abs=2.0)
-    assert told.prediction == "contact of Z with its stop, found by lag and window"
+    assert found.prediction == "contact of Z with its stop, found by lag and window"
     labels = [event.label for event in events(observed(result))]
     assert "Z: contact at the stop" in labels
     assert "Z: lag above its limit" in labels
@@ -115,9 +115,9 @@ def test_a_limit_below_the_running_lag_is_a_false_trigger_in_the_predicted_cycle
     assert values["detection_error_ms"] is None
     assert "meets no stop" in notes["detection_error_ms"]
     assert values["detection_followed_error_ms"] == 0.0
-    (told,) = blocks(result)
-    assert "the lag limit 0.2 mm is not above the running lag" in told.prediction
-    assert told.limits["Z"].arming_mm == pytest.approx(3.0)
+    (found,) = blocks(result)
+    assert "the lag limit 0.2 mm is not above the running lag" in found.prediction
+    assert found.limits["Z"].arming_mm == pytest.approx(3.0)
 
 
 def test_without_a_criterion_nothing_is_foretold_or_found(run: Run) -> None:
@@ -125,6 +125,6 @@ def test_without_a_criterion_nothing_is_foretold_or_found(run: Run) -> None:
     assert values["detection_error_ms"] is None
     assert notes["detection_error_ms"] == "no stop was found"
     assert values["detection_criterion"] == "none"
-    (told,) = blocks(result)
-    assert told.prediction == "nothing can detect: no criterion is on"
-    assert not told.is_found
+    (found,) = blocks(result)
+    assert found.prediction == "nothing can detect: no criterion is on"
+    assert not found.is_found

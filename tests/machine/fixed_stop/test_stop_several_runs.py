@@ -174,8 +174,8 @@ def test_the_contact_that_lasts_counts_when_the_stop_goes_away_and_is_met_again(
     again_ms = float(times[free[-1]]) / 1e6
     since_ms = values["contact_to_detection_ms"]
     assert since_ms == pytest.approx(detected_ns / 1e6 - again_ms, abs=1.01)
-    (told,) = blocks(result)
-    broken = told.broken_contacts["Z"]
+    (found,) = blocks(result)
+    broken = found.broken_contacts["Z"]
     assert broken.since_ns == pytest.approx(detected_ns - since_ms * 1e6, abs=1.0)
     assert broken.first_ns / 1e6 == pytest.approx(first_ms, abs=1.01)
     assert broken.lost_ns / 1e6 == pytest.approx(lost_ms, abs=2.01)

@@ -17,7 +17,7 @@ LIMIT_N = 0.1 * 2 * np.pi * 9.0 / 0.010  # 10 % of 9 N.m on a screw of 10 mm
 PLACE_MM = 130.0 + LIMIT_N / 20e6 * 1e3
 
 
-def told(name: str) -> list[StopFindings]:
+def found(name: str) -> list[StopFindings]:
     """What the bench tells of each run of a row."""
     (case,) = (case for case in read_plan(PLAN).cases if case.case == name)
     return blocks(run_case(case, RunFiles()))
@@ -29,7 +29,7 @@ def values(run: StopFindings, key: str) -> list[Value]:
 
 def test_each_of_two_independent_axes_has_its_own_contact_and_values_only() -> None:
     """Y meets its stop while X is still led back: that is nothing of the run of X."""
-    first, second = told("independent")
+    first, second = found("independent")
     for run, axis in ((first, "X"), (second, "Y")):
         contacts = [mark.axis for mark in run.marks if mark.key == "contact"]
         assert contacts == [axis]
@@ -39,7 +39,7 @@ def test_each_of_two_independent_axes_has_its_own_contact_and_values_only() -> N
 
 
 def test_a_value_latched_at_rest_without_friction_is_within_a_micrometre() -> None:
-    (run,) = told("in-line")
+    (run,) = found("in-line")
     (latched,) = values(run, "latched")
     assert latched.low == pytest.approx(PLACE_MM - 0.001, abs=1e-6)
     assert latched.high == pytest.approx(PLACE_MM + 0.001, abs=1e-6)
@@ -51,7 +51,7 @@ def test_a_value_latched_at_rest_without_friction_is_within_a_micrometre() -> No
 
 def test_the_force_at_the_end_has_no_bound_while_the_axis_rings() -> None:
     """The drive faults 18 ms behind the contact; the bound F_lim - F_g + F_c is that of rest."""
-    (run,) = told("slave-window-left-on")
+    (run,) = found("slave-window-left-on")
     ends = values(run, "stop_force_end")
     assert max(value.measured for value in ends) > LIMIT_N
     for value in ends:

@@ -140,7 +140,7 @@ def test_900240_at_the_target_without_a_stop(stage: Make) -> None:
 
 
 @pytest.mark.parametrize(
-    ("detect", "told"),
+    ("detect", "found"),
     [
         (FixedStopSettings(), "Z no criterion active (no lag limit and no window)"),
         (
@@ -156,11 +156,13 @@ def test_900240_at_the_target_without_a_stop(stage: Make) -> None:
     ],
 )
 @pytest.mark.provokes(900240, 4, axes="Z")
-def test_900240_says_what_was_looked_for(stage: Make, detect: FixedStopSettings, told: str) -> None:
+def test_900240_says_what_was_looked_for(
+    stage: Make, detect: FixedStopSettings, found: str
+) -> None:
     made = stage(Axis("Z", stop_mm=5.0), target={"Z": 10.0}, detect=detect)
     with pytest.raises(Alarm) as caught:
         made.finish()
-    assert str(caught.value.values["criteria"]).startswith(told)
+    assert str(caught.value.values["criteria"]).startswith(found)
 
 
 @pytest.mark.provokes(900240, 4, axes="Z")
@@ -169,9 +171,9 @@ def test_900240_says_that_standing_in_the_exact_stop_window_is_no_stop(stage: Ma
     made = stage(Axis("Z"), target={"Z": 2.0}, detect=detect)
     with pytest.raises(Alarm) as caught:
         made.finish()
-    told = str(caught.value.values["criteria"])
-    assert "at rest with 0.0000 mm, inside its exact-stop window of" in told
-    assert "(P-AXIS-00236), where standstill is no stop" in told
+    found = str(caught.value.values["criteria"])
+    assert "at rest with 0.0000 mm, inside its exact-stop window of" in found
+    assert "(P-AXIS-00236), where standstill is no stop" in found
 
 
 @pytest.mark.parametrize("stop_mm", [5.0, 1e9])

@@ -61,8 +61,8 @@ def test_inches(run: Run) -> None:
 
 def test_m_and_h_functions_are_told_before_the_axis_moves(run: Run) -> None:
     commands = run("%t\nN10 X[INDP_SYN G90 G0 POS=2 M25 H7]\nN20 M30\n")
-    told = [(c.letter, c.number) for c in commands if isinstance(c, canon.TechnologyFunction)]
-    assert told == [("M", 25), ("H", 7)]
+    message = [(c.letter, c.number) for c in commands if isinstance(c, canon.TechnologyFunction)]
+    assert message == [("M", 25), ("H", 7)]
     assert isinstance(commands[2], canon.IndependentMove)
 
 

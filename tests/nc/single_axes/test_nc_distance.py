@@ -93,11 +93,11 @@ def test_the_surface_is_where_the_axis_counts_whatever_is_shifted(run: Run) -> N
 def test_words_of_a_block_act_in_their_order_before_its_motion(run: Run) -> None:
     block = "N10 G0 Z5 X1 Z[DIST_CTRL SET_POS=3] X[DIST_CTRL FREEZE] Z[DIST_CTRL ON]"
     found = run(f"%t\n{block}\nM30\n")
-    told = [
+    answer = [
         (c.axis, c.action) if isinstance(c, canon.DistanceCommand) else type(c).__name__
         for c in found
     ]
-    assert told == [("Z", None), ("X", "freeze"), ("Z", "on"), "LinearMove", "EndOfProgram"]
+    assert answer == [("Z", None), ("X", "freeze"), ("Z", "on"), "LinearMove", "EndOfProgram"]
 
 
 def test_behind_off_no_move_the_program_counts_from_where_the_axis_stands(

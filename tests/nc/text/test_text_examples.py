@@ -42,8 +42,8 @@ def test_every_g_function_and_control_structure_that_acts_has_an_example():
 
 
 def test_a_word_is_told_with_its_example_and_its_page_once():
-    told = language_listing("G4")
-    assert told.count("    example: N10 G4 1.5") == 1
-    assert told.endswith("    see docs/motion.md#dwell-time")
+    message = language_listing("G4")
+    assert message.count("    example: N10 G4 1.5") == 1
+    assert message.endswith("    see docs/motion.md#dwell-time")
     assert "$FOR P1 = 1, 5, 1" in language_listing("$FOR")
     assert "| `$FOR` `$ENDFOR` | `$FOR P1 = 1, 5, 1`<br>" in page()

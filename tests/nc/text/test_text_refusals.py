@@ -121,7 +121,7 @@ def test_error_has_its_place_and_says_what_it_found(text, line, column, message,
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "found"),
     [
         ("X=V.A.MES.Z", "V.A.MESS.Z"),
         ("X=V.A.MEAS.ACS.Z", "V.A.MEAS.ACS.VALUE.Z"),
@@ -136,8 +136,8 @@ def test_error_has_its_place_and_says_what_it_found(text, line, column, message,
         ('#MSG ["a",\nG1 = X10\n]', "#MSG"),
     ],
 )
-def test_error_tells_what_may_stand_there(text, told):
-    assert told in str(refused(text))
+def test_error_tells_what_may_stand_there(text, found):
+    assert found in str(refused(text))
 
 
 def test_coordinate_system_needs_three_axes():

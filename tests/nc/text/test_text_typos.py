@@ -13,7 +13,7 @@ def errors(text):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "words"),
     [
         # the letter O for a zero
         ("G1 Z15O F100", "Z150 meant?"),
@@ -39,17 +39,17 @@ def errors(text):
         ("P1=1\nGOTO [A]\n[A] M30", "$GOTO meant?"),
     ],
 )
-def test_what_was_meant_is_told_once(text, told):
+def test_what_was_meant_is_told_once(text, words):
     (error,) = errors(text)
-    assert told in str(error)
+    assert words in str(error)
 
 
 @pytest.mark.parametrize("text", ["G1 Q1", "G777 X10", "G1 X ?", "X=SIN[3,5]", "$IF 1 2\n$ENDIF"])
 def test_no_slip_is_seen_where_none_is(text):
-    told = str(errors(text)[0])
-    assert "meant?" not in told
-    assert "written" not in told
-    assert "decimal" not in told
+    words = str(errors(text)[0])
+    assert "meant?" not in words
+    assert "written" not in words
+    assert "decimal" not in words
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,12 @@ from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.latches import SdoRoom, sdo_room
 from axisrig.bench.rig.canopen.loop import loop_settings
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
-from axisrig.bench.rig.canopen.schedule import has_inputs, has_latch_counter, has_second
+from axisrig.bench.rig.canopen.schedule import (
+    has_inputs,
+    has_latch_counter,
+    has_second,
+    has_touch_probe,
+)
 from axisrig.bench.rig.canopen.startup import start_up_settings
 from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
@@ -79,6 +84,7 @@ def _link_settings(settings: Settings, name: str) -> LinkSettings:
         has_counter=has_latch_counter(settings, name),
         has_inputs=has_inputs(settings, name),
         has_second=has_second(settings, name),
+        has_probe=has_touch_probe(settings, name),
         sensor_age_limit_ms=axis.sensor_age_limit_ms,
         loop=loop_settings(settings, name),
     )

@@ -30,7 +30,7 @@ Rare = tuple[str, int]
 _EMCY: Rare = ("EMCY", EMERGENCY_BASE)
 SDO_FRAMES: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER_BASE), ("SDO request", SDO_REQUEST_BASE))
 
-DIGITAL_INPUTS = 0x60FD
+DIGITAL_INPUTS, TOUCH_PROBE = 0x60FD, 0x60B8
 SYNC_LAST = 240
 """The last transmission type of a TPDO that comes with SYNC (CiA 301)."""
 
@@ -73,6 +73,15 @@ def has_inputs(settings: Settings, name: str) -> bool:
     return _has_object(settings, name, DIGITAL_INPUTS)
 
 
+def has_touch_probe(settings: Settings, name: str) -> bool:
+    """Whether the drive of an axis has a touch probe (60B8), by its EDS if the rig names one."""
+    drive = drive_of(settings, name)
+    if drive.eds is None:
+        return drive.make().has_object(TOUCH_PROBE)
+    od = drive_dictionary(drive, settings.rig.axis[name].node_id, drive.make())
+    return variable(od, TOUCH_PROBE, 0) is not None
+
+
 def has_second(settings: Settings, name: str) -> bool:
     """Whether the kernel's own telegrams carry the second encoder of an axis.
 
@@ -95,6 +104,7 @@ def _telegrams(settings: Settings, name: str, *, counter: bool) -> dict[str, Tel
         inputs=has_inputs(settings, name),
         second=has_second(settings, name),
         speed=drive_of(settings, name).mode == CSV,
+        probe=has_touch_probe(settings, name),
     )
 
 

@@ -4,6 +4,7 @@ from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.canopen.schedule import (
     has_inputs,
     has_second,
+    has_touch_probe,
     knows_counter,
     latch_object_of,
 )
@@ -81,4 +82,5 @@ def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
         inputs=has_inputs(settings, name),
         second=has_second(settings, name),
         speed=drive_of(settings, name).mode == CSV,
+        probe=has_touch_probe(settings, name),
     )

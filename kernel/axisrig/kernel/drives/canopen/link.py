@@ -41,6 +41,7 @@ class AxisLink(Cia402Drive):
             inputs=settings.has_inputs,
             second=settings.has_second,
             speed=settings.loop is not None,
+            probe=settings.has_probe,
         )
         pdos = ProcessData(found, settings.node_id, network, clock, settings.answers_ns)
         super().__init__(

@@ -38,6 +38,7 @@ FIELDS: Final[Mapping[str, bool]] = {
 # Fields that need not come with every SYNC
 DUMMIES: Final = range(0x0001, 0x0008)  # objects that fill a place of an RPDO
 AT_THEIR_TIME: Final = ("inputs", "second")
+OF_TOUCH_PROBE: Final = ("probe_function", "probe_status", "latch", "latch_count")
 NEEDED: Final = ("controlword", "statusword", "actual")
 TARGETS: Final = ("target", "speed")
 COLUMNS: Final = (
@@ -120,13 +121,15 @@ def telegrams(
     inputs: bool = True,
     second: bool = False,
     speed: bool = False,
+    probe: bool = True,
 ) -> dict[str, Telegram]:
     """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD).
 
     table: path of a mapping table; without one the kernel's own. counter, inputs, second: whether
     the kernel's own has the counter of the latch (60D5 to 60D8), the digital inputs (60FD) and the
     position of the second encoder (60E4:1). speed: of a table with set position and set speed
-    (60FF), as the kernel's own is, the speed counts, else the position.
+    (60FF), as the kernel's own is, the speed counts, else the position. probe: whether the kernel's
+    own has the words of the touch probe and the latch.
     Raises UserError, with file and line, for a table that is none.
     """
     grouped: dict[str, list[dict[str, str]]] = {}
@@ -138,6 +141,7 @@ def telegrams(
             (row["index"] == COUNTER and not counter)
             or (row["field"] == "inputs" and not inputs)
             or (row["field"] == "second" and not second)
+            or (row["field"] in OF_TOUCH_PROBE and not probe)
         )
         if table is None and is_left_out:
             continue
