@@ -165,3 +165,18 @@ def test_a_plant_that_takes_no_speed_is_refused(tmp_path: Path) -> None:
     rig = rig.model_copy(update={"plant": {**rig.plant, "z": plant}})
     with pytest.raises(UserError, match="its plant takes none"):
         Machine(read_settings(rig, files, []), read_program(tmp_path / "own.nc", ("Z",)))
+
+
+@pytest.mark.long
+def test_a_drive_stops_by_itself_when_the_control_begins_no_cycle_any_more(tmp_path: Path) -> None:
+    """Its own clock counts cycles: the sign of life is that of the telegram before in each."""
+    (tmp_path / "own.nc").write_text(SHORT, encoding="utf-8")
+    machine = Machine(settings_of(), read_program(tmp_path / "own.nc", ("Z",)))
+    try:
+        machine.run()
+        node, end_ns = part_of(machine).ends["Z"].node, machine.scheduler.now_ns
+        assert node.state is State.OPERATION_ENABLED
+        machine.scheduler.run_until(end_ns + 300_000_000)
+        assert node.state is State.FAULT
+    finally:
+        machine.close()

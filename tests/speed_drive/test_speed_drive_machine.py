@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.speed_drive.ends import MILLISECOND, Ends
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
@@ -14,6 +15,7 @@ from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -179,3 +181,21 @@ def test_lost_images_are_borne_up_to_the_watchdog(run: Run, family: str) -> None
 
     assert ids(run(family, SHORT, before=lose(3))) == []
     assert ids(run(family, SHORT, before=lose(8))) != []
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_drive_stops_by_itself_when_the_control_begins_no_cycle_any_more(family: str) -> None:
+    """After `watchdog_cycles` of its own clock, with the set speed that came last until then."""
+    ends = Ends(family.replace("-", "_"), lambda _: 0.159, [], MILLISECOND)
+    for _ in range(20):
+        ends.cycle()
+    ends.link.send(ends.link.actual_mm + 1.0)
+    ends.scheduler.run_until(20 * MS)
+    ends.carrier.begin_cycle()
+    ends.scheduler.run_until(24 * MS)
+    assert ends.node.speed.speed_m_s == pytest.approx(0.01, rel=1e-3)
+    assert ends.node.state is State.OPERATION_ENABLED
+    ends.scheduler.run_until(25 * MS)
+    assert ends.node.speed.speed_m_s == 0.0
+    assert ends.node.state is not State.OPERATION_ENABLED
+    assert ends.segment.exchanges == 21

@@ -164,6 +164,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
         torque_limits=machine.torque_limits.of(name),
         states=tuple(part.states.get(name, ())),
+        latch_per_mm=None if drive.latch_per_mm is None else float(drive.latch_per_mm),
     )
 
 

@@ -81,7 +81,8 @@ class AxisRecord(Frozen):
     rest on telegrams alone. second_delay_cycles: age of 60E4 beside 6064.
     late_cycles: by how many more than 2 the control sees what its set values do in 6064.
     fresh_late_cycles: the same in what the PLC reads at the last SYNC of the drive.
-    rated_torque_mnm, lead_um: of motor and screw.
+    rated_torque_mnm, lead_um: of motor and screw. latch_per_mm: increments in which a latched value
+    comes; None: those of the position.
     """
 
     segment: str
@@ -108,6 +109,7 @@ class AxisRecord(Frozen):
     latches: tuple[Latch, ...] = ()
     torque_limits: tuple[TorqueLimit, ...] = ()
     states: tuple[DriveState, ...] = ()
+    latch_per_mm: float | None = None
 
     @property
     def later_cycles(self) -> int:

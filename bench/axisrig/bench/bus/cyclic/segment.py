@@ -9,6 +9,9 @@ In cycle k, which begins at k T:
 
 T_I, T_DX and T_O are names of isochronous PROFIBUS (SIMODRIVE 611 universal); the instants are
 whole nanoseconds.
+
+Drives count cycles by their own clocks: when the control begins none any more, their cycles go on
+half a period late, without an image, so that their watch over images acts.
 """
 
 import hashlib
@@ -78,7 +81,7 @@ class CyclicSegment:
     ) -> None:
         self._clock, self._nodes, self._at, self._received = clock, nodes, instants, received
         self._hash = hashlib.sha256()
-        self.exchanges = 0
+        self.exchanges = self._begun = 0
         self.loses: Losses = _never
         self.lost: dict[str, list[Falls]] = {axis: [] for axis in nodes}
         self.missed: dict[str, list[Falls]] = {axis: [] for axis in nodes}
@@ -96,6 +99,18 @@ class CyclicSegment:
             self._sample()
         clock.call_at(now_ns + at.bus_ns, Phase.DELIVERY, lambda: self._exchange(outputs))
         clock.call_at(now_ns + at.output_ns, Phase.APPLICATION, self._cycle)
+        self._begun += 1
+        self._watch(self._begun, now_ns + at.period_ns + at.output_ns + at.period_ns // 2)
+
+    def _watch(self, begun: int, at_ns: TimeNs) -> None:
+        """Let the drives have a cycle then where no further one has begun, and so on."""
+
+        def look() -> None:
+            if self._begun == begun:
+                self._cycle()
+                self._watch(begun, at_ns + self._at.period_ns)
+
+        self._clock.call_at(at_ns, Phase.APPLICATION, look)
 
     def _sample(self) -> None:
         for node in self._nodes.values():

@@ -1,11 +1,12 @@
 """Keys of `[drive.D]` of a drive on Lightbus."""
 
+from fractions import Fraction
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from axisrig.bench.rig.speed_drive.keys import SpeedDriveTable
-from axisrig.kernel.profiles.lightbus.words import TURN_BITS
+from axisrig.kernel.profiles.lightbus.words import LATCH16_BITS, TURN_BITS, UM_PER_MM
 
 
 class DriveTable(SpeedDriveTable):
@@ -34,6 +35,13 @@ class DriveTable(SpeedDriveTable):
     def increments_per_turn(self) -> int:
         """Increments of its position for a turn."""
         return 1 << TURN_BITS
+
+    @property
+    def latch_per_mm(self) -> Fraction | None:
+        """LATCH32 counts um, LATCH16 divides a turn, coarser than the position; exact."""
+        if not self.is_in_turn:
+            return Fraction(UM_PER_MM)
+        return (1 << LATCH16_BITS) / (Fraction(self.make().drive.lead_um) / 1000)
 
     @property
     def in_words(self) -> str:

@@ -30,7 +30,8 @@ class DriveFacts:
     report, of either sign. lead_mm: travel of the axis in one revolution of its motor.
     rated_torque_mnm: what torques are shares of, 0 where there is none. look_back_ns,
     look_ahead_ns: how far from an edge its latch looks at the path. second_delay_cycles: age of its
-    second encoder. latch: what the data sheet says of the instant of a latch.
+    second encoder. latch: what the data sheet says of the instant of a latch. latch_per_mm:
+    increments in which a latched value comes, None: those of its actual value.
     """
 
     units_per_mm: Fraction
@@ -41,6 +42,7 @@ class DriveFacts:
     look_ahead_ns: TimeNs
     second_delay_cycles: int
     latch: LatchTimes = _LATCH_AT_EDGE
+    latch_per_mm: Fraction | None = None
 
 
 class DriveKeys(Table):

@@ -72,6 +72,11 @@ class SpeedDriveTable(_HabitTable, ImageDriveKeys):  # type: ignore[misc]
         """Speed at the full output, exact."""
         return Fraction(self.full_rpm) / 60 * Fraction(self.make().drive.lead_um, 1000)
 
+    @property
+    def latch_per_mm(self) -> Fraction | None:
+        """Increments of a latched value for 1 mm; None: those of the counter."""
+        return None
+
     def make(self) -> SpeedProfile:
         """Make the drive. Raises UserError for a value that cannot be."""
         return self._made
@@ -104,6 +109,7 @@ class SpeedDriveTable(_HabitTable, ImageDriveKeys):  # type: ignore[misc]
                 sample_ns=drive.grid_ns if drive.latch_mode == "sampled" else 0,
                 jitter_ns=drive.input_jitter_ns,
             ),
+            latch_per_mm=self.latch_per_mm,
         )
 
 

@@ -152,7 +152,7 @@ def wrong_value(left: Left, number: int, axis: str, value_mm: float) -> str:
     if not inside:
         return "without an edge of the probe"
     true_mm = inside[0] - (Observed(left.facts, left.series).zero_mm(axis, run) or 0.0)
-    off = (value_mm - true_mm) * record.increments_per_mm
+    off = (value_mm - true_mm) * (record.latch_per_mm or record.increments_per_mm)
     if abs(off) > INCREMENTS_MAX:
         return f"where {true_mm:.6f} mm are true: off by {off:.1f} increments"
     return ""
