@@ -335,3 +335,14 @@ def test_an_axis_without_mass_is_known_by_the_speed_that_it_gains(
     speeds = [0.0] * 50 + [gain_mm_s] * 50
     seen = left(columns={"Z.velocity_mm_s": speeds})
     assert thrown(seen.facts, seen.series) == found
+
+
+def test_a_value_is_held_to_the_increment_of_what_the_drive_latches() -> None:
+    """LATCH32 of a drive on Lightbus counts um, its position 9.5 nm."""
+    made = values(10.0 + 5 * STEP_MM)
+    assert [name for name, _ in broken(made)] == ["value"]
+    axes = {
+        name: replace(record, latch_per_mm=record.increments_per_mm / 10)
+        for name, record in made.facts.axes.items()
+    }
+    assert not list(broken(replace(made, facts=replace(made.facts, axes=axes))))

@@ -1,9 +1,11 @@
 """Tables of drives that only take a speed: each state with each input."""
 
 import csv
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from tests.speed_drive.ends import FAMILIES
 
 from axisrig.bench.drive.speed_drive import front
 from axisrig.bench.drive.speed_drive import latch as of_unit
@@ -142,3 +144,11 @@ def test_it_is_not_enabled_while_a_bit_is_high(armed: LatchControl) -> None:
     assert not armed.is_ordered
     show(armed, None)
     assert armed.is_clear
+
+
+def test_a_latched_value_has_increments_of_its_own_on_lightbus() -> None:
+    """LATCH32 counts um, LATCH16 divides a turn of 10 mm; the others latch their counter."""
+    latched = {name: family.table.facts().latch_per_mm for name, family in FAMILIES.items()}
+    assert latched == {"conventional": None, "encoder_terminal": None, "lightbus": 1000}
+    in_turn = FAMILIES["lightbus"].table.changed("latch_variable", "LATCH16")
+    assert in_turn.facts().latch_per_mm == Fraction(65_536, 10)

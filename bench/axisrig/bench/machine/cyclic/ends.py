@@ -57,6 +57,6 @@ class ImageEnds:
         """Return what #DRIVE acts on, None where the drive has nothing. ask: of its segment."""
         return None
 
-    def start_up(self) -> DriveStart:
-        """Make the start-up of the drive."""
+    def start_up(self, ask: Ask) -> DriveStart:
+        """Make the start-up of the drive. ask: of its segment."""
         raise NotImplementedError

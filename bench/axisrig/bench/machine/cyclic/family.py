@@ -100,7 +100,8 @@ class CyclicSegments(Installed):
 
     def start_up(self, axis: str) -> DriveStart:
         """Make the start-up of one drive."""
-        return self.ends[axis].start_up()
+        segment = self.segments[self._bench.settings.rig.axis[axis].segment]
+        return self.ends[axis].start_up(segment.ask)
 
     def sampled_ns(self, axis: str, sync_ns: TimeNs) -> TimeNs:
         """Return when the actual position of this cycle is sampled: T_I before its begin."""

@@ -7,12 +7,13 @@ from axisrig.bench.machine.cyclic.ends import Ask, ImageEnds, Plugged
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.rig.cyclic.members import phases_of
 from axisrig.bench.rig.loop import feed_forward
+from axisrig.bench.rig.profidrive.expected import expected_parameters
 from axisrig.bench.rig.profidrive.loop import gain_of, loop_settings, wrong_mode
 from axisrig.bench.rig.profidrive.members import drive_of
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import acceleration_mm_s2, drive_input, jump_mm
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.drives.cyclic.carrier import CyclicStart, ImagePort
+from axisrig.kernel.drives.cyclic.carrier import ImagePort
 from axisrig.kernel.drives.functions import read_functions
 from axisrig.kernel.drives.interface import DriveAccesses, DriveStart, DriveWatch
 from axisrig.kernel.drives.profidrive.link import ProfidriveDrive
@@ -23,6 +24,7 @@ from axisrig.kernel.drives.profidrive.parameter_channel import (
     ProfidriveAccesses,
 )
 from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
+from axisrig.kernel.drives.profidrive.startup import ProfidriveStart
 from axisrig.kernel.drives.profidrive.watch import ProfidriveWatch
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.profiles.profidrive.words import SPEED_BASE
@@ -79,9 +81,12 @@ class ProfidriveEnds(ImageEnds):
         """Make the watch over the drive."""
         return ProfidriveWatch(self.link)
 
-    def start_up(self) -> DriveStart:
+    def start_up(self, ask: Ask) -> DriveStart:
         """Make the start-up of the drive: its telegram has to serve its mode."""
-        return CyclicStart(wrong_mode(self._settings, self.link.name))
+        settings, name = self._settings, self.link.name
+        channel = ParameterChannel(partial(ask, self.node.answer))
+        expected = expected_parameters(settings, name)
+        return ProfidriveStart(name, channel, expected, wrong_mode(settings, name))
 
 
 @once

@@ -1,7 +1,7 @@
 """Both ends of a drive on a cyclic segment that only takes a speed; a family derives its own."""
 
 from axisrig.bench.drive.speed_drive.node import SpeedDriveNode, Unit
-from axisrig.bench.machine.cyclic.ends import ImageEnds, Plugged
+from axisrig.bench.machine.cyclic.ends import Ask, ImageEnds, Plugged
 from axisrig.bench.record.axes import Telegram
 from axisrig.bench.rig.cyclic.members import phases_of
 from axisrig.bench.rig.loop import feed_forward, kv_per_s
@@ -79,8 +79,8 @@ class SpeedDriveEnds(ImageEnds):
         """Make the watch over the drive."""
         return SpeedDriveWatch(self.link)
 
-    def start_up(self) -> DriveStart:
-        """Make the start-up of the drive."""
+    def start_up(self, ask: Ask) -> DriveStart:
+        """Make the start-up of the drive, which has nothing to be asked for."""
         return CyclicStart()
 
 

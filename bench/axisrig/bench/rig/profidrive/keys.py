@@ -34,7 +34,7 @@ class DriveTable(_HabitTable, ImageDriveKeys):  # type: ignore[misc]
     p0880: speed in rpm that NSOLL_B is a share of. p0925: wrong signs of life that the drive
     tolerates. p1230: torque limit in 0.1 % of the rated torque; p0881: its reduction in 1 % at
     MOMRED = 16384. position_check: it is led only from a position that its absolute position gives
-    too.
+    too. parameter_check: it starts only with the parameters that the control counts with.
     """
 
     family: Literal["profidrive"]
@@ -48,6 +48,7 @@ class DriveTable(_HabitTable, ImageDriveKeys):  # type: ignore[misc]
     p1230: Annotated[int, Field(ge=50, le=9000)] = 1000
     p0881: Annotated[int, Field(ge=0, le=1000)] = 100
     position_check: bool = True
+    parameter_check: bool = False
 
     @property
     def family_name(self) -> str:

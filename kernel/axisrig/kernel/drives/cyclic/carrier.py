@@ -58,11 +58,8 @@ class CyclicCarrier(Carrier):
 
 
 class CyclicStart:
-    """The start-up of a drive that only has its images. wrong: the alarm that forbids it."""
-
-    def __init__(self, wrong: Alarm | None = None) -> None:
-        self._wrong = wrong
+    """The start-up of a drive that only has its images."""
 
     def begin(self, ended: Callable[[Alarm | None], None]) -> None:
         """It has ended before it began."""
-        ended(self._wrong)
+        ended(None)
