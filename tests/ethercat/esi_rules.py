@@ -73,19 +73,21 @@ def eeprom_of(esi: str, serial: int) -> bytes:
         )
         for sm in device.findall("Sm")
     ]
-    coe = device.find("Mailbox/CoE")
-    assert coe is not None
-    words = (managers[0][0], managers[0][1], managers[1][0], managers[1][1], 4)
+    coe, soe = device.find("Mailbox/CoE"), device.find("Mailbox/SoE")
+    assert (coe is None) != (soe is None)
+    words = (*managers[0][:2], *managers[1][:2], 4 if soe is None else 16)
     struct.pack_into("<5H", head, 48, *words)
     struct.pack_into("<2H", head, 124, size // 128 - 1, 1)
 
     name = text(device.findtext("Name"))
     group, order = text(device.findtext("GroupType")), text(kind.text)
-    details = 1  # SDO at all
+    details = int(coe is not None)  # SDO at all
     for bit, key in enumerate(COE_BITS, 1):
-        details |= (coe.get(key) == "1") << bit
+        details |= (coe is not None and coe.get(key) == "1") << bit
     general = bytearray(32)
-    general[0], general[2], general[3], general[5], general[9] = group, order, name, details, 1
+    general[0], general[2], general[3], general[5] = group, order, name, details
+    channels = 0 if soe is None else number(soe.get("ChannelCount"))
+    general[8], general[9] = channels, int(not channels)
     ports = {"Y": 1, "K": 3, " ": 0}
     for place, letter in enumerate(device.get("Physics") or ""):
         general[16 + place // 2] |= ports[letter] << 4 * (place % 2)

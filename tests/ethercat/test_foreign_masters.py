@@ -8,43 +8,25 @@ frames stay on a pair of virtual interfaces inside a network namespace that the 
 import csv
 import json
 import os
-import shutil
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.ethercat.foreign import ROOT, has_namespace, in_namespace, with_drives
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.ethercat.description import describe
 from axisrig.bench.drive.ethercat.objects import described
 from axisrig.bench.drive.ethercat.sii import sii_content
 
-ROOT = Path(__file__).parents[2]
 RIG = ROOT / "testplans" / "rigs" / "probe-z.toml"
 MASTERS = Path(__file__).parent / "masters"
 PYTHON = os.environ.get("AXISRIG_ETHERCAT_PYTHON", sys.executable)
-NAMESPACE = """
-ip link set lo up && ip link add v0 type veth peer name v1 && ip link set v0 up &&
-ip link set v1 up && sysctl -qw net.ipv6.conf.all.disable_ipv6=1; exec "$@"
-"""
 PERIOD_US, CYCLES, STEP = 2000, 10_000, -10_000
 SKIPPED = (0x1010, 0x1011, 0x6040, 0x6060)
 pytestmark = pytest.mark.long
-
-
-def in_namespace(*words: str) -> list[str]:
-    return ["unshare", "-n", "sh", "-c", NAMESPACE, "sh", *words]
-
-
-def has_namespace() -> bool:
-    if not sys.platform.startswith("linux") or not shutil.which("unshare"):
-        return False
-    tried = subprocess.run(in_namespace("true"), capture_output=True, check=False)
-    return tried.returncode == 0 and not tried.stderr
 
 
 def needs(package: str) -> None:
@@ -72,28 +54,9 @@ def run_master(
     script: str, dictionary: Path, tmp_path: Path, rig: Path = RIG
 ) -> tuple[dict[str, Any], str]:
     """What a master says, and what the drives say."""
-    out = tmp_path / "out"
-    drive = [sys.executable, "-m", "axisrig.bench.cli", "drive", str(rig), "--interface", "ecat"]
-    drive += ["--channel", "v1", "-o", str(out)]
     arguments = [str(PERIOD_US), str(CYCLES), str(STEP), "dc", str(dictionary)]
     master = [PYTHON, str(MASTERS / script), "v0", *arguments]
-    process = subprocess.Popen(
-        in_namespace(*drive), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )  # each step of it replaces itself by the next: this is the process of the drives
-    assert process.stdout is not None
-    lines = [process.stdout.readline()]
-    while lines[-1] and "these slaves are the last ones" not in lines[-1]:
-        lines.append(process.stdout.readline())
-    assert "slave 0 on v1" in lines[0], lines[0] + process.stdout.read()
-    time.sleep(0.5)
-    try:
-        enter = ["nsenter", f"--net=/proc/{process.pid}/ns/net", *master]
-        found = subprocess.run(enter, capture_output=True, text=True, timeout=150, check=False)
-    finally:
-        process.send_signal(signal.SIGINT)
-        rest, _ = process.communicate(timeout=20)
-    printed = "".join(lines) + rest
-    assert found.returncode == 0, found.stdout + found.stderr + printed
+    found, printed = with_drives(rig, tmp_path / "out", master, 150)
     return json.loads(found.stdout.splitlines()[-1]), printed
 
 
@@ -179,5 +142,6 @@ def test_one_line_says_what_is_wrong_with_an_interface() -> None:
         if words[1] == "d0" and "there is no such interface" in got.stderr:
             continue  # this kernel makes no other interfaces
         assert got.returncode == 2, got.stdout + got.stderr
-        assert got.stderr.startswith(f"error: {allowed}"), got.stderr
-        assert got.stderr.count("\n") == 1
+        progress, error = got.stderr.splitlines()
+        assert progress == f"making the drives of {RIG}"
+        assert error.startswith(f"error: {allowed}")

@@ -8,10 +8,12 @@ from tests.ethercat.esi_rules import eeprom_of
 from tests.ethercat.line import Line
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.drive.ethercat.description import describe
+from axisrig.bench.drive.ethercat.description import MAILBOX_BYTES, describe
 from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import SlaveSettings
 from axisrig.bench.drive.ethercat.sii import sii_content
+from axisrig.bench.drive.sercos.description import describe as describe_sercos
+from axisrig.bench.drive.sercos.profiles import NAMES, make_profile
 
 
 def categories(content: bytes) -> Iterator[tuple[int, bytes]]:
@@ -143,6 +145,16 @@ def test_a_check_sum_that_is_wrong_is_said_and_gives_no_alias() -> None:
 def test_the_eeprom_made_from_the_esi_file_is_ours(profile: DriveProfile) -> None:
     description = describe(profile, serial=3)
     assert eeprom_of(esi_text(description), serial=3) == sii_content(description)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_eeprom_of_a_sercos_drive_is_that_of_its_esi_file(name: str) -> None:
+    """SoE in place of CoE, one channel; no profile of CiA 402."""
+    drive = make_profile(name, DriveProfile(), "rotary", 1 << 20)
+    description = describe_sercos(drive, 3, MAILBOX_BYTES)
+    text = esi_text(description)
+    assert eeprom_of(text, serial=3) == sii_content(description)
+    assert ("<CoE" in text, "ProfileNo" in text, text.count("<SoE")) == (False, False, 1)
 
 
 def test_eeprom_and_esi_of_fixed_pdos_say_so() -> None:

@@ -81,7 +81,7 @@ def drive(
             settings = ethercat.line_settings(rig, axes or [], assignments or [])
             if esi is not None:
                 print(ethercat.write_esi(settings, esi))
-                to_stderr(f"the drive of {whose_eds(settings)}")
+                to_stderr(f"the drive of {ethercat.whose_esi(settings)}")
                 return
             given = {"--bitrate": bitrate, "--option": options, "--segment": segment, "--eds": eds}
             _refuse([name for name, value in given.items() if value] + ["--by-sync"] * by_sync)

@@ -35,7 +35,10 @@ def esi_text(description: Description) -> str:
         for pdo in pdos:
             _pdo(device, kind, pdo, is_fixed="PdoConfig" not in description.coe)
     mailbox = SubElement(device, "Mailbox", DataLinkLayer="1")
-    SubElement(mailbox, "CoE", dict.fromkeys((*description.coe, "SegmentedSdo"), "1"))
+    if description.is_sercos:
+        SubElement(mailbox, "SoE", ChannelCount="1")
+    else:
+        SubElement(mailbox, "CoE", dict.fromkeys((*description.coe, "SegmentedSdo"), "1"))
     _clock(device)
     eeprom = SubElement(device, "Eeprom")
     _text(eeprom, "ByteSize", str(SIZE))
@@ -52,7 +55,8 @@ def _identity(device: Element, description: Description) -> None:
     _text(device, "Type", description.order, **code)
     _text(device, "Name", description.name)
     _text(device, "GroupType", description.group)
-    _text(SubElement(device, "Profile"), "ProfileNo", "402")
+    if not description.is_sercos:
+        _text(SubElement(device, "Profile"), "ProfileNo", "402")
 
 
 def _pdo(device: Element, kind: str, pdo: Pdo, *, is_fixed: bool) -> None:

@@ -18,20 +18,23 @@ from axisrig.bench.bus.ethercat.pcapng import PcapngFile
 from axisrig.bench.bus.ethercat.raw import RawPort
 from axisrig.bench.bus.ethercat.segment import LOCAL_BIT, SOURCE, Passage
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
-from axisrig.bench.drive.ethercat.description import describe
+from axisrig.bench.drive.ethercat.description import MAILBOX_BYTES, Description, describe
 from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
+from axisrig.bench.drive.sercos.description import describe as describe_sercos
+from axisrig.bench.machine.ethercat.sercos_slave import sercos_slave
 from axisrig.bench.machine.ethercat.slaves import drive_slave, terminal_slave
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.keys import DriveTable as CanopenTable
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.ethercat.members import TERMINAL, ec_segments, terminal_on
 from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.sercos.keys import DriveTable as SercosTable
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.bench.tools.virtual_drive.parameters import ParameterFile
 from axisrig.bench.tools.virtual_drive.serve import BEHIND_NS, SLICE_NS, only_axes
@@ -43,6 +46,8 @@ from axisrig.kernel.time.clock import MS, US, S, TimeNs
 INTERFACE: Final = "ecat"
 """What --interface says for it."""
 KEEP_UP_NS: Final[TimeNs] = 20 * MS
+SLAVES: Final = {"canopen": drive_slave, "sercos": sercos_slave}
+"""What makes the slave of an axis, by the name of its family."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,27 @@ def line_settings(rig: Path, axes: Sequence[str], assignments: Sequence[str]) ->
     changes = [(parse_assignment(text), as_written) for text in assignments]
     settings = read_settings(table, files, changes)
     settings.has_kernel = False
-    return only_axes(settings, axes)
+    found = only_axes(settings, axes)
+    for name in found.rig.axis:
+        if (family := _family_of(found, name)) not in SLAVES:
+            raise UserError(
+                f"the drive of axis {name} is of a family that is not on EtherCAT",
+                file=rig, value=family, allowed=SLAVES, hint="--axis NAME of another one",
+            )  # fmt: skip
+    return found
+
+
+def _family_of(settings: Settings, name: str) -> str:
+    return settings.rig.drive[settings.rig.axis[name].drive].family_name
+
+
+def _describe(settings: Settings, name: str) -> Description:
+    """Describe the drive of an axis."""
+    table = settings.rig.drive[settings.rig.axis[name].drive]
+    if isinstance(table, SercosTable):
+        return describe_sercos(table.make(), 0, MAILBOX_BYTES)
+    assert isinstance(table, CanopenTable), name
+    return describe(table.make())
 
 
 def write_esi(settings: Settings, path: Path) -> Path:
@@ -73,15 +98,24 @@ def write_esi(settings: Settings, path: Path) -> Path:
 
     Raises UserError when its axes have different drives.
     """
-    profiles = {drive_of(settings, name).make() for name in settings.rig.axis}
-    if len(profiles) != 1:
+    found = {_describe(settings, name) for name in settings.rig.axis}
+    if len(found) != 1:
         raise UserError(
             "the rig has different drives: say of which one the ESI file is to be",
             allowed=settings.rig.axis,
             hint="--axis NAME",
         )
-    path.write_text(esi_text(describe(profiles.pop())), encoding="utf-8", newline="\n")
+    path.write_text(esi_text(found.pop()), encoding="utf-8", newline="\n")
     return path
+
+
+def whose_esi(settings: Settings) -> str:
+    """Name the axes that the written ESI file fits, and their drives."""
+    rig = settings.rig
+    return ", ".join(
+        f"axis {name} ({axis.drive}, {rig.drive[axis.drive].in_words})"
+        for name, axis in rig.axis.items()
+    )
 
 
 def serve_line(
@@ -144,7 +178,9 @@ class LineServer:
 
     def _build(self, settings: Settings, beside: Beside) -> dict[str, EthercatDrive]:
         return {
-            name: drive_slave(settings, name, self.scheduler, beside, place + 1, place)
+            name: SLAVES[_family_of(settings, name)](
+                settings, name, self.scheduler, beside, place + 1, place
+            )
             for place, name in enumerate(settings.rig.axis)
         }
 

@@ -8,13 +8,15 @@ import csv
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from axisrig.bench.bus.can.dissect import NMT_COMMANDS
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.drive.ethercat.node import EthercatDrive
+from axisrig.bench.drive.sercos.node import SercosDrive
 from axisrig.bench.machine.ethercat.line_meter import al_words
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.plant import Plant
@@ -31,13 +33,25 @@ LATCH_COLUMNS = (
     *("time_ns", "axis", "probe", "object", "units", "latched_mm"),
     *("contact_ns", "contact_mm"),
 )
-# Probe, object, and what its position and its counter are called in the process image
+# Probe, and what its position and its counter are called in the process image
 _LATCHES = (
-    (1, 0x60BA, "latch_1_positive", "count_1_positive"),
-    (1, 0x60BB, "latch_1_negative", "count_1_negative"),
-    (2, 0x60BC, "latch_2_positive", "count_2_positive"),
-    (2, 0x60BD, "latch_2_negative", "count_2_negative"),
+    (1, "latch_1_positive", "count_1_positive"),
+    (1, "latch_1_negative", "count_1_negative"),
+    (2, "latch_2_positive", "count_2_positive"),
+    (2, "latch_2_negative", "count_2_negative"),
 )
+
+
+class DriveWords(NamedTuple):
+    """What a family calls its mode, its control word and its four latches."""
+
+    mode: str
+    control: str
+    latches: tuple[str, ...]
+
+
+CIA402 = DriveWords("6060", "6040", ("0x60BA", "0x60BB", "0x60BC", "0x60BD"))
+SERCOS = DriveWords("S-0-0032", "S-0-0134", ("S-0-0130", "S-0-0131", "S-0-0132", "S-0-0133"))
 
 
 @dataclass
@@ -92,10 +106,11 @@ class NodeWatcher(Generic[N]):
             if now.communication != seen.communication:
                 text = f"{seen.communication} -> {now.communication}"
                 self.report(time_ns, name, self.LABEL, text)
+            words = self._words(node)
             if now.mode != seen.mode:
-                self.report(time_ns, name, "mode", f"{seen.mode} -> {now.mode} (6060)")
+                self.report(time_ns, name, "mode", f"{seen.mode} -> {now.mode} ({words.mode})")
             if now.state != seen.state:
-                word = f"(6040 = 0x{node.image.controlword:04X})"
+                word = f"({words.control} = 0x{self._control(node):04X})"
                 self.report(time_ns, name, "state", f"{seen.state} -> {now.state} {word}")
             if now.counts != seen.counts:
                 self._tell_latches(name, node, seen, now)
@@ -103,6 +118,18 @@ class NodeWatcher(Generic[N]):
     def _communication(self, node: N) -> str:
         """Return the state of what a drive has of its carrier."""
         raise NotImplementedError
+
+    def _words(self, node: N) -> DriveWords:
+        """Return the words of its family."""
+        return CIA402
+
+    def _control(self, node: N) -> int:
+        """Return the control word that the master has sent."""
+        return node.image.controlword
+
+    def _per_mm(self, node: N) -> float:
+        """Return the units of a latched position per millimetre."""
+        return float(node.profile.units_per_mm)
 
     def _look_at(self, node: N) -> _Seen:
         return _Seen(
@@ -113,15 +140,16 @@ class NodeWatcher(Generic[N]):
         )
 
     def _tell_latches(self, name: str, node: N, seen: _Seen, now: _Seen) -> None:
-        per_mm = float(node.profile.units_per_mm)
-        for latch, old, count in zip(_LATCHES, seen.counts, now.counts, strict=True):
+        per_mm = self._per_mm(node)
+        names = self._words(node).latches
+        for latch, title, old, count in zip(_LATCHES, names, seen.counts, now.counts, strict=True):
             if count in (0, old):
                 continue
-            probe, index, field, _ = latch
+            probe, field, _ = latch
             units = getattr(node.image, field)
             latch_ns = node.servo.touch_probe.probes[probe - 1].latch_instants_ns[-1]
-            text = f"probe {probe}, 0x{index:04X} = {units} = {units / per_mm:.6f} mm"
-            row = [latch_ns, name, probe, f"0x{index:04X}", units, units / per_mm, "", ""]
+            text = f"probe {probe}, {title} = {units} = {units / per_mm:.6f} mm"
+            row = [latch_ns, name, probe, title, units, units / per_mm, "", ""]
             contact = self._contact(name, probe, latch_ns)
             plant = self._settings.rig.axis[name].plant
             if contact is not None and plant in contact.position_mm:
@@ -210,12 +238,25 @@ class Watcher(NodeWatcher[DriveNode]):
 
 
 class EthercatWatcher(NodeWatcher[EthercatDrive]):
-    """Watches the drives of a line of EtherCAT."""
+    """Watches the drives of a line of EtherCAT, of CiA 402 and of SERCOS."""
 
     LABEL = "AL"
 
     def _communication(self, node: EthercatDrive) -> str:
         return al_words(node.states.state, node.states.code)
+
+    def _words(self, node: EthercatDrive) -> DriveWords:
+        return SERCOS if isinstance(node, SercosDrive) else CIA402
+
+    def _control(self, node: EthercatDrive) -> int:
+        return node.front.control if isinstance(node, SercosDrive) else super()._control(node)
+
+    def _per_mm(self, node: EthercatDrive) -> float:
+        """Of a SERCOS drive by its scaling, which a master may write (S-0-0076 to S-0-0079)."""
+        if not isinstance(node, SercosDrive):
+            return super()._per_mm(node)
+        per_turn = Fraction(node.image.feed, node.image.feed_shaft)
+        return float(per_turn * 1000 / node.profile.lead_um)
 
 
 def _table(folder: Path | None, name: str, columns: tuple[str, ...], opened: ExitStack) -> Any:
