@@ -7,6 +7,8 @@ loop in the CNC, which compares s(k) and x(k), v/Kv - 2 v T (docs/profidrive.md)
 """
 
 import csv
+import re
+from math import cos, radians, sin
 
 import pytest
 from tests.plans.distance_law import PLANS, rig_of
@@ -14,6 +16,8 @@ from tests.plans.distance_law import PLANS, rig_of
 with (PLANS / "distance_profidrive.csv").open(encoding="utf-8", newline="") as file:
     ROWS = {row["case"]: row for row in csv.DictReader(file)}
 RAMPS = [case for case, row in ROWS.items() if "ramp" in row["tags"].split()]
+RAMPS_3D = [case for case, row in ROWS.items() if "ramp3d" in row["tags"].split()]
+LEVER_MM = 180.0
 T_S, TICK_S = 1e-3, 250e-6
 SHARE = 0.01
 ON_CAN, SLOW, LIMIT = "set:Z.kenngr.distc.", "v_max=20000", "max_act_value_change=19000"
@@ -39,6 +43,41 @@ def test_limits_of_a_ramp(case: str) -> None:
         assert low == pytest.approx(middle * (1 - SHARE), abs=1e-4)
         assert high == pytest.approx(middle * (1 + SHARE), abs=1e-4)
     assert speed * 1e3 * (T_S + TICK_S) / 2 > (high - low) / 4, "the drive is in what is judged"
+
+
+def _given(case: str, name: str, otherwise: float = 0.0) -> float:
+    found = re.search(rf"{re.escape(name)}=([-\d.]+)", ROWS[case]["inputs"])
+    return otherwise if found is None else float(found[1])
+
+
+@pytest.mark.parametrize("case", RAMPS_3D)
+def test_limits_of_a_ramp_in_3d(case: str) -> None:
+    """The drives of X, Y and Z lag by the same time, and so the tool, whatever its tilt."""
+    row = ROWS[case]
+    time_ms = float(row["plant:gap.lift_end_ms"]) - float(row["plant:gap.lift_begin_ms"])
+    speed = float(row["plant:gap.lift_mm"]) / time_ms * 1e3
+    error = speed * T_S / _given(case, "dist_ctrl[0].kp") * 1e3
+    in_cnc = row["drive:servo.telegram"] == "3"
+    lag_s = 1 / 40 - (2 * T_S if in_cnc else (T_S + TICK_S) / 2)
+    dead = 2 - _given(case, "dist_ctrl[0].optimized_scheduling")
+    is_const = _given(case, "V.E.LAW") in (12, 22, 32)
+    behind = error + (0.0 if is_const else speed * (dead * T_S + lag_s) * 1e3)
+    for column, middle in (("error", error), ("behind", behind)):
+        low, high = (float(text) for text in row[f"check:distance_{column}_um"].split(" .. "))
+        assert low == pytest.approx(middle * (1 - SHARE), abs=1e-4)
+        assert high == pytest.approx(middle * (1 + SHARE), abs=1e-4)
+    tilt = radians(-_given(case, "plant:a.position_start_mm"))
+    start = [_given(case, f"plant:{axis}.position_start_mm") for axis in "yz"]
+    assert start == pytest.approx([LEVER_MM * sin(tilt), LEVER_MM * cos(tilt)], abs=1e-5)
+
+
+def test_rows_in_3d_have_each_loop_and_law() -> None:
+    assert {ROWS[case]["drive:servo.telegram"] for case in RAMPS_3D} == {"", "3"}
+    assert {_given(case, "V.E.LAW") for case in RAMPS_3D} == {21, 22, 31}
+    drive = rig_of("rigs/distance-5axis-profidrive.toml")["drive"]["servo"]
+    assert (drive["telegram"], drive["lines"] << drive["p1042"]) == (5, 1_000_000)
+    listed = (PLANS / "rigs" / "lists" / "axes-5axis-profidrive.lst").read_text("utf-8")
+    assert listed.count("getriebe[0].kv                              4000 ") == 3
 
 
 def test_the_figures_used_here_are_those_of_rig_and_list() -> None:

@@ -136,7 +136,6 @@ def test_a_drive_without_power_sends_nothing(run: Run) -> None:
         ("drive:servo.p0880=3000", "factor of 0.183"),
         ("set:Z.kenngr.measure.input=2", "one probe at its encoder"),
         ("set:Z.getriebe[0].kv=900000", "position loop of the drive .DSC. is unstable"),
-        ("set:channel.configuration.decoder.function=FCT_3D_DIST_CTRL", "3D .* is not built"),
         ("bus:bus.input_us=1000", "input_us does not fit"),
         ("bus:bus.bus_us=601", "bus_us does not fit"),
         ("bus:bus.output_us=1000", "output_us does not fit"),

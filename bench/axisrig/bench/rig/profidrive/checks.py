@@ -11,7 +11,6 @@ from axisrig.bench.rig.profidrive.loop import (
     wrong_mode,
 )
 from axisrig.bench.rig.profidrive.members import drive_of
-from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.functions import read_functions
@@ -28,7 +27,6 @@ FINE, XIST1, ABSOLUTE, BASE = (
     for key in ("feinaufloesung", "p1042", "p1043", "drive_velocity_base_value")
 )
 NOT_SET = -1
-DECODER, RELEASED_3D = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 SHOWN_MM_S = 10.0
 
 
@@ -43,7 +41,6 @@ def check_profidrive(settings: Settings, name: str, way_ns: TimeNs) -> None:
             value=parameters.integer(BASE),
             allowed=str(table.p0880),
         )
-    _check_distance(settings, name)
     if measures(settings, name) and drive_input(parameters) != 1:
         raise (parameters.origin("kenngr.measure.input") or Origin(name)).error(
             f"axis {name}: its drive has one probe at its encoder, I0.x (P-AXIS-00517)",
@@ -101,19 +98,6 @@ def _check_fine_bits(settings: Settings, name: str) -> None:
             value=bits,
             allowed=str(expected),
         )
-
-
-def _check_distance(settings: Settings, name: str) -> None:
-    """Refuse 3D distance control: no run with such drives has been held against its law."""
-    if settings.channel.word(DECODER) != RELEASED_3D:
-        return
-    raise rig_error(
-        settings.files,
-        ("drive", settings.rig.axis[name].drive, "family"),
-        f"axis {name}: 3D distance control (P-CHAN-00500) is not built for PROFIdrive drives",
-        value="profidrive",
-        allowed="canopen, sercos",
-    )
 
 
 def measures(settings: Settings, name: str) -> bool:

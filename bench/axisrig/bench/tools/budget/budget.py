@@ -21,13 +21,14 @@ from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.signal_sources import HELD, STAMPED
-from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import (
     ROUNDING,
     Active,
     Cause,
     active_causes,
+    has_finer_encoder,
+    increment_of_value_um,
     measuring_axis,
     motion_causes,
 )
@@ -39,7 +40,6 @@ from axisrig.bench.tools.budget.observed_run import METRICS, Seen, see
 from axisrig.kernel.errors import UserError
 
 _ANY = "-1e15 .. 1e15"
-_UM_PER_MM = 1e3
 _CLOSE = 0.01
 """A share is its closed form when it is within 1 % of it, or within an increment."""
 
@@ -66,6 +66,14 @@ BETWEEN = Cause(
     "a cubic through the positions at four SYNCs, where the acceleration changes; calculated, it"
     " cannot be off",
     "docs/measuring-sources.md",
+)
+
+ROUNDED = Cause(
+    *("encoder", CALCULATED, "drive", "", "", "", "", "", ROUNDING, "random"),
+    "rounding to increments of what the drive latches, where no key alone makes them finer:"
+    " published less true position at the latch",
+    "docs/touch-probe.md",
+    "resolution (GUM F.2.2.1)",
 )
 
 
@@ -106,8 +114,8 @@ class Budget:
     """The shares of one row, of the causes that are on, in the order in which they act.
 
     error_um: published less true position at the contact. left_um: the error with all of them off.
-    velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder, or of a
-    position that a PLC hands over.
+    velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder, of what a drive
+    latches, or of a position that a PLC hands over.
     quantum_um: what may be left: an increment, or the way in the cycles of PLC and CNC where
     nothing says more.
     frame_log_sha256: of the run with all causes as they are. not_combined: causes that may act on
@@ -213,8 +221,7 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
     runs.make(
         [frozenset([place]) for place in range(count)] + [_from(p, count) for p in range(count)]
     )
-    table = drive_of(settings, axis)
-    increment_um = table.lead_mm / table.encoder_increments * _UM_PER_MM
+    increment_um = increment_of_value_um(settings, axis)
     if whole.source == HELD and is_handed(settings):
         increment_um = max(increment_um, UNIT_UM)
     shares = []
@@ -236,6 +243,9 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases, most: int = U
     if left.way_um is not None and abs(left.way_um) > increment_um:
         left_um -= left.way_um
         shares += _of_cycles(settings, left, any(s.interacts for s in shares))
+    elif left.latch_ms is not None and not has_finer_encoder(settings, axis):
+        shares.append(_of_rounding(left, increment_um, any(s.interacts for s in shares)))
+        left_um -= shares[-1].in_turn_um
     return Budget(
         case.run,
         axis,
@@ -315,6 +325,13 @@ def _with_motion(runs: _Runs, found: list[Active]) -> tuple[list[Active], tuple[
             kept.append(each.cause.cause)
             found = [other for other in found if other is not each]
     return found, tuple(kept)
+
+
+def _of_rounding(left: Seen, increment_um: float, is_combined: bool) -> Share:
+    """Return what is left between a value and the true position at the instant of its latch."""
+    um = left.error_um - left.moved_um(0.0, left.latch_ms or 0.0)
+    setting = f"increments of {increment_um:.4g} um"
+    return Share(ROUNDED, setting, um, um, None, increment_um, um if is_combined else None)
 
 
 def _of_cycles(settings: Settings, left: Seen, is_combined: bool) -> list[Share]:

@@ -8,8 +8,7 @@ from importlib import resources
 
 from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
-from axisrig.bench.rig.canopen.keys import ENCODER_RANGE
-from axisrig.bench.rig.canopen.members import drive_of
+from axisrig.bench.rig.canopen.keys import ENCODER_RANGE, DriveTable
 from axisrig.bench.rig.ethercat.members import ec_segments, segment_of, terminal_on
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.bench.rig.settings import Settings
@@ -24,6 +23,7 @@ from axisrig.bench.tools.budget.starts import start_value
 from axisrig.kernel.errors import UserError
 
 ASSUMED, ROUNDING = "=", "rounding"
+_UM_PER_MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -128,9 +128,30 @@ def active_causes(
         "terminal": not is_latched and at_terminal,
         "external": is_external and is_handed(settings),
     }
-    known = (_in_reach(settings, axis, cause, farthest_mm) for cause in causes())
+    known = (
+        _in_reach(settings, axis, cause, farthest_mm)
+        for cause in causes()
+        if cause.form != ROUNDING or has_finer_encoder(settings, axis)
+    )
     found = [_active(case, settings, axis, cause) for cause in known if there[cause.needs]]
     return [each for each in found if each is not None]
+
+
+def has_finer_encoder(settings: Settings, axis: str) -> bool:
+    """Whether finer increments are a key of the drive alone.
+
+    Else its telegram, its list or the width of its counter go with them.
+    """
+    return isinstance(settings.rig.drive[settings.rig.axis[axis].drive], DriveTable)
+
+
+def increment_of_value_um(settings: Settings, axis: str) -> float:
+    """Return the increment of what the drive of an axis latches, um."""
+    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    if isinstance(table, DriveTable):
+        return float(table.lead_mm / table.encoder_increments * _UM_PER_MM)
+    facts = table.facts()
+    return _UM_PER_MM / float(facts.latch_per_mm or facts.units_per_mm)
 
 
 def _in_reach(settings: Settings, axis: str, cause: Cause, farthest_mm: float) -> Cause:
@@ -141,7 +162,8 @@ def _in_reach(settings: Settings, axis: str, cause: Cause, farthest_mm: float) -
     """
     if cause.form != ROUNDING:
         return cause
-    table = drive_of(settings, axis)
+    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    assert isinstance(table, DriveTable), "others have no such switch"
     finest = int(cause.off)
     while finest * 2.0 * farthest_mm >= ENCODER_RANGE * table.lead_mm:
         finest //= 2

@@ -3,7 +3,6 @@
 from math import copysign, exp
 
 from axisrig.bench.record.signal_sources import STAMPED
-from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.members import TERMINAL, segment_of, slaves_on
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.budget.causes import Active, probe_of
@@ -16,6 +15,8 @@ BOUNCE_MS = 1.0
 """Default of bounce_time (WorkpieceProbe)."""
 STIFFNESS_N_M, STRIBECK_M_S = 120e6, 5e-3
 """Defaults of screw_stiffness (ScrewAxis) and friction.stribeck (LuGreFriction)."""
+SAMPLE = "sample_us"
+"""Key of a drive: the time of a sample of its encoder."""
 _NEAR_MS = 0.01
 _BY_INSTANT = ("time", "drawn", "rest")
 _BY_EDGE = ("length", "first", "drift", "seat", "contact", "edge")
@@ -173,7 +174,8 @@ def _sampled_um(
     """
     if later.track is None:
         return None
-    grid_ms = float(drive_of(settings, axis).sample_us) * 1e-3
+    drive = settings.rig.drive[settings.rig.axis[axis].drive]
+    grid_ms = float(getattr(drive, SAMPLE)) * 1e-3
     since_ms = (later.track.contact_ns / MS + at_ms) % grid_ms
     begin_ms = at_ms - since_ms
     if active.value == "linear":
