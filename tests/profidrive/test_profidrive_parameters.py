@@ -18,19 +18,11 @@ from axisrig.kernel.drives.functions import AccessError
 from axisrig.kernel.drives.profidrive.parameter_channel import ParameterChannel
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
-from axisrig.kernel.profiles.profidrive.parameters import parameters
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 STOP = RIGS / "fixed-stop-z-profidrive.toml"
 READ_1230 = "07 01 00 01  10 01 04CE 0000"
 WRITE_1230 = "08 02 00 01  10 01 04CE 0000  42 01 016A"
-# Each parameter that can be written -> what shows that the drive acts on it
-ACTS = {
-    660: "test_the_input_of_the_probe_is_p0660",
-    881: "test_momred_reduces_the_torque_limit",
-    925: "test_p0925_is_how_many_signs_are_borne",
-    1230: "testplans/fixed_stop_profidrive.csv",
-}
 
 
 @pytest.fixture
@@ -248,7 +240,3 @@ def test_p0925_is_how_many_signs_are_borne(node: Any) -> None:
         node.life.take(7)
         lost.append(node.life.is_lost)
     assert lost == [False, False, False, False, True]
-
-
-def test_every_parameter_that_can_be_written_acts() -> None:
-    assert {n for n, each in parameters().items() if not each.is_read_only} == set(ACTS)

@@ -8,20 +8,10 @@ and 0 to T more. The function is activated and read by the handshake of G1_STW a
 import random
 
 import pytest
-from tests.drive_node.conftest import FakeAxis
-from tests.speed_drive.ends import Pulses
+from tests.profidrive.ends import Ends
 
-from axisrig.bench.bus.cyclic.segment import CyclicSegment, Instants
-from axisrig.bench.drive.profidrive.node import ProfidriveDrive as VirtualProfidrive
-from axisrig.bench.oracles.phases import Phases
-from axisrig.bench.rig.profidrive.keys import DriveTable
-from axisrig.kernel.drives.cyclic.carrier import CyclicCarrier, ImagePort
-from axisrig.kernel.drives.position_loop import LoopSettings
-from axisrig.kernel.drives.power import PowerOrder
-from axisrig.kernel.drives.profidrive.link import ProfidriveDrive
-from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
+from axisrig.bench.bus.cyclic.segment import Instants
 from axisrig.kernel.time.clock import MS, US
-from axisrig.kernel.time.scheduler import new_scheduler
 
 DELAY_NS = 4 * US
 SPEED_MM_S = 10.0
@@ -54,7 +44,7 @@ def test_each_edge_is_seen_in_the_cycle_of_the_formula(
         last_ns = edges[-1] if edges else 24 * period_ns
         rises_ns = last_ns + 16 * period_ns + numbers.randrange(4 * period_ns)
         edges += [rises_ns, rises_ns + 2 * period_ns]
-    ends = Ends(telegram, edges, at, cycle_ns, edge)
+    ends = Ends(telegram, position_m, edges, at, cycle_ns, edge)
     found: list[tuple[int, float]] = []
     stored_ns = 0
     while len(found) < count and ends.number < count * 48:
@@ -76,52 +66,3 @@ def test_each_edge_is_seen_in_the_cycle_of_the_formula(
         assert abs(value_mm - true_mm) <= 0.5 / float(ends.table.per_mm) + 1e-9
         phases.add((each_ns % period_ns) * 10 // period_ns)
     assert count < 400 or phases == {*range(10)}
-
-
-class Ends:
-    """Both ends of a drive before an axis of known motion. cycle: one of the control, unsent."""
-
-    def __init__(
-        self, telegram: int, edges_ns: list[int], at: Instants, cycle_ns: int, edge: str
-    ) -> None:
-        self.table = DriveTable.model_validate(
-            {"family": "profidrive", "telegram": telegram, "p0660": 80, "input_delay_us": 4.0}
-        )
-        made = self.table.make()
-        self.scheduler, axis = new_scheduler(), FakeAxis(motion=position_m)
-        self.node = VirtualProfidrive(
-            "Z", self.scheduler, axis, (Pulses(axis, edges_ns), None), made
-        )
-        port = ImagePort()
-        sampled_ns = (at.period_ns - at.input_ns) % at.period_ns
-        phases = Phases(at.period_ns, cycle_ns, 0, at.output_ns, sampled_ns, at.bus_ns, at.bus_ns)
-        is_dsc = telegram == 5
-        settings = ProfidriveSettings(
-            axis="Z",
-            increments_per_mm=float(self.table.per_mm),
-            edge=edge,
-            telegram=made.telegram,
-            speed_counts=393_216.0,
-            period_s=at.period_ns * 1e-9,
-            gain=10_000 if is_dsc else 0,
-            loop=None if is_dsc else LoopSettings(kv_per_s=10.0, period_s=at.period_ns * 1e-9),
-            proves_places=False,
-            echo_cycles=phases.way,
-        )
-        self.link = ProfidriveDrive(settings, port)
-        segment = CyclicSegment(
-            self.scheduler, {"Z": self.node}, at, lambda _axis, inputs: port.receive(inputs)
-        )
-        self.carrier = CyclicCarrier("bus", {"Z": port}, segment.begin)
-        self._at, self._cycle_ns, self.number = at, cycle_ns, 0
-        self.link.order(PowerOrder.SWITCH_ON)
-
-    def cycle(self) -> ProfidriveDrive:
-        self.scheduler.run_until(self.number * self._at.period_ns)
-        self.link.begin_cycle()
-        self.carrier.begin_cycle()
-        self.scheduler.run_until(self.number * self._at.period_ns + self._cycle_ns)
-        self.number += 1
-        self.link.take()
-        self.link.find_place()
-        return self.link
