@@ -24,7 +24,7 @@ def machine_of(has_servo: bool = True, node: int | None = 3) -> Any:
     table = SimpleNamespace(segment="can1", node=node, drive="servo", plant="z", encoder_2="gap",
                             signals={"probe_1": "p"})  # fmt: skip
     data = SimpleNamespace(rated_torque_mnm=1270, lead_mm=10.0004, second_delay_cycles=2,
-                           units_per_mm=Fraction(1))  # fmt: skip
+                           units_per_mm=Fraction(1), latch_per_mm=Fraction(500))  # fmt: skip
     rig = SimpleNamespace(axis={"Z": table}, drive={"servo": SimpleNamespace(facts=lambda: data)})
     servo = SimpleNamespace(origin_units=-500, latch_instants_ns=[[7, 3], [5]])
     link = SimpleNamespace(settings=SimpleNamespace(increments_per_mm=1000.0), doubt_mm=0.25,
@@ -60,7 +60,7 @@ def test_an_axis_keeps_every_field_of_its_own() -> None:
         "signals": {"probe_1": "p"}, "sensor": "gap", "telegrams": ("telegram of Z",),
         "written": {"kp": 1}, "origin_mm": 0.5, "homed_ns": (9, 11), "doubt_mm": 0.25,
         "unproved_latches": 6, "second_delay_cycles": 2, "late_cycles": 2, "fresh_late_cycles": 1,
-        "rated_torque_mnm": 1270,
+        "rated_torque_mnm": 1270, "latch_per_mm": 500.0,
         "lead_um": 10000.0, "torque_limits": ("limit of Z",), "states": ("state",),
         # In the order of their instants, each with the number of its probe
         "latches": (Latch(3, 1), Latch(5, 2), Latch(7, 1)),
