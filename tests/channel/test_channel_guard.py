@@ -93,3 +93,17 @@ def test_an_axis_faster_than_p_axis_00212_is_stopped(channel_bench: Make, words:
     assert bench.alarm_ids == [900500]
     assert max(steps_mm(bench, "Z")) <= 0.5 + INCREMENT_MM
     assert max(steps_mm(bench, "Z")) > 0.49
+
+
+def test_the_limits_of_set_points_are_those_of_every_profile_and_of_the_own_stop(
+    words: Any,
+) -> None:
+    """Linear 1000 mm/s2, one profile with ramps 1500, the emergency stop 800 or 4000."""
+    axis = words.axis("Z", a_mm_s2=1000.0).settings()
+    ramped = words.axis("Z", a_mm_s2=1500.0).settings().jerk_limited
+    for shape in ramped:
+        of_one = replace(axis, jerk_limited={**axis.jerk_limited, shape: ramped[shape]})
+        assert emergency(of_one).of_set_points(100.0).a_mm_s2 == 1500.0
+    hard = replace(axis, emergency=Slope(4000.0, 4000.0, 1.0))
+    found = hard.of_set_points(100.0)
+    assert (found.a_mm_s2, found.speed_mm_s, found.increment_mm) == (4000.0, 500.0, 0.01)

@@ -118,6 +118,27 @@ def test_p_chan_00056_bounds_the_override_of_an_axis_beside_the_path_too(
     assert max(speeds_mm_s(bench, "Z")) == pytest.approx(expected_mm_s, abs=2e-6)
 
 
+@pytest.mark.long(but=1)
+@pytest.mark.parametrize("mode", list(OverrideMode))
+def test_an_axis_beside_the_path_goes_on_while_the_path_is_held(
+    channel_bench: Make, words: Any, mode: OverrideMode
+) -> None:
+    """The feedhold of the channel is one of its path; an axis has its own."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z", override_mode=mode))
+    plc, turns = bench.channel.plc, iter(range(10**6))
+
+    def turn() -> None:
+        plc.feedhold = 100 <= next(turns) < 300
+
+    plc.join(PlcParticipant(turn))
+    bench.run([BESIDE, words.move(1, 3000.0, Y=10.0), ARRIVED, words.end()])
+    first = next(k for k, speed in enumerate(speeds_mm_s(bench, "Y")) if speed)
+    held = slice(first + 160, first + 290)  # the path has braked by then
+    assert set(speeds_mm_s(bench, "Y")[held]) == {0.0}
+    assert set(speeds_mm_s(bench, "Z")[held]) == {50.0}
+    assert (bench.final_mm("Y"), bench.final_mm("Z")) == (10.0, 40.0)
+
+
 def in_turns(bench: ChannelBench, course: Callable[[int], Mapping[str, int]]) -> None:
     """Let the overrides of the path ("") and of axes be those of a course, by the cycle."""
     plc, turns = bench.channel.plc, iter(range(10**6))

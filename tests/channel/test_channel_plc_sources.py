@@ -391,3 +391,18 @@ def test_a_run_is_refused_without_a_task(channel_bench: Make, words: Any) -> Non
     bench = channel_bench(words.axis("Z", source="PLC_TIMESTAMP"))
     with pytest.raises(Alarm, match="900400"):
         bench.channel.measurement.check("Z", 1)
+
+
+def test_the_level_of_a_signal_that_nothing_has_asked_for_is_not_that_of_the_drive(
+    channel_bench: Make, words: Any
+) -> None:
+    """Y measures with its drive, whose probe is free; the PLC of Z has given nothing yet."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z", start_mm=130.0, source="PLC"))
+    found: list[tuple[bool | None, bool | None]] = []
+    measurement = bench.channel.measurement
+    turn = PlcParticipant(
+        lambda: found.append((measurement.is_actuated("Y"), measurement.is_actuated("Z")))
+    )
+    bench.channel.plc.join(turn)
+    bench.run([words.move(1, 600.0, Y=1.0), words.end()])
+    assert set(found) == {(False, None)}

@@ -244,6 +244,23 @@ def test_axes_that_an_alarm_took_off_the_path_are_given_back_where_they_stand(
     assert all(link.state is State.OPERATION_ENABLED for link in bench.links)
 
 
+def test_a_reset_acknowledges_the_fault_of_a_drive_as_no_start_does(
+    channel_bench: Make, words: Any
+) -> None:
+    """Without `fault_reset` of the rig the start leaves a fault for the operator to look at."""
+    bench = channel_bench(words.axis("Z"))
+    after = start(bench, words.move(1, 3000.0, Z=1.0), words.end())
+
+    def fault() -> None:
+        bench.nodes["Z"].servo.fault(0x4310, 1 << 3, bench.scheduler.now_ns)
+
+    Side(bench, words, {30: fault, 100: reset(bench), 300: after})
+    bench.run([words.move(1, 600.0, Z=-20.0), words.end()])
+    assert bench.alarm_ids == [900005]
+    assert bench.links[0].state is State.OPERATION_ENABLED
+    assert bench.final_mm("Z") == 1.0
+
+
 def test_a_drive_that_stays_silent_does_not_keep_the_plc_side_from_its_turn(
     channel_bench: Make, words: Any
 ) -> None:

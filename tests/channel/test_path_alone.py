@@ -196,3 +196,27 @@ def test_an_axis_that_something_else_leads_is_given_back_where_it_is(words: Any)
     path.release("Y")
     walk.move(Y=1.5, X=2.0).cycles()
     assert (walk.has_moved("X"), walk.has_moved("Y")) == (2.0, 1.5)
+
+
+@pytest.mark.parametrize("offset_mm", [5.0, -0.3])
+def test_an_axis_that_has_taken_an_offset_over_stands_also_for_its_own_stop(
+    words: Any, offset_mm: float
+) -> None:
+    """An alarm of the next cycle takes it off the path: its last set positions are no speed."""
+    walk = Walk(words, "XYZ").move(X=1.0).cycles()
+    for _ in range(3):  # it stands
+        assert walk.path.advance() is None
+    walk.path.take_offset("X", offset_mm)
+    ramp = walk.path.own_ramp("X", at_once=False)
+    assert ramp.is_standing
+    assert ramp.advance() == pytest.approx(1.0 + offset_mm)
+
+
+def test_what_is_superposed_on_an_axis_is_no_part_of_its_set_position(words: Any) -> None:
+    """It is put to where it stands, 12 mm with 2 mm of distance control: 10 of the path."""
+    walk = Walk(words, "XYZ")
+    offsets: Any = SimpleNamespace(superposed_mm=lambda axis: 2.0 if axis == "X" else 0.0)
+    walk.path._offsets = offsets
+    walk.path.put("X", 12.0)
+    walk.path.put("Y", 12.0)
+    assert (walk.path.position_acs_mm("X"), walk.path.position_acs_mm("Y")) == (10.0, 12.0)

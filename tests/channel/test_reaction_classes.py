@@ -152,6 +152,16 @@ def test_class_5_stops_the_faulty_axis_at_once_under_p_chan_00218_too(
     assert stop.way_mm("Z") == pytest.approx(OWN_Z_MM, abs=1e-9)
 
 
+def test_a_drive_that_does_not_follow_stops_by_itself_and_the_others_are_led_to_their_stop(
+    channel_bench: Make, words: Any
+) -> None:
+    """900029 of Z: its set positions would stop nothing; Y brakes on the path with closed loop."""
+    stop = Stop(channel_bench, words, Alarm(900029, axis="Z", jump_mm="1"))
+    y, z = stop.bench.links
+    assert (y.power, y.keeps_operating, z.keeps_operating) == (Power.OPERATING, True, False)
+    assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
+
+
 def test_class_6_stops_every_axis_at_once(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(60207, axis="Z", channel=1))
     assert (stop.way_mm("Y"), stop.way_mm("Z")) == (0.0, 0.0)

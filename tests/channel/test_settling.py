@@ -1,12 +1,17 @@
 """When axes stand in their exact-stop windows, and when they come to rest there."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import REST_LIMIT_NS, SETTLED_CYCLES, Settling, Standstill
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.plc.interface import PlcParticipant
 
 MS, OFFSET_NS, WINDOW_MM = 1_000_000, 600_000, 0.01
 TIMING = CycleTiming(MS, OFFSET_NS)
@@ -132,3 +137,19 @@ def test_an_axis_that_sways_inside_its_window_rests_after_5_s() -> None:
     cycles = REST_LIMIT_NS // MS + 10
     sways = [((-1) ** n * 5,) for n in range(cycles)]
     assert bench.rest_cycle(*sways) == REST_LIMIT_NS // MS + 1
+
+
+def test_an_axis_that_comes_back_to_the_path_has_all_of_its_settling_time(
+    channel_bench: Callable[..., Any], words: Any
+) -> None:
+    """Z moves beside the path for 0.85 s while somebody waits for it, then settles from 1.25 mm:
+    ln(1250) / 40 1/s = 0.18 s of 0.3.
+    """
+    bench = channel_bench(words.axis("Y"), words.axis("Z", settling_ns=300 * MS))
+    path = bench.channel.path
+    asked: list[bool] = []
+    bench.channel.plc.join(PlcParticipant(lambda: asked.append(path.is_in_position())))
+    beside = canon.IndependentMove(Block(1, 10, "N10"), "Z", 40.0, feed_mm_min=3000.0)
+    bench.run([beside, words.end()])
+    assert bench.alarm_ids == []
+    assert sum(asked) > 700  # Y stands all the time

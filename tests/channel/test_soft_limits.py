@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.channel.path.soft_limits import SoftLimits, SoftLimitWatch
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.parameters import ParameterSet
@@ -118,3 +120,43 @@ def test_the_list_says_whether_they_are_monitored(check: str, kind: str, monitor
     axis.set("kenngr.swe_pos", "123456", "test")
     limits = SoftLimits(-10_000.0, 12.3456, 0.1) if monitored else None
     assert SoftLimits.read(axis) == limits
+
+
+class _Link:
+    """A drive that stands somewhere, and may lead itself."""
+
+    name = "Z"
+    settings = SimpleNamespace(increments_per_mm=100.0)
+
+    def __init__(self, actual_mm: float, leads_itself: bool) -> None:
+        self.actual_mm, self.leads_itself = actual_mm, leads_itself
+        self.actual_increments = round(actual_mm * 100)
+
+
+@pytest.mark.parametrize(
+    ("actual_mm", "uncounted_mm", "alarm_id"),
+    [
+        (20.1, None, None),
+        (20.2, None, 70021),
+        (-5.1, None, None),
+        (-5.2, None, 70022),
+        (30.0, 10.0, None),  # the offset does not count: the program is at 20
+        (15.0, -6.0, 70021),  # it is at 21, and the axis within its switches
+        (-4.0, 2.0, 70022),
+        (15.0, -5.0, None),
+    ],
+)
+def test_the_watch_looks_at_what_counts_of_the_actual_position(
+    actual_mm: float, uncounted_mm: float | None, alarm_id: int | None
+) -> None:
+    """-5 and 20 mm with a tolerance of 0.1. A drive that leads itself, as in homing, is free."""
+    for leads_itself in (False, True):
+        link: Any = _Link(actual_mm, leads_itself)
+        uncounted = {} if uncounted_mm is None else {"Z": lambda: uncounted_mm}
+        watch = SoftLimitWatch({"Z": LIMITS}, {"Z": link}, uncounted)
+        if alarm_id is None or leads_itself:
+            watch.check()
+            continue
+        with pytest.raises(Alarm) as raised:
+            watch.check()
+        assert raised.value.id == alarm_id

@@ -275,6 +275,17 @@ def test_weights_of_feed_blocks() -> None:
     assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(1000, 392, 390)
 
 
+def test_an_axis_that_leaves_the_channel_has_the_ramp_times_of_its_list_again() -> None:
+    """The weight of its acceleration stays, and so do the weights of other axes."""
+    chosen, x = programmed(profile=1)
+    weigh(chosen, "acceleration", 0.5)
+    weigh(chosen, "ramp_time", 2.0)
+    chosen.forget_times("Y")
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 392, 390)
+    chosen.forget_times("X")
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 196, 195)
+
+
 def test_weights_act_on_a_measurement_run_with_p_chan_00296_alone() -> None:
     for std in (0, 1):
         chosen, x = programmed(profile=1, meas_use_std_dynamic=std)

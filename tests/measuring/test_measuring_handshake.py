@@ -126,6 +126,22 @@ def test_900002_when_the_drive_never_acknowledges() -> None:
     assert Order.START not in stage.orders
 
 
+def test_a_drive_behind_a_probe_of_the_plc_has_its_cycles_from_where_it_is_armed() -> None:
+    """X answers after 10 cycles, the PLC switches the probe of Z on in 5, and its drive takes 16.
+
+    What X has taken is no part of them.
+    """
+    slow, switched = FakeLatch("X"), FakeLatch("Z", arrival=Arrival(handshake_cycles=None))
+    stage = Stage(slow, switched)
+    stage.cycles(10)
+    slow.is_armed = True
+    stage.cycles(5)
+    switched.arrival = Arrival()
+    stage.cycles(HANDSHAKE_CYCLES_MAX)
+    switched.is_armed = True
+    assert stage.cycle() is RunState.MOVING
+
+
 @pytest.mark.parametrize("late", [0, 1, HANDSHAKE_CYCLES_MAX])
 def test_the_handshake_may_take_as_long_as_is_stated(late: int) -> None:
     latch = FakeLatch(is_clear=False)

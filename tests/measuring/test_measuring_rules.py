@@ -14,6 +14,7 @@ from axisrig.kernel.measuring.rules import (
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.parameters.signal_sources import SOURCES
 
 FLAT = Slope(1000.0, 1000.0, 100.0)
 TYPES = measuring_types()
@@ -112,6 +113,16 @@ def test_which_signal_may_end_a_run_of_a_type(
     with pytest.raises(Alarm) as caught:
         axis.check("Z", TYPES[number], source, is_beside=is_beside)
     assert caught.value.id == refused
+
+
+@pytest.mark.parametrize("source", sorted(SOURCES))
+@pytest.mark.parametrize("mode", range(7))
+def test_a_simulated_probe_needs_no_plc_whatever_its_list_has_as_source(
+    source: str, mode: int
+) -> None:
+    axis = MeasuringAxis(source=source, simulated=(mode, 0, 0, 0, 0))
+    is_at_plc = source.startswith("PLC") or source == "EXT_PROBE_WITH_DRIVE"
+    assert axis.needs_plc(source) is (is_at_plc and mode == 0)
 
 
 def test_parameters_of_an_axis_in_the_units_of_the_kernel() -> None:

@@ -196,10 +196,26 @@ def test_lengths_convert_exactly_and_back(tenth_um: int) -> None:
 
 
 def test_a_rotary_axis_knows_that_it_is_one() -> None:
+    """By name or number; so does a spindle (P-AXIS-00018)."""
     axis = ParameterSet("axis")
     assert not axis.is_rotary
-    axis.load("kenngr.achs_typ", "ACHSTYP_ROTATOR", HERE)
-    assert axis.is_rotary
+    for linear in ("ACHSTYP_TRANSLATOR", "1", "0x0001"):
+        axis.load("kenngr.achs_typ", linear, HERE)
+        assert not axis.is_rotary
+    for rotary in ("ACHSTYP_ROTATOR", "2", "0x0002", "ACHSTYP_SPINDEL", "4", "0x0004"):
+        axis.load("kenngr.achs_typ", rotary, HERE)
+        assert axis.is_rotary
+
+
+def test_an_older_setting_that_is_never_asked_is_named_unless_the_newer_one_is_set() -> None:
+    older, newer = f"{DETECT}.start_distance", f"{STOP}.start_distance"
+    axis = ParameterSet("axis")
+    assert axis.unasked() == []
+    axis.set(older, "100", HERE)
+    assert axis.unasked() == [(older, newer)]
+    axis.set(newer, "-1", HERE)  # it asks the older one
+    assert axis.unasked() == []
+    assert axis.integer(newer) == 100
 
 
 def test_a_later_setting_acts_on_what_was_asked_before() -> None:
@@ -215,3 +231,59 @@ def test_a_later_setting_acts_on_what_was_asked_before() -> None:
     assert parameters.get(asked) == 6
     parameters.set(asked, "7", HERE)
     assert parameters.get(asked) == 7
+
+
+@pytest.mark.parametrize(("first", "second"), [(900, 400), (400, 900)])
+def test_of_several_that_decide_the_smallest_counts(first: int, second: int) -> None:
+    """P-AXIS-00024 unset: the smaller one of both limits of the linear slope, whichever it is."""
+    axis = ParameterSet("axis")
+    profile = "getriebe[0].lslope_profil"
+    axis.set(f"{profile}.a_grenz_stufe_1", str(first), "test")
+    axis.set(f"{profile}.a_grenz_stufe_2", str(second), "test")
+    assert axis.integer(f"{profile}.a_feedh") == 400
+
+
+def test_a_setting_replaces_what_was_corrected_with_its_warning() -> None:
+    """A list has a value out of range, the plan a good one: nothing is left to be warned of."""
+    axis = ParameterSet("axis")
+    axis.load("kenngr.dist_ctrl[0].n_cycles", "100", Origin("list.lst", 1, 1))
+    assert [item.alarm_id for item in axis.corrected()] == [315002]
+    axis.set("kenngr.dist_ctrl[0].n_cycles", "20", "set:Z.kenngr.dist_ctrl[0].n_cycles")
+    assert axis.corrected() == []
+    assert axis.integer("kenngr.dist_ctrl[0].n_cycles") == 20
+
+
+def test_a_copy_may_be_set_further_without_changing_what_it_was_made_of() -> None:
+    """Rows share lists that are read once: values, warnings, IDs and places of one are its own."""
+    read = ParameterSet("axis")
+    read.load("kenngr.distc.kp", "1.0", Origin("list.lst", 1, 1))
+    read.set("kenngr.messachse", "1", HERE)
+    assert read.flag("kenngr.messachse")  # resolved before
+    copy = read.copied()
+    copy.set("kenngr.messachse", "0", "set:Z.kenngr.messachse")
+    copy.load("kenngr.dist_ctrl[0].kp", "2.5", Origin("other.lst", 2, 1))
+    assert (read.flag("kenngr.messachse"), copy.flag("kenngr.messachse")) == (True, False)
+    assert (read.corrected(), len(copy.corrected())) == ([], 1)
+    assert read.is_written_as("kenngr.distc.")
+    assert not read.is_written_as("kenngr.dist_ctrl[0].")
+    assert copy.is_written_as("kenngr.dist_ctrl[0].")
+    origin = read.origin("kenngr.dist_ctrl[0].kp")
+    assert origin is not None
+    assert origin.short == "list.lst:1"
+
+
+@pytest.mark.parametrize(
+    ("path", "older", "word"),
+    [
+        ("kenngr.measure.signal", "kenngr.probing_signal_via_plc", "PLC"),
+        ("kenngr.measure.edge", "kenngr.mess_neg_flanke", "NEG"),
+    ],
+)
+def test_a_blank_word_leaves_the_decision_to_the_older_switch(
+    path: str, older: str, word: str
+) -> None:
+    axis = ParameterSet("axis")
+    axis.set(older, "1", "test")
+    axis.load(path, "", Origin("list.lst", 1, 1))
+    assert axis.is_set(path)
+    assert axis.word(path) == word

@@ -14,6 +14,7 @@ from axisrig.kernel.parameters import (
     Kind,
     Origin,
     ParameterSet,
+    list_text,
     read_list,
     read_sections,
     start_up,
@@ -214,3 +215,36 @@ def test_no_text_ends_in_anything_but_a_list_or_a_user_error(
     write_list(parts, path)
     again = read_sections(path, kind)
     assert [list(part.items()) for part in again] == [list(part.items()) for part in parts]
+
+
+def test_a_list_of_an_editor_that_marks_utf_8_begins_with_its_first_name(tmp_path: Path) -> None:
+    path = tmp_path / "axis.lst"
+    path.write_bytes(b"\xef\xbb\xbfkopf.achs_nr 3\r\nkopf.log_achs_name Z\r\n")
+    assert read_list(path, "axis").integer("kopf.achs_nr") == 3
+
+
+@pytest.mark.parametrize("text", ["0x1F", "0X1F", "0X1f", "31", "+31"])
+def test_whole_numbers_may_be_hexadecimal(listed: Listed, text: str) -> None:
+    assert listed(f"kopf.achs_nr {text}\n").integer("kopf.achs_nr") == 31
+
+
+@pytest.mark.parametrize("text", ["inf", "-inf", "nan", "1e400", "0x10", "1_0"])
+def test_what_is_no_finite_number_is_refused(refused: Refused, text: str) -> None:
+    error = refused(f"kenngr.dist_ctrl[0].kp {text}\n")
+    assert (error.value, error.line) == (text, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [
+        ("kenngr.distc.kp", "kenngr.distc."),
+        ("kenngr.dist_ctrl[0].kp", "kenngr.dist_ctrl[0]."),
+    ],
+)
+def test_a_list_that_is_written_again_keeps_the_structure_of_distance_control(
+    listed: Listed, name: str, written: str
+) -> None:
+    """The structure chooses the family of IDs, 703xx or 3100xx."""
+    again = listed(list_text(listed(f"{name} 0.5\n")))
+    assert again.get("kenngr.dist_ctrl[0].kp") == 0.5
+    assert again.is_written_as(written)

@@ -50,3 +50,15 @@ def test_each_run_asks_for_the_probe_anew_and_while_it_is_off_its_output_says_no
     asked = (False, None, False, False, None)
     on = (True, True, True, True, HANDSHAKE_CYCLES_MAX)
     assert found == [off, asked, on, asked] * 2
+
+
+def test_a_latch_that_is_left_in_the_drive_is_waited_for_too() -> None:
+    """The probe is off at the PLC, and the drive still shows the edge of the run before."""
+    drive, unit = Drive(), ProbingUnit()
+    handshake = Handshake("Z", unit, PlcTask(acknowledge_ns=10), SimpleNamespace(now_ns=0))
+    port = DrivePort(drive, handshake)  # type: ignore[arg-type]
+    found = []
+    for is_clear in (True, False, True):
+        drive.is_clear = is_clear
+        found.append(port.is_clear)
+    assert found == [True, False, True]

@@ -9,11 +9,17 @@ from axisrig.kernel.channel.probing.choice import ProbeChoice
 from axisrig.kernel.channel.probing.ports import PlcPorts
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
-from axisrig.kernel.measuring.rules import EXTERNAL, EXTERNAL_WITH_DRIVE, MeasuringAxis
+from axisrig.kernel.measuring.rules import (
+    EXTERNAL,
+    EXTERNAL_WITH_DRIVE,
+    PLC,
+    PLC_FIRST_EVENT,
+    MeasuringAxis,
+)
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.canon import ProbeSettings
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES
-from axisrig.kernel.plc.probing import LatchTask, PlcTask, ProbingUnit
+from axisrig.kernel.plc.probing import AxisWrites, LatchTask, PlcTask, ProbingUnit
 
 BLOCK = Block(1, 10, "N10")
 
@@ -70,6 +76,26 @@ def test_probe_0_and_probe_1_are_inputs_of_the_list():
     assert found.latch("Z")[0] == 2
     found.choose(say(probe=1))
     assert found.latch("Z")[0] == 1
+
+
+def test_the_input_of_external_hardware_is_that_of_the_list_and_may_be_any_number():
+    """Up to 255 (FCT-C4 8.2.2). The drive keeps its own, which counts when it is the source."""
+    found, link = choice(source=EXTERNAL, probe_input=7)
+    assert found.latch("Z") == (7, "POS")
+    found.choose(say(probe_input=200))
+    assert (found.latch("Z"), link.probe_input) == ((200, "POS"), 1)
+    found.choose(say(source="DRIVE"))
+    assert (found.latch("Z"), link.probe_input) == ((1, "POS"), 1)
+
+
+@pytest.mark.parametrize("source", ["PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP", "FIXED_STOP"])
+def test_a_source_without_inputs_takes_both_numbers_that_a_drive_may_have(source):
+    """#MEAS [INPUT=2 SIGNAL=..] of a program may come before the SIGNAL that uses the input."""
+    found, _ = choice(source=source)
+    found.choose(say(probe_input=2))
+    assert found.latch("Z")[0] == 2
+    with pytest.raises(Alarm, match="900227"):
+        found.choose(say(probe_input=3))
 
 
 @pytest.mark.provokes(70390, 7, axis="Z", drive_type="SERCOS", source="DRIVE", wrong=2, corrected=1)
@@ -140,3 +166,23 @@ def test_an_axis_that_nothing_has_used_gets_no_order():
     made.forget(["X", "Z"])
     assert [unit.number for unit in units.values()] == [0, 0]
     assert made.find("Z", EXTERNAL) is None
+
+
+@pytest.mark.parametrize("source", [PLC, PLC_FIRST_EVENT])
+def test_the_first_event_latches_every_axis_that_waits_and_a_plain_signal_its_own(source):
+    """FCT-C4 8.2.2: the edge of X; Z waits with a signal of its own, Y does not measure."""
+    links = {name: FakeLink(name) for name in "XYZ"}
+    for link in links.values():
+        link.has_actual, link.actual_mm = True, 3.0
+    units = {name: SimpleNamespace(probing=ProbingUnit()) for name in links}
+    task = PlcTask(cycle_ns=1, watchdog_ns=10, acknowledge_ns=10)
+    made = PlcPorts(links, SimpleNamespace(task=task, axis=units), SimpleNamespace(now_ns=0))
+    found = {name: made.choose(name, source, 1, "POS") for name in links}
+    found["X"].arm()
+    found["Z"].arm()
+    for level in (False, True):
+        for name, unit in units.items():
+            unit.probing.take(AxisWrites(level and name == "X"), 0)
+        made.look()
+    has_latched = {name: port.has_latched for name, port in found.items()}
+    assert has_latched == {"X": True, "Y": False, "Z": source == PLC_FIRST_EVENT}

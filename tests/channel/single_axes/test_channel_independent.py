@@ -10,6 +10,7 @@ import pytest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
+from axisrig.kernel.plc.interface import PlcParticipant
 
 Make = Callable[..., Any]
 MS, S = 1_000_000, 1_000_000_000
@@ -215,6 +216,35 @@ def test_50664_when_the_probe_of_the_axis_does_not_get_ready(
     assert alarm.entry.reaction_class == 4
     assert "N40" in str(alarm)
     assert set(bench.set_mm("Z")[5:]) == {bench.set_mm("Z")[-1]}
+
+
+def test_50664_when_the_probe_of_the_axis_is_switched_off_on_the_way(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=100.0)
+    channel, link = bench.channel, bench.links[0]
+
+    def switch_off() -> None:
+        if link.actual_mm < 125.0:
+            link.disarm()
+
+    channel.plc.join(PlcParticipant(switch_off))
+    bench.run([alone("Z", 110.0, 4, feed_mm_min=600.0, measuring_type=1), words.end()])
+    (alarm,) = channel.alarms
+    assert (alarm.id, alarm.values) == (50664, {"axis": "Z"})
+    assert "N40" in str(alarm)
+
+
+def test_a_wait_is_for_the_axes_that_it_names(channel_bench: Make, words: Any) -> None:
+    """X is under way to 20, Y to 2 mm; the path begins when Y is there and leads it on."""
+    bench = channel_bench(words.axis("X"), words.axis("Y"))
+    orders = [alone("X", 20.0, feed_mm_min=600.0), alone("Y", 2.0, feed_mm_min=600.0)]
+    bench.run([*orders, at_targets("Y"), words.move(9, 600.0, Y=1.0), words.end()])
+    y = bench.set_mm("Y")
+    there = y.index(2.0)
+    assert y[there + 2] < 2.0
+    assert bench.set_mm("X")[there] < 3.0
+    assert (bench.final_mm("X"), bench.final_mm("Y")) == (20.0, 1.0)
 
 
 def test_50059_and_900103_and_900012(channel_bench: Make, words: Any) -> None:

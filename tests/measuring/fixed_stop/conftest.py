@@ -21,7 +21,10 @@ MS = 1_000_000
 
 @dataclass
 class Axis:
-    """A port of the run. swing_mm: how far it is off to either side from cycle to cycle."""
+    """A port of the run. swing_mm: how far it is off to either side from cycle to cycle.
+
+    sign: of the direction in which its stop is, stop_mm and running_mm are amounts.
+    """
 
     name: str
     stop_mm: float = inf
@@ -30,6 +33,7 @@ class Axis:
     actual_mm: float = 0.0
     watches_lag: bool = True
     swing_mm: float = 0.0
+    sign: int = 1
 
     @property
     def lag_mm(self) -> float:
@@ -37,7 +41,8 @@ class Axis:
 
     def follow(self, set_mm: float) -> None:
         moves, self.set_mm = set_mm != self.set_mm, set_mm
-        self.actual_mm = min(set_mm - (self.running_mm if moves else 0.0), self.stop_mm)
+        way_mm = self.sign * set_mm - (self.running_mm if moves else 0.0)
+        self.actual_mm = self.sign * min(way_mm, self.stop_mm)
         self.swing_mm = -self.swing_mm
         self.actual_mm += self.swing_mm
 

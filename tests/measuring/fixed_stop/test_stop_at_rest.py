@@ -24,6 +24,27 @@ def test_an_axis_at_rest_beyond_the_limit_gets_its_time(stage: Make) -> None:
     assert run.record.latched_mm == {"Z": 5.0}
 
 
+@pytest.mark.parametrize(
+    "slow",
+    [
+        FixedStopSettings(1.0, None, 500 * MS, 0, 2.0),
+        FixedStopSettings(None, 0.1, 500 * MS, 0, 2.0),
+        FixedStopSettings(1.0, 0.1, 500 * MS, 0, 2.0),
+    ],
+    ids=["lag", "window", "both"],
+)
+def test_a_stop_in_the_negative_direction_is_found_at_rest_in_the_same_cycle(
+    stage: Make, slow: FixedStopSettings
+) -> None:
+    """Lag and way are negative there; the set value stands long before the time is over."""
+    up = stage(Axis("Z", stop_mm=5.0), target={"Z": 6.5}, detect=slow).finish()
+    down = stage(Axis("Z", stop_mm=5.0, sign=-1), target={"Z": -6.5}, detect=slow).finish()
+    assert (up.record.latched_mm, down.record.latched_mm) == ({"Z": 5.0}, {"Z": -5.0})
+    assert up.stop.detected_ns == down.stop.detected_ns
+    assert up.stop.detected_ns is not None
+    assert up.stop.detected_ns > (652 + 50) * MS
+
+
 @pytest.mark.parametrize("order", ["XZ", "ZX"])
 def test_of_several_axes_the_longest_time_is_waited_for(stage: Make, order: str) -> None:
     """X runs free and has 50 ms, Z is held and has 500: each moves 0.01 mm in a cycle."""
