@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.interface import PlcParticipant
 from axisrig.kernel.plc.probing import AxisWrites, LatchTask, PlcTask, StampRelation
 
@@ -406,3 +407,21 @@ def test_the_level_of_a_signal_that_nothing_has_asked_for_is_not_that_of_the_dri
     bench.channel.plc.join(turn)
     bench.run([words.move(1, 600.0, Y=1.0), words.end()])
     assert set(found) == {(False, None)}
+
+
+def test_meas_waits_for_a_probe_at_the_plc_that_an_axis_beside_the_path_has_armed(
+    channel_bench: Make, words: Any
+) -> None:
+    """Its run takes 0.2 s; #MEAS of another axis comes 30 ms after its begin."""
+    axes = words.axis("Y"), words.axis("Z", start_mm=122.0, source="PLC")
+    bench = channel_bench(*axes, plane_mm=PLANE_MM)
+    Plc(bench)
+    beside = canon.IndependentMove(words.end(1).block, "Z", TO, feed_mm_min=600.0, measuring_type=1)
+    pause = canon.Dwell(words.end(2).block, 30 * MS)
+    choice = words.probe_settings(3, "Y", edge="POS")
+    bench.run([beside, pause, choice, words.message(4, "chosen", synchronous=True), words.end()])
+    assert bench.alarm_ids == []
+    (record,) = bench.channel.records
+    ((chosen_ns, _),) = bench.messages
+    assert record.start_ns < record.end_ns <= chosen_ns
+    assert record.end_ns - record.begin_ns > 100 * MS

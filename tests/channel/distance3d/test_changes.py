@@ -43,6 +43,7 @@ def test_another_mode_while_it_is_on_is_310025(make_tool_loop: Make) -> None:
     with pytest.raises(Alarm) as caught:
         loop.plan("ECS")
     assert (caught.value.id, caught.value.values["programmed"]) == (310025, "ECS")
+    assert loop.control3d.wanted_mode == "MCS"  # what is refused does not count for the next ON
     loop.plan("MCS", "Z")
     loop.say(DistanceCommand.OFF).run(3).plan("ECS").on(set_pos=0.0)
 
@@ -54,6 +55,7 @@ def test_another_axis_while_it_is_on_is_310025(make_tool_loop: Make) -> None:
         loop.plan(None, "Y")
     assert caught.value.values["current"] == "ACS Z"
     assert caught.value.values["programmed"] == "ACS Y"
+    assert loop.control3d.wanted_axis == "Z"
 
 
 @pytest.mark.provokes(900462, 7, mode="MCS")
@@ -113,5 +115,7 @@ def test_a_set_distance_that_is_not_the_tool_length_is_a_warning(make_tool_loop:
 def test_filter_time_is_a_number_of_cycles(make_tool_loop: Make) -> None:
     control = make_tool_loop().control3d
     assert control.parameters({"kp": 0.3, "filter_time_s": 0.02}) == {"kp": 0.3, "n_cycles": 20}
+    for time_s, cycles in ((0.0296, 30), (0.0294, 29), (0.0006, 1)):  # to the nearest one
+        assert control.parameters({"filter_time_s": time_s}) == {"n_cycles": cycles}
     with pytest.raises(Alarm, match="900465"):
         control.parameters({"filter_time_s": 0.0004})

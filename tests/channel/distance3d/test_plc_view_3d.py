@@ -1,12 +1,13 @@
 """What the PLC side and a program see of 3D distance control, and its sensor."""
 
 import math
+from typing import Any
 
 import pytest
 from tests.channel.distance3d.programs import HEAD, TILTED, Make, rising
 
 from axisrig.kernel.channel.distance.diagnosis import diagnosis
-from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.distance import DistanceCommand, DistanceState
 from axisrig.kernel.plc.unit import Refreshed
 
 
@@ -61,6 +62,33 @@ def test_diagnosis_data_of_the_printed_list_are_those_of_the_figure(make_tool_lo
     shown = dict(diagnosis(loop.control3d, is_awaited=False))
     assert (shown["active_mode"], shown["new_mode"]) == ("MCS(3)", "MCS(3)")
     assert (shown["active_ax_idx"], shown["new_ax_idx"]) == ("0", "2")
+
+
+def test_diagnosis_data_show_the_set_value_that_acts_and_a_held_offset(
+    make_tool_loop: Make, tool: Any
+) -> None:
+    """Over a surface 2 mm higher than SET_POS and SET_DIST say; held by an axis, frozen, on."""
+    loop = make_tool_loop(plane=tool.plane(height_mm=lambda _k: 2.0))
+    loop.plan("MCS")
+    for words, acts in (({"set_pos": 1.0}, "10000"), ({"set_dist": 81.0}, "810000")):
+        loop.on(**words)
+        loop.run(20)
+        assert loop.control.offset_mm != 0.0
+        for is_held, command, is_frozen in (
+            (False, None, False),
+            (True, None, True),
+            (False, DistanceCommand.FREEZE, True),
+        ):
+            loop.control3d.is_held = is_held
+            if command is not None:
+                loop.say(command)
+            loop.run(2)
+            shown = dict(diagnosis(loop.control3d, is_awaited=False))
+            offset = f"{round(loop.control.offset_mm * 1e4)}"
+            assert shown["f_freeze"] == f"{int(is_frozen)}"
+            assert shown["cmd_offset_frozen"] == (offset if is_frozen else "0")
+            if command is None:
+                assert shown["sollw"] == acts
 
 
 # ---- the sensor

@@ -236,15 +236,15 @@ def test_50664_when_the_probe_of_the_axis_is_switched_off_on_the_way(
 
 
 def test_a_wait_is_for_the_axes_that_it_names(channel_bench: Make, words: Any) -> None:
-    """X is under way to 20, Y to 2 mm; the path begins when Y is there and leads it on."""
+    """X is under way to 6, Y to 2 mm; the path begins when Y is there and leads it on."""
     bench = channel_bench(words.axis("X"), words.axis("Y"))
-    orders = [alone("X", 20.0, feed_mm_min=600.0), alone("Y", 2.0, feed_mm_min=600.0)]
+    orders = [alone("X", 6.0, feed_mm_min=600.0), alone("Y", 2.0, feed_mm_min=600.0)]
     bench.run([*orders, at_targets("Y"), words.move(9, 600.0, Y=1.0), words.end()])
     y = bench.set_mm("Y")
     there = y.index(2.0)
     assert y[there + 2] < 2.0
     assert bench.set_mm("X")[there] < 3.0
-    assert (bench.final_mm("X"), bench.final_mm("Y")) == (20.0, 1.0)
+    assert (bench.final_mm("X"), bench.final_mm("Y")) == (6.0, 1.0)
 
 
 def test_50059_and_900103_and_900012(channel_bench: Make, words: Any) -> None:
