@@ -1,8 +1,9 @@
 """Types 2 to 5 on drives with closed forms: speed, stroke, what the signal ends, what it costs."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
-from math import exp, sqrt
+from math import dist, exp, sqrt
 from typing import Any
 
 import pytest
@@ -96,6 +97,19 @@ def test_type_3_without_signal_is_at_its_target(channel_bench: Make, words: Any)
     bench.run([words.probe(1, 600.0, 3, goes_on=True, Z=128.0), words.wait(1), words.end()])
     assert (bench.final_mm("Z"), bench.alarm_ids) == (128.0, [])
     assert not bench.channel.measurement_ok("Z")
+
+
+@pytest.mark.parametrize(("named", "speed_mm_s"), [("Y", 5.0), ("Z", 20.0)])
+def test_type_2_has_the_speed_of_the_axis_of_its_block_whatever_else_the_path_moves(
+    channel_bench: Make, words: Any, named: str, speed_mm_s: float
+) -> None:
+    """P-AXIS-00215: 5 and 20 mm/s; as under a kinematic the path moves more than is programmed."""
+    bench = channel_bench(words.axis("Y", measuring_mm_s=5.0), words.axis("Z", measuring_mm_s=20.0))
+    block = words.probe(1, None, 2, Y=1.2, Z=1.6)
+    run = replace(block, programmed_axes=(named,), measuring_axes=(named,))
+    bench.run([run, words.wait(1), words.end()])
+    steps = [dist(a.set_mm, b.set_mm) for a, b in pairwise(bench.samples)]
+    assert max(steps) == pytest.approx(speed_mm_s * 1e-3, abs=1e-9)
 
 
 # Stroke of the probe, P-AXIS-00086

@@ -125,3 +125,41 @@ def test_a_run_begins_with_a_probe_that_waits_for_nothing_and_has_nothing() -> N
         assert not probe.is_clear
         probe.disarm()
         assert probe.latched_mm is None
+
+
+MODE_6 = {
+    "cuboid": ((6, -10_000, 20_000, 0, 0), (6, 50_000, 60_000, 0, 0), (6, 0, 0, 0, 0)),
+    "cylinder": ((6, 0, 0, 10_000, 20_000), (6, 0, 0, -30_000, 20_000), (6, -5_000, 5_000, 0, 0)),
+    "ellipsoid": ((6, 0, 0, 0, 10_000), (6, 0, 0, 0, 20_000), (6, 0, 0, 0, 30_000)),
+    "of one axis": ((6, 0, 10_000, 0, 0), (1, 50_000, 60_000, 0, 20_000), (0, 0, 0, 0, 0)),
+}
+
+
+@pytest.mark.parametrize(
+    ("body", "here_mm", "is_in"),
+    [
+        ("cuboid", (-1.0, 5.0, 100.0), True),  # on its edge; Z does not limit it
+        ("cuboid", (2.0, 6.0, -100.0), True),
+        ("cuboid", (-1.001, 5.5, 0.0), False),
+        ("cuboid", (0.0, 6.001, 0.0), False),
+        ("cylinder", (1.0 + 1.2, -3.0 + 1.6, 0.5), True),  # 2 mm about (1, -3)
+        ("cylinder", (1.0 + 1.21, -3.0 - 1.6, 0.0), False),
+        ("cylinder", (1.0, -3.0, 0.501), False),
+        ("ellipsoid", (0.6, 1.6, 0.0), True),
+        ("ellipsoid", (0.6, 1.6, 0.1), False),
+        ("ellipsoid", (0.0, 0.0, -3.0), True),
+        ("of one axis", (0.5, 0.0, 0.0), True),  # Y has another mode, Z a real probe
+        ("of one axis", (1.001, 5.5, 0.0), False),
+    ],
+)
+def test_the_body_of_the_lists_is_a_cuboid_round_or_both(
+    body: str, here_mm: tuple[float, ...], is_in: bool
+) -> None:
+    """P-AXIS-00145 to 00148 in 0.1 um: least, largest, centre, radius."""
+    made = Body.of(dict(zip("XYZ", MODE_6[body], strict=True)))
+    assert made.contains(dict(zip("XYZ", here_mm, strict=True))) is is_in
+
+
+def test_a_body_without_limits_is_none() -> None:
+    """It would be touched wherever the axes are."""
+    assert not Body.of({"X": (6, 0, 0, 0, 0)}).contains({"X": 0.0})
