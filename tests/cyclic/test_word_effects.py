@@ -183,3 +183,27 @@ def test_each_parameter_has_a_test_or_cannot_be_written() -> None:
         assert is_refused is known.is_read_only is (row["acts"] == "no")
         assert drive.values == before
         assert row["what"] in tests if row["acts"] == "yes" else row["what"].startswith("read only")
+
+
+INCREMENTS_UM = {
+    "conventional": 1e4 / 4096,
+    "encoder_terminal": 1e4 / 4096,
+    "lightbus": 1.0 + 1e4 / 2**20,
+    "profidrive": 1e4 / 2**22,
+}
+"""Of a latched value; on Lightbus the position is rounded before it is counted in um."""
+
+
+@pytest.mark.parametrize("edge", ["POS", "NEG"])
+def test_families_agree_on_the_value_of_the_same_edge(edge: str) -> None:
+    """The same motion and signal: to half an increment of each of two."""
+    families = [name for name in INCREMENTS_UM if edge == "POS" or name != "encoder_terminal"]
+    values_um = {}
+    for family in families:
+        row = {"family": family, "telegram": "5", "edge": edge, "direction": "in"}
+        (value_mm,) = {each[4] for each in trace(row, is_altered=False)["control"]} - {None}
+        values_um[family] = value_mm * 1e3
+    for one in families:
+        for other in families:
+            most_um = (INCREMENTS_UM[one] + INCREMENTS_UM[other]) / 2
+            assert abs(values_um[one] - values_um[other]) <= most_um
