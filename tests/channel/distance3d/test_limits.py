@@ -228,6 +228,21 @@ def test_an_axis_that_the_offset_does_not_move_now_does_not_measure_either(
         offsets.check_measuring(axis)
 
 
+def test_beside_a_dry_run_every_axis_may_measure(make_tool_loop: Make, tool: Any) -> None:
+    """It moves none of them; switched on for good it keeps them from it."""
+    loop = make_tool_loop(plane=tool.plane(height_mm=lambda _k: 1.0))
+    offsets = Offsets({}, loop.control3d, tool.names)
+    loop.plan("ECS").on(set_pos=0.0, dry_run=True)
+    loop.run(5)
+    for axis in tool.names:
+        offsets.check_measuring(axis)
+    loop.plan("ECS").on(set_pos=0.0)
+    loop.run(5)
+    for axis in tool.names:
+        with pytest.raises(Alarm, match="900521"):
+            offsets.check_measuring(axis)
+
+
 def test_a_pose_that_it_cannot_have_matters_to_nobody_while_it_is_off(
     make_tool_loop: Make,
 ) -> None:

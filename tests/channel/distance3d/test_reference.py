@@ -88,3 +88,15 @@ def test_without_a_guide_a_motion_counts_too(make_head: Make) -> None:
         lambda ms: 0.0 if ms < 104 else -1.0,
     )
     assert made.control3d.control.zero_mm == pytest.approx(-HEIGHT_MM - 1.0, abs=1e-4)
+
+
+def test_ref_takes_nothing_of_the_variable_before(make_tool_loop: Make) -> None:
+    """20 values of SENSOR, 80 mm, have been read; then one of another sensor at 30 mm."""
+    loop = make_tool_loop(n_cycles=20)
+    loop.values["OTHER"] = 30.0 * 1e4
+    loop.run(30)
+    assert loop.control3d.shown_sensor_mm == pytest.approx(80.0)
+    loop.control3d.choose("VARIABLE", "V.E.OTHER")
+    loop.run(1)
+    loop.control.reference(loop.control3d.require_sensor())
+    assert loop.control.zero_mm == pytest.approx(-30.0)
