@@ -181,3 +181,47 @@ def test_which_frames_are_hit_is_seeded(scheduler: Scheduler, segment: Segment) 
         got[msg.arbitration_id].append(msg.data[0])
     assert got[0x181] == list(range(40))
     assert got[0x281] == [index for index in range(40) if index not in hit]
+
+
+def test_two_frames_that_wait_for_the_next_one_of_their_port_are_both_sent(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """The first waits for a frame of its port; the second, which may not, is that one."""
+    seen = watch(segment)
+    sender = segment.port("sender")
+    segment.port("receiver")
+    segment.add_fault(lambda frame, port, attempt: Swap() if attempt == 0 else None)
+    sender.send_raw(0x081, b"1")
+    sender.send_raw(0x082, b"2")
+    scheduler.run_until(MS)
+    assert [can_id for _, can_id, _ in seen] == [0x082, 0x081]
+
+
+def test_what_waits_in_a_controller_without_power_is_lost_and_counted(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """A node that comes back sends what it has been asked for since, and nothing older."""
+    seen = watch(segment)
+    sender = segment.port("sender")
+    segment.port("receiver")
+    for can_id in (0x081, 0x082, 0x083):
+        sender.send_raw(can_id, b"")
+    sender.power_off()
+    sender.send_raw(0x084, b"")
+    scheduler.run_until(MS)
+    sender.power_on()
+    sender.send_raw(0x085, b"")
+    scheduler.run_until(2 * MS)
+    assert [can_id for _, can_id, _ in seen] == [0x085]
+    assert sender.discarded == 4
+
+
+@pytest.mark.parametrize("share", [1.0, 0.4])
+def test_skip_lets_frames_pass_whether_they_would_be_hit_or_not(share: float) -> None:
+    """5 frames pass; of the next ones the first two that the numbers name are hit."""
+    hits = Hits(numbers=random.Random(7), share=share, skip=5, count=2)
+    numbers = random.Random(7)
+    named = [numbers.random() < share for _ in range(40)]
+    expected = [is_named and k >= 5 and sum(named[5:k]) < 2 for k, is_named in enumerate(named)]
+    assert [hits.falls() for _ in range(40)] == expected
+    assert sum(expected) == 2

@@ -25,6 +25,8 @@ from axisrig.kernel.profiles.canopen.identifiers import services
          {"specifier": 2, "index": 0x1000, "sub": 0, "value": b"\x92\x01\x02\x00"}),
         (0x583, "4B 41 60 00 37 02 00 00", "SDO answer", 3,
          {"specifier": 2, "index": 0x6041, "sub": 0, "value": b"\x37\x02"}),
+        (0x583, "4A 00 10 00 92 01 02 00", "SDO answer", 3,  # without a size its bits say nothing
+         {"specifier": 2, "index": 0x1000, "sub": 0, "value": b"\x92\x01\x02\x00"}),
         (0x603, "2F 60 60 00 08 00 00 00", "SDO request", 3,
          {"specifier": 1, "index": 0x6060, "sub": 0, "value": b"\x08"}),
         (0x583, "60 60 60 00 00 00 00 00", "SDO answer", 3,

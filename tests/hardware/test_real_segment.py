@@ -10,6 +10,7 @@ import pytest
 from axisrig.bench.bus.can.faults import FrameFault
 from axisrig.bench.bus.can.frame_hash import FrameHash
 from axisrig.bench.bus.can.hardware import interface_names, open_bus, parse_options
+from axisrig.bench.bus.can.real_segment import SEND_ERRORS_MAX
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import Phase
 
@@ -109,6 +110,42 @@ def test_a_frame_that_the_interface_does_not_take_is_counted(make_bench: Any) ->
     bench.adapter.send = send
     assert bench.deadlines.send_errors == 5
     assert bench.segment.lost is None
+
+
+def test_a_bus_that_was_opened_again_counts_its_errors_anew(make_bench: Any) -> None:
+    """20 frames in a row that are not taken are borne, one more is a lost bus."""
+    bench = make_bench()
+    port, segment = bench.segment.port("drive"), bench.segment
+    adapter = bench.adapter
+    times = iter(range(1, 100))
+    send, receive = adapter.send, adapter.recv
+    for sends in (SEND_ERRORS_MAX, SEND_ERRORS_MAX):
+        adapter.send = lambda *_: (_ for _ in ()).throw(can.CanOperationError("buffer full"))
+        for _ in range(sends):
+            port.send_raw(0x183, b"")
+        bench.scheduler.run_until(next(times) * MS)
+        assert segment.lost is None
+        adapter.recv = lambda *_: (_ for _ in ()).throw(can.CanOperationError("cable pulled"))
+        bench.scheduler.run_until(next(times) * MS)
+        assert segment.lost == "cable pulled"
+        adapter.send, adapter.recv = send, receive
+        assert segment.reopen()
+
+
+def test_all_answers_that_are_expected_are_waited_for(make_bench: Any, make_frame: Any) -> None:
+    """After a SYNC those of two drives; what else comes, and one twice, is none of them."""
+    bench = make_bench()
+    segment, start_ns = bench.segment, bench.wall.now_ns
+    segment.expect([0x181, 0x182])
+    bench.scheduler.call_at(MS, Phase.APPLICATION, lambda: port.send_raw(0x080, b""))
+    for at_ms, can_id in ((2, 0x300), (3, 0x181), (4, 0x181), (5, 0x182)):
+        bench.adapter.coming.append((start_ns + at_ms * MS, make_frame(can_id, 1)))
+    port = segment.port("cnc")
+    waits = []
+    for half_ms in (1, 3, 5, 7, 9, 11):
+        bench.scheduler.run_until(half_ms * MS // 2)
+        waits.append(segment.is_waiting)
+    assert waits == [False, True, True, True, True, False]
 
 
 def test_faults_of_the_wire_are_refused(make_bench: Any) -> None:
