@@ -227,6 +227,10 @@ def test_limits_that_may_make_a_stable_loop_ring(tmp_path: Path, v_max: int, rin
     assert "a_max T/kp = 0.3333 mm/s" in text
     assert ("they may make it ring" in text) is rings
     assert ("0.467 mm too far" in text) is rings
+    # An adaptive acceleration whose a_min is above a_max raises nothing: 500 mm/s2 by default
+    larger = [*items, "set:Z.kenngr.distc.use_adaptive_acceleration=1"]
+    (text,) = describe_distance(settings_of(tmp_path, "", *larger), {})
+    assert "a_max T/kp = 0.3333 mm/s" in text
     # Near the surface an adaptive acceleration is the smaller one: 20 mm/s2, (v - a T/kp)^2/2a
     items += [f"set:Z.kenngr.distc.{item}" for item in ("use_adaptive_acceleration=1", "a_min=20")]
     (text,) = describe_distance(settings_of(tmp_path, "", *items), {})

@@ -14,6 +14,7 @@ from axisrig.bench.rig.canopen.eds_words import eds_warnings
 from axisrig.bench.rig.canopen.schedule import (
     axis_telegrams,
     describe_schedules,
+    fixed_frames,
     segment_schedules,
 )
 from axisrig.bench.rig.check import check_rig
@@ -266,6 +267,19 @@ def test_bus_time_of_a_tpdo_that_nobody_mapped_is_in_the_sum(
     )
     bits = 8 * 8 + 44 + 3 + (34 + 8 * 8 - 1) // 4  # data, overhead, interval, stuff bits
     assert after - before == bits * 1000
+
+
+@pytest.mark.parametrize(
+    ("transmission", "comes"), [("1", "TPDO"), ("240", "TPDO"), ("254", "event"), ("255", "event")]
+)
+def test_such_a_tpdo_comes_as_its_transmission_type_says(
+    with_eds: Callable[..., Settings], transmission: str, comes: str
+) -> None:
+    """Types up to 240 answer the SYNC, 254 and 255 come at any time (CiA 301)."""
+    fixed = {"AccessType": "ro", "DefaultValue": "$NODEID+0x480"}
+    text = changed(changed(EDS, "1803sub1", **fixed), "1803sub2", DefaultValue=transmission)
+    ((kind, frame),) = fixed_frames(with_eds(text), "Z")
+    assert (kind, frame.can_id) == (comes, 0x483)
 
 
 @pytest.mark.parametrize(

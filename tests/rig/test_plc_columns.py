@@ -141,3 +141,32 @@ def test_objects_have_types_and_the_page_lists_all_of_them_and_every_moment() ->
         assert f"| `{known.name}` | {known.index:04X} | {known.unit} |" in page
     for moment in plc_moments():
         assert f"| `{moment}` |" in page
+
+
+def test_a_column_that_is_assigned_again_replaces_what_it_did() -> None:
+    """`--set` acts on top of a table; other columns stay."""
+    found = settings(
+        "plc:Z.torque_limit=100 at=M50; 200 at=M51",
+        "plc:feedhold=at=400ms for=300ms",
+        "plc:Z.torque_limit=300 at=M52",
+    ).plc
+    assert [(rule.column, rule.moment.word) for rule in found] == [
+        ("plc:feedhold", "start"),
+        ("plc:Z.torque_limit", "M52"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("moment", "fits"),
+    [
+        (Moment("V.E.READY"), (True, True, True, False)),
+        (Moment("V.E.READY", 2.0), (False, True, False, False)),
+        (Moment("V.E.READY", 0.0), (True, False, False, False)),
+        (Moment("M50"), (False, False, False, True)),
+    ],
+)
+def test_a_moment_of_a_variable_is_that_of_its_value_where_it_names_one(
+    moment: Moment, fits: tuple[bool, ...]
+) -> None:
+    seen = (("V.E.READY", 0.0), ("V.E.READY", 2.0), ("V.E.READY", 3.0), ("M50", None))
+    assert tuple(moment.fits(word, value) for word, value in seen) == fits

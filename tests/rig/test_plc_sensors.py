@@ -6,6 +6,7 @@ import pytest
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.errors import UserError
@@ -68,3 +69,24 @@ def test_unit_and_sign(tmp_path: Path) -> None:
     finally:
         machine.close()
     assert machine.channel.plc.values == {"UM": 2500.0, "NEG": -24997.0}
+
+
+@pytest.mark.parametrize(
+    ("base", "age", "late"), [("distance-z.toml", 0, 0), ("distance-z-ethercat.toml", -1, 1)]
+)
+def test_a_variable_is_newer_than_6064_where_the_carrier_brings_that_a_cycle_later(
+    tmp_path: Path, base: str, age: int, late: int
+) -> None:
+    """The PLC reads its sensor as it is at the last SYNC. On a line the frame at the begin of a
+    cycle brings the position of the SYNC0 in the cycle before (docs/ethercat.md).
+    """
+    path = tmp_path / "rig.toml"
+    for delay in (0, 3):
+        entry = f'"V.E.SENSOR" = {{ sensor = "gap", delay_cycles = {delay} }}'
+        path.write_text(
+            f'base = "{(BASE.parent / base).as_posix()}"\n[plc]\n{entry}\n', encoding="utf-8"
+        )
+        found = [
+            s for s in sensors_of(read_settings(*read_rig(path), []), "Z") if "V.E." in s.words
+        ]
+        assert [(sensor.age, sensor.late) for sensor in found] == [(delay + age, late)]

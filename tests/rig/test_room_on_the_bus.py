@@ -136,3 +136,36 @@ def test_without_the_time_for_a_frame_there_is_no_room(
     settings = settings_of(path)
     assert schedule_of(settings, "can1", counters=False).busy_ns == 525_000
     assert sdo_room(settings, "Z") is room
+
+
+OTHER_DRIVE = """
+[drive.other]
+lead_mm = 10.0
+missing_cycles = {missing}
+
+[axis.Y]
+list = "lists/axis-y.lst"
+segment = "can1"
+node = 4
+drive = "other"
+plant = "y"
+
+[plant.y]
+fmu = "AxisRig.Drives.ServoAxis"
+
+[plant.z]
+"""
+
+
+@pytest.mark.parametrize(("mine", "others"), [(9, 9), (9, 1), (1, 9)])
+def test_at_standstill_every_drive_of_the_segment_has_to_bear_what_sdo_keeps_away(
+    rig_file: RigWriter, settings_of: Read, mine: int, others: int
+) -> None:
+    """785 bits of telegrams and a frame of 135 are in 1000 us; four frames of SDO are not."""
+    path = rig_file(
+        ("lead_mm = 10.0", f"lead_mm = 10.0\nmissing_cycles = {mine}"),
+        ("[plant.z]\n", OTHER_DRIVE.format(missing=others)),
+    )
+    settings = settings_of(path)
+    room = SdoRoom.STANDSTILL if min(mine, others) > 1 else SdoRoom.NONE
+    assert (sdo_room(settings, "Z"), sdo_room(settings, "Y")) == (room, room)
