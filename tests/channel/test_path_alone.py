@@ -12,6 +12,7 @@ from tests.channel import random_programs
 from axisrig.kernel.channel import ChannelSettings, CycleTiming
 from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.stop_way import straight_way
 from axisrig.kernel.time.clock import MS
 
 A_MM_S2, T_S = 600.0, 1e-3
@@ -220,3 +221,17 @@ def test_what_is_superposed_on_an_axis_is_no_part_of_its_set_position(words: Any
     walk.path.put("X", 12.0)
     walk.path.put("Y", 12.0)
     assert (walk.path.position_acs_mm("X"), walk.path.position_acs_mm("Y")) == (10.0, 12.0)
+
+
+def test_what_a_run_to_a_stop_sees_from_the_tool_is_without_a_superposed_offset(words: Any) -> None:
+    """Under a kinematic steps are those of the tool; 2 mm of distance control on Z are none."""
+    walk = Walk(words).program(TRAFO)
+    links: list[Any] = list(walk.path._links)
+    way = straight_way(walk.path, links, {"Z": -5.0})
+    assert way.sent is not None
+    tool = way.sent()
+    assert tool == pytest.approx(tuple(walk.path.position_mm().values()))
+    offsets: Any = SimpleNamespace(superposed_mm=lambda axis: 2.0 if axis == "Z" else 0.0)
+    walk.path._offsets = offsets
+    links[2].set_mm += 2.0
+    assert way.sent() == pytest.approx(tool)
