@@ -1,7 +1,8 @@
 """Counts of a log of scenarios, as the table of docs/reliability.md has them.
 
 `python -m tests.tools.scenario_counts LOG SEED` writes docs/reliability.csv and the rows of the
-page between its marks, from what `axisrig scenarios --machine all --log LOG` has written.
+page between its marks, from what `axisrig scenarios --machine all --log LOG` has written. Machines
+that the log does not have keep their rows.
 """
 
 import csv
@@ -25,13 +26,23 @@ ALARMS = 3
 """How many alarms a row names."""
 
 
-def rows_of(seed: int, entries: Iterable[Entry]) -> list[dict[str, str]]:
-    """Return a row for each machine of the scenarios of a seed, and one for their sum."""
+def rows_of(
+    seed: int, entries: Iterable[Entry], kept: Mapping[str, Mapping[str, str]]
+) -> list[dict[str, str]]:
+    """Return a row for each machine of the scenarios of a seed, and one for their sum.
+
+    kept: rows by machine, for those that have no entry. Which alarms the sum has most often nobody
+    knows from rows.
+    """
     found: dict[str, list[Entry]] = {name: [] for name in machines()}
     for scenario, judgement in entries:
         found[scenario.machine].append((scenario, judgement))
-    rows = [_row(name, seed, some) for name, some in found.items()]
-    return [*rows, _row("all", seed, [each for some in found.values() for each in some])]
+    rows = [
+        _row(name, seed, some) if some or name not in kept else dict(kept[name])
+        for name, some in found.items()
+    ]
+    sums = {column: str(sum(int(row[column]) for row in rows)) for column in COLUMNS[2:-1]}
+    return [*rows, {**dict.fromkeys(COLUMNS, ""), "machine": "all", "seed": str(seed), **sums}]
 
 
 def _row(name: str, seed: int, entries: list[Entry]) -> dict[str, str]:
@@ -66,7 +77,7 @@ def read_rows() -> list[dict[str, str]]:
 
 def write(seed: int, entries: Iterable[Entry]) -> None:
     """Write the table and the rows of the page."""
-    rows = rows_of(seed, entries)
+    rows = rows_of(seed, entries, {row["machine"]: row for row in read_rows()})
     with TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
