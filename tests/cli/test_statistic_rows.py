@@ -59,6 +59,7 @@ def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, pl
     assert code == 0, printed
     page = (place / "all" / "report.html").read_text(encoding="utf-8")
     assert "4 runs and 2 rows of statistics" in page
+    assert re.search(r"simulated.{0,80}\d s in 4 runs", page, re.DOTALL)
     assert "plan.csv: 4 runs and 2 rows of statistics\n" in axisrig("check", plan)[1]
     cases = rows(place / "all" / "cases.csv")
     assert list(cases) == [

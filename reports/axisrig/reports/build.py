@@ -162,6 +162,7 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         made.cards.add(view)
         if not run.is_probe:  # its row has verdict and time of its probes
             made.campaign.add(run)
+        if not run.is_statistic:  # its time is that of its runs
             clock = "real" if view["clock"] == "ran" else "sim"
             made.seconds[clock].append(float(run.case["sim_s"]))
         store.write(_packed(view, pages.run.render(run=view)))
