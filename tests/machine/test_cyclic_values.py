@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.recording.cyclic_values import CyclicValues
@@ -48,6 +49,7 @@ def test_each_row_has_the_values_up_to_its_instant_and_each_block_what_none_befo
     assert lists(last, "Z", TARGET) == [[], []]
 
 
+@pytest.mark.interpreted
 def test_telegrams_of_a_node_are_in_one_row_and_in_no_block_again() -> None:
     """One ends 0.3 ms after each SYNC: it belongs to the row of the next one, or to the last."""
     taken: list[Any] = []

@@ -93,7 +93,7 @@ def test_processes_and_hash_seeds_do_not_show_in_any_file(
     known = _bytes(first)
     runs = {row["run"] for row in _cases(first)}
     assert len(runs) == 4
-    expected = {"results.csv", "junit.xml", "plans/same.csv"}
+    expected = {"results.csv", "junit.xml", "inputs.json", "plans/same.csv"}
     expected |= {f"traces/{run}.parquet" for run in runs}
     expected |= {f"runs/{run}.json" for run in runs}
     expected |= {f"bus/{run}{suffix}" for run in runs for suffix in (".blf", ".log")}

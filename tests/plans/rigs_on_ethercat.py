@@ -17,7 +17,7 @@ def on_ethercat(
     """Write a rig of `testplans` into a folder and return its path.
 
     line: keys of each `[segment]` beside the carrier. sercos: its drives are SERCOS drives with the
-    second position feedback in the AT, and P-AXIS-00020 = 2 is in their
+    second position feedback and a probe value in the AT, and P-AXIS-00020 = 2 is in their
     lists.
     """
     rig: dict[str, Any] = json.loads(json.dumps(rig_of(name)))
@@ -51,7 +51,10 @@ def _write_lists(folder: Path) -> None:
 
 def _as_sercos(drive: dict[str, Any]) -> dict[str, Any]:
     kept = {key: drive[key] for key in SERCOS_KEYS if key in drive}
-    telegrams = {"at": ["S-0-0051", "S-0-0053"], "resolution": drive["encoder_increments"]}
+    telegrams = {
+        "at": ["S-0-0051", "S-0-0053", "S-0-0130"],
+        "resolution": drive["encoder_increments"],
+    }
     return {"family": "sercos"} | kept | telegrams
 
 
