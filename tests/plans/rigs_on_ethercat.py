@@ -17,7 +17,7 @@ def on_ethercat(
     """Write a rig of `testplans` into a folder and return its path.
 
     line: keys of each `[segment]` beside the carrier. sercos: its drives are SERCOS drives with the
-    second position feedback and a probe value in the AT, and P-AXIS-00020 = 2 is in their
+    second position feedback in the AT, no axis measures, and P-AXIS-00020 = 2 is in their
     lists.
     """
     rig: dict[str, Any] = json.loads(json.dumps(rig_of(name)))
@@ -41,18 +41,19 @@ def on_ethercat(
 
 
 def _write_lists(folder: Path) -> None:
-    """Write the lists of `testplans` with drives of the type SERCOS."""
+    """Write the lists of `testplans` with drives of the type SERCOS and no measuring axes."""
     folder.mkdir()
     for path in (PLANS / "rigs" / "lists").iterdir():
         text = path.read_text(encoding="utf-8")
         text = re.sub(r"(?m)^(kenngr\.antr_typ\s+)8\b", r"\g<1>2", text)
+        text = re.sub(r"(?m)^(kenngr\.messachse\s+)1\b", r"\g<1>0", text)
         (folder / path.name).write_text(text, encoding="utf-8")
 
 
 def _as_sercos(drive: dict[str, Any]) -> dict[str, Any]:
     kept = {key: drive[key] for key in SERCOS_KEYS if key in drive}
     telegrams = {
-        "at": ["S-0-0051", "S-0-0053", "S-0-0130"],
+        "at": ["S-0-0051", "S-0-0053"],
         "resolution": drive["encoder_increments"],
     }
     return {"family": "sercos"} | kept | telegrams
