@@ -58,7 +58,10 @@ def test_rows_have_what_one_dead_cycle_more_gives(
             rig = on_ethercat(f"rigs/{case.rig.name}", tmp_path, sercos=sercos)
             moved.append(_with_one_more(replace(case, rig=rig)))
     found = verdicts(moved)
-    assert found == dict.fromkeys(found, Verdict.PASS)
+    # The PLC side writes an object of the drive there, which one of SERCOS does not have
+    refused = {case.case for case in moved if sercos and "plc:Z.lag_window" in case.inputs}
+    passed = set(found) - refused
+    assert found == dict.fromkeys(passed, Verdict.PASS) | dict.fromkeys(refused, Verdict.ERROR)
     assert len(found) == len(moved) > 0
 
 

@@ -110,6 +110,12 @@ class PlcSide:
         write = rule.action
         if not isinstance(write, ObjectWrite):
             return
+        if write.axis not in self._accesses:
+            raise UserError(
+                f"{rule.column}: the drive of axis {write.axis} has no objects",
+                value=rule.text,
+                hint="drives of CiA 402 have; leave the column out",
+            )
         try:
             self._accesses[write.axis].link.get_object(write.object.index, 0)
         except KeyError:
