@@ -29,6 +29,36 @@ def test_an_esi_file_is_written_and_its_drive_named(tmp_path: Path) -> None:
     assert "<Index>#x607A</Index>" in path.read_text(encoding="utf-8")
 
 
+def rig_of(name: str) -> str:
+    return str(ROOT / "testplans" / "rigs" / f"{name}.toml")
+
+
+def test_an_esi_file_of_a_sercos_drive_has_its_channel(tmp_path: Path) -> None:
+    path = tmp_path / "drive.xml"
+    got = CliRunner().invoke(app, ["drive", rig_of("probe-z-sercos"), "--esi", str(path)])
+    assert got.exit_code == 0, got.output
+    assert "axis Z (servo, SERCOS, profile one_probe" in got.output
+    assert '<SoE ChannelCount="1" />' in path.read_text(encoding="utf-8")
+
+
+def test_nothing_is_stored_where_no_drive_has_1010(tmp_path: Path) -> None:
+    words = ["--interface", "ecat", "--channel", "x", "--store", str(tmp_path / "kept.json")]
+    got = CliRunner().invoke(app, ["drive", rig_of("probe-z-sercos"), *words])
+    assert got.exit_code == 2
+    assert "no drive of the rig stores its parameters (1010)" in got.output
+
+
+@pytest.mark.parametrize("name", ["probe-z-profidrive", "probe-z-lightbus"])
+@pytest.mark.parametrize("words", [["--interface", "ecat", "--channel", "x"], ["--esi", "x.xml"]])
+def test_drives_of_families_that_are_not_on_ethercat_are_refused(
+    name: str, words: list[str]
+) -> None:
+    got = CliRunner().invoke(app, ["drive", rig_of(name), *words])
+    assert got.exit_code == 2
+    assert "of a family that is not on EtherCAT" in got.output
+    assert "allowed: canopen, sercos" in got.output
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

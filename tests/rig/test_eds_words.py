@@ -11,6 +11,7 @@ from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
+from axisrig.bench.rig.canopen.latches import describe_latches
 from axisrig.bench.rig.canopen.schedule import (
     axis_telegrams,
     describe_schedules,
@@ -18,6 +19,8 @@ from axisrig.bench.rig.canopen.schedule import (
     segment_schedules,
 )
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.rig.ethercat.family import OnEthercat
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
 from axisrig.kernel.errors import UserError
@@ -25,6 +28,7 @@ from axisrig.kernel.errors import UserError
 Write = Callable[..., Path]
 Read = Callable[..., Settings]
 EDS = eds_text(DriveProfile())
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
 
 def test_the_eds_of_our_own_drive_is_no_reason_for_a_word(
@@ -60,7 +64,20 @@ def test_a_drive_without_touch_probe_is_led_and_nobody_measures_with_it(
         for mapped in telegram.objects
     }
     assert carried == {"6040", "607A", "6041", "6064", "60FD"}
-    assert sum("no touch probe (60B8)" in text for text in eds_warnings(settings)) == measures
+    assert sum("no touch probe (60B8)" in line for line in describe_latches(settings)) == measures
+
+
+@pytest.mark.parametrize("rig", ["probe-z.toml", "probe-z-ethercat.toml"])
+@pytest.mark.parametrize("lacks", ["60B8 60B9 60BA", "60FD"])
+def test_check_warns_of_a_measuring_axis_without_touch_probe_on_each_carrier(
+    rig: str, lacks: str
+) -> None:
+    settings = settings_of(RIGS / rig, [f"drive:servo.lacks={lacks}"])
+    check_rig(settings)
+    known = [*describe_latches(settings), *OnEthercat().describe(settings)]
+    lines = [line for line in known if "no touch probe (60B8)" in line]
+    assert len(lines) == ("60B8" in lacks)
+    assert all(line.startswith("warning: axis Z: drive servo ") for line in lines)
 
 
 # Modes

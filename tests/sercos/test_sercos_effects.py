@@ -3,6 +3,7 @@
 import csv
 import re
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,6 +16,7 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.bench.tools.virtual_drive.watch import EthercatWatcher
 from axisrig.kernel.nc.text.parser import read_program
 from axisrig.kernel.profiles.sercos.service import (
     ERROR_CODE,
@@ -149,6 +151,21 @@ def test_a_window_of_0_watches_no_lag_and_any_other_is_the_window(drive_of: Open
             window != 0,
             FOLLOWING_ERROR if window == 99 else None,
         )
+
+
+def test_a_latch_for_a_foreign_master_has_the_name_of_its_ident_and_mm(drive_of: Open) -> None:
+    """12.3456 mm at 2^20 a turn of 10 mm are 1 294 530 increments."""
+    node = drive_of("probe-z-sercos.toml")
+    axis = SimpleNamespace(plant="z", probe_1=None)
+    settings: Any = SimpleNamespace(rig=SimpleNamespace(axis={"Z": axis}))
+    lines: list[str] = []
+    plant: Any = None
+    with ExitStack() as opened:
+        watch = EthercatWatcher(settings, {"Z": node}, plant, lines.append, None, opened)
+        node.image.latch_1_positive, node.image.count_1_positive = 1_294_530, 1
+        node.servo.touch_probe.probes[0].latch_instants_ns.append(5_000_000)
+        watch.look(6_000_000)
+    assert lines == ["    0.005000 s  Z    latch   probe 1, S-0-0130 = 1294530 = 12.345600 mm"]
 
 
 def test_the_second_enable_arms_the_second_probe(drive_of: Open) -> None:

@@ -15,6 +15,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
 from axisrig.kernel.time.clock import Phase
 
@@ -58,6 +59,11 @@ def run(tmp_path: Path) -> Run:
 
 def ids(machine: Machine) -> list[int]:
     return [alarm.id for alarm in machine.channel.alarms]
+
+
+def test_the_plc_side_writes_no_object_of_a_drive_that_has_none(run: Run) -> None:
+    with pytest.raises(UserError, match=r"plc:Z\.lag_window: the drive of axis Z has no objects"):
+        run(SHORT, "plc:Z.lag_window=100000 at=M50")
 
 
 @pytest.mark.provokes(900743, 7, axis="Z")

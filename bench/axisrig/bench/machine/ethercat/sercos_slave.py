@@ -2,10 +2,8 @@
 
 from functools import partial
 
-from axisrig.bench.drive.sercos.node import SercosDrive as VirtualSercos
 from axisrig.bench.machine.ethercat.ends import Connected, Plugged, SlaveEnds
-from axisrig.bench.machine.ethercat.slaves import Entered, slave_of
-from axisrig.bench.machine.faults.beside import Beside
+from axisrig.bench.machine.ethercat.slaves import drive_slave
 from axisrig.bench.rig.ethercat.members import position_of
 from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.ethercat.timing import phases_of
@@ -24,33 +22,9 @@ from axisrig.kernel.drives.sercos.watch import SercosWatch
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.profiles.sercos.words import PROBES
 from axisrig.kernel.time.clock import MS, Clock
-from axisrig.kernel.time.scheduler import Scheduler
 
 OF_PROBE = "antr.sercos.probe_{}_realtime_bits"
 OF_COMMAND = "antr.sercos.probing_command_start"
-
-
-def sercos_slave(
-    settings: Settings,
-    axis: str,
-    clock: Scheduler,
-    beside: Beside,
-    serial: int,
-    seed: int,
-    entered: Entered | None = None,
-) -> VirtualSercos:
-    """Make the slave of a SERCOS axis."""
-    return VirtualSercos(
-        axis,
-        clock,
-        beside.axis(axis),
-        beside.probes(axis),
-        drive_of(settings, axis).make(),
-        slave_of(settings, axis, serial),
-        seed,
-        switches=beside.switches(axis),
-        entered=None if entered is None else partial(entered, axis),
-    )
 
 
 class SercosEnds(SlaveEnds):
@@ -63,7 +37,7 @@ class SercosEnds(SlaveEnds):
         settings, axis, scheduler, beside, seed, entered = plugged
         self._table = drive_of(settings, axis)
         serial = position_of(settings, axis)
-        self.node = sercos_slave(settings, axis, scheduler, beside, serial, seed, entered)
+        self.node = drive_slave(settings, axis, scheduler, beside, serial, seed, entered)
         self.settings = sercos_settings(settings, axis)
         probe = PROBES[self.settings.probe_input, self.settings.edge]
         self.data = TelegramData(self.settings, probe.value)

@@ -2,21 +2,26 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Final
 
 from axisrig.bench.drive.ethercat.node import EthercatDrive, SlaveSettings
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
+from axisrig.bench.drive.sercos.node import SercosDrive
 from axisrig.bench.machine.ethercat.line_terminal import inputs_of
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.ethercat.keys import SegmentTable
 from axisrig.bench.rig.ethercat.members import TERMINAL, segment_of, terminal_on
 from axisrig.bench.rig.reading.plc_task import silent_ns
+from axisrig.bench.rig.sercos.keys import DriveTable as SercosTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import US, Phase, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 Entered = Callable[[str, State], None]
+ON_LINES: Final = ("canopen", "sercos")
+"""Names of the families whose drives are slaves."""
 
 
 def slave_of(settings: Settings, axis: str, serial: int) -> SlaveSettings:
@@ -41,15 +46,23 @@ def drive_slave(
     seed: int,
     entered: Entered | None = None,
 ) -> EthercatDrive:
-    """Make the slave of an axis, of one that the rig has on CAN too."""
-    return EthercatDrive(
-        axis,
-        clock,
-        beside.axis(axis),
-        beside.probes(axis),
-        drive_of(settings, axis).make(),
-        slave_of(settings, axis, serial),
-        seed,
+    """Make the slave of an axis, of one that the rig has on CAN too.
+
+    Raises UserError for a drive of a family that is not on lines.
+    """
+    table = settings.rig.drive[settings.rig.axis[axis].drive]
+    make = (
+        partial(SercosDrive, sercos=table.make())
+        if isinstance(table, SercosTable)
+        else partial(EthercatDrive, profile=drive_of(settings, axis).make())
+    )
+    return make(
+        name=axis,
+        clock=clock,
+        axis=beside.axis(axis),
+        probes=beside.probes(axis),
+        settings=slave_of(settings, axis, serial),
+        seed=seed,
         switches=beside.switches(axis),
         entered=None if entered is None else partial(entered, axis),
     )

@@ -82,7 +82,7 @@ class PlcSide:
         self._open_writes = 0
         self._unacknowledged = 0  # actions that the last function waits for
         for rule in rules:
-            self._refuse_cyclic(rule)
+            self._refuse_write(rule)
             self._refuse_object(rule)
         written = [r.action for r in rules if isinstance(r.action, ProbingWrite)]
         self._probing = ProbingColumns(channel, clock, period_ns, written)
@@ -106,7 +106,7 @@ class PlcSide:
             return False
         return not (self._due or self._open_writes or self._units.is_waiting)
 
-    def _refuse_cyclic(self, rule: Rule) -> None:
+    def _refuse_write(self, rule: Rule) -> None:
         write = rule.action
         if not isinstance(write, ObjectWrite):
             return

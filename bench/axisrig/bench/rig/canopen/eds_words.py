@@ -10,7 +10,7 @@ from canopen.objectdictionary import ObjectDictionary
 from axisrig.bench.rig.canopen.dcf_words import dcf_warnings
 from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
-from axisrig.bench.rig.canopen.schedule import fixed_frames, has_touch_probe
+from axisrig.bench.rig.canopen.schedule import fixed_frames
 from axisrig.bench.rig.canopen.startup import drive_dictionary
 from axisrig.bench.rig.reading.file import AxisTable
 from axisrig.bench.rig.settings import Settings
@@ -18,7 +18,6 @@ from axisrig.kernel.drives.canopen.dictionary import eds_notes, variable
 from axisrig.kernel.drives.canopen.eds_file import read_eds_file
 from axisrig.kernel.drives.canopen.eds_text import COMMISSIONING_NAMES
 from axisrig.kernel.drives.canopen.startup_steps import IDENTITY, PROFILE_MASK
-from axisrig.kernel.parameters.signal_sources import SOURCES
 
 PLACES_MAX: Final = 3
 IDENTITY_OBJECT: Final = 0x1018
@@ -43,7 +42,6 @@ def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
     od = drive_dictionary(drive, axis.node_id, drive.make())
     yield from _device(drive, od)
     yield from _unstoppable(settings, name)
-    yield from _no_touch_probe(settings, name)
     bitrate = segment_of(settings, axis.segment).bitrate
     rates = sorted(od.device_information.allowed_baudrates)
     if rates and bitrate in RATES and bitrate not in rates:
@@ -62,18 +60,6 @@ def _of_axis(settings: Settings, name: str, axis: AxisTable) -> Iterator[str]:
         found += [_rate(dcf_rate)] if dcf_rate is not None else []
         yield (
             f"its DCF is for {' at '.join(found)}, the rig has node {axis.node} at {_rate(bitrate)}"
-        )
-
-
-def _no_touch_probe(settings: Settings, name: str) -> Iterator[str]:
-    parameters = settings.axis[name]
-    signal = parameters.word("kenngr.measure.signal")
-    measures = parameters.flag("kenngr.messachse") and SOURCES[signal].latched == "drive"
-    if measures and not has_touch_probe(settings, name):
-        yield (
-            "its EDS has no touch probe (60B8), and the axis measures with the latch of its drive"
-            f" (P-AXIS-00516 = {signal}): a measuring block ends with 900002; name another source,"
-            " or the EDS of a drive that has one"
         )
 
 

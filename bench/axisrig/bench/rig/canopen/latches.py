@@ -4,9 +4,15 @@ from enum import Enum
 
 from axisrig.bench.bus.can.arithmetic import PlannedFrame
 from axisrig.bench.rig.canopen.members import can_axes, drive_of
-from axisrig.bench.rig.canopen.schedule import SDO_FRAMES, axis_telegrams, schedule_of
+from axisrig.bench.rig.canopen.schedule import (
+    SDO_FRAMES,
+    axis_telegrams,
+    has_touch_probe,
+    schedule_of,
+)
 from axisrig.bench.rig.describe import WHAT_PASSES, unproved_place
 from axisrig.bench.rig.settings import Settings, once
+from axisrig.kernel.parameters.signal_sources import SOURCES
 from axisrig.kernel.time.clock import S
 
 MEASURES = "kenngr.messachse"
@@ -73,9 +79,23 @@ def describe_places(settings: Settings) -> list[str]:
     return lines
 
 
+def missing_touch_probe(settings: Settings, name: str) -> list[str]:
+    """Warn of an axis that measures with the latch of a drive of CiA 402 that has none."""
+    parameters = settings.axis[name]
+    signal = parameters.word("kenngr.measure.signal")
+    measures = parameters.flag(MEASURES) and SOURCES[signal].latched == "drive"
+    if not measures or has_touch_probe(settings, name):
+        return []
+    return [
+        f"warning: axis {name}: drive {settings.rig.axis[name].drive} has no touch probe (60B8),"
+        f" and the axis measures with the latch of its drive (P-AXIS-00516 = {signal}): a measuring"
+        " block ends with 900002; name another source, or a drive that has one"
+    ]
+
+
 def describe_latches(settings: Settings) -> list[str]:
     """Say of each measuring axis how its latches are proved, and warn where they are not."""
-    lines = []
+    lines = [line for name in can_axes(settings) for line in missing_touch_probe(settings, name)]
     for name in _measuring_axes(settings):
         axis = settings.rig.axis[name]
         room = sdo_room(settings, name)

@@ -8,6 +8,7 @@ from axisrig.bench.rig.canopen.checks import (
     check_latch_of,
     check_steps_of,
 )
+from axisrig.bench.rig.canopen.latches import MEASURES, missing_touch_probe
 from axisrig.bench.rig.canopen.loop import check_loop, describe_loop
 from axisrig.bench.rig.canopen.members import drive_of
 from axisrig.bench.rig.describe import WHAT_PASSES, unproved_place
@@ -108,8 +109,10 @@ def _describe(settings: Settings, name: str, late_cycles: int) -> list[str]:
 
 def _latches(settings: Settings, name: str) -> list[str]:
     """Say how the latches of an axis are proved, and warn where they are not."""
-    if not settings.axis[name].flag("kenngr.messachse"):
+    if not settings.axis[name].flag(MEASURES):
         return []
+    if missing := missing_touch_probe(settings, name):
+        return missing
     if drive_of(settings, name).latch_check:
         return [f"axis {name}: SDO proves its latches; the mailbox has room in every cycle"]
     drive = settings.rig.axis[name].drive

@@ -23,8 +23,8 @@ from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import EthercatDrive
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
 from axisrig.bench.drive.sercos.description import describe as describe_sercos
-from axisrig.bench.machine.ethercat.sercos_slave import sercos_slave
-from axisrig.bench.machine.ethercat.slaves import drive_slave, terminal_slave
+from axisrig.bench.drive.sercos.node import SercosDrive
+from axisrig.bench.machine.ethercat.slaves import ON_LINES, drive_slave, terminal_slave
 from axisrig.bench.machine.faults.beside import Beside
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
@@ -46,8 +46,6 @@ from axisrig.kernel.time.clock import MS, US, S, TimeNs
 INTERFACE: Final = "ecat"
 """What --interface says for it."""
 KEEP_UP_NS: Final[TimeNs] = 20 * MS
-SLAVES: Final = {"canopen": drive_slave, "sercos": sercos_slave}
-"""What makes the slave of an axis, by the name of its family."""
 
 
 @dataclass(frozen=True)
@@ -72,16 +70,13 @@ def line_settings(rig: Path, axes: Sequence[str], assignments: Sequence[str]) ->
     settings.has_kernel = False
     found = only_axes(settings, axes)
     for name in found.rig.axis:
-        if (family := _family_of(found, name)) not in SLAVES:
+        family = found.rig.drive[found.rig.axis[name].drive].family_name
+        if family not in ON_LINES:
             raise UserError(
                 f"the drive of axis {name} is of a family that is not on EtherCAT",
-                file=rig, value=family, allowed=SLAVES, hint="--axis NAME of another one",
+                file=rig, value=family, allowed=ON_LINES, hint="--axis NAME of another one",
             )  # fmt: skip
     return found
-
-
-def _family_of(settings: Settings, name: str) -> str:
-    return settings.rig.drive[settings.rig.axis[name].drive].family_name
 
 
 def _describe(settings: Settings, name: str) -> Description:
@@ -140,6 +135,13 @@ class LineServer:
             raise UserError(
                 "EtherCAT needs an Ethernet interface", value=INTERFACE, hint="--channel IF"
             )
+        tables = [settings.rig.drive[axis.drive] for axis in settings.rig.axis.values()]
+        if wanted.store is not None and not any(isinstance(t, CanopenTable) for t in tables):
+            raise UserError(
+                "no drive of the rig stores its parameters (1010)",
+                value=str(wanted.store),
+                hint="leave --store out",
+            )
         self._open = ExitStack()
         self._kept_ns: TimeNs = 0
         monotonic_ns = hardware.real_time.monotonic_ns
@@ -160,7 +162,11 @@ class LineServer:
             self.drives = self._build(settings, beside)
             self._line: list[EthercatDrive | StampingTerminal] = list(self.drives.values())
             self.terminal = self._build_terminal(settings, beside)
-            memories = {name: drive.storage for name, drive in self.drives.items()}
+            memories = {
+                name: drive.storage
+                for name, drive in self.drives.items()
+                if not isinstance(drive, SercosDrive)  # they have no 1010
+            }
             store, folder = wanted.store, wanted.folder
             self._parameters = ParameterFile(store, memories) if store is not None else None
             self._frames = None
@@ -178,9 +184,7 @@ class LineServer:
 
     def _build(self, settings: Settings, beside: Beside) -> dict[str, EthercatDrive]:
         return {
-            name: SLAVES[_family_of(settings, name)](
-                settings, name, self.scheduler, beside, place + 1, place
-            )
+            name: drive_slave(settings, name, self.scheduler, beside, place + 1, place)
             for place, name in enumerate(settings.rig.axis)
         }
 

@@ -35,8 +35,8 @@ FIELDS: Final[Mapping[str, bool]] = {
     "probe_function": True, "probe_status": False, "latch": False,
     "latch_count": False, "inputs": False, "second": False,
 }  # fmt: skip
-# Fields that need not come with every SYNC
 DUMMIES: Final = range(0x0001, 0x0008)  # objects that fill a place of an RPDO
+# Fields that need not come with every SYNC
 AT_THEIR_TIME: Final = ("inputs", "second")
 OF_TOUCH_PROBE: Final = ("probe_function", "probe_status", "latch", "latch_count")
 NEEDED: Final = ("controlword", "statusword", "actual")

@@ -26,8 +26,10 @@ Ended = Callable[[Alarm | None], None]
 
 
 class ProfidriveStart:
-    """The start-up of one drive. expected: in the order in which they are read; wrong: an alarm
-    that forbids the start whatever the drive has.
+    """The start-up of one drive.
+
+    expected: in the order in which they are read. wrong: an alarm that forbids the start whatever
+    the drive has.
     """
 
     def __init__(
@@ -38,17 +40,25 @@ class ProfidriveStart:
         wrong: Alarm | None = None,
     ) -> None:
         self._axis, self._channel, self._wrong = axis, channel, wrong
-        self._left = list(expected)
+        self._expected = tuple(expected)
 
     def begin(self, ended: Ended) -> None:
         """Read and compare; it ends with the first parameter that differs or gives no answer."""
-        if self._wrong is not None or not self._left:
+        if self._wrong is not None:
             ended(self._wrong)
             return
-        asked = self._left.pop(0)
-        self._channel.read(asked.number, 0, lambda data: self._answered(asked, data, ended))
+        self._ask(0, ended)
 
-    def _answered(self, asked: Expected, data: bytes | AccessError, ended: Ended) -> None:
+    def _ask(self, place: int, ended: Ended) -> None:
+        """Read the parameter at this place of those that are expected, if there is one."""
+        if place == len(self._expected):
+            ended(None)
+            return
+        number = self._expected[place].number
+        self._channel.read(number, 0, lambda data: self._answered(place, data, ended))
+
+    def _answered(self, place: int, data: bytes | AccessError, ended: Ended) -> None:
+        asked = self._expected[place]
         name = f"P{asked.number:04d}"
         if isinstance(data, AccessError):
             ended(Alarm(900767, axis=self._axis, number=name, answer=str(data)))
@@ -56,7 +66,7 @@ class ProfidriveStart:
         is_signed = parameters()[asked.number].is_signed
         found = int.from_bytes(data, "little", signed=is_signed)
         if found == asked.value:
-            self.begin(ended)
+            self._ask(place + 1, ended)
             return
         ended(
             Alarm(
