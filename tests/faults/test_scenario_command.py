@@ -345,10 +345,22 @@ def test_a_row_counts_what_a_log_has_of_a_machine() -> None:
         (make_scenario(1, 0, "gantry"), Judgement(Result.NO_TRUTH)),
         (make_scenario(1, 0, "source-plc"), Judgement(Result.UNKNOWABLE)),
     ]
-    rows = {row["machine"]: row for row in rows_of(1, found)}
+    rows = {row["machine"]: row for row in rows_of(1, found, {})}
     assert list(rows) == [*machines(), "all"]
     assert list(rows["one-axis"].values()) == [
         "one-axis", "1", "3", "1", "1", "0", "0", "1", "900006 (1)",
     ]  # fmt: skip
     assert list(rows["all"].values())[2:8] == ["5", "1", "1", "1", "1", "1"]
     assert rows["homing"]["run"] == "0"
+
+
+def test_a_machine_that_a_log_does_not_have_keeps_its_row() -> None:
+    before = [(make_scenario(1, number, "homing"), GOOD) for number in range(3)]
+    kept = {row["machine"]: row for row in rows_of(1, before, {})}
+    rows = {
+        row["machine"]: row
+        for row in rows_of(2, [(make_scenario(2, 0), Judgement(Result.HANG))], kept)
+    }
+    assert rows["homing"] == kept["homing"]
+    assert [rows["one-axis"][key] for key in ("seed", "run", "findings")] == ["2", "1", "1"]
+    assert [rows["all"][key] for key in ("run", "good", "findings")] == ["4", "3", "1"]
