@@ -133,3 +133,23 @@ def test_its_axes_neither_leave_nor_measure(make_head: Make, block: str, alarm_i
         + block
     )
     assert made.alarm_ids[-1] == alarm_id
+
+
+BARRED = pytest.mark.provokes(310005, 7, owner="the channel")
+
+
+@pytest.mark.parametrize(
+    ("word", "ids"), [pytest.param("ON", [310005], marks=BARRED), ("DRYRUN", [])]
+)
+def test_an_axis_that_measures_beside_the_program_bars_all_but_a_dry_run(
+    make_head: Make, word: str, ids: list[int]
+) -> None:
+    """A dry run moves nothing, so that the run of the axis is not touched."""
+    made = make_head().run(
+        HEAD
+        + SENSOR
+        + "#TRAFO OFF\nX[INDP_ASYN G100 G90 POS=50 FEED=600]\n#TIME 0.05\n"
+        + f"#DIST CTRL {word} [SET_POS=100 MODE=ACS DIRECTION=X]\n#TIME 0.05"
+    )
+    assert [i for i in made.alarm_ids if i != 900315] == ids
+    assert set(made.offset_mm) == {0.0}
