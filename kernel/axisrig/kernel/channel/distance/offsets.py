@@ -37,7 +37,7 @@ class Offsets:
     def check_measuring(self, axis: str) -> None:
         """Raise Alarm 900521 for an axis that cannot measure while a control of it is on."""
         for found in (self.axes.get(axis), self._channel_of(axis)):
-            if found is not None and found.is_moving and not found.control.is_dry_run:
+            if found is not None and found.is_moving:
                 word = found.control.state.name
                 owner = found.control.owner
                 raise Alarm(CONTROL_IS_ON, axis=axis, owner=owner, controlword=word)
