@@ -72,7 +72,7 @@ class Mailbox(ObjectAccess):
 
     def _taken(self, kind: int, body: bytes) -> None:
         if kind == MailboxType.ERROR and self.port.waits:
-            self.port.waits = False
+            self.port.end()
             transfer = self._queue[0].transfer
             self._end(SdoError(transfer.index, transfer.sub, GENERAL))
         if kind != MailboxType.COE or len(body) < COE.size:
@@ -89,7 +89,7 @@ class Mailbox(ObjectAccess):
         transfer = self._queue[0].transfer
         if len(content) < 4 or not transfer.is_answer(content):
             return
-        self.port.waits = False
+        self.port.end()
         following = transfer.take(content)
         if transfer.result is not None:
             if following is not None:

@@ -47,6 +47,10 @@ class MailboxPort:
     timeout_ns: for each answer. taken(type, body): gets each message of the slave. silent(): no
     answer came in time. waits: an answer is still to come. places: None until the start-up has read
     them; nothing is sent before.
+
+    A frame that is late counts as lost, and the answer to what it brought may be there before the
+    message is written once more. So each conversation has a number, and what was begun for an
+    earlier one does nothing any more.
     """
 
     def __init__(
@@ -62,6 +66,7 @@ class MailboxPort:
         self._timeout_ns, self._taken, self._silent = timeout_ns, taken, silent
         self.places: MailboxPlaces | None = None
         self.waits = False
+        self._conversation = 0
         self._counter = 0
         self._repeat = 0
         self._messages: list[bytes] = []  # what is still to be written, with its heads
@@ -77,10 +82,15 @@ class MailboxPort:
 
     def send(self, kind: MailboxType, parts: Sequence[bytes]) -> None:
         """Write messages one after the other, then wait for the answer."""
+        self.end()
         self._messages = [self._whole(kind, part) for part in parts]
         self._deadline_ns = self._clock.now_ns + self._timeout_ns
-        self.waits = False
         self._write(is_first=True)
+
+    def end(self) -> None:
+        """Neither write nor await anything more of this conversation."""
+        self._conversation += 1
+        self.waits = False
 
     def post(self, kind: MailboxType, message: bytes) -> None:
         """Write a message to which no answer comes."""
@@ -98,8 +108,11 @@ class MailboxPort:
     def _write(self, *, is_first: bool) -> None:
         assert self.places is not None
         question = self._order(Command.FPWR, self.places.out_start, self._messages[0])
+        conversation = self._conversation
 
         def done(answers: list[Answer] | None) -> None:
+            if conversation != self._conversation:
+                return
             if answers is None:
                 self._later(lambda: self._write(is_first=False))
             elif answers[0].counter or not is_first:
@@ -119,10 +132,16 @@ class MailboxPort:
 
     def _later(self, action: Callable[[], None]) -> None:
         """Go on after a while, or give the attempt up where the slave has been silent too long."""
+        conversation = self._conversation
+
+        def go_on() -> None:
+            if conversation == self._conversation:
+                action()
+
         if self._clock.now_ns < self._deadline_ns:
-            self._clock.call_at(self._clock.now_ns + POLL_NS, Phase.APPLICATION, action)
+            self._clock.call_at(self._clock.now_ns + POLL_NS, Phase.APPLICATION, go_on)
             return
-        self.waits = False
+        self.end()
         self._silent()
 
     # Reading
@@ -132,14 +151,13 @@ class MailboxPort:
         self._poll()
 
     def _poll(self) -> None:
-        """Ask whether there is an answer, unless it has come meanwhile."""
-        if not self.waits:
-            return
+        """Ask whether there is an answer."""
+        conversation = self._conversation
 
         def done(answers: list[Answer] | None) -> None:
             if answers and answers[0].counter and answers[0].data[0] & SM_FULL:
                 self.note_full()
-            if self.waits:
+            if conversation == self._conversation:
                 self._later(self._poll)
 
         self._transactions.ask([self._order(Command.FPRD, STATUS, bytes(1))], done)

@@ -33,9 +33,9 @@ class ServiceMailbox:
     def _taken(self, kind: int, body: bytes) -> None:
         before = self.channel.requests
         if kind == MailboxType.ERROR and self.port.waits:
-            self.port.waits = False
+            self.port.end()
             self.channel.give_up()
         elif kind == MailboxType.SOE:
             self.channel.take(body)
             if self.channel.requests == before and not self.channel.is_busy:
-                self.port.waits = False
+                self.port.end()

@@ -1,0 +1,171 @@
+"""The mailbox of a slave where frames are late: each message counts once, each answer for its own.
+
+A frame that is back too late counts as lost although the slave has what it brought.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from axisrig.kernel.drives.ethercat.frames import Answer, Datagram
+from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPlaces, MailboxPort
+from axisrig.kernel.drives.sercos.mailbox import ServiceMailbox
+from axisrig.kernel.drives.sercos.service_channel import SoeError
+from axisrig.kernel.profiles.ethercat.layouts import MAILBOX, MailboxType
+from axisrig.kernel.profiles.ethercat.tables import Command
+from axisrig.kernel.profiles.sercos.service import Element, Header, Operation
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
+
+PLACES = MailboxPlaces(out_start=0x1000, out_size=64, in_start=0x1080, in_size=64)
+STATION, TIMEOUT_NS = 1001, 10 * MS
+
+
+class Line:
+    """Transactions that the test answers: what was asked, oldest first."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Sequence[Datagram], Any]] = []
+
+    def ask(self, datagrams: Sequence[Datagram], done: Any, attempts: int = 3) -> None:
+        self.asked.append((datagrams, done))
+
+    @property
+    def written(self) -> list[bytes]:
+        """The messages that wait to be written, without padding."""
+        found = [datagrams[0] for datagrams, _ in self.asked]
+        return [
+            message.data[MAILBOX.size : MAILBOX.size + MAILBOX.unpack_from(message.data)[0]]
+            for message in found
+            if message.command is Command.FPWR
+        ]
+
+    def lost(self) -> None:
+        """No frame came back."""
+        self.asked.pop(0)[1](None)
+
+    def taken(self, data: bytes = b"\0") -> None:
+        """The slave has done what was asked."""
+        datagrams, done = self.asked.pop(0)
+        done([Answer(data, 1)])
+
+
+class Port:
+    """A port with its line; what it hands on is kept."""
+
+    def __init__(self) -> None:
+        self.line, self.clock = Line(), Scheduler()
+        self.seen: list[tuple[int, bytes]] = []
+        self.silences = 0
+        self.port = MailboxPort(
+            self.line,  # type: ignore[arg-type]
+            self.clock,
+            STATION,
+            TIMEOUT_NS,
+            lambda kind, body: self.seen.append((kind, body)),
+            self._silent,
+        )
+        self.port.places = PLACES
+
+    def _silent(self) -> None:
+        self.silences += 1
+
+    def send(self, *parts: bytes) -> None:
+        self.port.send(MailboxType.COE, parts)
+
+    def wait(self, ms: float) -> None:
+        self.clock.run_until(self.clock.now_ns + round(ms * MS))
+
+
+@pytest.fixture
+def made() -> Port:
+    return Port()
+
+
+def test_a_message_is_written_again_until_the_slave_has_it(made: Port) -> None:
+    made.send(b"one", b"two")
+    for _ in range(3):
+        assert made.line.written == [b"one"]
+        made.line.lost()
+        made.wait(0.2)
+    made.line.taken()
+    assert made.line.written == [b"two"]
+    assert not made.port.waits
+    made.line.taken()
+    assert made.port.waits
+
+
+def test_what_is_known_late_of_one_message_is_not_taken_for_the_next(made: Port) -> None:
+    made.send(b"one")
+    made.line.lost()
+    made.wait(0.2)  # written once more, while its answer comes
+    made.send(b"two", b"three")
+    assert made.line.written == [b"one", b"two"]
+    made.line.taken()
+    assert made.line.written == [b"two"]
+    made.line.taken()
+    assert made.line.written == [b"three"]
+    assert not made.port.waits
+    made.line.taken()
+    assert made.port.waits
+
+
+@pytest.mark.parametrize("is_lost", [True, False])
+def test_what_has_ended_is_neither_written_nor_asked_for_nor_silent(
+    made: Port, is_lost: bool
+) -> None:
+    made.send(b"one")
+    if is_lost:
+        made.line.lost()
+    else:
+        made.line.taken()
+        made.line.taken()  # the first look at the mailbox: empty
+    made.port.end()
+    made.wait(3 * TIMEOUT_NS / MS)
+    assert made.line.asked == []
+    assert (made.port.waits, made.silences) == (False, 0)
+
+
+def test_the_time_of_the_next_message_is_its_own(made: Port) -> None:
+    """It begins with its own first frame."""
+    made.send(b"one")
+    made.wait(6)
+    made.line.lost()
+    made.send(b"two")
+    made.wait(6)
+    assert made.silences == 0
+    made.line.lost()
+    made.wait(6)
+    made.line.lost()
+    assert made.silences == 1
+
+
+def test_an_answer_of_a_service_channel_before_its_request_is_known_to_be_written() -> None:
+    line, clock = Line(), Scheduler()
+    service = ServiceMailbox(line, clock, STATION, TIMEOUT_NS)  # type: ignore[arg-type]
+    service.port.places = PLACES
+    values: list[bytes | SoeError] = []
+    for ident in (51, 84):
+        service.channel.read(0, ident, Element.VALUE, values.append)
+    line.lost()
+    clock.run_until(clock.now_ns + MS // 2)
+    assert len(line.written) == 1
+
+    def answer(ident: int, value: bytes) -> None:
+        body = Header(Operation.READ_ANSWER, 0, Element.VALUE, ident).pack() + value
+        line.taken(MAILBOX.pack(len(body), 0, 0, MailboxType.SOE | 1 << 4) + body)
+
+    service.port.note_full()
+    again = line.asked.pop(0)
+    answer(51, b"\1\0\0\0")
+    line.asked.insert(0, again)
+    line.taken()  # what was written once more
+    line.taken()  # the second request
+    line.asked.clear()
+    service.port.note_full()
+    answer(84, b"\2\0")
+    assert values == [b"\1\0\0\0", b"\2\0"]
+    assert not service.port.waits
+    clock.run_until(clock.now_ns + 3 * TIMEOUT_NS)
+    assert line.asked == []
