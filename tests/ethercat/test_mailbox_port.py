@@ -47,8 +47,7 @@ class Line:
 
     def taken(self, data: bytes = b"\0") -> None:
         """The slave has done what was asked."""
-        datagrams, done = self.asked.pop(0)
-        done([Answer(data, 1)])
+        self.asked.pop(0)[1]([Answer(data, 1)])
 
 
 class Port:
