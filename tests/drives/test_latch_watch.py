@@ -128,6 +128,29 @@ def test_a_late_telegram_at_rest_is_no_cleared_counter() -> None:
     assert latch.increments is None
 
 
+@pytest.mark.parametrize(
+    ("counts", "known"),
+    [
+        ((4, 3, 4, 2), 5),  # each late, no two of them the same
+        ((0,) * (CLEARED_CYCLES - 1), 5),
+        ((0, 0, 0, 5, 0, 0, 0), 5),  # it has gone on meanwhile
+        ((3, 0, 0, 0, 0), 0),
+    ],
+)
+def test_a_counter_is_cleared_only_by_one_count_so_often_in_a_row(
+    counts: tuple[int, ...], known: int
+) -> None:
+    """The latch of the next run is the count that is one more than the last one known."""
+    for ahead, position in ((0, None), (1, 1001)):
+        latch = armed(5)
+        latch.disarm()
+        for count in counts:
+            latch.take(0, 1001, count, 1000)
+        latch.arm()
+        latch.take(3, 1001, known + ahead, 1000)
+        assert latch.increments == position
+
+
 @pytest.mark.provokes(900060, 4, axis="Z", count=2)
 def test_two_latches_where_one_was_armed() -> None:
     assert alarm_of(armed(7), (3, 1001, 9)) == 900060

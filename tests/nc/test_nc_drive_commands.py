@@ -105,6 +105,7 @@ def test_900113_for_a_variable_that_nothing_was_read_into(run: Callable[..., lis
         ("#DRIVE WR SYN [AX=Z KEY=A VAL=1.5]", 31, "whole number", "1.5"),
         ("#DRIVE WR SYN [AX=Z KEY=A VAL=]", 31, "does not belong here", "]"),
         ("#DRIVE WR SYN [AX=Z KEY=A VAL=1 VAL=2]", 33, "keyword twice", "VAL"),
+        ("#DRIVE WR SYN [AX=Z AX=X KEY=A VAL=1]", 21, "keyword twice", "AX"),
         ("#DRIVE WR SYN [AXIS=Z KEY=A VAL=1]", 16, "unknown keyword", "AXIS"),
         ("#DRIVE WR SYN [AX=Z KEY=MON WINDOW VAL=1]", 29, "unknown keyword", "WINDOW"),
         ("#DRIVE WR SYN [AX=Z KEY=A VAL=1*]", 33, "does not belong here", "]"),

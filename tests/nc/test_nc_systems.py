@@ -45,6 +45,27 @@ def test_stored_and_nested_systems(run, program, expected):
     assert last_target(run(f"{program}\nG0 X1 Y2 Z3")) == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        ("#CS DEF[10,20,30]\n#CS ON[1]", (11, 22, 33)),
+        ("#CS DEF[1][1,1,1]\n#CS DEF[3][2,2,2]\n#CS DEF[10,20,30]\n#CS ON[2]", (11, 22, 33)),
+        ("#CS DEF[2][1,1,1]\n#CS DEF[10,20,30]\n#CS ON", (11, 22, 33)),
+    ],
+)
+def test_a_system_without_an_id_gets_the_next_one_that_is_free(run, program, expected):
+    assert last_target(run(f"{program}\nG0 X1 Y2 Z3")) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("first", ["#CS DEF[1,1,1]", "#CS DEF[1][1,1,1]", "#CS ON[1][1,1,1]"])
+def test_a_stored_system_that_is_on_counts_once(run, first):
+    """Five may be there; the first one is on, as it was defined last."""
+    text = f"{first}\n#CS ON\n" + "\n".join(f"#CS DEF[{n}][1,2,3]" for n in range(2, 6))
+    assert last_target(run(f"{text}\n#CS OFF ALL\n#CS ON[5]\nG0 X0 Y0 Z0")) == (1, 2, 3)
+    with pytest.raises(Alarm, match="21234"):
+        run(f"{text}\n#CS DEF[6][1,2,3]")
+
+
 STACK = """\
 #CS ADD [ICS] [10,10,0,0,0,90]
 #CS ADD [WCS] [15,20,0,0,0,0]
@@ -63,6 +84,10 @@ STACK = """\
         ("#CS SELECT [PCS]\n#CS OFF", (-10, 25, 0)),
         ("#CS SELECT [WCS]\n#CS SET [ICS] [100,0,0]", (115, 20, 0)),
         ("#CS SET [ICS] [100,0,0]\n#CS SELECT [WCS]", (115, 20, 0)),
+        ("#CS ON [7,7,7]\n#CS SELECT [WCS]\n#CS SET [ICS] [100,0,0]", (115, 20, 0)),
+        ("#CS SELECT [PCS]\n#CS SELECT [ICS]\n#CS SET [WCS] [1,1,1]", (10, 10, 0)),
+        ("#CS SELECT [WCS]\n#CS OFF\n#CS SET [WCS] [1,1,1]", (10, 10, 0)),
+        ("#CS SELECT [ICS]\n#CS OFF ALL\n#CS ON [7,7,7]\n#CS SET [ICS] [1,1,1]", (7, 7, 7)),
     ],
 )
 def test_linked_systems_of_the_manual(run, program, expected):
@@ -158,6 +183,29 @@ def test_tool_numbers_and_data(run):
     assert messages_of(commands) == pytest.approx(
         [*(5, 7), *in_mm, *(5, 7), *(mm / 25.4 for mm in in_mm), *(5, 0), 0, 0, 0, 3 / 25.4]
     )
+
+
+def test_what_a_program_writes_of_the_tool_in_use_is_not_in_the_table(run):
+    """And the other way round; D takes the data of the table again, those of another one too."""
+    tools = Tools(
+        {
+            7: Tool(length_mm=50.0, radius_mm=2.0, offsets_mm={0: 3.0}, valid=True),
+            8: Tool(length_mm=8.0, offsets_mm={0: 1.0}, valid=True),
+        }
+    )
+    names = [f"V.G.{name}" for name in TOOL_DATA[2:]]
+    asked = f'#MSG ["{"%f " * 4}", {", ".join(names)}]'
+    in_use, in_table = "V.G.WZ_AKT.L=80\nV.G.WZ_AKT.V.X=5", "V.G.WZ[7].L=60\nV.G.WZ[7].V[0]=6"
+    text = f"D7\n{in_use}\n{asked}\nD8\nD7\n{asked}\n{in_table}\n{asked}\nD7\n{asked}\nD8\n{asked}"
+    given = OffsetTables(tools=tools)
+    for _ in range(2):  # a second program has the data of the rig
+        assert messages_of(run(text, tables=given)) == [
+            *(80, 2, 5, 3),
+            *(50, 2, 3, 3),
+            *(50, 2, 3, 6),
+            *(60, 2, 6, 6),
+            *(8, 0, 1, 6),
+        ]
 
 
 def test_zero_offset_of_the_manual(run):

@@ -73,6 +73,17 @@ def test_jumps_and_labels():
     assert move.goto == Target("[BACK]")
 
 
+def test_a_label_and_its_jump_may_have_leading_zeros_and_blanks():
+    text = "N010: G0 X1\n$GOTO N10\n$GOTO N0010\n$GOTO N 010\n$IF P1 $GOTO N010"
+    label, _, *jumps = statements(text)
+    assert label == Label("N10")
+    assert [jump.target for jump in jumps] == [Target("N10")] * 4
+
+
+def test_a_case_may_stand_behind_the_default_branch():
+    assert kinds("$SWITCH 1\n$CASE 1\n$DEFAULT\n$CASE 2\n$ENDSWITCH")[2:4] == ["Default", "Case"]
+
+
 @pytest.mark.parametrize(
     ("text", "line", "message", "hint"),
     [
@@ -81,6 +92,9 @@ def test_jumps_and_labels():
         ("$IF 1\n$ENDWHILE\n$ENDIF", 2, "$ENDWHILE without $WHILE", "open is $IF of line 1"),
         ("$ELSE", 1, "$ELSE without $IF", ""),
         ("$IF 1\n$ELSE\n$ELSEIF 2\n$ENDIF", 3, "after the last branch", ""),
+        ("$IF 1\n$ELSE\n$ELSE\n$ENDIF", 3, "after the last branch", ""),
+        ("$SWITCH 1\n$DEFAULT\n$DEFAULT\n$ENDSWITCH", 3, "after the last branch", ""),
+        ("$SWITCH 1\n$DEFAULT\n$CASE 2\n$DEFAULT\n$ENDSWITCH", 4, "after the last branch", ""),
         ("$BREAK", 1, "$BREAK is in no loop", "$SWITCH"),
         ("$SWITCH 1\n$CONTINUE\n$ENDSWITCH", 2, "$CONTINUE is in no loop", "$FOR"),
         ("$FOR P1 = 1, 2, 0\n$ENDFOR", 1, "step of 0", ""),
