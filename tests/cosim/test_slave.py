@@ -3,11 +3,14 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 from zipfile import ZipFile
 
 import pytest
 
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, PlantError, load_fmu
+from axisrig.kernel.cosim.fmi.library import grid_of
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
 
@@ -75,6 +78,32 @@ def test_steps_of_one_length_are_kept_and_outputs_hold_between(odd: Odd, version
     slave.restore_state(state)
     slave.step_to(6 * MS)
     assert slave.get("slide.x") == pytest.approx(0.6, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("internal", "of_experiment", "can_vary", "grid_ns"),
+    [
+        (None, "0.001", False, 1_000_000),
+        (None, "0.000258", False, 258_000),  # times 1e9 it is less than the whole number
+        ("0.000065", "0.001", False, 65_000),
+        ("0.0000000016", None, False, 2),
+        ("1e-12", None, False, 1),
+        ("0.0003", "0.001", True, None),
+        (None, None, False, None),
+    ],
+)
+def test_the_grid_is_the_step_of_the_description_to_the_nearest_ns(
+    internal: str | None, of_experiment: str | None, can_vary: bool, grid_ns: int | None
+) -> None:
+    """That of the FMU itself before that of its experiment; none for one whose steps may vary."""
+    experiment = None if of_experiment is None else SimpleNamespace(stepSize=of_experiment)
+    description: Any = SimpleNamespace(
+        coSimulation=SimpleNamespace(
+            fixedInternalStepSize=internal, canHandleVariableCommunicationStepSize=can_vary
+        ),
+        defaultExperiment=experiment,
+    )
+    assert grid_of(description) == grid_ns
 
 
 # ---- steps that are discarded
