@@ -306,8 +306,14 @@ def test_records_have_their_fields_in_order() -> None:
 # --- which function a call means
 
 
+def pure_call(number: int) -> dict[str, Any]:
+    return {"kind": "PureCall", "owner": number}
+
+
 def owners(calls: Sequence[tuple[int, int, int]], programs: Any, text: str = "") -> dict[int, int]:
-    """calls: start, end, function in the text. programs: span of an equation, numbers of calls."""
+    """calls: start, end, function in the text. programs: span of an equation; numbers of calls,
+    or operations.
+    """
     named = [
         {"operation": {"kind": "call", "function": function}, "variability": "continuous",
          "provenance": {"span": {"source": 1, "start": start, "end": end}}}
@@ -315,8 +321,8 @@ def owners(calls: Sequence[tuple[int, int, int]], programs: Any, text: str = "")
     ]  # fmt: skip
     made = [
         {"span": {"source": 1, "start": span[0], "end": span[1]},
-         "ops": [{"kind": "PureCall", "owner": number} for number in numbers]}
-        for span, numbers in programs
+         "ops": [pure_call(each) if isinstance(each, int) else each for each in ops]}
+        for span, ops in programs
     ]  # fmt: skip
     ir: Any = SimpleNamespace(
         dae={"expressions": named},
@@ -336,6 +342,25 @@ def test_calls_of_one_equation_are_numbered_in_the_order_of_the_text() -> None:
         owners(calls, [((5, 30), [1, 2, 3])])
     with pytest.raises(BuildError, match="several functions in one equation"):
         owners([(10, 15, 5), (10, 15, 6)], [((5, 30), [1])])
+
+
+def test_calls_in_a_branch_are_those_of_its_condition_its_result_and_its_end() -> None:
+    """y = if f() then g() else if g2() then h() else k(): every part calls another one."""
+    calls = [(10 * number, 10 * number + 5, 30 + number) for number in range(1, 6)]
+    programs = [{"ops": [pure_call(number)]} for number in range(1, 6)]
+    branch = {
+        "kind": "FunctionConditional",
+        "arms": [
+            {"condition": programs[0], "result": programs[1]},
+            {"condition": programs[2], "result": programs[3]},
+        ],
+        "fallback": programs[4],
+    }
+    known = {number: 30 + number for number in range(1, 6)}
+    assert owners(calls, [((0, 60), [branch])]) == known
+    inside = {"kind": "FunctionConditional", "arms": [], "fallback": {"ops": [branch]}}
+    calls.append((61, 65, 36))
+    assert owners(calls, [((0, 70), [inside, 6])]) == known | {6: 36}
 
 
 def test_a_name_alone_stands_for_the_statement_around_it() -> None:

@@ -86,3 +86,97 @@ def test_another_number_of_results_stops_the_build() -> None:
             read(conditional(fallback=captured(0, 1), widths=widths), 1)
     (found,) = read(conditional(fallback=captured(3), widths=(1,)), 1)
     assert found == P[5]
+
+
+# --- arrays: expected nodes by hand, element by element
+
+
+def mul(a: Expr, b: Expr) -> Expr:
+    return Expr("Mul", (a, b))
+
+
+def test_each_operand_of_an_array_operation_has_its_own_stride() -> None:
+    """A stride of 0 is one number for all elements, on either side."""
+    places = {"lhs_start": 10, "rhs_start": 14, "count": 3, "dst_start": 30}
+    for strides, expected in (
+        ((1, 1), [(0, 4), (1, 5), (2, 6)]),
+        ((1, 0), [(0, 4), (1, 4), (2, 4)]),
+        ((0, 1), [(0, 4), (0, 5), (0, 6)]),
+        ((2, 1), [(0, 4), (2, 5), (4, 6)]),
+    ):
+        steps = dict(zip(("lhs_stride", "rhs_stride"), strides, strict=True))
+        found = read({"kind": "TensorBinary", "operator": "Sub", **places, **steps}, 3)
+        assert found == [Expr("Sub", (P[a], P[b])) for a, b in expected]
+
+
+def test_products_of_arrays() -> None:
+    """(p0 p1; p2 p3) (p4; p5), p0 p4 + p2 p5 over every other element, and p0..2 x p4..6."""
+    matrix = {
+        "lhs_start": 10,
+        "rhs_start": 14,
+        "rows": 2,
+        "inner": 2,
+        "columns": 1,
+        "dst_start": 30,
+    }
+    assert read({"kind": "MatrixMultiply", **matrix}, 2) == [
+        Expr("Add", (mul(P[0], P[4]), mul(P[1], P[5]))),
+        Expr("Add", (mul(P[2], P[4]), mul(P[3], P[5]))),
+    ]
+    dot = {"lhs_start": 10, "rhs_start": 14, "count": 2, "lhs_stride": 2, "dst": 30}
+    assert read({"kind": "DotProduct", **dot}, 1) == [
+        Expr("Add", (mul(P[0], P[4]), mul(P[2], P[5])))
+    ]
+    assert read({"kind": "TensorCross", "lhs_start": 10, "rhs_start": 14, "dst_start": 30}, 3) == [
+        Expr("Sub", (mul(P[i], P[4 + j]), mul(P[j], P[4 + i]))) for i, j in ((1, 2), (2, 0), (0, 1))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("shape", "order"),
+    [
+        ((2, 3, 1), [0, 3, 1, 4, 2, 5]),
+        ((3, 1, 2), [0, 1, 2, 3, 4, 5]),
+        ((2, 2, 2), [0, 1, 4, 5, 2, 3, 6, 7]),
+    ],
+)
+def test_a_transposed_array_keeps_its_elements_whole(
+    shape: tuple[int, int, int], order: list[int]
+) -> None:
+    names = dict(zip(("rows", "columns", "element_width"), shape, strict=True))
+    found = read({"kind": "TensorTranspose", "src_start": 10, **names, "dst_start": 30}, len(order))
+    assert found == [P[k] for k in order]
+
+
+@pytest.mark.parametrize(
+    ("axis", "dimensions", "order"),
+    [
+        (0, ([2, 2], [1, 2]), [0, 1, 2, 3, 4, 5]),
+        (1, ([2, 1], [2, 2]), [0, 2, 3, 1, 4, 5]),
+        (1, ([2, 2], [2, 1]), [0, 1, 4, 2, 3, 5]),
+    ],
+)
+def test_arrays_side_by_side(axis: int, dimensions: Sequence[list[int]], order: list[int]) -> None:
+    first, second = dimensions
+    result = list(first)
+    result[axis] += second[axis]
+    sources = [
+        {"start": 10, "dimensions": first},
+        {"start": 10 + first[0] * first[1], "dimensions": second},
+    ]
+    op = {"kind": "TensorConcatenate", "axis": axis, "dimensions": result, "sources": sources}
+    assert read({**op, "dst_start": 30}, 6) == [P[k] for k in order]
+
+
+def test_an_element_by_a_number_and_by_an_index_that_moves() -> None:
+    """Of (p0 p1; p2 p3) the row 2, column p7; no number where the index is outside."""
+    op = {"kind": "LoadIndexedRegister", "base": 10, "stride": 1, "dimensions": [2, 2], "dst": 30}
+    (found,) = read({**op, "indices": [{"Constant": 2}, {"Runtime": 17}]}, 1)
+    first, second = (Expr("Eq", (P[7], Expr("const", value=n))) for n in (1.0, 2.0))
+    nothing = Expr("const", value=float("nan"))
+    assert found is choice(first, P[2], choice(second, P[3], nothing))
+    (found,) = read({**op, "indices": [{"Constant": 1}, {"Constant": 2}]}, 1)
+    assert found is P[1]
+    (found,) = read({"kind": "LoadIndexedP", "base": 3, "count": 2, "index_ref": 17, "dst": 30}, 1)
+    first, second = (Expr("Eq", (P[7], Expr("const", value=n))) for n in (0.0, 1.0))
+    assert found is choice(first, P[3], choice(second, P[4], nothing))

@@ -14,6 +14,7 @@ from axisrig.fmus.reading.classes import class_names, used_classes
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.expressions import TIME, apply, const, parameter, variable
 from axisrig.fmus.reading.texts import Texts, inside
+from axisrig.fmus.writing.archive import _limits, _start
 from axisrig.fmus.writing.description import (
     _attributes,
     _base_unit,
@@ -303,6 +304,23 @@ def test_a_start_value_is_within_its_limits(start: Any, low: Any, high: Any, fit
     else:
         with pytest.raises(BuildError, match="is outside"):
             _check_start(ir, source, made)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "written"),
+    [(None, None, ""), (0.0, None, "0 .. "), (None, 2.5, " .. 2.5"), (-1.0, 0.0, "-1 .. 0")],
+)
+def test_the_range_of_a_variable_in_its_documentation(low: Any, high: Any, written: str) -> None:
+    """An open end is left out; the literals of an enumeration say it themselves."""
+    assert _limits(shown(minimum=low, maximum=high)) == written
+    assert _limits(shown(minimum=low, maximum=high, literals=("a", "b"))) == ""
+
+
+def test_start_values_in_the_documentation() -> None:
+    assert _start(shown(start=None)) == ""
+    assert _start(shown(start=(0.1, -2.0))) == "0.1 -2"
+    assert _start(shown(type="Boolean", start=(1.0, 0.0))) == "true false"
+    assert _start(shown(type="Enumeration", literals=("a", "b"), start=(2.0, 1.0))) == "b a"
 
 
 def test_arrays_become_scalars_side_by_side() -> None:
