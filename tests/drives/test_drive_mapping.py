@@ -234,13 +234,50 @@ def test_what_a_telegram_promises(
     assert promised_ns == (None if promised_ms is None else promised_ms * MS)
 
 
-# PDO 5 and up, identifiers of their own
-
 HEAD = "pdo,transmission,inhibit_100us,index,sub,bits,signed,field,cob_id\n"
 NEEDED = (
     "RPDO1,1,0,0x6040,0,16,no,controlword,\nRPDO1,1,0,0x607A,0,32,yes,target,\n"
     "TPDO1,1,0,0x6041,0,16,no,statusword,0x1C7\nTPDO1,1,0,0x6064,0,32,yes,actual,0x1C7\n"
 )
+OF_EACH_FIELD = {
+    "controlword": "RPDO1,{},0,0x6040,0,16,no,controlword",
+    "target": "RPDO2,{},0,0x607A,0,32,yes,target",
+    "statusword": "TPDO1,{},0,0x6041,0,16,no,statusword",
+    "actual": "TPDO2,{},0,0x6064,0,32,yes,actual",
+    "latch": "TPDO3,{},0,latch,0,32,yes,latch",
+    "inputs": "TPDO4,{},0,0x60FD,0,32,no,inputs",
+    "second": "TPDO5,{},0,0x60E4,1,32,yes,second,0x1C7",
+}
+
+
+@pytest.mark.parametrize(
+    ("field", "allowed"),
+    [
+        *((field, {1}) for field in list(OF_EACH_FIELD)[:5]),
+        ("inputs", {0, 1, 2, 240, 254, 255}),
+        ("second", {1, 2, 240, 254, 255}),
+    ],
+)
+def test_what_the_control_works_with_must_come_with_every_sync(
+    tmp_path: Path, field: str, allowed: set[int]
+) -> None:
+    """Type 2 comes with every second one only; inputs and second encoder may come later."""
+    for transmission in (0, 1, 2, 240, 254, 255):
+        table = tmp_path / f"map{transmission}.csv"
+        rows = [
+            row.format(transmission if name == field else 1) for name, row in OF_EACH_FIELD.items()
+        ]
+        table.write_text("\n".join([HEAD.strip(), *rows]), encoding="utf-8")
+        if transmission in allowed:
+            assert len(telegrams(0x60BA, str(table))) == len(OF_EACH_FIELD)
+            continue
+        with pytest.raises(UserError, match=f"carries {field} and must come") as caught:
+            telegrams(0x60BA, str(table))
+        assert caught.value.value == transmission
+        assert caught.value.line == list(OF_EACH_FIELD).index(field) + 2
+
+
+# PDO 5 and up, identifiers of their own
 
 
 def test_pdos_with_identifiers_of_their_own(tmp_path: Path) -> None:
