@@ -355,3 +355,32 @@ def test_the_trajectory_is_the_integral_of_its_acceleration(case: Case) -> None:
         scale = 1e-6 * (1.0 + abs(phase.start_mm_s) + abs(phase.end_mm_s))
         assert v == EXACT([state.speed_mm_s for state in states], abs=scale)
         assert s == EXACT([state.path_mm for state in states], abs=scale)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.25, 0.5, 0.9])
+@pytest.mark.parametrize("is_harder", [True, False])
+def test_a_falling_ramp_under_way_goes_on_in_the_time_of_a_harder_hold(
+    share: float, is_harder: bool
+) -> None:
+    """a = 1000 cos^2 of a quarter turn, from where it is: in 10 ms as the hold has it, not 40.
+
+    A softer hold leaves it the time that it was planned with.
+    """
+    up = JerkSlope(1000.0, 0.05, 0.04, SIN2)
+    down = JerkSlope(800.0, 0.03, 0.02, SIN2).after(up)
+    planned = up.plan(500.0, 200.0, down)
+    begin_s = 0.05 + (200.0 - 0.5 * 1000.0 * 0.09) / 1000.0
+    state = planned.state(begin_s + 0.04 * share)
+    ramp_s = 0.02 if is_harder else 0.2
+    hold = JerkSlope(2000.0, ramp_s, ramp_s, SIN2)
+    fall_s = 0.01 if is_harder else 0.04
+    course = hold.held(state, 500.0, down)
+    for passed in (0.0, 0.3, 0.7, 0.999):
+        t_s = passed * (1.0 - share) * fall_s
+        quarter = 0.5 * math.pi * (share + t_s / fall_s)
+        found = course.state(t_s)
+        assert found.a_mm_s2 == EXACT(1000.0 * math.cos(quarter) ** 2, abs=1e-6)
+    assert course.state(0.0).speed_mm_s == EXACT(state.speed_mm_s)
+    after_s = (1.0 - share) * fall_s
+    gained = 500.0 * (after_s - fall_s / math.pi * math.sin(math.pi * share))
+    assert course.state(after_s).speed_mm_s == EXACT(state.speed_mm_s + gained)

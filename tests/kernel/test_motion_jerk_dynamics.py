@@ -383,3 +383,19 @@ def test_before_a_weighted_motion_brakes_its_acceleration_falls_with_the_weighte
         assert after.speed_mm_s == pytest.approx(30.0 + a_mm_s2 * fall_s / 2.0, rel=1e-9)
         assert course.state(0.999 * fall_s).a_mm_s2 > 0.0
         assert course.state(1.01 * fall_s).a_mm_s2 < 0.0
+
+
+@pytest.mark.parametrize("shape", [TRAPEZ, SIN2])
+@pytest.mark.parametrize(
+    ("share", "weighted"), [(0.5, 750.0), (1.0, 1500.0), (1.25, 1500.0), (3.0, 1500.0)]
+)
+def test_no_weight_raises_an_acceleration_with_ramps_above_the_largest_one_nor_lowers_it_to_that(
+    shape: Shape, share: float, weighted: float
+) -> None:
+    """P-AXIS-00008 = 1000: what a list has above it acts as it is; 300 is raised to it at most."""
+    high, low = JerkSlope(1500.0, 0.05, 0.04, shape), JerkSlope(300.0, 0.02, 0.03, shape)
+    for most, of_low in ((4.0, 1000.0), (2.0, 600.0)):
+        up, down = high.weighted(low, Weights(acceleration=share, deceleration=most), 1000.0)
+        assert (values_of(up)[0], values_of(down)[0]) == (weighted, of_low)
+        up, down = low.weighted(high, Weights(acceleration=most, deceleration=share), 1000.0)
+        assert (values_of(up)[0], values_of(down)[0]) == (of_low, weighted)
