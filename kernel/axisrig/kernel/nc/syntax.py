@@ -152,11 +152,6 @@ class Words:
         """The value of F."""
         return self.address("F")
 
-    @property
-    def ends_program(self) -> bool:
-        """Whether M2 or M30 is in the block."""
-        return bool(self.m) and ("M30" in self.m or "M2" in self.m)
-
 
 @dataclass(frozen=True)
 class Command:

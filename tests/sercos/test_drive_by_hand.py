@@ -1,0 +1,245 @@
+"""The control's end of a SERCOS drive with telegrams and answers written by hand."""
+
+import struct
+from typing import Any
+
+import pytest
+
+from axisrig.kernel.drives.ethercat.settings import Pdo
+from axisrig.kernel.drives.mapped import MappedObject
+from axisrig.kernel.drives.power import Power, PowerOrder
+from axisrig.kernel.drives.sercos.data import TelegramData
+from axisrig.kernel.drives.sercos.link import SercosDrive
+from axisrig.kernel.drives.sercos.service_channel import SoeError
+from axisrig.kernel.drives.sercos.settings import SercosSettings, real_time_bits
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.sercos.service import Element, ident_number, pack_text
+
+AT = (
+    MappedObject(135, 0, 16, False, "statusword"),
+    MappedObject(51, 0, 32, True, "actual"),
+    MappedObject(130, 0, 32, True, ""),
+    MappedObject(133, 0, 32, True, ""),  # probe 2, negative edge
+)
+SECOND = MappedObject(53, 0, 32, True, "second")
+MDT = (
+    MappedObject(134, 0, 16, False, "controlword"),
+    MappedObject(47, 0, 32, True, "target"),
+)
+OPERATES, FOLLOWS, C1D = 0xC000, 0x0008, 0x2000
+ON, ENABLE, RUN, TOGGLE = 0x8000, 0x4000, 0x2000, 0x0400
+READ_VALUE = Element.VALUE
+BITS = {0: (0x40, 0x80, 0x40), 1: (0x40, 0x40, 0x80), 2: (0x80, 0x80, 0x40)}
+"""By P-AXIS-00060: enable in S-0-0134, done measurement and level in S-0-0135."""
+
+
+class Channel:
+    """Keeps what is asked; the test answers, the oldest question first."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[int, Any]] = []
+        self._open: list[tuple[int, Any]] = []
+
+    def read(self, _drive: int, ident: int, elements: Element, done: Any) -> None:
+        self.asked.append((ident, elements))
+        self._open.append((ident, done))
+
+    def write(self, _drive: int, ident: int, value: bytes, done: Any) -> None:
+        self.asked.append((ident, value))
+        self._open.append((ident, done))
+
+    def answer(self, data: bytes = b"") -> None:
+        self._open.pop(0)[1](data)
+
+    def refuse(self, code: int | None = None) -> None:
+        ident, done = self._open.pop(0)
+        done(SoeError(ident, code))
+
+
+class Bench:
+    """A drive of 1000 increments per mm."""
+
+    def __init__(self, *, second: bool = False, **settings: Any) -> None:
+        self.inputs = (*AT, SECOND) if second else AT
+        self.settings = SercosSettings(
+            "Z", 1000.0, node_id=1, lead_mm=10.0, period_us=1000,
+            inputs=[Pdo(0, self.inputs)], outputs=[Pdo(0, MDT)],
+            **{"proves_latches": False, "proves_places": False, **settings},
+        )  # fmt: skip
+        self.data, self.channel = TelegramData(self.settings, 130), Channel()
+        channel: Any = self.channel
+        self.drive = SercosDrive(self.settings, self.data, channel)
+        self.drive.begin()
+
+    def cycle(self, status: int, place: int = 0, *more: int) -> int:
+        """One cycle; returns S-0-0134 as it was sent."""
+        values = (place, 1300, -1310, *more)
+        self.data.forget()
+        self.data.arrived(struct.pack(f"<H{len(values)}i", status, *values))
+        self.drive.take()
+        self.drive.send(0.0)
+        return int(struct.unpack("<Hi", self.data.outputs)[0])
+
+
+@pytest.mark.parametrize(
+    ("status", "needs_following", "power", "name"),
+    [
+        (0x0000, True, Power.OFF, "NOT_READY"),
+        (0x4000, True, Power.OFF, "LOGIC_READY"),
+        (0x8000 | FOLLOWS, True, Power.OFF, "POWER_READY"),
+        (OPERATES, True, Power.OFF, "OPERATES"),
+        (OPERATES, False, Power.OPERATING, "OPERATES"),
+        (OPERATES | FOLLOWS, True, Power.OPERATING, "OPERATES"),
+        (OPERATES | FOLLOWS | C1D, True, Power.FAULT, "CLASS_1_ERROR"),
+    ],
+)
+def test_its_power_is_what_the_status_word_shows(
+    status: int, needs_following: bool, power: Power, name: str
+) -> None:
+    """S-0-0135: bits 15 and 14, bit 13, and bit 3 where P-AXIS-00411 wants it."""
+    bench = Bench(needs_following=needs_following)
+    bench.cycle(status)
+    assert (bench.drive.power, bench.drive.state_name) == (power, name)
+    assert bench.drive.is_in_fault is (power is Power.FAULT)
+
+
+def test_the_control_word_leads_it_and_toggles_with_each_cycle() -> None:
+    bench = Bench()
+    sent = [bench.cycle(0x8000)]
+    bench.drive.order(PowerOrder.SWITCH_ON)
+    sent += [bench.cycle(0x8000), bench.cycle(OPERATES | FOLLOWS)]
+    bench.drive.order(PowerOrder.STOP)
+    sent.append(bench.cycle(OPERATES | FOLLOWS))
+    assert bench.drive.power is Power.STOPPING
+    sent.append(bench.cycle(OPERATES | FOLLOWS | C1D))
+    assert [word & ~TOGGLE for word in sent] == [
+        *(0, ON | ENABLE | RUN, ON | ENABLE | RUN, ON | ENABLE, 0),
+    ]
+    assert [bool(word & TOGGLE) for word in sent] == [True, False, True, False, True]
+
+
+def test_what_a_fault_says_is_two_numbers_and_a_text() -> None:
+    bench = Bench()
+    bench.cycle(C1D)
+    bench.drive.ask_for_fault()
+    assert bench.channel.asked == [(ident, READ_VALUE) for ident in (11, 390, 95)]
+    assert bench.drive.fault().values["emcy"] == "none"
+    for data in ((0x8000).to_bytes(2, "little"), (0xF4A5).to_bytes(4, "little")):
+        bench.channel.answer(data)
+        assert bench.drive.is_asked
+    bench.channel.answer(pack_text("axis blocked"))
+    assert not bench.drive.is_asked
+    alarm = bench.drive.fault()
+    assert (alarm.id, alarm.values["statusword"]) == (900005, "0x2000")
+    assert alarm.values["emcy"] == "S-0-0011 0x8000, S-0-0390 0xF4A5, axis blocked"
+
+
+def test_a_question_about_a_fault_may_be_refused_or_forgotten() -> None:
+    """On, off, on: what was asked before the fault was forgotten is not said of the next one."""
+    bench = Bench()
+    bench.drive.ask_for_fault()
+    bench.channel.answer(b"\x01\x00")
+    bench.drive.forget_fault()
+    for _ in range(2):
+        bench.channel.answer(b"\x02\x00")
+    assert (bench.drive.is_asked, bench.drive.fault().values["emcy"]) == (False, "none")
+    bench.drive.ask_for_fault()
+    bench.channel.answer(b"\x03\x00")
+    bench.channel.refuse()
+    bench.channel.answer(pack_text("x"))
+    words = str(bench.drive.fault().values["emcy"]).split(", ")
+    assert (len(words), words[0], words[-1]) == (3, "S-0-0011 0x3", "x")
+    assert not bench.drive.is_asked
+
+
+def test_a_fault_is_acknowledged_by_one_command_at_a_time() -> None:
+    """S-0-0099 is set and enabled (3), then cancelled (0); again where the fault stays."""
+    bench = Bench()
+    reset = ident_number("S-0-0099")
+    for _ in range(3):
+        assert bench.cycle(C1D) & ~TOGGLE == 0
+    assert bench.channel.asked == []
+    bench.drive.acknowledges_faults = True
+    for _ in range(2):
+        for _ in range(3):
+            bench.cycle(C1D)
+        assert bench.channel.asked == [(reset, b"\x03\x00")]
+        bench.channel.answer()
+        bench.cycle(C1D)
+        assert bench.channel.asked[1:] == [(reset, b"\x00\x00")]
+        bench.channel.refuse()
+        bench.channel.asked.clear()
+    bench.cycle(0x8000)
+    assert bench.channel.asked == []
+
+
+@pytest.mark.parametrize("number", BITS)
+def test_another_edge_has_its_own_value_and_one_that_the_telegram_lacks_is_refused(
+    number: int,
+) -> None:
+    """There and back; 900223 leaves the edge in use as it was."""
+    bench = Bench(bits=real_time_bits(number, 0))
+    enable, done, _ = BITS[number]
+    for probe_input, edge, latched in ((2, "NEG", -1.31), (1, "POS", 1.3), (2, "NEG", -1.31)):
+        bench.drive.choose_latch(probe_input, edge)
+        for bad in ((1, "NEG"), (2, "POS")):
+            with pytest.raises(Alarm) as caught:
+                bench.drive.choose_latch(*bad)
+            assert caught.value.id == 900223
+        assert (bench.drive.probe_input, bench.drive.edge) == (probe_input, edge)
+        for _ in range(8):
+            bench.cycle(OPERATES)
+        assert not bench.drive.is_probing
+        bench.drive.arm()
+        for _ in range(8):
+            assert bench.cycle(OPERATES) & 0xC0 == enable
+        assert bench.drive.is_probing
+        bench.cycle(OPERATES | done, 7)
+        assert bench.drive.latched_mm == latched
+        assert bench.drive.latched_speed_mm == 0.007
+        bench.drive.disarm()
+        assert (bench.cycle(OPERATES) & 0xC0, bench.drive.is_probing) == (0, False)
+
+
+@pytest.mark.parametrize("number", BITS)
+@pytest.mark.parametrize("edge", ["POS", "NEG"])
+def test_the_level_of_the_probe_is_that_of_its_edge(edge: str, number: int) -> None:
+    bits = real_time_bits(number, 0)
+    bench = Bench(probe_input=1 if edge == "POS" else 2, edge=edge, bits=bits)
+    level = BITS[number][2]
+    bench.cycle(OPERATES | level)
+    assert bench.drive.is_actuated is None
+    bench.drive.knows_level = True
+    seen = []
+    for status in (OPERATES | level, OPERATES | (level ^ 0xC0)):
+        bench.cycle(status)
+        seen.append(bench.drive.is_actuated)
+    assert seen == [edge == "POS", edge == "NEG"]
+
+
+def test_a_second_encoder_is_the_value_that_came_last_and_its_age() -> None:
+    bench = Bench(second=True)
+    assert (bench.drive.has_second, bench.drive.second_increments) == (True, None)
+    bench.cycle(OPERATES, 5, 777)
+    for age in (1, 2):
+        bench.data.forget()
+        bench.drive.take()
+        assert (bench.drive.second_increments, bench.drive.second_age_cycles) == (777, age)
+    bench.cycle(OPERATES, 5, -3)
+    assert (bench.drive.second_increments, bench.drive.second_age_cycles) == (-3, 0)
+    assert bench.drive.second_period_ns(2_000_000) == 2_000_000
+    assert (Bench().drive.has_second, Bench().drive.second_period_ns(1)) == (False, None)
+
+
+@pytest.mark.parametrize("missing_cycles", [0, 2])
+def test_telegrams_may_stay_out_so_often_in_a_row(missing_cycles: int) -> None:
+    bench = Bench(missing_cycles=missing_cycles)
+    for _ in range(2):
+        bench.cycle(OPERATES)
+        for _ in range(missing_cycles):
+            bench.data.forget()
+            bench.drive.take()
+    bench.data.forget()
+    with pytest.raises(Alarm) as caught:
+        bench.drive.take()
+    assert (caught.value.id, caught.value.values["cycles"]) == (900730, missing_cycles + 1)
