@@ -146,11 +146,12 @@ def test_an_order_is_in_force_when_the_one_before_is_acknowledged() -> None:
         assert (unit.order, unit.number, unit.given_ns, unit.is_idle) == (orders[1], 2, 30, True)
 
 
-@pytest.mark.parametrize("offset_ns", [-2_500, 0, 700])
+@pytest.mark.parametrize("offset_ns", [-2_500, 0, 700, -3_000_000_000, 86_400_000_000_000])
 @pytest.mark.parametrize("drift_ppm", [-40.0, 0.0, 100.0])
 def test_a_stamp_is_the_bus_time_by_offset_and_drift_of_its_clock(
     offset_ns: int, drift_ppm: float
 ) -> None:
+    """A clock may have been on for a day, or have been set back: its drift counts by bus time."""
     relation = StampRelation(offset_ns, drift_ppm)
     for bus_ns in (0, 1_000_000, 3_600_000_000_000):
         stamp_ns = bus_ns + offset_ns + round(bus_ns * drift_ppm / 1e6)

@@ -157,6 +157,33 @@ def test_the_time_stamp_is_that_of_the_latch_in_use(tmp_path: Path) -> None:
         assert link.arrival.is_new is False
 
 
+def test_another_latch_has_the_time_stamp_of_its_own(tmp_path: Path) -> None:
+    """60D1 with 60BA and 60D4 with 60BD, there and back; 60BB is mapped without one."""
+    table = tmp_path / "map.csv"
+    rows = STAMPED.partition("TPDO2")[0]
+    for number, (latch, stamp) in enumerate(((0x60BA, 0x60D1), (0x60BD, 0x60D4)), 2):
+        rows += f"TPDO{number},1,0,0x{latch:X},0,32,yes,{'latch' if number == 2 else ''}\n"
+        rows += f"TPDO{number},1,0,0x{stamp:X},0,32,no,\n"
+    table.write_text(f"{rows}TPDO4,1,0,0x60BB,0,32,yes,\n", encoding="utf-8")
+    link, wire = _link(pdo_map=str(table), stamps=StampClock())
+
+    def cycle() -> None:
+        wire.status(OPERATION_ENABLED, 0)
+        wire._bring(0x283, struct.pack("<iI", 0, 4711))
+        wire._bring(0x383, struct.pack("<iI", 0, 815))
+        wire._bring(0x483, struct.pack("<i", 0))
+        link.take()
+
+    for chosen, stamp in (
+        ((1, "POS"), 4711), ((2, "NEG"), 815), ((1, "NEG"), None), ((2, "NEG"), 815),
+        ((1, "POS"), 4711),
+    ):  # fmt: skip
+        link.choose_latch(*chosen)
+        assert link.arrival.stamp is None
+        cycle()
+        assert link.arrival.stamp == stamp
+
+
 TWO_EDGES = (
     STAMPED.partition("TPDO2")[0] + "TPDO2,1,0,latch,0,32,yes,latch\n"
     "TPDO2,1,0,counter,0,16,no,latch_count\n"
