@@ -72,11 +72,6 @@ class Coordinates:
         return len(self._levels) > 1
 
     @property
-    def depth(self) -> int:
-        """How many machining coordinate systems are on."""
-        return len(self._levels) - 1
-
-    @property
     def main_axes(self) -> tuple[str, ...]:
         """The axes that a coordinate system turns."""
         return self.axes[:MAIN_AXES]
