@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.drives.accesses import AccessesByAxis
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.cia402.objects import SdoError
 from axisrig.kernel.drives.functions import DriveFunction
@@ -153,3 +154,40 @@ def test_a_read_holds_the_program_until_everything_of_its_axis_is_there_and_of_n
     assert (functions.is_waiting, functions.is_busy) == (False, True)
     drives["X"].answer()
     assert not functions.is_busy
+
+
+class Family:
+    """The functions of the drives of one family; notes what it is told."""
+
+    def __init__(self, name: str, calls: list[str], *, waits: bool = False) -> None:
+        self.is_waiting = self.is_busy = waits
+        self._name, self._calls = name, calls
+
+    def __getattr__(self, word: str) -> Callable[..., str]:
+        def call(*_arguments: object) -> str:
+            self._calls.append(f"{self._name}.{word}")
+            return self._name
+
+        return call
+
+
+@pytest.mark.parametrize("waiting", ["none", "first", "second"])
+def test_of_several_families_each_axis_has_its_own(waiting: str) -> None:
+    """X and Y of the first, Z of the second, no function for W; each is told once."""
+    calls: list[str] = []
+    first, second = (Family(n, calls, waits=n == waiting) for n in ("first", "second"))
+    families: Any = {"X": first, "Y": first, "Z": second}
+    accesses = AccessesByAxis(families)
+    assert (accesses.is_waiting, accesses.is_busy) == ((waiting != "none",) * 2)
+    for word in ("start", "check", "reset"):
+        getattr(accesses, word)()
+        assert calls == [f"first.{word}", f"second.{word}"]
+        calls.clear()
+    for axis, name in (("Z", "second"), ("X", "first"), ("Y", "first")):
+        accesses.begin(read(axis, "LIMIT"))
+        assert accesses.value(axis, "LIMIT") == name
+        assert calls == [f"{name}.begin", f"{name}.value"]
+        calls.clear()
+    with pytest.raises(Alarm) as caught:
+        accesses.begin(read("W", "LIMIT"))
+    assert (caught.value.id, caught.value.values["axis"], calls) == (900110, "W", [])
