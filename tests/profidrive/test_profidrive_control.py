@@ -253,3 +253,58 @@ def test_a_drive_is_led_only_from_the_place_that_its_absolute_position_gives(
     assert bus.drive.is_placed is is_placed
     assert bus.sent["STW1"] == (0x047F if is_placed else 0x047E)
     assert set(raised) == (set() if is_placed else {900084})
+
+
+@pytest.mark.parametrize(
+    ("status", "name"),
+    [
+        (0x0200, "NOT_READY"),
+        (0x0201, "READY_TO_SWITCH_ON"),
+        (0x0203, "SWITCHED_ON"),
+        (0x0207, "OPERATION"),
+        (0x0240, "SWITCHING_ON_INHIBITED"),
+        (0x0247, "SWITCHING_ON_INHIBITED"),
+        (0x020F, "FAULT"),
+        (0x0248, "FAULT"),
+    ],
+)
+def test_the_state_is_that_of_the_bit_that_counts_most(bus: Bus, status: int, name: str) -> None:
+    bus.cycle(0.0, ZSW1=status)
+    assert (bus.drive.state_name, bus.drive.status_text) == (name, f"0x{status:04X}")
+    assert bus.drive.is_in_fault is (name == "FAULT")
+
+
+def test_another_input_or_edge_is_another_function(bus: Bus) -> None:
+    """G1_STW: bits 0 to 3 are the functions of probe 1 and 2, both edges; there and back.
+
+    The same one again changes nothing of what is ordered.
+    """
+    chosen = ((1, "POS"), (2, "NEG"), (2, "POS"), (1, "NEG"), (1, "POS"))
+    for number, function in zip(chosen, (1, 8, 4, 2, 1), strict=True):
+        bus.drive.choose_latch(*number)
+        for _ in range(4):
+            assert bus.cycle(0.0, G1_ZSW=0, G1_XIST2=0)["G1_STW"] == 0
+        bus.drive.arm()
+        bus.drive.choose_latch(*number)
+        for _ in range(4):
+            assert bus.cycle(0.0, G1_ZSW=function)["G1_STW"] & 0xF == function
+        assert (bus.drive.is_armed, bus.drive.has_latched) == (True, False)
+        bus.cycle(0.0, G1_ZSW=function << 4, G1_XIST1=0)
+        for _ in range(5):
+            bus.cycle(0.0, G1_XIST2=419_430 * function)
+        assert bus.drive.latched_mm == 419_430 * function / 419_430.4
+        bus.drive.disarm()
+        assert bus.cycle(0.0)["G1_STW"] & 0xF == function  # dropped with its own command
+        assert not bus.drive.is_probing
+
+
+@pytest.mark.parametrize(("probe_input", "deflected"), [(1, 0x0100), (2, 0x0200)])
+def test_a_probe_is_actuated_at_the_level_that_its_edge_leads_to(
+    bus: Bus, probe_input: int, deflected: int
+) -> None:
+    for edge in ("POS", "NEG"):
+        bus.drive.choose_latch(probe_input, edge)
+        for level, of_other in ((True, False), (False, True), (True, True), (False, False)):
+            status = deflected * level | (deflected ^ 0x0300) * of_other
+            bus.cycle(0.0, G1_ZSW=status)
+            assert bus.drive.is_actuated is (level == (edge == "POS"))
