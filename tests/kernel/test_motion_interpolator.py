@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axisrig.kernel.motion.interpolator import Interpolator, SetpointBuffer
+from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.profile import Slope, plan
 from axisrig.kernel.time.clock import MS
 
@@ -97,6 +98,36 @@ def test_braking_deletes_the_distance_to_go() -> None:
     assert course[-1] == pytest.approx((0.0, 0.0, before[2] - 2.5))
     assert interpolator.path_travelled_mm == pytest.approx(-before[2] + 2.5)
     assert interpolator.advance() == course[-1]
+
+
+@pytest.mark.parametrize(
+    ("fastest_mm_s", "reached_mm_s", "way_mm"),
+    [
+        (math.inf, 55.0, 1.5 + 2.5 / 3.0 + 55.0**2 / 2000.0 + 55.0 * 0.05 / 2.0),
+        (60.0, 55.0, 1.5 + 2.5 / 3.0 + 55.0**2 / 2000.0 + 55.0 * 0.05 / 2.0),
+        (40.0, 40.0, 0.6 + 0.4 / 3.0 + 40.0 * math.sqrt(40.0 * 0.05 / 1000.0)),
+    ],
+)
+def test_a_brake_in_the_run_up_does_not_pass_the_fastest_speed(
+    fastest_mm_s: float, reached_mm_s: float, way_mm: float
+) -> None:
+    """At 30 mm/s and 1000 mm/s2 the acceleration falls in 50 ms, or in the 20 ms to 40 mm/s.
+
+    Meanwhile v t + a t^2/3; then v^2/2a + v t_r/2 with v >= a t_r, else v sqrt(v t_r/a).
+    """
+    slope = JerkSlope(1000.0, 0.05, 0.05)
+    interpolator = Interpolator("X", MS)
+    interpolator.start({"X": 0.0}, {"X": 200.0}, slope.plan(200.0, 200.0, slope))
+    for _ in range(55):
+        (here_mm,) = interpolator.advance()
+    assert interpolator.speed_mm_s == pytest.approx(30.0)
+    interpolator.brake(slope, fastest_mm_s)
+    speeds = []
+    while not interpolator.is_standing:
+        interpolator.advance()
+        speeds.append(interpolator.speed_mm_s)
+    assert max(speeds) == pytest.approx(reached_mm_s, rel=1e-12)
+    assert interpolator.positions_mm[0] - here_mm == pytest.approx(way_mm, rel=1e-12)
 
 
 def test_next_move_continues_where_braking_ended() -> None:

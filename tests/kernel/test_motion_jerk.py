@@ -13,7 +13,7 @@ from scipy.integrate import cumulative_simpson
 from axisrig.kernel.motion.course import State
 from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.jerk_profile import JerkProfile
-from axisrig.kernel.motion.jerk_ramps import Shape
+from axisrig.kernel.motion.jerk_ramps import JerkLimits, Shape, pulse, way
 
 TRAPEZ, SIN2 = Shape.TRAPEZ, Shape.SIN2
 BOTH = pytest.mark.parametrize("shape", [TRAPEZ, SIN2])
@@ -384,3 +384,25 @@ def test_a_falling_ramp_under_way_goes_on_in_the_time_of_a_harder_hold(
     after_s = (1.0 - share) * fall_s
     gained = 500.0 * (after_s - fall_s / math.pi * math.sin(math.pi * share))
     assert course.state(after_s).speed_mm_s == EXACT(state.speed_mm_s + gained)
+
+
+@pytest.mark.parametrize("start", [0.0, 200.0, 900.0, 1200.0])
+@pytest.mark.parametrize("end", [0.0, 300.0, 900.0, 1100.0])
+@pytest.mark.parametrize("share", [0.3, 1.0, 1.5, 20.0])
+def test_a_pulse_leads_from_one_acceleration_to_the_other_without_a_jump(
+    start: float, end: float, share: float
+) -> None:
+    """It changes the speed by what was asked, or by the one ramp that leads there at least.
+
+    With r = 5e-5 s3/mm up and f = 4e-5 down that is (end^2 - start^2) r/2, or the other way f/2.
+    """
+    limits = JerkLimits(1000.0, 0.05, 0.04)
+    per = 5e-5 if end > start else 4e-5
+    least = 0.5 * abs(end * end - start * start) * per
+    asked = share * max(least, 1.0)
+    ramps = pulse(asked, limits, start, end)
+    assert (ramps[0].from_mm_s2, ramps[-1].to_mm_s2) == (start, end)
+    assert all(a.to_mm_s2 == EXACT(b.from_mm_s2) for a, b in pairwise(ramps))
+    assert max(ramp.to_mm_s2 for ramp in ramps) <= max(1000.0, start, end)
+    _, changed = way(0.0, ramps, TRAPEZ)
+    assert changed == EXACT(max(asked, least), rel=1e-12)
