@@ -277,6 +277,30 @@ def test_what_the_control_works_with_must_come_with_every_sync(
         assert caught.value.line == list(OF_EACH_FIELD).index(field) + 2
 
 
+def test_a_table_that_has_changed_is_read_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also under the same relative name in another folder; the same content is read once."""
+    rows = [row.format(1) for row in OF_EACH_FIELD.values()]
+    texts = ["\n".join([HEAD.strip(), *rows[:count]]) for count in (5, 6, 5)]
+    table = tmp_path / "map.csv"
+    found = []
+    for text in texts:
+        table.write_text(text, encoding="utf-8")
+        found.append(telegrams(0x60BA, str(table)))
+        assert telegrams(0x60BA, str(table)) is found[-1]
+    assert [len(each) for each in found] == [5, 6, 5]
+    for text, count in zip(texts[:2], (5, 6), strict=True):
+        folder = tmp_path / f"of{count}"
+        folder.mkdir()
+        (folder / "map.csv").write_text(text, encoding="utf-8")
+        monkeypatch.chdir(folder)
+        assert len(telegrams(0x60BA, "map.csv")) == count
+    table.write_text(f"{HEAD}{rows[0]}", encoding="utf-8")
+    with pytest.raises(UserError, match="lacks a field"):
+        telegrams(0x60BA, str(table))
+
+
 # PDO 5 and up, identifiers of their own
 
 

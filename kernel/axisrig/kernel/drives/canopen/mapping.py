@@ -112,7 +112,6 @@ class Telegram:
         return self.identifier or PDO_BASE[self.name] + node_id
 
 
-@cache
 def telegrams(
     latch_object: int,
     table: str | None = None,
@@ -130,11 +129,27 @@ def telegrams(
     position of the second encoder (60E4:1). speed: of a table with set position and set speed
     (60FF), as the kernel's own is, the speed counts, else the position. probe: whether the kernel's
     own has the words of the touch probe and the latch.
+    Read once for each content of the table, which may be another one for the next machine.
     Raises UserError, with file and line, for a table that is none.
     """
+    choice = counter, inputs, second, speed, probe
+    return _telegrams(latch_object, table, _text(table), *choice)
+
+
+@cache
+def _telegrams(
+    latch_object: int,
+    table: str | None,
+    text: str,
+    counter: bool,
+    inputs: bool,
+    second: bool,
+    speed: bool,
+    probe: bool,
+) -> dict[str, Telegram]:
     grouped: dict[str, list[dict[str, str]]] = {}
     places: dict[str, int] = {}
-    listed = _rows(table)
+    listed = _rows(table, text)
     has_both = {row["field"] for _, row in listed} >= set(TARGETS)
     for line, row in listed:
         is_left_out = (
@@ -178,14 +193,21 @@ def _index(text: str, latch_object: int) -> int:
     return int(text, 16) if from_latch is None else latch_object + from_latch
 
 
-def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
+@cache
+def _own_text() -> str:
+    return resources.files(__package__).joinpath("pdo_map.csv").read_text(encoding="utf-8")
+
+
+def _text(table: str | None) -> str:
     if table is None:
-        text = resources.files(__package__).joinpath("pdo_map.csv").read_text(encoding="utf-8")
-    else:
-        try:
-            text = Path(table).read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            raise UserError("the mapping table cannot be read", file=table) from error
+        return _own_text()
+    try:
+        return Path(table).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError("the mapping table cannot be read", file=table) from error
+
+
+def _rows(table: str | None, text: str) -> list[tuple[int, dict[str, str]]]:
     reader = csv.DictReader(text.splitlines())
     missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
     if missing:
