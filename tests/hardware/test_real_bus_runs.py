@@ -3,16 +3,22 @@
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import Deadlines
+from axisrig.bench.bus.paced import RealTime
 from axisrig.bench.cli.main import main
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.record.bus import real_time_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import check_outside, outside_axes, simulated_plants
 from axisrig.bench.rig.settings import read_settings
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
 from axisrig.reports.parts.realtime import real_time
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
@@ -241,3 +247,28 @@ def test_the_report_says_in_words_what_was_late() -> None:
     assert "3.0 ms" in words
     assert "12.0 ms" in words
     assert real_time(None) is None
+
+
+def test_each_real_segment_waits_for_the_answers_of_its_own_drives(place: Path) -> None:
+    """X, Y and Z are nodes 1, 2 and 3, each on a bus of its own."""
+    rig = place / "rigs" / "own.toml"
+    buses = [
+        f'[segment.{bus}]\ninterface = "virtual"\nchannel = "own-{bus}"\n'
+        for bus in ("can1", "can2", "can3")
+    ]
+    text = 'base = "probe-xyz.toml"\nhardware = true\n' + "".join(buses)
+    rig.write_text(text, encoding="utf-8")
+    settings = read_settings(*read_rig(rig), [])
+    (place / "own.nc").write_text("%own\nN10 M30\n", encoding="utf-8")
+    hardware = Hardware(RealTime(lambda: 0, lambda _seconds: None))
+    program = read_program(place / "own.nc", tuple("XYZ"))
+    machine = Machine(settings, program, hardware=hardware)
+    try:
+        can: Any = machine.installed[0]
+        real = {name: s for name, s in can.segments.items() if isinstance(s, OutsideSegment)}
+        nodes = {name: {cob & 0x7F for cob in s._expected} for name, s in real.items()}
+        assert nodes == {"can1": {1}, "can2": {2}, "can3": {3}}
+        # TPDO1 and TPDO2 come with every SYNC, on the bus of their drive alone
+        assert {0x181, 0x281} <= real["can1"]._expected
+    finally:
+        machine.close()

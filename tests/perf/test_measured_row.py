@@ -73,6 +73,30 @@ def test_time_of_a_call_counts_once_for_the_innermost_part() -> None:
     assert Stack(clock.cpu_ns, {"x": []}).self_ns == {"x": 0}
 
 
+def test_a_call_three_deep_is_taken_out_of_each_outer_one_once() -> None:
+    """1 s in the outer call, 10 s in the middle one, 100 s in two calls of the inner one."""
+    clock = Clock()
+
+    class Own:
+        def outer(self) -> None:
+            clock.spend(1.0)
+            self.middle()
+
+        def middle(self) -> None:
+            self.inner()
+            clock.spend(10.0)
+            self.inner()
+
+        def inner(self) -> None:
+            clock.spend(50.0)
+
+    parts = {"a": [(Own, "outer")], "b": [(Own, "middle")], "c": [(Own, "inner")]}
+    with counters(clock.cpu_ns, parts) as stack:
+        Own().outer()
+    found = {part: ns / 1e9 for part, ns in stack.self_ns.items()}
+    assert found == {"a": 1.0, "b": 10.0, "c": 100.0}
+
+
 class Folder:
     """Takes 0.1 s to open, 0.2 s for a row, 0.4 s to close."""
 

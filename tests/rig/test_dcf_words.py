@@ -65,6 +65,38 @@ def test_a_dcf_that_turns_or_scales_the_position_is_refused(
         check_rig(settings)
 
 
+@pytest.mark.parametrize(
+    ("motor", "shaft", "feed", "feed_shaft", "is_right"),
+    [
+        (3, 1, 3 * 1_048_576, 1, True),  # a gear of 3: the shaft turns once for 3 of the motor
+        (3, 1, 1_048_576, 3, False),  # turned round
+        (1, 4, 1_048_576, 4, True),
+        (5, 2, 5 * 524_288, 1, True),
+        (5, 2, 2 * 524_288, 1, False),
+        (2, 2, 2 * 1_048_576, 2, True),
+    ],
+)
+def test_gear_and_feed_of_a_dcf_count_together(
+    with_eds: Callable[..., Settings],
+    motor: int,
+    shaft: int,
+    feed: int,
+    feed_shaft: int,
+    is_right: bool,
+) -> None:
+    """CiA 402-2: units per turn of the motor = 6092:1/6092:2 / (6091:1/6091:2); here 1048576."""
+    text = EDS
+    places = ("6091sub1", "6091sub2", "6092sub1", "6092sub2")
+    for section, value in zip(places, (motor, shaft, feed, feed_shaft), strict=True):
+        text = changed(text, section, ParameterValue=str(value))
+    settings = with_eds(text, suffix="dcf")
+    if is_right:
+        check_rig(settings)
+        return
+    with pytest.raises(UserError, match="scales the position otherwise"):
+        check_rig(settings)
+
+
 POLARITY = """
 [607E]
 ParameterName=Polarity

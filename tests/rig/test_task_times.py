@@ -25,6 +25,8 @@ def task(**keys: Any) -> PlcTaskTable:
         ({"busy_us": 500, "terminal": {"cycle_us": 4000}}, 6500),
         # A node on a CAN bus: sampled at a SYNC, its telegram is there before the next one
         ({"terminal": {"segment": "can1", "node": 9, "filter_us": 30}}, 2000 + 2 * 8000 + 30),
+        # So are the inputs of the last slave of a line in their frame
+        ({"busy_us": 300, "terminal": {"segment": "ec1"}}, 2000 + 300 + 2 * 8000),
     ],
 )
 def test_an_edge_takes_its_filter_an_exchange_and_the_cycles_of_the_task(

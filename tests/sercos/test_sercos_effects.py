@@ -175,3 +175,19 @@ def test_the_second_enable_arms_the_second_probe(drive_of: Open) -> None:
     assert drive.probing.function() == 0
     assert written(drive, "S-0-0406", (1).to_bytes(2, "little")) is None
     assert drive.probing.function() & 0xFF00
+
+
+@pytest.mark.parametrize(("allocation", "bit"), [("S-0-0301", 1 << 6), ("S-0-0303", 1 << 7)])
+def test_a_real_time_bit_begins_and_ends_the_probing_cycle(
+    drive_of: Open, allocation: str, bit: int
+) -> None:
+    """Its data state follows: 7 while it runs, 0 when it is off, as often as the bit changes."""
+    states = command_states()
+    drive = drive_of("probe-z-sercos.toml")
+    command = drive.idents.table[ident_number("S-0-0170")]
+    assert written(drive, "S-0-0169", (1).to_bytes(2, "little")) is None
+    assert written(drive, allocation, ident_number("S-0-0170").to_bytes(2, "little")) is None
+    for level in (bit, 0, bit, bit, 0):
+        drive._take_control(level)
+        state = states["RUNNING" if level else "IDLE"]
+        assert (drive.probing.is_running, command.state) == (bool(level), state)

@@ -113,6 +113,23 @@ def test_a_telegram_that_comes_seldom(is_optimized: bool, every: int, dead: int)
     assert predicted(is_optimized=is_optimized, every=every).dead == dead
 
 
+@pytest.mark.parametrize("every", [1, 2, 3, 5])
+@pytest.mark.parametrize(("age", "late"), [(0, 0), (1, 0), (0, 1), (2, 1)])
+@pytest.mark.parametrize("is_optimized", [True, False])
+def test_a_late_value_waits_for_a_telegram_that_comes_seldom(
+    is_optimized: bool, age: int, late: int, every: int
+) -> None:
+    """Telegrams come in cycles 0, every, 2 every: the first that can show the offset of cycle 0."""
+    sent = 0 if is_optimized else 1
+    can_show = sent + 2 + age + late
+    shown = next(cycle for cycle in range(0, 99, every) if cycle >= can_show)
+    found = predicted(
+        is_optimized=is_optimized, sensor_age_cycles=age, every=every, late_cycles=late
+    )
+    assert (found.reaction, found.way, found.age) == (sent, shown - sent, age)
+    assert found.dead == shown - 1
+
+
 def test_lists_as_written() -> None:
     listed = as_written({})
     assert listed.control == Control()
