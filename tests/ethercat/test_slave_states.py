@@ -202,3 +202,17 @@ def test_power_takes_everything_but_what_was_stored() -> None:
     line.preop()
     assert line.sdo_read(0x6065, 0) == struct.pack("<I", 4711)
     assert line.sdo_read(0x6066, 0) == b"\x00\x00"
+
+
+@pytest.mark.parametrize("first", [SAFEOP, OP])
+def test_outputs_of_an_earlier_time_do_not_lead_to_op(first: int) -> None:
+    """Outputs count from SAFEOP on: after PREOP the slave waits for new ones."""
+    line = line_in(first)
+    line.cycle()
+    assert line.ask(PREOP) == (PREOP, 0)
+    assert line.ask(SAFEOP) == (SAFEOP, 0)
+    assert line.ask(OP) == (SAFEOP, 0)
+    line.wait(5 * MS)
+    assert line.al() == (SAFEOP, 0)
+    line.cycle()
+    assert line.al() == (OP, 0)

@@ -27,6 +27,7 @@ from tests.perf.suite_text import (
 
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.tools.perf.clocks import Clocks
+from axisrig.bench.tools.perf.gains import MORE_IS_BETTER
 from axisrig.bench.tools.perf.gains import gains as row_gains
 from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.kernel.errors import UserError
@@ -358,6 +359,16 @@ def test_a_row_is_set_against_the_same_row() -> None:
     }
     with pytest.raises(UserError, match="not the same row"):
         row_gains(now, row | {"case": "b"})
+
+
+def test_more_time_is_a_loss_and_more_simulated_time_a_gain() -> None:
+    """Each number is three times as large as before."""
+    before = {name: 2.0 for name in MORE_IS_BETTER} | {"case": "a"}
+    now = {name: 6.0 for name in MORE_IS_BETTER} | {"case": "a"}
+    faster = {"real_time_factor", "cpu_factor"}
+    for name, found in row_gains(now, before).items():
+        assert found == pytest.approx(3.0 if name in faster else 1 / 3), name
+    assert row_gains(now, before).keys() == faster | {"cpu_s", "beyond_simulation_ms"}
 
 
 def test_what_is_no_result_is_refused(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from axisrig.bench.drive.profidrive.parameters import DriveParameters
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.profidrive.keys import DriveTable
 from axisrig.bench.rig.profidrive.members import drive_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -37,6 +38,14 @@ def answer(drive: DriveParameters, request: str) -> str:
 def test_a_value_is_read_with_its_format(drive: DriveParameters) -> None:
     assert answer(drive, READ_1230) == "07 01 00 01 42 01 03 E8"
     assert answer(drive, "01 01 00 01  10 00 0370 0000") == "01 01 00 01 43 01 00 00 40 00"
+
+
+@pytest.mark.parametrize(("xist1", "absolute"), [(11, 11), (11, 13), (11, 9), (8, 0)])
+def test_fine_bits_are_those_that_the_rig_gives(xist1: int, absolute: int) -> None:
+    """P1042 and P1043 each have their own."""
+    keys = {"family": "profidrive", "p1042": xist1, "p1043": absolute}
+    values = DriveParameters(DriveTable.model_validate(keys).make()).values
+    assert (values[1042], values[1043]) == (xist1, absolute)
 
 
 def test_a_value_is_written(drive: DriveParameters) -> None:

@@ -1,9 +1,12 @@
 """The EDS tells the truth: foreign readers accept it, and the drive has what it says."""
 
+import csv
 import io
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from configparser import ConfigParser
+from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,7 @@ from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.drive.canopen.node import DriveNode
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.objects import TABLES
 from axisrig.bench.drive.cia402.dictionary.profiles import named_profile, profile_names
 from axisrig.bench.tools.bus_log.canopen.transfers import Transfers, Value
 from axisrig.kernel.time.clock import MS
@@ -77,6 +81,26 @@ def test_the_drive_has_what_its_eds_says(drive_bench: Make, name: str) -> None:
             with pytest.raises(SdoAbortedError) as caught:
                 sdo.download(variable.index, variable.subindex, data or b"\0\0\0\0")
             assert caught.value.code == READ_ONLY, where
+
+
+def test_limits_of_the_tables_are_in_the_eds_also_where_they_are_0() -> None:
+    """A row of the tables without a limit has no line of its own."""
+    eds = ConfigParser()
+    eds.read_string(eds_text(named_profile("generic")))
+    folder = resources.files("axisrig.bench.drive.cia402.dictionary")
+    texts = [folder.joinpath(name).read_text(encoding="utf-8") for name in TABLES]
+    rows = [row for text in texts for row in csv.DictReader(text.splitlines())]
+    given = dict.fromkeys(("low", "high"), 0)
+    for row in rows:
+        title = row["index"] + (f"sub{int(row['sub']):X}" if row["sub"] else "")
+        for column, entry in (("low", "LowLimit"), ("high", "HighLimit")):
+            if eds.has_section(title):
+                shown = eds[title].get(entry, "")
+                assert (int(shown, 0) if shown else "") == (
+                    int(row[column], 0) if row[column] else ""
+                ), (title, entry)
+                given[column] += row[column] == "0"
+    assert min(given.values()) > 0, "no limit of 0 in the tables"
 
 
 def test_the_drive_hands_out_its_own_eds(drive_bench: Make) -> None:
