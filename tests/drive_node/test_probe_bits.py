@@ -179,6 +179,22 @@ def test_a_source_that_nothing_is_wired_to_never_comes() -> None:
     assert bench.at(40_000) == 0x0001
 
 
+@pytest.mark.parametrize("shift", [0, 8])
+def test_another_source_arms_a_probe_anew(shift: int) -> None:
+    """Bits 3..2 from the input to the zero pulse and back: each keeps its own first event."""
+    bench = Bench()
+    place = 2 * (shift // 8)
+    bench.at(1000, 0x11 << shift)
+    assert bench.at(1950) == 0x03 << shift
+    assert bench.at(1950, 0x15 << shift) == 0x01 << shift
+    assert bench.at(9950) == 0x03 << shift
+    assert 0 <= bench.positions[place] - 2500 <= 1
+    assert bench.at(9950, 0x11 << shift) == 0x01 << shift
+    assert bench.at(11_950) == 0x03 << shift
+    assert bench.positions[place] == (10_100 if shift == 0 else 10_300)
+    assert bench.counters[place] == 3
+
+
 def test_the_zero_pulse_comes_once_in_a_revolution() -> None:
     bench = Bench()
     bench.at(1000, 0x0017)  # source 01, continuous, positive

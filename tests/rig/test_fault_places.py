@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.faults import (
     TERMINAL_TELEGRAMS,
     fault_keys,
@@ -13,6 +15,7 @@ from axisrig.bench.rig.reading.faults import (
     read_faults,
 )
 from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -60,6 +63,20 @@ def test_a_fault_knows_axis_and_bus_of_its_place() -> None:
     ):
         (fault,) = read_faults(kind, target, read_rig(RIGS / rig)[0])
         assert (fault.axis, fault.segment, fault.telegram) == place, target
+
+
+@pytest.mark.parametrize("others", [[], ["probe_stick=probe"], ["power_loss=Z", "probe_stick=probe"]])
+def test_a_fault_that_its_carrier_has_not_is_refused_behind_any_other(others: list[str]) -> None:
+    """`drop` is of CAN, `power_loss` of any drive, `probe_stick` of a sensor of any rig."""
+    rig = RIGS / "probe-z-ethercat.toml"
+
+    def checked(*faults: str) -> None:
+        columns = [(parse_assignment(f"fault:{fault}"), as_written) for fault in faults]
+        check_rig(read_settings(*read_rig(rig), columns))
+
+    checked(*others)
+    with pytest.raises(UserError, match="no such faults of segments of the kind ethercat"):
+        checked(*others, "drop=Z.TPDO1")
 
 
 def test_what_a_key_of_a_fault_may_have_is_named_for_its_kind() -> None:

@@ -73,16 +73,23 @@ def test_what_is_new_on_one_line_is_not_old_by_another_one(tmp_path: Path) -> No
         head = struct.pack("<H", len(datagram) | 1 << 12)
         return (b"\xff" * 6 + b"\x02" * 6 + b"\x88\xa4" + head + datagram).ljust(60, b"\0")
 
-    path = tmp_path / "run@ec1.pcapng"
-    file = PcapngFile(path, ["ec1", "ec2"])
+    both = tmp_path / "run@both.pcapng"
     course = ((1, 0, 2), (2, 1, 2), (3, 0, 2), (4, 1, 2), (5, 1, 4), (6, 0, 4))
-    for time_ms, line, status in course:
-        file.add(time_ms * 1_000_000, line, frame(status))
-    file.stop()
-    lines = [line.split() for line in tell_log([path], None, Selection()) if "AL_CONTROL" in line]
-    assert [(float(words[0]), words[1]) for words in lines] == [
-        (1.0, "ec1"), (2.0, "ec2"), (5.0, "ec2"), (6.0, "ec1"),
-    ]  # fmt: skip
+    own = [tmp_path / "run@ec1.pcapng", tmp_path / "run@ec2.pcapng"]
+    written = [(both, ["ec1", "ec2"]), (own[0], ["ec1"]), (own[1], ["ec2"])]
+    for path, names in written:
+        file = PcapngFile(path, names)
+        for time_ms, line, status in course:
+            if f"ec{line + 1}" in names:
+                file.add(time_ms * 1_000_000, line % len(names), frame(status))
+        file.stop()
+    # One file with two interfaces, or a file for each: lines by time
+    for paths in ([both], own, own[::-1]):
+        told = tell_log(paths, None, Selection())
+        lines = [line.split() for line in told if "AL_CONTROL" in line]
+        assert [(float(words[0]), words[1]) for words in lines] == [
+            (1.0, "ec1"), (2.0, "ec2"), (5.0, "ec2"), (6.0, "ec1"),
+        ]  # fmt: skip
 
 
 def test_a_damaged_file_is_an_error_of_its_user(tmp_path: Path) -> None:

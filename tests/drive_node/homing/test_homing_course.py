@@ -98,6 +98,27 @@ def test_home_offset(habit: str, at_home: int) -> None:
     assert bench.image.position_actual == at_home
 
 
+@pytest.mark.parametrize(("habit", "sign"), [("zero", -1), ("value", 1)])
+def test_a_second_homing_knows_nothing_of_the_first(habit: str, sign: int) -> None:
+    """Home is where the axis stands, each time with its own 607C."""
+    bench = Bench(7.0, home_offset=habit)
+    for offset in (100_000, -30_000, 0):
+        bench.write(home_offset=offset)
+        bench.home(37)
+        assert bench.image.position_actual == sign * offset
+        bench.write(controlword=0x0F)
+    bench.write(mode=1, target_position=2 * 104_858)
+    bench.run_ms(2)
+    bench.write(controlword=0x3F)
+    bench.run_ms(3000)
+    assert bench.image.position_actual == 2 * 104_858
+    bench.write(mode=6, controlword=0x0F)
+    bench.run_ms(5)
+    bench.write(home_offset=5000)
+    bench.home(37)
+    assert bench.image.position_actual == sign * 5000
+
+
 def test_offset_acts_with_the_next_homing_only() -> None:
     bench = Bench(7.0)
     before = bench.image.position_actual
