@@ -136,6 +136,7 @@ def test_the_stamping_terminal_is_the_last_slave(monkeypatch: pytest.MonkeyPatch
     """Two slaves answer; the second one goes to PREOP without a mailbox and shows its registers."""
     to_preop = physical(2, -1, 0x0120, b"\x02\x00")
     asked = [physical(1, -1, 0x0130, 2), physical(1, -1, 0x09AE, 34)]
+    asked += [physical(1, -place, 0x0110, 2) for place in (0, 1)]
     FakePort.sent = [frame(physical(7, 0, 0, 1)), frame(to_preop), frame(*asked)]
     monkeypatch.setattr(ethercat, "RawPort", FakePort)
     lines: list[str] = []
@@ -145,7 +146,10 @@ def test_the_stamping_terminal_is_the_last_slave(monkeypatch: pytest.MonkeyPatch
     wanted = ethercat.Wanted("v7", is_real=True, for_s=0.03)
     ethercat.serve_line(settings, wanted, hardware, lines.append)
     counters = [answer.wkc for sent in FakePort.last.back for answer in answers(sent)]
-    assert counters == [2, 1, 1, 1]
+    assert counters == [2, 1, 1, 1, 1, 1]
+    # DL status, bits 4 to 7: a link on port 0, and on port 1 where a slave follows
+    links = [answer.number >> 4 & 0xF for answer in answers(FakePort.last.back[-1])[-2:]]
+    assert links == [0b0011, 0b0001]
     assert lines[:2] == ["axis Z: slave 0 on v7", "terminal: slave 1 on v7"]
     assert any("terminal AL      INIT -> PREOP" in line for line in lines)
 

@@ -162,6 +162,18 @@ def test_what_a_restored_state_differs_by_has_an_amount_and_a_bound(
         assert f"by {share:.1e} of the range of an output, bound {STATE_BOUND:g}" in found.text
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_output_that_differs_most_counts_whichever_it_is(order: int) -> None:
+    """A tenth of the range of the one, a fiftieth of that of the other, which is larger."""
+    pairs = [(10.0, 9.0), (500.0, 490.0), (1.0, 1.0)][::order]
+    one, other = (
+        [Reading(1, repr(values).encode(), tuple((value,) for value in values))]
+        for values in zip(*pairs, strict=True)
+    )
+    outputs = [variable(name) for name in "abc"]
+    assert largest_share(one, other, outputs) == pytest.approx(0.1)
+
+
 def test_what_is_no_number_has_no_bound() -> None:
     one, other = (Reading(1, repr(v).encode(), ((v,),)) for v in (True, False))
     assert largest_share([one], [other], [variable("on")]) == float("inf")

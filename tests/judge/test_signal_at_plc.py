@@ -119,6 +119,22 @@ def test_a_probe_that_bounces_counts_where_its_level_is_on_at_an_exchange() -> N
     assert error.value == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("names", [("probe", "other"), ("other", "probe")])
+def test_of_two_probes_at_the_plc_the_first_that_is_seen_counts(names: tuple[str, str]) -> None:
+    """On at 10.4 and at 14.5 ms: the exchange at 12.3 has the first, whichever probe it is."""
+    courses = ((10_400 * US, 20 * MS), (14_500 * US, 21 * MS))
+    observed = left([], 12 * MS + CYCLE_NS, 12 * MS + SYNC_NS)
+    probes = {
+        name: ProbeRecord(True, 1.0, (), (Edge(on_ns, True), Edge(off_ns, False)))
+        for name, (on_ns, off_ns) in zip(names, courses, strict=True)
+    }
+    task = replace(TASK, probes=("probe", "other"))
+    both = replace(observed.facts, probes=probes, plc_task=task)
+    late, error = found(Observed(both, observed.series))
+    assert (late.value, late.uncertainty) == (0.0, 0.0)
+    assert error.value == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_pulse_that_nobody_looks_at_gives_no_value() -> None:
     late, error = found(left([(10_400 * US, True), (12 * MS, False)], 14 * MS, 14 * MS))
     assert (late.value, error.value) == (None, None)

@@ -9,6 +9,7 @@ import pytest
 
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.sheets import read_parquet
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
@@ -238,6 +239,17 @@ def test_a_parquet_file_reads_like_the_csv(write_plan: PlanWriter, tmp_path: Pat
     path.write_bytes(b"no parquet")
     with pytest.raises(UserError, match="cannot be read"):
         read_plan(path)
+
+
+def test_numbers_of_a_parquet_file_are_written_as_python_writes_them(tmp_path: Path) -> None:
+    """A whole one without a decimal point up to 2^53, from which on a float is known to 2 only."""
+    cells = {
+        0.0: "0", 3.0: "3", -3.0: "-3", 0.1: "0.1", -2.5: "-2.5", 2.0**53 - 1: "9007199254740991",
+        1.0 - 2.0**53: "-9007199254740991", 1e300: "1e+300", -1e300: "-1e+300", 1e-7: "1e-07",
+    }  # fmt: skip
+    path = tmp_path / "numbers.parquet"
+    pd.DataFrame({"case": list(cells)}).to_parquet(path)
+    assert read_parquet(path) == [["case"], *([text] for text in cells.values())]
 
 
 def test_all_mistakes_come_at_once_in_the_order_of_their_places(write_plan: PlanWriter) -> None:

@@ -21,7 +21,7 @@ from axisrig.reports.build import build_report
 from axisrig.reports.distance.path import drawing
 from axisrig.reports.distance.section import sections
 from axisrig.reports.distance.signals import with_surfaces
-from axisrig.reports.distance.words import law_words
+from axisrig.reports.distance.words import law_words, state
 from axisrig.reports.parts.axes import ticks
 from axisrig.reports.signals import chart
 
@@ -52,6 +52,24 @@ def happened(name: str) -> dict[str, str]:
 )
 def test_what_became_of_it(name: str, word: str) -> None:
     assert shown(name)["word"] == word
+
+
+@pytest.mark.parametrize(
+    ("is_dry", "found"),
+    [
+        ((False, False), "unstable"),
+        ((True, True), "dry"),  # nothing follows the law: nothing oscillates
+        ((True, False), "unstable"),
+        ((False, True), "unstable"),
+    ],
+)
+def test_a_law_beyond_its_limit_counts_where_the_offset_follows_it(
+    is_dry: tuple[bool, bool], found: str
+) -> None:
+    made = control(SAMPLES["oscillates"])
+    on = next(part for part in made.stretches if part.law is not None)
+    parts = [replace(on, is_dry_run=each) for each in is_dry]
+    assert state(replace(made, stretches=parts), [])[0] == found
 
 
 def test_a_loop_beyond_its_limit_is_told_in_words() -> None:

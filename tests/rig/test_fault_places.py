@@ -65,7 +65,9 @@ def test_a_fault_knows_axis_and_bus_of_its_place() -> None:
         assert (fault.axis, fault.segment, fault.telegram) == place, target
 
 
-@pytest.mark.parametrize("others", [[], ["probe_stick=probe"], ["power_loss=Z", "probe_stick=probe"]])
+@pytest.mark.parametrize(
+    "others", [[], ["probe_stick=probe"], ["power_loss=Z", "probe_stick=probe"]]
+)
 def test_a_fault_that_its_carrier_has_not_is_refused_behind_any_other(others: list[str]) -> None:
     """`drop` is of CAN, `power_loss` of any drive, `probe_stick` of a sensor of any rig."""
     rig = RIGS / "probe-z-ethercat.toml"

@@ -12,6 +12,7 @@ import pytest
 
 from axisrig.bench.drive.cia402.monitor import FOLLOWING_ERROR, Monitor
 from axisrig.bench.drive.sercos.idents import rows
+from axisrig.bench.drive.sercos.probe_unit import ProbeUnit
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
@@ -166,6 +167,28 @@ def test_a_latch_for_a_foreign_master_has_the_name_of_its_ident_and_mm(drive_of:
         node.servo.touch_probe.probes[0].latch_instants_ns.append(5_000_000)
         watch.look(6_000_000)
     assert lines == ["    0.005000 s  Z    latch   probe 1, S-0-0130 = 1294530 = 12.345600 mm"]
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("enabled", [(), (0,), (1,), (0, 1)])
+def test_each_probe_does_what_its_own_bits_say(enabled: tuple[int, ...]) -> None:
+    """S-0-0169: bits 0, 1 edges of probe 1, 2, 3 of probe 2, 5 continuous. 60B8: bit 0 on, 1 every
+    event, 4, 5 edges, 6 second encoder; those of probe 2 are 8 bits higher.
+    """
+    profile: Any = SimpleNamespace(needs_input=False)
+    unit: Any = None
+    select = 0
+    probing = ProbeUnit(profile, unit, lambda: select, lambda probe: probe in enabled)
+    for select in (*range(16), *range(1 << 5, (1 << 5) + 16)):
+        probing.begin()
+        words = []
+        for number in (0, 1):
+            own = select >> 2 * number & 3 if number in enabled else 0
+            on = 1 | (2 if select >> 5 else 0) | (1 << 6 if number else 0)
+            words.append(own << 4 | (on if own else 0))
+        assert probing.function() == words[0] | words[1] << 8, select
+        probing.end()
+        assert probing.function() == 0
 
 
 def test_the_second_enable_arms_the_second_probe(drive_of: Open) -> None:

@@ -137,6 +137,18 @@ def test_a_list_is_written_and_read_in_fragments(wire: Wire, count: int) -> None
     assert read_list(answer, 2) == items
 
 
+def test_a_write_begins_anew_behind_one_in_fragments(wire: Wire) -> None:
+    for count in (40, 3, 16, 0):
+        items = [0x9000 + count + n for n in range(count)]
+        assert wire.write(LISTED, pack_list(items, 2, 40)) == b""
+        answer = wire.read(LISTED)
+        assert isinstance(answer, bytes)
+        assert read_list(answer, 2) == items
+        wire.phase = 3
+        assert wire.write(CONTROL, number(count % 16)) == b""
+        assert wire.read(CONTROL) == number(count % 16)
+
+
 def number(value: int) -> bytes:
     return struct.pack("<H", value)
 
