@@ -363,8 +363,8 @@ def test_a_row_is_set_against_the_same_row() -> None:
 
 def test_more_time_is_a_loss_and_more_simulated_time_a_gain() -> None:
     """Each number is three times as large as before."""
-    before = {name: 2.0 for name in MORE_IS_BETTER} | {"case": "a"}
-    now = {name: 6.0 for name in MORE_IS_BETTER} | {"case": "a"}
+    before = dict.fromkeys(MORE_IS_BETTER, 2.0) | {"case": "a"}
+    now = dict.fromkeys(MORE_IS_BETTER, 6.0) | {"case": "a"}
     faster = {"real_time_factor", "cpu_factor"}
     for name, found in row_gains(now, before).items():
         assert found == pytest.approx(3.0 if name in faster else 1 / 3), name
