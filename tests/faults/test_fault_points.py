@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.faults.acts import Injected
+from axisrig.bench.machine.faults.images import KINDS
 from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_IMAGES, ON_LINES
 from axisrig.bench.machine.faults.points import ROOMS, points
 from axisrig.bench.plan.assignment import parse_assignment
@@ -71,6 +73,24 @@ def test_a_drive_with_idents_has_faults_of_its_own() -> None:
     assert not own & {*points_of(settings_of("probe-z-ethercat.toml"))["Z"]}
     with pytest.raises(UserError, match="has no idents"):
         settings_of("probe-z-ethercat.toml", "fault:bit_stuck=Z")
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("kind", ["life_stuck", "function_late"])
+def test_what_a_fault_holds_in_a_profidrive_drive_goes_on_after_it(kind: str) -> None:
+    """As often as it comes; the other one of the two is left alone."""
+    node = SimpleNamespace(holds_life=False, encoder=SimpleNamespace(holds_other=False))
+    on: Any = SimpleNamespace(nodes={"Z": node})
+    fault: Any = SimpleNamespace(axis="Z", values={})
+    numbers: Any = None
+    act = KINDS[kind](on, fault, numbers, Injected(kind, "Z"))
+    held = (kind == "life_stuck", kind == "function_late")
+    for _ in range(2):
+        assert (node.holds_life, node.encoder.holds_other) == (False, False)
+        act.begin()
+        assert (node.holds_life, node.encoder.holds_other) == held
+        act.end()
+    assert (node.holds_life, node.encoder.holds_other) == (False, False)
 
 
 def test_a_cyclic_segment_and_its_drives_have_faults_of_their_own() -> None:

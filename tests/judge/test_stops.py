@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from tests.judge.stop_recordings import (
     CONTACT_MS,
@@ -193,7 +194,7 @@ def test_the_largest_of_several_runs_is_open_where_one_is_not_known(unknown: int
 # A contact that is lost
 
 
-def _pushed(lost: slice) -> dict[str, Any]:
+def _pushed(lost: slice | npt.NDArray[np.int64]) -> dict[str, Any]:
     """Rows in which the axis is away from its stop by 0.2 mm."""
     load = LOAD.copy()
     load[lost] = STOP_MM - 0.2
@@ -237,6 +238,16 @@ def test_the_contact_that_lasts_is_the_one_that_counts(
         assert broken["Z"].first_ns == pytest.approx(CONTACT_MS * MS, abs=2)
         assert broken["Z"].lost_ns == pytest.approx(51.3 * MS, abs=0.7 * MS)
         assert (broken["Z"].since_ns is None) == (value_ms is None)
+
+
+def test_a_contact_that_was_lost_twice_was_away_for_both_times() -> None:
+    """Away from row 149 to 201 and from 214 to 266, 52 ms each; the bounce of 6 ms is none."""
+    observed = recorded(run=LATE, columns=_pushed(np.r_[150:201, 205:210, 215:266]))
+    (block,) = stop_findings(observed)
+    assert block.broken_contacts["Z"].lost_ns == 104 * MS
+    found = seen(observed, "contact_to_detection_ms")
+    assert found.value == pytest.approx(280.6 - 265.5, abs=0.6)
+    assert "lost for 104 ms" in found.note
 
 
 # What has no closed form

@@ -175,6 +175,26 @@ def test_a_slave_is_beside_its_master_at_the_instants_of_the_master() -> None:
 
 
 @pytest.mark.interpreted
+def test_a_slave_is_there_for_each_who_reads_the_signal_of_its_master() -> None:
+    """The drive of X reads the probe after 0.4 ms, the terminal, for any axis, after 0.1 ms."""
+    axes = {name: Axis(even(at, 0.01)) for name, at in (("X", 0.1), ("X2", 0.2))}
+    terminal = LatchTimes(delay_ns=100 * US)
+    at_plc = [Watcher(name, terminal, "terminal") for name in axes]
+    bench = Bench(axes, {"probe": [watcher("X", 400), *at_plc]}, {"X2": "X"})
+    bench.at(2 * MS, probe=(1 * MS, True))
+    seen = [(row.axis, row.read_by, row.latch_ns) for row in bench.log.rows()]
+    assert seen == [
+        ("X", "drive", 1_400_000),
+        ("X", "terminal", 1_100_000),
+        ("X2", "drive", 1_400_000),
+        ("X2", "terminal", 1_100_000),
+    ]
+    alone = Bench(axes, {"probe": at_plc[:1]}, {"X2": "X"})
+    alone.at(2 * MS, probe=(1 * MS, True))
+    assert {row.read_by for row in alone.log.rows()} == {"terminal"}
+
+
+@pytest.mark.interpreted
 def test_edges_of_two_signals_are_in_the_order_of_their_instants() -> None:
     axes = {"X": Axis(even(0.0, 0.01)), "Z": Axis(even(0.0, -0.01))}
     bench = Bench(axes, {"one": [watcher("Z")], "two": [watcher("X"), watcher("Z")]})

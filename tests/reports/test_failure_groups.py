@@ -3,12 +3,15 @@
 import re
 from html import unescape
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from tests.reports.swept import folder
 
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.reports.build import build_report
+from axisrig.reports.failures import section
 from axisrig.reports.failures.groups import failure_groups
 from axisrig.reports.failures.legend import legend
 
@@ -34,6 +37,21 @@ def cards(place: Path) -> list[str]:
     page = build_report(place).read_text(encoding="utf-8")
     found = re.findall(r'<article class="card.*?</article>', page, re.DOTALL)
     return [unescape(" ".join(re.sub(r"<[^>]*>", " ", card).split())) for card in found]
+
+
+@pytest.mark.interpreted
+def test_runs_without_a_card_are_counted_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Groups of 3, 2, 4 and 5 runs on a page of two cards: 9 of 14 runs have none."""
+    names = iter("abcdefghijklmn")
+    runs = [[SimpleNamespace(run=next(names)) for _ in range(many)] for many in (3, 2, 4, 5)]
+    groups = [SimpleNamespace(runs=each, worst=each[0]) for each in runs]
+    monkeypatch.setattr(section, "failure_groups", lambda _results: groups)
+    monkeypatch.setattr(section, "CARDS", 2)
+    results: Any = None
+    made = section.Cards(results, lambda _card: "")
+    assert (made.failed, made.left_out) == (14, 9)
+    assert [made.name_of(run) for run in "acdef"] == ["card-1", "card-1", "card-2", "card-2", ""]
+    assert [run for run in "abcdefghijklmn" if made.is_example(run)] == ["a", "d"]
 
 
 def test_failures_of_a_sweep_are_one_card_that_says_where(tmp_path: Path) -> None:

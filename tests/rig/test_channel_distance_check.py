@@ -43,6 +43,17 @@ def limit_of_mean(count: int, dead: int) -> float:
     return 2 * count * math.sin(w / 2) ** 2 / math.sin(count * w / 2)
 
 
+@pytest.mark.parametrize("lags_s", [(0.03, 0.01), (0.01, 0.03), (0.0, 0.03)])
+def test_the_slowest_drive_of_all_counts(tmp_path: Path, lags_s: tuple[float, float]) -> None:
+    """A lag makes the loop slower: its limit of kp is that of the slowest alone."""
+    settings = settings_of(tmp_path, "", base="distance-5axis-servo")
+    (text,) = describe_channel(settings, dict(zip("XZ", lags_s, strict=True)))
+    assert "the slowest lags by 30 ms" in text
+    assert describe_channel(settings, {"Z": 0.03}) == [text]
+    (without,) = describe_channel(settings)
+    assert "lags by" not in without
+
+
 @pytest.mark.parametrize("rig", RIG_NAMES)
 def test_the_shipped_rigs_lack_nothing(tmp_path: Path, rig: str) -> None:
     settings = settings_of(tmp_path, "", base=rig)

@@ -101,11 +101,16 @@ class EdgeLog:
 
     def _take(self, number: int, edges: Sequence[tuple[TimeNs, bool]]) -> None:
         """Note edges of a signal, for each axis that watches it and for their slaves."""
-        watchers = list(self._watchers[number])
-        by_axis = {watcher.axis: watcher for watcher in watchers}
-        for slave, master in self._slaves_of(list(by_axis)).items():
-            if slave not in by_axis and slave in self._axes:
-                watchers.append(Watcher(slave, by_axis[master].times, by_axis[master].read_by))
+        own = self._watchers[number]
+        known = {(watcher.axis, watcher.read_by) for watcher in own}
+        watchers = list(own)
+        for slave, master in self._slaves_of([watcher.axis for watcher in own]).items():
+            if slave in self._axes:
+                watchers += [
+                    Watcher(slave, watcher.times, watcher.read_by)
+                    for watcher in own
+                    if watcher.axis == master and (slave, watcher.read_by) not in known
+                ]
         for edge_ns, level in edges:
             for watcher in watchers:
                 place = self._places_at(watcher.axis, edge_ns)

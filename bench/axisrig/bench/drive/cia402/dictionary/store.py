@@ -33,7 +33,7 @@ class Owner:
 class ObjectStore:
     """Values of a device with the objects of `table`. The node number may change: see `restore`.
 
-    note_change: called with the row of every object that SDO has written.
+    note_change: called with the row of every number that SDO has written.
     """
 
     def __init__(
@@ -144,7 +144,6 @@ class ObjectStore:
             if len(data) > BYTES_MAX:
                 abort(AbortCode.TOO_LONG)
             self._set((index, sub), row, data)
-            self._note_change(row)
             return
         if len(data) != size:
             abort(AbortCode.TOO_LONG if len(data) > size else AbortCode.TOO_SHORT)
