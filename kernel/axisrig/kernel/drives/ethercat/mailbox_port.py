@@ -49,8 +49,8 @@ class MailboxPort:
     them; nothing is sent before.
 
     A frame that is late counts as lost, and the answer to what it brought may be there before the
-    message is written once more. So each conversation has a number, and what was begun for an
-    earlier one does nothing any more.
+    message is written once more. So each conversation has a number, and what was to be written for
+    an earlier one is written no more.
     """
 
     def __init__(
@@ -110,11 +110,15 @@ class MailboxPort:
         question = self._order(Command.FPWR, self.places.out_start, self._messages[0])
         conversation = self._conversation
 
+        def again(*, is_first: bool) -> None:
+            if conversation == self._conversation:
+                self._write(is_first=is_first)
+
         def done(answers: list[Answer] | None) -> None:
             if conversation != self._conversation:
                 return
             if answers is None:
-                self._later(lambda: self._write(is_first=False))
+                self._later(lambda: again(is_first=False))
             elif answers[0].counter or not is_first:
                 # After a lost frame a full mailbox shows that the slave had the message
                 del self._messages[0]
@@ -123,7 +127,7 @@ class MailboxPort:
                 else:
                     self._await()
             else:
-                self._later(lambda: self._write(is_first=True))
+                self._later(lambda: again(is_first=True))
 
         self._transactions.ask([question], done, attempts=1)
 
@@ -132,14 +136,8 @@ class MailboxPort:
 
     def _later(self, action: Callable[[], None]) -> None:
         """Go on after a while, or give the attempt up where the slave has been silent too long."""
-        conversation = self._conversation
-
-        def go_on() -> None:
-            if conversation == self._conversation:
-                action()
-
         if self._clock.now_ns < self._deadline_ns:
-            self._clock.call_at(self._clock.now_ns + POLL_NS, Phase.APPLICATION, go_on)
+            self._clock.call_at(self._clock.now_ns + POLL_NS, Phase.APPLICATION, action)
             return
         self.end()
         self._silent()
@@ -151,13 +149,14 @@ class MailboxPort:
         self._poll()
 
     def _poll(self) -> None:
-        """Ask whether there is an answer."""
-        conversation = self._conversation
+        """Ask whether there is an answer, unless it has come meanwhile."""
+        if not self.waits:
+            return
 
         def done(answers: list[Answer] | None) -> None:
             if answers and answers[0].counter and answers[0].data[0] & SM_FULL:
                 self.note_full()
-            if conversation == self._conversation:
+            if self.waits:
                 self._later(self._poll)
 
         self._transactions.ask([self._order(Command.FPRD, STATUS, bytes(1))], done)
