@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from tests.faults.made_runs import BRAKES, LISTS, alarm, braked, left
 
+from axisrig.bench.tools.scenarios.invariants import stops
+from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.stopping import stop_ns
 from axisrig.kernel.time.clock import MS
 
@@ -62,3 +64,30 @@ def test_how_long_a_speed_takes_by_the_lists(
     facts = replace(made.facts, channel=given, kinematics=kinematics)
     places = {"Z": (np.arange(100.0) * MS, np.array(braked(2000.0)))}
     assert stop_ns(facts, 30 * MS, places) == pytest.approx((expected_ms + 3.0) * MS)
+
+
+def with_offset(a_mm_s2: float, column: str, offset_mm_s: float) -> Left:
+    """Z brakes from 60 mm/s after an alarm at row 30, until which an offset moves; then it stays.
+
+    A row has the offset of the row before.
+    """
+    offset_mm = [offset_mm_s * 1e-3 * min(row, 30) for row in range(100)]
+    behind_mm = [0.0, *offset_mm[:-1]]
+    course = [path + more for path, more in zip(braked(a_mm_s2), behind_mm, strict=True)]
+    columns = {f"Z.{column}": offset_mm}
+    return left(set_mm=course, lists=BRAKES, columns=columns, alarms=(alarm(30),))
+
+
+@pytest.mark.parametrize("column", ["offset_mm", "superposed_mm"])
+def test_an_offset_that_goes_against_the_path_hides_no_speed_of_it(column: str) -> None:
+    """60 mm/s by 2000 mm/s2 are allowed although the set position goes 2 mm/s only."""
+    assert stops(with_offset(2000.0, column, -58.0)) == ""
+    # two dead rows and 60 / 1.85 whole cycles, of 60 / 2 and three
+    longer = stops(with_offset(1850.0, column, -58.0))
+    assert longer == "34.0 ms after alarm 1, 33.0 ms allowed"
+
+
+def test_one_that_goes_along_has_to_stop_with_the_path() -> None:
+    """Of the set position 70 mm/s by 2000 mm/s2."""
+    assert stops(with_offset(60.0 / 0.0345, "offset_mm", 10.0)) == ""
+    assert stops(with_offset(60.0 / 0.0375, "offset_mm", 10.0)) != ""
