@@ -18,7 +18,6 @@ from axisrig.bench.judge.distance.truth import ERROR, FOLLOWING, FREEZE, INACTIV
 from axisrig.bench.judge.latch.sources import source_error_um
 from axisrig.bench.judge.latch.truth import touch
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.machine.recording.distance_trace import SUPERPOSED
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.edges import edges_of
 from axisrig.bench.record.facts import AlarmRecord
@@ -269,7 +268,7 @@ def _without_offset(left: Left, axis: str) -> tuple[Signal, Signal]:
     set position that was computed with the offset of the row before.
     """
     times_ns, set_mm = _led(left, axis)
-    for name in ("offset_mm", SUPERPOSED):
+    for name in ("offset_mm", "superposed_mm"):
         _, offset_mm = _led(left, axis, name)
         if len(offset_mm):
             set_mm = set_mm - np.concatenate((offset_mm[:1], offset_mm[:-1]))
