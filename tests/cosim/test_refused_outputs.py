@@ -14,7 +14,7 @@ POSITION, FORCE = "table.s (position)", "motor.F (force)"
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "message"),
     [
         ((nan, 0.0, 1.0), f"{POSITION} is nan"),
         ((0.0, 0.0, -inf), f"{FORCE} is -inf"),
@@ -22,12 +22,12 @@ POSITION, FORCE = "table.s (position)", "motor.F (force)"
         ((0.0, inf, 1.0), "velocity is inf"),
     ],
 )
-def test_the_error_names_what_the_fmu_reports(values: tuple[float, ...], said: str) -> None:
+def test_the_error_names_what_the_fmu_reports(values: tuple[float, ...], message: str) -> None:
     """The speed is no output of this one: it is named only where nothing else is wrong."""
     bound = {"position": Bound("table.s"), "force": Bound("motor.F")}
     roles: Any = SimpleNamespace(
         bound=bound, has=bound.__contains__, slave=SimpleNamespace(name="table", time_ns=2_500_000)
     )
     error = refusal(roles, NAMES, values)
-    assert str(error) == f"plant table at t = 2.500000 ms: {said}"
+    assert str(error) == f"plant table at t = 2.500000 ms: {message}"
     assert (error.instance, error.time_ns) == ("table", 2_500_000)

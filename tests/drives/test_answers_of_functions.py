@@ -157,7 +157,7 @@ def test_a_read_holds_the_program_until_everything_of_its_axis_is_there_and_of_n
 
 
 class Family:
-    """The functions of the drives of one family; notes what it is told."""
+    """The functions of the drives of one family; keeps the names of its calls."""
 
     def __init__(self, name: str, calls: list[str], *, waits: bool = False) -> None:
         self.is_waiting = self.is_busy = waits
@@ -173,7 +173,7 @@ class Family:
 
 @pytest.mark.parametrize("waiting", ["none", "first", "second"])
 def test_of_several_families_each_axis_has_its_own(waiting: str) -> None:
-    """X and Y of the first, Z of the second, no function for W; each is told once."""
+    """X and Y of the first, Z of the second, no function for W; each family gets a call once."""
     calls: list[str] = []
     first, second = (Family(n, calls, waits=n == waiting) for n in ("first", "second"))
     families: Any = {"X": first, "Y": first, "Z": second}

@@ -22,8 +22,8 @@ PLACES = MailboxPlaces(out_start=0x1000, out_size=64, in_start=0x1080, in_size=6
 STATION, TIMEOUT_NS = 1001, 10 * MS
 
 
-class Line:
-    """Transactions that the test answers: what was asked, oldest first."""
+class Questions:
+    """Stands for the transactions of a line: keeps what is asked, the test answers."""
 
     def __init__(self) -> None:
         self.asked: list[tuple[Sequence[Datagram], Any]] = []
@@ -54,7 +54,7 @@ class Port:
     """A port with its line; what it hands on is kept."""
 
     def __init__(self) -> None:
-        self.line, self.clock = Line(), Scheduler()
+        self.line, self.clock = Questions(), Scheduler()
         self.seen: list[tuple[int, bytes]] = []
         self.silences = 0
         self.port = MailboxPort(
@@ -141,7 +141,7 @@ def test_the_time_of_the_next_message_is_its_own(made: Port) -> None:
 
 
 def test_an_answer_of_a_service_channel_before_its_request_is_known_to_be_written() -> None:
-    line, clock = Line(), Scheduler()
+    line, clock = Questions(), Scheduler()
     service = ServiceMailbox(line, clock, STATION, TIMEOUT_NS)  # type: ignore[arg-type]
     service.port.places = PLACES
     values: list[bytes | SoeError] = []

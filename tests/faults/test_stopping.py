@@ -69,10 +69,11 @@ def test_how_long_a_speed_takes_by_the_lists(
 def with_offset(a_mm_s2: float, column: str, offset_mm_s: float) -> Left:
     """Z brakes from 60 mm/s after an alarm at row 30, until which an offset moves; then it stays.
 
-    A row has the offset of the row before.
+    A set position has what 3D control superposes in its row, and the offset of its own control of
+    the row before.
     """
     offset_mm = [offset_mm_s * 1e-3 * min(row, 30) for row in range(100)]
-    behind_mm = [0.0, *offset_mm[:-1]]
+    behind_mm = offset_mm if column == "superposed_mm" else [0.0, *offset_mm[:-1]]
     course = [path + more for path, more in zip(braked(a_mm_s2), behind_mm, strict=True)]
     columns = {f"Z.{column}": offset_mm}
     return left(set_mm=course, lists=BRAKES, columns=columns, alarms=(alarm(30),))

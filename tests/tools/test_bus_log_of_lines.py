@@ -85,8 +85,8 @@ def test_what_is_new_on_one_line_is_not_old_by_another_one(tmp_path: Path) -> No
         file.stop()
     # One file with two interfaces, or a file for each: lines by time
     for paths in ([both], own, own[::-1]):
-        told = tell_log(paths, None, Selection())
-        lines = [line.split() for line in told if "AL_CONTROL" in line]
+        found = tell_log(paths, None, Selection())
+        lines = [line.split() for line in found if "AL_CONTROL" in line]
         assert [(float(words[0]), words[1]) for words in lines] == [
             (1.0, "ec1"), (2.0, "ec2"), (5.0, "ec2"), (6.0, "ec1"),
         ]  # fmt: skip

@@ -264,14 +264,17 @@ def _led(left: Left, axis: str, name: str = "set_mm") -> tuple[Signal, Signal]:
 def _without_offset(left: Left, axis: str) -> tuple[Signal, Signal]:
     """Return instants, ns, and set positions without the offset of distance control, shape (n,).
 
-    An offset that goes against the path hides the speed that both have to lose. A row holds the
-    set position that was computed with the offset of the row before.
+    An offset that goes against the path hides the speed that both have to lose. The set position of
+    a row has what 3D control superposes in that row, and the offset of its own control of the row
+    before (tests/faults/test_offsets_in_the_trace.py).
     """
     times_ns, set_mm = _led(left, axis)
-    for name in ("offset_mm", "superposed_mm"):
-        _, offset_mm = _led(left, axis, name)
-        if len(offset_mm):
-            set_mm = set_mm - np.concatenate((offset_mm[:1], offset_mm[:-1]))
+    _, superposed_mm = _led(left, axis, "superposed_mm")
+    _, offset_mm = _led(left, axis, "offset_mm")
+    if len(superposed_mm):
+        set_mm = set_mm - superposed_mm
+    if len(offset_mm):
+        set_mm = set_mm - np.concatenate((offset_mm[:1], offset_mm[:-1]))
     return times_ns, set_mm
 
 
