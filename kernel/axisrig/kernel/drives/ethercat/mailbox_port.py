@@ -49,8 +49,8 @@ class MailboxPort:
     them; nothing is sent before.
 
     A frame that is late counts as lost, and the answer to what it brought may be there before the
-    message is written once more. So each conversation has a number: what comes back of a message of an
-    earlier one changes nothing and begins nothing.
+    message is written once more. So each conversation has a number: what comes back of a message
+    of an earlier one changes nothing and begins nothing.
     """
 
     def __init__(
