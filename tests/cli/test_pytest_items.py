@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.can.logs import SEGMENT_MARK
 from axisrig.bench.campaign import pytest_plugin
 from axisrig.bench.campaign.pytest_plugin import (
     STORED,
@@ -19,11 +20,12 @@ from axisrig.bench.campaign.pytest_plugin import (
     has_conftest,
     is_plan,
 )
-from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
-from axisrig.bench.cli.pytest_results import Staging
+from axisrig.bench.cli.pytest_results import ResultsOfPytest, Staging
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.probes import probe_id
 from axisrig.bench.plan.verdict import Verdict
 
 PLANS = Path(__file__).parents[2] / "testplans"
@@ -46,6 +48,44 @@ def test_a_row_that_pytest_runs_is_kept_by_what_it_depends_on(tmp_path: Path) ->
     assert not log.exists()
     staging.pytest_unconfigure()
     assert not log.parent.exists()
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_files_of_a_row_and_of_each_probe_go_to_their_own_places(
+    is_kept: bool, tmp_path: Path
+) -> None:
+    """A row that searched with two probes; a results folder without bus logs has the series."""
+    case = read_plan(PLANS / "latch_accuracy.csv").cases[0]
+    staging = Staging(SimpleNamespace(stash={}))  # type: ignore[arg-type]
+    runs = [case.run, *(probe_id(case.run, number) for number in (1, 2))]
+    row, *probes = (CaseResult(replace(case, run=run), Verdict.PASS, []) for run in runs)
+    row.probes = probes
+    staged = staging.files_of(case.run)
+    for run, place in zip(runs, (staged, *staged.probes[:2]), strict=True):
+        assert place.trace is not None
+        (log,) = place.bus_logs
+        place.trace.write_text(f"series of {run}")
+        log.write_text(f"log of {run}")
+        log.with_name(f"{run}{SEGMENT_MARK}can2.pcap").write_text(f"can2 of {run}")
+    packed = staging._packed(SimpleNamespace(path=tmp_path / "p.csv"), row)  # type: ignore[arg-type]
+    assert list(log.parent.iterdir()) == []
+    staging.pytest_unconfigure()
+
+    own = [RunFiles([tmp_path / f"{run}.blf"] * is_kept, tmp_path / f"{run}.parquet")
+           for run in runs]  # fmt: skip
+    added: list[CaseResult] = []
+    writer: Any = SimpleNamespace(
+        files_of=lambda _: RunFiles(own[0].bus_logs, own[0].trace, own[1:]), add=added.append
+    )
+    ResultsOfPytest._put(writer, Outcome.unpacked(packed))
+    words = {f"{run}.parquet": f"series of {run}" for run in runs}
+    for run in runs if is_kept else ():
+        words |= {f"{run}.blf": f"log of {run}"}
+        words |= {f"{run}{SEGMENT_MARK}can2.pcap": f"can2 of {run}"}
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == words
+    (written,) = added
+    assert [one.case.run for one in (written, *written.probes)] == runs
+    assert all(one.series is not None for one in (written, *written.probes))
 
 
 # What is a plan, and its rows

@@ -134,3 +134,38 @@ def test_many_values_are_thinned_and_the_farthest_stay() -> None:
         assert DOTS // 2 < len(circles(svg)) <= DOTS
     titles = [title.text or "" for title in order.findall("circle/title")]
     assert any(text.endswith(": 9") for text in titles)
+
+
+EVEN = tuple(n / 100 for n in range(100))
+
+
+@pytest.mark.parametrize(
+    ("values", "limits"),
+    [
+        (VALUES, (None, None)),
+        (EVEN, (None, None)),
+        (EVEN, (-30.0, 0.5)),
+        ((*EVEN, 40.0), (None, 90.0)),
+        (tuple(-v for v in EVEN), (-0.2, None)),
+        ((0.0,) * 20 + (1.0,) * 20, (0.0, 1.0)),
+    ],
+)
+def test_all_that_is_drawn_of_a_sample_is_in_its_field(
+    values: tuple[float, ...], limits: tuple[float | None, float | None]
+) -> None:
+    """Of values that lie evenly the normal curve is higher than every bar."""
+    for svg in drawn(values, *limits):
+        (frame,) = [box for box in svg.iter("rect") if box.get("class") == "ax-field"]
+        left, top = (float(frame.get(name, "")) for name in "xy")
+        right, foot = left + float(frame.get("width", "")), top + float(frame.get("height", ""))
+        places = circles(svg)
+        for line in svg.iter("polyline"):
+            places += [tuple(map(float, at.split(","))) for at in line.get("points", "").split()]  # type: ignore[misc]
+        for line in svg.iter("line"):
+            ends = [float(line.get(name, "")) for name in ("x1", "y1", "x2", "y2")]
+            places += [(ends[0], ends[1]), (ends[2], ends[3])]
+        for bar in svg.iter("rect"):
+            x, y, width, height = (float(bar.get(n, "")) for n in ("x", "y", "width", "height"))
+            places += [(x, y), (x + width, y + height)]
+        assert all(left - 0.2 <= x <= right + 0.2 for x, _ in places)
+        assert all(top - 0.2 <= y <= foot + 0.2 for _, y in places)

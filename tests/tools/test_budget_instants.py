@@ -23,6 +23,7 @@ from axisrig.bench.tools.budget.encoder import (
     normal_number,
 )
 from axisrig.bench.tools.budget.instants import Instants, instants_at_plc, is_handed
+from axisrig.bench.tools.budget.observed_run import Seen, _whole
 from axisrig.kernel.time.clock import MS, US
 
 SYNC_NS = 48 * US
@@ -234,6 +235,62 @@ def test_the_noise_of_an_instant() -> None:
     same = noise_number(track, "Z", on, value_ns, value_ns - 5 * US)
     assert same == pytest.approx(normal_number(53, 1))
     assert not is_stamped(track, "Z")
+
+
+class Ramp(Track):
+    """v = v0 + a t at each SYNC (mm/s, mm/s2), from 0 at t = 0."""
+
+    def __init__(self, speed_mm_s: float, acceleration_mm_s2: float, **facts: Any) -> None:
+        super().__init__(**facts)
+        self._motion = speed_mm_s, acceleration_mm_s2
+
+    def at(self, time_ns: int) -> tuple[float, float]:
+        (v, a), t = self._motion, time_ns / MS / 1e3
+        return v * t + a * t**2 / 2, v + a * t
+
+
+def whole_of(speed_mm_s: float, acceleration_mm_s2: float, **more: Any) -> Seen:
+    """What is seen of a touch 3 ms after the begin, whose drive latches 2 ms later."""
+    settings = plc(None, None)
+    settings.rig.axis["Z"].probe_1 = "probe"
+    settings.rig.axis["X"] = SimpleNamespace(plant="x")
+    settings.rig.plant["probe"] = SimpleNamespace(start={}, wire={"z": "z"})
+    run = SimpleNamespace(sources={"Z": SIGNAL}, signal_ns=more.get("signal_ns"))
+    contact = SimpleNamespace(time_ns=3 * MS + SYNC_NS)
+    touch: Any = SimpleNamespace(run=run, contact=contact, edge_ns=contact.time_ns)
+    track: Any = Ramp(speed_mm_s, acceleration_mm_s2)
+    plain = Seen(-1.0, speed_mm_s, 2.0, None, None)
+    return _whole(track, touch, "Z", settings, plain)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("speed_mm_s", "acceleration_mm_s2", "gains"),
+    [
+        (10.0, 1000.0, True),
+        (10.0, -1000.0, False),  # 7 and 6 mm/s: it brakes
+        (10.0, 0.0, False),
+        (10.0, 19.0, False),  # 1.9 of 1000 in a cycle: a step of the set position by an increment
+        (10.0, 21.0, True),
+    ],
+)
+def test_an_axis_gains_speed_whichever_way_it_goes(
+    speed_mm_s: float, acceleration_mm_s2: float, gains: bool, side: float
+) -> None:
+    assert whole_of(side * speed_mm_s, side * acceleration_mm_s2).gains_speed is gains
+
+
+@pytest.mark.parametrize(
+    ("signal_ns", "is_after"),
+    [(None, False), (5 * MS + SYNC_NS - 1, True), (5 * MS + SYNC_NS, False)],
+)
+def test_a_value_of_after_the_signal_is_of_an_axis_that_brakes(
+    signal_ns: int | None, is_after: bool
+) -> None:
+    found = whole_of(-10.0, 0.0, signal_ns=signal_ns)
+    assert found.is_after_signal is is_after
+    assert (found.value_ms, found.sampled_ms, found.source) == (2.0, None, SIGNAL)
+    assert found.per_length == -1.0  # straight down onto a plane
 
 
 def test_the_noise_of_a_stamp_is_that_of_four_syncs() -> None:

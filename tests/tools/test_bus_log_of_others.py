@@ -190,6 +190,28 @@ def test_a_damaged_line_is_named(
     assert (error.value.file, error.value.line) == (str(path), line)
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.log", "(0.010) can0 701#00\n(0.060) can0 702#00\n(0.050) can0 703#00\nrubbish\n"),
+        ("a.asc", asc("absolute", "0.010 1 701 Rx d 1 00", "0.060 1 702 Rx d 1 00",
+                      "0.050 1 703 Rx d 1 00", "0.02 1 6Y3 Rx d 1 00")),
+        ("a.trc", ";$FILEVERSION=1.1\n     1)       10.0  Rx         0701  1  00\n"
+         "     2)       60.0  Rx         0702  1  00\n     3)       50.0  Rx         0703  1  00\n"
+         "     4)       70.0  Rx         0704  9  00\n"),
+    ],
+)  # fmt: skip
+def test_what_came_before_a_damage_is_there_in_its_order(
+    written: Callable[..., Path], name: str, text: str
+) -> None:
+    """Three frames at 10, 60 and 50 ms: the second of them was written too early."""
+    shown = []
+    with pytest.raises(UserError):  # noqa: PT012 - one line after the other, until it raises
+        for line in tell_log([written(name, text)], None, Selection(is_all=True)):
+            shown.append(line.split()[2])
+    assert shown == ["701", "703", "702"]
+
+
 def pcapng(
     link: int, packets: list[tuple[int, bytes]], order: str = "<", resolution: int | None = None
 ) -> bytes:

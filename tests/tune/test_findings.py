@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.bench.tools.tune import distance as tuning
 from axisrig.bench.tools.tune.advice import (
     KP_MAX,
     OVERSHOOT,
@@ -38,6 +39,7 @@ from axisrig.bench.tools.tune.distance import (
     _first_jump,
     _first_shown_ns,
     _loop,
+    _paths,
 )
 from axisrig.bench.tools.tune.identify import Path, identify, renewal_cycles
 from axisrig.bench.tools.tune.loop import Law, Loop, both_encoders, const_dist, set_pos, trimmed
@@ -246,6 +248,42 @@ def test_every_how_many_cycles_a_signal_is_new(every: int) -> None:
     offset = np.concatenate([np.zeros(50), np.cumsum(np.ones(300)) * 0.01])
     signal = offset[(np.arange(350) // every) * every]
     assert renewal_cycles(offset, signal, 50) == every
+
+
+def answer(gain: float, settled: int) -> Path:
+    """An answer of this gain, of which a half is there in cycle 2 and all in `settled`."""
+    return Path(gain * (np.eye(1, 1000, 2)[0] + np.eye(1, 1000, settled)[0]) / 2, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("short", "tried"),
+    [
+        (answer(1.0, 239), [300]),
+        (answer(1.0, 240), [300, 1000]),  # 0.8 of 300 cycles: it may not be over
+        (answer(1.019, 100), [300]),
+        (answer(1.021, 100), [300, 1000]),
+        (answer(0.979, 100), [300, 1000]),
+    ],
+)
+def test_an_answer_that_is_not_over_or_not_whole_is_measured_longer(
+    short: Path, tried: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The surface is where the axis and its sensor say at the end of the rest: 30.05 - 2.05."""
+    found = {300: short, 1000: answer(0.5, 990)}
+    asked: list[tuple[float, float, int]] = []
+
+    def steps(_bench: Any, surface_mm: float, step_mm: float, steps: Any) -> Any:
+        asked.append((surface_mm, step_mm, steps.cycles))
+        return SimpleNamespace(signals=steps.cycles)
+
+    monkeypatch.setattr(tuning, "surface_steps", steps)
+    monkeypatch.setattr(tuning, "_identified", lambda _, cycles: (found[cycles], short))
+    lifted = np.repeat([0.0, 0.05], 300)
+    rest = Signals(*(np.zeros(600),) * 3, actual_mm=30 + lifted, distance_mm=2.1 - lifted)
+    run, path, actual = _paths(SimpleNamespace(), rest, 0.05, 1e-3)  # type: ignore[arg-type]
+    assert [cycles for _, _, cycles in asked] == tried
+    assert asked[0][:2] == pytest.approx((28.0, 0.05))
+    assert (run.signals, path, actual) == (tried[-1], found[tried[-1]], short)
 
 
 def test_noise_of_the_rest_is_that_of_the_signal() -> None:

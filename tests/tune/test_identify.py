@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from axisrig.bench.tools.tune.identify import Floats, Path, identify
+from axisrig.bench.tools.tune.identify import Floats, Path, _rounding_mm, identify
 
 BEGIN, STEP_MM = 100, 0.1
 SLOW = np.concatenate([np.zeros(3), 0.05 * 0.95 ** np.arange(297)])
@@ -58,3 +58,17 @@ def test_an_offset_that_was_there_before_is_no_part_of_the_answer(before_mm: flo
     for offset_mm in (0.0, before_mm):
         path = identify(steps + offset_mm, 7.0 + late, 30, 20)
         assert path.impulses == pytest.approx(np.eye(1, 20, 3)[0], abs=1e-6)
+
+
+@pytest.mark.parametrize("increment_mm", [1e-5, 2e-3])
+def test_two_roundings_are_the_least_noise_of_a_signal(increment_mm: float) -> None:
+    """Set position and encoder are rounded on their own, each by q/sqrt(12): q/sqrt(6) together.
+
+    The increment is the smallest change, whatever larger ones and last bits there are.
+    """
+    draws = np.random.default_rng(3).uniform(-50.0, 50.0, (2, 20_000))
+    off = np.std((draws - np.round(draws)).sum(axis=0)) * increment_mm
+    places = np.array([700, 700, 701, 701, 699, 720, 720, 719.999_999_999_9])
+    assert _rounding_mm(places * increment_mm) == pytest.approx(off, rel=0.02)
+    assert _rounding_mm(places * increment_mm) == pytest.approx(increment_mm / 6**0.5)
+    assert _rounding_mm(np.full(9, 7.0)) == 0.0
