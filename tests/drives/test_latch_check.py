@@ -250,3 +250,35 @@ def test_an_axis_that_moves_leaves_the_run_without_a_proof() -> None:
         links[1].is_still = True
         check.begin()
         assert check.is_possible
+
+
+def test_an_answer_to_a_run_that_is_over_gives_the_room_back() -> None:
+    """The drive answers the question of run 1 when run 2 has begun: run 2 gets the room then."""
+    sdo, (_, room) = FakeSdo(), segment()
+    check = in_room(sdo, room)
+    check.begin()
+    assert not check.is_ready  # the counter of run 1 is asked for
+    check.begin()
+    assert not check.is_ready  # run 2 waits for the room
+    assert len(sdo.waiting) == 1
+    sdo.answer()
+    assert not check.is_ready  # nothing known of run 2 yet; it has the room now
+    assert len(sdo.waiting) == 1
+    sdo.answer()
+    assert check.is_ready
+    latch(sdo, 42)
+    assert cycles(check, sdo, 42) >= 3
+
+
+def test_a_silent_drive_gives_the_room_back_to_the_others_of_its_segment() -> None:
+    silent, other, (_, room) = FakeSdo(), FakeSdo(), segment(2)
+    silent.silent = True
+    checks = [in_room(silent, room), in_room(other, room)]
+    for check in checks:
+        check.begin()
+        check.is_ready  # noqa: B018 - looked at in every cycle
+    assert (len(silent.waiting), len(other.waiting)) == (1, 0)
+    silent.answer()
+    assert not checks[1].is_ready
+    other.answer()
+    assert [check.is_ready for check in checks] == [False, True]

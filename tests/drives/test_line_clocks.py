@@ -1,0 +1,102 @@
+"""Before SYNC0 begins every clock of a line has to follow, or its drive has an alarm."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.kernel.drives.ethercat.frames import Answer, at_station
+from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
+from axisrig.kernel.drives.ethercat.settings import LineSettings, RegisterInputs, station_of
+from axisrig.kernel.drives.ethercat.steps import Ask, DriveSteps, Pause
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.ethercat.tables import Command, address_of
+from axisrig.kernel.time.clock import MS
+
+LIMIT_NS, TIMEOUT_NS, PERIOD_NS = 500, 20 * MS, MS
+SILENT = None
+SIGN = 1 << 31
+"""Bit 31 of 092C says that the clock is behind; the rest is the amount."""
+
+LINE = LineSettings(
+    name="ec1", period_ns=PERIOD_NS, clock_limit_ns=LIMIT_NS, clock_timeout_ns=TIMEOUT_NS
+)
+
+
+class Waiting:
+    """Lets a line wait for its clocks. differences: of every slave, for each look in turn."""
+
+    def __init__(self, *differences: list[int | None]) -> None:
+        self.alarms: dict[str, Alarm | None] = {}
+        self.clock = SimpleNamespace(now_ns=0)
+        self.differences = list(differences)
+        self.slaves = [self.slave(number) for number in range(len(differences[0]))]
+        master: Any = SimpleNamespace(line=LINE, transactions=None)
+        self.start = LineStart(master, self.clock, self.slaves)  # type: ignore[arg-type]
+        self.looks = 0
+
+    def slave(self, number: int) -> Starting:
+        axis: str = "XYZ"[number]
+        settings = RegisterInputs(axis=axis, node_id=number + 1, first=0, size=0)
+        ended = lambda alarm: self.alarms.update({axis: alarm})  # noqa: E731
+        return Starting(settings, None, DriveSteps(), ended)
+
+    def run(self) -> None:
+        steps, answer = self.start._follow(station_of(self.slaves[0].settings)), None
+        while True:
+            try:
+                step = steps.send(answer)
+            except StopIteration:
+                return
+            if isinstance(step, Pause):
+                self.clock.now_ns += step.time_ns
+                answer = None
+            else:
+                assert isinstance(step, Ask)
+                answer = self.answer(step)
+
+    def answer(self, step: Ask) -> Any:
+        """As slaves answer: two datagrams hand the time on, then each shows its difference."""
+        address = address_of("SYSTEM_TIME_DIFFERENCE")
+        stations = [station_of(slave.settings) for slave in self.start._alive]
+        commands = [each.command for each in step.datagrams]
+        assert commands == [Command.FPWR, Command.FRMW, *[Command.FPRD] * len(stations)]
+        read = [each.address for each in step.datagrams[2:]]
+        assert read == [at_station(station, address) for station in stations]
+        shown = self.differences[min(self.looks, len(self.differences) - 1)]
+        self.looks += 1
+        found = [Answer(b"", 1)] * 2
+        for off in shown:
+            data = bytes(4) if off is None else off.to_bytes(4, "little")
+            found.append(Answer(data, 0 if off is SILENT else 1))
+        return found
+
+
+@pytest.mark.parametrize("late", [0, 1, 2])
+@pytest.mark.parametrize("far", [LIMIT_NS + 1, SIGN | LIMIT_NS + 1, SILENT])
+def test_the_last_clock_that_follows_ends_the_waiting(late: int, far: int | None) -> None:
+    """At the limit a clock follows; ahead, behind or unknown it is waited for, whichever it is."""
+    off: list[int | None] = [LIMIT_NS, SIGN | LIMIT_NS, 0]
+    off[late] = far
+    waiting = Waiting(off, off, [LIMIT_NS, SIGN | LIMIT_NS, 0])
+    waiting.run()
+    assert waiting.looks == 3
+    assert waiting.clock.now_ns == 2 * PERIOD_NS
+    assert waiting.alarms == {}
+
+
+@pytest.mark.parametrize("late", [0, 1, 2])
+@pytest.mark.parametrize(("far", "shown"), [(LIMIT_NS + 1, "501"), (SILENT, "unknown")])
+def test_a_clock_that_never_follows_is_the_alarm_of_its_drive(
+    late: int, far: int | None, shown: str
+) -> None:
+    off: list[int | None] = [0, 0, 0]
+    off[late] = far
+    waiting = Waiting(off)
+    waiting.run()
+    assert waiting.clock.now_ns == TIMEOUT_NS
+    (axis,) = waiting.alarms
+    alarm = waiting.alarms[axis]
+    assert alarm is not None
+    assert (axis, alarm.id) == ("XYZ"[late], 900707)
+    assert alarm.values == {"axis": axis, "position": late + 1, "ns": shown, "ms": 20}
