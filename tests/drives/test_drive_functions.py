@@ -87,6 +87,28 @@ def test_limits_that_cannot_be_are_corrected_with_a_warning(
     assert {name: warning.values[name] for name in values} == values
 
 
+@pytest.mark.parametrize(
+    ("data_type", "lines", "found"),
+    [
+        ("UNS16", "min_limit -7000;max_limit 1", [(70384, "-6553.5"), (70383, "0")]),
+        ("UNS16", "min_limit -6553.5;max_limit 0", []),
+        ("SGN16", "min_limit -3276.8;max_limit 3276.9", [(70384, "-3276.7"), (70383, "3276.8")]),
+        ("SGN16", "min_limit -3276.7;max_limit 3276.8", []),
+    ],
+)
+def test_a_negative_factor_turns_the_limits_of_the_data_type_round(
+    tmp_path: Path, data_type: str, lines: str, found: list[tuple[int, str]]
+) -> None:
+    """VAL times -10 has to fit: 0 to 65535, and -32768 to 32767."""
+    text = PRINTED.replace("10.0", "-10.0").replace("UNS16", data_type)
+    added = "".join(f"antr.function[1].{line}\n" for line in lines.split(";"))
+    functions, warnings = _read(tmp_path, text + added)
+    assert [(each.id, each.values["corrected"]) for each in warnings] == found
+    torque = functions["TORQUE_LIMIT"]
+    assert torque.raw(-300, "Z") == 3000
+    assert torque.value(torque.encode(3000)) == -300.0
+
+
 def test_swapped_limits_act_in_their_right_order(tmp_path: Path) -> None:
     text = PRINTED + "antr.function[1].min_limit 300\nantr.function[1].max_limit 2\n"
     functions, _ = _read(tmp_path, text)

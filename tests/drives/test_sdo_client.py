@@ -151,6 +151,29 @@ def test_a_transfer_that_broke_off_begins_anew() -> None:
     assert results == [b"ABCDEFGHI"]
 
 
+def test_a_write_that_broke_off_begins_anew() -> None:
+    """Silent after the second segment: the second attempt sends all of it, from its begin."""
+    silences = [True]
+
+    def answer(asked: bytes) -> list[bytes]:
+        if asked[0] == 0x80 or (asked[0] & 0x10 and asked[0] < 0x20 and silences and silences.pop()):
+            return []
+        if asked[0] == 0x21:
+            return [_frame("60 08 10 00 00 00 00 00")]
+        return [bytes((0x20 | asked[0] & 0x10, *bytes(7)))]
+
+    server, client = _client(answer)
+    results: list[object] = []
+    client.write(0x1008, 0, b"ABCDEFGHIJKLMNOPQ", results.append)
+    server.clock.run_until(300 * MS)
+    begin = "21 08 10 00 11 00 00 00"
+    first, second, last = "00 41424344454647", "10 48494a4b4c4d4e", "09 4f505100000000"
+    abort = "80 08 10 00 00 00 04 05"
+    sent = [begin, first, second, abort, begin, first, second, last]
+    assert server.asked == [_frame(text) for text in sent]
+    assert results == [b""]
+
+
 def test_a_toggle_bit_that_stands_still_ends_the_transfer() -> None:
     def answer(asked: bytes) -> list[bytes]:
         if asked[0] == 0x40:

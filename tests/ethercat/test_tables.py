@@ -28,3 +28,13 @@ def test_layouts_have_the_sizes_of_their_registers() -> None:
     assert tables.al_status_text(0x0035).startswith("0x0035, cycle of DC")
     assert tables.al_status_text(0x7FFF) == "0x7FFF, a code of the manufacturer"
     assert tables.sii_categories()["RXPDO"] == 51
+
+
+def test_an_al_status_has_a_state_an_error_bit_and_others() -> None:
+    """0130: bits 3..0 the state, bit 4 error, bit 5 that an identification is in 0134."""
+    for state in tables.AlState:
+        assert tables.state_name(state) == state.name
+        assert tables.state_name(state | 0x20) == state.name
+        assert tables.state_name(state | 0x10) == f"{state.name} with error"
+        assert tables.state_name(state | 0x30) == f"{state.name} with error"
+    assert (tables.state_name(0x05), tables.state_name(0x15)) == ("0x5", "0x5 with error")

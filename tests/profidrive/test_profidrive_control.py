@@ -86,6 +86,17 @@ def test_a_value_of_an_earlier_run_is_none(armed: EncoderControl) -> None:
     assert (armed.increments, armed.has_latched) == (None, False)
 
 
+@pytest.mark.parametrize("moved", [7, -7, 0])
+@pytest.mark.parametrize("place", [0, 2**31 - 3, -(2**31) + 3])
+def test_the_speed_at_a_latch_is_that_of_its_cycle_also_where_the_position_wraps(
+    armed: EncoderControl, place: int, moved: int
+) -> None:
+    after = (place + moved + 2**31) % 2**32 - 2**31  # G1_XIST1 has 32 bits and a sign
+    armed.take(POS, 0, place)
+    armed.take(POS << 4, 99, after)
+    assert (armed.has_latched, armed.speed_increments) == (True, moved)
+
+
 def test_an_error_is_acknowledged_before_the_next_run(armed: EncoderControl) -> None:
     armed.disarm()
     cycles(armed, *[(words.ENCODER_ERROR, 6)] * 4)

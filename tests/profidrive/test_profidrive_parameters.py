@@ -121,6 +121,23 @@ def test_requests_are_those_of_the_profile_and_run_in_turn(far: Far) -> None:
     assert far.answer("02 02 00 01") == b""
 
 
+@pytest.mark.parametrize("waiting", [0, 1, 2])
+def test_what_an_answer_asks_for_comes_behind_what_waits_and_once(far: Far, waiting: int) -> None:
+    def ask_next(found: bytes | AccessError) -> None:
+        far.found.append(found)
+        far.channel.read(5000, 0, far.found.append)
+
+    far.channel.read(1000, 0, ask_next)
+    for number in range(waiting):
+        far.channel.read(2000 + number, 0, far.found.append)
+    for reference in range(1, waiting + 3):
+        assert len(far.requests) == reference  # one at a time
+        far.answer(f"{reference:02X} 01 00 01 42 01 00 {reference:02X}")
+    numbers = [int.from_bytes(each[6:8], "big") for each in far.requests]
+    assert numbers == [1000, *range(2000, 2000 + waiting), 5000]
+    assert far.found == [bytes((reference, 0)) for reference in range(1, waiting + 3)]
+
+
 @pytest.mark.parametrize(
     ("response", "words"),
     [

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.drives.ethercat.settings import Pdo
+from axisrig.kernel.drives.ethercat.slave_data import Silent
 from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.drives.power import Power, PowerOrder
 from axisrig.kernel.drives.sercos.data import TelegramData
@@ -59,8 +60,8 @@ class Channel:
 class Bench:
     """A drive of 1000 increments per mm."""
 
-    def __init__(self, *, second: bool = False, **settings: Any) -> None:
-        self.inputs = (*AT, SECOND) if second else AT
+    def __init__(self, *, second: bool = False, at: Any = AT, **settings: Any) -> None:
+        self.inputs = (*at, SECOND) if second else at
         self.settings = SercosSettings(
             "Z", 1000.0, node_id=1, lead_mm=10.0, period_us=1000,
             inputs=[Pdo(0, self.inputs)], outputs=[Pdo(0, MDT)],
@@ -73,7 +74,7 @@ class Bench:
 
     def cycle(self, status: int, place: int = 0, *more: int) -> int:
         """One cycle; returns S-0-0134 as it was sent."""
-        values = (place, 1300, -1310, *more)
+        values = (place, *(more if len(more) > 1 else (1300, -1310, *more)))
         self.data.forget()
         self.data.arrived(struct.pack(f"<H{len(values)}i", status, *values))
         self.drive.take()
@@ -201,6 +202,31 @@ def test_another_edge_has_its_own_value_and_one_that_the_telegram_lacks_is_refus
         assert (bench.cycle(OPERATES) & 0xC0, bench.drive.is_probing) == (0, False)
 
 
+def test_each_edge_of_each_probe_is_confirmed_by_its_own_idents() -> None:
+    """S-0-0130 to 133 are the values, S-0-0409 to 412 show that one is there (FCT-C4 6.1)."""
+    values = tuple(MappedObject(130 + at, 0, 32, True, "") for at in range(4))
+    bench = Bench(at=(*AT[:2], *values), proves_latches=True, bits=real_time_bits(0, 0))
+    for at in (0, 1, 3, 2, 3, 1, 0):
+        probe_input, edge = at // 2 + 1, ("POS", "NEG")[at % 2]
+        bench.drive.choose_latch(probe_input, edge)
+        assert (bench.drive.probe_input, bench.drive.edge) == (probe_input, edge)
+        for _ in range(8):
+            bench.cycle(OPERATES, 0, 1000, 2000, 3000, 4000)
+        bench.drive.arm()
+        bench.channel.answer()
+        for _ in range(8):
+            bench.cycle(OPERATES, 0, 1000, 2000, 3000, 4000)
+        bench.cycle(OPERATES | BITS[0][1], 7, 1000, 2000, 3000, 4000)
+        assert bench.drive.latched_mm == at + 1.0
+        bench.channel.asked.clear()
+        assert not bench.drive.is_confirmed()
+        bench.channel.answer(b"\1\0")
+        bench.channel.answer((1000 * (at + 1)).to_bytes(4, "little"))
+        assert bench.drive.is_confirmed()
+        assert [ident for ident, _ in bench.channel.asked] == [409 + at, 130 + at]
+        bench.drive.disarm()
+
+
 @pytest.mark.parametrize("number", BITS)
 @pytest.mark.parametrize("edge", ["POS", "NEG"])
 def test_the_level_of_the_probe_is_that_of_its_edge(edge: str, number: int) -> None:
@@ -243,3 +269,24 @@ def test_telegrams_may_stay_out_so_often_in_a_row(missing_cycles: int) -> None:
     with pytest.raises(Alarm) as caught:
         bench.drive.take()
     assert (caught.value.id, caught.value.values["cycles"]) == (900730, missing_cycles + 1)
+
+
+def test_a_slave_that_answers_again_is_not_blamed_for_what_comes_later() -> None:
+    """900733 names it while it is silent; until somebody has asked anew it is a wrong counter."""
+    bench = Bench(missing_cycles=0)
+    silent = Silent(axis="Y", position=2, found=1, expected=2)
+    for asked in (silent, None, silent, None):
+        bench.cycle(OPERATES)
+        bench.data.forget()
+        bench.data.refused(3, 6)
+        if asked is not None:
+            bench.data.silent = asked
+        with pytest.raises(Alarm) as caught:
+            bench.drive.take()
+        alarm = caught.value
+        if asked is None:
+            values = {"axis": "Z", "cycles": 1, "counter": 3, "expected": 6}
+            assert (alarm.id, alarm.values) == (900731, values)
+        else:
+            values = {"axis": "Y", "position": 2, "found": 1, "expected": 2, "cycles": 1}
+            assert (alarm.id, alarm.values) == (900733, values)

@@ -231,7 +231,7 @@ def _limits(
     if low > high:
         warnings.append(Alarm(70385, axis=axis, key=key, low=f"{low:g}", high=f"{high:g}"))
         low, high = high, low
-    bounds = sorted(bound / factor for bound in of_type)
+    bounds = sorted(bound / factor + 0.0 for bound in of_type)  # no -0
     if low > -UNLIMITED and low < bounds[0]:
         warnings.append(
             Alarm(70384, axis=axis, key=key, low=f"{low:g}", corrected=f"{bounds[0]:g}")
