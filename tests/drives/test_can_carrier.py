@@ -1,4 +1,4 @@
-"""What the kernel itself sends on CAN: the SYNC of each cycle, and its heartbeat on every segment."""
+"""What the kernel itself sends on CAN: the SYNC of each cycle, its heartbeat on every segment."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -156,7 +156,9 @@ def test_a_write_that_broke_off_begins_anew() -> None:
     silences = [True]
 
     def answer(asked: bytes) -> list[bytes]:
-        if asked[0] == 0x80 or (asked[0] & 0x10 and asked[0] < 0x20 and silences and silences.pop()):
+        if asked[0] == 0x80 or (
+            asked[0] & 0x10 and asked[0] < 0x20 and silences and silences.pop()
+        ):
             return []
         if asked[0] == 0x21:
             return [_frame("60 08 10 00 00 00 00 00")]
