@@ -18,15 +18,24 @@ SILENT = None
 SIGN = 1 << 31
 """Bit 31 of 092C says that the clock is behind; the rest is the amount."""
 
+SHIFT_NS = 300_000
 LINE = LineSettings(
-    name="ec1", period_ns=PERIOD_NS, clock_limit_ns=LIMIT_NS, clock_timeout_ns=TIMEOUT_NS
+    name="ec1",
+    period_ns=PERIOD_NS,
+    shift_ns=SHIFT_NS,
+    clock_limit_ns=LIMIT_NS,
+    clock_timeout_ns=TIMEOUT_NS,
 )
 
 
 class Waiting:
-    """Lets a line wait for its clocks. differences: of every slave, for each look in turn."""
+    """Lets a line wait for its clocks. differences: of every slave, for each look in turn.
 
-    def __init__(self, *differences: list[int | None]) -> None:
+    drives: so many of the slaves have one, those behind them have none.
+    """
+
+    def __init__(self, *differences: list[int | None], drives: int = 3) -> None:
+        self.drives = drives
         self.alarms: dict[str, Alarm | None] = {}
         self.clock = SimpleNamespace(now_ns=0)
         self.differences = list(differences)
@@ -39,6 +48,8 @@ class Waiting:
         axis: str = "XYZ"[number]
         settings = RegisterInputs(axis=axis, node_id=number + 1, first=0, size=0)
         ended = lambda alarm: self.alarms.update({axis: alarm})  # noqa: E731
+        if number >= self.drives:
+            return Starting(settings, None, None)
         return Starting(settings, None, DriveSteps(), ended)
 
     def run(self) -> None:
@@ -100,3 +111,37 @@ def test_a_clock_that_never_follows_is_the_alarm_of_its_drive(
     assert alarm is not None
     assert (axis, alarm.id) == ("XYZ"[late], 900707)
     assert alarm.values == {"axis": axis, "position": late + 1, "ns": shown, "ms": 20}
+
+
+@pytest.mark.parametrize("late", [[1], [2], [1, 2]])
+def test_a_slave_without_a_drive_stops_the_first_drive_once(late: list[int]) -> None:
+    """X has a drive, the terminals Y and Z behind it have none: the alarm names the terminal."""
+    off: list[int | None] = [SILENT if number in late else 0 for number in range(3)]
+    waiting = Waiting(off, drives=1)
+    waiting.run()
+    (alarm,) = waiting.alarms.values()
+    assert alarm is not None
+    assert (list(waiting.alarms), alarm.values["axis"]) == (["X"], "XYZ"[late[0]])
+    has_failed = [slave.has_failed for slave in waiting.slaves]
+    assert has_failed == [True, 1 in late, 2 in late]
+
+
+@pytest.mark.parametrize(
+    ("now_ns", "start_ns"), [(0, 10 * MS), (1, 11 * MS), (MS, 11 * MS), (7 * MS - 1, 17 * MS)]
+)
+def test_sync0_of_all_drives_begins_at_one_instant_of_the_grid(now_ns: int, start_ns: int) -> None:
+    """Ten cycles ahead at least, on the grid of the cycles, and shifted as the rig says."""
+    waiting = Waiting([0, 0, 0], drives=2)
+    waiting.clock.now_ns = now_ns
+    found: dict[int, dict[int, bytes]] = {}
+    for step in waiting.start._begin_sync():
+        assert isinstance(step, Ask)
+        for each in step.datagrams:
+            found.setdefault(each.address & 0xFFFF, {})[each.address >> 16] = each.data
+    drives = [station_of(slave.settings) for slave in waiting.slaves[:2]]
+    assert list(found) == drives  # none of the terminal
+    for registers in found.values():
+        begin = int.from_bytes(registers[address_of("START_TIME")], "little")
+        period = int.from_bytes(registers[address_of("SYNC0_CYCLE")], "little")
+        assert (begin, period) == (start_ns + SHIFT_NS, PERIOD_NS)
+        assert registers[address_of("ACTIVATION")] == b"\3"

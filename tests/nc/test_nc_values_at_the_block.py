@@ -1,0 +1,52 @@
+"""A value of the PLC side is read when the machining is at the block, wherever in it it stands."""
+
+import pytest
+from tests.nc.conftest import PlaneMachine
+
+from axisrig.kernel.nc.canon import Command, Message, Wait
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
+
+AXES = ("X", "Y", "Z")
+LOOP = '#MSG ["%g", P1]\n$ENDFOR'
+SHOW = '#MSG ["%g", P1]'
+
+
+def messages(text: str) -> list[str]:
+    """V.E.N is 1 until the axes have moved, then 2."""
+    machine = PlaneMachine(dict.fromkeys(AXES, 0.0), None)
+    external = {"N": 1.0}
+    program = parse_program(f"G1 X1 F100\n{text}", file="at.nc", axes=AXES)
+    commands: list[Command] = []
+    for command in Interpreter(program, AXES, machine, external=external).commands():
+        commands.append(command)
+        machine.queue.append(command)
+        if isinstance(command, Wait):
+            machine.execute()
+            external["N"] = 2.0
+    return [each.text for each in commands if isinstance(each, Message)]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        (f"$FOR P1 = V.E.N, 4, 1\n{LOOP}", ["2", "3", "4"]),
+        (f"$FOR P1 = 0, V.E.N, 1\n{LOOP}", ["0", "1", "2"]),
+        (f"$FOR P1 = 0, 4, V.E.N\n{LOOP}", ["0", "2", "4"]),
+        (f"$FOR P1 = 4, 0, -V.E.N\n{LOOP}", ["4", "2", "0"]),
+        (f"P1 = 3 + V.E.N\n{SHOW}", ["5"]),
+        (f"P1 = 0\n$IF V.E.N == 2\nP1 = 7\n$ENDIF\n{SHOW}", ["7"]),
+        (f"P1 = 0\n$IF 1 == 1 AND V.E.N == 2\nP1 = 7\n$ELSE\nP1 = 8\n$ENDIF\n{SHOW}", ["7"]),
+        (f"P1 = 0\n$WHILE P1 < V.E.N\nP1 = P1 + 1\n$ENDWHILE\n{SHOW}", ["2"]),
+        (f"P1 = 0\n$SWITCH V.E.N\n$CASE 1\nP1 = 5\n$BREAK\n$CASE 2\nP1 = 6\n$BREAK\n"
+         f"$ENDSWITCH\n{SHOW}", ["6"]),
+        ('#MSG ["%g", V.E.N]', ["2"]),
+        (f"#VAR\nV.P.A = V.E.N\n#ENDVAR\nP1 = V.P.A\n{SHOW}", ["2"]),
+        (f"#VAR\nV.P.A[3] = [4, 5, 6]\n#ENDVAR\nP1 = V.P.A[V.E.N]\n{SHOW}", ["6"]),
+        (f"#VAR\nV.P.A[3] = [4, 5, 6]\n#ENDVAR\nV.P.A[V.E.N] = 9\nP1 = V.P.A[2]\n{SHOW}", ["9"]),
+    ],
+)  # fmt: skip
+def test_every_place_of_a_block_that_reads_a_value_waits_for_the_machining(
+    text: str, found: list[str]
+) -> None:
+    assert messages(text) == found
