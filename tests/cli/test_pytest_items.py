@@ -1,5 +1,9 @@
 """Rows as pytest items, in this process: what a row hands over to the results folder."""
 
+import csv
+import errno
+import io
+import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,7 +30,7 @@ from axisrig.bench.cli.pytest_results import ResultsOfPytest, Staging
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.probes import probe_id
-from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.plan.verdict import Verdict, exit_code
 
 PLANS = Path(__file__).parents[2] / "testplans"
 
@@ -86,6 +90,68 @@ def test_files_of_a_row_and_of_each_probe_go_to_their_own_places(
     (written,) = added
     assert [one.case.run for one in (written, *written.probes)] == runs
     assert all(one.series is not None for one in (written, *written.probes))
+
+
+HEAD = "case,program,rig\n"
+
+
+def folder_of_pytest(root: Path) -> ResultsOfPytest:
+    """Results into `out`, of a pytest whose root holds two plans and a table that is none."""
+    (root / "a.nc").write_text("N10 M30\n", encoding="utf-8")
+    (root / "r.toml").write_text("[machine]\n", encoding="utf-8")
+    for name, cases in (("p.csv", "abc"), ("q.csv", "de"), ("wrong.csv", "f")):
+        rows = "".join(f"{case},a.nc,{'none' if case == 'f' else 'r'}.toml\n" for case in cases)
+        (root / name).write_text(HEAD + rows, encoding="utf-8")
+    return ResultsOfPytest(SimpleNamespace(rootpath=root), root / "out")  # type: ignore[arg-type]
+
+
+def test_the_folder_of_pytest_is_for_the_rows_that_it_runs(tmp_path: Path) -> None:
+    """Of several plans, whoever found them, and of nothing else that pytest collects."""
+    found = folder_of_pytest(tmp_path)
+    found.pytest_xdist_node_collection_finished(["test_a.py::test_b[p.csv]", "test_a.py"])
+    assert not (tmp_path / "out").exists()
+    found.pytest_xdist_node_collection_finished(
+        ["p.csv::p-c", "q.csv::q-d", "test_a.py::test_b", "p.csv::p-a"]
+    )
+    found.pytest_xdist_node_collection_finished(["q.csv::q-e"])  # of the next worker
+    plans = json.loads((tmp_path / "out/manifest.json").read_text(encoding="utf-8"))["plans"]
+    assert [(plan["name"], plan["runs"]) for plan in plans] == [("p", 2), ("q", 1)]
+    for run in ("p-a", "p-c", "q-d"):
+        case = next(c for n in "pq" for c in read_plan(tmp_path / f"{n}.csv").cases if c.run == run)
+        result = CaseResult(case, Verdict.ERROR, [], error="not run")
+        report = SimpleNamespace(axisrig_outcome=Outcome(tmp_path, result, {}).packed())
+        found.pytest_runtest_logreport(report)  # type: ignore[arg-type]
+        assert not hasattr(report, "axisrig_outcome")
+    found.pytest_runtest_logreport(SimpleNamespace())  # type: ignore[arg-type]
+    text = (tmp_path / "out/cases.csv").read_text(encoding="utf-8")
+    with io.StringIO(text) as file:
+        assert [row["run"] for row in csv.DictReader(file)] == ["p-a", "p-c", "q-d"]
+
+
+def test_a_plan_with_a_mistake_is_one_of_who_called_pytest(tmp_path: Path) -> None:
+    with pytest.raises(pytest.UsageError, match=r"wrong\.csv"):
+        folder_of_pytest(tmp_path).pytest_xdist_node_collection_finished(["wrong.csv::wrong-f"])
+
+
+def test_a_folder_that_cannot_be_written_ends_pytest_as_aborted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Reports that come after it are not written, and nothing is raised for them."""
+    found = folder_of_pytest(tmp_path)
+    found.pytest_xdist_node_collection_finished(["p.csv::p-a"])
+    case = read_plan(tmp_path / "p.csv").cases[0]
+    packed = Outcome(tmp_path, CaseResult(case, Verdict.PASS, []), {}).packed()
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "out/cases.csv")
+
+    monkeypatch.setattr(ResultsOfPytest, "_put", staticmethod(full))
+    with pytest.raises(pytest.exit.Exception, match="No space left on device") as caught:
+        found.pytest_runtest_logreport(SimpleNamespace(axisrig_outcome=packed))  # type: ignore[arg-type]
+    assert caught.value.returncode == exit_code(Verdict.ABORTED) == 4
+    found.pytest_runtest_logreport(SimpleNamespace(axisrig_outcome=packed))  # type: ignore[arg-type]
+    found.pytest_sessionfinish()
+    assert not (tmp_path / "out/report.html").exists()
 
 
 # What is a plan, and its rows

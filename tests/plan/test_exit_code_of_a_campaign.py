@@ -82,3 +82,14 @@ def test_what_the_folder_has_of_others_does_not_count(call: Calls) -> None:
     call()
     other = call(select="one")
     assert (len(other.results), other.exit_code, len(other.kept)) == (1, 0, 0)
+
+
+@pytest.mark.parametrize("going_on", [GoingOn.MISSING, GoingOn.FAILED])
+def test_going_on_with_a_part_asks_for_that_part_alone(call: Calls, going_on: GoingOn) -> None:
+    """Also of what stays; a mean is asked for with each of its runs."""
+    call()
+    one = call(going_on, select="one")
+    assert (len(one.results), one.exit_code, one.kept) == (0, 0, [Verdict.PASS])
+    first = call(going_on, select="several-001")
+    assert (len(first.results), first.exit_code) == (0, UNDECIDED)
+    assert first.kept == [Verdict.PASS, Verdict.INCONCLUSIVE]

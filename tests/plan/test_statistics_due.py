@@ -90,7 +90,8 @@ def test_a_row_is_written_again_where_it_is_missing_or_asks_for_something_else(
     for row, own in ((of_a, depends), (of_b, "h")):
         if own is not None:
             there.append(stored(row, verdict="fail", **{DEPENDS: own}))
-    found = rows_of(plan, [], there, {of_a.run: "h", of_b.run: "h"})
+    asked_for = {case.run: "old" for case in plan.cases}
+    found = rows_of(plan, [], there, {**asked_for, of_a.run: "h", of_b.run: "h"})
     assert [row.run for row in found.due] == ["p-a"] * is_due
     assert found.staying == [Verdict.FAIL] * (2 - is_due)
     assert len(list(found.kept())) == is_due

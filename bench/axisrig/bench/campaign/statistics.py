@@ -42,7 +42,8 @@ class CaseStatistics:
     ) -> None:
         """Choose the rows. cases: runs of this call. folder: of the results, as far as it is.
 
-        hashes: what runs and rows depend on (`bench.campaign.resuming`).
+        hashes: what the runs that are asked for, also those that stay, and rows depend on
+        (`bench.campaign.resuming`).
         """
         self._hashes = hashes
         self._by_run = {case.run: case for plan in plans for case in plan.cases}
@@ -79,10 +80,14 @@ class CaseStatistics:
 
     @property
     def staying(self) -> list[Verdict]:
-        """Verdicts of rows that the folder has and that still fit."""
+        """Verdicts of rows of the folder that still fit, over runs that are asked for (`-k`)."""
         due = {row.run for row in self.due}
         rows = [row for row in self._rows if row.run not in due and row.run in self._stored]
-        return [self._stored[row.run].verdict for row in rows]
+        return [
+            self._stored[row.run].verdict
+            for row in rows
+            if any(run in self._hashes for run in row.runs)
+        ]
 
     def kept(self) -> Iterator[CaseResult]:
         """Yield the rows all of whose runs the folder has."""
