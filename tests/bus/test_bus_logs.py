@@ -17,7 +17,7 @@ Seen = list[tuple[int, Frame, bool]]
 
 
 def play(segment: Segment, *paths: Path) -> Seen:
-    """Send standard, extended, remote and destroyed frames into logs; return what passed."""
+    """Send standard, extended, remote (of both) and destroyed frames into logs; return what passed."""
     seen: Seen = []
     logs = [open_log(path, [segment.name]) for path in paths]
     for log in logs:
@@ -34,7 +34,12 @@ def play(segment: Segment, *paths: Path) -> Seen:
         port.send_raw(numbers.randrange(0x800), numbers.randbytes(index % 9))
         port.send_raw(numbers.randrange(0x800, 0x20000000), numbers.randbytes(8))
         port.send(
-            can.Message(arbitration_id=index, is_extended_id=False, is_remote_frame=True, dlc=3)
+            can.Message(
+                arbitration_id=0x0ABCDE00 + index if index % 4 == 3 else index,
+                is_extended_id=index % 4 == 3,
+                is_remote_frame=True,
+                dlc=3,
+            )
         )
         segment.scheduler.run_until(segment.now_ns + MS + 333_333)
     for log in logs:

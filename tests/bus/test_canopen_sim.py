@@ -169,6 +169,14 @@ def test_boot_up_and_heartbeat(pair: Pair) -> None:
     assert pair.segment.now_ns - first_ns == 20 * MS
 
 
+def test_a_boot_up_of_before_is_not_the_one_that_is_waited_for(pair: Pair) -> None:
+    pair.local.nmt.state = "INITIALISING"  # sends it
+    pair.segment.scheduler.run_until(MS)
+    pair.later(5 * MS, lambda: setattr(pair.local.nmt, "state", "INITIALISING"))
+    pair.remote.nmt.wait_for_bootup(timeout=1.0)
+    assert 6 * MS < pair.segment.now_ns < 7 * MS
+
+
 def test_waiting_for_what_never_comes_ends_in_simulated_time(pair: Pair) -> None:
     """Heartbeats go on meanwhile, so events never run out; none of them is a boot-up."""
     pair.local.nmt.state = "PRE-OPERATIONAL"

@@ -166,6 +166,29 @@ def test_an_interface_that_cannot_be_opened_says_what_to_do() -> None:
     assert "docs/hardware.md" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("interface", "options", "expected"),
+    [
+        ("slcan", {}, {"timeout": 0, "bitrate": 500_000}),
+        ("slcan", {"timeout": 0.5}, {"timeout": 0.5, "bitrate": 500_000}),
+        ("slcan", {"bitrate": 125_000}, {"timeout": 0, "bitrate": 125_000}),
+        ("socketcand", {"tcp_tune": False}, {"tcp_tune": False, "bitrate": 500_000}),
+        ("virtual", {}, {"bitrate": 500_000}),
+    ],
+)
+def test_options_of_the_user_go_over_those_of_the_table(
+    monkeypatch: pytest.MonkeyPatch,
+    interface: str,
+    options: dict[str, Any],
+    expected: dict[str, Any],
+) -> None:
+    """An interface is opened with what the table has for it, unless the user says otherwise."""
+    given: list[dict[str, Any]] = []
+    monkeypatch.setattr(can, "Bus", lambda **all_of_it: given.append(all_of_it))
+    open_bus(interface, "there", 500_000, options)
+    assert given == [{"interface": interface, "channel": "there", **expected}]
+
+
 def test_options_are_numbers_truth_values_or_texts() -> None:
     read = parse_options("host=127.0.0.1 port=29536 tcp_tune=true timeout=0.5 name=can0")
     assert read == {
