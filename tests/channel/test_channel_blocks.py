@@ -128,6 +128,13 @@ def test_an_alarm_stops_the_row_and_what_waits_has_not_begun(
     assert trace.rows().travelled_mm[0] < trace.rows().path_mm[0] == 50.0
 
 
+def test_a_move_to_where_the_axis_is_has_no_way(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z"))
+    rows = noted(bench, words.move(1, 3000.0, Z=50.0), words.move(2, 3000.0, Z=50.0)).rows()
+    assert rows.path_mm[:2].tolist() == [50.0, 0.0]
+    assert rows.travelled_mm[:2].tolist() == pytest.approx([50.0, 0.0])
+
+
 def test_a_feedhold_is_an_interval(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     log = watched(bench)

@@ -180,3 +180,27 @@ def test_an_element_by_a_number_and_by_an_index_that_moves() -> None:
     (found,) = read({"kind": "LoadIndexedP", "base": 3, "count": 2, "index_ref": 17, "dst": 30}, 1)
     first, second = (Expr("Eq", (P[7], Expr("const", value=n))) for n in (0.0, 1.0))
     assert found is choice(first, P[3], choice(second, P[4], nothing))
+
+
+def test_two_systems_of_equations_with_one_matrix_have_their_own_right_sides() -> None:
+    """(p0 p1; p2 p3) x = (p4; p5), the same matrix with (p6; p7), and the first one's other part.
+
+    What the linear equations mean is asked once for each system.
+    """
+    asked: list[tuple[list[Expr], list[Expr]]] = []
+
+    def linear(matrix: Sequence[Expr], right: Sequence[Expr]) -> Expr:
+        asked.append((list(matrix), list(right)))
+        return Expr("System", [*matrix, *right], index=len(asked))
+
+    def part(dst: int, right: int, component: int) -> Op:
+        places = {"matrix_start": 10, "rhs_start": right, "n": 2}
+        return {"kind": "LinearSolveComponent", **places, "component": component, "dst": dst}
+
+    stores = [{"kind": "StoreOutput", "src": 30 + k, "output_index": k} for k in range(3)]
+    ops = [*LOADED, part(30, 14, 0), part(31, 16, 0), part(32, 14, 1), *stores]
+    found = read_program(ops, _unused, linear)
+    assert asked == [(P[:4], P[4:6]), (P[:4], P[6:8])]
+    first, second = (Expr("System", [*P[:4], *P[k : k + 2]], index=n) for k, n in ((4, 1), (6, 2)))
+    expected = [(first, 0), (second, 0), (first, 1)]
+    assert [found[k] for k in range(3)] == [Expr("Component", (s,), index=n) for s, n in expected]

@@ -67,6 +67,21 @@ def test_a_motion_behind_the_function_begins_when_the_drive_has_its_value(run_nc
     assert taken < begin_ns < taken + 3 * out.machine.timing.period_ns
 
 
+def test_a_run_goes_on_until_the_drive_has_taken_a_value_of_its_end(run_nc: RunNc) -> None:
+    """Nothing else is left to do when the program has ended; the answer comes 50 ms late."""
+    out = run_nc(
+        "N10 G4 0.01",
+        "",
+        "plc:Z.6072=300 at=program_end",
+        "fault:slow_sdo=Z by=50ms at=start",
+        base=BASE,
+    )
+    (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
+    (end_ns,) = out.machine.channel.program_ends_ns
+    assert taken - end_ns > 50 * MS
+    assert out.facts.end_ns >= taken
+
+
 def test_times_and_the_second_of_a_moment(run_nc: RunNc) -> None:
     out = run_nc(
         "N10 M50\nN20 M50\nN30 M50\nN40 G4 0.1",

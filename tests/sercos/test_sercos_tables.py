@@ -72,3 +72,16 @@ def test_position_units_of_a_turn(kind: int, per_turn: int | None) -> None:
     assert units_per_turn(kind, 1, -7, 1 << 20, 10_000) == per_turn
     if kind == LINEAR:
         assert units_per_turn(kind, 1, -6, 1 << 20, 10_000) == 10_000
+
+
+@pytest.mark.parametrize(
+    ("kind", "per_turn"),
+    [
+        (ROTARY, 1 << 16),  # S-0-0079
+        (LINEAR, 2_500),  # 5 mm in 2 um, S-0-0077 and 78
+        (0x01, 50_000),  # preferred, whatever 77 and 78 are: 5 mm in 1e-7 m
+        (0x02, 3_600_000),  # preferred, whatever 79 is: 1e-4 degrees
+    ],
+)
+def test_preferred_units_do_not_depend_on_the_parameters_beside(kind: int, per_turn: int) -> None:
+    assert units_per_turn(kind, 2, -6, 1 << 16, 5_000) == per_turn
