@@ -10,7 +10,7 @@ from axisrig.kernel.time.scheduler import Scheduler
 def test_a_receiver_counts_down_after_the_sender_has_none(
     scheduler: Scheduler, segment: Segment
 ) -> None:
-    """Who sees an error first has 9, the sender 8: of 9 good frames the last counts for it alone."""
+    """Who sees an error first has 9, the sender 8: the ninth good frame counts for it alone."""
     sender, first, other = (segment.port(name) for name in ("sender", "first", "other"))
     segment.add_fault(
         FrameFault(
