@@ -17,7 +17,7 @@ Seen = list[tuple[int, Frame, bool]]
 
 
 def play(segment: Segment, *paths: Path) -> Seen:
-    """Send standard, extended, remote (of both) and destroyed frames into logs; return what passed."""
+    """Send frames, standard, extended, remote and destroyed, into logs; return what passed."""
     seen: Seen = []
     logs = [open_log(path, [segment.name]) for path in paths]
     for log in logs:

@@ -32,9 +32,7 @@ def test_an_override_that_is_not_enabled_any_more_is_given_back(
     (tmp_path / "plc.py").write_text(BODY, encoding="utf-8")
     took_ms = []
     for keys in ("", '[plc]\nprogram = "plc.py"\nperiod_us = 2000\n'):
-        out = run_nc(
-            "N10 V.E.GO = 1\nN20 G1 Z116 F1200", keys, "plc:V.E.GO=0", base="probe-z.toml"
-        )
+        out = run_nc("N10 V.E.GO = 1\nN20 G1 Z116 F1200", keys, "plc:V.E.GO=0", base="probe-z.toml")
         assert out.alarms == []
         took_ms.append((out.facts.end_ns - out.facts.start_ns) / MS)
     assert took_ms[1] - took_ms[0] == pytest.approx(2 * (50 + 75), abs=2)
