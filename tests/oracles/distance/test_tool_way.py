@@ -171,11 +171,33 @@ def test_the_list_of_the_channel_is_read_with_its_own_names() -> None:
     )
 
 
-def test_what_an_axis_may_do_is_read_from_its_list() -> None:
-    ramps = {f"getriebe[0].lslope_profil.a_grenz_stufe_{k}": 1000.0 * k for k in (1, 2)}
-    speed = {"getriebe[0].vb_eilgang": 400_000, "getriebe[0].dynamik.vb_max": 500_000}
-    assert axis_limits({**ramps, **speed}) == pytest.approx((400.0, 1000.0))
-    assert axis_limits({**ramps, "getriebe[0].dynamik.a_max": 5000}) == (math.inf, 5000.0)
+RAMPS = ("a_grenz_stufe_1", "a_grenz_stufe_2")
+SPEEDS = ("vb_eilgang", "dynamik.vb_max")
+
+
+@pytest.mark.parametrize(
+    ("ramps", "speeds", "limits"),
+    [
+        # mm/s2, um/s; the lesser of each counts (P-AXIS-00005, 00006, 00209, 00212)
+        ((1000.0, 2000.0), (400_000, 500_000), (400.0, 1000.0)),
+        ((2000.0, 1000.0), (500_000, 400_000), (400.0, 1000.0)),
+        ((None, 1500.0), (None, 300_000), (300.0, 1500.0)),
+        ((1500.0, None), (300_000, None), (300.0, 1500.0)),
+        ((None, None), (None, None), (math.inf, math.inf)),
+    ],
+)
+def test_what_an_axis_may_do_is_read_from_its_list(
+    ramps: tuple[float | None, ...],
+    speeds: tuple[float | None, ...],
+    limits: tuple[float, float],
+) -> None:
+    """P-AXIS-00008 counts in place of the ramps, also where it is larger."""
+    written = {f"getriebe[0].lslope_profil.{n}": v for n, v in zip(RAMPS, ramps, strict=True)}
+    written |= {f"getriebe[0].{n}": v for n, v in zip(SPEEDS, speeds, strict=True)}
+    known = {name: value for name, value in written.items() if value is not None}
+    assert axis_limits(known) == pytest.approx(limits)
+    whole = {**known, "getriebe[0].dynamik.a_max": 5000}
+    assert axis_limits(whole) == pytest.approx((limits[0], 5000.0))
 
 
 def test_a_controller_that_changes_while_on_goes_on_from_what_it_gave() -> None:
