@@ -55,3 +55,48 @@ def test_of_an_own_fmu_gets_and_sets_are_not_noted(note: Path, is_own: bool, fun
     slave.get("position")
     assert last(note).function == function
     slave.close()
+
+
+class Slave:
+    time_ns = 3 * MS
+
+
+def test_a_call_is_inside_until_it_comes_back_whatever_its_names_are(note: Path) -> None:
+    """Names are cut to whole letters at 250, 150 and 70 bytes, and a NUL in them is none."""
+    seen: list[journal.LastCall] = []
+
+    def call(*values: int) -> int:
+        seen.append(last(note))
+        return sum(values)
+
+    names = ("\u00e4" * 300, "z\0" + "i" * 200, "f" * 100)
+    watched = journal.watched(call, *names, Slave())
+    assert watched(1, 2) == 3
+    after = last(note)
+    assert (seen[0].is_inside, after.is_inside) == (True, False)
+    for found in (seen[0], after):
+        assert (found.number, found.time_ns) == (1, 3 * MS)
+        assert found.file == "\u00e4" * 125
+        assert (found.instance, found.function) == ("z?" + "i" * 148, "f" * 70)
+
+
+def test_a_call_that_fails_has_come_back_too(note: Path) -> None:
+    def call() -> None:
+        raise OSError("gone")
+
+    for number in (1, 2):
+        with pytest.raises(OSError, match="gone"):
+            journal.watched(call, "plc.fmu", "", "fmi2DoStep", Slave())()
+        found = last(note)
+        assert (found.number, found.is_inside) == (number, False)
+    assert found.what == "the PLC program plc.fmu"
+    assert str(found) == "fmi2DoStep at t = 3.000000 ms of the PLC program (plc.fmu)"
+
+
+def test_who_is_not_watched_calls_at_once_and_has_no_notes(tmp_path: Path) -> None:
+    assert not journal.is_open()
+    assert journal.watched(len, "a.fmu", "a", "f", Slave()) is len
+    assert journal.last_call(tmp_path / "missing") is None
+    for content in (b"", bytes(23), bytes(504)):  # cut, and never called
+        (tmp_path / "note").write_bytes(content)
+        assert journal.last_call(tmp_path / "note") is None

@@ -38,3 +38,11 @@ def test_an_al_status_has_a_state_an_error_bit_and_others() -> None:
         assert tables.state_name(state | 0x10) == f"{state.name} with error"
         assert tables.state_name(state | 0x30) == f"{state.name} with error"
     assert (tables.state_name(0x05), tables.state_name(0x15)) == ("0x5", "0x5 with error")
+
+
+def test_what_a_command_does_is_in_its_name() -> None:
+    """RD reads, WR writes, RW does both; MW is read of one slave and writes all others."""
+    for row in tables.commands().values():
+        kind = row.name[-2:]
+        assert row.reads is (kind in ("RD", "RW", "MW")), row.name
+        assert row.writes is (kind in ("WR", "RW", "MW")), row.name

@@ -121,6 +121,14 @@ def test_requests_are_those_of_the_profile_and_run_in_turn(far: Far) -> None:
     assert far.answer("02 02 00 01") == b""
 
 
+def test_references_run_from_1_to_255_and_begin_anew(far: Far) -> None:
+    for number in range(600):
+        reference = number % 255 + 1
+        far.channel.read(1230, 0, far.found.append)
+        assert far.requests[-1][0] == reference
+        assert far.answer(f"{reference:02X} 01 00 01 42 01 03 E8") == b"\xe8\x03"
+
+
 @pytest.mark.parametrize("waiting", [0, 1, 2])
 def test_what_an_answer_asks_for_comes_behind_what_waits_and_once(far: Far, waiting: int) -> None:
     def ask_next(found: bytes | AccessError) -> None:
