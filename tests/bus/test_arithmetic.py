@@ -49,6 +49,17 @@ def test_event_of_lower_priority_blocks_once_and_the_longest_counts() -> None:
     assert (found.busy_ns, found.event_ns) == (785 * US, (95 + 65) * US)
 
 
+def test_an_event_that_blocks_sync_delays_rpdos_that_are_asked_for_soon() -> None:
+    """Busy from before SYNC on: heartbeat 65, SYNC 55, TPDO1 135, RPDO1 135; of two one blocks.
+
+    TPDO2 (0x281) loses against the RPDO that waits since 100 us.
+    """
+    blocking = [PlannedFrame("heartbeat", 0x701, 1), PlannedFrame("guard", 0x702, 0)]
+    found = cycle_arithmetic(RATE, MS, 100 * US, tpdos(1), rpdos(1), blocking)
+    assert found.last_rpdo_ns == (65 + 55 + 135 + 135 - 3) * US
+    assert found.last_tpdo_ns == (65 + 55 + 135 + 95 + 135 - 3) * US
+
+
 def test_events_of_higher_priority_all_count() -> None:
     """Two EMCYs of 135 bits go before the PDOs; a heartbeat of 65 bits was on the wire."""
     events = [PlannedFrame(f"EMCY {n}", 0x80 + n, 8) for n in (1, 2)]

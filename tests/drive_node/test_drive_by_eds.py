@@ -12,6 +12,7 @@ from tests.eds_changes import changed
 
 from axisrig.bench.drive.canopen.node import Document
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.cia402.dictionary.foreign import foreign_table
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.canopen.dictionary import read_eds
 
@@ -187,6 +188,22 @@ def test_values_at_power_on_are_those_of_the_file(
     bench: Any, index: int, sub: int, data: bytes
 ) -> None:
     assert bench.remote.sdo.upload(index, sub) == data
+
+
+@pytest.mark.parametrize(("read_for", "node_id"), [(NODE, NODE), (NODE, 7), (9, 2), (5, 127)])
+@pytest.mark.parametrize("more", ["", "\n[DeviceComissioning]\nNodeID=9\nBaudrate=500\n"])
+def test_what_follows_the_node_number_follows_that_of_the_drive(
+    tmp_path: Path, read_for: int, node_id: int, more: str
+) -> None:
+    """The number that an EDS, or a DCF, was read for may be another one: LSS has given it since."""
+    path = tmp_path / "foreign.eds"
+    path.write_text(foreign() + more, encoding="ascii")
+    table = foreign_table(DriveProfile(), read_eds(str(path), read_for))
+    values = table.defaults(node_id)
+    assert values[0x2004, 0] == 0x40 + node_id
+    assert values[0x1804, 1] == 0x1C0 + node_id
+    assert values[0x2000, 0] == -7
+    assert values[0x6F00, 0] == 5
 
 
 def test_limits_and_access_are_those_of_the_file(bench: Any) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.cyclic.profidrive_drive import profidrive_settings
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
@@ -152,6 +153,45 @@ def test_a_gain_of_the_cnc_has_the_limit_of_its_dead_cycle() -> None:
     settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=99900")
     with pytest.raises(UserError, match="must be below 1 with 1 dead cycles"):
         settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=100000")
+
+
+CNC = "set:Z.antr.operation_mode=CNC_POSITION_CONTROL"
+
+
+@pytest.mark.parametrize(("speed_loop_us", "limit"), [(0, 2.0), (250, 1.0)])
+@pytest.mark.parametrize("way", ["", "bus:bus.output_us=900"])
+def test_a_gain_of_the_drive_has_the_limit_of_its_ticks(
+    speed_loop_us: int, limit: float, way: str
+) -> None:
+    """2 sin(pi/(2 (2 n + 1))) / T: 2 without a dead tick, 1 with one; no image is in that loop."""
+    changes = ["drive:servo.tick_us=250", f"drive:servo.speed_loop_us={speed_loop_us}"]
+    changes += [way] if way else []
+    kv = round(100 * limit / 250e-6)
+    settings_of(*changes, f"set:Z.getriebe[0].kv={kv - 100}")
+    with pytest.raises(UserError, match=f"must be below {limit:g} with {2 - limit:g} dead cycles"):
+        settings_of(*changes, f"set:Z.getriebe[0].kv={kv}")
+
+
+@pytest.mark.parametrize(
+    ("changes", "in_drive"),
+    [
+        ((), True),
+        (("drive:servo.telegram=6",), True),
+        (("drive:servo.telegram=105",), True),
+        (("drive:servo.telegram=3",), False),  # no word for it
+        ((CNC,), False),
+        (("drive:servo.telegram=105", CNC), False),
+    ],
+)
+def test_one_end_closes_the_position_loop_and_only_one(
+    changes: tuple[str, ...], in_drive: bool
+) -> None:
+    """KPC is the gain in 0.001 1/s, P-AXIS-00099 has 0.01 1/s: 20 1/s; 0 leaves it to the CNC."""
+    settings = profidrive_settings(settings_of("set:Z.getriebe[0].kv=2000", *changes), "Z")
+    assert settings.gain == (20_000 if in_drive else 0)
+    loop = settings.loop
+    assert (loop is None) is in_drive
+    assert loop is None or loop.kv_per_s == 20.0
 
 
 @pytest.mark.long

@@ -43,6 +43,24 @@ def test_a_key_that_is_written_wrong_is_named_with_those_of_its_table(
     assert near[:5] in line
 
 
+@pytest.mark.parametrize(
+    ("wrong", "hint"),
+    [
+        ("input_x", None),  # input_delay_us, input_jitter_us, input_filter_us
+        ("rated_x_and_so_on", None),  # rated_torque_mnm, rated_current_ma
+        ("lead_of_the_screw", "did you mean lead_mm?"),
+    ],
+)
+def test_of_several_keys_with_the_same_first_word_none_is_meant(
+    rig_file: Write, wrong: str, hint: str | None
+) -> None:
+    path = rig_file(("[drive.servo]\n", f"[drive.servo]\n{wrong} = 1\n"))
+    with pytest.raises(UserError) as caught:
+        read_rig(path)
+    assert caught.value.message == f"unknown rig key drive.servo.{wrong}"
+    assert caught.value.hint == hint
+
+
 def test_a_sync_counter_begins_at_2(rig_file: Write) -> None:
     for value, is_good in ((0, True), (1, False), (2, True), (240, True), (241, False)):
         path = rig_file(("[cycle]", f"[cycle]\nsync_counter = {value}"))

@@ -1,10 +1,21 @@
 """Tables of SERCOS: idents, telegrams, profiles, real-time bits of P-AXIS-00060."""
 
+from collections import defaultdict
+from typing import Any
+
 import pytest
 
-from axisrig.bench.drive.sercos.idents import rows
-from axisrig.bench.drive.sercos.profiles import LINEAR, NAMES, ROTARY, units_per_turn
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.sercos.idents import Idents, rows
+from axisrig.bench.drive.sercos.profiles import (
+    LINEAR,
+    NAMES,
+    ROTARY,
+    make_profile,
+    units_per_turn,
+)
 from axisrig.bench.drive.sercos.profiles import rows as habits
+from axisrig.bench.drive.sercos.service_channel import STATES
 from axisrig.kernel.drives.sercos.settings import real_time_bits
 from axisrig.kernel.profiles.sercos.service import Kind, ident_number
 from axisrig.kernel.profiles.sercos.words import PROBES, telegram_idents
@@ -72,6 +83,23 @@ def test_position_units_of_a_turn(kind: int, per_turn: int | None) -> None:
     assert units_per_turn(kind, 1, -7, 1 << 20, 10_000) == per_turn
     if kind == LINEAR:
         assert units_per_turn(kind, 1, -6, 1 << 20, 10_000) == 10_000
+
+
+def test_a_drive_that_gets_power_again_runs_no_command_of_before() -> None:
+    """State and value of each procedure command are those of power on; so is a written value."""
+    made = make_profile("two_probes", DriveProfile(), "rotary", 1 << 20)
+    live: Any = defaultdict(lambda: lambda: 0)
+    idents = Idents(made, live, lambda _: 0, lambda *_: None, lambda _: None)
+    known = {ident: found.value for ident, found in idents.table.items()}
+    commands = [n for n, found in idents.table.items() if found.attribute.is_command]
+    assert ident_number("S-0-0170") in commands
+    for state in ("RUNNING", "DONE", "FAILED", "INTERRUPTED"):
+        for number in commands:
+            idents.table[number].state = STATES[state]
+            idents.put(number, 3)
+        idents.reset()
+        assert {n: found.value for n, found in idents.table.items()} == known
+        assert {idents.table[number].state for number in commands} == {STATES["IDLE"]}
 
 
 @pytest.mark.parametrize(

@@ -114,6 +114,33 @@ def test_error_behaviour_1029(stranger: Make, behaviour: int, state: NmtState) -
     assert drive.frames(0x083)[0] == LOST[1]
 
 
+@pytest.mark.parametrize(
+    ("controlwords", "before", "after"),
+    [
+        ((0x06,), State.READY_TO_SWITCH_ON, State.READY_TO_SWITCH_ON),
+        ((0x06, 0x07), State.SWITCHED_ON, State.SWITCHED_ON),
+        ((0x06, 0x07, 0x0F), State.OPERATION_ENABLED, State.FAULT),
+        ((0x06, 0x07, 0x0F, 0x02), State.QUICK_STOP_ACTIVE, State.FAULT),
+    ],
+)
+def test_a_loss_is_a_fault_wherever_the_drive_has_torque(
+    stranger: Make, controlwords: tuple[int, ...], before: State, after: State
+) -> None:
+    """6007 = 1 with 605A = 6, which leaves the drive in quick stop active, and 605E = 0."""
+    drive = stranger()
+    for index, value in ((0x6007, 1), (0x605A, 6), (0x605E, 0)):
+        assert drive.write(index, 0, value, 2) == 0
+    watch(drive, 5, 20)
+    for word in controlwords:
+        assert drive.write(0x6040, 0, word, 2) == 0
+    drive.run_ms(5)
+    drive.after(0x705, "05", wait_ms=15)
+    assert drive.node.state is before
+    drive.run_ms(10)
+    assert drive.frames(0x083)[0] == LOST[1]
+    assert drive.node.state is after
+
+
 def test_entries_that_watch_nobody_and_those_that_are_refused(stranger: Make) -> None:
     """Time 0, node 0 or above 127: not used. A node may stand in one entry only."""
     drive = stranger()

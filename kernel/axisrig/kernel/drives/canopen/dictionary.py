@@ -23,7 +23,10 @@ from axisrig.kernel.profiles.canopen.identifiers import MAPPING_OF_PDO
 
 
 def read_eds(path: str, node_id: int) -> ObjectDictionary:
-    """Read an EDS or DCF file. Raises UserError when it cannot be read."""
+    """Read an EDS or DCF file for a node number, which the result has as its own.
+
+    Raises UserError when it cannot be read.
+    """
     if not Path(path).is_file():
         raise UserError("the EDS is no file", file=path, hint=near_files(Path(), path))
     text = canonical(read_eds_file(path))
@@ -35,6 +38,7 @@ def read_eds(path: str, node_id: int) -> ObjectDictionary:
         # canopen lets through whatever its parser meets
         raise UserError(f"the EDS cannot be read: {error}", file=path) from error
     _complete_arrays(found, text)
+    found.node_id = node_id  # canopen keeps it only where the file is a DCF
     return found
 
 
