@@ -4,6 +4,7 @@ The report takes what acted in a run from the kernel's settings, programmed valu
 both make of a list has to agree.
 """
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -85,3 +86,15 @@ def test_without_a_list_both_have_the_same_defaults() -> None:
     kernels, ours = DistanceSettings.read(parameters), as_written({})
     assert ours.control == controller(kernels).control
     assert rounded(limits(ours)) == rounded(limits_of_kernel(kernels))
+
+
+@pytest.mark.parametrize("stem", ["kenngr.dist_ctrl[0].", "kenngr.distc."])
+@pytest.mark.parametrize(("inverts", "sensor_mm"), [(0, 27.5), (1, -32.5)])
+def test_a_sensor_counts_in_its_own_resolution(stem: str, inverts: int, sensor_mm: float) -> None:
+    """P-AXIS-00422 of 400 increments for 00423 of 30 000 in 0.1 um: 4000 are 30 mm, 2.5 mm off."""
+    listed = as_written({
+        "lr_hw[1].encoder_resolution_num": 400, "lr_hw[1].encoder_resolution_denom": 30_000,
+        "lr_hw[1].vz_istw": inverts, f"{stem}ref_offset": 25_000,
+        "lr_hw[0].encoder_resolution_num": 7, "lr_hw[0].vz_istw": 1 - inverts,
+    })  # fmt: skip
+    assert listed.sensor_mm(4000) == pytest.approx(sensor_mm)
