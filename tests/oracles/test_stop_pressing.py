@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.oracles.fixed_stop.pressing import DAMPED_MAX, Axis, Pressing, Stop
+from axisrig.bench.oracles.fixed_stop.pressing import (
+    DAMPED_MAX,
+    Axis,
+    Pressing,
+    Stop,
+    drive_limit_n,
+)
 
 STOP = Stop(1, 20e6)
 SLIDE = Axis(191.0)
@@ -94,3 +100,14 @@ def test_decay_time() -> None:
     damped = Pressing(Stop(1, 20e6, damping_s_m=20.0), Axis(100.0), 500.0)
     assert damped.decay_s == pytest.approx(0.02)
     assert Pressing(STOP, Axis(100.0), 500.0).decay_s == math.inf
+
+
+@pytest.mark.parametrize(
+    ("per_mille", "share"),
+    [((1000, 300), 0.3), ((300, 1000), 0.3), ((500, 700), 0.5), ((1500,), 1.5), ((0, 800), 0.0)],
+)
+def test_the_least_of_two_torque_limits_acts_through_the_screw(
+    per_mille: tuple[int, ...], share: float
+) -> None:
+    """1.27 Nm on a screw of 10 mm: 2 pi 1.27 Nm / 0.01 m = 797.96 N."""
+    assert drive_limit_n(1270, 10_000.0, per_mille) == pytest.approx(share * 797.9645, rel=1e-6)

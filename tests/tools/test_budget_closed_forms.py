@@ -13,6 +13,7 @@ import pytest
 
 from axisrig.bench.record.signal_sources import STAMPED
 from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.tools.budget import closed_forms
 from axisrig.bench.tools.budget.budget import CYCLES, Budget, Share
 from axisrig.bench.tools.budget.causes import Active, causes
 from axisrig.bench.tools.budget.closed_forms import bound_um, expected_um
@@ -332,3 +333,33 @@ def test_the_table_of_a_budget() -> None:
     assert meaning.startswith("not explained: +0.5000 um")
     assert meaning.endswith("; not switched off, as there is no value without: run-up")
     assert CYCLES.place == "cycles"
+
+
+@pytest.mark.parametrize(
+    ("form_of_line", "shift_ms"),
+    [
+        # Behind by two wires and what the first two slaves take: 100 + 30 + 4 + 5 ns
+        ("line", -139e-6),
+        # The frame is at 900 - 50 us of 1000; positions count as of 250 us, and are of 80 us
+        ("assumed", (600 - 770) * 1e-3),
+    ],
+)
+def test_how_much_later_a_position_of_a_line_is_than_its_stamp(
+    form_of_line: str, shift_ms: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wires and slaves that all differ; the wire of the first and the last slave do not count."""
+    act = next(cause for cause in causes() if cause.form == form_of_line)
+    own = {"wire_ns": {"Z": 900, "X": 100, "terminal": 30},
+           "slave_ns": {"Z": 4, "X": 5, "terminal": 700},
+           act.key: {"Z": 250}, act.off: {"Z": 80}}  # fmt: skip
+    table = SimpleNamespace(frame_us=900, shift_us=50, of=lambda name, slave: own[name][slave])
+    monkeypatch.setattr(closed_forms, "segment_of", lambda *_: table)
+    monkeypatch.setattr(closed_forms, "slaves_on", lambda *_: ["Z", "X", "terminal"])
+    line = SimpleNamespace(axis={"Z": SimpleNamespace(segment="line")},
+                           cycle=SimpleNamespace(period_us=1000))  # fmt: skip
+    found = closed_forms.line_shift_ms(
+        Active(act, "1", "", {}),
+        SimpleNamespace(rig=line),
+        "Z",  # type: ignore[arg-type]
+    )
+    assert found == pytest.approx(shift_ms)
