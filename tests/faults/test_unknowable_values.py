@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from tests.faults.made_runs import PER_MM, STEP_MM, left, run
 
@@ -15,6 +16,7 @@ from axisrig.bench.machine.recording.received import Received, Telegram
 from axisrig.bench.record.axes import Edge, ProbeRecord
 from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.record.series import Series
 from axisrig.bench.tools.scenarios.campaign import run_scenario
 from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Result, judge
@@ -101,6 +103,33 @@ def test_a_value_is_excused_by_what_was_brought_alone(case: str) -> None:
 def test_without_a_listener_nothing_is_excused() -> None:
     made = replace(touched(WRONG_MM, {SEEN: [ALTERED]}), received=None)
     assert judge(made).result is Result.BROKEN
+
+
+AFTER_US, PER_US_MM = 64, 0.02e-3
+"""The SYNC of the segment of the axis is so late; so far it goes in a microsecond."""
+
+
+@pytest.mark.parametrize(
+    ("off_mm", "brought_off_mm", "result"),
+    [
+        (0.0, 0.0, Result.GOOD),
+        (OFF_MM, OFF_MM, Result.UNKNOWABLE),
+        (-AFTER_US * PER_US_MM, 0.0, Result.BROKEN),  # where it was at the first SYNC
+        (OFF_MM, 0.0, Result.BROKEN),
+    ],
+)
+def test_a_position_is_brought_of_the_sync_of_its_own_segment(
+    off_mm: float, brought_off_mm: float, result: Result
+) -> None:
+    """The truth of a row is of the first SYNC; the drive samples at its own."""
+    own_mm = [mm + AFTER_US * PER_US_MM for mm in TRUE_MM]
+    made = touched(own_mm[SEEN] + off_mm)
+    series = made.series.table().append_column(
+        "Z.sync_after_ns", pa.array([AFTER_US * US] * ROWS, pa.int64())
+    )
+    places = [mm + brought_off_mm * (row == SEEN) for row, mm in enumerate(own_mm)]
+    brought = received(telegrams({}, places))
+    assert judge(replace(made, series=Series(series), received=brought)).result is result
 
 
 @pytest.mark.parametrize(

@@ -46,6 +46,7 @@ def left(
     telegrams_us: Sequence[int] | None = None,
     known_ns: float = 1.0,
     timing: Timing = TIMING,
+    after_ns: int | None = None,
 ) -> Observed:
     """Z goes down; cycle_ns: that saw the signal; at_ns: whose position it published."""
     times = np.arange(40, dtype=np.int64) * timing.period_ns + SYNC_NS
@@ -54,6 +55,8 @@ def left(
         "Z.truth_mm": [place_mm(int(t)) for t in times],
         "Z.velocity_mm_s": np.full(len(times), SPEED_MM_S),
     }
+    if after_ns is not None:
+        columns["Z.sync_after_ns"] = np.full(len(times), after_ns)
     if telegrams_us is not None:
         columns["plc.inputs_frame_ns"] = [
             [us * US for us in telegrams_us if t <= us * US < t + timing.period_ns] for t in times
@@ -289,3 +292,37 @@ def test_it_counts_with_a_probe_at_the_drive_too(busy_us: int, sync_ms: int) -> 
     instants = instants_at_plc(observed, seen, "Z", settings_of(case))
     assert instants is not None
     assert (instants.sampled_ns, instants.value_ns) == (10 * MS + SYNC_NS, sync_ms * MS + SYNC_NS)
+
+
+@pytest.mark.parametrize("after_us", [0, 64])
+@pytest.mark.parametrize("source", ["PLC", "PLC_FIRST_EVENT", "PLC_EXT_LATCH_CONTROL"])
+def test_a_position_is_of_the_sync_of_its_own_segment(source: str, after_us: int) -> None:
+    """That one is 64 us later than the first: 10 mm/s go 0.64 um meanwhile, which is no error."""
+    edges, cycle_ns, row_ns = [(10_280 * US, True)], 10 * MS + CYCLE_NS, 10 * MS + SYNC_NS
+    own_ns = row_ns + after_us * US
+    for at_ns, error_um in ((own_ns, 0.0), (row_ns, -SPEED_MM_S * after_us * 1e-3)):
+        observed = left(edges, cycle_ns, at_ns, source=source, after_ns=after_us * US)
+        late, error = found(observed)
+        assert late.value == 0.0
+        assert error.value == pytest.approx(error_um, abs=1e-6)
+        seen = touch(observed, "Z")
+        assert seen is not None
+        case = next(c for c in read_plan(PLANS / "plc_sources.csv").cases if c.case == "plc-f600")
+        instants = instants_at_plc(observed, seen, "Z", settings_of(case))
+        assert instants is not None
+        assert instants.value_ns == own_ns
+
+
+def test_a_drive_samples_its_input_at_the_sync_of_its_own_segment() -> None:
+    """The level is there at 10.1 ms: after the first SYNC, before that of its segment."""
+    task = replace(TASK, probes=())
+    for after_us, sampled_ns in ((0, 11 * MS + SYNC_NS), (64, 10 * MS + SYNC_NS + 64 * US)):
+        observed = left([(10_100 * US, True)], 0, 0, task=task, after_ns=after_us * US)
+        axis = replace(observed.axes["Z"], signals={"probe_1": "probe"})
+        observed = Observed(replace(observed.facts, axes={"Z": axis}), observed.series)
+        seen = touch(observed, "Z")
+        assert seen is not None
+        case = next(c for c in read_plan(PLANS / "plc_sources.csv").cases if c.case == "plc-f600")
+        instants = instants_at_plc(observed, seen, "Z", settings_of(case))
+        assert instants is not None
+        assert instants.sampled_ns == sampled_ns

@@ -8,10 +8,16 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
+import pyarrow as pa
 import pytest
+from tests.recordings import facts
 
 from axisrig.bench.judge.latch.truth import Touch
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.facts import Timing
 from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.record.series import Series
 from axisrig.bench.record.signal_sources import HELD, STAMPED
 from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.bench.tools.budget.encoder import (
@@ -50,6 +56,9 @@ class Track:
 
     def time_ns(self, row: int) -> int:
         return row * MS + SYNC_NS
+
+    def sync_ns(self, _axis: str, row: int) -> int:
+        return self.time_ns(row)
 
     def index_at(self, time_ns: int) -> int:
         return (time_ns - SYNC_NS) // MS
@@ -154,7 +163,7 @@ def test_a_cubic_is_off_by_nothing_and_a_drive_that_steps_by_what_it_lacks() -> 
     at_ns = 5 * MS + SYNC_NS + 300 * US
     for cubic in (0.0, 0.7):
         assert between_um(Track(cubic), "Z", at_ns) == pytest.approx(0.0, abs=1e-6)  # type: ignore[arg-type]
-    assert history_end_ns(Track(), at_ns) == 7 * MS + SYNC_NS  # type: ignore[arg-type]
+    assert history_end_ns(Track(), "Z", at_ns) == 7 * MS + SYNC_NS  # type: ignore[arg-type]
 
     class Bent(Track):
         def at(self, time_ns: int) -> tuple[float, float]:
@@ -164,6 +173,27 @@ def test_a_cubic_is_off_by_nothing_and_a_drive_that_steps_by_what_it_lacks() -> 
     # At t = 5.3 between 4, 5, 6, 7: Lagrange lacks (t-4)(t-5)(t-6)(t-7), Hermite (t-5)^2 (t-6)^2
     lagrange, hermite = 1.3 * 0.3 * -0.7 * -1.7, 0.3**2 * 0.7**2
     assert between_um(Bent(), "Z", at_ns) == pytest.approx((hermite - lagrange) * 1e3, rel=1e-6)  # type: ignore[arg-type]
+
+
+def test_positions_are_of_the_syncs_of_their_own_segment() -> None:
+    """Every second one is 64 us later than the first segment's; a cubic lacks nothing there."""
+    track, rows = Track(0.7), range(12)
+    columns = {
+        "time_ns": [track.time_ns(row) for row in rows],
+        "Z.truth_mm": [track.value("Z", "truth_mm", row) for row in rows],
+        "Z.velocity_mm_s": [track.value("Z", "velocity_mm_s", row) for row in rows],
+        "Z.sync_after_ns": [64 * US * (row % 2) for row in rows],
+    }
+    mark = SimpleNamespace(marks=[(track.time_ns(5), "drop Z.TPDO1: 1 frame hit")])
+    timed = Timing(MS, 600 * US, 0)
+    axes = {"Z": AxisRecord("can1", 1, 1000.0, plant="z")}
+    found = facts(timing=timed, end_ns=11 * MS, axes=axes, runs=track.facts.runs, faults=(mark,))
+    observed = Observed(found, Series(pa.table(columns)))
+    at_ns = track.time_ns(5) + 300 * US
+    assert between_um(observed, "Z", at_ns) == pytest.approx(0.0, abs=1e-6)
+    own_ns = track.time_ns(5) + 64 * US
+    assert lost_um(observed, "Z", own_ns, is_latched=False) == pytest.approx(0.0, abs=1e-6)
+    assert history_end_ns(observed, "Z", at_ns) == track.time_ns(7) + 64 * US
 
 
 @pytest.mark.parametrize(

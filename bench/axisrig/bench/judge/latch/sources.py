@@ -119,7 +119,7 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
     if zero_mm is None:
         return Observation(None, note=f"axis {axis} was homed before and after the run")
     instants_ns = [
-        value_instant_ns(observed, task, source, chain, edges, at)
+        value_instant_ns(observed, task, axis, source, chain, edges, at)
         for chain, edges, at in ways_of_signal(observed, task, seen, axis)
     ]
     states = [true_state(observed, axis, at_ns) for at_ns in dict.fromkeys(instants_ns)]
@@ -132,13 +132,22 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
 
 
 def value_instant_ns(
-    observed: Observed, task: PlcTaskRecord, source: str, chain: Chain, edges: Edges, at: Seen
+    observed: Observed,
+    task: PlcTaskRecord,
+    axis: str,
+    source: str,
+    chain: Chain,
+    edges: Edges,
+    at: Seen,
 ) -> TimeNs:
-    """Return the instant whose position a source gives, by who has seen the edges."""
+    """Return the instant whose position a source gives, by who has seen the edges.
+
+    A SYNC is that of the segment of the axis: at it the drive has sampled.
+    """
     if source == STAMPED:
         stamped_ns = chain.stamped_ns(edges, at.exchange_ns, keeps_last=task.keeps_last_stamp)
         return stamps_of(task).believed_ns(stamped_ns)
-    return observed.time_ns(observed.index_at(at.cnc_ns))
+    return observed.sync_ns(axis, observed.index_at(at.cnc_ns))
 
 
 def stamps_of(task: PlcTaskRecord) -> Stamps:

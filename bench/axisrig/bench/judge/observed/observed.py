@@ -187,6 +187,14 @@ class Observed:
         own: Times = times + self.column(axis, SYNC_AFTER).astype(np.int64)
         return own
 
+    def sync_ns(self, axis: str, row: int) -> TimeNs:
+        """Return the SYNC instant of a row in the segment of an axis.
+
+        At it the drive has sampled what it sends; the truth of the row is of `time_ns`.
+        """
+        after = self.value(axis, SYNC_AFTER, row) if self.has(axis, SYNC_AFTER) else 0.0
+        return self.time_ns(row) + int(after)
+
     @cached_property
     def _names(self) -> frozenset[str]:
         return frozenset(self.series.names)

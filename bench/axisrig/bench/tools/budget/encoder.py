@@ -3,6 +3,7 @@
 from functools import cache
 from math import cos, log, pi, sqrt
 
+from axisrig.bench.judge.observed.motion import State, state_at
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.interpolation import cubic
 from axisrig.bench.record.signal_sources import STAMPED
@@ -54,7 +55,7 @@ def noise_number(
     if not is_stamped(observed, axis):
         if edge_ns is None:
             return number(value_ns)
-        sync_ns = observed.time_ns(observed.index_at(value_ns))
+        sync_ns = observed.sync_ns(axis, observed.index_at(value_ns))
         step_ns, fine_ns = float(observed.facts.fine_ns), observed.facts.fine_ns
         if (edge_ns - sync_ns) // fine_ns == (value_ns - sync_ns) // fine_ns:
             step_ns /= _PARTS
@@ -62,7 +63,7 @@ def noise_number(
         share = (value_ns - begin_ns) / step_ns
         first, last = number(int(begin_ns)), number(int(begin_ns + step_ns))
         return first + (last - first) * (3 * share**2 - 2 * share**3)
-    times_ns = _history_ns(observed, value_ns)
+    times_ns = _history_ns(observed, axis, value_ns)
     return sum(
         number(at_ns) * weight
         for at_ns, weight in zip(times_ns, _weights(times_ns, value_ns), strict=True)
@@ -74,15 +75,42 @@ def is_stamped(observed: Observed, axis: str) -> bool:
     return observed.facts.runs[-1].sources.get(axis, "") == STAMPED
 
 
-def _history_ns(observed: Observed, value_ns: TimeNs) -> list[TimeNs]:
-    """Return the SYNCs whose positions a cubic is laid through: two before, two after."""
+def _history(observed: Observed, value_ns: TimeNs) -> list[int]:
+    """Return the rows whose positions a cubic is laid through: two before, two after."""
     row = observed.index_at(value_ns)
-    return [observed.time_ns(each) for each in range(row - 1, row + 3)]
+    return [*range(row - 1, row + 3)]
 
 
-def history_end_ns(observed: Observed, value_ns: TimeNs) -> TimeNs:
+def _history_ns(observed: Observed, axis: str, value_ns: TimeNs) -> list[TimeNs]:
+    """Return the SYNCs of these rows."""
+    return [observed.sync_ns(axis, row) for row in _history(observed, value_ns)]
+
+
+def _true_mm(observed: Observed, axis: str, row: int) -> float:
+    """Return where an axis was at the SYNC of its own segment."""
+    own_ns = observed.sync_ns(axis, row)
+    if own_ns == observed.time_ns(row):
+        return observed.value(axis, "truth_mm", row)
+    return _state(observed, axis, own_ns).position_mm
+
+
+def _true_mm_s(observed: Observed, axis: str, row: int) -> float:
+    """Return how fast it was then."""
+    own_ns = observed.sync_ns(axis, row)
+    if own_ns == observed.time_ns(row):
+        return observed.value(axis, "velocity_mm_s", row)
+    return _state(observed, axis, own_ns).speed_mm_s
+
+
+def _state(observed: Observed, axis: str, time_ns: TimeNs) -> State:
+    state = state_at(observed, axis, time_ns)
+    assert state is not None, "a row that was recorded"
+    return state
+
+
+def history_end_ns(observed: Observed, axis: str, value_ns: TimeNs) -> TimeNs:
     """Return the last SYNC whose position is in a value of a time stamp."""
-    return _history_ns(observed, value_ns)[-1]
+    return _history_ns(observed, axis, value_ns)[-1]
 
 
 def between_um(observed: Observed, axis: str, value_ns: TimeNs) -> float:
@@ -90,20 +118,15 @@ def between_um(observed: Observed, axis: str, value_ns: TimeNs) -> float:
 
     0 in constant acceleration; below da T^2/8 where it changes by da.
     """
-    times_ns = _history_ns(observed, value_ns)
-    rows = [observed.index_at(at_ns) for at_ns in times_ns]
-    places_mm = [observed.value(axis, "truth_mm", row) for row in rows]
+    times_ns = _history_ns(observed, axis, value_ns)
+    rows = _history(observed, value_ns)
+    places_mm = [_true_mm(observed, axis, row) for row in rows]
     on_cubic_mm = sum(
         place * weight
         for place, weight in zip(places_mm, _weights(times_ns, value_ns), strict=True)
     )
-    _, begin, end, _ = rows
-    ends = (
-        observed.value(axis, "truth_mm", begin),
-        observed.value(axis, "velocity_mm_s", begin),
-        observed.value(axis, "truth_mm", end),
-        observed.value(axis, "velocity_mm_s", end),
-    )
+    begin_mm_s, end_mm_s = (_true_mm_s(observed, axis, row) for row in rows[1:3])
+    ends = (places_mm[1], begin_mm_s, places_mm[2], end_mm_s)
     since_s, step_s = (value_ns - times_ns[1]) / S, (times_ns[2] - times_ns[1]) / S
     return (on_cubic_mm - cubic(since_s, step_s, ends)) * 1e3
 
@@ -139,10 +162,10 @@ def lost_um(observed: Observed, axis: str, value_ns: TimeNs, *, is_latched: bool
             first = last - count + 1
             if first <= row <= last:
                 rows = [first - 2, first - 1, last + 1, last + 2]
-                weights = _weights([observed.time_ns(each) for each in rows], value_ns)
+                weights = _weights([observed.sync_ns(axis, each) for each in rows], value_ns)
                 on_cubic_mm = sum(
-                    observed.value(axis, "truth_mm", each) * weight
+                    _true_mm(observed, axis, each) * weight
                     for each, weight in zip(rows, weights, strict=True)
                 )
-                return (on_cubic_mm - observed.value(axis, "truth_mm", row)) * 1e3
+                return (on_cubic_mm - _true_mm(observed, axis, row)) * 1e3
     return 0.0

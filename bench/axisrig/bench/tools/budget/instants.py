@@ -47,15 +47,15 @@ def instants_at_plc(
         return None
     chain, edges, at = ways[0]
     if source == HELD and is_handed(settings):
-        return Instants(_handed_ns(observed, at.plc_ns))
-    return Instants(value_instant_ns(observed, task, source, chain, edges, at))
+        return Instants(_handed_ns(observed, axis, at.plc_ns))
+    return Instants(value_instant_ns(observed, task, axis, source, chain, edges, at))
 
 
-def _handed_ns(observed: Observed, plc_ns: TimeNs) -> TimeNs:
+def _handed_ns(observed: Observed, axis: str, plc_ns: TimeNs) -> TimeNs:
     """Return the SYNC whose position the CNC has shown before a cycle of the PLC."""
     timing = observed.facts.timing
     cnc_ns = Grid(timing.period_ns, timing.offset_ns).before(plc_ns)
-    return observed.time_ns(observed.index_at(cnc_ns))
+    return observed.sync_ns(axis, observed.index_at(cnc_ns))
 
 
 def is_handed(settings: Settings) -> bool:
@@ -79,13 +79,14 @@ def _by_drive_input(
         return None
     due_ns = through[0][0] + round(table.input_delay_us * US)
     row = observed.index_at(due_ns)
-    row += observed.time_ns(row) < due_ns
-    sampled_ns = observed.time_ns(row)
+    row += observed.sync_ns(axis, row) < due_ns
+    sampled_ns = observed.sync_ns(axis, row)
     timing = observed.facts.timing
     cnc = Grid(timing.period_ns, timing.offset_ns)
     shown_ns = cnc.after(sampled_ns)
     plc_ns = chain_of(observed, task).plc_every.after(shown_ns)
     if seen.run.sources[axis] == HELD and is_handed(settings):
-        return Instants(_handed_ns(observed, plc_ns), sampled_ns)
-    value_ns = observed.time_ns(observed.index_at(cnc.after(plc_ns + task.busy_ns)))
+        return Instants(_handed_ns(observed, axis, plc_ns), sampled_ns)
+    row = observed.index_at(cnc.after(plc_ns + task.busy_ns))
+    value_ns = observed.sync_ns(axis, row)
     return Instants(value_ns, sampled_ns)

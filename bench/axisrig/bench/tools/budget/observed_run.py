@@ -183,7 +183,7 @@ def _whole(observed: Observed, seen: Touch, axis: str, settings: Settings, plain
     after = observed.value(axis, "velocity_mm_s", row + 1)
     signal_ns = seen.run.signal_ns
     is_at_stamp = is_stamped(observed, axis)
-    until_ns = history_end_ns(observed, value_ns) if is_at_stamp else value_ns
+    until_ns = history_end_ns(observed, axis, value_ns) if is_at_stamp else value_ns
     return replace(
         plain,
         source=seen.run.sources.get(axis, ""),

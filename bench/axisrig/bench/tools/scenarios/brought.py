@@ -43,7 +43,7 @@ def predicted_mm(observed: Observed, received: Received, seen: Touch, axis: str)
     if task is None:
         return
     for chain, edges, at in _ways(observed, received, task, seen, axis):
-        at_ns = value_instant_ns(observed, task, source, chain, edges, at)
+        at_ns = value_instant_ns(observed, task, axis, source, chain, edges, at)
         found = _at(observed, received, axis, at_ns)
         if found is not None:
             yield found
@@ -105,7 +105,7 @@ def _samples(observed: Observed, received: Received, axis: str) -> tuple[Times, 
     """
     rows = observed.between(observed.facts.start_ns or 0, observed.facts.sim_ns)
     times = observed.syncs_ns(axis)[rows]
-    true = observed.column(axis, "truth_mm", rows)
+    true = _true_mm(observed, axis, rows, times)
     if axis not in received.increments:
         return times, np.zeros(len(times)), true
     timing, record = observed.facts.timing, observed.facts.axes[axis]
@@ -118,6 +118,16 @@ def _samples(observed: Observed, received: Received, axis: str) -> tuple[Times, 
     zero_mm = record.origin_mm if record.homed_ns else 0.0
     mm = np.array([each or 0 for each in found], np.float64)[has] / record.increments_per_mm
     return times[has], mm + zero_mm - true[has], true[has]
+
+
+def _true_mm(observed: Observed, axis: str, rows: slice, times: Times) -> Signal:
+    """Return where an axis was at the SYNCs of its segment; rows are of those of the first one."""
+    true: Signal = observed.column(axis, "truth_mm", rows).copy()
+    for row in np.flatnonzero(times != observed.instants(rows)):
+        state = true_state(observed, axis, int(times[row]))
+        if state is not None:
+            true[row] = state.position_mm
+    return true
 
 
 def _weights(times: Signal) -> Signal:
