@@ -1,17 +1,34 @@
 """When the control assumes that an actual position was sampled, without a line of slaves."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.cyclic.family import CyclicSegments
+from axisrig.bench.machine.ethercat.family import EthercatLines
 from axisrig.bench.machine.families import Installed
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.drives.ethercat.carrier import EthercatCarrier
 from axisrig.kernel.drives.ethercat.frames import Way
 from axisrig.kernel.drives.ethercat.master import NEVER
 
 PERIOD_NS, SHIFT_NS = 1_000_000, 300_000
 SYNC_NS = 8_000_000
+RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "fixed-stop-z-profidrive.toml"
+
+
+def of_images(input_us: int) -> CyclicSegments:
+    """The segments of a rig of PROFIdrive with this T_I, without their drives."""
+    text = parse_assignment(f"bus:bus.input_us={input_us}")
+    settings = read_settings(*read_rig(RIG), [(text, as_written)])
+    segments = CyclicSegments.__new__(CyclicSegments)
+    bench: Any = SimpleNamespace(settings=settings)
+    segments._bench = bench
+    return segments
 
 
 def sampled_ns(sent_ns: int, *, has_clocks: bool = True, **sample_ns: int) -> int:
@@ -71,3 +88,44 @@ def test_a_sync_that_a_drive_has_not_heard_does_not_leave_it_that_of_the_one_bef
     part.drives = drives
     assert part.sampled_ns("X", SYNC_NS) == assumed_ns
     assert part.sampled_ns("Y", SYNC_NS) == SYNC_NS
+
+
+# --- which line an axis is on
+
+
+def of_lines(**axes: str) -> Any:
+    """The lines `a` and `b` of a machine, with axes on them. Only the master of `a` watches."""
+    lines = EthercatLines.__new__(EthercatLines)
+    rig = SimpleNamespace(axis={axis: SimpleNamespace(segment=name) for axis, name in axes.items()})
+    watched = {"a": (True, 70, 3), "b": (False, 90, 8)}
+    found: Any = {
+        name: SimpleNamespace(
+            carrier=SimpleNamespace(
+                sampled_ns=lambda axis, name=name: {"aX": 11, "bY": 22}[name + axis]
+            ),
+            master=SimpleNamespace(
+                clocks_off_ns=off_ns,
+                line=SimpleNamespace(reads_differences=watches, clock_limit_ns=limit_ns),
+            ),
+        )
+        for name, (watches, limit_ns, off_ns) in watched.items()
+    }
+    bench: Any = SimpleNamespace(settings=SimpleNamespace(rig=rig))
+    lines.lines, lines._bench = found, bench
+    return lines
+
+
+@pytest.mark.interpreted
+def test_an_axis_has_the_instant_and_the_clocks_of_its_own_line() -> None:
+    """A limit only where the master reads how far the clocks are apart."""
+    lines = of_lines(X="a", Y="b")
+    assert [lines.sampled_ns(axis, SYNC_NS) for axis in "XY"] == [11, 22]
+    assert [lines.clocks_off_ns(axis) for axis in "XY"] == [3, 8]
+    assert [lines.clock_limit_ns(axis) for axis in "XY"] == [70, None]
+
+
+@pytest.mark.parametrize(
+    ("input_us", "sync_ns"), [(100, SYNC_NS), (250, SYNC_NS), (250, 12_345_678)]
+)
+def test_on_a_cyclic_segment_it_is_t_i_before_the_cycle(input_us: int, sync_ns: int) -> None:
+    assert of_images(input_us).sampled_ns("Z", sync_ns) == sync_ns - input_us * 1000

@@ -8,6 +8,7 @@ from tests.ethercat.line import OP, Line, frame, physical
 from axisrig.bench.bus.ethercat.frame import datagrams, is_ethercat, time_on_wire_ns
 from axisrig.bench.bus.ethercat.segment import Link
 from axisrig.bench.drive.ethercat.eeprom import check_sum
+from axisrig.bench.machine.ethercat.line_faults import LineFaults
 from axisrig.kernel.time.clock import MS, US
 
 APRD, APWR, APRW, FPRD, BRD, BRW = 1, 2, 3, 4, 7, 9
@@ -212,3 +213,45 @@ def test_the_counter_of_broken_frames_stays_at_its_end() -> None:
     line.wait(3 * MS)
     line.segment.breaks.clear()
     assert line.read(0x0300, 1) == 255
+
+
+# --- faults of a line by the axis of a slave
+
+
+def of_cycle(index: int) -> bytes:
+    """A frame that writes 7 to 0F80 of all slaves, with this index: 0x80 .. 0xFF are cyclic."""
+    found = bytearray(frame(physical(BRW, 0, 0x0F80, b"\x07")))
+    found[17] = index
+    return bytes(found)
+
+
+@pytest.mark.parametrize(("axis", "broken"), [("X", 0), ("Y", 1), ("Z", 2)])
+def test_a_line_breaks_cyclic_frames_before_the_slave_of_an_axis(axis: str, broken: int) -> None:
+    """0300 counts there, 0308 behind; other frames pass, and all do where nothing falls."""
+    line = Line(3)
+    falls = [False]
+    faults = LineFaults(line.segment, dict(zip("XYZ", line.drives, strict=True)))
+    faults.breaks(axis, lambda: falls[0])
+    found = []
+    for falls[0], index in ((False, 0x80), (True, 0x7F), (True, 0x80), (True, 0xFF), (False, 0xFF)):
+        line.segment.send(of_cycle(index))
+        line.wait(100 * US)
+        found.append((len(line.back), line.segment.lost))
+    assert found == [(1, 0), (2, 0), (2, 1), (2, 2), (3, 2)]
+    counted = [(line.read(0x0300, 1, n), line.read(0x0308, 1, n)) for n in range(3)]
+    assert counted == [(0, 0)] * broken + [(2, 0)] + [(0, 2)] * (2 - broken)
+
+
+@pytest.mark.parametrize("by_ns", [5 * MS, -2 * MS])
+def test_the_clock_of_the_slave_of_an_axis_jumps_alone(by_ns: int) -> None:
+    """0910, read by one frame before and one after: each other clock has gone on as time has."""
+    line = Line(3)
+    line.wait(10 * MS)
+    faults = LineFaults(line.segment, dict(zip("XYZ", line.drives, strict=True)))
+    clocks = [physical(APRD, -n, 0x0910, 8) for n in range(3)]
+    before_ns, since_ns = [each.number for each in line.exchange(*clocks)], line.back[-1][0]
+    faults.jump("Y", by_ns)
+    after_ns, later_ns = [each.number for each in line.exchange(*clocks)], line.back[-1][0]
+    gone = [after - before for before, after in zip(before_ns, after_ns, strict=True)]
+    spent_ns = later_ns - since_ns
+    assert gone == [spent_ns, spent_ns + by_ns, spent_ns]

@@ -1,6 +1,8 @@
 """The lines of `axisrig drive`: frames written out by hand, and what is told of them."""
 
+import csv
 from contextlib import ExitStack
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,8 +10,12 @@ import pytest
 
 from axisrig.bench.bus.can.frame import data_frame
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
-from axisrig.bench.tools.virtual_drive.watch import Watcher
+from axisrig.bench.tools.virtual_drive.terminal_watch import TerminalWatcher
+from axisrig.bench.tools.virtual_drive.watch import EthercatWatcher, Watcher
+from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.ethercat.tables import AlState
+from axisrig.kernel.time.clock import MS
 
 
 @pytest.mark.parametrize(
@@ -39,3 +45,129 @@ def test_codes_are_told_in_words(can_id: int, data: str, found: str) -> None:
         watch = Watcher(settings, {"Z": node}, plant, lines.append, None, opened)
         watch(1_000_000, "can1", data_frame(can_id, bytes.fromhex(data)), False)
     assert lines == [f"    0.001000 s  Z    {found}"]
+
+
+def machine(**contacts_ns: tuple[int, ...]) -> tuple[Any, Any]:
+    """A rig with the axes X and Y, whose probes are at input 1 and 2; its plant with contacts.
+
+    Where a probe touches, X is at as many mm as the instant has ms, Y at 100 mm more.
+    """
+    axes = {
+        "X": SimpleNamespace(plant="x", probe_1="touch", probe_2=None),
+        "Y": SimpleNamespace(plant="y", probe_1="touch", probe_2="other"),
+    }
+    probes = {
+        name: SimpleNamespace(
+            contacts=[Contact(at, {"x": at / MS, "y": 100 + at / MS}) for at in instants]
+        )
+        for name, instants in contacts_ns.items()
+    }
+    return SimpleNamespace(rig=SimpleNamespace(axis=axes)), SimpleNamespace(probes=probes)
+
+
+def slave(units_per_mm: float) -> Any:
+    """A drive of CiA 402 on a line, in operation."""
+    probes = [SimpleNamespace(latch_instants_ns=[]) for _ in range(2)]
+    return SimpleNamespace(
+        states=SimpleNamespace(state=AlState.OP, code=0),
+        state=State.OPERATION_ENABLED,
+        image=ProcessImage(),
+        profile=SimpleNamespace(units_per_mm=units_per_mm),
+        servo=SimpleNamespace(touch_probe=SimpleNamespace(probes=probes)),
+    )
+
+
+def latch(node: Any, probe: int, edge: str, units: int, time_ns: int) -> None:
+    image, count = node.image, f"count_{probe}_{edge}"
+    setattr(image, f"latch_{probe}_{edge}", units)
+    setattr(image, count, getattr(image, count) + 1)
+    node.servo.touch_probe.probes[probe - 1].latch_instants_ns.append(time_ns)
+
+
+@pytest.mark.interpreted
+def test_drives_of_a_line_are_told_by_state_control_word_and_mode() -> None:
+    settings, plant = machine()
+    nodes: Any = {"X": slave(1000), "Y": slave(2**20 / 10)}
+    lines: list[str] = []
+    with ExitStack() as opened:
+        watch = EthercatWatcher(settings, nodes, plant, lines.append, None, opened)
+        watch.look(MS)
+        assert lines == []
+        nodes["Y"].states.state, nodes["Y"].states.code = AlState.SAFEOP, 0x1B
+        nodes["Y"].state, nodes["Y"].image.controlword = State.SWITCH_ON_DISABLED, 0x0D
+        nodes["X"].image.mode = 8
+        watch.look(2 * MS)
+        watch.look(3 * MS)
+    assert [line.split(maxsplit=2)[2].partition(", no outputs")[0] for line in lines] == [
+        "X    mode    0 -> 8 (6060)",
+        "Y    AL      OP -> SAFEOP, 0x001B",
+        "Y    state   OPERATION_ENABLED -> SWITCH_ON_DISABLED (6040 = 0x000D)",
+    ]
+
+
+@pytest.mark.interpreted
+def test_latches_are_told_in_mm_of_their_drive_with_the_contact_before_them(
+    tmp_path: Path,
+) -> None:
+    """Each drive by its own scaling; a contact after the latch, or of another probe, is not its."""
+    settings, plant = machine(touch=(4 * MS, 9 * MS), other=(5 * MS,))
+    nodes: Any = {"X": slave(1000), "Y": slave(2**20 / 10)}
+    lines: list[str] = []
+    with ExitStack() as opened:
+        watch = EthercatWatcher(settings, nodes, plant, lines.append, tmp_path, opened)
+        latch(nodes["X"], 1, "positive", 4001, 4 * MS + 1000)
+        latch(nodes["X"], 2, "positive", 77, 4 * MS + 1000)  # nothing is wired there
+        latch(nodes["Y"], 1, "negative", -(2**20), 3 * MS)  # before the first contact
+        latch(nodes["Y"], 2, "negative", 11 * 2**20, 6 * MS)
+        watch.look(7 * MS)
+        watch.look(8 * MS)
+        latch(nodes["X"], 1, "positive", 9002, 9 * MS)
+        watch.look(10 * MS)
+    assert [line.split("latch")[1].strip() for line in lines] == [
+        "probe 1, 0x60BA = 4001 = 4.001000 mm; contact was at 4.000000 mm",
+        "probe 2, 0x60BC = 77 = 0.077000 mm",
+        "probe 1, 0x60BB = -1048576 = -10.000000 mm",
+        "probe 2, 0x60BD = 11534336 = 110.000000 mm; contact was at 105.000000 mm",
+        "probe 1, 0x60BA = 9002 = 9.002000 mm; contact was at 9.000000 mm",
+    ]
+    with (tmp_path / "latches.csv").open() as file:
+        rows = [tuple(row.values()) for row in csv.DictReader(file)]
+    assert rows[3] == ("6000000", "Y", "2", "0x60BD", "11534336", "110.0", "5000000", "105.0")
+    assert rows[1][-2:] == rows[2][-2:] == ("", "")
+
+
+@pytest.mark.interpreted
+def test_a_terminal_is_told_with_its_stamps_and_the_contact_before_each() -> None:
+    _, plant = machine(touch=(4 * MS, 9 * MS), other=(5 * MS,))
+    terminal: Any = SimpleNamespace(
+        states=SimpleNamespace(state=AlState.SAFEOP, code=0), latches=SimpleNamespace(stamped=[])
+    )
+    told: list[tuple[Any, ...]] = []
+    watch = TerminalWatcher(
+        terminal, {1: "touch", 2: "other", 3: "none"}, plant, lambda *words: told.append(words)
+    )
+    (stamp,) = terminal.latches.stamped
+    for number, level, ms in (
+        (0, True, 4),
+        (0, False, 8),
+        (1, True, 4),
+        (1, False, 6),
+        (2, True, 9),
+    ):
+        stamp(number, level, ms * MS, 1_000_000_000 + ms)
+    terminal.states.state = AlState.OP
+    watch.look(20 * MS)
+    watch.look(21 * MS)  # each once
+    name = told[0][1]
+    assert told == [
+        (20 * MS, name, "AL", "SAFEOP -> OP"),
+        (4 * MS, name, "stamp", f"input 1 up, stamp 1000000004 ns{touched(4)}"),
+        (8 * MS, name, "stamp", f"input 1 down, stamp 1000000008 ns{touched(4)}"),
+        (4 * MS, name, "stamp", "input 2 up, stamp 1000000004 ns"),
+        (6 * MS, name, "stamp", f"input 2 down, stamp 1000000006 ns{touched(5)}"),
+        (9 * MS, name, "stamp", "input 3 up, stamp 1000000009 ns"),
+    ]
+
+
+def touched(ms: int) -> str:
+    return f"; contact was x at {ms:.6f} mm, y at {100 + ms:.6f} mm"

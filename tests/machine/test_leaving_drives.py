@@ -1,11 +1,17 @@
 """Real drives are led out of operation before they are let go, with drives by hand."""
 
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.can.real_segment import OutsideSegment
+from axisrig.bench.machine.canopen.family import CanBuses
 from axisrig.bench.machine.leaving import POWER_DOWN_CYCLES_MAX, power_down
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.pacing import Hardware
+from axisrig.kernel.channel import ChannelState
 from axisrig.kernel.drives.power import PowerOrder
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS, US
@@ -102,3 +108,104 @@ def test_a_drive_that_stays_on_is_let_go_after_all() -> None:
     part = Part(Link("X", clock, 10_000))
     assert len(left(part, clock=clock)) == POWER_DOWN_CYCLES_MAX
     assert part.gone == [["X"]]
+
+
+# --- while it runs: an operator who stops, interfaces that are lost
+
+
+class Outside(OutsideSegment):
+    """A segment on an interface that may be lost."""
+
+    def __init__(self) -> None:  # nothing is opened
+        self.lost = None
+
+
+def said(alarms: Iterable[Alarm]) -> list[tuple[int, dict[str, object]]]:
+    return [(alarm.id, alarm.values) for alarm in alarms]
+
+
+def gone(segment: str, reason: str) -> tuple[int, dict[str, object]]:
+    return 900071, {"segment": segment, "reason": reason}
+
+
+def of_can(**segments: Any) -> CanBuses:
+    buses = CanBuses.__new__(CanBuses)
+    buses.segments, buses._lost = segments, set()
+    return buses
+
+
+def test_each_interface_that_is_lost_is_an_alarm_once() -> None:
+    first, second = Outside(), Outside()
+    buses = of_can(can1=first, can2=second, can3=SimpleNamespace(lost="simulated"))
+    assert [*buses.look()] == []
+    second.lost = "adapter is gone"
+    assert said(buses.look()) == [gone("can2", "adapter is gone")]
+    assert [*buses.look()] == []
+    first.lost = "no power"
+    assert said(buses.look()) == [gone("can1", "no power")]
+    assert [*buses.look()] == []
+
+
+def test_the_program_is_stopped_once_by_the_operator_and_by_each_alarm() -> None:
+    wants, lost = [False], Outside()
+    stops: list[Alarm] = []
+    machine: Any = SimpleNamespace(
+        is_stopped=False,
+        installed=[of_can(can1=Outside()), of_can(can2=lost)],
+        channel=SimpleNamespace(stop=stops.append),
+    )
+    hardware = Hardware(SimpleNamespace(), lambda: wants[0])  # type: ignore[arg-type]
+
+    def look() -> list[Any]:
+        Machine._look_outside(machine, hardware)
+        return said(stops)
+
+    assert look() == []
+    assert not machine.is_stopped
+    wants[0] = True
+    assert look() == [(900070, {})]
+    assert machine.is_stopped
+    lost.lost = "adapter is gone"
+    assert look() == look() == [(900070, {}), gone("can2", "adapter is gone")]
+
+
+def test_a_machine_leaves_the_drives_that_are_outside_whatever_its_channel_does() -> None:
+    """X and Z are there, Y is simulated; the carriers of both segments go on, each once."""
+    clock = Scheduler()
+    x, y, z = Link("X", clock, 2), Link("Y", clock, 1), Link("Z", clock, 3)
+    first, second = Part(x, y), Part(z)
+    begins: list[str] = []
+    rig = SimpleNamespace(axis={n: SimpleNamespace(segment=f"can{n}") for n in "XYZ"})
+    machine: Any = SimpleNamespace(
+        channel=SimpleNamespace(state=ChannelState.RUNNING),
+        part_of={"X": first, "Y": first, "Z": second},
+        outside=("X", "Z"),
+        settings=SimpleNamespace(rig=rig),
+        _carriers={
+            f"can{name}": SimpleNamespace(begin_cycle=lambda name=name: begins.append(name))
+            for name in "XYZ"
+        },
+        scheduler=clock,
+        timing=SimpleNamespace(period_ns=PERIOD_NS, offset_ns=OFFSET_NS),
+    )
+    Machine._leave(machine)
+    assert machine.channel.state is ChannelState.ENDED
+    assert [len(link.times_ns) for link in (x, y, z)] == [3, 0, 3]
+    assert begins == ["X", "Z"] * 3
+    assert (first.gone, second.gone) == ([["X"]], [["Z"]])
+
+
+def test_each_drive_is_led_to_pre_operational_on_its_own_bus() -> None:
+    """CiA 301: NMT has identifier 0, command 128 and the node."""
+    sent: list[tuple[str, int, bytes]] = []
+
+    def link(bus: str, node_id: int) -> Any:
+        network = SimpleNamespace(
+            send_message=lambda can_id, data: sent.append((bus, can_id, data))
+        )
+        return SimpleNamespace(network=network, node_id=node_id)
+
+    buses = of_can()
+    buses.links = {"X": link("can1", 1), "Y": link("can1", 2), "Z": link("can2", 0x7F)}
+    buses.let_go(["X", "Z"])
+    assert sent == [("can1", 0, bytes((128, 1))), ("can2", 0, bytes((128, 127)))]

@@ -12,15 +12,19 @@ import pytest
 
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.plc.control_units import PlcUnits
+from axisrig.bench.machine.plc.side import PlcSide
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.unfinished_program import at_work, in_words, waited_for
+from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.rig.fmu_output import BYTES_MAX, cut, lines_in, output_lines
 from axisrig.bench.rig.plc.axis_words import SetCourse, UnitWrite
 from axisrig.bench.rig.plc.courses import Courses
+from axisrig.bench.rig.plc.words import read_rules
 from axisrig.kernel.channel import ChannelState
 from axisrig.kernel.cosim.plant.outputs import MOTOR_VELOCITY
 from axisrig.kernel.distance import DistanceCommand
 from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.plc.unit import DistanceUnit
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
@@ -100,6 +104,68 @@ def test_rows_apart_by_different_times_have_ticks_of_their_own() -> None:
     motor, velocity = np.array([0.0, 1.0]), np.array([0.0, 1000.0])
     lag = largest_lag(np.array([0, 1_000_000]), (motor, motor, velocity), 250_000)
     assert lag == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+# --- feedholds of columns
+
+
+class Held:
+    """The PLC side of a channel with X and Z, and columns; turns of 1 ms."""
+
+    def __init__(self, **cells: str) -> None:
+        self.clock = new_scheduler()
+        self.plc = PlcInterface(self.clock, "XZ")
+        path = SimpleNamespace(is_moving=False)
+        channel: Any = SimpleNamespace(
+            plc=self.plc, path=path, records=[], program_ends_ns=[], resets_ns=[],
+            distance=SimpleNamespace(axes={}), sync_ns=0,
+        )  # fmt: skip
+        columns = {name.replace("_", "."): cell for name, cell in cells.items()}
+        rules = [
+            rule
+            for name, cell in columns.items()
+            for rule in read_rules(parse_column(f"plc:{name}", cell), "XZ")[1]
+        ]
+        self.side = PlcSide(channel, {}, rules, self.clock, MS, lambda _: iter(()))
+
+    def turn(self, *functions: int) -> str:
+        """A cycle after these M functions; return what is held: P the path, X, Z."""
+        block: Any = SimpleNamespace()
+        for number in functions:
+            self.plc.send(canon.TechnologyFunction(block, "M", number))
+        self.side.take_turn()
+        held = {"P": self.plc.feedhold, **{n: unit.feedhold for n, unit in self.plc.axis.items()}}
+        self.clock.run_until(self.clock.now_ns + MS)
+        return "".join(name for name, is_held in held.items() if is_held)
+
+
+@pytest.mark.interpreted
+def test_a_feedhold_until_a_moment_ends_there_and_comes_again() -> None:
+    """The path from M50 to M51; Z from M50 until 2 ms after M52; X is nobody's."""
+    on = Held(feedhold="at=M50 until=M51", Z_feedhold="at=M50 until=M52+2ms")
+    assert [on.turn(), on.turn(50), on.turn(), on.turn(51), on.turn(52)] == [
+        "",
+        "PZ",
+        "PZ",
+        "Z",
+        "Z",
+    ]
+    assert [on.turn() for _ in range(3)] == ["Z", "", ""]
+    assert [on.turn(50), on.turn(52), on.turn(), on.turn(), on.turn(51)] == [
+        *("PZ", "PZ", "PZ", "P", ""),
+    ]
+    assert on.turn(51, 52) == on.turn() == on.turn() == on.turn() == ""  # none is on
+
+
+@pytest.mark.interpreted
+def test_feedholds_that_overlap_hold_until_the_last_one_ends() -> None:
+    """M50 holds Z 4 ms and until M51; twice M50 is let go by one M51."""
+    on = Held(Z_feedhold="at=M50 for=4ms; at=M50 until=M51")
+    assert [on.turn(50), on.turn(51)] == ["Z", "Z"]
+    assert [on.turn() for _ in range(3)] == ["Z", "Z", ""]
+    assert [on.turn(50), on.turn(50), *(on.turn() for _ in range(5))] == ["Z"] * 7
+    assert [on.turn(51), on.turn(50), on.turn(51)] == ["", "Z", "Z"]
+    assert [on.turn() for _ in range(4)] == ["Z", "Z", "", ""]
 
 
 # --- courses and control units of the PLC side

@@ -23,11 +23,12 @@ from axisrig.bench.tools.budget.budget import (
     Budget,
     Share,
     _of_cycles,
+    _of_rounding,
     _quantum_um,
     _Runs,
     _with_motion,
 )
-from axisrig.bench.tools.budget.causes import Active, causes, measuring_axis
+from axisrig.bench.tools.budget.causes import Active, causes, measuring_axis, motion_causes
 from axisrig.bench.tools.budget.combining import Runs, combined, groups
 from axisrig.bench.tools.budget.motion import (
     AT_ONCE,
@@ -216,6 +217,46 @@ def test_the_way_of_the_cycles_is_shared_out() -> None:
     ]  # fmt: skip
     combined_um = [each.combined_um for each in _of_cycles(SETTINGS, seen(value_ms=5.0), True)]
     assert combined_um == [pytest.approx(-50.0)]
+
+
+@pytest.mark.parametrize(("error_um", "left_um"), [(-5.3, -0.3), (-4.6, 0.4), (0.0, 5.0)])
+def test_the_rounding_is_what_a_latch_has_beside_the_way_until_it(
+    error_um: float, left_um: float
+) -> None:
+    """-10 mm/s for 0.5 ms are -5 um; a whole increment of 2.5 um is the bound."""
+    left = seen(error_um=error_um, latch_ms=0.5)
+    for is_combined in (False, True):
+        found = _of_rounding(left, 2.5, is_combined)
+        assert found.cause.cause == "encoder"
+        assert (found.alone_um, found.in_turn_um) == (pytest.approx(left_um),) * 2
+        assert found.bound_um == 2.5
+        assert found.combined_um == (pytest.approx(left_um) if is_combined else None)
+        assert found.setting == "increments of 2.5 um"
+
+
+def test_braking_is_a_cause_of_each_motion_and_the_run_up_where_speed_is_gained() -> None:
+    """A value after the signal is of a stop that hardly begins, at the speed of the contact."""
+    settings = settings_of(PLANS / "rigs" / "probe-z.toml", [])
+    for is_after in (False, True):
+        for speed_mm_s in (None, -40.0):
+            only, both = (
+                motion_causes(
+                    settings,
+                    "Z",
+                    is_after_signal=is_after,
+                    gains_speed=gains,
+                    speed_mm_s=speed_mm_s,
+                )
+                for gains in (False, True)
+            )
+            assert [each.cause.cause for each in only] == ["braking"]
+            assert [each.cause.cause for each in both] == ["run-up", "braking"]
+            assert both[0].off == without_run_up(settings)
+            assert both[1] == only[0]
+            stop = only[0].off["set:Z.getriebe[0].lslope_profil.a_feedh"]
+            # 0.5 s from the speed of the contact, either sign; else 1 mm/s2, or at once
+            hardly = "80" if speed_mm_s else "1"
+            assert stop == (hardly if is_after else "10000000")
 
 
 def test_the_way_in_a_ramp_is_that_of_the_truth() -> None:

@@ -45,11 +45,6 @@ class Phases:
         return -(-(sent_ns + self.back_ns - self.cycle_ns) // self.period_ns)
 
     @property
-    def sent_in(self) -> int:
-        """Cycles from an NC cycle to the one in which the frame with its set values leaves."""
-        return _next(self.cycle_ns, self.frame_ns, self.period_ns) // self.period_ns
-
-    @property
     def way(self) -> int:
         """Cycles from an NC cycle to the first one that sees what its set values do.
 

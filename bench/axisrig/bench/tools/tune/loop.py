@@ -170,11 +170,6 @@ class Loop:
         """Return Ms = max |1/(1 + L)|; 1/Ms is the distance of L from -1."""
         return float(np.abs(1 / (1 + self._opened(law, _GRID, self._on_grid))).max())
 
-    def corner(self, law: Law) -> float:
-        """Frequency at which |L| first falls below 1, radians per cycle; pi when it never does."""
-        below = np.flatnonzero(np.abs(self._opened(law, _GRID, self._on_grid)) < 1)
-        return float(_GRID[below[0]]) if below.size else float(np.pi)
-
 
 def _response(impulses: Floats, angles: Floats) -> Complexes:
     """Frequency response of an impulse response (Horner in q^-1)."""
