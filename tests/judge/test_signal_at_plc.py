@@ -47,9 +47,11 @@ def left(
     known_ns: float = 1.0,
     timing: Timing = TIMING,
     after_ns: int | None = None,
+    lost: Sequence[int] = (),
 ) -> Observed:
     """Z goes down; cycle_ns: that saw the signal; at_ns: whose position it published."""
     times = np.arange(40, dtype=np.int64) * timing.period_ns + SYNC_NS
+    times[list(lost)] -= SYNC_NS  # no drive has got it: when it was asked for
     columns: dict[str, Any] = {
         "time_ns": times,
         "Z.truth_mm": [place_mm(int(t)) for t in times],
@@ -326,3 +328,50 @@ def test_a_drive_samples_its_input_at_the_sync_of_its_own_segment() -> None:
         instants = instants_at_plc(observed, seen, "Z", settings_of(case))
         assert instants is not None
         assert instants.sampled_ns == sampled_ns
+
+
+@pytest.mark.parametrize("lost", [(10,), (8, 9, 10), (10, 11)])
+@pytest.mark.parametrize("after_ns", [None, 64 * US])
+def test_a_sync_that_no_drive_has_got_is_where_it_would_have_come(
+    lost: Sequence[int], after_ns: int | None
+) -> None:
+    """48 us after it was asked for, as the ones before, and later in another segment."""
+    edges, cycle_ns = [(10_280 * US, True)], 10 * MS + CYCLE_NS
+    own_ns = 10 * MS + SYNC_NS + (after_ns or 0)
+    observed = left(edges, cycle_ns, own_ns, after_ns=after_ns, lost=lost)
+    if after_ns is not None:  # of a drive that has got none it is not known
+        table = observed.series.table()
+        after = [0 if row in lost else after_ns for row in range(table.num_rows)]
+        place = table.column_names.index("Z.sync_after_ns")
+        table = table.set_column(place, "Z.sync_after_ns", pa.array(after))
+        observed = Observed(observed.facts, Series(table))
+    late, error = found(observed)
+    assert (late.value, error.value) == (0.0, pytest.approx(0.0, abs=1e-6))
+
+
+@pytest.mark.parametrize("terminal_ns", [2 * MS, 0])
+@pytest.mark.parametrize(
+    ("row_us", "is_new", "own_us"),
+    [
+        (10_000, False, 10_048),  # asked for, and nothing has come
+        (10_300, False, 10_048),  # the exchange of the terminal, or the cycle of the PLC
+        (10_300, True, 10_300),  # a SYNC that was late by chance
+        (10_301, False, 10_301),  # a SYNC that was late, and its telegram missing
+        (10_048, False, 10_048),
+    ],
+)
+def test_a_row_is_lost_where_the_plant_stands_at_a_step_and_nothing_has_come(
+    row_us: int, is_new: bool, own_us: int, terminal_ns: int
+) -> None:
+    task = replace(TASK, terminal_ns=terminal_ns)
+    table = left([], 0, 0, task=task).series.table()
+    times = table["time_ns"].to_numpy().copy()
+    times[10] = row_us * US
+    actual = np.arange(40.0) + 100.0
+    actual[10] = actual[10] if is_new else actual[9]
+    columns = {name: table[name] for name in table.column_names}
+    columns |= {"time_ns": pa.array(times), "Z.actual_mm": pa.array(actual)}
+    observed = Observed(left([], 0, 0, task=task).facts, Series(pa.table(columns)))
+    assert [observed.sync_ns("Z", row) for row in (9, 10, 11)] == [
+        *(9 * MS + SYNC_NS, own_us * US, 11 * MS + SYNC_NS),
+    ]

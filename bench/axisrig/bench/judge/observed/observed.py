@@ -30,6 +30,8 @@ from axisrig.kernel.time.clock import TimeNs
 Made = TypeVar("Made")
 Values = npt.NDArray[np.generic]
 
+SYNCS_BACK = 20
+"""A SYNC that has come is looked for so many cycles back; a drive reports a loss long before."""
 KEPT_BYTES = 400_000
 """So much of what was read is kept: a dozen columns of a block, which is 4 s at 1 ms."""
 
@@ -190,8 +192,31 @@ class Observed:
     def sync_ns(self, axis: str, row: int) -> TimeNs:
         """Return the SYNC instant of a row in the segment of an axis.
 
-        At it the drive has sampled what it sends; the truth of the row is of `time_ns`.
+        At it the drive has sampled what it sends; the truth of the row is of `time_ns`. One that no
+        drive has got would have come as long after the begin of its cycle as the last one did.
         """
+        for each in range(row, max(row - SYNCS_BACK, 0) - 1, -1):
+            if not self._is_lost(axis, each):
+                return self._own_ns(axis, each) + (row - each) * self.facts.timing.period_ns
+        return self._own_ns(axis, row)
+
+    def _is_lost(self, axis: str, row: int) -> bool:
+        """Whether no drive has got the SYNC of a row.
+
+        Its time is then the instant up to which the plant had been stepped: the begin of the cycle,
+        an exchange of the terminal, or a cycle of the PLC. And nothing new has come.
+        """
+        own_ns, task = self._own_ns(axis, row), self.facts.plc_task
+        steps = [(0, self.facts.timing.period_ns)]
+        if task is not None:
+            steps += [(task.terminal_offset_ns, task.terminal_ns), (task.offset_ns, task.period_ns)]
+        if all((own_ns - offset_ns) % period_ns for offset_ns, period_ns in steps if period_ns):
+            return False
+        if row == 0 or not self.has(axis, "actual_mm"):
+            return True
+        return self.value(axis, "actual_mm", row) == self.value(axis, "actual_mm", row - 1)
+
+    def _own_ns(self, axis: str, row: int) -> TimeNs:
         after = self.value(axis, SYNC_AFTER, row) if self.has(axis, SYNC_AFTER) else 0.0
         return self.time_ns(row) + int(after)
 
