@@ -9,9 +9,16 @@ import pytest
 
 from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.tools.virtual_drive.parameters import ParameterFile
-from axisrig.bench.tools.virtual_drive.serve import DriveServer
+from axisrig.bench.tools.virtual_drive.serve import DriveServer, Trace
+from axisrig.kernel.cosim.plant.outputs import (
+    DEMAND_POSITION,
+    MOTOR_POSITION,
+    POSITION,
+    VELOCITY,
+)
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.time.clock import MS, S
+from axisrig.kernel.time.clock import MS, US, S
+from axisrig.kernel.time.scheduler import new_scheduler
 
 pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
 
@@ -126,3 +133,64 @@ def test_a_lost_interface_is_tried_once_a_second_until_it_is_there() -> None:
         (1011 * MS, "can2 is lost: adapter is gone again"),
     ]
     assert S == 1000 * MS
+
+
+# --- what is kept at each SYNC
+
+
+def test_a_trace_has_the_truth_of_each_plant_in_mm_at_each_sync() -> None:
+    motions: dict[str, list[float]] = {"X": [0.0] * 32, "Z": [0.0] * 32}
+    axes: Any = {name: SimpleNamespace(motion=motion) for name, motion in motions.items()}
+    trace = Trace(axes)
+    for row in (1, 2):
+        for sign, motion in zip((1, -1), motions.values(), strict=True):
+            for n, place in enumerate((POSITION, VELOCITY, MOTOR_POSITION, DEMAND_POSITION), 1):
+                motion[place] = sign * (row * 10 + n) * 1e-3
+        trace.add(row * MS)
+    found = {name: column.to_pylist() for name, column in trace.columns().items()}
+    assert found == {
+        "time_ns": [MS, 2 * MS],
+        "X.truth_mm": pytest.approx([11, 21]), "X.velocity_mm_s": pytest.approx([12, 22]),
+        "X.motor_mm": pytest.approx([13, 23]), "X.demand_mm": pytest.approx([14, 24]),
+        "Z.truth_mm": pytest.approx([-11, -21]), "Z.velocity_mm_s": pytest.approx([-12, -22]),
+        "Z.motor_mm": pytest.approx([-13, -23]), "Z.demand_mm": pytest.approx([-14, -24]),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("nodes", "period_us"),
+    [([], 0), ([(4000, 9000)], 4000), ([(0, 9000)], 9000), ([(1000, 9), (0, 2000)], 2000)],
+)
+def test_the_sync_advances_by_1006_or_else_by_60c2_the_longest_of_all(
+    nodes: list[tuple[int, int]], period_us: int
+) -> None:
+    server = DriveServer.__new__(DriveServer)
+    on: Any = server
+    on.nodes = {
+        str(number): SimpleNamespace(
+            image=SimpleNamespace(sync_period_us=own_us),
+            servo=SimpleNamespace(
+                interpolation=SimpleNamespace(period_ns=lambda other=other_us: other * US)
+            ),
+        )
+        for number, (own_us, other_us) in enumerate(nodes)
+    }
+    assert server._sync_period_ns() == period_us * US
+
+
+def test_a_row_is_taken_at_each_sync_when_the_nodes_have_acted_on_it() -> None:
+    """CiA 301: identifier 0x80; other frames, and one with 29 bits, are none."""
+    server = DriveServer.__new__(DriveServer)
+    on: Any = server
+    on.scheduler = new_scheduler()
+    rows: list[int] = []
+    on._trace = SimpleNamespace(add=rows.append)
+    for at_ms, can_id, is_extended in (
+        (1, 0x80, False), (2, 0x81, False), (3, 0x80, True), (4, 0x80, False),
+    ):  # fmt: skip
+        on.scheduler.run_until(at_ms * MS)
+        frame: Any = SimpleNamespace(arbitration_id=can_id, is_extended_id=is_extended)
+        server._on_frame(0, "can1", frame, False)
+        assert at_ms * MS not in rows
+    on.scheduler.run_until(5 * MS)
+    assert rows == [MS, 4 * MS]

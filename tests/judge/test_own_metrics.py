@@ -11,6 +11,7 @@ from tests.recordings import MS, facts, kept
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import judged, sampled
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict
@@ -161,3 +162,13 @@ def test_it_finds_what_is_beside_its_file(tmp_path: Path, recording: Observed) -
     case = _case(tmp_path, body, "check:beside", "== 0.5")
     _, ((result),) = judged(recording, case.checks[:1], module=case.module)
     assert (result.verdict, result.value) == (Verdict.PASS, 0.5)
+
+
+def test_a_module_is_written_as_it_is_found_from_the_folder_of_the_plan(tmp_path: Path) -> None:
+    """Below it by the way from there, elsewhere as a whole; an entry point by its name."""
+    plan, beside = tmp_path / "plan", tmp_path / "beside"
+    found = [
+        OwnModule("own", path, {}).text_in(plan)
+        for path in (plan / "own.py", plan / "lib" / "own.py", beside / "own.py", None)
+    ]
+    assert found == ["own.py", "lib/own.py", (beside / "own.py").as_posix(), "own"]

@@ -293,3 +293,22 @@ def test_before_a_mode_is_chosen_no_tool_is_inclined() -> None:
     assert seen.ways == []
     assert seen.share.tolist() == [1.0] * ROWS
     assert seen.program_mm.tolist() == [0.0] * ROWS
+
+
+def test_after_ref_the_sensor_has_its_zero_at_the_gap_that_the_plant_has_there() -> None:
+    """Twice on, and each time with another zero: 3.25 mm, then 1.5 mm the other way."""
+    at = np.arange(ROWS)
+    is_on = (at >= ON) & (at < OFF) & ((at < 500) | (at >= 520))
+    table = tilted.trace()
+    gap_mm = table["gap.distance_true_mm"].to_numpy()
+    given = pa.array(gap_mm - np.where(at < 510, 3.25, -1.5))
+    name = "channel.distance_state"
+    table = table.set_column(table.column_names.index(name), name, pa.array(np.where(is_on, 4, 0)))
+    table = table.append_column("channel.sensor_mm", given)
+    of = left()
+    assert of.distance_3d is not None
+    ref = replace(of, distance_3d=replace(of.distance_3d, is_referenced=True))
+    seen = ToolTruth(CHANNEL, Observed(ref, kept(table)))
+    assert seen.zeros == [(ON, pytest.approx(3.25)), (520, pytest.approx(-1.5))]
+    assert seen.zero_mm == pytest.approx(-1.5)
+    assert ToolTruth(CHANNEL, Observed(of, kept(table))).zeros == []  # no REF

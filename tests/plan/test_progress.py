@@ -8,6 +8,7 @@ from rich.console import Console
 
 from axisrig.bench.campaign.progress import CampaignProgress
 from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.plan.plan import counted
 from axisrig.bench.plan.verdict import Verdict
 
@@ -100,3 +101,19 @@ def test_a_page_gets_counts_and_the_runs_that_ended_last() -> None:
     ended = cast(list[Any], data["ended"])
     assert [row["run"] for row in ended] == [f"r{number}" for number in range(2, 10)]
     assert ended[-1]["glyph"] == Verdict.FAIL.glyph
+
+
+def test_in_short_only_the_first_run_of_a_case_that_failed_in_a_way_has_a_line() -> None:
+    """By plan, case and verdict; what passed, or passed with little room, has none."""
+    text = io.StringIO()
+    console = Console(file=text, force_terminal=False, width=200, highlight=False, markup=False)
+    progress = CampaignProgress(99, lambda: 1.0, console, talk=Talk.SHORT)
+    runs = [
+        ("a", "x", Verdict.PASS), ("a", "x", Verdict.MARGINAL), ("a", "x", Verdict.FAIL),
+        ("a", "x", Verdict.FAIL), ("a", "x", Verdict.ABORTED), ("a", "y", Verdict.FAIL),
+        ("b", "x", Verdict.FAIL), ("a", "x", Verdict.ABORTED), ("b", "x", Verdict.FAIL),
+    ]  # fmt: skip
+    for number, (plan, name, verdict) in enumerate(runs):
+        case = SimpleNamespace(run=f"r{number}", plan=plan, case=name)
+        progress.show(cast(CaseResult, SimpleNamespace(verdict=verdict, case=case)))
+    assert [line.split()[-1] for line in text.getvalue().splitlines()] == ["r2", "r4", "r5", "r6"]
