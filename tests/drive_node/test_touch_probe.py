@@ -67,6 +67,21 @@ def test_both_edges_of_both_probes_at_once() -> None:
         1100, 1200, 1300, 1400]  # fmt: skip
 
 
+def test_each_latch_keeps_the_instant_of_its_last_position() -> None:
+    """Continuous, 60B8 bits 1 and 9; a delay of the input is in instant and position alike."""
+    probe = unit(Signal([1100, 1200, 1500, 1900, 2300]), Signal([1300, 1400]))
+    at(probe, 1000, POS_1 | NEG_1 | POS_2 | NEG_2 | 0x0202)
+    for time_ns, kept_ns in ((1250, [1100, 1200, 0, 0]), (1700, [1500, 1200, 1300, 1400])):
+        at(probe, time_ns)
+        latches = [p.latches[level] for p in probe.probes for level in (True, False)]
+        assert [latch.instant_ns for latch in latches] == kept_ns
+        assert [latch.units for latch in latches] == kept_ns
+    late = unit(Signal([1500]), profile=DriveProfile(input_delay_ns=70))
+    at(late, 1000, POS_1)
+    at(late, 2000)
+    assert late.probes[0].latches[True].instant_ns == late.probes[0].latches[True].units == 1570
+
+
 def test_probes_do_not_disturb_each_other() -> None:
     probe = unit(Signal([1500]), Signal([1600]))
     at(probe, 1000, POS_2)

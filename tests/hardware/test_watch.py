@@ -10,6 +10,7 @@ import pytest
 
 from axisrig.bench.bus.can.frame import data_frame
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.functions.touch_probe import Latch
 from axisrig.bench.tools.virtual_drive.terminal_watch import TerminalWatcher
 from axisrig.bench.tools.virtual_drive.watch import EthercatWatcher, Watcher
 from axisrig.kernel.cosim.plant.probe import Contact
@@ -67,7 +68,7 @@ def machine(**contacts_ns: tuple[int, ...]) -> tuple[Any, Any]:
 
 def slave(units_per_mm: float) -> Any:
     """A drive of CiA 402 on a line, in operation."""
-    probes = [SimpleNamespace(latch_instants_ns=[]) for _ in range(2)]
+    probes = [SimpleNamespace(latches={True: Latch(), False: Latch()}) for _ in range(2)]
     return SimpleNamespace(
         states=SimpleNamespace(state=AlState.OP, code=0),
         state=State.OPERATION_ENABLED,
@@ -81,7 +82,8 @@ def latch(node: Any, probe: int, edge: str, units: int, time_ns: int) -> None:
     image, count = node.image, f"count_{probe}_{edge}"
     setattr(image, f"latch_{probe}_{edge}", units)
     setattr(image, count, getattr(image, count) + 1)
-    node.servo.touch_probe.probes[probe - 1].latch_instants_ns.append(time_ns)
+    latches = node.servo.touch_probe.probes[probe - 1].latches
+    latches[edge == "positive"].instant_ns = time_ns
 
 
 @pytest.mark.interpreted
@@ -134,6 +136,30 @@ def test_latches_are_told_in_mm_of_their_drive_with_the_contact_before_them(
         rows = [tuple(row.values()) for row in csv.DictReader(file)]
     assert rows[3] == ("6000000", "Y", "2", "0x60BD", "11534336", "110.0", "5000000", "105.0")
     assert rows[1][-2:] == rows[2][-2:] == ("", "")
+
+
+@pytest.mark.interpreted
+def test_both_edges_between_two_looks_have_the_instants_of_their_own() -> None:
+    """A touch of 0.4 ms that bounces: the rising edge at the first contact, the falling one later.
+
+    Which of the two comes last does not matter.
+    """
+    settings, plant = machine(touch=(4 * MS, 5 * MS), other=())
+    for up_ms, down_ms in ((4.1, 5.2), (5.2, 4.1)):
+        nodes: Any = {"X": slave(1000)}
+        lines: list[str] = []
+        with ExitStack() as opened:
+            watch = EthercatWatcher(settings, nodes, plant, lines.append, None, opened)
+            for edge, ms in sorted(
+                (("positive", up_ms), ("negative", down_ms)), key=lambda e: e[1]
+            ):
+                latch(nodes["X"], 1, edge, round(1000 * ms), round(ms * MS))
+            watch.look(6 * MS)
+        assert [line.split()[0] for line in lines] == [
+            f"{ms / 1000:.6f}" for ms in (up_ms, down_ms)
+        ]
+        for line, ms in zip(lines, (up_ms, down_ms), strict=True):
+            assert f"= {ms:.6f} mm; contact was at {int(ms)}.000000 mm" in line
 
 
 @pytest.mark.interpreted

@@ -164,7 +164,7 @@ def test_a_latch_for_a_foreign_master_has_the_name_of_its_ident_and_mm(drive_of:
     with ExitStack() as opened:
         watch = EthercatWatcher(settings, {"Z": node}, plant, lines.append, None, opened)
         node.image.latch_1_positive, node.image.count_1_positive = 1_294_530, 1
-        node.servo.touch_probe.probes[0].latch_instants_ns.append(5_000_000)
+        node.servo.touch_probe.probes[0].latches[True].instant_ns = 5_000_000
         watch.look(6_000_000)
     assert lines == ["    0.005000 s  Z    latch   probe 1, S-0-0130 = 1294530 = 12.345600 mm"]
 

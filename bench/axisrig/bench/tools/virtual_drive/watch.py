@@ -33,12 +33,12 @@ LATCH_COLUMNS = (
     *("time_ns", "axis", "probe", "object", "units", "latched_mm"),
     *("contact_ns", "contact_mm"),
 )
-# Probe, and what its position and its counter are called in the process image
+# Probe, level after the edge, and what position and counter are called in the process image
 _LATCHES = (
-    (1, "latch_1_positive", "count_1_positive"),
-    (1, "latch_1_negative", "count_1_negative"),
-    (2, "latch_2_positive", "count_2_positive"),
-    (2, "latch_2_negative", "count_2_negative"),
+    (1, True, "latch_1_positive", "count_1_positive"),
+    (1, False, "latch_1_negative", "count_1_negative"),
+    (2, True, "latch_2_positive", "count_2_positive"),
+    (2, False, "latch_2_negative", "count_2_negative"),
 )
 
 
@@ -145,9 +145,10 @@ class NodeWatcher(Generic[N]):
         for latch, title, old, count in zip(_LATCHES, names, seen.counts, now.counts, strict=True):
             if count in (0, old):
                 continue
-            probe, field, _ = latch
+            probe, level, field, _ = latch
             units = getattr(node.image, field)
-            latch_ns = node.servo.touch_probe.probes[probe - 1].latch_instants_ns[-1]
+            # Of the edge itself: both may have come since the last look
+            latch_ns = node.servo.touch_probe.probes[probe - 1].latches[level].instant_ns
             text = f"probe {probe}, {title} = {units} = {units / per_mm:.6f} mm"
             row = [latch_ns, name, probe, title, units, units / per_mm, "", ""]
             contact = self._contact(name, probe, latch_ns)

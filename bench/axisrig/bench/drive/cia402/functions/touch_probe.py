@@ -49,13 +49,17 @@ class Encoders(NamedTuple):
 
 @dataclass(slots=True)
 class Latch:
-    """One edge direction of one probe. armed_ns: since when, None when not armed."""
+    """One edge direction of one probe. armed_ns: since when, None when not armed.
+
+    instant_ns: whose position was stored last.
+    """
 
     armed_ns: TimeNs | None = None
     stored: bool = False
     units: int = 0
     count: int = 0
     stamp: int = 0
+    instant_ns: TimeNs = 0
 
 
 class Probe:
@@ -172,6 +176,7 @@ class Probe:
             latch.units, instant_ns = encoder.units(latch_ns), encoder.instant_ns(latch_ns)
         else:  # the zero pulse strobes the counter of the encoder itself
             latch.units, instant_ns = encoder.exact_units(latch_ns), latch_ns
+        latch.instant_ns = instant_ns
         self.latch_instants_ns.append(instant_ns)
         time_ns = latch_ns if self._device_time is None else self._device_time(latch_ns)
         latch.stamp = self._profile.timestamp_start + time_ns // self._clock_ns & STAMP_MASK
