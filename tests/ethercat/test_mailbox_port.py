@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.drives.ethercat.frames import Answer, Datagram
+from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_station
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPlaces, MailboxPort
 from axisrig.kernel.drives.sercos.mailbox import ServiceMailbox
 from axisrig.kernel.drives.sercos.service_channel import SoeError
@@ -168,3 +168,51 @@ def test_an_answer_of_a_service_channel_before_its_request_is_known_to_be_writte
     assert not service.port.waits
     clock.run_until(clock.now_ns + 3 * TIMEOUT_NS)
     assert line.asked == []
+
+
+def test_a_service_channel_gives_up_what_a_silent_slave_was_asked_and_asks_the_next() -> None:
+    """No answer, an answer, no answer: each request has its own time, and nobody waits for ever."""
+    line, clock = Questions(), Scheduler()
+    service = ServiceMailbox(line, clock, STATION, TIMEOUT_NS)  # type: ignore[arg-type]
+    service.port.places = PLACES
+    values: list[bytes | SoeError] = []
+    for ident in (51, 84, 130):
+        service.channel.read(0, ident, Element.VALUE, values.append)
+    for answers in (False, True, False):
+        before = len(values)
+        assert len(line.written) == 1
+        line.taken()
+        if answers:
+            line.asked.clear()
+            service.port.note_full()
+            body = Header(Operation.READ_ANSWER, 0, Element.VALUE, 84).pack() + b"\2\0"
+            line.taken(MAILBOX.pack(len(body), 0, 0, MailboxType.SOE | 1 << 4) + body)
+        while len(values) == before:
+            assert clock.now_ns < 3 * TIMEOUT_NS
+            line.taken()  # a look at the mailbox, that is empty
+            clock.run_until(clock.now_ns + MS // 2)
+    silent, there, last = values
+    assert there == b"\2\0"
+    assert isinstance(silent, SoeError)
+    assert isinstance(last, SoeError)
+    assert [(error.ident, error.code) for error in (silent, last)] == [(51, None), (130, None)]
+    assert not service.channel.is_busy
+
+
+def test_a_message_without_an_answer_is_written_once_and_waits_for_nothing(made: Port) -> None:
+    """Its counter is the next one; what waits for its answer goes on waiting."""
+    made.send(b"one")
+    made.line.taken()
+    made.line.asked.clear()
+    for text in (b"why", b"", b"more"):
+        made.port.post(MailboxType.COE, text)
+        assert made.line.written == [text]
+        (datagrams, _) = made.line.asked[0]
+        assert datagrams[0].address == at_station(STATION, PLACES.out_start)
+        assert len(datagrams[0].data) == PLACES.out_size
+        made.line.lost()
+        assert made.line.asked == []
+    assert made.port.waits
+    made.port.post(MailboxType.COE, b"x")
+    head = made.line.asked[0][0][0].data
+    assert MAILBOX.unpack_from(head)[3] == MailboxType.COE | 5 << 4  # the fifth message

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from tests.drive_node.conftest import FakeAxis, FakeSignal
-from tests.ethercat.line import INIT, OP, PREOP, SAFEOP, Line
+from tests.ethercat.line import INIT, OP, PREOP, SAFEOP, Line, frame, physical
 
 from axisrig.bench.bus.ethercat.segment import EthercatSegment
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
@@ -74,6 +74,28 @@ def test_a_master_reads_what_it_is() -> None:
         line.one(2, 0, 0x0502, struct.pack("<HI", 0x0100, word))
         words.append(line.read(0x0508, 4))
     assert words == [0, 401, 0x0001_0000, 1]
+
+
+def test_it_counts_frames_that_break_before_it_and_nothing_without_power() -> None:
+    """0300 before it, 0308 before another one; without power it neither answers nor stamps."""
+    line = Alone()
+    terminal, breaks = line.terminal, line.segment.breaks
+    for count in (1, 2):
+        breaks.append(lambda _frame, _number: True)
+        line.segment.send(frame(physical(7, 0, 0, 1)))
+        line.wait(MS // 10)
+        breaks.clear()
+        terminal.broken(is_here=False)
+        assert (line.read(0x0300, 1), line.read(0x0308, 1)) == (count, count)
+    terminal.power_off()
+    for is_here in (True, False):
+        terminal.broken(is_here=is_here)
+    before = len(line.back)
+    line.segment.send(frame(physical(7, 0, 0, 1)))
+    line.wait(2 * MS)
+    assert len(line.back) == before
+    terminal.is_on = True
+    assert (line.read(0x0300, 1), line.read(0x0308, 1)) == (2, 2)
 
 
 # On the line of a rig

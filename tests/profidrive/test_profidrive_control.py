@@ -10,8 +10,10 @@ from axisrig.kernel.drives.power import Power, PowerOrder
 from axisrig.kernel.drives.profidrive.encoder import EncoderControl
 from axisrig.kernel.drives.profidrive.link import ProfidriveDrive
 from axisrig.kernel.drives.profidrive.settings import ProfidriveSettings
+from axisrig.kernel.drives.profidrive.watch import ProfidriveWatch
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.profiles.profidrive import words
+from axisrig.kernel.time.clock import MS
 
 ECHO = 2
 POS, NEG = words.FUNCTION_OF[1, "POS"], words.FUNCTION_OF[1, "NEG"]
@@ -243,8 +245,15 @@ def test_orders_of_power(bus: Bus) -> None:
 
 def test_a_second_encoder_comes_with_telegram_6() -> None:
     bus = Bus(replace(SETTINGS, telegram=words.telegrams()[6]))
-    bus.cycle(0.0, G2_XIST1=-5)
-    assert (bus.drive.has_second, bus.drive.second_increments) == (True, -5)
+    assert bus.drive.second_increments is None
+    for place in (-5, 7):
+        bus.cycle(0.0, G2_XIST1=place)
+        assert (bus.drive.has_second, bus.drive.second_increments) == (True, place)
+    assert [bus.drive.second_period_ns(period_ns) for period_ns in (1, 4 * MS)] == [1, 4 * MS]
+    alone = Bus(SETTINGS)  # telegram 5
+    alone.cycle(0.0)
+    found = alone.drive.has_second, alone.drive.second_increments, alone.drive.second_period_ns(MS)
+    assert found == (False, None, None)
 
 
 @pytest.mark.parametrize(("absolute", "is_placed"), [(5, True), (4194304, False)])
@@ -319,3 +328,45 @@ def test_a_probe_is_actuated_at_the_level_that_its_edge_leads_to(
             status = deflected * level | (deflected ^ 0x0300) * of_other
             bus.cycle(0.0, G1_ZSW=status)
             assert bus.drive.is_actuated is (level == (edge == "POS"))
+
+
+@pytest.mark.parametrize("moved", [839, -839, 0])
+def test_the_travel_at_a_latch_is_in_mm(bus: Bus, moved: int) -> None:
+    """839 increments of 419 430.4 to a mm in the cycle of the latch; those before and after not."""
+    for _ in range(4):
+        bus.cycle(0.0, G1_ZSW=0, G1_XIST2=0, G1_XIST1=1000)
+    bus.drive.arm()
+    for _ in range(4):
+        bus.cycle(0.0, G1_ZSW=POS)
+    bus.cycle(0.0, G1_ZSW=POS << 4, G1_XIST1=1000 + moved)
+    for number in range(4):
+        bus.cycle(0.0, G1_XIST2=5, G1_XIST1=77 * number)
+    assert bus.drive.latched_mm == 5 / 419_430.4
+    assert bus.drive.latched_speed_mm == moved / 419_430.4
+
+
+def test_homing_by_the_drive_is_refused(bus: Bus) -> None:
+    with pytest.raises(Alarm) as raised:
+        bus.drive.home(None)  # type: ignore[arg-type]
+    assert (raised.value.id, raised.value.values) == (900765, {"axis": "Z"})
+
+
+@pytest.mark.parametrize(
+    ("code", "word"),
+    [(1, "fault"), (2, "zero mark"), (4, "search"), (6, "measurement"), (0x0F01, "manufacturer")],
+)
+def test_900763_while_the_encoder_shows_an_error_and_what_it_means(
+    bus: Bus, code: int, word: str
+) -> None:
+    """SINAMICS S120 4-113. On, off, on; a stop that is under way is not disturbed."""
+    watch = ProfidriveWatch(bus.drive)
+    for _ in range(2):
+        bus.cycle(0.0, G1_ZSW=0, G1_XIST2=0)
+        assert watch.condition() is None
+        bus.cycle(0.0, G1_ZSW=words.ENCODER_ERROR, G1_XIST2=code)
+        alarm = watch.condition()
+        assert alarm is not None
+        assert (alarm.id, alarm.values["axis"], alarm.values["code"]) == (900763, "Z", code)
+        assert word in str(alarm.values["meaning"])
+    bus.drive.order(PowerOrder.STOP)
+    assert watch.condition() is None

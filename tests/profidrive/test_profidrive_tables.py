@@ -247,3 +247,28 @@ def test_without_p0660_a_function_waits_for_ever(probe: Probe) -> None:
     probe.inputs = 1
     interface.command(POS | ACTIVATE | FLYING)
     assert (interface.status(), interface.function()) == (POS, 0)
+
+
+@pytest.mark.parametrize("code", [1, 6])
+def test_a_fault_of_the_encoder_ends_what_waits_until_it_is_acknowledged(
+    interface: EncoderInterface, probe: Probe, code: int
+) -> None:
+    """While it waits, has a value, shows it; an edge of meanwhile is none. Then as ever."""
+    for stage in range(3):
+        interface.command(POS | NEG | ACTIVATE | FLYING)
+        if stage:
+            probe.status = int(ProbeStatus.POSITIVE_STORED_1 | ProbeStatus.NEGATIVE_STORED_1)
+            interface.take_edges((11, 22))
+        if stage == 2:
+            interface.command(POS | READ | FLYING)
+            assert interface.value(7) == 11
+        interface.break_off(code)
+        interface.take_edges((33, 44))
+        assert (interface.status(), interface.value(7)) == (words.ENCODER_ERROR, code)
+        assert interface.function() == 0
+        interface.command(POS | ACTIVATE | FLYING)
+        assert (interface.status(), interface.value(7)) == (words.ENCODER_ERROR, code)
+        interface.command(words.ENCODER_ACKNOWLEDGE)
+        interface.command(0)
+        assert (interface.status(), interface.value(7)) == (0, 0)
+        probe.status = 0

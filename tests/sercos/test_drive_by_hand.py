@@ -9,11 +9,14 @@ from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.slave_data import Silent
 from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.drives.power import Power, PowerOrder
+from axisrig.kernel.drives.sercos.accesses import SercosAccesses
 from axisrig.kernel.drives.sercos.data import TelegramData
 from axisrig.kernel.drives.sercos.link import SercosDrive
 from axisrig.kernel.drives.sercos.service_channel import SoeError
 from axisrig.kernel.drives.sercos.settings import SercosSettings, real_time_bits
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.canon import DriveWait
 from axisrig.kernel.profiles.sercos.service import Element, ident_number, pack_text
 
 AT = (
@@ -290,3 +293,44 @@ def test_a_slave_that_answers_again_is_not_blamed_for_what_comes_later() -> None
         else:
             values = {"axis": "Y", "position": 2, "found": 1, "expected": 2, "cycles": 1}
             assert (alarm.id, alarm.values) == (900733, values)
+
+
+def test_it_says_nothing_by_itself_and_homing_by_it_is_refused() -> None:
+    """Neither before a fault nor in it: what it is has to be asked for."""
+    bench = Bench()
+    for status in (OPERATES, C1D, OPERATES, C1D):
+        bench.cycle(status)
+        assert bench.drive.has_reported is False
+    with pytest.raises(Alarm) as caught:
+        bench.drive.home(None)  # type: ignore[arg-type]
+    assert (caught.value.id, caught.value.values) == (900747, {"axis": "Z"})
+
+
+def test_after_a_reset_a_procedure_command_goes_on_and_nobody_asks_for_it() -> None:
+    """S-0-0170 runs (7): it is asked again and again; not after the reset, and by the next wait."""
+    drives = {axis: Bench() for axis in ("Y", "Z")}
+    accesses = SercosAccesses({axis: bench.drive for axis, bench in drives.items()})
+    running, done = b"\x07\x00", b"\x03\x00"
+    command, state = ident_number("S-0-0170"), (ident_number("S-0-0170"), Element.DATA_STATE)
+    for axis in ("Z", "Y", "Z"):
+        channel = drives[axis].channel
+        channel.asked.clear()
+        block = Block(1, 10, "")
+        wait = DriveWait(block, axis, commands=True, key="S-0-0170")
+        accesses.begin(wait)
+        channel.answer(running)
+        assert channel.asked == [state, state]
+        assert (accesses.is_waiting, accesses.is_busy) == (True, True)
+        accesses.reset()
+        assert (accesses.is_waiting, accesses.is_busy) == (False, True)
+        channel.answer(running)
+        assert channel.asked == [state, state]  # not asked again, not cancelled
+        assert not accesses.is_busy
+        accesses.begin(wait)
+        channel.answer(running)
+        channel.answer(done)
+        assert channel.asked[2:] == [state, state, (command, b"\x00\x00")]
+        assert accesses.is_waiting
+        channel.answer()
+        assert (accesses.is_waiting, accesses.is_busy) == (False, False)
+        accesses.check()

@@ -75,7 +75,7 @@ class Front:
         if code:
             other = Diagnosis(_OTHER_ERROR, _NUMBER_BASE | code, f"error 0x{code:04X}")
             self.error = diagnoses().get(code, other)
-        elif self._servo.state is not State.FAULT:
+        elif not self.has_error:  # else it was another one that has gone
             self.error = None
 
     def controlword(self) -> int:
