@@ -131,8 +131,7 @@ def test_a_second_fault_of_a_wire_has_the_first_before_it() -> None:
 
 def test_a_switch_has_a_wire_as_a_probe_has() -> None:
     bench = Bench("homing-z-g74.toml")
-    (switch,) = {"home_switch"} & {*bench.settings.rig.axis["Z"].signals}
-    name = bench.settings.rig.axis["Z"].signals[switch]
+    name = bench.settings.rig.axis["Z"].signals["home_switch"]
     bench.do("probe_late", f"{name} by=1ms").begin()
     bench.signals[name].add(2 * MS, True)
     bench.clock.now_ns = 5 * MS

@@ -1,6 +1,7 @@
 """Each kind of fault of lines, images and drives with idents, from its cell to what it does."""
 
 import random
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -169,18 +170,40 @@ def test_a_probing_cycle_ends_by_itself_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "place"), [("image_lost", "lost"), ("image_missed", "missed"), ("image_late", "late")]
+    ("keys", "hit"),
+    [
+        ({"p": 1.0, "skip": 0, "count": None}, [3, 4, 5, 6]),
+        ({"p": 1.0, "skip": 2, "count": None}, [5, 6]),
+        ({"p": 1.0, "skip": 1, "count": 2}, [4, 5]),
+        ({"p": 0.0, "skip": 0, "count": None}, []),
+    ],
 )
-def test_images_of_the_named_drive_are_disturbed_in_their_way(kind: str, place: str) -> None:
-    line = Line("probe-z-profidrive.toml")
-    act, record = line.do(kind, "Z count=1")
-    at = {name: len(of_axis["Z"]) for name, of_axis in line.falls.items()}
-    assert at == {"lost": 0, "missed": 0, "late": 0} | {place: 1}
-    (falls,) = line.falls[place]["Z"]
-    assert not falls()
-    act.begin()
-    assert [falls(), falls()] == [True, False]
-    assert (record.hits, record.last_hit_ns) == (1, 7 * MS)
+@pytest.mark.parametrize("place", ["lost", "missed", "late"])
+def test_images_that_are_hit_are_counted_and_no_others(
+    place: str, keys: dict[str, Any], hit: Sequence[int]
+) -> None:
+    """Ten images, one each ms; the fault acts from 2.5 to 6.5 ms, and of Z alone."""
+    clock: Any = SimpleNamespace(now_ns=0)
+    asked: dict[str, dict[str, list[Any]]] = {
+        name: {"X": [], "Z": []} for name in ("lost", "missed", "late")
+    }
+    on: Any = SimpleNamespace(clock=clock, segment=SimpleNamespace(**asked))
+    fault: Any = SimpleNamespace(axis="Z", values=keys)
+    record = Injected(f"image_{place}", "Z")
+    act = KINDS[f"image_{place}"](on, fault, random.Random(1), record)
+    (falls,) = asked[place]["Z"]
+    assert sum(len(found) for of_axis in asked.values() for found in of_axis.values()) == 1
+    fallen = []
+    for number in range(1, 11):
+        if number == 3:
+            act.begin()
+        if number == 7:
+            act.end()
+        clock.now_ns = number * MS
+        if falls():
+            fallen.append(number)
+    assert fallen == hit
+    assert record.hits == len(hit)
 
 
 def test_an_encoder_interface_breaks_off_with_the_code_of_its_cell() -> None:

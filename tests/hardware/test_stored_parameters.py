@@ -104,13 +104,13 @@ class Interface(OutsideSegment):
 
 def test_a_lost_interface_is_tried_once_a_second_until_it_is_there() -> None:
     """Of two the second one is lost, comes back, and is lost again at once."""
-    told: list[tuple[int, str]] = []
+    lines: list[tuple[int, str]] = []
     server = DriveServer.__new__(DriveServer)
     first, second = Interface(), Interface()
     server.segments, server._tried_ns = {"can1": first, "can2": second}, {}
     on: Any = server
     on.scheduler = SimpleNamespace(now_ns=0)
-    on._watcher = SimpleNamespace(report=lambda ns, axis, kind, text: told.append((ns, text)))
+    on._watcher = SimpleNamespace(report=lambda ns, axis, kind, text: lines.append((ns, text)))
 
     def mend(at_ms: int) -> int:
         on.scheduler.now_ns = at_ms * MS // 2  # the drives lag
@@ -125,9 +125,9 @@ def test_a_lost_interface_is_tried_once_a_second_until_it_is_there() -> None:
     assert (mend(2020), mend(2021)) == (3, 3)
     second.lost = "adapter is gone again"
     second.is_there = False
-    assert mend(2022) == 4  # a new loss is told, and tried at once
+    assert mend(2022) == 4  # a new loss has its line, and is tried at once
     assert first.tries == 0
-    assert told == [
+    assert lines == [
         (10 * MS, "can2 is lost: adapter is gone"),
         (1010 * MS, "can2 is there again"),
         (1011 * MS, "can2 is lost: adapter is gone again"),

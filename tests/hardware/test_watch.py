@@ -1,4 +1,4 @@
-"""The lines of `axisrig drive`: frames written out by hand, and what is told of them."""
+"""The lines of `axisrig drive`: frames written out by hand, and the lines they give."""
 
 import csv
 from contextlib import ExitStack
@@ -31,7 +31,7 @@ from axisrig.kernel.time.clock import MS
          "SDO     abort of 0x6060:00 with 0x0F000001, a code of the manufacturer"),
     ],
 )  # fmt: skip
-def test_codes_are_told_in_words(can_id: int, data: str, found: str) -> None:
+def test_codes_are_shown_in_words(can_id: int, data: str, found: str) -> None:
     axis = SimpleNamespace(segment="can1", plant="z")
     settings: Any = SimpleNamespace(rig=SimpleNamespace(axis={"Z": axis}))
     node: Any = SimpleNamespace(
@@ -87,7 +87,7 @@ def latch(node: Any, probe: int, edge: str, units: int, time_ns: int) -> None:
 
 
 @pytest.mark.interpreted
-def test_drives_of_a_line_are_told_by_state_control_word_and_mode() -> None:
+def test_a_drive_on_ethercat_has_a_line_for_state_control_word_and_mode() -> None:
     settings, plant = machine()
     nodes: Any = {"X": slave(1000), "Y": slave(2**20 / 10)}
     lines: list[str] = []
@@ -108,7 +108,7 @@ def test_drives_of_a_line_are_told_by_state_control_word_and_mode() -> None:
 
 
 @pytest.mark.interpreted
-def test_latches_are_told_in_mm_of_their_drive_with_the_contact_before_them(
+def test_a_latch_is_in_mm_of_its_drive_with_the_contact_before_it(
     tmp_path: Path,
 ) -> None:
     """Each drive by its own scaling; a contact after the latch, or of another probe, is not its."""
@@ -163,14 +163,14 @@ def test_both_edges_between_two_looks_have_the_instants_of_their_own() -> None:
 
 
 @pytest.mark.interpreted
-def test_a_terminal_is_told_with_its_stamps_and_the_contact_before_each() -> None:
+def test_a_terminal_has_a_line_for_each_stamp_with_the_contact_before_it() -> None:
     _, plant = machine(touch=(4 * MS, 9 * MS), other=(5 * MS,))
     terminal: Any = SimpleNamespace(
         states=SimpleNamespace(state=AlState.SAFEOP, code=0), latches=SimpleNamespace(stamped=[])
     )
-    told: list[tuple[Any, ...]] = []
+    rows: list[tuple[Any, ...]] = []
     watch = TerminalWatcher(
-        terminal, {1: "touch", 2: "other", 3: "none"}, plant, lambda *words: told.append(words)
+        terminal, {1: "touch", 2: "other", 3: "none"}, plant, lambda *words: rows.append(words)
     )
     (stamp,) = terminal.latches.stamped
     for number, level, ms in (
@@ -184,8 +184,8 @@ def test_a_terminal_is_told_with_its_stamps_and_the_contact_before_each() -> Non
     terminal.states.state = AlState.OP
     watch.look(20 * MS)
     watch.look(21 * MS)  # each once
-    name = told[0][1]
-    assert told == [
+    name = "terminal"
+    assert rows == [
         (20 * MS, name, "AL", "SAFEOP -> OP"),
         (4 * MS, name, "stamp", f"input 1 up, stamp 1000000004 ns{touched(4)}"),
         (8 * MS, name, "stamp", f"input 1 down, stamp 1000000008 ns{touched(4)}"),

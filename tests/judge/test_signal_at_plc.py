@@ -375,3 +375,5 @@ def test_a_row_is_lost_where_the_plant_stands_at_a_step_and_nothing_has_come(
     assert [observed.sync_ns("Z", row) for row in (9, 10, 11)] == [
         *(9 * MS + SYNC_NS, own_us * US, 11 * MS + SYNC_NS),
     ]
+    at_ns = own_us * US
+    assert [observed.sync_index_at("Z", ns) for ns in (at_ns - 1, at_ns, 11 * MS)] == [9, 10, 10]

@@ -120,7 +120,7 @@ class Outside(OutsideSegment):
         self.lost = None
 
 
-def said(alarms: Iterable[Alarm]) -> list[tuple[int, dict[str, object]]]:
+def words_of(alarms: Iterable[Alarm]) -> list[tuple[int, dict[str, object]]]:
     return [(alarm.id, alarm.values) for alarm in alarms]
 
 
@@ -139,10 +139,10 @@ def test_each_interface_that_is_lost_is_an_alarm_once() -> None:
     buses = of_can(can1=first, can2=second, can3=SimpleNamespace(lost="simulated"))
     assert [*buses.look()] == []
     second.lost = "adapter is gone"
-    assert said(buses.look()) == [gone("can2", "adapter is gone")]
+    assert words_of(buses.look()) == [gone("can2", "adapter is gone")]
     assert [*buses.look()] == []
     first.lost = "no power"
-    assert said(buses.look()) == [gone("can1", "no power")]
+    assert words_of(buses.look()) == [gone("can1", "no power")]
     assert [*buses.look()] == []
 
 
@@ -158,7 +158,7 @@ def test_the_program_is_stopped_once_by_the_operator_and_by_each_alarm() -> None
 
     def look() -> list[Any]:
         Machine._look_outside(machine, hardware)
-        return said(stops)
+        return words_of(stops)
 
     assert look() == []
     assert not machine.is_stopped

@@ -60,6 +60,9 @@ class Track:
     def sync_ns(self, _axis: str, row: int) -> int:
         return self.time_ns(row)
 
+    def sync_index_at(self, _axis: str, time_ns: int) -> int:
+        return self.index_at(time_ns)
+
     def index_at(self, time_ns: int) -> int:
         return (time_ns - SYNC_NS) // MS
 
@@ -194,6 +197,8 @@ def test_positions_are_of_the_syncs_of_their_own_segment() -> None:
     own_ns = track.time_ns(5) + 64 * US
     assert lost_um(observed, "Z", own_ns, is_latched=False) == pytest.approx(0.0, abs=1e-6)
     assert history_end_ns(observed, "Z", at_ns) == track.time_ns(7) + 64 * US
+    # Between the SYNC of the first segment and its own: still the cycle before
+    assert history_end_ns(observed, "Z", own_ns - 1) == track.time_ns(6)
 
 
 @pytest.mark.parametrize(

@@ -200,6 +200,13 @@ class Observed:
                 return self._own_ns(axis, each) + (row - each) * self.facts.timing.period_ns
         return self._own_ns(axis, row)
 
+    def sync_index_at(self, axis: str, time_ns: TimeNs) -> int:
+        """Return the row of the last SYNC of the segment of an axis at or before an instant."""
+        row = self.index_at(time_ns)
+        if row + 1 < len(self) and self.sync_ns(axis, row + 1) <= time_ns:
+            return row + 1
+        return row - 1 if row and self.sync_ns(axis, row) > time_ns else row
+
     def _is_lost(self, axis: str, row: int) -> bool:
         """Whether no drive has got the SYNC of a row.
 

@@ -55,7 +55,7 @@ def noise_number(
     if not is_stamped(observed, axis):
         if edge_ns is None:
             return number(value_ns)
-        sync_ns = observed.sync_ns(axis, observed.index_at(value_ns))
+        sync_ns = observed.sync_ns(axis, observed.sync_index_at(axis, value_ns))
         step_ns, fine_ns = float(observed.facts.fine_ns), observed.facts.fine_ns
         if (edge_ns - sync_ns) // fine_ns == (value_ns - sync_ns) // fine_ns:
             step_ns /= _PARTS
@@ -75,15 +75,15 @@ def is_stamped(observed: Observed, axis: str) -> bool:
     return observed.facts.runs[-1].sources.get(axis, "") == STAMPED
 
 
-def _history(observed: Observed, value_ns: TimeNs) -> list[int]:
+def _history(observed: Observed, axis: str, value_ns: TimeNs) -> list[int]:
     """Return the rows whose positions a cubic is laid through: two before, two after."""
-    row = observed.index_at(value_ns)
+    row = observed.sync_index_at(axis, value_ns)
     return [*range(row - 1, row + 3)]
 
 
 def _history_ns(observed: Observed, axis: str, value_ns: TimeNs) -> list[TimeNs]:
     """Return the SYNCs of these rows."""
-    return [observed.sync_ns(axis, row) for row in _history(observed, value_ns)]
+    return [observed.sync_ns(axis, row) for row in _history(observed, axis, value_ns)]
 
 
 def _true_mm(observed: Observed, axis: str, row: int) -> float:
@@ -119,7 +119,7 @@ def between_um(observed: Observed, axis: str, value_ns: TimeNs) -> float:
     0 in constant acceleration; below da T^2/8 where it changes by da.
     """
     times_ns = _history_ns(observed, axis, value_ns)
-    rows = _history(observed, value_ns)
+    rows = _history(observed, axis, value_ns)
     places_mm = [_true_mm(observed, axis, row) for row in rows]
     on_cubic_mm = sum(
         place * weight
@@ -152,7 +152,7 @@ def lost_um(observed: Observed, axis: str, value_ns: TimeNs, *, is_latched: bool
     """
     if is_latched or is_stamped(observed, axis):
         return 0.0
-    row = observed.index_at(value_ns)
+    row = observed.sync_index_at(axis, value_ns)
     for fault in observed.facts.faults:
         for last_ns, words in fault.marks:
             if _HIT not in words:
