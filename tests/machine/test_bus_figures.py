@@ -1,5 +1,8 @@
 """What the figures of a CAN bus say of ports whose controllers were in trouble, and of others."""
 
+import pytest
+
+from axisrig.bench.bus.can.frame import Frame, frame_bits
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.bench.machine.canopen.bus_figures import _figures
 from axisrig.kernel.time.clock import MS, Phase
@@ -28,3 +31,45 @@ def test_a_port_that_came_back_from_bus_off_is_listed_with_counters_of_0() -> No
         ("sender", True),
     ]
     assert (found.error_frames, found.overload) == (1, "too late")
+
+
+def test_loads_are_of_the_run_and_of_the_worst_windows() -> None:
+    """Ten frames, one each ms from 40 ms on, in a run of 300 ms: once for 10 ms and one of 1 ms."""
+    scheduler = new_scheduler()
+    with Segment("can1", BIT_RATE, scheduler) as segment:
+        sender = segment.port("sender")
+        segment.port("other")
+        for number in range(10):
+            at_ns = (40 + number) * MS
+            scheduler.call_at(at_ns, Phase.APPLICATION, lambda: sender.send_raw(0x123, bytes(8)))
+        scheduler.run_until(300 * MS)
+        found = _figures(segment, {}, "")
+    frame = Frame(0x123, bytes(8), False, False, 8)
+    busy_us = frame_bits(frame)  # at 1 Mbit/s, with the intermission
+    assert (found.segment, found.bitrate, found.frames) == ("can1", BIT_RATE, 10)
+    assert found.load_pct == pytest.approx(100 * 10 * busy_us / 300e3)
+    assert found.load_100ms_pct == pytest.approx(100 * 10 * busy_us / 100e3)
+    assert found.load_1ms_pct == pytest.approx(100 * busy_us / 1e3)
+    assert (found.error_frames, found.counters, found.changes, found.overload) == (0, (), (), "")
+
+
+def test_the_longest_waits_come_first_and_have_their_names() -> None:
+    """Four frames at once: each waits for those before it; an unknown one has its number."""
+    scheduler = new_scheduler()
+    ids = [(0x181, False), (0x0777, False), (0x18AA0001, True), (0x201, False)]
+    with Segment("can1", BIT_RATE, scheduler) as segment:
+        for number, (can_id, _) in enumerate(ids):
+            port = segment.port(f"p{number}")
+            port.send_raw(can_id, b"")
+        scheduler.run_until(5 * MS)
+        found = _figures(segment, {0x181: ("Z.TPDO1", "Z"), 0x201: ("Z.RPDO1", "Z")}, "")
+    # By priority: 0x181, 0x201, then 11 bits of 0x18AA0001 (0x62A) before 0x777
+    waits = [(waiting.name, waiting.axis) for waiting in found.waiting]
+    assert waits == [("0x777", ""), ("0x18aa0001", ""), ("Z.RPDO1", "Z"), ("Z.TPDO1", "Z")]
+    lengths = [
+        frame_bits(Frame(can_id, b"", is_long, False, 0)) for can_id, is_long in (ids[0], ids[3])
+    ]
+    us = {waiting.name: waiting.worst_us for waiting in found.waiting}
+    first = us["Z.TPDO1"]
+    assert us["Z.RPDO1"] - first == pytest.approx(lengths[0])
+    assert us["0x18aa0001"] - first == pytest.approx(sum(lengths))
