@@ -12,6 +12,7 @@ import can
 import pytest
 
 from axisrig.bench.bus.can.frame import Frame, frame_bits
+from axisrig.bench.drive.axis.input_circuit import InputCircuit
 from axisrig.bench.drive.cia402.functions import touch_probe
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine
@@ -217,7 +218,7 @@ def test_each_input_of_each_drive_draws_its_own_numbers(
     seeds: list[int] = []
     of_run = []
 
-    class Seeded(touch_probe.InputCircuit):
+    class Seeded(InputCircuit):
         def __init__(self, signal: Any, habits: Any, seed: int = 0) -> None:
             super().__init__(signal, habits, seed)
             seeds.append(seed)
