@@ -1,4 +1,4 @@
-"""What a drive of CiA 402 says of its faults: emergencies, 603F and 1003, and what is made of it."""
+"""What a drive of CiA 402 says of its faults: emergencies, 603F, 1003, and what becomes of it."""
 
 from functools import partial
 from typing import Any
@@ -19,7 +19,7 @@ CODE, HISTORY = (0x603F, 0), (0x1003, 1)
 SWITCHED_ON, QUICK_STOP, REACTING, FAULT = 0x1233, 0x1217, 0x121F, 0x0218
 EMERGENCY_ID = 0x083
 WARNING, STOP, NONE = b"\x20\x81", b"\x11\x86", b"\x00\x00"
-"""8120 (error passive) warns by `emergency_codes.csv`, 8611 (following error) stops, 0000 is none."""
+"""By `emergency_codes.csv` 8120 (error passive) warns, 8611 (following error) stops, 0 is none."""
 
 
 class Objects:
