@@ -1,7 +1,7 @@
 """What a drive notes of its axis between two cycles, and which positions its latch is made of."""
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -62,7 +62,7 @@ def test_a_latch_is_made_of_positions_within_its_window_and_of_its_ends(
 
     class Signal:
         level = False
-        edges: list[tuple[int, bool]] = []
+        edges: ClassVar[list[tuple[int, bool]]] = []
 
     Signal.edges = edges
     asked: list[int] = []
@@ -73,7 +73,7 @@ def test_a_latch_is_made_of_positions_within_its_window_and_of_its_ends(
 
     latch = LatchPosition(habits, units_at)
     offsets: list[int] = []
-    for edge_ns, latch_ns, _ in InputCircuit(Signal(), habits, 1).passed(10**9):  # type: ignore[arg-type]
+    for edge_ns, latch_ns, _ in InputCircuit(Signal(), habits, 1).passed(10**9):
         latch.units(latch_ns)
         offsets += [time_ns - edge_ns for time_ns in asked]
         asked.clear()
@@ -92,7 +92,7 @@ def test_each_switch_has_a_jitter_of_its_own() -> None:
     edge = SimpleNamespace(level=False, edges=[(1000, True)])
 
     def come_ns(seed: int) -> dict[str, int]:
-        switches = Switches(dict.fromkeys(SWITCHES, edge), habits, seed)  # type: ignore[arg-type]
+        switches = Switches(dict.fromkeys(SWITCHES, edge), habits, seed)
         found: dict[str, int] = {}
         for time_ns in range(1100, 6101):
             switches.take_edges(time_ns)

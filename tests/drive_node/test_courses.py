@@ -5,6 +5,7 @@ Acceleration 2, deceleration 4 m/s2, speed 1 m/s: linear ramps from rest to 1 m/
 """
 
 from math import inf, pi, sqrt
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,8 @@ RATES = (2.0, 4.0)
 # A way of 0.1 m without cruising: w = p^2/2a + p^2/2d, so p^2 = 2 w a d/(a + d)
 SHORT_PEAK = sqrt(2 * 0.1 * 8 / 6)
 SHORT_S = SHORT_PEAK / 2 + SHORT_PEAK / 4
-# The same of sin2 for what is left when 1 m/s cannot stop within 0.15 m
+AT_SPEED_S = 2.0 - 1.5 * pi / 8 - pi / 16  # after a slower way from 2 m/s by sin2
+# The short way of sin2 for what is left when 1 m/s cannot stop within 0.15 m
 TURN_BACK = 0.125 * pi / 2 - 0.15
 TURN_PEAK = sqrt(2 * TURN_BACK * (2 / pi) * 8 / 6)
 
@@ -26,7 +28,7 @@ def _rest(way_m: float, factor: float = 1.0) -> tuple[float, float]:
 
 
 # start velocity, way, shape: duration and begin of the last ramp
-WAYS = {
+WAYS: dict[str, Any] = {
     "from rest": (0.0, 2.0, LINEAR, *_rest(2.0)),
     "at speed": (1.0, 2.0, LINEAR, 1.875 + 0.25, 1.875),
     "slower": (0.5, 2.0, LINEAR, 0.25 + 1.6875 + 0.25, 0.25 + 1.6875),
@@ -37,7 +39,8 @@ WAYS = {
     "too near": (2.0, 0.4, LINEAR, 0.5 + SHORT_S, 0.5 + SHORT_PEAK / 2),
     "short": (0.0, 0.1, LINEAR, SHORT_S, SHORT_PEAK / 2),
     "from rest by sin2": (0.0, 2.0, SIN2, *_rest(2.0, pi / 2)),
-    "too fast by sin2": (2.0, 2.0, SIN2, 2.0 - 0.0625 * pi + pi / 4 - 0.125 * pi, None),
+    # (2 - 1)/4 pi/2 s at 1.5 m/s, then as at speed
+    "too fast by sin2": (2.0, 2.0, SIN2, *(pi / 8 + t for t in (AT_SPEED_S + pi / 8, AT_SPEED_S))),
     "the other way by sin2": (
         -1.0, 2.0, SIN2, *(pi / 8 + t for t in _rest(2.0 + pi / 16, pi / 2)),
     ),
@@ -53,10 +56,6 @@ def test_the_shortest_course_to_a_point(name: str, sign: float) -> None:
     velocity, way_m, shape, duration_s, braking_s = WAYS[name]
     start = (0.3, sign * velocity)
     course = to_point(start, 0.3 + sign * way_m, 1.0, RATES, shape)
-    if braking_s is None:  # slower by sin2: (2 - 1)/4 pi/2 s at 1.5 m/s, then as at speed
-        slower_s, slower_m = pi / 8, 1.5 * pi / 8
-        braking_s = slower_s + way_m - slower_m - pi / 16
-        duration_s = braking_s + pi / 8
     assert course.duration_s == pytest.approx(duration_s)
     assert course.braking_s == pytest.approx(braking_s)
     assert course.at(0.0) == pytest.approx(start)

@@ -10,7 +10,7 @@ from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 RATED_N = DriveProfile().rated_force_n
 MM, MM_S = PER_M / 1e3, PER_M / 1e3
 # mode: target within, offset, beyond in both directions; what then reaches the axis (SI)
-LIMITS = {
+LIMITS: dict[str, Any] = {
     "software limits": (
         8, "target_position", "position_offset", 0.002 * PER_M, (-0.004, 0.003),
         {"software_limit_min": -0.004 * PER_M, "software_limit_max": 0.003 * PER_M},
