@@ -424,3 +424,18 @@ def test_marks_of_a_fault_with_one_hit_and_with_several(wire: Callable[..., Wire
             "drop Z.TPDO1 begins", f"drop Z.TPDO1: {words}", "drop Z.TPDO1 ends",
         ]  # fmt: skip
         assert [time_ns / MS for time_ns, _ in record.marks()] == [0, count, 9]
+
+
+def test_a_frame_is_destroyed_at_its_bit_or_at_a_drawn_one(wire: Callable[..., Wire]) -> None:
+    """At 1 Mbit/s the frame that is sent again comes so many us later; a bit is drawn from all."""
+
+    def first_us(keys: str, seed: int = 1) -> float:
+        run = wire(("corrupt", f"Z.TPDO1 count=1 {keys}"), seed=seed).run()
+        return run.got[0][0] * 1000
+
+    at = {bit: first_us(f"bit={bit}") for bit in (1, 2, 20, 60)}
+    assert [at[bit] - at[1] for bit in at] == pytest.approx([0, 1, 19, 59])
+    drawn = {round(first_us("", seed) - at[1]) for seed in range(20)}
+    assert len(drawn) > 10
+    assert 0 <= min(drawn) < 20  # of some 75 bits
+    assert 40 < max(drawn) < 80
