@@ -87,7 +87,22 @@ def test_an_answer_that_stayed_out_once_is_asked_for_again() -> None:
     assert check.is_proved
 
 
-@pytest.mark.parametrize(("answer", "is_proved"), [(105, True), (95, True), (122, False)])
+def test_after_an_alarm_the_drive_is_asked_as_often_again() -> None:
+    sdo = FakeSdo(259)
+    check = check_of(sdo)
+    for rounds in (1, 2, 3):
+        with pytest.raises(Alarm):
+            cycles(check, sdo, [0] * 100)
+        assert len(sdo.asked) == rounds * ATTEMPTS_MAX
+    sdo.value = 0
+    cycles(check, sdo, [0] * 3)
+    assert check.is_proved
+
+
+@pytest.mark.parametrize(
+    ("answer", "is_proved"),
+    [(105, True), (95, True), (89, True), (121, True), (88, False), (122, False)],
+)
 def test_an_axis_without_power_may_sink_while_it_is_asked(answer: int, is_proved: bool) -> None:
     """100 before the question and 110 after it: 11 more on each side (span and an increment)."""
     sdo = FakeSdo(answer)

@@ -1,6 +1,7 @@
 """The homing of one axis against a drive that does what the test says."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -241,3 +242,92 @@ def test_a_drive_that_stays_in_homing_is_an_alarm_of_the_way_back() -> None:
     axis.abort()
     with pytest.raises(Alarm, match="6061 shows mode 6"):
         cycles(axis, (MODE_POLLS_MAX + 5) * SDO_CYCLES)
+
+
+class SlowDrive(Drive):
+    """Shows another mode only after so many readings of 6061; METHOD and ERROR are bytes."""
+
+    def __init__(self, readings: int, method: bytes = b"\x11", error: bytes = b"\0\0") -> None:
+        super().__init__()
+        self.readings, self._left = readings, 0
+        self._bytes = {METHOD: method, ERROR: error}
+
+    def _take(self, index: int, value: int) -> None:
+        self.objects[index], self._left = value, self.readings
+
+    def read(self, index: int, sub: int, done: Callable[[Any], None]) -> None:
+        if index == DISPLAY:
+            self._left -= 1
+            if self._left < 0:
+                self.objects[DISPLAY] = self.objects[MODE]
+            done(bytes((self.objects[DISPLAY],)))
+        else:
+            done(self._bytes[index])
+
+
+def test_the_way_back_may_take_as_many_readings_as_the_way_there() -> None:
+    drive = SlowDrive(MODE_POLLS_MAX - 1)
+    axis, _ = homing(drive)
+    cycles(axis, (MODE_POLLS_MAX + 3) * SDO_CYCLES)
+    assert axis.phase is Phase.SEARCHING
+    drive.statusword = ATTAINED | AT_REST
+    cycles(axis, BLIND_CYCLES + (MODE_POLLS_MAX + 3) * SDO_CYCLES)
+    assert axis.phase is Phase.DONE
+
+
+@pytest.mark.parametrize(
+    ("method", "error", "shown"),
+    [(b"\xfd", b"\x01\xff", (-3, "0xFF01")), (b"\x23", b"\x05\x73", (35, "0x7305"))],
+)
+def test_the_alarm_names_method_and_error_as_their_objects_count(
+    method: bytes, error: bytes, shown: tuple[int, str]
+) -> None:
+    """6098 is signed, with methods of the maker below 0; 603F is not."""
+    drive = SlowDrive(0, method, error)
+    axis, _ = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES)
+    drive.statusword = FAILED
+    with pytest.raises(Alarm) as caught:
+        cycles(axis, BLIND_CYCLES + 4 * SDO_CYCLES)
+    assert (caught.value.values["method"], caught.value.values["error"]) == shown
+
+
+@pytest.mark.parametrize("after_cycles", [0, 4 * SDO_CYCLES, 4 * SDO_CYCLES + BLIND_CYCLES])
+def test_positions_may_jump_while_a_drive_looks_for_its_home_and_never_afterwards(
+    after_cycles: int,
+) -> None:
+    """Also where it is broken off before its mode is known."""
+    drive = Drive()
+    axis, _ = homing(drive)
+    cycles(axis, after_cycles)
+    assert (drive.may_jump, drive.leads_itself) == (True, True)
+    axis.abort()
+    cycles(axis, 10 * SDO_CYCLES)
+    assert axis.is_done
+    assert (drive.may_jump, drive.leads_itself) == (False, False)
+
+
+class CountedDrive(Drive):
+    """Notes in which cycle it was read."""
+
+    cycle = 0
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.follows = False
+        self.asked: list[int] = []
+
+    def read(self, index: int, sub: int, done: Callable[[Any], None]) -> None:
+        self.asked.append(self.cycle)
+        super().read(index, sub, done)
+
+
+def test_between_two_questions_of_a_homing_are_some_cycles() -> None:
+    """A bus with little room has an SDO frame in every fourth cycle at most."""
+    drive = CountedDrive()
+    axis, _ = homing(drive)
+    for drive.cycle in range(1, 20 * SDO_CYCLES):
+        axis.step()
+    gaps = {after - before for before, after in pairwise(drive.asked)}
+    assert drive.asked[0] == SDO_CYCLES
+    assert gaps <= {SDO_CYCLES, 2 * SDO_CYCLES}  # the write lies between two readings
