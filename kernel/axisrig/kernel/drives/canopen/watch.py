@@ -54,7 +54,8 @@ class LinkWatch(Cia402Watch):
         """Watch from now on; what came during the start-up does not count."""
         self._is_watching = True
         self._heard_ns = self._clock.now_ns
-        self._has_booted, self._nmt_state, self._toggle = False, OPERATIONAL, None
+        self._has_booted, self._nmt_state = False, OPERATIONAL
+        self._toggle, self._toggle_stuck = None, False
         self._link.begin()
         if self._settings.guard_ns:
             self._guard()
