@@ -1,0 +1,166 @@
+"""Stops of a servo and its limit switches: when they begin, when they are done, what is free then.
+
+The axis follows exactly. Ramps are 10 m/s2, so that 0.1 m/s end after 10 ms and 0.5 mm.
+"""
+
+from typing import Any
+
+import pytest
+from tests.drive_node.servo_alone import LIMITED, PER_M, REACHED, ServoAlone
+
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import MS, US, S
+
+RAMPS = {"quick_stop_deceleration": 10 * PER_M, "profile_deceleration": 10 * PER_M}
+SPEED_M_S, BRAKE_NS, BRAKE_M = 0.1, 10 * MS, 0.0005
+MET, GONE = (0x8612, 0x21, 0), (0, 0, 0)
+
+
+def _running(axis: Any, sign: int = 1, **given: Any) -> ServoAlone:
+    """Return a servo in csv at 0.1 m/s in one direction, at 5 ms."""
+    one = ServoAlone(axis, 9, target_velocity=sign * SPEED_M_S * PER_M, **RAMPS, **given)
+    one.cycle()
+    one.cycle()
+    assert one.axis.demand_velocity_m_s() == pytest.approx(sign * SPEED_M_S)
+    return one
+
+
+@pytest.mark.parametrize(("name", "sign"), [("positive", 1), ("negative", -1)])
+def test_a_limit_switch_stops_the_axis_and_leaves_the_way_back(
+    fake_axis: Any, fake_signal: Any, name: str, sign: int
+) -> None:
+    """On at 6 ms: the tick at 6.25 ms brakes; the error is there as long as the switch is on."""
+    axis = fake_axis()
+    one = _running(axis, sign, switches={name: fake_signal(axis, [6 * MS, 60 * MS])})
+    one.cycle()
+    one.cycle()
+    command = axis.commands[-1]
+    assert (command.time_ns, command.end_ns) == (6 * MS + 250 * US, 6 * MS + 250 * US + BRAKE_NS)
+    assert one.sent == [MET]
+    met_m = command.position_m
+    while one.now_ns < 30 * MS:
+        word = one.cycle()
+    assert word & LIMITED
+    assert axis.demand_velocity_m_s() == 0.0
+    assert axis.motor_position_m() == pytest.approx(met_m + sign * BRAKE_M)
+    assert one.image.digital_inputs == (1 if sign < 0 else 2)
+    assert (one.sent, one.servo.state) == ([MET], State.OPERATION_ENABLED)
+    one.cycle(target_velocity=-sign * SPEED_M_S * PER_M)
+    one.run_ms(5)
+    assert axis.demand_velocity_m_s() == pytest.approx(-sign * SPEED_M_S)
+    while one.now_ns < 62 * MS:
+        word = one.cycle()
+    assert (word & LIMITED, one.sent, one.image.error_register) == (0, [MET, GONE], 0)
+    one.cycle(target_velocity=sign * SPEED_M_S * PER_M)
+    one.run_ms(2)
+    assert axis.demand_velocity_m_s() == pytest.approx(sign * SPEED_M_S)
+
+
+@pytest.mark.parametrize(("name", "sign"), [("positive", 1), ("negative", -1)])
+def test_a_switch_behind_the_axis_does_not_stop_it(
+    fake_axis: Any, fake_signal: Any, name: str, sign: int
+) -> None:
+    """The way off a switch is free, and the error is of an axis that runs into one."""
+    axis = fake_axis()
+    one = _running(axis, -sign, switches={name: fake_signal(axis, [6 * MS])})
+    for _ in range(5):
+        one.cycle()
+    assert axis.demand_velocity_m_s() == pytest.approx(-sign * SPEED_M_S)
+    assert one.sent == []
+
+
+@pytest.mark.parametrize(("name", "sign"), [("positive", 1), ("negative", -1)])
+def test_an_axis_pushed_on_without_power_begins_where_it_is(
+    fake_axis: Any, fake_signal: Any, name: str, sign: int
+) -> None:
+    """The end of the way is the place at which operation begins, not that of the switch."""
+    axis = fake_axis(start_m=0.02)
+    one = ServoAlone(axis, switches={name: fake_signal(axis, [2 * MS])})
+    for _ in range(3):
+        one.cycle()
+    one.cycle(controlword=0)
+    axis.motion = lambda time_s: 0.02 + sign * 0.001
+    one.cycle(controlword=6)
+    axis.motion, axis.commands[-1].position_m = None, 0.02 + sign * 0.001
+    for word in (0x06, 0x07, 0x0F, 0x0F):
+        one.cycle(controlword=word)
+    assert axis.motor_position_m() == pytest.approx(0.02 + sign * 0.001)
+    for _ in range(3):
+        word = one.cycle(target_position=(0.02 + sign * 0.003) * PER_M)
+    assert word & LIMITED
+    assert axis.motor_position_m() == pytest.approx(0.02 + sign * 0.001, abs=1e-8)
+    for _ in range(3):
+        one.cycle(target_position=0.02 * PER_M)
+    assert axis.motor_position_m() == pytest.approx(0.02, abs=1e-8)
+
+
+def test_a_mode_that_is_asked_for_in_a_halt_comes_when_the_axis_rests(fake_axis: Any) -> None:
+    one = _running(fake_axis(), halt_option=1)
+    one.cycle(controlword=0x010F)
+    halted_ns = one.now_ns
+    one.cycle(mode=8)
+    shown = {}
+    for _ in range(40):
+        word = one.cycle()
+        shown[one.now_ns - halted_ns] = (one.image.mode_display, bool(word & REACHED))
+    assert all(shown[late] == (9, False) for late in shown if late < BRAKE_NS)
+    assert shown[max(shown)] == (8, True)
+    rest_m = one.axis.motor_position_m()
+    one.cycle(controlword=0x0F)
+    one.cycle()
+    assert one.axis.motor_position_m() == pytest.approx(rest_m)
+
+
+@pytest.mark.parametrize(
+    ("code", "last"),
+    [(1, "SWITCH_ON_DISABLED"), (2, "SWITCH_ON_DISABLED"), (5, "QUICK_STOP_ACTIVE"),
+     (6, "QUICK_STOP_ACTIVE")],
+)  # fmt: skip
+def test_a_quick_stop_needs_no_sync_and_ends_its_ticks(
+    fake_axis: Any, code: int, last: str
+) -> None:
+    one = _running(fake_axis(), quick_stop_option=code, velocity_threshold_ms=2)
+    one.write(controlword=0x02)
+    begun_ns = one.now_ns
+    one.run_ms(9)
+    assert one.servo.state.name == "QUICK_STOP_ACTIVE"
+    one.run_ms(5)
+    assert one.servo.state.name == last
+    assert one.axis.commands[-1].enabled is (last == "QUICK_STOP_ACTIVE")
+    braked_m = SPEED_M_S * (begun_ns - 4.5 * MS) * 1e-9 + BRAKE_M
+    assert one.axis.motor_position_m() == pytest.approx(braked_m)
+    assert one.image.statusword & REACHED == (REACHED if last == "QUICK_STOP_ACTIVE" else 0)
+    commands = len(one.axis.commands)
+    one.run_ms(20)
+    assert len(one.axis.commands) == commands
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_stop_of_an_axis_that_goes_on_is_done_a_second_after_its_ramp(
+    fake_axis: Any, sign: int
+) -> None:
+    """Moved from outside at 0.05 m/s it is never at standstill; the drive gives up waiting."""
+    axis = fake_axis(motion=lambda time_s: sign * 0.05 * time_s)
+    one = ServoAlone(axis, 9, velocity_threshold=0.01 * PER_M, **RAMPS)
+    one.write(controlword=0x02)
+    ramp_end_ns = one.now_ns + BRAKE_NS // 2
+    one.run_ms((ramp_end_ns + S - one.now_ns) / MS - 1)
+    assert one.servo.state is State.QUICK_STOP_ACTIVE
+    one.run_ms(2)
+    assert one.servo.state.name == "SWITCH_ON_DISABLED"
+
+
+@pytest.mark.parametrize(("below", "is_done"), [(0, False), (1, True)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_standstill_is_a_speed_below_606f_for_6070(
+    fake_axis: Any, sign: int, below: int, is_done: bool
+) -> None:
+    """1048 units/s are 0.01 mm/s; a speed as large as 606F is none below it."""
+    units_s = 1048
+    axis = fake_axis(motion=lambda time_s: sign * units_s / PER_M * time_s)
+    one = ServoAlone(axis, 9, velocity_threshold=units_s + below, velocity_threshold_ms=30, **RAMPS)
+    one.write(controlword=0x02)
+    one.run_ms(28)
+    assert one.servo.state is State.QUICK_STOP_ACTIVE
+    one.run_ms(4)
+    assert (one.servo.state.name == "SWITCH_ON_DISABLED") is is_done
