@@ -39,7 +39,7 @@ class Node:
         self.node.cycle()
         return self.from_drive.values_of(data) if data else {}
 
-    def operate(self, **values: int) -> None:
+    def operate(self, **values: Any) -> None:
         for _ in range(5):
             self.cycle(DRIVE=words.ENABLE, **values)
         assert self.node.state is State.OPERATION_ENABLED
