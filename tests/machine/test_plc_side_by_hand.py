@@ -50,8 +50,8 @@ class Rules:
         self.plc = PlcInterface(self.clock, "XZ")
         self.objects: list[tuple[str, str, Any]] = []
         self.programs: list[str | None] = []
-        control = SimpleNamespace(set_pos_mm=1.0, set_dist_mm=4.0)
-        self.channel: Any = SimpleNamespace(
+        control: Any = SimpleNamespace(set_pos_mm=1.0, set_dist_mm=4.0)
+        channel: Any = SimpleNamespace(
             plc=self.plc, path=SimpleNamespace(is_moving=False), records=[], program_ends_ns=[],
             resets_ns=[], sync_ns=0,
             distance=SimpleNamespace(
@@ -59,7 +59,7 @@ class Rules:
                 write_object=lambda *words: self.objects.append(words),
             ),
         )  # fmt: skip
-        self.sdo = Sdo()
+        self.channel, self.sdo = channel, Sdo()
 
         def get_object(index: int, _sub: int) -> int:
             if index not in mapped:
@@ -72,7 +72,7 @@ class Rules:
             for name, cell in cells.items()
             for rule in read_rules(parse_column(f"plc:{_column(name)}", cell), "XZ")[1]
         ]
-        self.side = PlcSide(self.channel, {"Z": access}, rules, self.clock, MS, self._program)
+        self.side = PlcSide(channel, {"Z": access}, rules, self.clock, MS, self._program)
 
     def _program(self, file: str | None) -> Iterator[canon.Command]:
         self.programs.append(file)
@@ -370,9 +370,9 @@ def test_what_would_do_nothing_is_refused(
     mapped: tuple[int, ...], cells: dict[str, str], words: str
 ) -> None:
     with pytest.raises(UserError) as caught:
-        Rules(mapped, **cells)
+        Rules(*mapped, **cells)
     assert words in caught.value.message
-    Rules((0x60E0,), **{name.replace("X", "Z"): cell for name, cell in cells.items()})
+    Rules(0x60E0, **{name.replace("X", "Z"): cell for name, cell in cells.items()})
 
 
 def test_without_rules_nobody_takes_part() -> None:
