@@ -6,8 +6,12 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.deadlines import Deadlines
+from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.machine.live import states
 from axisrig.bench.machine.live.pipe import CAPACITY, Inlet, Outlet
+from axisrig.kernel.channel import ChannelState
+from axisrig.kernel.nc import canon
 
 
 @pytest.mark.parametrize(
@@ -75,3 +79,99 @@ def test_a_state_may_fill_the_pipe(tmp_path: Path) -> None:
         assert found == (b"x" * size if is_there else None)
         assert inlet.take() is None
     inlet.close()
+
+
+# --- a whole state
+
+
+def link(name: str, number: float, **more: Any) -> Any:
+    given = {"name": name, "set_mm": number, "actual_mm": number + 0.1, "lag_mm": number + 0.2,
+             "state_name": "OPERATION_ENABLED", "is_actuated": number > 1.5, "has_latched": False,
+             "is_armed": True, "is_probing": True}  # fmt: skip
+    return SimpleNamespace(**given | more)
+
+
+def signal(level: bool, *edges: tuple[int, bool]) -> Any:
+    return SimpleNamespace(signal=SimpleNamespace(level=level, edges=list(edges)))
+
+
+def machine_of(state: ChannelState = ChannelState.RUNNING) -> Any:
+    """X is outside, C turns and measures; two probes, of which one has had edges."""
+    block = SimpleNamespace(place="part.nc line 7", text="N70 G1 X1")
+    execution = SimpleNamespace(
+        begun=canon.ExactStop(block), head=None, is_busy=lambda: True  # type: ignore[arg-type]
+    )  # fmt: skip
+    channel = SimpleNamespace(
+        state=state, execution=execution, path=SimpleNamespace(is_held=True),
+        links=[link("X", 1.0), link("C", 2.0, has_latched=True)],
+        single=SimpleNamespace(measuring_state={"C": "EDGE_AWAITED"}.get),
+        records=[], alarms=[f"alarm {n}" for n in range(4)],
+        further_alarms=[f"further {n}" for n in range(3)],
+        distance=SimpleNamespace(axes={}, channel=None),
+    )  # fmt: skip
+    parts = [SimpleNamespace(shown=lambda n=n: [{"segment": n}]) for n in (1, 2)]
+    return SimpleNamespace(
+        channel=channel, settings=None, outside=frozenset("X"), installed=parts,
+        scheduler=SimpleNamespace(now_ns=77),
+        plant=SimpleNamespace(probes={"p": signal(True, (3, True), (5, False), (9, True)),
+                                      "q": signal(False)}),
+        messages=[SimpleNamespace(shown=f"text {n}") for n in range(7)],
+    )  # fmt: skip
+
+
+@pytest.fixture
+def turning(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(states, "is_rotary", lambda _settings, name: name == "C")
+
+
+@pytest.mark.usefixtures("turning")
+def test_a_state_has_each_value_of_its_own_axis_and_probe() -> None:
+    shown = states.state_of(machine_of())
+    assert (shown["time_ns"], shown["channel"], shown["is_held"]) == (77, "running", True)
+    assert (shown["block"], shown["block_text"]) == ("part.nc line 7", "N70 G1 X1")
+    assert shown["waits_for"] == "the axes in their exact-stop windows"
+    common = {"drive": "operation enabled", "latch": None}
+    assert shown["axes"] == [
+        {"axis": "X", "unit": "mm", "is_outside": True, "set": 1.0, "actual": 1.1, "lag": 1.2,
+         "measuring": None, "input": False, "touch_probe": "armed", **common},
+        {"axis": "C", "unit": "°", "is_outside": False, "set": 2.0, "actual": 2.1, "lag": 2.2,
+         "measuring": "edge awaited", "input": True, "touch_probe": "edge stored", **common},
+    ]  # fmt: skip
+    assert shown["probes"] == [
+        {"probe": "p", "level": True, "edges": 3, "edge_ns": 9},
+        {"probe": "q", "level": False, "edges": 0, "edge_ns": None},
+    ]
+    assert shown["bus"] == [{"segment": 1}, {"segment": 2}]
+    assert shown["real_time"] is None
+
+
+@pytest.mark.usefixtures("turning")
+def test_the_last_five_alarms_and_messages_are_shown() -> None:
+    shown = states.state_of(machine_of())
+    assert shown["alarms"] == ["alarm 2", "alarm 3", "further 0", "further 1", "further 2"]
+    assert shown["messages"] == [f"text {n}" for n in (2, 3, 4, 5, 6)]
+
+
+@pytest.mark.usefixtures("turning")
+def test_while_the_drives_start_no_position_is_known_and_no_block_at_work() -> None:
+    shown = states.state_of(machine_of(ChannelState.STARTING))
+    assert [[axis[name] for name in ("set", "actual", "lag")] for axis in shown["axes"]] == [
+        [None] * 3
+    ] * 2
+    assert (shown["block"], shown["waits_for"]) == (None, "the drives have not started")
+    powering = states.state_of(machine_of(ChannelState.POWERING))
+    assert [axis["set"] for axis in powering["axes"]] == [1.0, 2.0]
+
+
+def test_how_real_time_is_kept_is_that_of_the_last_syncs() -> None:
+    """Late by more than 100 us: two of four; the latest by 350 us."""
+    clock = PacedScheduler(SimpleNamespace(monotonic_ns=None, pause=None),  # type: ignore[arg-type]
+                           Pacing(0), Deadlines(100_000))  # fmt: skip
+    for late_ns in (50_000, 350_000, 100_000, 100_001):
+        clock.deadlines.sync_sent(0, late_ns)
+    clock.deadlines.slipped_ns, clock.deadlines.send_errors = 2_500_000, 3
+    machine: Any = SimpleNamespace(scheduler=clock)
+    assert states._real_time(machine) == {
+        "syncs": 4, "looked_at": 4, "late": 2, "late_us": 100.0, "worst_us": 350.0,
+        "slipped_ms": 2.5, "send_errors": 3,
+    }  # fmt: skip

@@ -1,0 +1,249 @@
+"""What a rig makes of its lines, buses and clocks, key by key: each key changes its own value."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.bus.journal import Journal
+from axisrig.bench.drive.ethercat.node import SlaveSettings
+from axisrig.bench.machine.canopen.nodes import build_segments
+from axisrig.bench.machine.ethercat.line import line_settings
+from axisrig.bench.machine.ethercat.line_faults import LineFaults
+from axisrig.bench.machine.ethercat.line_terminal import LineTerminal, register_inputs
+from axisrig.bench.machine.ethercat.slaves import slave_of
+from axisrig.bench.machine.pacing import Hardware, master_scheduler
+from axisrig.bench.machine.recording.edge_log import stamp_times, watchers_of
+from axisrig.bench.oracles.latch.instant import LatchTimes
+from axisrig.bench.oracles.sources.chain import Stamps
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.drives.ethercat.settings import LineSettings
+from axisrig.kernel.profiles.ethercat.tables import AlState
+from axisrig.kernel.time.clock import MS, US
+from axisrig.kernel.time.scheduler import new_scheduler
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+
+def settings_of(rig: Path | str, *changes: str) -> Settings:
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    return read_settings(*read_rig(RIGS / rig), assigned)
+
+
+def above(folder: Path, base: str, text: str) -> Path:
+    rig = folder / "rig.toml"
+    rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
+    return rig
+
+
+# --- lines
+
+KEYS: dict[str, tuple[str, Any]] = {
+    "frame_us=12.5": ("frame_ns", 12_500),
+    "shift_us=250": ("shift_ns", 250_000),
+    "dc=false": ("has_clocks", False),
+    "drift_compensation=false": ("compensates_drift", False),
+    "delay_compensation=false": ("compensates_delay", False),
+    "clock_limit_us=2.5": ("clock_limit_ns", 2500),
+    "assumed_sample_us=Y=-7.5": ("sample_ns", {"X": 0, "Y": -7500, "Z": 0}),
+    "sample_us=Z=3": ("sample_ns", {"X": 0, "Y": 0, "Z": 3000}),
+}
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_a_key_of_a_line_changes_what_its_master_knows_and_nothing_else(key: str) -> None:
+    field, value = KEYS[key]
+    plain = line_settings(settings_of("probe-xyz-ethercat.toml"), "ec1")
+    found = line_settings(settings_of("probe-xyz-ethercat.toml", f"bus:ec1.{key}"), "ec1")
+    assert getattr(found, field) == value != getattr(plain, field)
+    names = LineSettings.__dataclass_fields__
+    assert [n for n in names if getattr(found, n) != getattr(plain, n)] == [field]
+    assert (plain.name, plain.period_ns, plain.watches_clocks) == ("ec1", MS, False)
+
+
+@pytest.mark.parametrize(
+    ("rig", "watches"),
+    [("plc-timestamp-line.toml", True), ("plc-timestamp-ethercat.toml", True),
+     ("probe-z-ethercat.toml", False)],
+)  # fmt: skip
+def test_clocks_are_watched_where_stamps_are_compared_with_them(rig: str, watches: bool) -> None:
+    found = line_settings(settings_of(rig), "ec1")
+    assert found.watches_clocks is found.reads_differences is watches
+
+
+def test_each_slave_has_the_clock_of_its_own_axis() -> None:
+    changes = ("clock_start_us=X=10 Z=-20", "drift_ppm=Y=30 Z=-5", "sample_us=X=-4")
+    settings = settings_of("probe-xyz-ethercat.toml", *(f"bus:ec1.{one}" for one in changes))
+    found = {axis: slave_of(settings, axis, serial) for serial, axis in enumerate("XYZ", 7)}
+    assert found == {
+        "X": SlaveSettings(7, start_ns=10_000, sample_ns=-4000),
+        "Y": SlaveSettings(8, drift_ppm=30.0),
+        "Z": SlaveSettings(9, start_ns=-20_000, drift_ppm=-5.0),
+    }
+    assert slave_of(settings_of("probe-z.toml"), "Z", 3) == SlaveSettings(3)  # it is on CAN
+
+
+@pytest.mark.parametrize(("edge", "mode"), [("first", b"\3"), ("last", b"\0")])
+def test_the_control_reads_the_registers_of_the_terminal(edge: Any, mode: bytes) -> None:
+    """09AE to 09CF of the slave behind the drives; bits 0 and 1 of 09A8 and 09A9: single event."""
+    settings = settings_of("plc-timestamp-line.toml")
+    found = register_inputs(settings, "ec1", TerminalTable(segment="ec1", stamp_edge=edge))
+    assert (found.axis, found.node_id, found.first, found.size) == ("terminal", 2, 0x09AE, 34)
+    assert found.writes == (("LATCH0_CONTROL", mode), ("LATCH1_CONTROL", mode))
+    assert found.identity[1] == 0
+
+
+def terminal(**keys: Any) -> tuple[LineTerminal, Any]:
+    clock: Any = SimpleNamespace(now_ns=0)
+    table = TerminalTable(segment="ec1", input_1="a", input_2="b", **keys)
+    slave: Any = SimpleNamespace()
+    return LineTerminal(slave, table, clock, MS), clock
+
+
+def test_a_terminal_shows_level_and_stamps_of_each_input() -> None:
+    """Status with the level in bit 2, then the rising and the falling edge of each, 64 bits."""
+    found, _ = terminal()
+    times = [11, 12, (1 << 63) + 13, 14]
+    found.taken(bytes([0b0100, 0b1011]) + b"".join(t.to_bytes(8, "little") for t in times))
+    first, second = found.image[1], found.image[2]
+    assert (first.input, first.latch_pos_ns, first.latch_neg_ns) == (True, 11, 12)
+    assert (second.input, second.latch_pos_ns, second.latch_neg_ns) == (False, times[2], 14)
+
+
+def test_a_terminal_is_lost_after_more_frames_than_may_be_missing() -> None:
+    found, clock = terminal(missing_cycles=2)
+    assert found.wc_state == 1  # nothing has come yet
+    clock.now_ns = 5 * MS
+    found.taken(bytes(34))
+    states = []
+    for now_ns in (5 * MS, 8 * MS, 8 * MS + 1):
+        clock.now_ns = now_ns
+        states.append(found.wc_state)
+    assert states == [0, 0, 1]
+    found.taken(bytes(34))
+    assert found.wc_state == 0
+
+
+@pytest.mark.interpreted
+def test_faults_of_a_line_are_those_of_cyclic_frames_and_of_one_slave() -> None:
+    """The index of the first datagram of a cyclic frame is 0x80 and more (FIRST_INDEX)."""
+    calls: list[tuple[Any, ...]] = []
+
+    def slave(name: str) -> Any:
+        return SimpleNamespace(
+            states=SimpleNamespace(fall=lambda *words: calls.append((name, *words))),
+            jump=lambda by_ns: calls.append((name, by_ns)),
+        )
+
+    segment: Any = SimpleNamespace(passes=[], breaks=[])
+    faults = LineFaults(segment, {"X": slave("X"), "Z": slave("Z")})
+    faults.fall("Z", AlState.SAFEOP, "SYNC_ERROR")
+    faults.jump("X", -50)
+    assert calls == [("Z", AlState.SAFEOP, "SYNC_ERROR"), ("X", -50)]
+    cyclic, other = bytearray(60), bytearray(60)
+    cyclic[17], other[17] = 0x80, 0x7F
+    faults.disturb(lambda _: 7)
+    faults.disturb(lambda _: None)
+    assert [passes(cyclic) for passes in segment.passes] == [7, None]
+    assert [passes(other) for passes in segment.passes] == [0, 0]
+    asked: list[bool] = []
+
+    def falls() -> bool:
+        asked.append(True)
+        return True
+
+    faults.breaks("Z", falls)
+    (breaks,) = segment.breaks
+    assert [breaks(cyclic, 1), breaks(cyclic, 0), breaks(other, 1)] == [True, False, False]
+    assert asked == [True]  # what does not count is not asked
+
+
+# --- buses
+
+
+@pytest.fixture
+def opened() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.mark.parametrize(("change", "recovers"), [("stay", False), ("recover", True)])
+def test_a_bus_is_built_as_its_table_says(change: str, recovers: bool, opened: ExitStack) -> None:
+    """After bus-off a controller comes back after 128 times 11 recessive bits, 1.408 ms, or not."""
+    clock = new_scheduler()
+    settings = settings_of(
+        "probe-xyz.toml", f"bus:can2.bus_off={change}", "bus:can3.bitrate=800000"
+    )
+    segments = build_segments(settings, clock, Journal(), [], opened)
+    assert [*segments] == ["can1", "can2", "can3"]
+    assert [s.bitrate for s in segments.values()] == [1_000_000, 1_000_000, 800_000]
+    port = segments["can2"].port("one")
+    segments["can2"].port("other")
+    port.force_bus_off()
+    clock.run_until(5 * MS)
+    assert (str(port.error_state) == "error active") is recovers
+
+
+@pytest.mark.parametrize(
+    ("text", "wait_ns"),
+    [("", 0), ("[realtime]\nwait_ms = 2.5", 2_500_000), ("[realtime]\nwait_ms = 0", 0)],
+)
+def test_a_run_outside_is_paced_by_its_cycle(tmp_path: Path, text: str, wait_ns: int) -> None:
+    """A quarter of 2 ms may be lost; answers are due at the NC cycle."""
+    more = f"[cycle]\nperiod_us = 2000\ncycle_offset_us = 900\n{text}"
+    more += "\nlate_us = 40.5" if "realtime" in text else "\n[realtime]\nlate_us = 40.5"
+    settings = settings_of(above(tmp_path, "probe-z.toml", more))
+    times: Any = SimpleNamespace(monotonic_ns=lambda: 0, pause=lambda _: None)
+    clock = master_scheduler(settings, Hardware(times))
+    assert (clock.pacing.slip_ns, clock.pacing.answer_ns) == (500 * US, 900 * US)
+    assert clock.pacing.wait_ns == wait_ns
+    assert clock.deadlines.late_ns == 40_500
+
+
+@pytest.mark.parametrize(("interface", "wait_ms"), [("socketcan", 0), ("gs_usb", 5), ("slcan", 50)])
+def test_without_a_key_the_interface_says_how_long_answers_are_waited_for(
+    tmp_path: Path, interface: str, wait_ms: int
+) -> None:
+    text = f'[segment.can1]\ninterface = "{interface}"\nchannel = "x"'
+    times: Any = SimpleNamespace(monotonic_ns=lambda: 0, pause=lambda _: None)
+    clock = master_scheduler(settings_of(above(tmp_path, "probe-z.toml", text)), Hardware(times))
+    assert clock.pacing.wait_ns == wait_ms * MS  # interfaces.csv
+
+
+# --- who watches an edge
+
+
+def test_an_axis_watches_each_signal_of_its_drive_once_and_all_that_of_the_terminal() -> None:
+    """X, Y and Z have the one probe at both inputs."""
+    settings = settings_of("probe-xyz.toml", "drive:servo.input_delay_us=5")
+    found = watchers_of(settings, ["X", "Z"])
+    assert [*found] == ["probe"]
+    watching = [(one.axis, one.read_by, one.times.delay_ns) for one in found["probe"]]
+    assert watching == [("X", "drive", 5000), ("Z", "drive", 5000)]
+    of_plc = settings_of("plc-timestamp.toml")
+    assert of_plc.rig.plc_task is not None
+    assert of_plc.rig.plc_task.terminal is not None
+    wired = set(of_plc.rig.plc_task.terminal.inputs.values())
+    at_terminal = watchers_of(of_plc, ["Z"])
+    for name in wired:
+        (watcher,) = (one for one in at_terminal[name] if one.read_by == "terminal")
+        assert (watcher.axis, watcher.times) == ("Z", stamp_times(of_plc.rig.plc_task))
+
+
+def test_a_terminal_makes_a_stamp_of_an_edge_and_a_node_on_can_none() -> None:
+    numbers = {"clock_offset_ns": 11, "clock_drift_ppm": 1.5, "assumed_offset_ns": 12,
+               "assumed_drift_ppm": 2.5}  # fmt: skip
+    of_terminal = {"filter_us": 3.5, "stamp_resolution_ns": 10, "stamp_jitter_ns": 20}
+    task = PlcTaskTable.model_validate(
+        {"period_us": 4000, "program": "p.py", "terminal": of_terminal, **numbers}
+    )
+    assert stamp_times(task) == LatchTimes(3500, 0, 0, 20, Stamps(10, 11, 1.5, 12, 2.5))
+    node = {"segment": "can1", "node": 5, "filter_us": 3.5}
+    on_can = PlcTaskTable.model_validate({"period_us": 4000, "program": "p.py", "terminal": node})
+    assert stamp_times(on_can) == LatchTimes(3500)
