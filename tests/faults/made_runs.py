@@ -12,6 +12,7 @@ from axisrig.bench.record.edges import EdgeTruth
 from axisrig.bench.record.facts import AlarmRecord, Facts, Timing
 from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.bench.record.series import Series
+from axisrig.bench.tools.scenarios.invariants import broken
 from axisrig.bench.tools.scenarios.left import Left
 from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.kernel.time.clock import MS
@@ -117,3 +118,8 @@ def braked(a_mm_s2: float, dead: int = 2) -> list[float]:
     speeds = [60.0] * (31 + dead)
     speeds += [max(0.0, 60.0 - a_mm_s2 * 1e-3 * n) for n in range(1, 100 - len(speeds) + 1)]
     return [float(place) for place in np.cumsum(speeds) * 1e-3]
+
+
+def found(made: Left) -> list[str]:
+    """Names of the invariants that do not hold."""
+    return [name for name, _ in broken(made)]
