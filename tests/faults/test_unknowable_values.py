@@ -146,6 +146,34 @@ def test_a_level_that_comes_late_moves_the_value(late: int, result: Result) -> N
     assert judge(replace(made, facts=facts)).result is result
 
 
+def test_each_of_two_runs_is_excused_by_its_own_edge() -> None:
+    """The first of 25 to 40 ms, the second of 60 to 80 ms with its edge at 65 ms (row 66)."""
+    edges = (Edge(30 * MS + 7, True), Edge(50 * MS, False), Edge(65 * MS + 7, True))
+    for first_mm, second_mm, instead in (
+        (WRONG_MM, TRUE_MM[66], {SEEN: [ALTERED]}),
+        (TRUE_MM[SEEN], TRUE_MM[66] + OFF_MM, {66: [(200, TRUE_MM[66] + OFF_MM)]}),
+    ):
+        made = touched(first_mm, instead)
+        second = replace(run(60, 80, second_mm), sources={"Z": "PLC"})
+        probes = {"probe": ProbeRecord(True, 0.0, edges=edges)}
+        facts = replace(made.facts, runs=(*made.facts.runs, second), probes=probes)
+        assert judge(replace(made, facts=facts)).result is Result.UNKNOWABLE
+        assert judge(replace(made, facts=facts, received=received(telegrams({})))).result is (
+            Result.BROKEN
+        )
+
+
+def test_after_homing_telegrams_count_from_the_reference() -> None:
+    """G74 at 5 ms has set 3 mm of the plant to 0."""
+    made = touched(WRONG_MM - 3.0)
+    axes = {"Z": replace(made.facts.axes["Z"], homed_ns=(5 * MS,), origin_mm=3.0)}
+    made = replace(made, facts=replace(made.facts, axes=axes))
+    places = [mm - 3.0 for mm in TRUE_MM]
+    for off_mm, result in ((OFF_MM, Result.UNKNOWABLE), (0.0, Result.BROKEN)):
+        brought = telegrams({SEEN: [(200, places[SEEN] + off_mm)]}, places)
+        assert judge(replace(made, received=received(brought))).result is result
+
+
 KINK_MM = 0.0005
 COURSE_MM = [*TRUE_MM[:31], *(TRUE_MM[row] + KINK_MM * (row - 30) for row in range(31, ROWS))]
 AT_HALF_MM = float(np.array([-1, 9, 9, -1]) @ COURSE_MM[29:33]) / 16
