@@ -124,8 +124,6 @@ class DriveFunction:
 
 def type_range(data_type: str) -> tuple[int, int]:
     """Return smallest and largest value of a data type of P-AXIS-00399."""
-    if data_type == "SGN08":
-        return -128, 127
     return INTEGER_RANGES[data_type]
 
 
