@@ -143,7 +143,9 @@ def test_a_question_about_a_fault_may_be_refused_or_forgotten() -> None:
     bench = Bench()
     bench.drive.ask_for_fault()
     bench.channel.answer(b"\x01\x00")
+    bench.drive.acknowledges_faults = True
     bench.drive.forget_fault()
+    assert not bench.drive.acknowledges_faults
     for _ in range(2):
         bench.channel.answer(b"\x02\x00")
     assert (bench.drive.is_asked, bench.drive.fault().values["emcy"]) == (False, "none")
