@@ -130,6 +130,14 @@ def test_a_value_counts_when_it_was_read_and_two_telegrams_have_it(latch: ReadLa
     assert (latch.value, latch.place, latch.travel) == (5, 100, -4)
 
 
+def test_the_place_is_that_of_the_first_telegram_with_the_edge(latch: ReadLatch) -> None:
+    """The axis has moved on until the value is read."""
+    for number, telegram in enumerate(("latched", "latched", 5, 5)):
+        shown = telegram if isinstance(telegram, int) else None
+        latch.take(shown is None, shown, 100 + number, number)
+    assert (latch.value, latch.place, latch.travel) == (5, 100, 0)
+
+
 def test_a_value_that_changes_or_goes_is_none(latch: ReadLatch) -> None:
     show(latch, "latched", "latched", 5, 5, 6)
     assert (latch.value, latch.has_latched) == (None, False)

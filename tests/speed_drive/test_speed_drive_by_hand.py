@@ -6,9 +6,13 @@ import pytest
 from tests.speed_drive.ends import FAMILIES, SETTINGS
 from tests.speed_drive.test_speed_drive_stop import COUNTS, KV_PER_S, OPERATES, Hand
 
+from axisrig.kernel.drives.conventional.link import IMAGES as CARD_IMAGES
+from axisrig.kernel.drives.conventional.link import ConventionalDrive
 from axisrig.kernel.drives.cyclic.carrier import ImagePort
 from axisrig.kernel.drives.power import Power, PowerOrder, PowerRequest
+from axisrig.kernel.drives.speed_drive.watch import SpeedDriveWatch
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.profiles.encoder_terminal import words as terminal
 from axisrig.kernel.profiles.speed_drive import words
 
 MISSING_MAX = SETTINGS.missing_cycles
@@ -126,3 +130,101 @@ def test_its_power_is_what_the_image_and_the_request_say(family: str) -> None:
             hand.link.order(order)
         hand.cycle(0.0, drive)
         assert hand.link.power is power
+
+
+# The way at a latch
+
+
+def test_the_first_image_after_the_begin_has_no_way_before_it() -> None:
+    """A counter that stands far from 0 has not moved there; afterwards each way counts."""
+    moved: list[tuple[int, int]] = []
+
+    class Noting(ConventionalDrive):
+        def _take_latch(self, values: dict[str, int], place: int, travel: int) -> None:
+            moved.append((place, travel))
+
+    port = ImagePort()
+    link = Noting(replace(SETTINGS, echo_cycles=1), port)
+    for at in (5000, 5010, 4990):
+        port.receive(CARD_IMAGES[1].packed({"DRIVE": OPERATES, "COUNTER": at}))
+        link.take()
+    assert moved == [(5000, 0), (5010, 10), (4990, -20)]
+
+
+# A drive that is led from a place
+
+
+def test_an_axis_whose_counter_is_lost_goes_on_with_an_alarm_and_is_not_led_again() -> None:
+    """An encoder terminal: without a place no enable; in operation it goes on, and is an alarm."""
+    hand = Hand("encoder_terminal")
+    accepted = terminal.CNTSET_ACC
+
+    def cycle(drive: int, status: int) -> int:
+        hand.port.receive(hand.from_drive.packed({"DRIVE": drive, "STATUS": status}))
+        hand.link.take()
+        hand.link.send(0.0)
+        assert hand.port.outputs is not None
+        return hand.to_drive.values_of(hand.port.outputs)["DRIVE"]
+
+    watch = SpeedDriveWatch(hand.link)
+    sent = [cycle(READY, 0) for _ in range(3)]
+    assert (sent, hand.link.is_placed) == ([0, 0, 0], False)
+    assert [cycle(READY, accepted) for _ in range(2)] == [ENABLE, ENABLE]
+    assert watch.communication() is None
+    assert cycle(OPERATES, accepted) == ENABLE
+    assert cycle(OPERATES, 0) == ENABLE
+    for status in (0, accepted):  # it does not come back by itself
+        cycle(OPERATES, status)
+        found = watch.communication()
+        assert found is not None
+        assert (found.id, found.values) == (900781, {"axis": "Z"})
+        assert cycle(READY, status) == 0
+
+
+# The watch
+
+
+def watched(family: str = "conventional", **settings: float) -> tuple[Hand, SpeedDriveWatch]:
+    hand = Hand(family)
+    link = FAMILIES[family].link(replace(SETTINGS, echo_cycles=1, **settings), hand.port, int)
+    link.order(PowerOrder.SWITCH_ON)
+    hand.link = link
+    return hand, SpeedDriveWatch(link)
+
+
+@pytest.mark.parametrize(
+    ("drive", "alarm_id"), [(OPERATES, None), (READY, 900027), (0, 900027), (FAULT, 900005)]
+)
+def test_what_leaves_operation_is_an_alarm_unless_it_was_stopped(
+    drive: int, alarm_id: int | None
+) -> None:
+    hand, watch = watched()
+    hand.cycle(0.0, drive)
+    found = watch.condition()
+    assert (found and found.id) == alarm_id
+    hand.link.order(PowerOrder.STOP)
+    hand.cycle(0.0, drive)
+    assert watch.condition() is None
+
+
+def test_the_lag_of_a_drive_in_operation_is_watched() -> None:
+    hand, watch = watched(lag_limit_mm=0.5)
+    for set_mm, alarm_id in ((0.5, None), (0.51, 900036), (-0.51, 900036), (-0.5, None)):
+        hand.cycle(set_mm)
+        found = watch.condition()
+        assert (found and found.id) == alarm_id
+    hand.cycle(0.51, READY)
+    found = watch.condition()
+    assert found is not None
+    assert found.id == 900027
+
+
+def test_a_jump_of_the_counter_is_an_alarm_of_the_connection() -> None:
+    hand, watch = watched(jump_mm=1.0)
+    seen = []
+    for at in (0, 300, 1300, 1300):  # 409.6 increments are a mm
+        hand.port.receive(hand.from_drive.packed({"DRIVE": OPERATES, "COUNTER": at}))
+        hand.link.take()
+        found = watch.communication()
+        seen.append(found and found.id)
+    assert seen == [None, None, 900029, None]

@@ -130,6 +130,10 @@ def test_what_was_made_before_the_order_is_no_value() -> None:
     latch.arm()
     show(latch, 5)
     assert not latch.has_latched
+    show(latch, 5)  # the first one after it, whatever that of before had
+    assert (latch.has_latched, latch.value) == (True, None)
+    show(latch, 5)
+    assert latch.value == 5
 
 
 def test_it_is_not_enabled_while_a_bit_is_high(armed: LatchControl) -> None:
