@@ -3,7 +3,10 @@
 import csv
 import itertools
 import math
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -24,6 +27,7 @@ from axisrig.kernel.motion.dynamics import (
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.jerk_ramps import Shape
+from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.parameters import ParameterSet
@@ -247,6 +251,18 @@ def test_the_profile_of_the_list_until_another_is_chosen_and_again_after_the_pro
     assert chosen.dynamics(x, Motion.FEED) == x.jerk_limited[SIN2][Motion.FEED]
     weigh(chosen, "ramp_time", 2.0)  # of the next program, which has no other weights
     assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(400, 392, 390)
+
+
+def test_what_a_program_chooses_comes_by_its_commands() -> None:
+    """#SLOPE and G130 to G134 are carried out here, at once."""
+    chosen, x = programmed(profile=1)
+    carried: dict[type, Callable[[Any], None]] = {}
+    execution: Any = SimpleNamespace(register=carried.__setitem__)
+    chosen.assign(execution)
+    carried[canon.DynamicWeights](canon.DynamicWeights(BLOCK, "acceleration", {"X": 0.5}))
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 196, 195)
+    carried[canon.SlopeChoice](canon.SlopeChoice(BLOCK, "STEP"))
+    assert isinstance(chosen.dynamics(x, Motion.RAPID).acceleration, Slope)
 
 
 def test_the_hsc_profile_of_a_list_is_refused_when_a_path_begins() -> None:
