@@ -276,6 +276,34 @@ def test_telegrams_may_stay_out_so_often_in_a_row(missing_cycles: int) -> None:
     assert (caught.value.id, caught.value.values["cycles"]) == (900730, missing_cycles + 1)
 
 
+def test_missing_telegrams_leave_more_way_before_a_position_has_jumped() -> None:
+    """1 mm a cycle: 3 mm after two that stayed out."""
+    for place, jumps in ((3000, False), (3001, True), (-3000, False), (-3001, True)):
+        bench = Bench(jump_mm=1.0)
+        bench.cycle(OPERATES, 0)
+        for _ in range(2):
+            bench.data.forget()
+            bench.drive.take()
+        bench.cycle(OPERATES, place)
+        assert bench.drive.has_jumped is jumps
+
+
+def test_a_drive_is_led_into_operation_from_a_proved_place_and_goes_on_without_one() -> None:
+    """S-0-0051 over the service channel; a new reference has to be proved while it follows."""
+    bench = Bench(proves_places=True)
+    bench.drive.order(PowerOrder.SWITCH_ON)
+    assert bench.cycle(0x8000, 4000) & ~TOGGLE == 0
+    bench.drive.find_place()
+    assert bench.channel.asked == [(51, READ_VALUE)]
+    bench.channel.answer((4000).to_bytes(4, "little"))
+    bench.drive.find_place()
+    assert bench.cycle(0x8000, 4000) & ~TOGGLE == ON | ENABLE | RUN
+    bench.cycle(OPERATES, 4000)
+    bench.drive.forget_place()
+    assert bench.cycle(OPERATES, 4000) & ~TOGGLE == ON | ENABLE | RUN
+    assert bench.cycle(0x8000, 4000) & ~TOGGLE == 0
+
+
 def test_a_slave_that_answers_again_is_not_blamed_for_what_comes_later() -> None:
     """900733 names it while it is silent; until somebody has asked anew it is a wrong counter."""
     bench = Bench(missing_cycles=0)

@@ -248,6 +248,20 @@ def test_an_answer_that_begins_a_request_keeps_their_order(wire: Wire) -> None:
     assert order == ["first", "second", "third"]
 
 
+def test_the_time_of_a_request_that_was_answered_is_not_that_of_the_next_one(wire: Wire) -> None:
+    """20 ms each: the second one is asked after 15 ms, and has until 35 ms."""
+    got: list[Got] = []
+    wire.is_silent = True
+    wire.master.read(0, PROBE, Element.VALUE, got.append)
+    wire.scheduler.run_until(15 * MS)
+    wire.master.give_up()
+    wire.master.read(0, PROBE, Element.VALUE, got.append)
+    wire.scheduler.run_until(35 * MS - 1)
+    assert (len(got), wire.master.is_busy) == (1, True)
+    wire.scheduler.run_until(35 * MS)
+    assert (len(got), wire.master.is_busy) == (2, False)
+
+
 def test_a_silent_drive_ends_a_request_and_a_late_answer_ends_no_other(wire: Wire) -> None:
     got: list[Got] = []
     wire.is_silent = True

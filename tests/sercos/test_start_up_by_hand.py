@@ -220,6 +220,7 @@ def test_a_phase_that_is_refused_names_what_is_invalid(
     assert (far.warned, far.paused_ns) == ([], 2 * 2 * MS)
     for ended in (FAILED, INTERRUPTED):
         far = checked(RUNNING, ended, listed=[1, 2])
+        assert far.paused_ns == 2 * MS  # it has ended, whatever came of it
         found = [(each.id, each.values["ident"], each.values["state"]) for each in far.warned]
         assert found == [(warning, name, f"0x{ended:X}") for name in ("S-0-0001", "S-0-0002")]
         for listed in ([], None):

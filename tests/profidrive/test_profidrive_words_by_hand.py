@@ -1,0 +1,95 @@
+"""What a PROFIdrive drive gets in each state and request, and where its position counts no more."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from tests.profidrive.test_profidrive_control import SETTINGS, Bus
+from tests.profidrive.test_profidrive_parameters import Far
+
+from axisrig.kernel.drives.frozen_encoder import STANDS_S
+from axisrig.kernel.drives.position_watch import jump_alarm
+from axisrig.kernel.drives.power import PowerOrder, PowerRequest
+
+PER_MM = SETTINGS.increments_per_mm
+READY, OPERATES, INHIBITED, FAULT = 0x0231, 0x0237, 0x0270, 0x0238
+OFF, MOVING, HALTED, ACKNOWLEDGE = 0x047E, 0x047F, 0x043F, 0x04FE
+LARGEST = (1 << 31) - 1
+
+
+def bus_of(**settings: Any) -> Bus:
+    made = Bus(replace(SETTINGS, **settings))
+    made.drive.order(PowerOrder.SWITCH_ON)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("request_", "words"),
+    [
+        # STW1 when it is ready, in operation, inhibited
+        (PowerRequest.OFF, (OFF, OFF, OFF)), (PowerRequest.ON, (MOVING, MOVING, OFF)),
+        (PowerRequest.KEEP, (OFF, MOVING, OFF)), (PowerRequest.RELEASE, (OFF, OFF, OFF)),
+        (PowerRequest.STOP, (OFF, HALTED, OFF)),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("acknowledges", [False, True])
+def test_control_word_1_follows_request_and_state(
+    request_: PowerRequest, words: tuple[int, int, int], acknowledges: bool
+) -> None:
+    for status, word in zip((READY, OPERATES, INHIBITED), words, strict=True):
+        bus = bus_of()
+        bus.drive.request, bus.drive.acknowledges_faults = request_, acknowledges
+        assert bus.cycle(0.0, ZSW1=status)["STW1"] == word
+        assert bus.cycle(0.0, ZSW1=FAULT)["STW1"] == (ACKNOWLEDGE if acknowledges else OFF)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_deviation_and_speed_end_at_32_bits_in_both_directions(sign: int) -> None:
+    """6000 mm are 2.5e9 increments."""
+    bus = bus_of(feed_forward=1.0)
+    bus.cycle(0.0)
+    sent = bus.cycle(sign * 6000.0)
+    assert (sent["XERR"], sent["NSOLL_B"]) == (sign * LARGEST, sign * LARGEST)
+
+
+@pytest.mark.parametrize("feed_forward", [0.0, 0.5, 1.0])
+def test_after_a_jump_the_loop_in_the_drive_gets_the_set_speed_alone(feed_forward: float) -> None:
+    """No deviation, and all of the set speed whatever its share was: 10 mm/s and 0."""
+    bus = bus_of(feed_forward=feed_forward, jump_mm=1.0)
+    bus.cycle(0.0, G1_XIST1=0)
+    sent = bus.cycle(0.01)
+    assert (sent["XERR"], sent["NSOLL_B"]) == (4194, round(feed_forward * 10 * 393_216))
+    for set_mm, speed in ((0.02, 10 * 393_216), (0.01, -10 * 393_216), (0.01, 0)):
+        sent = bus.cycle(set_mm, G1_XIST1=round(5 * PER_MM))
+        assert (sent["XERR"], sent["NSOLL_B"]) == (0, speed)
+    assert jump_alarm(bus.drive) is not None
+    bus.drive.close_loop()
+    assert bus.cycle(5.5)["XERR"] == round(0.5 * PER_MM)
+
+
+def test_an_encoder_that_counts_nothing_opens_the_loop_in_the_drive_too() -> None:
+    """16.667 1/s times 1 mm are 16.7 mm/s, at which it would have counted."""
+    bus = bus_of()
+    cycles = round(STANDS_S / SETTINGS.period_s)
+    seen = [bus.cycle(1.0)["XERR"] for _ in range(cycles + 2)]
+    assert seen == [round(PER_MM)] * cycles + [0, 0]
+
+
+def test_without_a_gain_the_drive_closes_no_loop_and_nothing_is_watched() -> None:
+    bus = bus_of(gain=0, feed_forward=1.0)
+    sent = [bus.cycle(1.0) for _ in range(200)]
+    assert {each["XERR"] for each in sent[1:]} == {round(PER_MM)}
+    assert bus.drive.frozen is None
+
+
+@pytest.mark.parametrize(
+    ("response", "data"),
+    [
+        ("01 01 00 01 41 01 7B 00", b"\x7b"),  # a byte, filled up to a word
+        ("01 01 00 01 42 01 03 E8", b"\xe8\x03"), ("01 01 00 01 43 01 00 01 02 03", b"\3\2\1\0"),
+    ],
+)  # fmt: skip
+def test_a_value_is_as_long_as_its_format_says(response: str, data: bytes) -> None:
+    far = Far()
+    far.channel.read(1230, 0, far.found.append)
+    assert far.answer(response) == data
