@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.rig.distance.channel import channel_warnings, describe_channel
+from axisrig.bench.rig.distance.channel import channel_ages, channel_warnings, describe_channel
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, read_settings
 
@@ -180,3 +180,26 @@ def test_a_channel_without_sensor_is_warned_of_and_one_without_release_is_not(
     assert "no entry of [plc] reads a distance sensor" in warning
     plain = settings_of(tmp_path, "", base="distance-z")
     assert channel_warnings(plain) == describe_channel(plain) == []
+
+
+@pytest.mark.parametrize(("tn_s", "is_stable"), [(0.002, False), (0.006, True)])
+def test_an_integral_part_that_is_faster_than_the_loop_is_late_leaves_no_kp(
+    tmp_path: Path, tn_s: float, is_stable: bool
+) -> None:
+    """s^2 + kp (s + 1/Tn) e^(-d s) has a stable kp for Tn > d; d = 2 dead cycles and 1.5 of
+    the mean of 4, 3.5 ms.
+    """
+    (text,) = describe_channel(settings_of(tmp_path, "", f"dist_ctrl[0].i_tn {tn_s}"))
+    assert ("unstable with any kp     CONST_DIST: UNSTABLE as listed" in text) is not is_stable
+    assert bool(re.search(r"stable below kp [\d.]+ +CONST_DIST:", text)) is is_stable
+    assert bool(re.search(r"stable below kp [\d.]+ +SET_POS: stable", text))
+
+
+def test_a_variable_that_nobody_promises_may_fall_silent(tmp_path: Path) -> None:
+    """Of two entries the one without a period, and none where 3D control is not released."""
+    two = 'sensor = "gap", period_ms = 2.0 }\n"V.E.OTHER" = { sensor = "gap"'
+    (text,) = channel_ages(settings_of(tmp_path, two))
+    assert "gap in V.E.OTHER promises no time for its next value" in text
+    assert channel_ages(settings_of(tmp_path, 'sensor = "gap", period_ms = 2.0')) == []
+    released = "configuration.decoder.function FCT_VOL_COMP_COMPUTATION"
+    assert channel_ages(settings_of(tmp_path, two, released)) == []

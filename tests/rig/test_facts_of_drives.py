@@ -160,6 +160,7 @@ def test_a_drive_as_canopen_keeps_its_axis_and_its_limits(family: str) -> None:
     """And leaves what its words need."""
     keys = ("lead_mm=5", "input_delay_us=9", "missing_cycles=6", "lag_limit_mm=0.5",
             "jump_factor=3", "fault_reset=true", "as_canopen=true")  # fmt: skip
+    assert not drive(family).replaces_others
     table = drive(family, *keys)
     assert (table.family_name, table.replaces_others) == ("canopen", True)
     assert (table.lead_mm, table.input_delay_us, table.missing_cycles) == (5.0, 9.0, 6)

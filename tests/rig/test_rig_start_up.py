@@ -9,9 +9,12 @@ from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.schedule import axis_telegrams
+from axisrig.bench.rig.canopen.startup import StartUpKeys, drive_steps
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.canopen.mapping import telegrams
+from axisrig.kernel.drives.canopen.startup_steps import BusSettings
 from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
 from axisrig.kernel.errors import UserError
 
@@ -179,3 +182,38 @@ def test_paths_of_a_base_are_relative_to_the_base(rig_file: Write, tmp_path: Pat
     rig, _ = read_rig(upper)
     assert rig.drive["servo"].pdo_map == str(tmp_path / "map.csv")
     assert rig.drive["servo"].eds == str(tmp_path / "foreign.eds")
+
+
+@pytest.mark.parametrize(
+    ("missing", "period_us", "is_real", "given", "timeout_ms"),
+    [
+        (3, 1000, False, None, 5),  # 4.5 cycles
+        (1, 1000, False, None, 3),  # 2.5
+        (2, 4000, False, None, 14),
+        (3, 500, False, None, 3),  # 2.25 ms
+        (3, 1000, True, None, 100),  # no process keeps a few milliseconds for sure
+        (30, 4000, True, None, 126),
+        (3, 1000, False, 40, 40),
+        (3, 1000, True, 7, 7),
+    ],
+)
+def test_an_rpdo_may_be_missing_as_often_as_a_tpdo_and_half_a_cycle(
+    missing: int, period_us: int, is_real: bool, given: int | None, timeout_ms: int
+) -> None:
+    """Deadline of the RPDO in ms, sub-index 5 of 1400 (CiA 301), rounded up."""
+    keys = StartUpKeys(missing_cycles=missing, rpdo_timeout_ms=given)
+    profile = DriveProfile()
+    steps = drive_steps(
+        keys,
+        BusSettings(sync_period_us=period_us),
+        telegrams(0x60BA, None, counter=True, inputs=True, second=False),
+        3,
+        profile,
+        is_real=is_real,
+    )
+    (found,) = (
+        int.from_bytes(step.data, "little")
+        for step in steps
+        if isinstance(step, WriteStep) and (step.index, step.sub) == (0x1400, 5)
+    )
+    assert found == timeout_ms
