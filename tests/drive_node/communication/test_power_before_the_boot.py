@@ -23,7 +23,8 @@ class Bus:
     def __init__(self, segment: Segment) -> None:
         self.segment, self.clock = segment, segment.scheduler
         self.port, self.second = segment.port("stranger"), segment.port("second")
-        self.network = SimNetwork(segment.port("node")).connect()
+        self.node_port = segment.port("node")
+        self.network = SimNetwork(self.node_port).connect()
         self.heard: list[tuple[int, str]] = []
         self.levels, self.asked_ns = 0, list[int]()
         self.port.attach(lambda m: self.heard.append((m.arbitration_id, m.data.hex())))
@@ -89,7 +90,7 @@ def test_a_node_with_inputs_leaves_the_bus_with_its_power(bus: Bus) -> None:
     for can_id, data in ((0x80, ""), (0x605, "4000600100000000"), (0, "8105")):
         assert bus.after(can_id, data, 20) == []
     assert len(bus.asked_ns) == asked
-    assert not bus.network.bus.takes_part
+    assert not bus.node_port.takes_part
     bus.second.shutdown()
     bus.after(0x80)  # alone on the bus: nobody acknowledges
     assert bus.port.tec > 0
