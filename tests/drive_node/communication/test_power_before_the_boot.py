@@ -53,7 +53,8 @@ def bus() -> Iterator[Bus]:
 def test_a_drive_whose_power_goes_at_once_boots_when_it_has_it_again(
     bus: Bus, fake_axis: Any
 ) -> None:
-    node = DriveNode("Z", NODE, bus.network, bus.clock, fake_axis())
+    axis = fake_axis()
+    node = DriveNode("Z", NODE, bus.network, bus.clock, axis)
     node.power_off()
     bus.clock.run_until(10 * MS)
     assert (bus.heard, node.is_on, node.nmt_state.name) == ([], False, "INITIALISING")
@@ -65,7 +66,7 @@ def test_a_drive_whose_power_goes_at_once_boots_when_it_has_it_again(
     node.power_on()  # it has it
     bus.clock.run_until(bus.clock.now_ns + MS)
     assert bus.heard == [BOOT_UP]
-    assert not node.servo.axis.commands[-1].enabled
+    assert not axis.commands[-1].enabled
 
 
 def test_a_node_with_inputs_whose_power_goes_at_once_never_boots(bus: Bus) -> None:
