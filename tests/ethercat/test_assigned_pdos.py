@@ -94,6 +94,14 @@ def test_two_pdos_come_in_the_order_of_the_rig() -> None:
     assert started.listed(0x1600) == [CONTROL, TARGET, PROBE]
 
 
+def test_two_pdos_that_carry_something_else_are_both_written() -> None:
+    started = Started(outputs=[0x1600, 0x1601], inputs=[0x1A00])
+    for first, second in (([CONTROL], [TARGET, SPEED]), ([CONTROL, TORQUE], [SPEED])):
+        started.run(pdo(0x1600, *first), pdo(0x1601, *second))
+        assert (started.listed(0x1600), started.listed(0x1601)) == (first, second)
+        assert started.listed(0x1C12) == [0x1600, 0x1601]
+
+
 def test_nothing_is_written_to_a_drive_that_has_it_all() -> None:
     """A drive with fixed PDOs would refuse it."""
     started = Started(outputs=[0x1600], inputs=[0x1A00])

@@ -45,6 +45,10 @@ class Questions:
         """No frame came back."""
         self.asked.pop(0)[1](None)
 
+    def refused(self) -> None:
+        """The frame came back, and no slave has done what it asked."""
+        self.asked.pop(0)[1]([Answer(b"\0", 0)])
+
     def taken(self, data: bytes = b"\0") -> None:
         """The slave has done what was asked."""
         self.asked.pop(0)[1]([Answer(data, 1)])
@@ -91,6 +95,25 @@ def test_a_message_is_written_again_until_the_slave_has_it(made: Port) -> None:
     made.line.taken()
     assert made.line.written == [b"two"]
     assert not made.port.waits
+    made.line.taken()
+    assert made.port.waits
+
+
+def test_a_full_mailbox_after_a_lost_frame_shows_that_the_slave_has_the_message(
+    made: Port,
+) -> None:
+    """It refuses the second one. Without a loss before, a full mailbox is not yet empty again."""
+    made.send(b"one", b"two")
+    made.line.refused()
+    made.wait(0.2)
+    assert made.line.written == [b"one"]
+    made.line.lost()
+    made.wait(0.2)
+    made.line.refused()
+    assert made.line.written == [b"two"]
+    made.line.refused()
+    made.wait(0.2)
+    assert made.line.written == [b"two"]
     made.line.taken()
     assert made.port.waits
 

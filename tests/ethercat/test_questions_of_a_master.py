@@ -117,7 +117,7 @@ def test_the_indices_go_round_below_those_of_the_cyclic_frames() -> None:
 class Served(Line):
     """A drive whose mailbox is asked over a wire that loses what the test says."""
 
-    def __init__(self) -> None:
+    def __init__(self, attempts: int = 1) -> None:
         super().__init__()
         self.preop()
         self.write(0x0010, STATION, 2)
@@ -125,7 +125,7 @@ class Served(Line):
         """Command and place in memory of frames that are lost on their way back."""
         self.transactions = Transactions(self.segment, self.clock)
         self.segment.receivers.append(self._back)
-        self.mailbox = Mailbox(self.transactions, self.clock, STATION, 20 * MS, attempts=1)
+        self.mailbox = Mailbox(self.transactions, self.clock, STATION, 20 * MS, attempts)
         self.mailbox.port.places = MailboxPlaces(0x1000, 128, 0x1080, 128)
         self.found: list[Any] = []
         self.calls: list[tuple[int, int]] = []
@@ -182,3 +182,24 @@ def test_a_slave_that_is_silent_is_given_up_once_its_time_is_over() -> None:
     assert 20 * MS <= took_ns <= 20 * MS + ATTEMPTS * TIMEOUT_NS + 200 * US
     line.segment.passes.clear()
     assert line.read(DEVICE_TYPE[0]) == DEVICE_TYPE[1]
+
+
+@pytest.mark.parametrize("attempts", [1, 2, 3])
+def test_a_request_is_begun_as_often_as_it_may_be(attempts: int) -> None:
+    """Each attempt has 20 ms; the slave is there again in the last one, or never."""
+    line = Served(attempts)
+    for comes_back in (True, False, True):
+        begin_ns = line.clock.now_ns
+        line.segment.passes.append(lambda _frame: None)
+        if comes_back:
+            line.clock.call_at(
+                begin_ns + (attempts - 1) * 25 * MS + MS, 0, line.segment.passes.clear
+            )
+        answer = line.read(DEVICE_TYPE[0])
+        took_ms = (line.clock.now_ns - begin_ns) / MS
+        if comes_back:
+            assert answer == DEVICE_TYPE[1]
+        else:
+            assert (answer.code, str(answer)) == (None, "no answer")
+            assert attempts * 20 <= took_ms <= attempts * 27
+        line.segment.passes.clear()

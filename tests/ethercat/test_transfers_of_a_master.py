@@ -36,9 +36,11 @@ def error(made: Transfer) -> tuple[int, int, int | None, bool]:
 
 
 @pytest.mark.parametrize(
-    ("command", "size"), [("4f", 1), ("4b", 2), ("47", 3), ("43", 4), ("42", 4)]
+    ("command", "size"),
+    [("4f", 1), ("4b", 2), ("47", 3), ("43", 4), *((f"4{n:x}", 4) for n in (0x2, 0x6, 0xA, 0xE))],
 )
 def test_a_short_value_comes_with_the_answer(command: str, size: int) -> None:
+    """Without bit 0 the number of unused bytes says nothing."""
     made = read()
     assert made.take(bytes.fromhex(f"{command} 0810 02 11223344")) is None
     assert made.result == bytes.fromhex("11223344")[:size]
