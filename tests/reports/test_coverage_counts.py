@@ -1,0 +1,205 @@
+"""What coverage counts of a run, and what its lists say: visited, not visited, not in the table."""
+
+import re
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.bench.record.axes import AxisRecord, DriveState
+from axisrig.bench.record.bus import BusFigures, LineFigures
+from axisrig.bench.record.distance import Controller, DistanceChange, DistanceRecord
+from axisrig.bench.record.facts import AlarmRecord, Facts, RunFile, Timing
+from axisrig.bench.record.measuring import FixedStop, MeasurementRun
+from axisrig.kernel.errors import catalogue
+from axisrig.reports.coverage.section import Coverage, distance_transitions, drive_transitions
+from axisrig.reports.parts.buses import bus_row, line_facts
+from axisrig.reports.parts.words import counted_of, metric_words, shown_unit
+
+CONTROLLER = Controller(0.2, 0.0, 0.0, "MOVING_AVERAGE", 1, 0.0, 1, 0.0, 0.0, False)
+
+
+def run(is_recorded: bool = True, alarms: str = "", **facts: Any) -> StoredRun:
+    row = {"run": "r", "verdict": "pass", "alarms": alarms, "requirement": "R"}
+    made = StoredRun(row, [], None, None)
+    whole = Facts(Timing(1, 0, 0), 1, None, 1, "", **facts)
+    made.__dict__["recording"] = RunFile(1, whole if is_recorded else None)
+    return made
+
+
+def covered(*runs: StoredRun) -> str:
+    coverage = Coverage()
+    for one in runs:
+        coverage.add(one)
+    return coverage.section()
+
+
+def lists(text: str, title: str) -> tuple[str, list[str], list[str]]:
+    """Heading of a part with its lists of visited and not visited."""
+    part = re.search(rf"<h3>({re.escape(title)}[^<]*)</h3>(.*?)(?=<h3>|</section>|<p )", text)
+    assert part is not None
+    head, body = part.groups()
+    found = {
+        name: re.findall(r"<li>([^<]*)</li>", items)
+        for name, items in re.findall(r"<summary>([a-z ]+): \d+</summary>(.*?)</details>", body)
+    }
+    return head, found.get("visited", []), found.get("not visited", [])
+
+
+def drive(*states: str) -> AxisRecord:
+    return AxisRecord("c", 1, 1.0, states=tuple(DriveState(n, s) for n, s in enumerate(states)))
+
+
+def control(*states: str) -> DistanceRecord:
+    return DistanceRecord(
+        changes=tuple(
+            DistanceChange(n, state, "NC", "g", False, CONTROLLER) for n, state in enumerate(states)
+        )
+    )
+
+
+RAISED = {number: entry.text for number, entry in catalogue().items() if entry.is_raised}
+FIRST, SECOND = list(RAISED)[:2]
+
+
+def test_alarms_are_counted_by_runs_with_or_without_a_recording() -> None:
+    """A run counts an ID once; one without a recording by the column of `cases.csv`."""
+    alarm = AlarmRecord(1, FIRST, 4, True, "")
+    text = covered(
+        run(),
+        recorded(alarm, alarm),
+        run(is_recorded=False, alarms=f"{FIRST} {FIRST} {SECOND} none"),
+        run(is_recorded=False),
+    )
+    head, visited, left = lists(text, "Alarm IDs")
+    assert head == f"Alarm IDs: 2 of {len(RAISED)}"
+    assert [each.split(" ")[0] for each in visited] == [str(FIRST), str(SECOND)]
+    assert [each.rpartition(": ")[2] for each in visited] == ["2 runs", "1 runs"]
+    assert len(left) == len(RAISED) - 2
+    assert "2 runs have no recording: only their alarms count here." in text
+    assert "no recording" not in covered(recorded(alarm))
+
+
+def recorded(*alarms: AlarmRecord) -> StoredRun:
+    made = run()
+    facts = Facts(Timing(1, 0, 0), 1, None, 1, "", alarms=alarms)
+    made.__dict__["recording"] = RunFile(1, facts)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("one", "visited"),
+    [
+        (MeasurementRun(("Z",)), ["begun: 1"]),
+        (MeasurementRun(("Z",), start_ns=0), ["begun: 1", "moving: 1"]),
+        (MeasurementRun(("Z",), start_ns=1, signal_ns=2),
+         ["begun: 1", "moving: 1", "signal seen: 1"]),
+        (MeasurementRun(("Z",), start_ns=1, signal_ns=2, end_ns=3,
+                        fixed_stop=FixedStop({}, detected_ns=2)),
+         ["begun: 1", "moving: 1", "signal seen: 1", "ended: 1", "fixed stop found: 1"]),
+        (MeasurementRun(("Z",), end_ns=3, fixed_stop=FixedStop({})), ["begun: 1", "ended: 1"]),
+    ],
+)  # fmt: skip
+def test_steps_of_a_measurement_run(one: MeasurementRun, visited: list[str]) -> None:
+    head, found, left = lists(covered(run(runs=(one,))), "Steps of measurement runs")
+    assert head == f"Steps of measurement runs: {len(visited)} of 5"
+    assert found == visited
+    steps = ("begun", "moving", "signal seen", "ended", "fixed stop found")
+    assert left == [step for step in steps if f"{step}: 1" not in visited]
+
+
+def test_steps_are_counted_over_runs_and_measurement_runs() -> None:
+    begun = MeasurementRun(("Z",))
+    moving = MeasurementRun(("Z",), start_ns=1)
+    _, found, _ = lists(covered(run(runs=(begun, moving)), run(runs=(moving,))), "Steps of measur")
+    assert found == ["begun: 3", "moving: 2"]
+
+
+def test_a_drive_has_been_through_its_first_two_states_before_the_recording() -> None:
+    """CiA 402: transition 1 is automatic; it is not gone through twice where the first is known."""
+    arrow = "NOT_READY_TO_SWITCH_ON → SWITCH_ON_DISABLED: 1"
+    first = covered(run(axes={"Z": drive("SWITCH_ON_DISABLED", "READY_TO_SWITCH_ON")}))
+    _, visited, _ = lists(first, "Transitions of the drives")
+    assert visited == [arrow, "SWITCH_ON_DISABLED → READY_TO_SWITCH_ON: 1"]
+    later = covered(run(axes={"Z": drive("READY_TO_SWITCH_ON", "SWITCHED_ON")}))
+    _, visited, _ = lists(later, "Transitions of the drives")
+    assert visited[:2] == [arrow, "SWITCH_ON_DISABLED → READY_TO_SWITCH_ON: 1"]
+    assert "READY_TO_SWITCH_ON → SWITCHED_ON: 1" in visited
+    silent = covered(run(axes={"Z": drive()}))
+    assert "Transitions of the drives" not in silent
+
+
+def test_transitions_are_counted_by_axes_and_those_of_no_table_are_named() -> None:
+    states = ("SWITCH_ON_DISABLED", "OPERATION_ENABLED")
+    text = covered(run(axes={"Z": drive(*states), "X": drive(*states)}))
+    head, visited, left = lists(text, "Transitions of the drives")
+    known = drive_transitions()
+    assert head == f"Transitions of the drives (DS402): 1 of {len(known)}"
+    assert visited[0].endswith("SWITCH_ON_DISABLED: 2")
+    assert visited[1] == "SWITCH_ON_DISABLED → OPERATION_ENABLED: 2, not in the table"
+    assert len(left) == len(known) - 1
+    assert visited[0].rpartition(":")[0] not in left
+
+
+def test_transitions_of_distance_control_are_of_its_changes() -> None:
+    """A change of parameters in the same state is none."""
+    changes = control("INACTIVE", "ACTIVE", "ACTIVE", "FREEZE")
+    axes = {"Z": drive("SWITCH_ON_DISABLED")}
+    text = covered(run(axes=axes, distance={"Z": changes, "X": changes}))
+    head, visited, _ = lists(text, "Transitions of distance control")
+    assert head == f"Transitions of distance control: 2 of {len(distance_transitions())}"
+    assert set(visited) == {"INACTIVE → ACTIVE: 2", "ACTIVE → FREEZE: 2"}
+
+
+# Buses and words
+
+
+@pytest.mark.parametrize(
+    ("bits_s", "words"),
+    [(1_000_000, "1000 kbit/s"), (1_000_001, "1 Mbit/s"), (500_000, "500 kbit/s"),
+     (12_000_000, "12 Mbit/s"), (100_000_000, "100 Mbit/s"), (83_333, "83.333 kbit/s")],
+)  # fmt: skip
+def test_a_bit_rate_of_can_is_in_kbit_and_a_faster_one_in_mbit(bits_s: int, words: str) -> None:
+    """CiA 301 has bit rates in kbit/s, up to 1000."""
+    figures = BusFigures("can1", bits_s, 12.34, 56.78, 99.95, 7, 1, "o", (("Z", 8, 0, "x"),), ())
+    shown = bus_row(figures)
+    assert (shown["bitrate"], shown["loads"]) == (words, ["12.3", "56.8", "100.0"])
+    assert (shown["segment"], shown["frames"], shown["line"]) == ("can1", 7, [])
+    assert (shown["error_frames"], shown["overload"]) == (1, "o")
+    assert shown["counters"] == [{"port": "Z", "tec": 8, "rec": 0, "state": "x"}]
+
+
+@pytest.mark.parametrize(
+    ("back", "wrong", "in_a_row", "expected"),
+    [
+        (100, 0, 0, ["100, not back 0", "6, another one in 0 frames"]),
+        (98, 1, 1, ["100, not back 2", "6, another one in 1 frames"]),
+        (100, 3, 2, ["100, not back 0", "6, another one in 3 frames, 2 in a row"]),
+    ],
+)
+def test_what_went_wrong_on_a_line_is_marked(
+    back: int, wrong: int, in_a_row: int, expected: list[str]
+) -> None:
+    line = LineFigures(
+        period_us=1000.0, wire_us=12.356, sent=100, back=back, counter=6, wrong=wrong,
+        wrong_in_a_row=in_a_row, slaves=(("Z", "OP"), ("X", "SAFEOP")),
+    )  # fmt: skip
+    cycle, frames, counter, *states = line_facts(line)
+    assert cycle == ("cycle", "1000 µs, of it the frame 12.36 µs", False)
+    assert [frames[1], counter[1]] == expected
+    assert (frames[2], counter[2]) == (back < 100, wrong > 0)
+    assert states == [("Z: AL state", "OP", False), ("X: AL state", "SAFEOP", True)]
+
+
+@pytest.mark.parametrize(
+    ("count", "of", "what", "words"),
+    [(3, 3, "run", "all 3 runs"), (1, 1, "run", "the one run"), (1, 3, "run", "1 of 3 runs"),
+     (1, 1, "case", "the one case"), (0, 2, "case", "0 of 2 cases"), (0, 1, "run", "0 of 1 runs")],
+)  # fmt: skip
+def test_how_many_of_how_many(count: int, of: int, what: str, words: str) -> None:
+    assert counted_of(count, of, what) == words
+
+
+def test_units_as_a_reader_writes_them() -> None:
+    assert [shown_unit(each) for each in ("um", "pct", "mm", "um_s")] == ["µm", "%", "mm", "µm_s"]
+    assert (metric_words("m", "um"), metric_words("m", "")) == ("m, µm", "m")

@@ -1,0 +1,211 @@
+"""Where the parts of a picture of lines are, and of the waterfall of a budget."""
+
+import csv
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.budget.drawing import LEFT, RIGHT, WIDTH, waterfall
+from axisrig.reports.budget.section import COLUMNS, budget_path, budget_rows, budget_section
+from axisrig.reports.lines.drawing import Fitted, Point, drawing
+
+
+def fitted(
+    name: str,
+    slope: float,
+    intercept: float,
+    places: dict[float, float],
+    spread: float | None = None,
+    word: str = "pass",
+) -> Fitted:
+    verdict = Verdict.of(word)
+    points = tuple(Point(f"{name}{x:g}", x, y, spread, verdict) for x, y in places.items())
+    return Fitted(name, slope, intercept, points, verdict)
+
+
+def numbers(pattern: str, text: str) -> list[tuple[float, ...]]:
+    return [tuple(map(float, match)) for match in re.findall(pattern, text)]
+
+
+LINE = r'class="ln-line" d="M([\d.]+),([\d.]+)L([\d.]+),([\d.]+)"'
+SIGN = r'<title>[^<]*</title><path class="ln-sign" d="M([\d.]+),([\d.]+)m'
+BAR = r'class="ln-bar" d="M([\d.]+),([\d.]+)V([\d.]+)"'
+NAME = r'class="ln-name" x="[\d.]+" y="([\d.]+)">([^<]*)<'
+LEAD = r'class="ln-lead" d="M([\d.]+),([\d.]+)L([\d.]+),([\d.]+)"'
+
+
+def test_a_point_is_on_its_line_with_its_spread_up_and_down() -> None:
+    """y = 10 - 2 x at 1, 2 and 4; 0 is in the picture, the line begins there at 10."""
+    text = drawing([fitted("a", -2.0, 10.0, {x: 10 - 2 * x for x in (1, 2, 4)}, 0.5)], "t", "", "")
+    ((x0, y0, x1, y1),) = numbers(LINE, text)
+    signs, bars = numbers(SIGN, text), numbers(BAR, text)
+    assert [x for x, _ in signs] == pytest.approx(
+        [x0 + (x1 - x0) * share for share in (0.25, 0.5, 1.0)], abs=0.11
+    )
+    assert [y for _, y in signs] == pytest.approx(
+        [y0 + (y1 - y0) * share for share in (0.25, 0.5, 1.0)], abs=0.11
+    )
+    per_unit = (y1 - y0) / 8
+    for (x, y), (at, low, high) in zip(signs, bars, strict=True):
+        assert at == x
+        assert (low, high) == pytest.approx((y + per_unit / 2, y - per_unit / 2), abs=0.15)
+    assert "standard deviation 0.5" in text
+
+
+@pytest.mark.parametrize(
+    ("places", "has_zero"),
+    [((5.0, 10.0), True), ((5.1, 10.0), False), ((-5.0, -10.0), True), ((-5.1, -10.0), False),
+     ((-1.0, 10.0), True)],
+)  # fmt: skip
+def test_0_is_in_the_picture_no_farther_off_than_the_points_are_apart(
+    places: tuple[float, float], has_zero: bool
+) -> None:
+    """Lines that end in 0 have it at an end; large amounts are on the right."""
+    text = drawing([fitted("a", 1.0, 0.0, {x: x for x in places})], "t", "", "")
+    ((x0, _, x1, _),) = numbers(LINE, text)
+    signs = [x for x, _ in numbers(SIGN, text)]
+    assert x0 <= min(signs) <= max(signs) <= x1
+    assert signs == sorted(signs)
+    assert (min(signs) > x0 + 1.0) is (has_zero and min(places) != -1.0)
+
+
+def test_points_of_several_lines_are_side_by_side() -> None:
+    """6 px from one to the next, the middle one at its value."""
+    lines = [fitted(name, 0.0, 1.0, {2.0: 1.0, 4.0: 1.0}) for name in "abc"]
+    text = drawing(lines, "t", "", "")
+    alone = numbers(SIGN, drawing(lines[:1], "t", "", ""))
+    signs = numbers(SIGN, text)
+    assert [x for x, _ in signs[::2]] == pytest.approx([alone[0][0] + d for d in (-6, 0, 6)])
+    two = numbers(SIGN, drawing(lines[:2], "t", "", ""))
+    assert [x for x, _ in two[::2]] == pytest.approx([alone[0][0] + d for d in (-3, 3)])
+
+
+@pytest.mark.parametrize("word", ["pass", "marginal", "inconclusive", "fail", "error"])
+def test_what_did_not_pass_has_a_cross_and_a_word(word: str) -> None:
+    text = drawing([fitted("a", 0.0, 1.0, {1.0: 1.0, 2.0: 1.0}, word=word)], "t", "", "")
+    is_good = word in ("pass", "marginal")
+    assert text.count('class="ln-bad"') == (0 if is_good else 2)
+    ((_, name),) = re.findall(NAME, text)
+    assert name == ("a" if is_good else f"a {Verdict.of(word).glyph} {word}")
+
+
+def test_a_name_is_at_the_end_of_its_line_and_a_lead_goes_there() -> None:
+    """The upper line has the upper name; two that end together are 14 px apart."""
+    text = drawing([fitted("low", 0.0, 1.0, {0.0: 1.0, 1.0: 1.0}),
+                    fitted("high", 0.0, 9.0, {0.0: 9.0, 1.0: 9.0}),
+                    fitted("same", 0.0, 9.0, {0.0: 9.0, 1.0: 9.0})], "t", "", "")  # fmt: skip
+    heights = {name: float(y) - 4 for y, name in re.findall(NAME, text)}
+    leads = numbers(LEAD, text)
+    ends = [line[3] for line in numbers(LINE, text)]
+    assert [lead[1] for lead in leads] == ends
+    assert [lead[3] for lead in leads] == pytest.approx(list(heights.values()))
+    assert heights["high"] == pytest.approx(ends[1])
+    assert heights["same"] - heights["high"] == pytest.approx(14.0, abs=0.11)
+    # The lowest name ends above the foot: what comes after it gives way upwards
+    many = [fitted(str(n), 0.0, 0.0, {0.0: 0.0, 1.0: 0.0}) for n in range(12)]
+    places = [float(y) for y, _ in re.findall(NAME, drawing(many, "t", "", ""))]
+    assert places == sorted(places)
+    assert min(b - a for a, b in pairwise(places)) >= 13.9
+
+
+def test_each_line_has_a_sign_of_its_own_up_to_eight() -> None:
+    lines = [fitted(str(n), float(n), 0.0, {1.0: float(n)}) for n in range(9)]
+    text = drawing(lines, "t", "", "")
+    assert re.findall(r'<g class="(ln-\d)">', text) == [f"ln-{n % 8}" for n in range(9)]
+    signs = re.findall(r'class="ln-sign" d="M[\d.]+,[\d.]+(m[^"]*)"/><text', text)
+    assert len(set(signs[:8])) == 8
+    assert signs[8] == signs[0]
+
+
+# The waterfall of a budget
+
+RECT = r'<rect class="(fall-\w+)" x="([\d.]+)" y="([\d.]+)" width="([\d.]+)"'
+
+
+def test_each_bar_begins_where_the_one_before_ends_and_the_last_is_the_sum() -> None:
+    """4, then -6 and 3: to 4, -2 and 1; in um from -2 to 4 over the field."""
+    text = waterfall([("a", 4.0), ("<b>", -6.0), ("c", 3.0)], 1.0)
+    bars = [(kind, float(x), float(y), float(w)) for kind, x, y, w in re.findall(RECT, text)]
+    per_um = (WIDTH - RIGHT - LEFT) / 6
+    zero = LEFT + 2 * per_um
+    expected = [("fall-more", 0, 4), ("fall-less", -2, 4), ("fall-more", -2, 1), ("fall-sum", 0, 1)]
+    for (kind, x, _, width), (name, low, high) in zip(bars, expected, strict=True):
+        assert kind == name
+        assert (x, x + width) == pytest.approx((zero + low * per_um, zero + high * per_um), abs=0.2)
+    tops = [bar[2] for bar in bars]
+    assert tops == sorted(tops)
+    assert re.findall(r"y=\"[\d.]+\">([+-][\d.]+) um<", text) == [
+        "+4.0000",
+        "-6.0000",
+        "+3.0000",
+        "+1.0000",
+    ]
+    assert re.findall(r'text-anchor="end">([^<]*)<', text) == [
+        "a",
+        "&lt;b&gt;",
+        "c",
+        "published value",
+    ]
+    (x1, x2) = numbers(r'class="fall-zero" x1="([\d.]+)" x2="([\d.]+)"', text)[0]
+    assert x1 == x2 == pytest.approx(zero, abs=0.06)
+
+
+def test_a_cause_that_adds_nothing_can_be_seen() -> None:
+    text = waterfall([("a", 0.0), ("b", -2.0)], -2.0)
+    assert [kind for kind, *_ in re.findall(RECT, text)] == ["fall-less", "fall-less", "fall-sum"]
+    assert float(re.findall(RECT, text)[0][3]) == 1.0
+    assert "+0.0000 um" in waterfall([("a", -0.00001)], 0.0)
+
+
+def row(**cells: str) -> dict[str, str]:
+    return {"cause": "c", "setting": "s", "effect": "random", "alone_um": "1", "in_turn_um": "-2",
+            "closed_form_um": "", "bound_um": "", "meaning": "m", **cells}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("cells", "shown"),
+    [
+        ({}, ["s", "random", "+1.0000", "-2.0000", "", "", "m"]),
+        ({"closed_form_um": "-2.5"}, ["s", "random", "+1.0000", "-2.0000", "", "-2.5000", "m"]),
+        ({"closed_form_um": "9", "bound_um": "0.5"},
+         ["s", "random", "+1.0000", "-2.0000", "", "&plusmn; 0.5000", "m"]),
+        ({"closed_form_um": "-2.5", "differs_um": "0.5"},
+         ["s", "random", "+1.0000", "-2.0000", "", "-2.5000, differs by +0.5000", "m"]),
+        ({"combined_um": "0", "term": "t <x>", "alone_um": "", "in_turn_um": "-0.00001"},
+         ["s", "random, t &lt;x&gt;", "", "+0.0000", "+0.0000", "", "m"]),
+        ({"effect": "", "term": "t"}, ["s", "t", "+1.0000", "-2.0000", "", "", "m"]),
+    ],
+)  # fmt: skip
+def test_a_cause_in_the_table_of_a_card(cells: dict[str, str], shown: list[str]) -> None:
+    text = budget_rows([row(**cells)])
+    assert re.findall(r"<td[^>]*>(.*?)</td>", text) == shown
+
+
+@pytest.mark.parametrize(("frames", "is_shown"), [("ab", True), ("cd", False)])
+def test_a_budget_of_other_frames_is_not_drawn(tmp_path: Path, frames: str, is_shown: bool) -> None:
+    """What is left is the first bar, the published value is the sum: -1.5 + 4 - 1."""
+    run = StoredRun({"run": "r", "frame_log_sha256": "ab"}, [], None, None)
+    assert budget_section(tmp_path, run) == ""
+    path = budget_path(tmp_path, "r")
+    assert path == tmp_path / "budgets" / "r.csv"
+    path.parent.mkdir()
+    causes = (("a", "4"), ("b", "-1"), ("left", "-1.5"))
+    rows = [
+        {"run": "r", "axis": "Z<", "frame_log_sha256": frames, **row(cause=name, in_turn_um=um)}
+        for name, um in causes
+    ]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        table.writerows(rows)
+    text = budget_section(tmp_path, run)
+    assert ("made of other frames" in text) is not is_shown
+    if is_shown:
+        assert "axis Z&lt;" in text
+        names = re.findall(r'text-anchor="end">([^<]*)<', text)
+        assert names == ["left", "a", "b", "published value"]
+        assert "published value +1.5000 um" in text
