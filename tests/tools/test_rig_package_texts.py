@@ -1,0 +1,178 @@
+"""Structure and values of an SSP package, read by fmpy with its schemas; no FMU is built."""
+
+import re
+import zipfile
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+from axisrig.bench.tools.rig_export import package
+from axisrig.bench.tools.rig_export.package import (
+    _as_text,
+    _in_words,
+    _parameters,
+    _set_keys,
+    _structure,
+    _write,
+)
+from axisrig.bench.tools.rig_export.parts import Part, Port
+from axisrig.kernel.errors import UserError
+
+
+def variable(name: str, causality: str, type_: str, unit: str | None = None) -> Any:
+    return SimpleNamespace(name=name, causality=causality, type=type_, unit=unit, declaredType=None)
+
+
+def port(name: str, causality: str, type_: str, unit: str | None = None) -> Port:
+    return Port(f"p_{name}", "p", variable(name, causality, type_, unit))
+
+
+PORTS = (
+    port("demand", "input", "Float64", "m"),
+    port("angle", "output", "Float64", "deg"),
+    port("count", "output", "Int32", "m"),
+    port("on", "input", "Boolean"),
+    port("plain", "output", "Real"),
+)
+JOINED = Part("z", ("z", "probe"), None, PORTS)
+ALONE = Part("x", ("x",), "AxisRig.Drives.ServoAxis", (port("speed", "output", "Float64", "m/s"),))
+
+
+def settings(**plants: Any) -> Any:
+    rig = SimpleNamespace(title="two <axes>", plant=plants)
+    return SimpleNamespace(files=[Path("rigs/my-rig.toml")], rig=rig, start={})
+
+
+VALUES = {
+    "z": {"kv": ("Float64", 40.0), "count": ("Int32", 3.0), "on": ("Boolean", 1.0)},
+    "probe": {"surface": ("Real", 0.1), "off": ("Boolean", 0.0)},
+    "x": {"kv": ("Float64", 1e-12)},
+}
+
+
+@pytest.fixture
+def made(tmp_path: Path) -> Path:
+    target = tmp_path / "made.ssp"
+    files = {"SystemStructure.ssd": _structure(settings(), [JOINED, ALONE])}
+    for part in (JOINED, ALONE):
+        files[f"resources/{part.name}.ssv"] = _parameters(settings(), part, VALUES)
+    _write(target, files)
+    return target
+
+
+def test_components_have_their_connectors_with_type_and_unit(made: Path) -> None:
+    """fmpy holds the file against the schema."""
+    found = read_ssd(str(made))
+    assert (found.name, found.system.name) == ("my-rig", "my-rig")
+    joined, alone = found.system.elements
+    assert [(one.name, one.source) for one in (joined, alone)] == [
+        ("z", "resources/z.fmu"), ("x", "resources/x.fmu"),
+    ]  # fmt: skip
+    assert [(c.name, c.kind) for c in joined.connectors] == [
+        ("p_demand", "input"), ("p_angle", "output"), ("p_count", "output"), ("p_on", "input"),
+        ("p_plain", "output"),
+    ]  # fmt: skip
+    kinds = re.findall(r"<ssc:(Real|Integer|Boolean)\b", texts(made))
+    assert kinds == ["Real", "Real", "Integer", "Boolean", "Real", "Real"]
+    assert [c.name for c in alone.connectors] == ["p_speed"]
+    assert not found.system.connectors
+
+
+def texts(made: Path) -> str:
+    with zipfile.ZipFile(made) as archive:
+        return archive.read("SystemStructure.ssd").decode()
+
+
+def test_a_unit_is_its_factor_and_exponents_of_si(made: Path) -> None:
+    """SI: a degree is pi/180 rad, a speed m and 1/s; each unit is there once."""
+    text = texts(made)
+    assert [text.count(f'<ssc:Unit name="{name}">') for name in ("deg", "m", "m/s")] == [1, 1, 1]
+    assert '<ssc:BaseUnit rad="1" factor="0.017453292519943295" />' in text
+    assert '<ssc:BaseUnit m="1" />' in text
+    assert '<ssc:BaseUnit m="1" s="-1" />' in text
+    assert '<ssc:Real unit="deg" />' in text
+    assert "<ssc:Integer />" in text  # a whole number has none
+    assert "<ssc:Boolean />" in text
+    assert 'description="two &lt;axes&gt;"' in text
+    assert 'source="resources/x.ssv"' in text
+
+
+def test_values_have_the_names_of_their_fmu_and_their_types(made: Path) -> None:
+    """In one that joins several by plant and variable; all sets have the name of the rig."""
+    for name, expected in (
+        ("z", {"z.kv": "40.0", "z.count": "3", "z.on": "true", "probe.surface": "0.1",
+               "probe.off": "false"}),
+        ("x", {"kv": "1e-12"}),
+    ):  # fmt: skip
+        found = read_ssv(str(made), f"resources/{name}.ssv")
+        assert found.name == "my-rig"
+        assert {each.name: each.value for each in found.parameters} == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "expected"),
+    [
+        ("Boolean", 1.0, ("Boolean", "true")),
+        ("Boolean", 0.0, ("Boolean", "false")),
+        ("Int32", 3.0, ("Integer", "3")),
+        ("Integer", -2.0, ("Integer", "-2")),
+        ("Float64", 0.1, ("Real", "0.1")),
+        ("Real", 3.0, ("Real", "3.0")),
+    ],
+)
+def test_the_word_of_a_type(kind: str, value: float, expected: tuple[str, str]) -> None:
+    assert _as_text(kind, value) == expected
+
+
+class Slave:
+    """Has the variables it is given."""
+
+    def __init__(self, *names: str) -> None:
+        self._names = names
+
+    def has(self, name: str) -> bool:
+        return name in self._names
+
+
+def test_keys_of_rig_and_row_are_variables_each_once() -> None:
+    """The unit ends the key of the rig; a variable whose name ends like a unit keeps its name."""
+    item = SimpleNamespace(column="plant:z.kv", name="kv")
+    whole = settings()
+    whole.start = {"z": [(item, None)], "x": [(SimpleNamespace(column="p:x.a", name="a"), None)]}
+    table: Any = SimpleNamespace(start={"position_start_mm": 1, "kv": 40, "way_mm": 3})
+    slave: Any = Slave("position_start", "kv", "way_mm")
+    assert _set_keys(whole, "z", table, slave) == ["position_start", "kv", "way_mm"]
+
+
+def test_the_bytes_depend_on_the_content_alone(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        _write(tmp_path / name, {"x": b"1", "y": b"2"})
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    with zipfile.ZipFile(tmp_path / "a") as archive:
+        assert archive.namelist() == ["x", "y"]
+        assert archive.read("y") == b"2"
+    with pytest.raises(UserError, match="the package cannot be written"):
+        _write(tmp_path / "no" / "a", {"x": b"1"})
+
+
+def test_the_command_says_what_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    tables = {
+        "z": SimpleNamespace(map={}, stroke_mm=None, breaks=[]),
+        "gap": SimpleNamespace(map={"a": "b"}, stroke_mm=None, breaks=[]),
+        "x": SimpleNamespace(map={}, stroke_mm=0.0, breaks=[]),
+        "y": SimpleNamespace(map={}, stroke_mm=None, breaks=[1.0]),
+    }
+    monkeypatch.setattr(package, "simulated_plants", lambda _: tables)
+    head, *lines, last = _in_words(settings(), [JOINED, ALONE], Path("a.ssp"))
+    assert head == "a.ssp: 2 FMUs"
+    assert lines == [
+        "z: joined from z, probe",
+        "x: AxisRig.Drives.ServoAxis",
+        "plant gap: its map is not in the package; its variables keep their names",
+        "plant x: stroke_mm and breaks are checked by axisrig only",
+        "plant y: stroke_mm and breaks are checked by axisrig only",
+    ]
+    assert last.startswith("not in it: buses")
