@@ -1,0 +1,119 @@
+"""The drives of a rig on a bus of python-can in this process: what a master outside finds."""
+
+import csv
+import time
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+
+import can
+import pyarrow.parquet as pq
+import pytest
+
+from axisrig.bench.bus.paced import RealTime
+from axisrig.bench.campaign.hardware_runs import Outside
+from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.tools.virtual_drive.serve import (
+    DriveServer,
+    drive_settings,
+    only_axes,
+    whose_eds,
+    write_eds,
+)
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+REAL = Hardware(RealTime(time.monotonic_ns, time.sleep))
+
+
+def outside(**words: Any) -> Outside:
+    return Outside(lambda: nullcontext(REAL), True, lambda _: None, **words)
+
+
+def test_a_master_starts_the_drive_and_every_sync_is_in_the_trace(tmp_path: Path) -> None:
+    """NMT and three SYNCs that were sent before the drives begin to run; node 3 answers."""
+    on_bus = outside(interface="virtual", channel="drive-server")
+    settings = drive_settings(RIGS / "probe-z.toml", on_bus, [], [])
+    lines: list[str] = []
+    with (
+        can.Bus("drive-server", interface="virtual") as master,
+        DriveServer(settings, REAL, lines.append, folder=tmp_path) as server,
+    ):
+        for can_id, data in ((0x000, [1, 3]), (0x080, []), (0x080, []), (0x080, [])):
+            master.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
+        server.run(60 * MS)
+        heard = {message.arbitration_id for message in iter(lambda: master.recv(0.0), None)}
+        assert not any(segment.keeps_load for segment in server.segments.values())
+    assert 0x703 in heard  # its boot-up
+    words = [" ".join(line.split()) for line in lines]
+    assert words[0].startswith("segment can1: ")
+    assert words[1] == "axis Z: drive with node 3"
+    assert any(line.endswith("Z NMT start, node 3") for line in words)
+    assert sum("SYNC begins on can1" in line for line in words) == 1
+    trace = pq.read_table(tmp_path / "trace.parquet")
+    assert trace.num_rows == 3
+    assert {"time_ns", "Z.truth_mm", "Z.demand_mm"} <= set(trace.column_names)
+    assert (tmp_path / "bus.blf").stat().st_size > 0
+    with (tmp_path / "events.csv").open(encoding="utf-8") as file:
+        assert "NMT" in {row["kind"] for row in csv.DictReader(file)}
+
+
+def test_without_a_folder_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    on_bus = outside(interface="virtual", channel="drive-server-2")
+    settings = drive_settings(RIGS / "probe-z.toml", on_bus, [], [])
+    with DriveServer(settings, REAL, lambda _: None) as server:
+        server.run(MS)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_the_named_axes_are_there_with_their_segments() -> None:
+    """Plants stay: a probe may read those of other axes."""
+    whole = drive_settings(RIGS / "probe-xyz.toml", outside(), [], [])
+    assert not whole.has_kernel
+    assert only_axes(whole, []) is whole
+    one = only_axes(whole, ["Z"])
+    assert list(one.rig.axis) == ["Z"]
+    assert list(one.segment) == [whole.rig.axis["Z"].segment]
+    assert one.rig.plant == whole.rig.plant
+    assert list(only_axes(whole, ["Z", "X"]).rig.axis) == [
+        name for name in whole.rig.axis if name in ("X", "Z")
+    ]
+    assert whose_eds(one).startswith("axis Z (")
+    with pytest.raises(UserError, match="no such axis") as refused:
+        only_axes(whole, ["X", "Q"])
+    assert refused.value.value == "Q"
+
+
+def test_assignments_and_the_interface_of_the_command_line_are_in_the_settings() -> None:
+    found = drive_settings(
+        RIGS / "probe-z.toml", outside(interface="virtual", channel="x", bitrate=500_000), [],
+        ["drive:servo.input_delay_us=7"],
+    )  # fmt: skip
+    (segment,) = found.segment.values()
+    made: Any = segment
+    assert (made.interface, made.channel, made.bitrate) == ("virtual", "x", 500_000)
+    drive: Any = found.rig.drive["servo"]
+    assert drive.input_delay_us == 7
+
+
+def test_an_eds_is_of_one_kind_of_drive(tmp_path: Path) -> None:
+    same = drive_settings(RIGS / "probe-xyz.toml", outside(), [], [])
+    path = write_eds(same, tmp_path / "z.eds")
+    content = path.read_bytes()
+    assert content.count(b"\r\n") == content.count(b"\n") > 100
+    assert b"FileName=z.eds" in content
+
+
+def test_a_simulated_segment_has_no_master_outside() -> None:
+    for rig, hint in (
+        ("probe-z", "name a CAN interface"),
+        ("probe-z-ethercat", "--interface ecat"),
+    ):
+        settings = drive_settings(RIGS / f"{rig}.toml", outside(), [], [])
+        with pytest.raises(UserError, match="is simulated") as refused:
+            DriveServer(settings, REAL, lambda _: None)
+        assert hint in str(refused.value.hint)
