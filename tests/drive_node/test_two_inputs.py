@@ -1,0 +1,92 @@
+"""Both inputs of a drive beside each other: each has its own circuit, probe, latch and bits."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.drive.axis.latch_position import LatchPosition
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.drive.cia402.functions.touch_probe import Encoders, TouchProbe
+
+BOTH_POSITIVE, BOTH_CONTINUOUS = 0x1111, 0x3333
+
+
+def _unit(edges: tuple[Any, Any], seed: int = 4, **habits: Any) -> tuple[TouchProbe, ProcessImage]:
+    profile, image = DriveProfile(**{"input_delay_ns": 0, **habits}), ProcessImage()
+    encoders = Encoders(LatchPosition(profile, lambda time_ns: time_ns))
+    signals: Any = [
+        None if given is None else SimpleNamespace(
+            edges=[(t, n % 2 == 0) for n, t in enumerate(given)], level=len(given) % 2 == 1
+        )
+        for given in edges
+    ]  # fmt: skip
+    unit = TouchProbe((signals[0], signals[1]), profile, encoders, image, {}, seed)
+    return unit, image
+
+
+def test_the_same_edges_have_another_jitter_at_the_other_input() -> None:
+    edges = [1000 * number for number in range(1, 60)]
+    unit, _ = _unit((edges, edges), input_jitter_ns=400)
+    unit.set_function(BOTH_CONTINUOUS, 0)
+    unit.take_edges(10**6)
+    first, second = (probe.latch_instants_ns for probe in unit.probes)
+    assert len(first) == len(second) == 59
+    late = [[t - edge for t, edge in zip(of, edges, strict=True)] for of in (first, second)]
+    assert max(map(max, late)) <= 400
+    assert sum(a == b for a, b in zip(*late, strict=True)) < 6
+    again, _ = _unit((edges, edges), input_jitter_ns=400)
+    again.set_function(BOTH_CONTINUOUS, 0)
+    again.take_edges(10**6)
+    assert [probe.latch_instants_ns for probe in again.probes] == [first, second]
+
+
+@pytest.mark.parametrize("wired", [(True, False), (False, True), (True, True)])
+def test_an_edge_is_of_its_own_input_and_the_open_one_stays(wired: tuple[bool, bool]) -> None:
+    edges = ([1000], [2000])
+    there = [edges[n] if wired[n] else None for n in (0, 1)]
+    unit, image = _unit((there[0], there[1]))
+    unit.set_function(BOTH_POSITIVE, 0)
+    assert unit.take_edges(5000)
+    assert unit.status == 0x0101 | (0x0002 if wired[0] else 0) | (0x0200 if wired[1] else 0)
+    assert unit.inputs == wired[0] | wired[1] << 1
+    assert image.latch_1_positive == (1000 if wired[0] else 0)
+    assert image.latch_2_positive == (2000 if wired[1] else 0)
+    assert (image.count_1_positive, image.count_2_positive) == wired
+    assert (image.latch_1_negative, image.latch_2_negative) == (0, 0)
+    assert not unit.take_edges(6000)
+
+
+@pytest.mark.parametrize("source", [1, 2])
+def test_both_probes_may_have_one_input_as_their_source(source: int) -> None:
+    """60D0 = 1 or 2 for both: one edge is stored by each, with its own edge bits."""
+    unit, image = _unit(([1000, 3000], [1500, 3500]))
+    image.source_1 = image.source_2 = source
+    unit.set_function(0x2919, 0)  # object as source; probe 1 rising, probe 2 falling
+    unit.take_edges(9000)
+    place = 500 * (source - 1)
+    assert (image.latch_1_positive, image.latch_2_negative) == (1000 + place, 3000 + place)
+    assert (image.latch_2_positive, image.latch_1_negative) == (0, 0)
+    assert unit.status == 0x0503
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_one_probe_switched_off_and_on_leaves_the_other_as_it_is(number: int) -> None:
+    edges = [1000, 2000, 5000, 6000]
+    unit, image = _unit((edges, edges), counters_cleared_on_disarm=True, toggle_bits=True)
+    unit.set_function(0x3333, 0)
+    unit.take_edges(3000)
+    other = 0x3333 & ~(0xFF << 8 * number)
+    unit.set_function(other, 3000)
+    counts = [image.count_1_positive, image.count_2_positive]
+    assert counts == [int(number != 0), int(number != 1)]
+    assert unit.status >> 8 * number & 0xFF == 0
+    assert unit.status >> 8 * (1 - number) & 0xFF == 0x07 | 0xC0  # both stored, toggled once
+    unit.set_function(0x3333, 4000)
+    unit.take_edges(9000)
+    own, kept = unit.probes[number], unit.probes[1 - number]
+    assert [latch.count for latch in own.latches.values()] == [1, 1]
+    assert [latch.count for latch in kept.latches.values()] == [2, 2]
+    assert kept.status == 0x07
+    assert own.status == 0x07 | 0xC0

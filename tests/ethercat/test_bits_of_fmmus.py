@@ -1,0 +1,119 @@
+"""FMMUs against a picture of them bit by bit: what a datagram of logical addresses reads and writes.
+
+Bit k of an FMMU is its k-th bit from the first one on, at both ends. A write that fills a byte of
+the slave in part sets its other bits to 0 (docs/ethercat.md).
+"""
+
+import struct
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from axisrig.bench.drive.ethercat.fmmu import Fmmu, Mapping, Physical, read_fmmus
+
+LOGICAL, MEMORY = 0x1000, 24
+
+
+class Memory(Physical):
+    """So many bytes; what lies outside is refused."""
+
+    def __init__(self) -> None:
+        self.held = bytearray(range(0x35, 0x35 + MEMORY))
+
+    def read(self, address: int, length: int) -> bytes | None:
+        end = address + length
+        return bytes(self.held[address:end]) if end <= MEMORY else None
+
+    def write(self, address: int, data: bytes) -> bool:
+        if address + len(data) > MEMORY:
+            return False
+        self.held[address : address + len(data)] = data
+        return True
+
+
+@st.composite
+def fmmus(draw: st.DrawFn) -> Fmmu:
+    length, first = draw(st.integers(1, 4)), draw(st.integers(0, 7))
+    last = draw(st.integers(first if length == 1 else 0, 7))
+    return Fmmu(
+        LOGICAL + draw(st.integers(0, 6)),
+        length,
+        first,
+        last,
+        draw(st.integers(0, MEMORY - 6)),
+        draw(st.sampled_from([0, 0, 3, 7])),
+        draw(st.integers(1, 3)),
+    )
+
+
+def _bit(data: bytes | bytearray, place: int) -> int:
+    return data[place // 8] >> place % 8 & 1
+
+
+def _set(data: bytearray, place: int, bit: int) -> None:
+    data[place // 8] = data[place // 8] & ~(1 << place % 8) | bit << place % 8
+
+
+def _pairs(fmmu: Fmmu, begin: int, size: int) -> list[tuple[int, int]]:
+    """Bits in the datagram and in the slave that belong together."""
+    count = 8 * (fmmu.length - 1) + fmmu.last_bit - fmmu.first_bit + 1
+    first = 8 * (fmmu.logical - begin) + fmmu.first_bit
+    there = 8 * fmmu.physical + fmmu.physical_bit
+    return [(first + k, there + k) for k in range(count) if 0 <= first + k < 8 * size]
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(fmmus(), max_size=3),
+    st.integers(-2, 6),
+    st.binary(min_size=1, max_size=8),
+    st.booleans(),
+    st.booleans(),
+)
+def test_each_bit_is_where_its_fmmu_puts_it(
+    active: list[Fmmu], place: int, data: bytes, reads: bool, writes: bool
+) -> None:
+    begin, size = LOGICAL + place, len(data)
+    memory, picture, frame = Memory(), Memory().held, bytearray(b"\xee" * 5 + data + b"\xee")
+    expected, was_read, was_written = bytearray(data), False, False
+    for fmmu in active:
+        pairs = _pairs(fmmu, begin, size)
+        if pairs and reads and fmmu.kind & 1:
+            was_read = True
+            for here, there in pairs:
+                _set(expected, here, _bit(picture, there))
+        if pairs and writes and fmmu.kind & 2:
+            was_written = True
+            for byte in range(pairs[0][1] // 8, pairs[-1][1] // 8 + 1):
+                picture[byte] = 0
+            for here, there in pairs:
+                _set(picture, there, _bit(data, here))
+    mapping = Mapping(memory)
+    mapping.fmmus = active
+    found = mapping.exchange(frame, 5, begin, size, reads, writes)
+    assert found == (was_read, was_written)
+    assert bytes(frame) == b"\xee" * 5 + bytes(expected) + b"\xee"
+    assert memory.held == picture
+
+
+def test_what_memory_refuses_is_neither_read_nor_written() -> None:
+    memory = Memory()
+    mapping = Mapping(memory)
+    for bits in ((0, 7, 0), (2, 5, 1)):
+        first, last, there = bits
+        mapping.fmmus = [Fmmu(LOGICAL, 2, first, last, MEMORY - 1, there, 3)]
+        frame, before = bytearray(b"\x12\x34"), bytes(memory.held)
+        assert mapping.exchange(frame, 0, LOGICAL, 2, True, True) == (False, False)
+        assert (bytes(frame), bytes(memory.held)) == (b"\x12\x34", before)
+
+
+def test_active_ones_are_read_from_their_registers() -> None:
+    """16 bytes each: start, length, bits, place, kind, activation; bits above the third are none."""
+    rows = bytearray(16 * 8)
+    struct.pack_into("<IHBBHBBB", rows, 0, 0x10, 4, 1, 6, 0x1F00, 3, 2, 1)
+    struct.pack_into("<IHBBHBBB", rows, 16, 0x20, 4, 0, 7, 0x1F10, 0, 1, 0)  # not active
+    struct.pack_into("<IHBBHBBB", rows, 32, 0x30, 0, 0, 7, 0x1F20, 0, 1, 1)  # of no length
+    struct.pack_into("<IHBBHBBB", rows, 112, 0x40, 1, 8 | 2, 8 | 5, 0x1F30, 8 | 4, 3, 1)
+    assert read_fmmus(bytes(rows)) == [
+        Fmmu(0x10, 4, 1, 6, 0x1F00, 3, 2), Fmmu(0x40, 1, 2, 5, 0x1F30, 4, 3)
+    ]  # fmt: skip
