@@ -1,4 +1,4 @@
-"""FMMUs against a picture of them bit by bit: what a datagram of logical addresses reads and writes.
+"""FMMUs against a picture of them bit by bit: what logical datagrams read and write.
 
 Bit k of an FMMU is its k-th bit from the first one on, at both ends. A write that fills a byte of
 the slave in part sets its other bits to 0 (docs/ethercat.md).
@@ -108,7 +108,7 @@ def test_what_memory_refuses_is_neither_read_nor_written() -> None:
 
 
 def test_active_ones_are_read_from_their_registers() -> None:
-    """16 bytes each: start, length, bits, place, kind, activation; bits above the third are none."""
+    """16 bytes each; bit numbers are the lowest three bits of their register."""
     rows = bytearray(16 * 8)
     struct.pack_into("<IHBBHBBB", rows, 0, 0x10, 4, 1, 6, 0x1F00, 3, 2, 1)
     struct.pack_into("<IHBBHBBB", rows, 16, 0x20, 4, 0, 7, 0x1F10, 0, 1, 0)  # not active
