@@ -4,6 +4,7 @@ Drive off stops the axis before the torque goes, enable off takes it at once, ha
 (docs/sercos.md).
 """
 
+from functools import partial
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
@@ -106,9 +107,8 @@ def test_commands_change_when_they_have_ended_either_way_until_they_are_cancelle
     numbers, cancelled = {1: 3, 2: 3}, list[int]()
     idents: Any = SimpleNamespace(number=numbers.__getitem__, table=table)
     ends = {1: states["RUNNING"], 2: states["FAILED"]}
-    commands = Commands(
-        idents, {ident: lambda ident=ident: ends[ident] for ident in ends}, cancelled.append
-    )
+    runs = {ident: partial(ends.__getitem__, ident) for ident in ends}
+    commands = Commands(idents, runs, cancelled.append)
     assert not commands.has_changed
     commands.end(1, states["DONE"])
     assert (table[1].state, commands.has_changed) == (states["IDLE"], False)

@@ -154,3 +154,31 @@ def test_a_communication_error_leads_where_1029_says(state: NmtState) -> None:
     assert [after_communication_error(state, value) for value in (0, 1, 2)] == [
         left, state, NmtState.STOPPED
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("is_enabled", [True, False])
+def test_bus_off_is_reported_once_when_it_is_over(stranger: Make, is_enabled: bool) -> None:
+    """8140 comes from the fault that it made of a drive with torque, or by itself, never twice."""
+    drive = stranger()
+    if is_enabled:
+        drive.enable()
+    for times in (1, 2):
+        drive.node._network.bus.force_bus_off()
+        drive.run_ms(1)
+        assert [data[:4] for data in _emergencies(drive)].count("4081") == times - 1
+        drive.run_ms(20)
+        assert [data[:4] for data in _emergencies(drive)].count("4081") == times
+        assert drive.node.state.name == ("FAULT" if is_enabled else "SWITCH_ON_DISABLED")
+        if is_enabled:
+            return  # the fault stands
+
+
+def test_a_transfer_does_not_outlive_the_state_stopped(stranger: Make) -> None:
+    """No abort of a client that waits while the node is stopped, and no further segment after."""
+    drive = stranger()
+    assert drive.sdo("4008100000000000").startswith("41081000")
+    drive.nmt(2)
+    drive.run_ms(1200)
+    assert len(drive.frames(0x583)) == 1
+    drive.nmt(128)
+    assert drive.sdo("6000000000000000") == "8008100001000405"
