@@ -5,6 +5,7 @@ cyclic segment. The program does nothing: drives start, and leave what they leav
 """
 
 import hashlib
+import random
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,12 +15,18 @@ import pytest
 from axisrig.bench.bus.can.frame import Frame, frame_bits
 from axisrig.bench.drive.axis.input_circuit import InputCircuit
 from axisrig.bench.drive.cia402.functions import touch_probe
+from axisrig.bench.machine.ethercat.family import _files
 from axisrig.bench.machine.facts import facts_of
+from axisrig.bench.machine.faults.acts import Injected
 from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.recording.received import Received
 from axisrig.bench.record.facts import Facts
+from axisrig.bench.rig.reading.faults import read_faults
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
+from axisrig.kernel.drives.power import Power
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.time.clock import MS, S
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -230,3 +237,104 @@ def test_each_input_of_each_drive_draws_its_own_numbers(
         assert len({*seeds}) == len(seeds) >= 2 * len(AXES)
         seeds.clear()
     assert not any(one == other for one, other in zip(*of_run, strict=True))
+
+
+# --- what each kind of segment gives
+
+
+def part(left: Left, axis: str) -> Any:
+    return left.machine.part_of[axis]
+
+
+def test_each_drive_is_reached_by_the_words_of_its_own_family(left: Left) -> None:
+    """Objects of CiA 402, idents of SERCOS, parameters of PROFIdrive; each axis has its own."""
+    ways = {axis: part(left, axis).functions() for axis in AXES}
+    assert ways["X"] is not None
+    assert {*part(left, "X").accesses} == {"X", "Y"}
+    assert {*part(left, "Z").accesses} == {"Z"}  # V has idents
+    on_line = ways["Z"]._by_axis
+    assert {*on_line} == {"Z", "V"}
+    assert [type(on_line[axis]).__name__ for axis in "ZV"] == ["DriveFunctions", "SercosAccesses"]
+    assert {*ways["W"]._by_axis} == {"W"}
+    whole = left.machine._build_functions()
+    assert {*whole._by_axis} == {*AXES}  # type: ignore[attr-defined]
+    for axis in AXES:
+        assert left.machine.links[axis].name == axis
+    assert [part(left, axis).warnings for axis in "XZW"] == [[], [], []]
+
+
+def test_a_drive_is_off_without_torque_or_in_a_fault(
+    left: Left, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of CiA 402 also where it is ready to switch on; the others say their power."""
+    assert [part(left, axis).is_off(axis) for axis in AXES] == [False] * 5
+    for axis in "VW":
+        for power in Power:
+            monkeypatch.setattr(left.machine.links[axis], "power", power)
+            is_off = power in (Power.OFF, Power.FAULT)
+            assert part(left, axis).is_off(axis) is is_off, (axis, power)
+    for axis in "XZ":
+        for state in State:
+            off = state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
+            monkeypatch.setattr(left.machine.links[axis], "state", state)
+            assert part(left, axis).is_off(axis) is off, (axis, state)
+
+
+def test_what_is_shown_of_each_segment_is_its_own(left: Left) -> None:
+    buses = {one["segment"]: one for axis in "XZW" for one in part(left, axis).shown()}
+    assert [*buses] == ["can1", "can2", "ec1"]
+    assert [buses[name]["bitrate"] for name in buses] == [1_000_000, 800_000, 100_000_000]
+    for name in ("can1", "can2"):
+        assert buses[name]["frames"] == len(left.frames[name])
+        assert 20.0 < buses[name]["load_pct"] <= 100.0
+    assert buses["ec1"]["line"]["slaves"] == (("Z", "OP"), ("V", "OP"))
+    assert [(one["is_outside"], one["lost"]) for one in buses.values()] == [(False, None)] * 3
+
+
+def test_a_fault_is_built_in_where_its_segment_is_and_nowhere_else(left: Left) -> None:
+    rig = left.machine.settings.rig
+    for kind, text, axis in (
+        ("drop", "Y.TPDO1", "Y"), ("line_lost", "ec1", "Z"), ("image_lost", "W", "W"),
+        ("power_loss", "V", "V"), ("babble", "can2 id=5", "X"),
+    ):  # fmt: skip
+        (fault,) = read_faults(kind, text, rig)
+        record = Injected(kind, fault.axis)
+        built = [
+            part(left, name).build_fault(fault, random.Random(1), record) is not None
+            for name in "XZW"
+        ]
+        of = [part(left, name) is part(left, axis) for name in "XZW"]
+        assert built == of, kind
+
+
+def test_logs_of_lines_lie_beside_those_of_buses(tmp_path: Path) -> None:
+    assert _files([], ["ec1"]) == []
+    logs = [tmp_path / "p-run.blf", tmp_path / "other.log"]
+    assert _files(logs, ["ec1", "ec2"]) == [
+        ("ec1", tmp_path / "p-run@ec1.pcapng"), ("ec2", tmp_path / "p-run@ec2.pcapng"),
+    ]  # fmt: skip
+
+
+def test_telegrams_with_positions_come_as_the_controllers_took_them(tmp_path: Path) -> None:
+    """6064 of X and Y, each by its own telegram; a position of 0 mm, and the earliest instant."""
+    machine = machine_of(tmp_path)
+    try:
+        heard = Received()
+        for installed in machine.installed:
+            installed.listen(heard)
+        machine.run()
+        facts = facts_of(machine)
+    finally:
+        machine.close()
+    assert {*heard.positions} == {"X", "Y"} == {*heard.increments} == {*heard.first_ns}
+    for axis, bitrate in (("X", 1_000_000), ("Y", 800_000)):
+        found = heard.positions[axis]
+        assert 5 < len(found) <= facts.end_ns / MS
+        times_ns = [at for at, _ in found]
+        assert times_ns == sorted(times_ns)
+        values = {heard.increments[axis](data) for _, data in found}
+        per_mm = facts.axes[axis].increments_per_mm
+        assert all(abs(value / per_mm) < 0.001 for value in values)
+        size = len(found[0][1])  # SYNC, intermission and telegram without a stuff bit
+        assert heard.first_ns[axis] == (44 + 3 + 44 + 8 * size) * S // bitrate
+    assert heard.inputs == []
