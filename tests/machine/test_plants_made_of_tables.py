@@ -1,0 +1,275 @@
+"""Plants as the tables of a rig make them: steps, sources of roles, start values, shared FMUs."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.machine import facts, kept_fmus, plants
+from axisrig.bench.machine.fmu_files import plant_path
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.start_values import set_start_values
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.reading.file import MapTable, PlantTable, read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.cosim.fmi.fmu import load_fmu
+from axisrig.kernel.cosim.fmi.roles import FLAG_THRESHOLD, Source, map_roles
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.canon import DistanceCommand, Dwell, MeasuringRun
+from axisrig.kernel.nc.text.parser import read_program
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+
+def settings_of(rig: Path | str, *changes: str) -> Settings:
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    return read_settings(*read_rig(RIGS / rig), assigned)
+
+
+def above(folder: Path, base: str, text: str) -> Path:
+    rig = folder / "rig.toml"
+    rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
+    return rig
+
+
+# --- steps
+
+
+def test_steps_serve_the_drive_that_looks_farthest_on_either_side(tmp_path: Path) -> None:
+    """One drive looks 40 us back and 4 us ahead, the other one 7 us ahead and not back."""
+    text = (
+        "[cycle]\nexchange_us = 5000\nfine_us = 25\n"
+        "[drive.servo]\ninput_delay_us = 4.0\ndelay_compensation_us = 44.0\n"
+        '[drive.other]\ninput_delay_us = 7.0\n[axis.Y]\ndrive = "other"'
+    )
+    plant = plants._empty_plant(settings_of(above(tmp_path, "probe-xyz.toml", text)))
+    assert (plant.exchange_ns, plant.fine_ns) == (5_000_000, 25_000)
+    assert (plant._hold_ns, plant._look_back_ns) == (7000, 40_000)
+
+
+# --- where a role comes from
+
+
+@pytest.mark.parametrize(
+    ("entry", "source"),
+    [
+        (False, None),
+        ("out", Source("out", None, 1, FLAG_THRESHOLD, None)),
+        (MapTable(variable="v"), Source("v", None, 1, FLAG_THRESHOLD, None)),
+        (MapTable(variable="v", unit="deg", sign=-1, threshold=0.0, lead_mm=360.0),
+         Source("v", "deg", -1, 0.0, 0.36)),
+        (MapTable(variable="v", threshold=24.0), Source("v", None, 1, 24.0, None)),
+    ],
+)  # fmt: skip
+def test_an_entry_of_a_map_says_where_a_role_comes_from(entry: Any, source: Any) -> None:
+    assert plants._source(entry) == source
+
+
+@pytest.mark.parametrize(
+    ("known", "found"),
+    [
+        ("position_2 velocity_2 kv", {"position": "position_2", "velocity": "velocity_2"}),
+        ("position velocity", {}),
+        # Limits on either side take the place of one for both
+        ("position_2 force_limit_negative_2 force_limit_positive_2",
+         {"position": "position_2", "force_limit_negative": "force_limit_negative_2",
+          "force_limit_positive": "force_limit_positive_2", "force_limit": None}),
+        ("position_2 force_limit_negative_2", {"position": "position_2",
+                                               "force_limit_negative": "force_limit_negative_2"}),
+    ],
+)  # fmt: skip
+@pytest.mark.interpreted
+def test_a_suffix_is_behind_the_names_of_the_roles(known: str, found: dict[str, Any]) -> None:
+    slave: Any = SimpleNamespace(has=known.split().__contains__)
+    sources = plants._suffixed(slave, "_2")
+    assert {r: None if s is None else s.variable for r, s in sources.items()} == found
+
+
+# --- start values
+
+
+class Fmu:
+    """A model of the library, as an axis."""
+
+    def __init__(self) -> None:
+        path = plant_path(
+            settings_of("probe-z.toml"), "z", PlantTable(fmu="AxisRig.Drives.ServoAxis")
+        )
+        self.slave = load_fmu(path, "z")
+        self.roles = map_roles(self.slave, "axis", {}, [], lambda error, _role: error)
+        self.given: list[tuple[str, Any]] = []
+
+    def take(self, settings: Settings, table: PlantTable) -> list[tuple[str, Any]]:
+        self.given = []
+        stand: Any = SimpleNamespace(
+            **{name: getattr(self.slave, name) for name in ("has", "names", "variable", "name")},
+            description=self.slave.description,
+            set_start=lambda *words: self.given.append(words),
+        )
+        roles: Any = SimpleNamespace(slave=stand, spare_inputs=self.roles.spare_inputs)
+        set_start_values(settings, "z", table, roles)
+        return self.given
+
+
+@pytest.fixture(scope="module")
+def fmu() -> Any:
+    made = Fmu()
+    yield made
+    made.slave.close()
+
+
+@pytest.mark.interpreted
+def test_values_of_the_run_come_after_those_of_the_rig_in_the_unit_of_the_fmu(fmu: Fmu) -> None:
+    """Lengths in m; a run may give what the rig gives too, and the last one counts."""
+    settings = settings_of("probe-z.toml", "plant:z.position_start_um=250", "plant:z.kv=30")
+    table = PlantTable(fmu="AxisRig.Drives.ServoAxis", start={"position_start_mm": 5, "kv": 40})
+    assert fmu.take(settings, table) == [
+        ("position_start", pytest.approx(5e-3)), ("kv", 40.0),
+        ("position_start", pytest.approx(250e-6)), ("kv", 30.0),
+    ]  # fmt: skip
+
+
+@pytest.mark.interpreted
+def test_settled_settings_know_the_values_of_each_plant(fmu: Fmu) -> None:
+    settings = settings_of("probe-z.toml", "plant:z.kv=30")
+    table = PlantTable(fmu="AxisRig.Drives.ServoAxis", start={"kv": 40})
+    first = [*fmu.take(settings, table)]
+    assert not settings.known
+    settings.is_settled = True
+    assert fmu.take(settings, table) == first
+    assert settings.known[("start values", "z")] == first
+    settings.start["z"].clear()  # nothing is read again
+    assert fmu.take(settings, table) == first
+    assert fmu.take(replace(settings), table) == first[:1]  # a copy begins without
+
+
+@pytest.mark.interpreted
+def test_a_length_without_a_unit_is_noted_where_it_could_have_one(fmu: Fmu) -> None:
+    """0 is 0 in every unit; a gain has one size; what names its unit is clear."""
+    changes = ("position_start=0.25", "kv=30", "screw_lead_mm=10")
+    settings = settings_of("probe-z.toml", *(f"plant:z.{one}" for one in changes))
+    table = PlantTable(
+        fmu="AxisRig.Drives.ServoAxis", start={"position_start": 0, "screw_lead": 0.02}
+    )
+    fmu.take(settings, table)
+    assert [*settings.bare] == ["plant:z.position_start"]
+    unit, columns = settings.bare["plant:z.position_start"]
+    assert unit == "m"
+    assert {"plant:z.position_start_mm", "plant:z.position_start_um"} <= {*columns}
+    assert [*settings.bare_in_rig] == ["plant:z.screw_lead"]
+
+
+# --- roles that are known
+
+
+def test_roles_are_found_once_for_each_table_of_an_instance() -> None:
+    path = plant_path(settings_of("probe-z.toml"), "z", PlantTable(fmu="AxisRig.Drives.ServoAxis"))
+    slave, other = kept_fmus.take_fmu(path, "roles_a"), load_fmu(path, "roles_a")
+    found: list[Any] = []
+
+    def find() -> Any:
+        found.append(object())
+        return found[-1]
+
+    first = PlantTable(fmu="AxisRig.Drives.ServoAxis")
+    second = PlantTable(fmu="AxisRig.Drives.ServoAxis", suffix="_2")
+    try:
+        one = kept_fmus.roles_of(slave, first, find)
+        assert kept_fmus.roles_of(slave, first.model_copy(), find) is one
+        two = kept_fmus.roles_of(slave, second, find)
+        assert kept_fmus.roles_of(slave, second, find) is two is not one
+        assert kept_fmus.roles_of(slave, first, find) is one
+        # Another instance of the same name is not the one that is kept
+        assert kept_fmus.roles_of(other, first, find) is not one
+        assert len(found) == 3
+        for number in range(kept_fmus.ROLES_MAX):
+            kept_fmus.roles_of(slave, PlantTable(fmu="A.B", suffix=f"_{number}"), find)
+        assert kept_fmus.roles_of(slave, first, find) is not one  # only the latest are kept
+    finally:
+        other.close()
+        kept_fmus.close_fmus([slave])
+
+
+# --- the program on its machine
+
+
+@pytest.mark.parametrize(
+    ("rig", "changes", "constant"),
+    [
+        ("probe-z.toml", (), True),
+        ("probe-z.toml", ("plc:V.E.A=0",), True),
+        ("probe-z.toml", ("plc:V.E.A=0; 1 at=M50",), False),
+        ("distance-z-variable.toml", (), False),  # the PLC reads a sensor
+        ("plc-signal.toml", (), False),  # its task may write
+    ],
+)
+def test_the_plc_side_is_constant_where_nobody_there_writes(
+    rig: str, changes: tuple[str, ...], constant: bool, tmp_path: Path
+) -> None:
+    """Else a program that asks again and again must let time pass."""
+    program = tmp_path / "p.nc"
+    program.write_text("%p\nN10 M30\n", encoding="utf-8")
+    settings = settings_of(rig, *changes)
+    machine = Machine(settings, read_program(program, tuple(settings.rig.axis)))
+    try:
+        assert machine._interpreter._waiting.is_constant is constant
+    finally:
+        machine.close()
+
+
+@pytest.mark.interpreted
+def test_where_measuring_blocks_lead_and_whose_zero_is_new_is_noted() -> None:
+    """A block that comes again counts with its last target."""
+    machine: Any = SimpleNamespace(measuring_targets={}, referenced=set())
+    blocks = {n: Block(n, 10 * n, f"N{10 * n}") for n in (1, 2, 3)}
+
+    def run(number: int, z_mm: float) -> MeasuringRun:
+        return MeasuringRun(blocks[number], {"Z": z_mm}, ("Z",), ("Z",), 600.0, 1)
+
+    commands: list[Any] = [
+        run(1, 5.0), Dwell(blocks[3], 1), run(2, 6.0), run(1, 7.0),
+        DistanceCommand(blocks[3], "Z", "ref"), DistanceCommand(blocks[3], "Y", "on"),
+        DistanceCommand(blocks[3], None, "ref"),
+    ]  # fmt: skip
+    assert [*Machine._noted(machine, iter(commands))] == commands
+    assert machine.measuring_targets == {
+        str(blocks[1]): {"Z": 7.0}, str(blocks[2]): {"Z": 6.0},
+    }  # fmt: skip
+    assert machine.referenced == {"Z", "channel"}
+
+
+# --- what a run leaves of its probes
+
+
+@pytest.mark.interpreted
+def test_a_probe_leaves_its_edges_contacts_and_what_its_wire_has_passed() -> None:
+    def probe(has_contact: bool, uncertainty_ns: float, *edges: tuple[int, bool]) -> Any:
+        contact = SimpleNamespace(time_ns=4, position_mm={"z": 1.5})
+        return SimpleNamespace(
+            roles=SimpleNamespace(has_group=lambda group: has_contact and group == "contact"),
+            edge_uncertainty_ns=uncertainty_ns, contacts=[contact] * has_contact,
+            signal=SimpleNamespace(edges=edges),
+        )  # fmt: skip
+
+    deflection = SimpleNamespace(mm=0.25, doubt_mm=0.125, beyond_ns=9)
+    machine: Any = SimpleNamespace(
+        plant=SimpleNamespace(
+            probes={"p": probe(True, 1.0, (3, True), (5, False)), "s": probe(False, 250.0)}
+        ),
+        beside=SimpleNamespace(wires={"p": SimpleNamespace(edges=[(7, True)])}),
+        deflections=SimpleNamespace(of=lambda name: [(deflection, f"words of {name}")]),
+    )
+    found: Any = facts._probes(machine)
+    p, s = found["p"], found["s"]
+    assert [(e.time_ns, e.level) for e in p.edges] == [(3, True), (5, False)]
+    assert [(e.time_ns, e.level) for e in p.passed] == [(7, True)]
+    assert [(c.time_ns, c.position_mm) for c in p.contacts] == [(4, {"z": 1.5})]
+    (bent,) = p.deflections
+    assert (bent.mm, bent.doubt_mm, bent.beyond_ns) == (0.25, 0.125, 9)
+    assert bent.words == "words of p"
+    assert (p.has_contacts, p.edge_uncertainty_ns) == (True, 1.0)
+    assert (s.has_contacts, s.edge_uncertainty_ns, s.edges, s.passed, s.deflections) == (
+        False, 250.0, (), None, (),
+    )  # fmt: skip
