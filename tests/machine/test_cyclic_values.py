@@ -8,9 +8,13 @@ import pyarrow as pa
 import pytest
 
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
+from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.recording.cyclic_values import CyclicValues
-from axisrig.bench.record.series import ACTUAL, FRAME_NS, INCREMENTS, TARGET
+from axisrig.bench.record.series import ACTUAL, FRAME_NS, INCREMENTS, SECOND, TARGET
 from axisrig.bench.rig.canopen.io_node import NodeTelegrams
+from axisrig.kernel.drives.canopen.mapping import telegrams
+from axisrig.kernel.drives.ethercat.image import codec_of
+from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.time.clock import MS, US
 
 
@@ -67,3 +71,103 @@ def test_telegrams_of_a_node_are_in_one_row_and_in_no_block_again() -> None:
     assert first == [[], [300 * US], [1300 * US]]
     assert rows([3.3], [3], is_last=False) == [[2300 * US]]
     assert rows([4.3, 5.3], [4, 5], is_last=True) == [[3300 * US], [4300 * US, 5300 * US]]
+
+
+# --- from the frames of a bus and of a line
+
+
+def frame_of(can_id: int, data: bytes) -> Any:
+    return SimpleNamespace(arbitration_id=can_id, data=data)
+
+
+def link_of(name: str, node_id: int) -> Any:
+    """A drive with the telegrams of the kernel's own mapping, second encoder included."""
+    mapped = telegrams(0x60BA, counter=True, inputs=True, second=True)
+    return SimpleNamespace(name=name, node_id=node_id, telegrams=mapped)
+
+
+def sent(link: Any, field: str, value: int) -> tuple[int, bytes]:
+    """The frame of the telegram that has a field, all other values 0."""
+    for telegram in link.telegrams.values():
+        fields = [mapped.field for mapped in telegram.objects]
+        if field in fields:
+            values = [value if name == field else 0 for name in fields]
+            return telegram.cob_id(link.node_id), telegram.codec.pack(*values)
+    raise KeyError(field)
+
+
+@pytest.mark.interpreted
+def test_values_of_a_bus_belong_to_the_axis_of_its_segment_and_identifier() -> None:
+    """Node 3 on both buses, node 4 beside it without distance control; errors do not count."""
+    taken: list[Any] = []
+    journal: Any = SimpleNamespace(add=taken.append, drain=lambda: None)
+    z, x, y = link_of("Z", 3), link_of("X", 3), link_of("Y", 4)
+    log = TelegramLog([("can1", z), ("can2", x)], journal)
+    (take,) = taken
+    (target, data), (actual, other) = sent(z, TARGET, -5), sent(z, ACTUAL, 7)
+    second = sent(x, SECOND, 123_456)
+    take([
+        (1 * MS, "can1", frame_of(target, data), False),
+        (2 * MS, "can1", frame_of(actual, other), False),
+        (3 * MS, "can1", frame_of(actual, other), True),  # destroyed
+        (4 * MS, "can1", frame_of(actual, other[:-1]), False),  # of another length
+        (5 * MS, "can2", frame_of(*second), False),
+        (6 * MS, "can1", frame_of(*sent(y, ACTUAL, 9)), False),
+        (7 * MS, "can3", frame_of(actual, other), False),
+    ])  # fmt: skip
+    columns = log.take_columns(np.array([9 * MS]), is_last=True)
+    assert lists(columns, "Z", TARGET) == [[(1 * MS, -5)]]
+    assert lists(columns, "Z", ACTUAL) == [[(2 * MS, 7)]]
+    assert lists(columns, "X", SECOND) == [[(5 * MS, 123_456)]]
+    assert lists(columns, "X", ACTUAL) == lists(columns, "Z", SECOND) == [[]]
+    assert not any(name.startswith("Y") for name in columns)
+    assert TelegramLog([], journal).take_columns(np.array([1]), is_last=True) == {}
+    assert len(taken) == 1  # who wants nothing reads nothing
+
+
+@pytest.mark.interpreted
+def test_values_of_a_line_are_at_the_places_of_their_axis_in_the_image() -> None:
+    """Two slaves; of the frame that is back only that with the right counter, and a cyclic one."""
+    taken: list[Any] = []
+    journal: Any = SimpleNamespace(add=taken.append, drain=lambda: None)
+    outputs, inputs = (
+        tuple(mapped for t in link_of("", 1).telegrams.values() if t.is_received is is_sent
+              for mapped in t.objects) for is_sent in (True, False)
+    )  # fmt: skip
+    sizes = [codec_of(objects).size for objects in (outputs, inputs)]
+    slaves = [
+        SimpleNamespace(axis=axis, outputs=(Pdo(0x1600, outputs),), inputs=(Pdo(0x1A00, inputs),))
+        for axis in "XZ"
+    ]
+    places = [SimpleNamespace(outputs=at, inputs=at + sizes[0]) for at in (0, sum(sizes))]
+    image_at = 26
+    master = SimpleNamespace(
+        slaves=slaves, image=SimpleNamespace(places=places),
+        image_in=lambda frame: image_at if frame[-1] == 1 else None,
+    )  # fmt: skip
+    line: Any = SimpleNamespace(master=master)
+    log = ValueLog({"ec1": line, "ec2": line}, {"Z"}, journal)
+    (take,) = taken
+
+    def frame(target: int, actual: int, *, index: int = 0x80, is_right: bool = True) -> bytes:
+        def packed(objects: Any, field: str, value: int) -> bytes:
+            values = [value if one.field == field else 0 for one in objects]
+            return bytes(codec_of(objects).pack(*values))
+
+        of_z = packed(outputs, TARGET, target) + packed(inputs, ACTUAL, actual)
+        of_x = packed(outputs, TARGET, 99) + packed(inputs, ACTUAL, 98)
+        data = bytearray(bytes(image_at) + of_x + of_z + bytes([is_right]))
+        data[17] = index
+        return bytes(data)
+
+    take([
+        (1 * MS, "ec1", frame(-5, 7), False),
+        (2 * MS, "ec1", frame(1, 2, is_right=False), False),
+        (3 * MS, "ec1", frame(3, 4, index=0x7F), False),
+        (4 * MS, "can1", frame(5, 6), False),
+        (5 * MS, "ec1", frame(8, -9), False),
+    ])  # fmt: skip
+    columns = log.take_columns(np.array([9 * MS]), is_last=True)
+    assert lists(columns, "Z", TARGET) == [[(1 * MS, -5), (5 * MS, 8)]]
+    assert lists(columns, "Z", ACTUAL) == [[(1 * MS, 7), (5 * MS, -9)]]
+    assert not any(name.startswith("X") for name in columns)
