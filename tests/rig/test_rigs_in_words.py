@@ -1,0 +1,189 @@
+"""What `axisrig check` says of axes, sensors and carriers, and names that axes may have."""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.canopen import family as canopen
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.cyclic.family import FAMILY as CYCLIC
+from axisrig.bench.rig.describe import describe_axes, unproved_place
+from axisrig.bench.rig.families import family_of, family_on, rig_families
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+Make = Callable[..., Settings]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    """Return `make(base, TOML above it, *assignments)`."""
+
+    def settings(base: str, text: str = "", *changes: str) -> Settings:
+        rig = tmp_path / "rig.toml"
+        (tmp_path / "own.lst").write_text("getriebe[0].window 100\n", encoding="utf-8")
+        rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
+        assigned = [(parse_assignment(change), as_written) for change in changes]
+        return read_settings(*read_rig(rig), assigned)
+
+    return settings
+
+
+def test_each_axis_is_told_with_what_belongs_to_it(make: Make) -> None:
+    text = '[axis.Y]\nencoder_2 = "load"'
+    lines = describe_axes(make("probe-xyz-mixed.toml", text))
+    wired = "probe_1 = probe, probe_2 = probe"
+    assert lines[:3] == [
+        f"axis X: node 1 on can1, drive servo (profile generic), plant x, {wired}",
+        f"axis Y: node 2 on can2, drive servo (profile generic), plant y, {wired},"
+        " encoder_2 = load",
+        f"axis Z: on ec1, drive servo (profile generic), plant z, {wired}",
+    ]
+    assert len(lines) == 3
+    assert any(line.endswith("no probe wired") for line in describe_axes(make("gantry-x.toml")))
+
+
+@pytest.mark.parametrize(
+    ("base", "text", "unread"),
+    [
+        ("probe-z.toml", "", []),
+        ("probe-z.toml", '[plant.other]\nfmu = "AxisRig.Sensors.TouchProbe"\nwire = { z = "z" }',
+         ["other"]),
+        ("distance-z-variable.toml", "", []),  # the PLC reads it
+        ("plc-timestamp.toml", "", []),  # its terminal does
+        ("plc-radio.toml", "", []),  # its task switches it
+    ],
+)  # fmt: skip
+def test_a_sensor_that_nobody_reads_is_warned_of(
+    make: Make, base: str, text: str, unread: list[str]
+) -> None:
+    lines = [line for line in describe_axes(make(base, text)) if "nobody reads" in line]
+    assert lines == [
+        f"warning: {name} is wired to no input of a drive: nobody reads it" for name in unread
+    ]
+
+
+@pytest.mark.parametrize(
+    ("base", "words"),
+    [
+        ("plc-timestamp.toml", "terminal: input 1 = probe;"),
+        ("plc-io-node.toml", "terminal: node 20 on can1, input 1 = probe;"),
+        ("plc-timestamp-line.toml", "terminal: last slave on ec1, input 1 = probe;"),
+    ],
+)
+def test_the_task_of_a_plc_is_told_with_its_terminal(make: Make, base: str, words: str) -> None:
+    settings = make(base)
+    (line,) = [line for line in describe_axes(settings) if line.startswith("PLC task: ")]
+    task = settings.rig.plc_task
+    assert task is not None
+    assert f"every {task.period_us} us from {task.offset_us} us on, program " in line
+    assert words in line
+    sync_ns = settings.rig.cycle.period_us * 1000
+    assert line.endswith(f"{task.late_ns(sync_ns) / 1e6:g} ms later at most")
+
+
+def test_an_unproved_place_has_its_reason(make: Make) -> None:
+    settings = make("probe-z.toml")
+    assert unproved_place(settings, "Z").endswith("position_check of drive servo is false")
+    assert unproved_place(settings, "Z", "the bus is full").endswith(": the bus is full")
+
+
+@pytest.mark.parametrize(
+    ("name", "is_good"),
+    [
+        *((name, True) for name in ("A", "X2", "C123", "X2_Table", "Q", "W1", "U_a")),
+        *((name, False) for name in ("D", "F", "G1", "M", "N", "S", "T", "X1234", "XA", "x", "E")),
+    ],
+)
+def test_an_axis_has_a_name_that_programs_can_call(make: Make, name: str, is_good: bool) -> None:
+    """The letters of addresses of axes, alone, with up to three digits, or with a name behind _."""
+    assert ("needs a name of its own" in _refusal(make, name)) is not is_good
+
+
+def _refusal(make: Make, *names: str) -> str:
+    """What is said against further axes of these names, empty where nothing is."""
+    text = "".join(
+        f'[axis.{name}]\nlist = "own.lst"\nsegment = "can1"\nnode = {node}\ndrive = "servo"\n'
+        f'plant = "p{node}"\n[plant.p{node}]\nfmu = "AxisRig.Drives.ServoAxis"\n'
+        for node, name in enumerate(names, 9)
+    )
+    try:
+        check_rig(make("probe-z.toml", f'{text}[segment.can1]\noverload = "run"'))
+    except UserError as error:
+        return " ".join([error.message, *(one.message for one in error.further)])
+    return ""
+
+
+def test_two_spellings_of_one_name_are_refused(make: Make) -> None:
+    assert "needs a name of its own" in _refusal(make, "X2_Table", "X2_TABLE")
+    assert _refusal(make, "X2_Table", "X2_Tail") == ""
+
+
+# --- carriers
+
+
+def test_each_carrier_has_one_family_in_the_order_of_the_registry(make: Make) -> None:
+    settings = make("probe-xyz-mixed.toml")
+    can, line = family_of(settings, "X"), family_of(settings, "Z")
+    assert (family_of(settings, "Y"), family_on(settings, "ec1")) == (can, line)
+    assert can is not line
+    assert rig_families() == [can, line, CYCLIC]
+    assert [one.fault_rooms[0] for one in rig_families()] == ["frames", "lines", "images"]
+    assert [one.has_objects for one in rig_families()] == [True, True, False]
+
+
+def test_a_cyclic_segment_says_its_instants_and_when_values_are_seen(make: Make) -> None:
+    """What the NC cycle at 600 us computes is swapped at 1200 and acts at 1900 us; the next sample
+    is at 2875, swapped at 3200 us and read at 3600 us, 3 cycles later.
+    """
+    changes = ("input_us=125", "bus_us=200", "output_us=900")
+    settings = make("probe-z-profidrive.toml", "", *(f"bus:bus.{one}" for one in changes))
+    last = CYCLIC.describe(settings)[-1]
+    assert last.startswith(
+        "axis Z: positions sampled 125 us before a cycle, images swapped at 200 us, set values"
+        " taken at 900 us; what an NC cycle sends is seen 3 cycles later"
+    )
+    assert CYCLIC.late_cycles(settings, "Z") == 1
+
+
+@pytest.mark.parametrize(
+    ("telegram", "words", "every"),
+    [
+        ({"transmission": 1}, "with every SYNC", 1),
+        ({"transmission": 4}, "with every 4. SYNC", 4),
+        ({"transmission": 254}, "when it changes", 1),
+        ({"transmission": 254, "event_ms": 20}, "when it changes, every 20 ms at least", 1),
+        # No earlier than 2.5 ms after the one before, in cycles of 1 ms
+        ({"transmission": 255, "inhibit_100us": 25}, "when it changes", 3),
+    ],
+)
+def test_a_telegram_comes_with_its_sync_or_when_it_changes(
+    telegram: dict[str, int], words: str, every: int
+) -> None:
+    given = {"event_ms": 0, "inhibit_100us": 0, **telegram}
+    one: Any = SimpleNamespace(is_cyclic=given["transmission"] <= 240, **given)
+    assert (canopen._comes(one), canopen._every(one, 1000)) == (words, every)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("", "the lead is NOT compared with the drive"),
+        ("scaling_check = false", "NOT compared with the drive"),
+        ("position_unit_um = 0.5", "compared with the drive at its start"),
+    ],
+)
+def test_a_real_drive_is_told_with_what_nobody_checks(make: Make, keys: str, words: str) -> None:
+    text = f"[drive.servo]\nencoder_increments = 4096\nlead_mm = 5.0\n{keys}\n"
+    text += '[segment.can1]\ninterface = "socketcan"\nchannel = "can7"'
+    found = canopen.FAMILY.outside(make("probe-z.toml", text), "Z")
+    per_mm = "2000" if "unit" in keys else "819.2"
+    assert found.startswith("drive with node 3 on socketcan can7;")
+    assert "encoder 4096 increments per revolution, lead 5 mm" in found
+    assert found.endswith(f"{per_mm} position units per mm ({words})")
