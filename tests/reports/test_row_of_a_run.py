@@ -1,0 +1,288 @@
+"""What the page prints of a run and its checks: values, notes, words to find it by, sentences."""
+
+from typing import Any
+
+import pytest
+from tests.recordings import Step, block_trace
+
+from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.bench.judge.run_findings import RunFindings
+from axisrig.bench.plan.check_row import CheckRow
+from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.kernel.errors import UserError
+from axisrig.reports.blocks.section import _joined, _way, blocks_view
+from axisrig.reports.run import (
+    _about,
+    _check,
+    _failed,
+    _failures,
+    _find_text,
+    _is_unjudged,
+    _plot_limits,
+    _program_address,
+    _sentence,
+    _short,
+    probe_rows,
+    readable,
+)
+
+
+def row(metric: str = "m", value: str = "1", verdict: str = "pass", **more: str) -> CheckRow:
+    texts = {"asked": "<= 2", "unit": "um", "upper": "2", "uncertainty": "0", **more}
+    return CheckRow(metric, value=value, verdict=verdict, **texts)
+
+
+def run(verdict: str = "pass", *rows: CheckRow, **cells: str) -> StoredRun:
+    case = {"plan": "p", "case": "c", "run": "p-c", "verdict": verdict, "alarms": "", **cells}
+    return StoredRun(case, [each.cells for each in rows], None, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("12", "12"), ("-3.0", "-3"), ("1000000000.0", "1000000000"), ("0.5", "0.5"),
+        ("1.23456789", "1.234568"), ("-0.123456789", "-0.1234568"), ("0.00012345678", "0.000123"),
+        ("-0.00012345678", "-0.000123"), ("123456.789012", "123456.8"), ("1e15", "1e15"),
+        ("1000000000000000.0", "1e+15"), ("FREE", "FREE"), ("a longer word", "a longer word"),
+        ("nan", "nan"), ("inf", "inf"), ("", ""), ("0.001234567", "0.001234567"),
+    ],
+)  # fmt: skip
+def test_a_value_has_the_digits_that_a_reader_compares(text: str, shown: str) -> None:
+    """Seven of them, three below 0.001; what is short stays as it is written."""
+    assert _short(text) == shown
+
+
+def test_a_check_with_its_uncertainty_and_drawing() -> None:
+    found = _check(row(value="1.5", uncertainty="0.123"))
+    assert (found["value"], found["unit"], found["uncertainty"]) == ("1.5", "µm", "0.12")
+    assert "bar-value v-pass" in found["bar"]
+    assert "m is 1.5 µm, asked for &lt;= 2" in found["bar"]
+    assert _check(row())["uncertainty"] == ""
+
+
+@pytest.mark.parametrize(
+    ("changes", "has_bar"),
+    [
+        ({}, True),
+        ({"lower": "0"}, True),
+        ({"lower": "2"}, False),  # equal limits
+        ({"upper": ""}, False),
+        ({"upper": "", "lower": "0"}, True),
+        ({"value": ""}, False),
+        ({"value": "inf"}, False),
+        ({"value": "FREE"}, False),
+        ({"uncertainty": "inf"}, False),
+    ],
+)
+def test_what_has_no_number_or_limit_is_not_drawn(changes: dict[str, str], has_bar: bool) -> None:
+    assert bool(_check(row(**changes))["bar"]) is has_bar
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "note", "shown"),
+    [
+        ("1", "0.5", "a sample", "uncertainty: a sample"),
+        ("1", "0", "a sample", "a sample"),
+        ("", "0.5", "no edge", "no edge"),
+        ("1", "0.5", "", ""),
+        ("1", "0.5", f"{EXPECTED} as it did", f"{EXPECTED} as it did"),
+    ],
+)
+def test_a_note_is_of_the_uncertainty_where_there_is_a_value(
+    value: str, uncertainty: str, note: str, shown: str
+) -> None:
+    assert _check(row(value=value, uncertainty=uncertainty, note=note))["note"] == shown
+
+
+# Sentences and failures
+
+
+@pytest.mark.parametrize(
+    ("verdict", "rows", "words"),
+    [
+        ("pass", [row()], "1 check passed"),
+        ("pass", [row(), row("n")], "2 checks passed"),
+        ("pass", [row(), row("n", "9", "fail", note=f"{EXPECTED} it did")],
+         "1 check passed, 1 failed as expected"),
+        ("pass", [], "0 checks passed"),
+        ("pass", [row("search_good", "3", unit="um"), row("search_bad", "4", unit="um")],
+         "holds at 3 µm, not at 4 µm"),
+        ("pass", [row("search_good", "3")], "1 check passed"),
+        ("marginal", [row(verdict="marginal")], None),
+    ],
+)  # fmt: skip
+def test_a_run_in_a_sentence(verdict: str, rows: list[CheckRow], words: str | None) -> None:
+    found = _sentence(run(verdict, *rows), None)
+    assert found == words if words else "check passed" not in found and "m " in found
+
+
+def test_an_error_is_the_sentence_of_a_run_that_was_not_judged() -> None:
+    assert _sentence(run("error", row(value="", verdict="error")), "broken") == "no verdict: broken"
+    info = RunFindings(error="broken")
+    assert _is_unjudged(run("error", row(value="", verdict="error")), info)
+    assert not _is_unjudged(run("error", row(value="1", verdict="error"), row(value="")), info)
+    assert not _is_unjudged(run("fail", row(value="")), RunFindings())
+
+
+def test_what_did_not_pass_is_shown_the_worst_first() -> None:
+    """Marginal is good; a check that had to fail and did not is a failure though it passed."""
+    missed = row("missed", note=f"{NOT_MET}, it passed")
+    rows = [row("a"), row("b", verdict="marginal"), row("c", verdict="inconclusive"), missed,
+            row("d", verdict="error"), row("e", verdict="fail"),
+            row("f", verdict="fail")]  # fmt: skip
+    assert [each.metric for each in _failed(run("error", *rows))] == ["d", "e", "f", "c", "missed"]
+    found = _failures(run("error", *rows), {"e": "PICTURE"})  # type: ignore[dict-item]
+    assert [each["picture"] for each in found] == ["", "PICTURE", "", "", ""]
+    assert found[-1]["sentence"] == f"missed {NOT_MET}"
+    assert [each["verdict"]["word"] for each in found] == [
+        "error", "fail", "fail", "inconclusive", "pass",
+    ]  # fmt: skip
+
+
+def test_a_failure_without_a_value_has_its_note_in_its_sentence() -> None:
+    (found,) = _failures(run("fail", row(value="", verdict="fail", note="no edge")), {})
+    assert (found["note"], found["bar"]) == ("", "")
+    assert "no edge" in found["sentence"]
+    (found,) = _failures(run("fail", row(value="3", verdict="fail", note="far")), {})
+    assert found["note"] == "far"
+    assert found["bar"]
+
+
+# Words
+
+
+def test_a_run_is_found_by_all_that_names_it() -> None:
+    made = run(
+        "pass", row("latch_error_um:Z"), row("latch_error_um:Z"), title="A Title",
+        tags="slow demo", requirement="R-7", program="programs/Probe.nc", rig="rigs/z.toml",
+        drive_substituted="sercos",
+    )  # fmt: skip
+    words = _find_text(made, [{"id": "50059", "short": "No Signal"}], [("plc:V.E.FEED", "600")])
+    assert words == (
+        "p-c a title slow demo r-7 probe.nc z.toml plc:v.e.feed=600 latch_error_um:z"
+        " 50059 no signal sercos"
+    )
+    assert _find_text(run(), [], []) == "p-c"
+
+
+def test_what_a_run_is_about_leaves_out_what_is_empty() -> None:
+    case = {"program": "a.nc", "rig": "z.toml", "requirement": "", "tags": "t", "title": "T"}
+    assert _about(case) == [("program", "a.nc"), ("rig", "z.toml"), ("tags", "t")]
+    assert _about({"drive_substituted": "sercos"}) == [("CiA 402 drive in place of", "sercos")]
+
+
+@pytest.mark.parametrize(
+    ("links", "path", "address"),
+    [
+        ([("program", "x", "../plans/a.nc")], "sub.nc", "../plans/sub.nc"),
+        ([("rig", "x", "z.toml"), ("program", "x", "a.nc")], "L/sub 1.nc", "L/sub%201.nc"),
+        ([("program", "x", "plans/a.nc")], "../b.nc", "b.nc"),
+        ([("rig", "x", "z.toml")], "sub.nc", ""),
+        ([("program", "x", "")], "sub.nc", ""),
+    ],
+)
+def test_a_file_of_a_program_is_beside_it(
+    links: list[tuple[str, str, str]], path: str, address: str
+) -> None:
+    assert _program_address(links, path) == address
+
+
+def test_probes_are_in_the_order_of_what_they_try() -> None:
+    search = run(**{"search:plc:V.E.A": "1 .. 9 to 1"})
+    probes = [
+        StoredRun(
+            {**run().case, "run": name, "verdict": verdict, "plc:V.E.A": value}, [], None, None
+        )
+        for name, value, verdict in (("a", "10", "fail"), ("b", "9.5", "pass"), ("c", "", "pass"))
+    ]
+    found = probe_rows(search, probes)
+    assert [(each["id"], each["value"]) for each in found] == [("c", ""), ("b", "9.5"), ("a", "10")]
+    assert found[2]["verdict"] == {"word": "fail", "glyph": Verdict.FAIL.glyph}
+    assert probe_rows(run(), probes) == []
+
+
+def test_limits_of_known_metrics_are_drawn() -> None:
+    """The lag on both sides; what another version checked is left out."""
+    rows = [row("lag_mm_max:Z", asked="<= 0.5"), row("nothing_of_this_version:Z", asked="<= 1"),
+            row("latch_error_um:Z", asked="<= 1")]  # fmt: skip
+    found = _plot_limits(run("pass", *rows))
+    assert [(each["label"], each["value"]) for each in found] == [
+        ("lag_mm_max:Z", 0.5), ("lag_mm_max:Z", -0.5),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [(KeyError("time_ns"), "KeyError('time_ns')"), (ValueError("first\nsecond"), "first"),
+     (ZeroDivisionError("by 0"), "by 0"), (AttributeError("no x"), "no x")],
+)  # fmt: skip
+def test_a_part_that_cannot_be_read_is_named(error: Exception, words: str) -> None:
+    with pytest.raises(UserError) as refused, readable(run(), "distance"):
+        raise error
+    message = str(refused.value)
+    assert "`distance` of run p-c cannot be read" in message
+    assert words in message
+    assert "second" not in message
+    with pytest.raises(OSError, match="disk"), readable(run(), "distance"):
+        raise OSError("disk")
+
+
+# Blocks
+
+
+@pytest.mark.parametrize(
+    ("path", "travelled", "words"),
+    [
+        (5.0, 5.0, "5"), (5.0, 5.0 + 5e-7, "5"), (5.0, 2.5, "2.5 of 5"), (5.0, 0.0, "0 of 5"),
+        (5.0, float("nan"), "5"), (float("nan"), 3.0, ""), (0.0, 0.0, "0"),
+        (5.0, 4.9999, "4.9999 of 5"),
+    ],
+)  # fmt: skip
+def test_the_way_of_a_block(path: float, travelled: float, words: str) -> None:
+    assert _way(path, travelled) == words
+
+
+def lane(*rows: tuple[int, int, str]) -> list[list[Any]]:
+    """Rows of due and end, waiting for a half of it, with their group."""
+    return [
+        [at, due, due + 1, end, group, 0, f"N{at}"] for at, (due, end, group) in enumerate(rows)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("rows", "found"),
+    [
+        (lane((0, 100, "a")), lane((0, 100, "a"))),
+        (lane((0, 3, "a")), lane((0, 3, "a"))),  # alone, though short
+        (lane((0, 3, "a"), (3, 8, "b")), [[0, 0, 0, 8, "b", 0, "2 from N0"]]),  # 5 of 8 are b
+        (lane((0, 6, "a"), (6, 11, "b"), (11, 15, "a")),
+         [[0, 0, 0, 11, "a", 0, "2 from N0"], [2, 11, 12, 15, "a", 0, "N2"]]),
+        (lane((0, 3, "a"), (3, 50, "b"), (50, 53, "a"), (53, 56, "a")),
+         [[0, 0, 1, 3, "a", 0, "N0"], [1, 3, 4, 50, "b", 0, "N1"],
+          [2, 50, 50, 56, "a", 0, "2 from N2"]]),
+    ],
+)  # fmt: skip
+def test_short_commands_are_joined_until_they_are_10_long(
+    rows: list[list[Any]], found: list[list[Any]]
+) -> None:
+    assert _joined(rows, 10) == found
+
+
+def test_lines_that_come_again_are_counted_by_what_they_took() -> None:
+    """From due to end; a line that is carried out once is not among them."""
+    steps = [
+        Step("N10 G1", "feed", 0, 5, 10, line=1), Step("N20 G1", "feed", 10, 10, 40, line=2),
+        Step("N10 G1", "feed", 40, 40, 45, line=1), Step("N20 G1", "feed", 45, 45, 50, line=2),
+        Step("N30 G1", "feed", 50, 50, 99, line=3),
+    ]  # fmt: skip
+    view = blocks_view(block_trace(steps), lambda _path: "", is_reduced=False)
+    assert view is not None
+    again = [(each["text"], each["count"], each["lasts"]) for each in view["again"]]
+    assert again == [("N20 G1", 2, "35.000"), ("N10 G1", 2, "15.000")]
+    assert view["file"] == "probe.nc"
+    assert (view["has_waits"], view["has_feed"], view["has_way"]) == (True, False, False)
+    alone = blocks_view(block_trace(steps[:1]), lambda _path: "", is_reduced=False)
+    assert alone is not None
+    assert alone["words"] == "1 command in 0.010 s, of it 0.005 s waiting"
+    assert (alone["left_out"], alone["half"]) == (0, -1)
