@@ -1,0 +1,242 @@
+"""Stretches of a run with a button, the axis that is shown first, and facts of the heading."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from axisrig.bench.campaign.results.stored import StoredResults, read_results
+from axisrig.bench.judge.observed.event import Event
+from axisrig.reports.heading import _earlier, _files, _tested, _took, heading
+from axisrig.reports.parts.topic import Plots
+from axisrig.reports.signals import _first_axis, _measurements, _plots, _series, _windows, windows
+
+MS = 1_000_000
+END_MS = 5000
+
+
+def event(ms: float, kind: str, axis: str | None = None, is_warning: bool = False) -> Event:
+    return Event(round(ms * MS), kind, kind, axis, is_warning)
+
+
+def found(*events: Event) -> dict[str, tuple[float, float]]:
+    """Windows in ms by their label; the run is from 0 to 5000 ms."""
+    return {
+        each["label"]: (each["start_ns"] / MS, each["end_ns"] / MS)
+        for each in windows(events, 0, END_MS * MS)
+    }
+
+
+def test_a_measurement_is_shown_with_margins_of_its_length() -> None:
+    """From the contact at 1000 to the standstill at 1100 ms: 60 ms before it, 40 ms after."""
+    shown = found(event(1000, "contact"), event(1001, "edge"), event(1002, "latch"),
+                  event(1100, "standstill"))  # fmt: skip
+    assert shown["measurement"] == (940, 1140)
+    # Until the latch, without the standstill: 2 ms, 1.2 before and 0.8 after
+    assert shown["edge"] == pytest.approx((998.8, 1002.8))
+
+
+def test_short_ones_have_a_least_margin() -> None:
+    """A measurement of less than 10 ms has those of 10 ms, an edge those of 0.1 ms."""
+    shown = found(event(1000, "latch"))
+    assert shown["measurement"] == (994, 1004)
+    assert shown["edge"] == pytest.approx((999.94, 1000.04))
+
+
+@pytest.mark.parametrize(
+    ("kinds", "labels"),
+    [
+        (("contact",), ["edge"]),
+        (("contact", "latch"), ["measurement", "edge"]),
+        (("brake",), ["measurement"]),
+        (("pdo", "standstill"), ["measurement"]),
+        (("edge",), ["edge"]),  # alone, where there is nothing else
+        (("fault", "mark"), []),
+    ],
+)
+def test_a_measurement_has_what_it_needs(kinds: Sequence[str], labels: list[str]) -> None:
+    events = [event(1000 + n, kind) for n, kind in enumerate(kinds)]
+    assert list(found(*events)) == labels
+
+
+def test_measurements_end_with_a_standstill_or_half_a_second_of_nothing() -> None:
+    one = [event(100, "contact"), event(110, "standstill"), event(120, "contact"),
+           event(620, "latch"), event(1121, "brake")]  # fmt: skip
+    groups = _measurements([*one, event(300, "fault")])
+    assert [[each.time_ns // MS for each in group] for group in groups] == [
+        [100, 110], [120, 620], [1121],
+    ]  # fmt: skip
+    assert [[e.time_ns // MS for e in g] for g in _measurements(one[::-1])] == [
+        [100, 110], [120, 620], [1121],
+    ]  # fmt: skip
+
+
+def test_the_edge_that_a_probe_leaves_with_is_no_measurement() -> None:
+    lone = [
+        event(100, "contact"),
+        event(101, "latch"),
+        event(102, "standstill"),
+        event(700, "edge"),
+    ]
+    assert len(_measurements(lone)) == 1
+    assert len(_measurements([event(100, "edge"), event(800, "edge")])) == 2
+
+
+def test_two_measurements_have_numbers() -> None:
+    shown = found(event(100, "latch"), event(1000, "latch"))
+    assert list(shown) == ["measurement 1", "edge 1", "measurement 2", "edge 2"]
+    assert shown["measurement 2"] == (994, 1004)
+
+
+@pytest.mark.parametrize(
+    ("events", "window"),
+    [
+        ([event(1000, "alarm")], (950, 1150)),
+        ([event(2000, "alarm"), event(1000, "alarm")], (950, 1150)),  # the first
+        ([event(500, "alarm", is_warning=True), event(1000, "alarm")], (950, 1150)),
+        ([event(500, "alarm", is_warning=True)], None),
+        ([event(10, "alarm")], (0, 160)),  # inside the run
+        ([event(4990, "alarm")], (4940, 5000)),
+        ([event(5060, "alarm")], None),
+    ],
+)
+def test_the_first_alarm_that_ended_the_program_has_a_window(
+    events: list[Event], window: tuple[float, float] | None
+) -> None:
+    assert found(*events).get("alarm") == window
+
+
+def test_the_alarm_comes_before_the_measurements() -> None:
+    assert next(iter(found(event(100, "latch"), event(110, "alarm")))) == "alarm"
+
+
+def test_windows_of_topics_come_first_and_stay_in_the_run() -> None:
+    """An event within a stretch of a topic has none beside it."""
+    added = [
+        Plots(windows=[{"label": "stop", "start_ns": -5, "end_ns": 900 * MS, "zero": "x"}],
+              spans=[(100 * MS, 200 * MS)]),
+        Plots(windows=[{"label": "on", "start_ns": 50 * MS, "end_ns": 9999 * MS}],
+              spans=[(400 * MS, 500 * MS)]),
+    ]  # fmt: skip
+    events = [event(100, "latch"), event(200, "alarm"), event(450, "latch"), event(700, "latch")]
+    shown = _windows(events, added, 0, END_MS * MS)
+    assert [each["label"] for each in shown] == ["stop", "on", "measurement", "edge"]
+    assert (shown[0]["start_ns"], shown[0]["zero"]) == (0, "x")
+    assert shown[1]["end_ns"] == END_MS * MS
+    assert shown[2]["start_ns"] == 694 * MS
+
+
+# Plots and the axis that is shown first
+
+
+def content(**columns: Sequence[float]) -> pa.Table:
+    table = {name.replace("__", "."): list(values) for name, values in columns.items()}
+    return pa.table({"time_ns": np.arange(3), **table})
+
+
+@pytest.mark.parametrize(
+    ("of_topics", "of_events", "first"),
+    [
+        (["Q", "Y"], ["X"], "Y"),  # of the first topic that has one
+        ([], [None, "X", "Y"], "X"),
+        ([], [], "Z"),  # that travels farthest, 9 mm
+        (["Q"], ["Q"], "Z"),
+    ],
+)
+def test_the_axis_that_is_shown_first(
+    of_topics: list[str], of_events: list[str | None], first: str
+) -> None:
+    table = content(X__actual_mm=(0, 5, 0), Y__actual_deg=(0, -8, 0), Z__actual_mm=(1, 10, 1),
+                    X__set_mm=(0, 99, 0))  # fmt: skip
+    events = [event(1, "mark", axis) for axis in of_events]
+    assert _first_axis(table, ["X", "Y", "Z"], events, [Plots(axes=of_topics)]) == first
+
+
+def test_without_a_position_the_first_axis_is_shown_and_without_axes_none() -> None:
+    assert _first_axis(content(Z__lag_mm=(0, 1, 2)), ["X", "Z"], [], []) == "X"
+    assert _first_axis(content(), [], [], []) is None
+
+
+def test_plots_are_in_the_order_of_the_table_and_unknown_ones_last() -> None:
+    series = _series(["time_ns", "Z.velocity_mm_s", "Z.own_thing", "Z.actual_mm", "X.actual_mm"])
+    assert [each["column"] for each in series["position"]["Z"]] == ["Z.actual_mm"]
+    assert list(series["position"]) == ["Z", "X"]
+    shown = [each["plot"] for each in _plots(series)]
+    assert shown[0] == "position"
+    assert shown[-1] == "own_thing"
+    assert "velocity" in shown
+    long = _plots({"a" * 40: {}})
+    assert long[0]["height"] == 360
+    assert _plots({"a": {}})[0]["height"] == 120
+
+
+# Heading
+
+
+def runs(*cases: tuple[str, str]) -> list[Any]:
+    return [SimpleNamespace(case={"program": p, "rig": r}) for p, r in cases]
+
+
+def test_what_was_tested_on_what_the_most_frequent_first() -> None:
+    shown = _tested(runs(("x/a.nc", "r/z.toml"), ("a.nc", "z.toml"), ("b.nc", ""), ("", "")))
+    assert shown == ["a.nc on z.toml: 2 runs", "b.nc: 1 run"]
+    many = _tested(runs(*((f"{n}.nc", "z.toml") for n in range(10) for _ in range(20 - n))))
+    assert len(many) == 9
+    assert many[0] == "0.nc on z.toml: 20 runs"
+    assert many[-1] == "2 more programs and rigs: 23 runs"  # 12 and 11
+    assert _tested(runs(("C:\\plans\\a.nc", "D:\\z.toml"))) == ["a.nc on z.toml: 1 run"]
+
+
+@pytest.mark.parametrize(
+    ("manifest", "wall_s", "words"),
+    [
+        ({"spent_s": 9.94, "jobs": 4}, 30.0, "9.9 s with 4 processes; 30 s of computing"),
+        ({"spent_s": 2.0, "jobs": 1}, 0.0, "2.0 s"),
+        ({}, 2.0, "2.0 s of computing in all runs"),
+        ({}, 0.0, ""),
+    ],
+)
+def test_how_long_it_took(manifest: dict[str, Any], wall_s: float, words: str) -> None:
+    from axisrig.bench.campaign.results.manifest import SPENT  # noqa: PLC0415
+
+    known = {SPENT if name == "spent_s" else name: value for name, value in manifest.items()}
+    assert _took(known, wall_s).startswith(words) if words else not _took(known, wall_s)
+
+
+def test_earlier_calls_and_files_of_a_manifest() -> None:
+    calls = [{"command": ["axisrig", "run", "a b.csv"], "runs": ["x"], "started": "then"},
+             {"runs": ["x", "y"]}]  # fmt: skip
+    assert list(_earlier({"earlier": calls})) == [
+        "1 run of then axisrig run 'a b.csv'",
+        "2 runs of",
+    ]
+    manifest = {"plans": [{"path": "p.csv", "sha256": "1"}], "files": {"z.toml": "2"},
+                "fmus": {"m.fmu": "3"}}  # fmt: skip
+    assert _files(manifest) == [("p.csv", "1"), ("z.toml", "2"), ("m.fmu", "3")]
+    assert _files({}) == []
+
+
+def test_verdicts_are_counted_without_probes_and_the_missing_named(tmp_path: Path) -> None:
+    rows = ["run,verdict,wall_s,alarms,probe,drive_substituted", "a,pass,1,,,x", "b,fail,2,,,x",
+            "c,error,4,,a,", "d,pass,8,,,y"]  # fmt: skip
+    (tmp_path / "cases.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
+    (tmp_path / "results.csv").write_text("run,metric,value,verdict\n", encoding="utf-8")
+    folder: StoredResults = read_results(tmp_path)
+    shown = heading(folder, {"sim": (1.0,), "real": ()})
+    counts = {words["word"]: count for words, count in shown["counts"]}
+    assert counts == {
+        "pass": 2,
+        "marginal": 0,
+        "inconclusive": 0,
+        "fail": 1,
+        "aborted": 0,
+        "error": 0,
+    }
+    assert (shown["verdict"]["word"], shown["done"], shown["missing"]) == ("fail", 3, 0)
+    facts = dict(shown["facts"])
+    assert facts["took"] == "11 s of computing in all runs"
+    assert facts["CiA 402 drive in place of"] == "x (2 runs); y (1 run)"
