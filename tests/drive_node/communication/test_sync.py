@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.can.frame import data_frame, frame_bits
 from axisrig.bench.drive.canopen.nmt import NmtState
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.profiles.cia402.ds402 import State
@@ -173,3 +174,21 @@ def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
     drive.run_ms(100)
     assert drive.frames(0x083) == []
     assert drive.node.state is before
+
+
+@pytest.mark.parametrize(("short_us", "target"), [(0, 0x33), (1, 0)])
+def test_an_rpdo_that_ends_with_the_window_counts(
+    stranger: Make, short_us: int, target: int
+) -> None:
+    """It follows the SYNC at once, so that it ends after its own bits; the window is as long."""
+    drive = stranger()
+    data = "0600330000000000"
+    bits = frame_bits(data_frame(0x203, bytes.fromhex(data)))
+    for number in (0, 1):  # no TPDO in the way
+        drive.write(0x1800 + number, 1, 0xC000_0183 + 0x100 * number, 4)
+    drive.write(0x1007, 0, bits - short_us, 4)
+    drive.nmt(1)
+    drive.send(0x80)
+    drive.after(0x203, data)
+    drive.after(0x80)
+    assert drive.node.image.target_position == target
