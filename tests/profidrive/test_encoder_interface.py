@@ -51,6 +51,7 @@ def test_of_two_values_that_are_read_at_once_one_is_shown(far: Far) -> None:
     assert far.interface.function() == 0
     for _ in range(2):
         assert far.give(BOTH | READ) == (BOTH << 4, 11)
+    assert far.give(POS | READ) == (BOTH << 4, 11)
     # The first ends in the cycle in which the second is asked for alone
     assert far.give(NEG | READ) == (NEG << 4, 22)
     assert far.give(NEG | READ) == (NEG << 4, 22)

@@ -38,12 +38,12 @@ LAG, LIMIT, NO_OUTPUTS, NO_SYNC, SHORT = 0x8611, 0x8612, 0x8130, 0x8700, 0x2310
 class Hand:
     """A drive whose telegrams are written by hand, each millisecond; edges_ns: of its probe 1."""
 
-    def __init__(self, edges_ns: tuple[int, ...] = ()) -> None:
+    def __init__(self, edges_ns: tuple[int, ...] = (), profile: str = "one_probe") -> None:
         self.clock = new_scheduler()
         axis = FakeAxis()
         self.drive = SercosDrive(
             "Z", self.clock, axis, (FakeSignal(axis, edges_ns), None),
-            make_profile("one_probe", DriveProfile(), "rotary", 1 << 20),
+            make_profile(profile, DriveProfile(), "rotary", 1 << 20),
         )  # fmt: skip
         self.clock.run_until(0)
         for ident, listed in (("S-0-0016", "S-0-0051"), ("S-0-0024", "S-0-0047")):

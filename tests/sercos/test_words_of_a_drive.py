@@ -16,7 +16,7 @@ from axisrig.bench.drive.cia402.functions.axis_states import AxisState
 from axisrig.bench.drive.sercos.commands import Commands
 from axisrig.bench.drive.sercos.front import Front, diagnoses
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.profiles.sercos.service import command_states
+from axisrig.kernel.profiles.sercos.service import command_states, ident_number
 
 ON, ENABLE, RUN = 1 << 15, 1 << 14, 1 << 13
 FAULTS = (State.FAULT, State.FAULT_REACTION_ACTIVE)
@@ -138,3 +138,39 @@ def test_cycle_times_are_half_a_millisecond_or_whole_ones(
     hand = Hand()
     hand.drive.states.state = type(hand.drive.states.state)(2)  # phase 2
     assert hand.written(ident, us.to_bytes(2, "little")) == refused
+
+
+def test_a_reset_that_is_done_clears_no_later_error() -> None:
+    """S-0-0099 stays at 3 until the master cancels it; the next error needs another one."""
+    hand = Hand()
+    hand.cycle(ON | ENABLE | RUN, 8)
+    hand.fault(0x2310)
+    hand.cycle(0, 4)
+    hand.written("S-0-0099", b"\x03\x00")
+    hand.cycle(0, 4)
+    assert (hand.state("S-0-0099"), hand.number("S-0-0011")) == ("DONE", 0)
+    hand.cycle(ON | ENABLE | RUN, 8)
+    assert hand.drive.state is State.OPERATION_ENABLED
+    hand.fault(0x2310)
+    assert hand.cycle(0, 8) & 1 << 13
+    assert hand.drive.state.name == "FAULT"
+
+
+@pytest.mark.parametrize("ident", ["S-0-0405", "S-0-0406"])
+@pytest.mark.parametrize("allocation", ["S-0-0301", "S-0-0303"])
+@pytest.mark.parametrize("profile", ["one_probe", "two_probes"])
+def test_an_enable_that_a_real_time_bit_has_is_set_by_that_alone(
+    profile: str, allocation: str, ident: str
+) -> None:
+    """Where the drive locks it: 1 is refused while either bit has it, 0 never is."""
+    hand = Hand(profile=profile)
+    one, zero = b"\x01\x00", b"\x00\x00"
+    if ident == "S-0-0406" and profile == "one_probe":
+        assert hand.written(ident, one) == "NO_IDENT"
+        return
+    assert hand.written(ident, one) is None
+    hand.drive.idents.put(ident_number(allocation), ident_number(ident))
+    assert hand.written(ident, one) == ("BY_OTHERS" if profile == "two_probes" else None)
+    assert hand.written(ident, zero) is None
+    hand.drive.idents.put(ident_number(allocation), 0)
+    assert hand.written(ident, one) is None
