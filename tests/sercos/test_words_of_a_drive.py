@@ -16,7 +16,8 @@ from axisrig.bench.drive.cia402.functions.axis_states import AxisState
 from axisrig.bench.drive.sercos.commands import Commands
 from axisrig.bench.drive.sercos.front import Front, diagnoses
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.profiles.sercos.service import command_states, ident_number
+from axisrig.kernel.profiles.ethercat.tables import AlState
+from axisrig.kernel.profiles.sercos.service import command_states, ident_number, pack_list
 
 ON, ENABLE, RUN = 1 << 15, 1 << 14, 1 << 13
 FAULTS = (State.FAULT, State.FAULT_REACTION_ACTIVE)
@@ -136,7 +137,7 @@ def test_cycle_times_are_half_a_millisecond_or_whole_ones(
     ident: str, us: int, refused: str | None
 ) -> None:
     hand = Hand()
-    hand.drive.states.state = type(hand.drive.states.state)(2)  # phase 2
+    hand.drive.states.state = AlState.PREOP  # phase 2
     assert hand.written(ident, us.to_bytes(2, "little")) == refused
 
 
@@ -174,3 +175,40 @@ def test_an_enable_that_a_real_time_bit_has_is_set_by_that_alone(
     assert hand.written(ident, zero) is None
     hand.drive.idents.put(ident_number(allocation), 0)
     assert hand.written(ident, one) is None
+
+
+@pytest.mark.parametrize(
+    ("listed", "items", "wrong"),
+    [
+        ("S-0-0016", ["S-0-0051"], []),
+        ("S-0-0016", [], []),
+        ("S-0-0016", ["S-0-0051", "S-0-0051"], ["S-0-0016"]),
+        ("S-0-0016", ["S-0-0047"], ["S-0-0047"]),  # of the MDT
+        ("S-0-0016", ["S-0-0099"], ["S-0-0099"]),  # of none
+        ("S-0-0024", ["S-0-0047", "S-0-0047"], ["S-0-0024"]),
+        ("S-0-0024", ["S-0-0051", "S-0-0047"], ["S-0-0051"]),
+        ("S-0-0024", ["S-0-0047", "S-0-0051", "S-0-0051"], ["S-0-0051", "S-0-0051", "S-0-0024"]),
+    ],
+)
+def test_what_a_telegram_cannot_carry_is_named_in_s_0_0021(
+    listed: str, items: list[str], wrong: list[str]
+) -> None:
+    """Each ident that is wrong, and the list that has one twice; phase 3 is refused then."""
+    hand = Hand()
+    hand.drive.states.state = AlState.PREOP
+    numbers = [ident_number(item) for item in items]
+    assert hand.written(listed, pack_list(numbers, 2, len(numbers))) is None
+    hand.written("S-0-0127", b"\x03\x00")
+    assert hand.state("S-0-0127") == ("FAILED" if wrong else "DONE")
+    found = hand.drive.idents.items(ident_number("S-0-0021"))
+    assert found == [ident_number(item) for item in wrong]
+    if wrong:  # the AL status says which telegram it is
+        side = "INPUT" if listed == "S-0-0016" else "OUTPUT"
+        assert hand.drive._enter_safeop() == f"INVALID_{side}_MAPPING"
+
+
+def test_another_type_of_telegram_is_a_matter_of_the_outputs() -> None:
+    hand = Hand()
+    hand.drive.idents.put(ident_number("S-0-0015"), 4)
+    assert hand.drive.telegrams.wrong() == [ident_number("S-0-0015")]
+    assert hand.drive._enter_safeop() == "INVALID_OUTPUT_MAPPING"

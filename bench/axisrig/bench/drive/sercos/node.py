@@ -307,10 +307,9 @@ class SercosDrive(EthercatDrive):
         super()._boot()
 
     def _enter_safeop(self) -> str | None:
-        wrong = self.telegrams.wrong()
-        if wrong:
-            is_output = wrong[0] not in self.idents.items(words.AT_LIST)
-            return "INVALID_OUTPUT_MAPPING" if is_output else "INVALID_INPUT_MAPPING"
+        if self.telegrams.wrong():
+            is_input = self.telegrams.has_wrong_inputs
+            return "INVALID_INPUT_MAPPING" if is_input else "INVALID_OUTPUT_MAPPING"
         return super()._enter_safeop()
 
     def _enter_op(self) -> str | None:

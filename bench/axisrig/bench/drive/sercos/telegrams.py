@@ -55,16 +55,26 @@ class Telegrams(Exchanged):
 
     def wrong(self) -> list[int]:
         """Return what the telegrams cannot carry, or the drive cannot do: for S-0-0021."""
-        idents, known = self._idents, telegram_idents()
-        found = [] if idents.number(TELEGRAM_TYPE) == LISTED else [TELEGRAM_TYPE]
-        for name, listed in (("at", AT_LIST), ("mdt", MDT_LIST)):
-            items = idents.items(listed)
-            for item in items:
-                row = known.get(item)
-                if row is None or row.telegram != name or item not in idents.table:
-                    found.append(item)
-            if len(set(items)) != len(items):
-                found.append(listed)
+        is_listed = self._idents.number(TELEGRAM_TYPE) == LISTED
+        found = [] if is_listed else [TELEGRAM_TYPE]
+        return found + self._wrong_in("at", AT_LIST) + self._wrong_in("mdt", MDT_LIST)
+
+    @property
+    def has_wrong_inputs(self) -> bool:
+        """Whether what is wrong is in the AT; otherwise it is the type, or in the MDT."""
+        is_listed = self._idents.number(TELEGRAM_TYPE) == LISTED
+        return is_listed and bool(self._wrong_in("at", AT_LIST))
+
+    def _wrong_in(self, telegram: str, listed: int) -> list[int]:
+        """Return the wrong idents of a list, and the list itself where one is there twice."""
+        known, items = telegram_idents(), self._idents.items(listed)
+        found = []
+        for item in items:
+            row = known.get(item)
+            if row is None or row.telegram != telegram or item not in self._idents.table:
+                found.append(item)
+        if len(set(items)) != len(items):
+            found.append(listed)
         return found
 
     def compile(self) -> frozenset[str]:
