@@ -11,6 +11,7 @@ from axisrig.bench.rig.profidrive.loop import (
     wrong_mode,
 )
 from axisrig.bench.rig.profidrive.members import drive_of
+from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.functions import read_functions
@@ -47,7 +48,17 @@ def check_profidrive(settings: Settings, name: str, way_ns: TimeNs) -> None:
             value=drive_input(parameters),
             allowed="1",
         )
-    _check_functions(settings, name)
+    try:
+        _check_functions(settings, name)
+    except UserError as error:
+        raise rig_error(
+            settings.files,
+            ("axis", name, "list"),
+            error.message,
+            value=error.value,
+            allowed=error.allowed,
+            hint=error.hint,
+        ) from error
     if wrong_mode(settings, name) is None:
         check_loop(settings, name, way_ns)
 

@@ -1,0 +1,227 @@
+"""What the check of a rig refuses of its drives, family by family, and the last value that is good.
+
+Numbers: 500 mm/s (P-AXIS-00212) and cycles of 1 ms, screws of 10 mm.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.families import family_of, rig_families
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.profiles.profidrive.parameters import parameters as known_parameters
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+Check = Callable[..., str]
+
+
+@pytest.fixture
+def check(tmp_path: Path) -> Check:
+    """Return `check(base, *assignments, text=TOML above it)`: what is said against it, or ""."""
+
+    def refusal(base: str, *changes: str, text: str = "") -> str:
+        rig = tmp_path / "rig.toml"
+        rig.write_text(f'base = "{(RIGS / base).as_posix()}.toml"\n{text}\n', encoding="utf-8")
+        assigned = [(parse_assignment(change), as_written) for change in changes]
+        settings: Settings = read_settings(*read_rig(rig), assigned)
+        try:
+            for family in rig_families():
+                family.check(settings)
+        except UserError as error:
+            return str(error) if error.file else f"without a place: {error}"
+        return ""
+
+    return refusal
+
+
+Case = tuple[tuple[str, ...], str]
+AT, MDT = "drive:servo.at=", "drive:servo.mdt="
+SERCOS: list[Case] = [
+    ((), ""),
+    ((f"{AT}S-0-0051 S-0-0130 S-0-0053",), ""),
+    ((f"{AT}S-0-0130",), "the AT needs S-0-0051, and each ident once"),
+    ((f"{AT}S-0-0051 S-0-0130 S-0-0130",), "the AT needs S-0-0051, and each ident once"),
+    ((f"{AT}S-0-0051 S-0-0047",), "the AT cannot carry this ident; found 'S-0-0047'"),
+    ((f"{MDT}S-0-0047 S-0-0051",), "the MDT cannot carry this ident; found 'S-0-0051'"),
+    ((f"{MDT}S-0-0036",), "the MDT needs S-0-0047"),
+    # Input 1: S-0-0130 rising, S-0-0131 falling; input 2: S-0-0132 and 133 (SERCOS, FCT-C4 6.1)
+    (("set:Z.kenngr.measure.edge=NEG",), "edge NEG, and the AT of drive servo does not carry"
+     " S-0-0131"),
+    (("set:Z.kenngr.measure.edge=NEG", f"{AT}S-0-0051 S-0-0131"), ""),
+    (("set:Z.kenngr.measure.input=2",), "does not carry S-0-0132"),
+    (("set:Z.kenngr.measure.input=2", "set:Z.kenngr.measure.edge=NEG",
+      f"{AT}S-0-0051 S-0-0133"), ""),
+    (("set:Z.kenngr.messachse=0", f"{AT}S-0-0051"), ""),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "words"), SERCOS)
+def test_a_sercos_drive_carries_what_measuring_needs(
+    check: Check, changes: tuple[str, ...], words: str
+) -> None:
+    found = check("probe-z-sercos", *changes)
+    assert (words in found) if words else found == ""
+
+
+@pytest.mark.parametrize(
+    ("period_us", "is_good"),
+    [(500, True), (1000, True), (2000, True), (8000, True), (1500, False), (750, False),
+     (9000, False)],
+)  # fmt: skip
+def test_a_sercos_cycle_is_half_a_ms_or_whole_ones(
+    check: Check, period_us: int, is_good: bool
+) -> None:
+    text = f"[cycle]\nperiod_us = {period_us}\ncycle_offset_us = {period_us * 3 // 5}"
+    found = check("probe-z-sercos", text=text)
+    assert ("S-0-0002 is 500 us or whole ms" in found) is not is_good
+    assert (found == "") is is_good
+
+
+FINE = "set:Z.antr.profibus."
+PROFIDRIVE: list[Case] = [
+    ((), ""),
+    ((f"{FINE}feinaufloesung=12",), "a factor of 0.5 (P-AXIS-00065)"),
+    (("drive:servo.p1042=12", "drive:servo.p1043=12"), "a factor of 2 (P-AXIS-00065)"),
+    (("drive:servo.p1042=12", "drive:servo.p1043=12", f"{FINE}feinaufloesung=12"), ""),
+    ((f"{FINE}p1042=9",), "a factor of 4 (P-AXIS-00316)"),
+    ((f"{FINE}p1043=13",), "a factor of 0.25 (P-AXIS-00317)"),
+    ((f"{FINE}p1042=11", f"{FINE}p1043=11"), ""),
+    (("drive:servo.p0880=8192",), "a factor of 0.5 (P-AXIS-00379)"),
+    (("drive:servo.p0880=8192", f"{FINE}drive_velocity_base_value=8192"), ""),
+    (("set:Z.kenngr.measure.input=2",), "one probe at its encoder, I0.x (P-AXIS-00517)"),
+    (("set:Z.kenngr.measure.input=2", "set:Z.kenngr.messachse=0"), ""),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), PROFIDRIVE)
+def test_a_list_counts_as_its_profidrive_drive_does(
+    check: Check, changes: tuple[str, ...], words: str
+) -> None:
+    found = check("probe-z-profidrive", *changes)
+    assert (words in found) if words else found == ""
+
+
+FUNCTION = "set:Z.antr.function[0]."
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ((), ""),
+        (("commu=CYCLIC",), "no word of the telegram is known to carry it (P-AXIS-00397)"),
+        (("wr_ident[0]=9999",), "the drive has no such parameter (P-AXIS-00398)"),
+        (("data_type=UNS16",), "another data type (P-AXIS-00399)"),
+    ],
+)
+def test_functions_of_a_profidrive_drive_are_those_of_its_parameters(
+    check: Check, changes: tuple[str, ...], words: str
+) -> None:
+    """A parameter of 32 bits, given as such, can be written beside the cycle."""
+    number, row = next((n, row) for n, row in known_parameters().items() if row.bits == 32)
+    kind = "SGN32" if row.is_signed else "UNS32"
+    given = {"id": "OWN", "wr_ident[0]": str(number), "data_type": kind, "commu": "ACYCLIC"}
+    given |= dict(change.split("=") for change in changes)
+    found = check("probe-z-profidrive", *(f"{FUNCTION}{k}={v}" for k, v in given.items()))
+    assert (words in found) if words else found == ""
+    assert "without a place" not in found
+
+
+@pytest.mark.parametrize("family", ["conventional", "encoder-terminal"])
+@pytest.mark.parametrize(
+    ("rpm", "is_good"), [("3000", True), ("3000.09", True), ("3000.1", False), ("2999.9", False)]
+)
+def test_the_output_of_the_list_is_that_of_the_drive_to_a_count(
+    check: Check, family: str, rpm: str, is_good: bool
+) -> None:
+    """32767 at 30 m/min are 3000 rpm of 10 mm: 10.92 counts for each rpm."""
+    found = check(f"probe-z-{family}", f"drive:servo.rpm_at_10v={rpm}")
+    assert (found == "") is is_good
+    if not is_good:
+        factor = float(rpm) / 3000
+        assert f"speeds wrong by a factor of {factor:.6g} (P-AXIS-00129" in found
+
+
+@pytest.mark.parametrize(
+    ("lines", "missing", "is_good"),
+    [(40_959, 3, True), (40_960, 3, False), (81_919, 1, True), (81_920, 1, False)],
+)
+def test_a_counter_of_16_bits_may_not_wrap_unseen(
+    check: Check, lines: int, missing: int, is_good: bool
+) -> None:
+    """Half of 65536 counts, four for each line: 2 mm in 4 cycles, or 1 mm in 2."""
+    changes = (f"drive:servo.lines={lines}", f"drive:servo.missing_cycles={missing}")
+    found = check("probe-z-encoder-terminal", *changes)
+    assert (found == "") is is_good
+    way_mm = (missing + 1) * 0.5
+    said = f"at P-AXIS-00212 it goes {way_mm:g} mm in {missing + 1} cycles"
+    assert (said in found) is not is_good
+    assert check("probe-z-conventional", *changes) == ""  # its counter is longer
+
+
+@pytest.mark.parametrize(
+    ("variable", "missing", "is_good"),
+    [("LATCH16", 8, True), ("LATCH16", 9, False), ("LATCH32", 9, True), ("LATCH32", 500, True)],
+)
+def test_a_latch_within_a_turn_needs_half_a_turn(
+    check: Check, variable: str, missing: int, is_good: bool
+) -> None:
+    """4.5 mm in 9 cycles are less than 5 mm, and 5 mm in 10 are not."""
+    changes = (f"drive:servo.latch_variable={variable}", f"drive:servo.missing_cycles={missing}")
+    found = check("probe-z-lightbus", *changes)
+    assert (found == "") is is_good
+    assert ("nobody knows in which turn LATCH16 was" in found) is not is_good
+
+
+def test_a_card_of_the_control_has_no_bus(check: Check) -> None:
+    found = check("probe-z-conventional", "bus:card.bus_us=10", "bus:card.output_us=10")
+    assert "a conventional drive is at a card of the control, and has no bus" in found
+
+
+@pytest.mark.parametrize(
+    ("base", "text", "words"),
+    [
+        ("probe-z-ethercat", '[segment.ec2]\ncarrier = "ethercat"', "no axis is on segment ec2"),
+        ("probe-z-profidrive", '[segment.two]\ncarrier = "cyclic"', "no axis is on segment two"),
+        ("probe-z-ethercat", "[cycle]\nsync_counter = 10", "sync_counter is about CAN and no"),
+        ("probe-z-ethercat", "[cycle]\nheartbeat_ms = 10", "heartbeat_ms is about CAN and no"),
+        ("probe-xyz-mixed", "[cycle]\nheartbeat_ms = 10", ""),
+        ("plc-timestamp-line", "[segment.ec1]\ndc = false", "the line has none"),
+        ("plc-timestamp-line", "[plc]\nclock_offset_ns = 5", "its clock is that of its slave"),
+        ("plc-timestamp-line", "[plc]\nclock_drift_ppm = 5.0", "its clock is that of its slave"),
+        ("plc-timestamp-ethercat", "[plc]\nclock_offset_ns = 5", ""),  # of a fieldbus of its own
+    ],
+)
+def test_a_segment_has_what_its_carrier_needs(
+    check: Check, base: str, text: str, words: str
+) -> None:
+    found = check(base, text=text)
+    assert (words in found) if words else found == ""
+
+
+# --- what is said and not refused
+
+
+@pytest.mark.parametrize(
+    ("base", "changes", "words"),
+    [
+        ("probe-z-lightbus", ("in2mode=25",), "in2mode of its drive is 25 and not 26"),
+        ("probe-z-profidrive", ("p0660=0",), "p0660 of its drive is 0 and not 80"),
+        ("probe-z-sercos", ("idents=S-0-0307=S-0-0409",), "no real-time bit has S-0-0401"),
+        ("probe-z-sercos", ("latch_check=false",), "S-0-0130; nothing proves it"),
+        ("probe-z-profidrive", ("p1043=10", "position_check=true"), "has other fine bits (p1043)"),
+    ],
+)
+def test_what_makes_a_measurement_doubtful_is_told(
+    base: str, changes: tuple[str, ...], words: str
+) -> None:
+    def lines(*keys: str) -> str:
+        changed = [(parse_assignment(f"drive:servo.{key}"), as_written) for key in keys]
+        settings = read_settings(*read_rig(RIGS / f"{base}.toml"), changed)
+        return "\n".join(family_of(settings, "Z").describe(settings))
+
+    assert words in lines(*changes)
+    assert words not in lines()
