@@ -229,6 +229,18 @@ def test_an_axis_can_be_led_while_the_others_move() -> None:
     assert interpolator.is_standing
     interpolator.lead(1, -3.0)
     assert interpolator.advance() == (10.0, -3.0)
+    # The path that is over is none any more: it begins and ends where the axes are
+    assert (interpolator.path.start_mm, interpolator.path.end_mm) == ((10.0, -3.0),) * 2
+
+
+def test_everything_in_a_buffer_moves_for_one_axis() -> None:
+    """What is on its way keeps its course: 0, 1, 2 of the first axis are 10, 11, 12."""
+    buffer = SetpointBuffer(2, (0.0, 5.0))
+    for place in (0.0, 1.0, 2.0):
+        buffer.shift((place, 5.0))
+    buffer.move(0, 10.0)
+    assert [buffer.shift((13.0, 5.0)) for _ in range(3)] == [(11.0, 5.0), (12.0, 5.0), (13.0, 5.0)]
+    assert buffer.is_settled
 
 
 def test_a_buffer_settles_axis_by_axis_and_one_axis_can_be_put() -> None:

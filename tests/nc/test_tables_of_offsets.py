@@ -1,0 +1,108 @@
+"""Zero offsets and tools as tables: what a value of a list makes of them, and copies of them."""
+
+import pytest
+
+from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entry
+from axisrig.kernel.nc.coordinates.tools import Tool, Tools, make_tools
+from axisrig.kernel.nc.coordinates.zero_offsets import ZeroOffsets, make_zero_offsets
+from axisrig.kernel.parameters import Origin
+
+
+def entries(name: str, *lines: str) -> list[Entry]:
+    origin = Origin("list", 1, 1)
+    return [read_entry(name, *line.rsplit(" ", 1), origin) for line in lines]
+
+
+def offsets(*lines: str) -> ZeroOffsets:
+    return make_zero_offsets(entries(ZERO_OFFSETS, *lines))
+
+
+# Zero offsets
+
+
+def test_an_offset_counts_tenths_of_a_micrometre_of_its_group_and_axis() -> None:
+    table = offsets("np_grp[1].achse[0].versch 15000", "np_grp[2].achse[1].versch -1")
+    assert [table.shift_mm(group, axis) for group in (1, 2) for axis in (0, 1)] == [
+        1.5, 0.0, 0.0, -0.0001,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lines", "acts"),
+    [
+        ((), True), (("inaktiv 1",), False), (("inaktiv 0",), True),
+        (("inaktiv 1", "inaktiv 0"), True), (("inaktiv 0", "inaktiv 1"), False),
+    ],
+)  # fmt: skip
+def test_an_inactive_offset_does_not_act_and_others_of_its_group_do(
+    lines: tuple[str, ...], acts: bool
+) -> None:
+    """The last value counts: a plan may set what a file has set before."""
+    written = ["np_grp[1].achse[0].versch 10000", "np_grp[1].achse[1].versch 20000"]
+    written += [f"np_grp[1].achse[0].{line}" for line in lines]
+    table = offsets(*written)
+    assert (table.shift_mm(1, 0), table.shift_mm(1, 1)) == (1.0 if acts else 0.0, 2.0)
+
+
+@pytest.mark.parametrize(("available", "acts"), [("0", False), ("1", True)])
+def test_group_0_acts_only_where_the_list_says_so(available: str, acts: bool) -> None:
+    table = offsets(f"g53_verfuegbar {available}", "np_grp[0].achse[2].versch 30000")
+    assert table.shift_mm(0, 2) == (3.0 if acts else 0.0)
+    assert offsets("np_grp[0].achse[2].versch 30000").shift_mm(0, 2) == 0.0
+
+
+def test_a_program_writes_to_a_table_of_its_own() -> None:
+    """Offsets, what is inactive, and what the list says of the groups."""
+    table = offsets(
+        "g53_verfuegbar 1", "default_index 3", "np_grp[1].achse[0].versch 10000",
+        "np_grp[1].achse[1].inaktiv 1",
+    )  # fmt: skip
+    copied = table.copy()
+    assert copied == table
+    copied.offsets_mm[1, 0] = 9.0
+    copied.inactive.clear()
+    copied.group_0_acts, copied.default_group = False, 0
+    assert (table.offsets_mm, table.inactive) == ({(1, 0): 1.0}, {(1, 1)})
+    assert (table.group_0_acts, table.default_group) == (True, 3)
+
+
+# Tools
+
+
+def test_a_tool_may_be_in_inches_wherever_its_unit_stands() -> None:
+    """P-TOOL-00008: 1/10000 inch; its axis offsets too, and no other tool."""
+    tools = make_tools(
+        entries(
+            TOOLS, "wz[1].laenge 10000", "wz[1].radius 5000", "wz[1].mass_einheit 1",
+            "wz[1].ax_versatz[2] -20000", "wz[1].gueltig 1", "wz[2].laenge 10000",
+            "wz[2].mass_einheit 0", "wz[2].gueltig 1", "wz[3].laenge 10000",
+        )
+    )  # fmt: skip
+    inch, metric = tools.find(1), tools.find(2)
+    assert inch == Tool(25.4, 12.7, {2: -50.8}, valid=True)
+    assert metric == Tool(1.0, valid=True)
+    assert tools.find(3) is None  # its data are not valid
+    assert tools.record(3).length_mm == 1.0
+
+
+@pytest.mark.parametrize("number", [1, 200])
+def test_only_tool_0_is_there_without_data(number: int) -> None:
+    tools = Tools()
+    assert tools.find(0) == Tool(valid=True)
+    assert tools.find(number) is None
+    tools.record(number).valid = True
+    assert tools.find(number) == Tool(valid=True)
+
+
+def test_a_program_writes_to_tools_of_its_own() -> None:
+    tools = Tools({1: Tool(1.0, 2.0, {0: 3.0}, valid=True)})
+    copied = tools.copy()
+    copied.record(1).length_mm = 9.0
+    copied.record(1).offsets_mm[0] = 9.0
+    copied.record(2).valid = True
+    assert tools.find(1) == Tool(1.0, 2.0, {0: 3.0}, valid=True)
+    assert tools.find(2) is None
+    tool = tools.record(1)
+    other = tool.copy()
+    other.offsets_mm[1] = 1.0
+    assert tool.offsets_mm == {0: 3.0}
