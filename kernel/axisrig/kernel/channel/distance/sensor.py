@@ -108,7 +108,7 @@ class VariableSensor:
     ) -> None:
         self.name = name.removeprefix("V.E.")
         self._values, self._ref_offset_mm = values, settings.ref_offset_mm
-        self._refreshed = refreshed or {}
+        self._refreshed = {} if refreshed is None else refreshed
 
     def period_ns(self, _cycle_ns: TimeNs) -> TimeNs | None:
         """Return how often the PLC promises a value, None where it promises nothing."""
