@@ -12,6 +12,7 @@ from axisrig.kernel.motion.course import State
 from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.jerk_profile import JerkProfile
 from axisrig.kernel.motion.jerk_ramps import Shape
+from axisrig.kernel.motion.stroke import Stroke
 
 BOTH = pytest.mark.parametrize("shape", list(Shape))
 LONG_MM = 1000.0
@@ -237,3 +238,12 @@ def test_whatever_ends_the_run_up_the_stroke_holds(
     require(slower, min(begins_to_brake_s(slower), 1.0))
     again = kept.rest(slower.state(0.02), LONG_MM, feed, down)
     require(again, min(begins_to_brake_s(again), 1.0))
+
+
+def test_a_ramp_lasts_half_the_time_in_which_a_path_comes_near_its_limit() -> None:
+    """1000 mm/s², ramps of 10 ms: v r / (v/a + t/2) / 2 with r = t/a, by hand."""
+    stroke = Stroke(equal(1000.0, 0.01), 5.0)
+    assert stroke.step_s(95.0) == pytest.approx(0.00475)  # 95e-5 / 0.1 / 2
+    assert stroke.step_s(15.0) == pytest.approx(0.00375)  # 15e-5 / 0.02 / 2
+    slow = Stroke(replace(equal(1000.0, 0.01), release_s=0.02), 5.0)
+    assert slow.step_s(95.0) == pytest.approx(0.0095)
