@@ -1,0 +1,125 @@
+"""What passes on the way of a frame: delays, losses, frames that break, slaves that are off."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+from tests.ethercat.line import frame, physical
+
+from axisrig.bench.bus.ethercat.segment import EthercatSegment, Link, Passage
+from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
+
+SHORT_NS = 84 * 80  # of a frame of 60 bytes: the wire is taken so long
+LINK = Link(wire_ns=50, forward_ns=300, back_ns=200)
+
+
+@dataclass
+class Slave:
+    """A slave that notes when frames came, and which broke: here or before."""
+
+    clock: Scheduler
+    is_on: bool = True
+    came: list[Passage] = field(default_factory=list)
+    broke: list[bool] = field(default_factory=list)
+
+    def process(self, frame: bytearray, passage: Passage) -> None:
+        self.came.append(passage)
+
+    def broken(self, *, is_here: bool) -> None:
+        self.broke.append(is_here)
+
+
+class Line:
+    """So many slaves; back: instants at which frames are at the master."""
+
+    def __init__(self, count: int = 1) -> None:
+        self.clock = new_scheduler()
+        self.slaves = [Slave(self.clock) for _ in range(count)]
+        slaves: Any = self.slaves
+        self.segment = EthercatSegment(self.clock, slaves, [LINK] * count)
+        self.back: list[int] = []
+        self.segment.receivers.append(lambda _: self.back.append(self.clock.now_ns))
+
+    def send(self, count: int = 1) -> None:
+        for _ in range(count):
+            self.segment.send(frame(physical(7, 0, 0, 1)))
+
+    def wait(self, time_us: float = 100) -> None:
+        self.clock.run_until(self.clock.now_ns + round(time_us * US))
+
+
+@pytest.mark.parametrize(
+    ("late_us", "begin_ns"), [(0, SHORT_NS), (3, SHORT_NS), (6.72, SHORT_NS), (10, 10_000)]
+)
+def test_a_delayed_frame_begins_then_or_when_the_wire_is_free(
+    late_us: float, begin_ns: int
+) -> None:
+    """The second of two frames of one instant, so much later: the wire is taken meanwhile."""
+    line, late = Line(), iter((0, round(late_us * US)))
+    line.segment.passes.append(lambda _: next(late))
+    line.send(2)
+    line.wait()
+    first, second = (passage.arrival_ns for passage in line.slaves[0].came)
+    assert second - first == begin_ns
+    assert line.back[1] - line.back[0] == begin_ns
+
+
+def test_delays_of_several_faults_add_up_and_the_first_loss_is_the_last_question() -> None:
+    line = Line()
+    asked: list[str] = []
+
+    def delay(_: bytearray) -> int:
+        asked.append("delay")
+        return 4 * US
+
+    line.segment.passes += [delay, delay]
+    line.send()
+    line.wait()
+    assert line.slaves[0].came[0].arrival_ns == 8 * US + LINK.wire_ns
+    line.segment.passes.insert(1, lambda _: asked.append("lost"))
+    line.send()
+    line.wait()
+    assert asked == ["delay", "delay", "delay", "lost"]
+    assert (line.segment.frames, line.segment.lost, len(line.back)) == (2, 1, 1)
+
+
+def test_a_frame_that_is_lost_leaves_the_wire_to_the_next_one() -> None:
+    line, losses = Line(), iter((None, 0))
+    line.segment.passes.append(lambda _: next(losses))
+    line.send(2)
+    line.wait()
+    assert [passage.arrival_ns for passage in line.slaves[0].came] == [LINK.wire_ns]
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_frame_breaks_before_one_slave_and_is_none_for_those_behind(place: int) -> None:
+    line = Line(3)
+    line.segment.breaks += [lambda _frame, _number: False, lambda _frame, number: number == place]
+    line.send()
+    line.wait()
+    for number, slave in enumerate(line.slaves):
+        assert len(slave.came) == (1 if number < place else 0)
+        assert slave.broke == ([] if number < place else [number == place])
+    assert (line.segment.lost, line.back) == (1, [])
+
+
+@pytest.mark.parametrize("off", [0, 1, 2, 3])
+def test_frames_turn_round_before_the_first_slave_that_is_off(off: int) -> None:
+    """Of the last slave there is no way back through it; the others see the frame twice."""
+    line = Line(3)
+    for slave in line.slaves[off : off + 1]:
+        slave.is_on = False
+    line.send()
+    line.wait()
+    reached = min(off, 3)
+    assert line.segment.reached == reached
+    assert [len(slave.came) for slave in line.slaves] == [1] * reached + [0] * (3 - reached)
+    assert (line.segment.lost, len(line.back)) == ((0, 1) if reached else (1, 0))
+    for number, slave in enumerate(line.slaves[:reached]):
+        passage = slave.came[0]
+        assert passage.arrival_ns == 50 * (number + 1) + 300 * number
+        # Home from the last: its forward time, then a wire and the way back through each
+        ways = reached - 1 - number
+        home = 50 * reached + 300 * reached + 50 * ways + 200 * (ways - 1)
+        assert passage.return_ns == (home if ways else None)
