@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
+from axisrig.kernel.distance.objects import channel_objects
+
 Axisrig = Callable[..., tuple[int, str, str]]
 
 
@@ -26,3 +28,11 @@ def test_every_object_has_type_unit_access_and_address(
     assert code == 0
     assert f"{name}  {words}" in out.splitlines()
     assert "index group 0x120300" in out
+
+
+def test_objects_of_a_channel_are_numbered_in_the_order_of_its_loop(axisrig: Axisrig) -> None:
+    lines = axisrig("objects")[1].splitlines()
+    begin = next(at for at, line in enumerate(lines) if line.startswith("3D distance control"))
+    rows = [line.split("  ") for line in lines[begin + 1 :] if line[:1].isdigit()]
+    assert [row[0] for row in rows] == [str(number) for number in range(1, len(rows) + 1)]
+    assert [row[1] for row in rows] == [row.name for row in channel_objects().values()]

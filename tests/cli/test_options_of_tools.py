@@ -133,6 +133,7 @@ def test_a_comparison_ends_with_1_where_something_got_worse(
     assert call("diff", "a", "b", "-o", "page.html") == code
     assert page["words"][0] == Path("page.html")
     assert page["words"][3] == "changed"
+    assert capsys.readouterr().out == "one\ntwo\npage.html\n"
 
 
 def test_a_trend_follows_a_metric_of_a_case_in_the_order_of_the_folders(

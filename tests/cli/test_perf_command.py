@@ -9,6 +9,7 @@ from cli_plan import write_plan
 
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.cli.perf_command import cpu_ns
+from axisrig.bench.tools.perf.stages import REST, SIMULATION, STAGES
 
 Call = Callable[..., tuple[int, str, str]]
 ROW = "a,part.nc,rig.toml,3000,== 1,"
@@ -72,6 +73,18 @@ def test_the_profile_of_a_row(place: Path, axisrig: Call) -> None:
     assert (code, err) == (0, "")
     assert out.startswith("plan-a: ")
     assert "own us   share   calls  function" in out
+
+
+def test_the_stages_of_a_row(place: Path, axisrig: Call) -> None:
+    """As words with the time of each, or as JSON with the same stages."""
+    plan = write_plan(place, ROW)
+    words = ("perf", "--plan", plan, "--stages", "--repeats", "1")
+    code, out, err = axisrig(*words)
+    assert (code, err) == (0, "")
+    found = json.loads(axisrig(*words, "--json")[1])
+    assert set(found["stages_ms"]) == {*STAGES, REST} - {SIMULATION}
+    for name in found["stages_ms"]:
+        assert f"| {name} | " in out
 
 
 def test_cpu_time_goes_on() -> None:

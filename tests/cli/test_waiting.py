@@ -3,7 +3,8 @@
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -117,6 +118,28 @@ def test_in_a_pipe_a_line_comes_at_the_begin_and_every_thirty_seconds(
         "checking 3 runs, 30 s",
         "building AxisRig.Drives.ServoAxis, 60 s",
     ]
+
+
+def test_a_line_that_gave_way_to_others_begins_anew(capsys: pytest.CaptureFixture[str]) -> None:
+    """Silent while the lines of a campaign are there; then its own seconds and its own 30 s."""
+    now_s = 0.0
+    line = Waiting("running", lambda: now_s, is_terminal=False)
+    given: list[str] = []
+
+    @contextmanager
+    def others(progress: str) -> Iterator[None]:
+        given.append(progress)
+        yield
+
+    with line.beside(others, "campaign"):
+        now_s = 100.0
+        line.tick()
+    line.say("writing the report")
+    for second in (101, 129, 130, 131):
+        now_s = float(second)
+        line.tick()
+    assert given == ["campaign"]
+    assert capsys.readouterr().err.splitlines() == ["running", "writing the report, 30 s"]
 
 
 @pytest.mark.parametrize(

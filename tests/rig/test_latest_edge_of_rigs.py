@@ -47,6 +47,30 @@ def test_check_tells_how_late_a_status_may_be(
     assert all(len(line) <= 80 for line in lines)
 
 
+@pytest.mark.parametrize(
+    ("stamp", "message"),
+    [
+        ("TPDO2,1,0,0x60D1,0,32,no,,its time stamp", "time stamp 60D1 decides"),
+        # Neither a telegram that comes on change, nor one every second SYNC, nor one to the drive
+        ("TPDO4,254,10,0x60D1,0,32,no,,its time stamp", "no time stamp mapped"),
+        ("TPDO4,2,0,0x60D1,0,32,no,,its time stamp", "no time stamp mapped"),
+        ("RPDO2,1,0,0x60D1,0,32,no,,its time stamp", "no time stamp mapped"),
+        ("TPDO2,1,0,0x60D3,0,32,no,,another one", "no time stamp mapped"),
+    ],
+)
+def test_a_time_stamp_decides_where_each_cycle_brings_it(
+    settings_of: SettingsOf, tmp_path: Path, stamp: str, message: str
+) -> None:
+    stamps = (RIGS / "lists" / "pdo-stamps.csv").read_text(encoding="utf-8").splitlines()
+    lines = [line for line in stamps if "0x60D" not in line and "TPDO4" not in line]
+    lines.insert(1 + lines.index("TPDO2,1,0,0x60BA,0,32,yes,latch,input 1 rising"), stamp)
+    (tmp_path / "map.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    rig = tmp_path / "rig.toml"
+    base = (RIGS / "probe-z.toml").as_posix()
+    rig.write_text(f'base = "{base}"\n[drive.servo]\npdo_map = "map.csv"\n', encoding="utf-8")
+    assert message in "\n".join(describe_arrival(settings_of(rig)))
+
+
 @pytest.mark.parametrize(("bitrate", "sync_us"), [(1_000_000, 48), (500_000, 96)])
 def test_the_clock_of_a_drive(settings_of: SettingsOf, bitrate: int, sync_us: int) -> None:
     """A SYNC without data has 44 bits, 4 stuff bits and 3 of intermission."""

@@ -9,7 +9,7 @@ from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.canopen.checks import axis_steps
 from axisrig.bench.rig.canopen.schedule import axis_telegrams
-from axisrig.bench.rig.canopen.startup import StartUpKeys, drive_steps
+from axisrig.bench.rig.canopen.startup import StartUpKeys, drive_steps, start_up_settings
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings
@@ -217,3 +217,28 @@ def test_an_rpdo_may_be_missing_as_often_as_a_tpdo_and_half_a_cycle(
         if isinstance(step, WriteStep) and (step.index, step.sub) == (0x1400, 5)
     )
     assert found == timeout_ms
+
+
+@pytest.mark.parametrize(("timeout_ms", "found"), [(0, []), (1, [1]), (0xFFFF, [0xFFFF])])
+def test_a_deadline_of_nothing_is_none(timeout_ms: int, found: list[int]) -> None:
+    """Sub-index 5 of 1400: 0 switches it off, where the rig says so; then nothing is written."""
+    settings = start_up_settings(StartUpKeys(rpdo_timeout_ms=timeout_ms))
+    assert settings.rpdo_timeout_ms == timeout_ms
+    steps = drive_steps(
+        StartUpKeys(rpdo_timeout_ms=timeout_ms),
+        BusSettings(sync_period_us=1000),
+        telegrams(0x60BA, None, counter=True, inputs=True, second=False),
+        3,
+        DriveProfile(),
+    )
+    deadlines = [
+        int.from_bytes(step.data, "little")
+        for step in steps
+        if isinstance(step, WriteStep) and (step.index, step.sub) == (0x1400, 5)
+    ]
+    assert deadlines == found
+
+
+def test_without_keys_the_settings_of_a_start_up_have_no_deadline() -> None:
+    """It follows from the cycle of the bus, that these keys do not know."""
+    assert start_up_settings(StartUpKeys()).rpdo_timeout_ms == 0
