@@ -105,6 +105,21 @@ def test_the_second_encoder_is_so_many_syncs_old(fake_axis: Any, delay: int) -> 
     assert shown[-4:] == [now - 3 - delay, now - 2 - delay, now - 1 - delay, now - delay]
 
 
+@pytest.mark.parametrize("delay", [0, 1, 2])
+def test_samples_apart_from_the_sync_are_counted_and_those_of_it_are_not(
+    fake_axis: Any, delay: int
+) -> None:
+    """Taken 0.6 ms after each SYNC the value is that of as many such samples before."""
+    axis = fake_axis(motion=lambda time_s: 0.01 * time_s, encoder_2_m=0.5)
+    one = ServoAlone(axis, profile=DriveProfile(second_delay_cycles=delay))
+    for _ in range(6):
+        one.cycle()
+        one.run_ms(0.6)
+        one.servo.refresh(one.now_ns, is_apart=True)
+    shown_ms = (one.image.second_position / PER_M - 0.5) * 1e5
+    assert shown_ms == pytest.approx(one.now_ns / 1e6 - delay, abs=0.01)
+
+
 def test_an_axis_without_a_second_encoder_shows_0(fake_axis: Any) -> None:
     one = ServoAlone(fake_axis(start_m=0.1))
     one.cycle()

@@ -164,3 +164,70 @@ def test_standstill_is_a_speed_below_606f_for_6070(
     assert one.servo.state is State.QUICK_STOP_ACTIVE
     one.run_ms(4)
     assert (one.servo.state.name == "SWITCH_ON_DISABLED") is is_done
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("met_mm", "end_mm"), [(1.0, 1.0), (3.0, 3.0), (5.0, 3.0)])
+def test_the_nearer_of_switch_and_software_limit_is_the_end(
+    fake_axis: Any, sign: int, met_mm: float, end_mm: float
+) -> None:
+    """607D: -3 and 3 mm; the other direction keeps its own. When it is left, 607D alone counts."""
+    ends: Any = {"software_limit_min": -3e-3 * PER_M, "software_limit_max": 3e-3 * PER_M}
+    limits = ServoAlone(fake_axis(), **ends).servo.limits
+    limits.block(2 if sign > 0 else 1, sign * met_mm * 1e-3)
+    own, other = (limits.high_m, limits.low_m)[::sign]
+    assert own == pytest.approx(sign * end_mm * 1e-3)
+    assert other == pytest.approx(-sign * 3e-3)
+    limits.block(0, 0.0)
+    assert (limits.low_m, limits.high_m) == pytest.approx((-3e-3, 3e-3))
+
+
+@pytest.mark.parametrize(
+    ("profile", "quick", "most", "expected"),
+    [
+        ((5.0, 8.0), 20.0, (6.0, 7.0), (5.0, 7.0, 7.0)),
+        ((9.0, 2.0), 4.0, (6.0, 7.0), (6.0, 2.0, 4.0)),
+        ((5.0, 6.0), 3.0, (100.0, 100.0), (5.0, 6.0, 3.0)),
+        ((0.0, 0.0), 3.0, (6.0, 7.0), (1 / PER_M, 1 / PER_M, 3.0)),
+    ],
+)
+def test_each_rate_has_its_own_limit(
+    fake_axis: Any,
+    profile: tuple[float, float],
+    quick: float,
+    most: tuple[float, float],
+    expected: tuple[float, float, float],
+) -> None:
+    """6083 by 60C5; 6084 and 6085 by 60C6; a rate of 0, which a PDO can write, is one unit."""
+    one = ServoAlone(
+        fake_axis(),
+        profile_acceleration=profile[0] * PER_M, profile_deceleration=profile[1] * PER_M,
+        quick_stop_deceleration=quick * PER_M,
+        max_acceleration=most[0] * PER_M, max_deceleration=most[1] * PER_M,
+    )  # fmt: skip
+    found = (*one.servo.limits.rates_m_s2(), one.servo.limits.quick_stop_m_s2())
+    assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("limits", "acts", "at_the_limit"),
+    [
+        ({}, False, ()),
+        ({"positive_torque_limit": 300}, True, (300,)),
+        ({"negative_torque_limit": 300}, True, (-300,)),
+        ({"max_torque": 200, "positive_torque_limit": 300}, True, (200, -200)),
+    ],
+)
+def test_a_torque_at_a_limit_of_its_own_direction_is_limited(
+    fake_axis: Any, limits: dict[str, int], acts: bool, at_the_limit: tuple[int, ...]
+) -> None:
+    """From 0.99 of it on; the other direction has none, where its object does not say one."""
+    made = ServoAlone(fake_axis(), **limits).servo.limits
+    assert made.is_limiting is acts
+    for torque in (*at_the_limit, 100, -100, 1000, -1000):
+        nearest = [limit for limit in at_the_limit if limit * torque > 0]
+        is_at = any(abs(torque) >= 0.99 * abs(limit) for limit in nearest)
+        assert made.is_torque_limited(torque) is is_at
+    for limit in at_the_limit:
+        assert made.is_torque_limited(round(limit * 0.992))
+        assert not made.is_torque_limited(round(limit * 0.98))
