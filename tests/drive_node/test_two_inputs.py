@@ -90,3 +90,55 @@ def test_one_probe_switched_off_and_on_leaves_the_other_as_it_is(number: int) ->
     assert [latch.count for latch in kept.latches.values()] == [2, 2]
     assert kept.status == 0x07
     assert own.status == 0x07 | 0xC0
+
+
+@pytest.mark.parametrize(
+    "habits",
+    [
+        {},
+        {"status_delay_cycles": 2},
+        {"value_delay_cycles": 2},
+        {"sampling": "before_rpdo"},
+        {"status_delay_cycles": 1, "value_delay_cycles": 1, "counters_cleared_on_disarm": True},
+    ],
+)
+def test_power_takes_what_a_late_drive_has_still_to_show(habits: dict[str, Any]) -> None:
+    """Status, positions, stamps and counters of both are 0 at once, and stay so."""
+    unit, image = _unit(([1000, 1500], [1200, 1700]), **habits)
+    for time_ns in range(0, 12_000, 1000):
+        unit.take_edges(time_ns)
+        unit.cycle(0x3333, time_ns)
+    values = [
+        getattr(image, f"{name}_{number}_{edge}")
+        for name in ("latch", "stamp", "count")
+        for number in (1, 2)
+        for edge in ("positive", "negative")
+    ]
+    assert all(values)
+    assert unit.status == 0x0707
+    unit.reset()
+    for time_ns in (12_000, 13_000, 14_000, 15_000):
+        assert unit.status == 0
+        assert unit.function == 0
+        assert (image.latch_1_positive, image.latch_2_negative) == (0, 0)
+        assert (image.stamp_2_positive, image.count_1_negative) == (0, 0)
+        unit.take_edges(time_ns)
+        unit.cycle(0, time_ns)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_counters_are_cleared_by_switching_off_and_not_by_switching_on(number: int) -> None:
+    edges = [1000, 1500, 5000, 6000]
+    unit, _ = _unit((edges, edges), counters_cleared_on_disarm=True)
+    probe, bits = unit.probes[number], 0x13 << 8 * number
+    unit.set_function(bits, 0)
+    unit.take_edges(2000)
+    assert probe.latches[True].count == 1
+    unit.set_function(bits ^ 0x02 << 8 * number, 3000)  # single event now: it stays enabled
+    assert probe.latches[True].count == 1
+    unit.set_function(0, 3000)
+    assert probe.latches[True].count == 0
+    assert probe.latches[True].units == 1000
+    unit.set_function(bits, 4000)
+    unit.take_edges(9000)
+    assert probe.latches[True].count == 1
