@@ -1,0 +1,127 @@
+"""The watchdog of a slave and its latch inputs, each alone."""
+
+import struct
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
+from axisrig.bench.drive.ethercat.local_clock import LocalClock
+from axisrig.bench.drive.ethercat.sync_unit import LatchUnit
+from axisrig.bench.drive.ethercat.watchdog import Watchdog
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import new_scheduler
+
+
+@pytest.mark.parametrize(
+    ("divider", "time", "expected_ns"),
+    [(2498, 1000, 100 * MS), (2498, 1, 100_000), (0, 3, 240), (998, 50, 2 * MS)],
+)
+def test_outputs_may_stay_away_for_so_many_units(divider: int, time: int, expected_ns: int) -> None:
+    """A unit is (0400 + 2) times 40 ns; 0420 has how many of them (at power on 100 ms)."""
+    clock, expired = new_scheduler(), list[int]()
+    watchdog = Watchdog(clock, lambda: expired.append(clock.now_ns))
+    assert watchdog.time_ns == 100 * MS
+    watchdog.divider, watchdog.time = divider, time
+    assert (watchdog.time_ns, watchdog.is_healthy) == (expected_ns, False)
+    watchdog.feed()
+    clock.run_until(expected_ns - 1)
+    watchdog.feed()
+    assert watchdog.is_healthy
+    clock.run_until(2 * expected_ns - 2)
+    assert (expired, watchdog.count) == ([], 0)
+    clock.run_until(10 * expected_ns)
+    assert expired == [2 * expected_ns - 1]
+    assert (watchdog.count, watchdog.is_healthy) == (1, False)
+
+
+def test_a_watchdog_that_is_off_or_stopped_never_runs_out() -> None:
+    clock, expired = new_scheduler(), list[int]()
+    watchdog = Watchdog(clock, lambda: expired.append(1))
+    watchdog.time = 0
+    watchdog.feed()
+    assert watchdog.is_healthy
+    clock.run_until(500 * MS)
+    watchdog.time = 10
+    watchdog.feed()
+    watchdog.stop()
+    assert not watchdog.is_healthy
+    clock.run_until(1000 * MS)
+    assert (expired, watchdog.count) == ([], 0)
+
+
+def test_its_count_stays_at_255() -> None:
+    clock = new_scheduler()
+    watchdog = Watchdog(clock, lambda: None)
+    watchdog.divider, watchdog.time = 0, 1
+    for number in range(1, 300):
+        watchdog.feed()
+        clock.run_until(clock.now_ns + 1000)
+        assert watchdog.count == min(number, 255)
+
+
+class Latches:
+    """A latch unit on a clock that is 1000 ns ahead; edges are added while it looks."""
+
+    def __init__(self, levels: tuple[bool | None, bool | None] = (False, False)) -> None:
+        self.signals: list[Any] = [
+            None if level is None else SimpleNamespace(edges=[], level=level) for level in levels
+        ]
+        self.unit = LatchUnit(
+            DistributedClock(LocalClock(1000)), (self.signals[0], self.signals[1])
+        )
+        self.unit.look()
+
+    def edge(self, number: int, time_ns: int, level: bool) -> None:
+        self.signals[number].edges.append((time_ns, level))
+        self.unit.look()
+
+    @property
+    def times(self) -> tuple[int, ...]:
+        return struct.unpack("<4Q", self.unit.times())
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("control", [0, 1, 2, 3])
+def test_each_edge_of_each_input_is_kept_as_its_own_bit_says(number: int, control: int) -> None:
+    """09A8 and 09A9: bit 0 rising, bit 1 falling; 1 = the first one until it is read."""
+    latches = Latches()
+    latches.unit.control[number] = control
+    for time_ns, level in ((10, True), (20, False), (30, True), (40, False)):
+        latches.edge(number, time_ns, level)
+    kept = [10 if control & 1 else 30, 20 if control & 2 else 40]
+    expected = [0, 0, 0, 0]
+    expected[2 * number : 2 * number + 2] = [1000 + time_ns for time_ns in kept]
+    assert latches.times == tuple(expected)
+    assert latches.unit.status(number) == control
+    assert latches.unit.status(1 - number) == 0
+    assert latches.unit.has_event is (control != 0)
+    for place in range(4):  # those of the other input say nothing of it
+        if place // 2 != number:
+            latches.unit.taken(place)
+    assert latches.unit.status(number) == control
+    latches.unit.taken(2 * number)
+    assert latches.unit.status(number) == control & 2
+    latches.edge(number, 50, True)
+    latches.edge(number, 60, False)
+    assert latches.times[2 * number] == 1050
+    assert latches.times[2 * number + 1] == (1020 if control & 2 else 1060)
+    latches.unit.taken(2 * number + 1)
+    assert latches.unit.status(number) == control & 1
+    assert latches.unit.has_event is bool(control & 1)
+
+
+@pytest.mark.parametrize("level", [True, False, None])
+def test_the_level_is_there_before_any_edge(level: bool | None) -> None:
+    latches = Latches((level, False))
+    assert latches.unit.status(0) == (1 << 2 if level else 0)
+    assert latches.unit.status(1) == 0
+    late: Any = SimpleNamespace(edges=[(5, False), (7, True)], level=True)
+    unit = LatchUnit(DistributedClock(LocalClock()), (late, None))
+    noted: list[tuple[int, bool, int, int]] = []
+    unit.stamped.append(lambda *edge: noted.append(edge))
+    unit.look()
+    unit.look()
+    assert noted == [(0, False, 5, 5), (0, True, 7, 7)]
+    assert unit.status(0) == 1 << 2
