@@ -41,6 +41,12 @@ def test_the_peak_of_the_lag_is_that_of_the_ticks_between_the_last_two_cycles() 
     assert peaks == [NO_TICK, 2.0, 0.125, NO_TICK, 0.25]
 
 
+def test_a_drive_that_says_no_more_has_no_latches_no_limits_and_its_zero_at_0() -> None:
+    drive = VirtualDrive(250_000)
+    assert (drive.tick_ns, drive.latches, drive.latch_watches) == (250_000, (), [])
+    assert (drive.torque_limits, drive.latch_instants_ns, drive.origin_units) == (None, [], 0)
+
+
 GRID_NS = 10
 TIMES = [
     {"input_delay_ns": 3},
