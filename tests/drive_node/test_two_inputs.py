@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.drive.axis.index_pulse import IndexPulse
 from axisrig.bench.drive.axis.latch_position import LatchPosition
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -142,3 +143,31 @@ def test_counters_are_cleared_by_switching_off_and_not_by_switching_on(number: i
     unit.set_function(bits, 4000)
     unit.take_edges(9000)
     assert probe.latches[True].count == 1
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("speed_m_s", [0.5, -0.5])
+@pytest.mark.parametrize("edges", ["both", "positive"])
+def test_the_zero_pulse_has_a_falling_edge_where_the_drive_takes_one(
+    edges: Any, speed_m_s: float, number: int
+) -> None:
+    """One increment of 1 um of a turn of 10 mm; probe 2 is at rest, or the other way round."""
+    profile = DriveProfile(encoder_increments=10_000, index_edges=edges)
+
+    def motion(time_ns: int) -> float:
+        return 0.0251 + speed_m_s * time_ns * 1e-9
+
+    encoders = Encoders(LatchPosition(profile, lambda time_ns: round(motion(time_ns) * 1e6)))
+    image = ProcessImage()
+    index = {5: IndexPulse(profile, motion)}
+    unit = TouchProbe((None, None), profile, encoders, image, index)
+    unit.set_function(0x35 << 8 * number, 0)  # enabled, zero pulse, both edges
+    unit.take_edges(15_000_000)  # 7.5 mm on: one mark
+    stored = unit.status >> 8 * number
+    assert stored == (0x07 if edges == "both" else 0x03)
+    mark_um = 30_000 if speed_m_s > 0 else 20_000
+    probe = unit.probes[number]
+    assert probe.latches[True].units == pytest.approx(mark_um, abs=1)
+    falling = probe.latches[False].units
+    assert falling == (pytest.approx(mark_um, abs=1) if edges == "both" else 0)
+    assert unit.probes[1 - number].latches[True].count == 0
