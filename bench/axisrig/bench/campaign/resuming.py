@@ -17,7 +17,7 @@ from pathlib import Path
 
 from axisrig.bench.campaign.results.build_info import sources_sha256
 from axisrig.bench.campaign.results.layout import refuse_links
-from axisrig.bench.campaign.results.manifest import other_files
+from axisrig.bench.campaign.results.manifest import other_files, started_programs
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     DEPENDS,
@@ -88,12 +88,14 @@ def _row(case: Case) -> list[str]:
 def files_of_case(case: Case) -> list[Path]:
     """Every file that a run reads, in one order."""
     rig = _of_rig(case.rig, _state(case.rig))
-    files = [*_programs(case.program, _axes(case.rig, _state(case.rig)), _state(case.program))]
+    axes = _axes(case.rig, _state(case.rig))
+    programs = (case.program, *started_programs(case))
+    files = [file for each in programs for file in _programs(each, axes, _state(each))]
     files += [*other_files(case), *rig]
     for item in case.assignments():
         if item.kind == "drive" and item.name in MAP_KEYS:
             files.append(case.rig.parent / item.value)
-    return files
+    return list(dict.fromkeys(files))
 
 
 State = tuple[int, int, int] | None

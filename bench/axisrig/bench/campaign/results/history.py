@@ -64,7 +64,7 @@ class History:
         self._runs = set(runs)
         # run -> plan, of all that have been asked for
         self._asked = {run: name for name, ids in old.get("missing", {}).items() for run in ids}
-        self._asked |= {run: self._order[run][0] for run in self._runs}
+        self._asked |= {run: place[0] for run, place in self._order.items() if run in self._runs}
         self._earlier = [dict(entry) for entry in old.get("earlier", [])]
         if old:
             self._earlier.append({k: v for k, v in old.items() if k not in _OF_THE_FOLDER})

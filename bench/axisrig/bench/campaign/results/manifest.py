@@ -58,11 +58,16 @@ def build_manifest(
     }
 
 
+def started_programs(case: Case) -> list[Path]:
+    """Programs that the PLC side starts."""
+    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
+    return [case.program.parent / file for file in files]
+
+
 def other_files(case: Case) -> list[Path]:
     """Programs that the PLC side starts, and the file with metrics of the user."""
-    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
     own = [] if case.module is None or case.module.path is None else [case.module.path]
-    return [*(case.program.parent / file for file in files), *own]
+    return [*started_programs(case), *own]
 
 
 def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
