@@ -51,6 +51,17 @@ def test_a_wire_without_its_fault_passes_every_edge() -> None:
     assert (wire.edges, wire.level) == (list(EDGES), True)
 
 
+def test_an_edge_at_the_begin_of_a_run_is_passed_at_its_instant() -> None:
+    hand = Hand((0, True), (1, False))
+    clock: Any = hand
+    wire = LateWire(hand.signal, clock, 700 * US)
+    hand.to(0)
+    assert (wire.edges, wire.level, wire.level_at(0)) == ([(0, True)], True, True)
+    assert wire.level_at(-1) is False
+    hand.to(2)
+    assert wire.edges == [(0, True), (1, False)]
+
+
 def test_edges_come_late_while_the_fault_acts_and_in_time_before_and_after() -> None:
     hand = Hand(*EDGES)
     clock: Any = hand

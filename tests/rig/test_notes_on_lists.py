@@ -6,10 +6,12 @@ import pytest
 
 from axisrig.bench.rig import contents
 from axisrig.bench.rig.contents import contents_text
+from axisrig.bench.rig.parameter_words import named
 from axisrig.bench.rig.reading.lists import offset_notes, stop_notes
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import Origin, ParameterSet
+from axisrig.kernel.parameters.table import INDEX
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
@@ -116,6 +118,42 @@ def test_values_of_a_rig_are_chosen_by_all_words_or_by_one_parameter() -> None:
     assert "vb_eilgang" in of_set
     every = "\n".join(contents.blocks_text(parts, []))
     assert len(every.splitlines()) > len(of_set.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("number", "loaded", "with_words", "without"),
+    [
+        # What acts of an element comes first, whether it is set or not
+        ("00209", ["getriebe[1].vb_eilgang"],
+         ["getriebe[0].vb_eilgang", "getriebe[1].vb_eilgang"],
+         ["getriebe[0].vb_eilgang", "getriebe[1].vb_eilgang"]),
+        ("00209", ["getriebe[0].vb_eilgang"], ["getriebe[0].vb_eilgang"],
+         ["getriebe[0].vb_eilgang"]),
+        # Of a second encoder element 1 acts
+        ("00230", ["lr_hw[0].vz_istw"], ["lr_hw[1].vz_istw", "lr_hw[0].vz_istw"],
+         ["lr_hw[1].vz_istw", "lr_hw[0].vz_istw"]),
+        # What acts by its index, or not at all, has a line without words where it is there
+        ("00423", [], ["lr_hw[1].encoder_resolution_denom"], ["lr_hw[1].encoder_resolution_denom"]),
+        ("00234", [], ["getriebe[0].wegaufz"], []),
+        ("00234", ["getriebe[1].wegaufz"], ["getriebe[0].wegaufz", "getriebe[1].wegaufz"],
+         ["getriebe[1].wegaufz"]),
+    ],
+)  # fmt: skip
+def test_of_elements_of_a_list_the_acting_one_comes_first(
+    number: str, loaded: list[str], with_words: list[str], without: list[str]
+) -> None:
+    parameters = ParameterSet("axis")
+    for path in loaded:
+        parameters.load(path, "1", Origin("z.lst", 1))
+    row = named(f"P-AXIS-{number}")
+    assert row is not None
+
+    def shown(words: list[str]) -> list[str]:
+        (block,) = contents.blocks_text({"Z": parameters}, words)
+        keys = [line.split()[0] for line in block.splitlines()[1:]]
+        return [key for key in keys if INDEX.sub("[i]", key) == row.path]
+
+    assert (shown([row.number]), shown([])) == (with_words, without)
 
 
 def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path: Path) -> None:

@@ -297,3 +297,27 @@ def test_all_mistakes_of_a_rig_are_reported_at_once(rig_file: Write, settings_of
         "axes Z and G have the same node id on segment can1",
     ):
         assert sum(words in text for text in found) == 1, (words, found)
+
+
+@pytest.mark.parametrize(
+    "scaling",
+    [
+        0x00,  # SERCOS, S-0-0076: bits 0 to 2 are the kind of scaling, 0 is none
+        0x04,
+        0x08,
+    ],
+)
+def test_a_drive_that_cannot_say_what_it_is_is_refused_at_its_table(
+    settings_of: Read, tmp_path: Path, scaling: int
+) -> None:
+    rig = tmp_path / "rig.toml"
+    base = (RIGS / "probe-z-sercos.toml").as_posix()
+    rig.write_text(
+        f'base = "{base}"\n\n[drive.servo]\nidents = [["S-0-0076", {scaling}]]\n', encoding="utf-8"
+    )
+    error = _refused(settings_of(rig))
+    assert "scaling: positions have no unit" in error.message
+    assert (error.value, error.allowed) == (
+        f"S-0-0076 = 0x{scaling:02X}", "0x09 linear, 0x0A rotary",
+    )  # fmt: skip
+    assert (error.file, error.line) == (str(rig), 3)
