@@ -2,7 +2,9 @@
 
 import io
 import json
+import socket
 import sys
+import threading
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,6 +41,26 @@ class Feed:
 
     def pause(self) -> None:
         self.pauses += 1
+
+
+class Ending:
+    """Has no state before it is ended."""
+
+    def __init__(self) -> None:
+        self._end = threading.Event()
+
+    @property
+    def has_ended(self) -> bool:
+        return self._end.is_set()
+
+    def look(self) -> Any:
+        return SimpleNamespace(number=0, as_json=lambda: "{}")
+
+    def pause(self) -> None:
+        self._end.wait(0.01)
+
+    def end(self) -> None:
+        self._end.set()
 
 
 def sent(*numbers: int) -> list[tuple[str, str]]:
@@ -246,3 +268,26 @@ def test_threads_beside_take_little_time_and_all_is_as_before_then(
 
     ticking._tick(SimpleNamespace(tick=gone))  # type: ignore[arg-type]
     assert len(ticks) == count
+
+
+def test_a_server_gives_back_its_port_and_its_threads() -> None:
+    """Whatever ends the campaign; a reader that looks on hears of the end."""
+    feed: Any = Ending()
+    ports: list[int] = []
+
+    def campaign() -> None:
+        with server.serving(feed) as address:
+            ports.append(int(address.removeprefix("http://127.0.0.1:").removesuffix("/")))
+            with socket.create_connection(("127.0.0.1", ports[0])) as reader:
+                host = f"Host: 127.0.0.1:{ports[0]}"
+                reader.sendall(f"GET /states HTTP/1.1\r\n{host}\r\n\r\n".encode())
+                assert reader.recv(15) == b"HTTP/1.0 200 OK"
+                assert not feed.has_ended
+            raise ValueError("odd")
+
+    with pytest.raises(ValueError, match="odd"):
+        campaign()
+    assert feed.has_ended
+    assert [thread for thread in threading.enumerate() if thread.name == "live page"] == []
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", ports[0]))
