@@ -1,0 +1,126 @@
+"""What a folder keeps of the calls that made it: runs asked for, missing, earlier, in order."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign.results.history import History
+from axisrig.bench.campaign.results.stored import IN_PLAN, PROBE
+
+
+def plan(name: str, *runs: str) -> Any:
+    return SimpleNamespace(name=name, rows=[SimpleNamespace(run=run, plan=name) for run in runs])
+
+
+def row(run: str, plan_name: str = "p", **more: str) -> dict[str, str]:
+    return {"run": run, "plan": plan_name, **more}
+
+
+def entry(name: str) -> dict[str, str]:
+    return {"name": name, "path": f"{name}.csv", "sha256": "0" * 64}
+
+
+def history(
+    place: Path,
+    plans: Sequence[Any],
+    runs: Sequence[str],
+    old: Mapping[str, Any] | None = None,
+    cases: Sequence[Mapping[str, str]] = (),
+) -> History:
+    """A call over plans in a folder with a manifest; cases: rows that it has."""
+    if old is not None:
+        whole = {"axisrig": "1", "runs_planned": 0, "finished": True, **old}
+        (place / "manifest.json").write_text(json.dumps(whole), encoding="utf-8")
+    head = {"plans": [entry(each.name) for each in plans], "started": "now"}
+    made = History(place, plans, head, runs)
+    made.found({case["run"]: case for case in cases})
+    return made
+
+
+def test_a_first_call_has_what_it_runs(tmp_path: Path) -> None:
+    made = history(tmp_path, [plan("p", "a", "b")], ["a", "b"])
+    assert made.is_whole
+    assert set(made.asked) == {"a", "b"}
+    cases = {"a": row("a")}
+    found = made.manifest(cases, ["a"])
+    assert (found["runs_planned"], found["missing"], found["finished"]) == (2, {"p": ["b"]}, False)
+    whole = made.manifest({**cases, "b": row("b")}, ["a", "b"])
+    assert (whole["finished"], "missing" in whole, "earlier" in whole) == (True, False, False)
+    # Rows of an earlier call do not finish this one
+    assert not made.manifest({**cases, "b": row("b")}, ["a"])["finished"]
+
+
+def test_what_earlier_calls_asked_for_stays_asked_for(tmp_path: Path) -> None:
+    """c is missing since then; d is a row that the folder has, its probe was not asked for."""
+    old = {"plans": [entry("p")], "missing": {"p": ["c"]}, "started": "then"}
+    rows = [row("d"), row("d-s01", **{PROBE: "d"})]
+    made = history(tmp_path, [plan("p", "a", "c", "d")], ["a"], old, rows)
+    assert set(made.asked) == {"a", "c", "d"}
+    found = made.manifest({each["run"]: each for each in [*rows, row("a")]}, ["a"])
+    assert (found["missing"], found["runs_planned"], found["finished"]) == ({"p": ["c"]}, 3, False)
+    (earlier,) = found["earlier"]
+    assert (earlier["started"], earlier["runs"]) == ("then", ["d"])
+
+
+def test_a_row_that_is_replaced_is_of_its_earlier_call_no_more(tmp_path: Path) -> None:
+    """A call without rows is not named any more."""
+    old = {"plans": [entry("p")], "earlier": [{"started": "first", "runs": ["a"]}]}
+    made = history(tmp_path, [plan("p", "a", "b")], ["a"], old, [row("a"), row("b")])
+    before = made.manifest({}, [])["earlier"]
+    assert [each["runs"] for each in before] == [["a"], ["b"]]
+    assert made.replaced("a")
+    assert not made.replaced("a")
+    assert not made.replaced("z")
+    assert [each["runs"] for each in made.manifest({}, [])["earlier"]] == [["b"]]
+
+
+def test_plans_of_a_folder_are_those_of_all_calls(tmp_path: Path) -> None:
+    old = {"plans": [entry("q"), entry("p")]}
+    made = history(tmp_path, [plan("p", "a")], ["a"], old)
+    assert not made.is_whole  # q is not called
+    assert [each["name"] for each in made.manifest({}, [])["plans"]] == ["q", "p"]
+    assert history(tmp_path, [plan("p", "a"), plan("q", "z")], ["a"]).is_whole
+
+
+@pytest.mark.parametrize(
+    ("run", "plan_name", "mark", "is_in"),
+    [
+        ("a", "p", "", True),
+        ("a", "p", "no", True),  # the plan has it again
+        ("gone", "p", "", False),
+        ("z", "q", "", True),  # of a plan that is not called its row says it
+        ("z", "q", "no", False),
+    ],
+)
+def test_whether_a_plan_has_a_run(
+    tmp_path: Path, run: str, plan_name: str, mark: str, is_in: bool
+) -> None:
+    old = {"plans": [entry("q"), entry("p")]}
+    made = history(tmp_path, [plan("p", "a")], ["a"], old)
+    assert made.is_in_plan(run, plan_name, mark) is is_in
+
+
+def test_rows_are_by_plan_and_case_with_probes_behind_their_row_and_lost_ones_last(
+    tmp_path: Path,
+) -> None:
+    old = {"plans": [entry("q"), entry("p")]}
+    made = history(tmp_path, [plan("p", "b", "a")], ["b", "a"], old)
+    rows = [
+        row("a-s02", **{PROBE: "a"}), row("gone"), row("b"), row("a-s01", **{PROBE: "a"}),
+        row("z", "q"), row("a"), row("y", "q", **{IN_PLAN: "no"}), row("x", "unknown"),
+    ]  # fmt: skip
+    order = [each["run"] for each in sorted(rows, key=made.place)]
+    assert order == ["z", "b", "a", "a-s01", "a-s02", "x", "gone", "y"]
+
+
+def test_runs_that_the_plan_has_no_more_are_not_planned(tmp_path: Path) -> None:
+    old = {"plans": [entry("p")], "missing": {"p": ["gone", "kept"]}}
+    made = history(tmp_path, [plan("p", "a", "kept")], ["a"], old)
+    found = made.manifest({"a": row("a")}, ["a"])
+    assert (found["runs_planned"], found["missing"]) == (2, {"p": ["kept"]})
+    made.note({"spent_s": 3})
+    assert made.manifest({}, [])["spent_s"] == 3
