@@ -61,9 +61,12 @@ def test_the_answer_to_a_step_of_the_offset_is_the_sum_of_its_pulses(
     assert values[-1] == pytest.approx(1.0)
 
 
-def tuned(*, is_stable: bool = True, rows: int | None = 100, advised: bool = True) -> Tuning:
+def tuned(
+    *, is_stable: bool = True, rows: int | None = 100, advised: bool = True, rise: int = 10
+) -> Tuning:
     """Of both encoders; a loop with one dead cycle, kp 0.5 as configured."""
-    both = mode(BOTH_ENCODERS, 1.0, is_stable=is_stable, advice=ADVICE if advised else None)
+    advice = replace(ADVICE, quality=replace(ADVICE.quality, rise_cycles=rise))
+    both = mode(BOTH_ENCODERS, 1.0, is_stable=is_stable, advice=advice if advised else None)
     made = found(Law(0.5), modes=(mode(CONST_DIST, 1.0), both, mode(SET_POS, 2.0)))
     seen = None if rows is None else np.linspace(0.0, 1.0, rows)
     trial = None if seen is None else Trial(Law(0.25), seen, seen * 0.9, 0.001)
@@ -80,16 +83,20 @@ def test_the_step_of_the_set_value_as_it_ran_was_predicted_and_is_configured() -
     assert run[1][:3] == pytest.approx([0.0, 1.0, 2.0])
     assert predicted[2] == pytest.approx(run[2] * 0.9)
     assert configured[2][:3] == pytest.approx([0.5, 0.75, 0.875])
-    # Six times the rise of 5 cycles of the suggested law, 30 at least
-    assert {len(line[1]) for line in lines} == {30}
+    # Six times the rise of 10 cycles of the suggested law
+    assert {len(line[1]) for line in lines} == {60}
 
 
 @pytest.mark.parametrize(
-    ("rows", "advised", "shown"),
-    [(100, True, 30), (20, True, 30), (100, False, 100), (None, True, 60)],
-)
-def test_how_much_of_a_step_is_shown(rows: int | None, advised: bool, shown: int) -> None:
-    lines = drawn(_steps, tuned(rows=rows, advised=advised))
+    ("rows", "advised", "rise", "shown"),
+    [(100, True, 10, 60), (100, True, 4, 30), (20, True, 4, 30), (50, True, 10, 50),
+     (100, False, 10, 100), (None, True, 10, 60)],
+)  # fmt: skip
+def test_how_much_of_a_step_is_shown(
+    rows: int | None, advised: bool, rise: int, shown: int
+) -> None:
+    """As much as has run, 30 cycles at least."""
+    lines = drawn(_steps, tuned(rows=rows, advised=advised, rise=rise))
     assert len(lines[-1][1]) == shown
     if rows is None:
         assert [label for *_, label in lines] == ["as configured"]
