@@ -221,8 +221,8 @@ def test_earlier_calls_and_files_of_a_manifest() -> None:
 
 
 def test_verdicts_are_counted_without_probes_and_the_missing_named(tmp_path: Path) -> None:
-    rows = ["run,verdict,wall_s,alarms,probe,drive_substituted", "a,pass,1,,,x", "b,fail,2,,,x",
-            "c,error,4,,a,", "d,pass,8,,,y"]  # fmt: skip
+    rows = ["run,verdict,wall_s,alarms,probe,drive_substituted,info:serial", "a,pass,1,,,x,7",
+            "b,fail,2,,,x,7", "c,error,4,,a,,8", "d,pass,8,,,y,7"]  # fmt: skip
     (tmp_path / "cases.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
     (tmp_path / "results.csv").write_text("run,metric,value,verdict\n", encoding="utf-8")
     folder: StoredResults = read_results(tmp_path)
@@ -237,6 +237,7 @@ def test_verdicts_are_counted_without_probes_and_the_missing_named(tmp_path: Pat
         "error": 0,
     }
     assert (shown["verdict"]["word"], shown["done"], shown["missing"]) == ("fail", 3, 0)
+    assert shown["tested"] == ["serial: 7"]
     facts = dict(shown["facts"])
     assert facts["took"] == "11 s of computing in all runs"
     assert facts["CiA 402 drive in place of"] == "x (2 runs); y (1 run)"
