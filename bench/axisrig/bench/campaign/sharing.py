@@ -172,6 +172,8 @@ def _kept_words(command: Sequence[str], *, has_plans: bool = False) -> list[str]
                 next(rest, None)
         elif word[:2] in ("-o", "-j"):
             continue  # with its value in the same word
+        elif word.startswith("-k") and word != "-k":
+            words += ["-k", word[2:]]
         elif has_plans or word.startswith("-") or words[-1:] in (["-k"], ["--set"]):
             words.append(word)
     return words
@@ -243,5 +245,5 @@ def _files(folder: Path, run: str) -> Iterator[Path]:
 
 
 def _select(part: StoredResults) -> str | None:
-    words = part.manifest["command"]
+    words = _kept_words(part.manifest["command"])
     return next((value for word, value in pairwise(words) if word == "-k"), None)

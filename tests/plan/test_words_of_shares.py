@@ -1,0 +1,119 @@
+"""Which words of a command make another campaign, and which runs of its shares are the same."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.bench.campaign.sharing import (
+    Shard,
+    _files,
+    _is_bare,
+    _kept_words,
+    _names,
+    _runs,
+    _select,
+)
+from axisrig.kernel.errors import UserError
+
+
+@pytest.mark.parametrize(
+    ("words", "kept"),
+    [
+        ("run a.csv", ""),
+        ("run a.csv -o out -j 4", ""),
+        ("run a.csv -oout -j4 --shard=1/2", ""),
+        ("run a.csv --shard 1/2 --resume --fresh --full", ""),
+        ("run a.csv -k first", "-k first"),
+        ("run a.csv -kfirst", "-k first"),
+        ("run a.csv --set Z.kp=1 --set=Z.tv=2", "--set Z.kp=1 --set=Z.tv=2"),
+        ("run a.csv --force", "--force"),
+        ("run -k first a.csv -o out b.csv", "-k first"),
+    ],
+)
+def test_words_that_decide_on_results_are_kept(words: str, kept: str) -> None:
+    """However an option is written; plans are compared by their content."""
+    assert _kept_words(words.split()) == kept.split()
+
+
+def test_plans_are_kept_where_the_command_is_written_anew() -> None:
+    words = ["axisrig", "run", "a.csv", "-o", "out", "-kfirst", "b.csv"]
+    assert _kept_words(words, has_plans=True) == ["axisrig", "run", "a.csv", "-k", "first", "b.csv"]
+
+
+@pytest.mark.parametrize(
+    ("words", "select"),
+    [(["-k", "a or b"], "a or b"), (["-ka or b"], "a or b"), ([], None), (["--set", "x=-k"], None),
+     (["-o", "out", "-k", "-a"], "-a")],
+)  # fmt: skip
+def test_what_a_share_was_selected_by(words: list[str], select: str | None) -> None:
+    part: Any = SimpleNamespace(manifest={"command": ["axisrig", "run", "p.csv", *words]})
+    assert _select(part) == select
+
+
+@pytest.mark.parametrize(
+    ("text", "runs"), [("1/1", "abcde"), ("1/2", "ace"), ("2/2", "bd"), ("3/3", "c"), ("5/5", "e")]
+)
+def test_a_share_has_every_nth_run(text: str, runs: str) -> None:
+    cases: Any = "abcde"
+    assert "".join(Shard.of(text).share(cases)) == runs  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("text", ["0/2", "3/2", "1", "1/0", "a/b", "1/2/3", "-1/2", ""])
+def test_what_is_no_share_is_refused(text: str) -> None:
+    with pytest.raises(UserError, match="no share of a campaign"):
+        Shard.of(text)
+
+
+def run(name: str, rows: Any = (), **cells: str) -> StoredRun:
+    case = {"run": name, "plan": "p", "wall_s": "1", "bus_log_sha256": "x", "verdict": "pass",
+            "frame_log_sha256": "f", **cells}  # fmt: skip
+    return StoredRun(case, list(rows), None, None)
+
+
+def part(name: str, *runs: StoredRun) -> Any:
+    return SimpleNamespace(folder=Path(name), planned=list(runs))
+
+
+def test_a_run_of_two_folders_is_the_first_one_where_both_are_the_same() -> None:
+    """The time that it took and the sum of its bus log may differ."""
+    first = part("a", run("r"), run("s"))
+    second = part("b", run("r", wall_s="9", bus_log_sha256="y"), run("t"))
+    found, doubled = _runs([first, second])
+    assert {name: str(of.folder) for name, (of, _) in found.items()} == {
+        "r": "a",
+        "s": "a",
+        "t": "b",
+    }
+    assert doubled == ["r"]
+    for other in (run("r", verdict="fail"), run("r", rows=[{"metric": "m"}]),
+                  run("r", frame_log_sha256="g")):  # fmt: skip
+        with pytest.raises(UserError, match="another result than in a") as refused:
+            _runs([first, part("b", other)])
+        assert refused.value.value == "r"
+
+
+def test_files_of_a_run_are_those_whose_name_goes_on_as_one(tmp_path: Path) -> None:
+    for name in ("r.blf", "r@can2.blf", "r2.blf", "r-1.blf", "other.blf"):
+        (tmp_path / name).write_text("x", encoding="utf-8")
+    (tmp_path / "r.d").mkdir()
+    assert sorted(path.name for path in _files(tmp_path, "r")) == ["r.blf", "r@can2.blf"]
+    assert list(_files(tmp_path / "none", "r")) == []
+
+
+def test_a_run_that_sent_frames_without_its_files_is_bare() -> None:
+    here = Path("x")
+    case = run("r").case
+    assert _is_bare(run("r"))
+    assert _is_bare(StoredRun(case, [], here, None))
+    assert _is_bare(StoredRun(case, [], None, here))
+    assert not _is_bare(StoredRun(case, [], here, here))
+    assert not _is_bare(run("r", frame_log_sha256=""))
+
+
+def test_plans_are_named_with_the_begin_of_their_hashes() -> None:
+    plans = [{"name": "p", "sha256": "0123456789abcdef"}, {"name": "q", "sha256": "f" * 64}]
+    assert _names({"plans": plans}) == ["p (0123456789ab)", "q (ffffffffffff)"]
+    assert _names({}) == []
