@@ -16,8 +16,9 @@ from tests.recordings import kept
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.results.compare import page
 from axisrig.results.compare.drawing import WIDTH, overlay
+from axisrig.results.compare.pairs import Frames
 from axisrig.results.compare.trend import CaseTrend, Point, Trend
-from axisrig.results.compare.words import trend_lines
+from axisrig.results.compare.words import diff_lines, trend_lines
 
 RIGHT = WIDTH - 8.0
 INSET = 12.0
@@ -248,3 +249,20 @@ def test_the_page_of_a_trend_has_the_places_of_the_folders(
         ("m:Z", [1.0], [7.0], ends, (), {"has_dots": True, "names": ["two, n 2"]}),
     ]  # fmt: skip
     assert views[0][1]["drawn"] == {"p-a": "m:Z, um", "p-b": "m:Z"}
+
+
+def test_only_a_verdict_that_rose_is_better() -> None:
+    """Of every pair of verdicts; equal ones are neither."""
+
+    def pair(before: Verdict, after: Verdict) -> Any:
+        of = [SimpleNamespace(verdict=verdict) for verdict in (before, after)]
+        return SimpleNamespace(name=f"{before.word} to {after.word}", before=of[0], after=of[1],
+                               metrics=(), is_by_inputs=False, frames=Frames.EQUAL)  # fmt: skip
+
+    pairs = [pair(before, after) for before in Verdict for after in Verdict]
+    found: Any = SimpleNamespace(pairs=pairs, shifts=(), new=(), lost=(), worse=list)
+    better = [line.split(": ")[1] for line in diff_lines(found) if line.startswith("better")]
+    ranks = [verdict.word for verdict in Verdict]  # from the best on
+    assert better == [
+        f"{before} to {after}" for place, before in enumerate(ranks) for after in ranks[:place]
+    ]
