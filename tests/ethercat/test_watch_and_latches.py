@@ -5,9 +5,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.ethercat.line import frame, physical
 
+from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
+from axisrig.bench.drive.ethercat.stamping import StampingTerminal
 from axisrig.bench.drive.ethercat.sync_unit import LatchUnit
 from axisrig.bench.drive.ethercat.watchdog import Watchdog
 from axisrig.kernel.time.clock import MS
@@ -125,3 +128,36 @@ def test_the_level_is_there_before_any_edge(level: bool | None) -> None:
     unit.look()
     assert noted == [(0, False, 5, 5), (0, True, 7, 7)]
     assert unit.status(0) == 1 << 2
+
+
+def test_a_terminal_stamps_what_came_before_the_frame_that_moves_its_clock() -> None:
+    """The offset that a frame writes is of what comes after it; a terminal that is off does not."""
+    clock = new_scheduler()
+    signal: Any = SimpleNamespace(edges=[], level=False)
+    stepped: list[int] = []
+    terminal = StampingTerminal(clock, (signal, None), stepped.append, 1)
+    clock.run_until(1000)
+
+    def write_offset(offset: int) -> None:
+        sent = frame(physical(2, 0, 0x0920, offset.to_bytes(8, "little")))
+        terminal.process(bytearray(sent), Passage(clock.now_ns, None))
+
+    def stamps() -> tuple[int, ...]:
+        found: tuple[int, ...] = struct.unpack("<4Q", terminal.latches.times())
+        return found[:2]
+
+    write_offset(0)
+    signal.edges.append((1500, True))
+    clock.run_until(2000)
+    write_offset(50_000)
+    assert stamps() == (1500, 0)
+    signal.edges.append((2500, False))
+    clock.run_until(3000)
+    write_offset(90_000)
+    assert stamps() == (1500, 52_500)
+    assert stepped == [1000, 2000, 3000]
+    terminal.power_off()
+    signal.edges.append((3500, True))
+    clock.run_until(4000)
+    write_offset(0)
+    assert (stamps(), stepped) == ((1500, 52_500), [1000, 2000, 3000])
