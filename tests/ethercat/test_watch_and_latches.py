@@ -11,7 +11,7 @@ from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
-from axisrig.bench.drive.ethercat.sync_unit import LatchUnit
+from axisrig.bench.drive.ethercat.sync_unit import LatchUnit, SyncUnit
 from axisrig.bench.drive.ethercat.watchdog import Watchdog
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
@@ -161,3 +161,29 @@ def test_a_terminal_stamps_what_came_before_the_frame_that_moves_its_clock() -> 
     clock.run_until(4000)
     write_offset(0)
     assert (stamps(), stepped) == ((1500, 52_500), [1000, 2000, 3000])
+
+
+def test_each_activation_counts_its_own_pulses() -> None:
+    """A master waits for the first one after each; what was pending ends with the activation."""
+    clock, came = new_scheduler(), list[int]()
+    unit = SyncUnit(
+        clock, DistributedClock(LocalClock()), lambda: came.append(clock.now_ns), lambda: None
+    )
+    unit.cycle0 = MS
+    for begin_ns in (5 * MS, 50 * MS):
+        unit.start = begin_ns
+        unit.activate(3)
+        assert (unit.has_sync0, unit.pulses, unit.status) == (True, 0, 1)
+        clock.run_until(begin_ns - 1)
+        assert unit.pulses == 0
+        clock.run_until(begin_ns + 2 * MS)
+        assert (unit.pulses, unit.status) == (3, 0)
+        unit.activate(0)
+        assert (unit.has_sync0, unit.pulses) == (False, 0)
+        clock.run_until(begin_ns + 20 * MS)
+    assert came == [5 * MS, 6 * MS, 7 * MS, 50 * MS, 51 * MS, 52 * MS]
+    unit.start = 100 * MS
+    unit.activate(3)
+    unit.activate(0)
+    clock.run_until(200 * MS)
+    assert len(came) == 6
