@@ -1,5 +1,6 @@
 """Results folders written by hand: cases that sweep one, two and three inputs, and a search."""
 
+import re
 from pathlib import Path
 
 CASES = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,plc:V.E.A,plc:V.E.B"
@@ -49,3 +50,8 @@ def searched(place: Path, ends: tuple[str, str]) -> Path:
     (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
     (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
     return place
+
+
+def numbers(pattern: str, text: str) -> list[tuple[float, ...]]:
+    """The groups of each place that a pattern fits, as numbers."""
+    return [tuple(map(float, match)) for match in re.findall(pattern, text)]

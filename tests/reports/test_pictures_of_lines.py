@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from tests.reports.swept import numbers
 
 from axisrig.bench.campaign.results.stored import StoredRun
 from axisrig.bench.plan.verdict import Verdict
@@ -25,10 +26,6 @@ def fitted(
     verdict = Verdict.of(word)
     points = tuple(Point(f"{name}{x:g}", x, y, spread, verdict) for x, y in places.items())
     return Fitted(name, slope, intercept, points, verdict)
-
-
-def numbers(pattern: str, text: str) -> list[tuple[float, ...]]:
-    return [tuple(map(float, match)) for match in re.findall(pattern, text)]
 
 
 LINE = r'class="ln-line" d="M([\d.]+),([\d.]+)L([\d.]+),([\d.]+)"'

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.reports.swept import numbers
 
 from axisrig.bench.judge.statistics.summary import describe
 from axisrig.bench.plan.check_row import CheckRow
@@ -53,10 +54,6 @@ def test_what_is_nothing_beside_its_bounds_is_zero() -> None:
 def picture(*effects: Effect, unit: str = "um", columns: str = "ABCD") -> str:
     sweep: Any = SimpleNamespace(case="p-c", metric="m", unit=unit, columns=columns[: len(effects)])
     return tornado(Sensitivity(sweep, effects, 10.0))
-
-
-def numbers(pattern: str, text: str) -> list[tuple[float, ...]]:
-    return [tuple(map(float, match)) for match in re.findall(pattern, text)]
 
 
 RECT = r'<rect class="[\w-]+" x="([\d.]+)" y="([\d.]+)" width="([\d.]+)"'

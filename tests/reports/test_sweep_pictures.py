@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.reports.swept import CASES, CHECKS, folder, searched
+from tests.reports.swept import CASES, CHECKS, folder, numbers, searched
 
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.plan.verdict import Verdict
@@ -20,10 +20,6 @@ def sample(
     at: str, value: float, u: float = 0.0, limits: Limits = (None, None), word: str = "pass"
 ) -> Sample:
     return Sample(f"r{at}", (at,), value, u, limits, Verdict.of(word))
-
-
-def numbers(pattern: str, text: str) -> list[tuple[float, ...]]:
-    return [tuple(map(float, match)) for match in re.findall(pattern, text)]
 
 
 CIRCLE = r'<circle cx="([\d.]+)" cy="([\d.]+)"'
