@@ -279,6 +279,39 @@ def test_state_that_cannot_be_saved_is_told(odd: Odd) -> None:
         slave.save_state()
 
 
+@pytest.mark.parametrize(
+    ("status", "is_done"), [(0, True), (1, True), (2, False), (3, False), (4, False)]
+)
+def test_a_state_that_is_taken_with_a_warning_is_taken(
+    odd: Odd, version: int, status: int, is_done: bool
+) -> None:
+    """OK and WARNING; not DISCARD, ERROR, FATAL. After an error only freeing is allowed."""
+    slave = odd(**saving(version))
+    slave.step_to(3 * MS)
+    state, stand_in = slave.save_state(), SimpleNamespace(calls=0)
+    slave.step_to(4 * MS)
+
+    def answer(*_any: Any) -> int:
+        stand_in.calls += 1
+        return status
+
+    for name in ("_restore", "_save"):
+        before = getattr(slave, name)
+        setattr(slave, name, answer)
+        act = slave.restore_state if name == "_restore" else slave.save_state
+        if is_done:
+            act(state)
+            assert slave.time_ns == state.time_ns
+        else:
+            with pytest.raises(PlantError, match=f"{name[1:]} the state"):
+                act(state)
+        setattr(slave, name, before)
+    assert (stand_in.calls, slave.time_ns) == (2, 3 * MS if is_done else 4 * MS)
+    assert slave._can_terminate is is_done
+    assert slave._is_fatal is (status == 4)
+    slave._is_fatal = False
+
+
 # ---- loading
 
 

@@ -74,3 +74,25 @@ def test_a_folder_stays_as_long_as_a_process_of_it_lives(temporary: Path) -> Non
     session._SESSION.clear()
     session.session_folder()
     assert not folder.exists()
+
+
+FORKS = """\
+import os
+import sys
+from axisrig.kernel.cosim.fmi.session import session_folder
+folder = session_folder()
+child = os.fork()
+if not child:
+    sys.exit()
+os.waitpid(child, 0)
+print(folder, folder.is_dir())
+"""
+
+
+def test_a_forked_child_leaves_the_folder_to_the_process_that_made_it(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", FORKS], env=os.environ | {"TMPDIR": str(tmp_path)},
+        stdout=subprocess.PIPE, text=True, check=True,
+    )  # fmt: skip
+    folder, is_there = done.stdout.split()
+    assert (is_there, Path(folder).exists()) == ("True", False)
