@@ -47,8 +47,11 @@ class DeadTime:
         speed_mm: travel in one cycle at the latch. Raises Alarm 900520 for a place that the axis
         cannot have been at in this block.
         """
-        back_mm = value_mm - self.cycles * speed_mm
+        way_mm = self.cycles * speed_mm
+        back_mm = value_mm - way_mm
         before_mm = self.begin_mm - back_mm if speed_mm > 0.0 else back_mm - self.begin_mm
+        # An axis that stands or swings back as it settles is led by next to nothing
+        before_mm = min(before_mm, abs(way_mm))
         if before_mm > self.window_mm + self._lag_mm + self.behind_mm(abs(speed_mm)):
             raise Alarm(
                 900520,
