@@ -302,3 +302,28 @@ def test_a_slope_cuts_a_step_towards_the_error_alone() -> None:
         assert limiter.limit(sign, sign * 0.01, settings) == pytest.approx(sign * 0.04)
         limiter.step_mm = -sign * 0.05
         assert limiter.limit(-sign, sign * 0.01, settings) == pytest.approx(-sign * 0.06)
+
+
+@pytest.mark.parametrize(
+    ("no_move", "state", "offset_mm"),
+    [(True, DistanceState.INACTIVE, 0.0), (False, DistanceState.TURNING_OFF, 1.0)],
+)
+def test_an_offset_that_is_to_move_nothing_is_left_to_its_owner(
+    no_move: bool, state: DistanceState, offset_mm: float
+) -> None:
+    control = control_of(kp=0.5)
+    say(control, ON)
+    see(control, 2.0)
+    say(control, OFF, no_move=no_move)
+    assert (control.state, control.offset_mm) == (state, offset_mm)
+
+
+def test_off_without_an_offset_is_over_at_once_and_forgets_its_comparison() -> None:
+    control = control_of(kp=0.0)
+    say(control, ON)
+    see(control, 2.0)
+    say(control, OFF)
+    see(control, 2.0)
+    assert (control.state, control.filtered_mm) == (DistanceState.INACTIVE, 0.0)
+    say(control, OFF)
+    assert control.state is DistanceState.INACTIVE
