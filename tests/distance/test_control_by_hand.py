@@ -327,3 +327,28 @@ def test_off_without_an_offset_is_over_at_once_and_forgets_its_comparison() -> N
     assert (control.state, control.filtered_mm) == (DistanceState.INACTIVE, 0.0)
     say(control, OFF)
     assert control.state is DistanceState.INACTIVE
+
+
+def test_an_offset_runs_out_from_rest_after_an_error() -> None:
+    """10 um per cycle²; OFF comes in the cycle after the error."""
+    control = control_of(kp=1.0, a_max_mm_s2=1e4, max_pos_mm=9.0)
+    say(control, ON)
+    see(control, 5.0, 5.0, 5.0)
+    assert control.step_mm == pytest.approx(0.03)
+    with pytest.raises(Alarm):
+        see(control, 9.5)
+    say(control, OFF)
+    see(control, 9.5)
+    assert control.step_mm == pytest.approx(-0.01)
+
+
+def test_a_reference_is_the_mean_since_the_axis_was_last_sent_anywhere() -> None:
+    control = control_of(n_cycles=4)
+    for sensor_mm, sent_mm in ((1.0, 0.0), (1.0, 0.0), (7.0, 3.0), (9.0, 3.0)):
+        control.step(Reading(sensor_mm, 0.0, sent_mm))
+    assert not control.may_reference()
+    control.reference(9.0)
+    assert control.zero_mm == 7.5  # of 7, 7, 7 and 9
+    for _ in range(2):
+        control.step(Reading(9.0, 0.0, 3.0))
+    assert control.may_reference()
