@@ -148,3 +148,23 @@ def test_a_reset_has_the_axis_as_power_on_has_it(fake_axis: Any) -> None:
     for word in (0x06, 0x07, 0x0F):
         one.cycle(controlword=word)
     assert servo.state is State.OPERATION_ENABLED
+
+
+@pytest.mark.parametrize(("word", "option"), [(0x07, "disable_option"), (0x06, "shutdown_option")])
+def test_a_fault_while_a_transition_brakes_ends_in_fault(
+    fake_axis: Any, word: int, option: str
+) -> None:
+    """Transition 5 or 8 waits for its ramp; 13 takes its place, and nothing of it comes later."""
+    one = ServoAlone(
+        fake_axis(), 9, target_velocity=0.1 * PER_M, profile_deceleration=2 * PER_M, **{option: 1}
+    )
+    one.cycle()
+    one.cycle(controlword=word)
+    assert one.servo.machine.waiting is not None
+    one.run_ms(5)
+    assert one.servo.state is State.OPERATION_ENABLED
+    one.servo.fault(0x2310, 1 << 1, one.now_ns)
+    assert (one.servo.machine.waiting, one.servo.state.name) == (None, "FAULT_REACTION_ACTIVE")
+    one.run_ms(200)
+    assert one.servo.state.name == "FAULT"
+    assert not one.axis.commands[-1].enabled
