@@ -29,7 +29,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Mark:
-    """An upright line at a value of the input. kind: of the style sheet, good or bad."""
+    """An upright line at a value of the input. kind: of the style sheet, `holds` or `fails`."""
 
     at: str
     kind: str
