@@ -11,7 +11,7 @@ import pytest
 from tests.plan.cases import case_of
 
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
-from axisrig.bench.campaign.results.stored import IN_PLAN, PROBE
+from axisrig.bench.campaign.results.stored import PROBE
 from axisrig.bench.files import sha256_of
 from axisrig.kernel.errors import UserError
 
@@ -51,32 +51,18 @@ def history(
 # The first call
 
 
-def test_a_call_is_finished_when_all_that_it_was_to_run_is_written(tmp_path: Path) -> None:
-    of_call = history(tmp_path, [plan_of("p", "a", "b", "c")], ["p-a", "p-b"])
-    assert of_call.manifest({}, []) == {
-        **HEAD, "missing": {"p": ["p-a", "p-b"]}, "runs_planned": 2, "finished": False,
-    }  # fmt: skip
-    half = of_call.manifest(rows("p-a"), ["p-a"])
-    assert (half["missing"], half["finished"]) == ({"p": ["p-b"]}, False)
-    assert of_call.manifest(rows("p-a", "p-b"), ["p-a", "p-b"]) == {
-        **HEAD, "runs_planned": 2, "finished": True,
-    }  # fmt: skip
-
-
-def test_a_row_of_an_earlier_call_is_not_yet_one_of_this(tmp_path: Path) -> None:
-    """All rows are there, but the call was to write this one anew."""
-    of_call = history(tmp_path, [plan_of("p", "a")], ["p-a"])
-    assert of_call.manifest(rows("p-a"), [])["finished"] is False
-    assert "missing" not in of_call.manifest(rows("p-a"), [])
-
-
-def test_missing_runs_are_by_their_plans(tmp_path: Path) -> None:
-    plans = [plan_of("q", "a", "b"), plan_of("p", "a")]
-    of_call = history(tmp_path, plans, ["q-a", "p-a", "q-b"])
-    missing = of_call.manifest(rows("q-a"), ["q-a"])["missing"]
-    assert {name: set(runs) for name, runs in missing.items()} == {"q": {"q-b"}, "p": {"p-a"}}
-    of_call.note({"spent_s": 3.5, "jobs": 2})
-    assert {"spent_s": 3.5, "jobs": 2}.items() <= of_call.manifest({}, []).items()
+def test_missing_runs_are_in_the_order_of_their_plans(tmp_path: Path) -> None:
+    """Whatever the order is in which they are asked for."""
+    names = [f"r{number}" for number in (7, 3, 9, 1, 8, 2, 6, 4, 5)]
+    plans = [plan_of("q", *names), plan_of("p", *names)]
+    ids = [f"{plan}-{name}" for plan in "qp" for name in names]
+    of_call = history(tmp_path, plans, ids)
+    missing = of_call.manifest(rows("q-r9", "p-r7"), ["q-r9", "p-r7"])["missing"]
+    assert missing == {
+        "q": [run for run in ids[:9] if run != "q-r9"],
+        "p": [run for run in ids[9:] if run != "p-r7"],
+    }
+    assert list(missing) == ["q", "p"]
 
 
 # A later one
@@ -103,29 +89,6 @@ def test_an_earlier_call_stays_with_the_runs_that_it_still_has(tmp_path: Path) -
     assert "earlier" not in later.manifest(there, ["p-b"])
 
 
-def test_the_second_of_two_earlier_calls_has_what_the_first_does_not(tmp_path: Path) -> None:
-    before = {"command": ["second"], "plans": [entry("p")],
-              "earlier": [{"command": ["first"], "runs": ["p-a"]}]}  # fmt: skip
-    third = history(written(tmp_path, **before), [plan_of("p", "a", "b", "c")], ["p-c"])
-    third.found(rows("p-a", "p-b"))
-    found = third.manifest(rows("p-a", "p-b"), [])["earlier"]
-    assert [(one["command"], one["runs"]) for one in found] == [
-        (["first"], ["p-a"]), (["second"], ["p-b"]),
-    ]  # fmt: skip
-
-
-def test_what_an_earlier_call_could_not_run_is_still_missing(tmp_path: Path) -> None:
-    """Unless the plan has it no more; of a plan that is not called, what its row says."""
-    before = {"plans": [entry("p"), entry("q")],
-              "missing": {"p": ["p-b", "p-gone"], "q": ["q-a", "q-b"]}}  # fmt: skip
-    later = history(written(tmp_path, **before), [plan_of("p", "a", "b")], ["p-a"])
-    there = {"p-a": row("p-a"), "q-a": row("q-a", "q", **{IN_PLAN: "no"})}
-    later.found(there)
-    found = later.manifest(there, ["p-a"])
-    assert found["missing"] == {"p": ["p-b"], "q": ["q-b"]}
-    assert (found["runs_planned"], found["finished"]) == (3, False)
-
-
 def test_plans_of_the_folder_stay_in_their_order_with_those_of_the_call(tmp_path: Path) -> None:
     before = {"plans": [entry("p", sha256="1" * 64), entry("q", sha256="1" * 64)]}
     new = [entry("q", sha256="2" * 64), entry("r", sha256="2" * 64)]
@@ -137,28 +100,6 @@ def test_plans_of_the_folder_stay_in_their_order_with_those_of_the_call(tmp_path
     ]  # fmt: skip
     both = history(tmp_path, [plan_of("p", "a"), *plans], ["q-a"])
     assert both.is_whole is True
-
-
-def test_rows_are_by_plan_and_case_and_what_is_in_no_plan_comes_last(tmp_path: Path) -> None:
-    before = {"plans": [entry("q"), entry("p")]}
-    later = history(written(tmp_path, **before), [plan_of("p", "b", "a"), plan_of("r", "a")], [])
-    order = [
-        row("q-z", "q"),  # of a plan that is not called: in its own order
-        row("q-a", "q"),
-        row("p-b"),
-        row("p-b-s01", **{PROBE: "p-b"}),
-        row("p-b-s02", **{PROBE: "p-b"}),
-        row("p-a"),
-        row("r-a", "r"),
-        row("q-gone", "q", **{IN_PLAN: "no"}),
-        row("p-gone"),
-        row("p-gone-s01", **{PROBE: "p-gone"}),
-    ]
-    assert sorted(order, key=later.place) == order
-    shuffled = [order[at] for at in (9, 7, 8, 6, 4, 3, 5, 2, 0, 1)]
-    found = [one["run"] for one in sorted(shuffled, key=later.place)]
-    assert found[:7] == [one["run"] for one in order[:7]]
-    assert set(found[7:]) == {"q-gone", "p-gone", "p-gone-s01"}
 
 
 # Whose folder it is
