@@ -352,3 +352,32 @@ def test_a_reference_is_the_mean_since_the_axis_was_last_sent_anywhere() -> None
     for _ in range(2):
         control.step(Reading(9.0, 0.0, 3.0))
     assert control.may_reference()
+
+
+def test_what_a_filter_remembers_is_that_of_the_present_one() -> None:
+    control = control_of(n_cycles=2)
+    see(control, 1.0)
+    assert not control.may_reference()
+    see(control, 1.0)
+    assert control.may_reference()
+    control.program(n_cycles=4)
+    assert not control.may_reference()
+    see(control, 1.0, 1.0)
+    assert control.may_reference()
+
+
+@pytest.mark.parametrize("command", [ON, CONST])
+def test_set_values_that_are_forgotten_are_none_for_the_next_on(command: DistanceCommand) -> None:
+    control = control_of()
+    say(control, command)
+    control.forget_set_values()
+    see(control, 0.5)
+    assert (control.set_pos_mm, control.set_dist_mm) == (0.0, 0.0)
+    say(control, FREEZE)
+    with pytest.raises(Alarm) as caught:
+        say(control, command)
+    assert (caught.value.id, control.state) == (
+        70335 if command is ON else 900311, DistanceState.FREEZE,
+    )  # fmt: skip
+    say(control, command, dry_run=True)
+    assert control.is_dry_run

@@ -1,0 +1,274 @@
+"""What a drive has by its dictionary, by hand: ranges, bytes, what a DCF wants, texts of an EDS."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from canopen import objectdictionary
+from canopen.objectdictionary import ODVariable, datatypes
+
+from axisrig.kernel.drives.canopen.dcf import dcf_value, dcf_values
+from axisrig.kernel.drives.canopen.dictionary import (
+    allowed_values,
+    check_objects,
+    encode,
+    variable,
+)
+from axisrig.kernel.drives.canopen.eds_file import (
+    EdsFile,
+    Section,
+    object_of,
+    read_eds_file,
+    table_of,
+    whole_number,
+)
+from axisrig.kernel.errors import UserError
+
+MAKE: Any = objectdictionary  # its constructors have no types
+U8, U16, I16, I32 = (
+    datatypes.UNSIGNED8, datatypes.UNSIGNED16, datatypes.INTEGER16, datatypes.INTEGER32,
+)  # fmt: skip
+
+
+def item(index: int, sub: int = 0, kind: int = U16, **more: Any) -> ODVariable:
+    found: ODVariable = MAKE.ODVariable(f"object {index:X}", index, sub)
+    found.data_type, found.access_type, found.pdo_mappable = kind, "rw", True
+    for name, value in more.items():
+        setattr(found, name, value)
+    return found
+
+
+def dictionary(*items: ODVariable) -> Any:
+    od = MAKE.ObjectDictionary()
+    for found in items:
+        if not found.subindex:
+            od.add_object(found)
+            continue
+        if found.index not in od:
+            od.add_object(MAKE.ODRecord(f"record {found.index:X}", found.index))
+        od[found.index].add_member(found)
+    return od
+
+
+# Ranges
+
+
+@pytest.mark.parametrize(
+    ("kind", "low", "high", "values"),
+    [
+        (U8, None, None, range(256)), (I16, None, None, range(-32768, 32768)),
+        (datatypes.BOOLEAN, None, None, range(2)), (U8, 5, None, range(5, 256)),
+        (U8, None, 9, range(10)), (I16, -3, 4, range(-3, 5)),
+        # Place holders of editors: nothing but one value, or none
+        (U8, 0, 0, range(256)), (U8, 7, 7, range(256)), (I16, 5, 1, range(-32768, 32768)),
+        (U8, 6, 7, range(6, 8)),
+    ],
+)  # fmt: skip
+def test_a_whole_number_is_inside_its_limits_or_its_type(
+    kind: int, low: int | None, high: int | None, values: range
+) -> None:
+    assert allowed_values(item(0x2000, kind=kind, min=low, max=high)) == values
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "data"),
+    [(U8, 255, "ff"), (U16, 258, "0201"), (I16, -2, "feff"), (I32, -2, "feffffff"),
+     (datatypes.BOOLEAN, 1, "01")],
+)  # fmt: skip
+def test_a_value_is_written_as_its_type_wants_it(kind: int, value: int, data: str) -> None:
+    assert encode(dictionary(item(0x2000, kind=kind)), 0x2000, 0, value).hex() == data
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "text"),
+    [(U8, 256, "does not fit"), (U8, -1, "does not fit"), (I16, 32768, "does not fit"),
+     (datatypes.BOOLEAN, 2, "does not take"), (datatypes.REAL32, 1, "only whole numbers")],
+)  # fmt: skip
+def test_a_value_that_its_type_does_not_hold_is_refused(kind: int, value: int, text: str) -> None:
+    with pytest.raises(UserError, match=text):
+        encode(dictionary(item(0x2000, kind=kind)), 0x2000, 0, value)
+
+
+def test_limits_count_where_they_are_minded() -> None:
+    od = dictionary(item(0x2000, kind=U8, min=5, max=9))
+    assert [encode(od, 0x2000, 0, value) for value in (5, 9)] == [b"\x05", b"\x09"]
+    for value in (4, 10):
+        with pytest.raises(UserError, match="does not take the value") as caught:
+            encode(od, 0x2000, 0, value)
+        assert caught.value.allowed == "5 to 9"
+        assert encode(od, 0x2000, 0, value, minds_limits=False) == bytes((value,))
+
+
+def test_an_object_is_there_by_index_and_sub_index() -> None:
+    od = dictionary(item(0x2000), item(0x2001, 1), item(0x2001, 2))
+    array = MAKE.ODArray("array", 0x2002)
+    array.add_member(item(0x2002, 1))
+    od.add_object(array)
+    found = {
+        (index, sub): variable(od, index, sub) is not None
+        for index in (0x2000, 0x2001, 0x2002, 0x2003)
+        for sub in (0, 1, 2, 3)
+    }
+    there = {(0x2000, 0), (0x2001, 1), (0x2001, 2), (0x2002, 1)}
+    assert {place for place, is_there in found.items() if is_there} == there
+    with pytest.raises(UserError, match="no such object") as caught:
+        encode(od, 0x2001, 3, 1)
+    assert caught.value.allowed == "sub-index 1, 2"
+
+
+@pytest.mark.parametrize("access", ["ro", "const"])
+def test_what_cannot_be_written_is_refused(access: str) -> None:
+    with pytest.raises(UserError, match="does not let the object be written"):
+        encode(dictionary(item(0x2000, access_type=access)), 0x2000, 0, 1)
+
+
+@pytest.mark.parametrize(
+    ("is_received", "more", "bits", "signed", "text"),
+    [
+        (True, {}, 16, False, None), (False, {}, 16, False, None),
+        (True, {"access_type": "ro"}, 16, False, "RPDO cannot carry"),
+        (False, {"access_type": "ro"}, 16, False, None),
+        (False, {"access_type": "wo"}, 16, False, "TPDO cannot carry"),
+        (True, {"access_type": "wo"}, 16, False, None),
+        (True, {"pdo_mappable": False}, 16, False, "no PDO may carry"),
+        (True, {}, 8, False, "another type"), (True, {}, 16, True, "another type"),
+        (True, {"data_type": I16}, 16, True, None),
+    ],
+)  # fmt: skip
+def test_a_telegram_carries_what_the_drive_lets_it(
+    is_received: bool, more: dict[str, Any], bits: int, signed: bool, text: str | None
+) -> None:
+    od = dictionary(item(0x2000, **more))
+    mapped = SimpleNamespace(index=0x2000, sub=0, bits=bits, signed=signed)
+    telegram: Any = SimpleNamespace(name="PDO1", is_received=is_received, objects=[mapped])
+    if text is None:
+        check_objects(od, telegram)
+    else:
+        with pytest.raises(UserError, match=text):
+            check_objects(od, telegram)
+    mapped.index = 0x2001
+    with pytest.raises(UserError, match="does not have"):
+        check_objects(od, telegram)
+
+
+# A DCF
+
+
+def test_a_dcf_wants_values_written_that_are_not_the_ones_of_the_control() -> None:
+    od = dictionary(
+        item(0x1017, value=9), item(0x6040, value=6), item(0x60C2, 1, value=4),
+        item(0x2000, value=7), item(0x2001), item(0x2002, value=5, access_type="ro", default=5),
+        item(0x2003, 1, I16, value=-2), item(0x2003, 2, datatypes.REAL32, value=0.5),
+        item(0x2004, kind=datatypes.VISIBLE_STRING, value="ab"),
+        item(0x6065, kind=I32, value=1, default=1), item(0x2005, value=b"\x01\x02"),
+    )  # fmt: skip
+    found = [(v.index, v.sub, v.value, v.data.hex()) for v in dcf_values(od)]
+    assert found == [
+        (0x2000, 0, 7, "0700"), (0x2003, 1, -2, "feff"), (0x2003, 2, 0.5, "0000003f"),
+        (0x2004, 0, "ab", "6162"), (0x2005, 0, b"\x01\x02", "0102"), (0x6065, 0, 1, "01000000"),
+    ]  # fmt: skip
+    assert [dcf_value(od, 0x2003, sub) for sub in (1, 2, 3)] == [-2, None, None]
+    assert dcf_value(od, 0x1017, 0) is None
+
+
+def test_a_dcf_that_wants_another_value_of_what_cannot_be_written_is_refused() -> None:
+    od = dictionary(item(0x2002, value=6, access_type="ro", default=5))
+    with pytest.raises(UserError, match="does not let the object be written"):
+        list(dcf_values(od))
+
+
+# Texts
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("12", 12), ("+12", 12), ("-12", -12), ("0x1F", 31), ("-0X1f", -31), ("017", 15),
+     ("-0017", -15), ("0", 0), ("00", 0), ("08", 8), (" 7 ", 7), ("", None), ("0x", None),
+     ("1.5", None), ("$NODEID", None), ("12a", None), ("--1", None)],
+)  # fmt: skip
+def test_a_number_is_decimal_hexadecimal_or_octal(text: str, number: int | None) -> None:
+    assert whole_number(text) == number
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "table"),
+    [
+        ("1018", (0x1018, None), None),
+        ("1018sub4", (0x1018, 4), None),
+        ("1A00SUBff", (0x1A00, 255), None),
+        ("7", (7, None), None),
+        ("1018sub", None, None),
+        ("10180", None, None),
+        ("DeviceInfo", None, None),
+        ("1003Name", None, (0x1003, "Name")),
+        ("1003VALUE", None, (0x1003, "Value")),
+        ("1018sub1000", None, None),
+        ("1010ObjectLinks", None, (0x1010, "Objectlinks")),
+    ],
+)
+def test_a_section_is_an_object_a_member_or_a_table(
+    name: str, place: tuple[int, int | None] | None, table: tuple[int, str] | None
+) -> None:
+    assert (object_of(name), table_of(name)) == (place, table)
+
+
+@pytest.mark.parametrize(
+    ("text", "number", "notes"),
+    [("5", 5, []), ("", None, ["is empty and counts as missing"]), (None, None, [])],
+)
+def test_a_key_that_is_empty_counts_as_missing(
+    tmp_path: Path, text: str | None, number: int | None, notes: list[str]
+) -> None:
+    path = tmp_path / "some.eds"
+    path.write_text("[1000]\nOther=1\n" + ("" if text is None else f"DataType={text}\n"))
+    file = read_eds_file(str(path))
+    assert file.number(file.sections["1000"], "DATATYPE") == number
+    assert [note.text for note in file.notes] == notes
+    assert [(note.place, note.line) for note in file.notes] == [("[1000] DATATYPE", 3)] * len(notes)
+
+
+def test_a_key_that_is_no_number_is_refused_with_its_line() -> None:
+    file, section = EdsFile("some.eds"), Section("1000", 4)
+    with pytest.raises(UserError) as caught:
+        raise file.refused("no number", section, "DataType", "decimal")
+    assert (caught.value.line, caught.value.value, str(caught.value.file)) == (4, None, "some.eds")
+
+
+@pytest.mark.parametrize(
+    ("data", "value", "notes"),
+    [
+        (b"[A]\nKey = x ; of what\n", "x", []),
+        ("[A]\nKey=ä\n".encode("utf-8-sig"), "ä", ["the file begins with a byte order mark"]),
+        ("[A]\nKey=ä\n".encode("utf-16"), "ä", ["the file begins with a byte order mark"]),
+        ("[A]\nKey=ä\n".encode("cp1252"), "ä", ["the file is no UTF-8 and is read as cp1252"]),
+        (b"; [B]\n# no\n[ A ] ; first\r\nKey=x\r\nno key\r\n\x1a", "x",
+         ["line 5 is neither section nor key and is left out"]),
+        (b"[A]\nKey=x\nkey=x\n", "x", ["is there twice with one value, lines 2 and 3"]),
+        (b"[A]\nKey=a;b\n", "a;b", []),
+    ],
+)  # fmt: skip
+def test_a_file_is_read_as_its_editor_has_written_it(
+    tmp_path: Path, data: bytes, value: str, notes: list[str]
+) -> None:
+    path = tmp_path / "some.eds"
+    path.write_bytes(data)
+    file = read_eds_file(str(path))
+    assert (list(file.sections), file.sections["a"].text("KEY")) == (["a"], value)
+    assert [note.text for note in file.notes] == notes
+
+
+@pytest.mark.parametrize(
+    ("data", "text", "line"),
+    [("Key=1\n[A]\n", "before the first section", 1), ("\n; c\n", "has no section", None),
+     ("[A]\n[b]\n[a]\n", "is there twice, first in line 1", 3),
+     ("[A]\nk=1\nK=2\n", "is there twice, first in line 2 with '1'", 3)],
+)  # fmt: skip
+def test_a_file_that_says_two_things_is_refused(
+    tmp_path: Path, data: str, text: str, line: int | None
+) -> None:
+    path = tmp_path / "some.eds"
+    path.write_text(data)
+    with pytest.raises(UserError, match=text) as caught:
+        read_eds_file(str(path))
+    assert caught.value.line == line
