@@ -101,6 +101,9 @@ def test_command_takes_version_platform_and_compiler(axisrig):
     assert (code, "no such FMI version" in err) == (2, True)
     code, _, err = axisrig("fmu", "build", SOME[0], "--platform", "amiga", "--compiler", "cc")
     assert (code, "no such platform" in err) == (2, True)
+    for place in ((), ("--out", "releases")):
+        code, _, err = axisrig("fmu", "build", SOME[0], "--compiler", "tcc", *place)
+        assert (code, "no such compiler" in err, "'tcc'" in err) == (2, True, True)
     code, _, err = axisrig("fmu", "build", SOME[0], "--all")
     assert (code, "--all is every model" in err) == (2, True)
 

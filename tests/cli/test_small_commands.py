@@ -48,18 +48,26 @@ def test_a_page_is_written_as_it_is(
     assert capsys.readouterr().out == "# page\n# page\n"
 
 
-@pytest.mark.parametrize(("is_well", "code"), [(True, 0), (False, 1)])
+@pytest.mark.parametrize(
+    ("lines", "code"),
+    [
+        (["so it is"], 0),
+        (["LACKS it"], 1),
+        (["LACKS it", "so it is"], 1),
+        (["so it is", "LACKS it", "LACKS more", "so it is"], 1),
+    ],
+)
 def test_the_doctor_ends_with_what_it_found(
-    is_well: bool, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    lines: list[str],
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(
-        "axisrig.bench.tools.listings.doctor.examine",
-        lambda **_: iter(["so it is" if is_well else "LACKS it"]),
-    )
+    monkeypatch.setattr("axisrig.bench.tools.listings.doctor.examine", lambda **_: iter(lines))
     with pytest.raises(typer.Exit) as caught:
         list_commands.doctor()
     assert caught.value.exit_code == code
-    assert capsys.readouterr().out == ("so it is\n" if is_well else "LACKS it\n")
+    assert capsys.readouterr().out.splitlines() == lines
 
 
 @pytest.mark.parametrize(

@@ -206,6 +206,22 @@ def test_what_follows_the_node_number_follows_that_of_the_drive(
     assert values[0x6F00, 0] == 5
 
 
+@pytest.mark.parametrize("place", [1, 2])
+def test_a_default_mapping_with_an_object_that_nothing_carries_is_empty(
+    tmp_path: Path, place: int
+) -> None:
+    """7F00 is in no object dictionary; the other mappings stay."""
+    path = tmp_path / "foreign.eds"
+    text = changed(foreign(), f"1A00sub{place}", DefaultValue="0x7F000010")
+    path.write_text(text, encoding="ascii")
+    values = foreign_table(DriveProfile(), read_eds(str(path), NODE)).defaults(NODE)
+    assert values[0x1A00, 0] == 0
+    path.write_text(foreign(), encoding="ascii")
+    as_listed = foreign_table(DriveProfile(), read_eds(str(path), NODE)).defaults(NODE)
+    assert as_listed[0x1A00, 0] == 2
+    assert values[0x1A02, 0] == as_listed[0x1A02, 0] == 1
+
+
 def test_limits_and_access_are_those_of_the_file(bench: Any) -> None:
     sdo = bench.remote.sdo
     assert aborted(lambda: sdo.download(0x6065, 0, struct.pack("<I", 10001))) == TOO_HIGH

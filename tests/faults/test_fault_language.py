@@ -77,7 +77,13 @@ def test_a_sync_can_be_lost_for_a_bus_or_for_one_drive(rig: RigFile) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"), [("00ff10", b"\x00\xff\x10"), ("random", "random"), ("", None)]
+    ("text", "expected"),
+    [
+        ("00ff10", b"\x00\xff\x10"),
+        ("0011223344556677", bytes.fromhex("0011223344556677")),  # as much as a frame carries
+        ("random", "random"),
+        ("", None),
+    ],
 )
 def test_data_of_a_second_sender(rig: RigFile, text: str, expected: object) -> None:
     if expected is None:

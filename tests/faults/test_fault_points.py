@@ -13,6 +13,7 @@ from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_IMAGES, ON
 from axisrig.bench.machine.faults.points import ROOMS, points
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.fault_targets import axes_of
 from axisrig.bench.rig.reading.faults import fault_kinds, read_faults
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
@@ -136,3 +137,18 @@ def test_axes_of_a_point_are_those_whose_moments_count() -> None:
     assert found["X.TPDO1"].axes == found["X"].axes == ("X",)
     for segment in dict.fromkeys(on.values()):
         assert found[segment].axes == tuple(a for a in on if on[a] == segment)
+
+
+def test_a_plant_is_of_the_axes_that_it_is_wired_to() -> None:
+    """As motor, as second encoder, as probe; what no axis has is of them all."""
+    rig = settings_of("distance-xz-one-segment.toml").rig
+    assert (rig.axis["X"].encoder_2, rig.axis["Z"].encoder_2) == (None, "gap")
+    for sensor, words in (("gap", "sensor"), ("gap.held", "input")):
+        assert axes_of(sensor, [words], rig) == ("Z",)
+    for name, table in rig.axis.items():
+        assert axes_of(f"{table.plant}.load", ["input"], rig) == (name,)
+    assert axes_of("elsewhere", ["sensor"], rig) == ("X", "Z")
+    probing = settings_of("probe-xyz.toml").rig
+    for name, table in probing.axis.items():
+        ways = {axes_of(probe, ["probe"], probing) for probe in table.signals.values()}
+        assert all(name in axes for axes in ways)

@@ -109,7 +109,10 @@ def test_blocks_of_any_size_give_the_same_rows(monkeypatch: pytest.MonkeyPatch) 
     for late_ns in (0, 300 * US):
         whole, _ = written(7, 100, late_ns, monkeypatch)
         for block_rows in (1, 2, 3, 7):
-            parts, _ = written(7, block_rows, late_ns, monkeypatch)
+            parts, plants = written(7, block_rows, late_ns, monkeypatch)
+            # The largest force is of the way since the row before, also of one that is written
+            since = [(max(1, row - 1) * MS, row * MS) for row in range(1, 8)]
+            assert plants["X"].asked == since
             assert parts.column_names == whole.column_names
             for name in whole.column_names:
                 assert parts[name].to_numpy().tolist() == whole[name].to_numpy().tolist(), name

@@ -1,5 +1,6 @@
 """A PROFIdrive drive in a machine: what is refused, alarms of its start and of its interface."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -153,6 +154,16 @@ def test_a_gain_of_the_cnc_has_the_limit_of_its_dead_cycle() -> None:
     settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=99900")
     with pytest.raises(UserError, match="must be below 1 with 1 dead cycles"):
         settings_of("drive:servo.telegram=3", "set:Z.getriebe[0].kv=100000")
+
+
+@pytest.mark.parametrize(("speed_loop_us", "limit"), [(1000, "0.618"), (2000, "0.445")])
+def test_a_speed_loop_is_a_dead_time_of_the_loop_in_the_cnc(speed_loop_us: int, limit: str) -> None:
+    """2 sin(pi/(2 (2 n + 1))) with n = 1 cycle of the images and those of the speed loop."""
+    slow = f"drive:servo.speed_loop_us={speed_loop_us}"
+    kv = round(100_000 * 2 * math.sin(math.pi / (2 * (3 + speed_loop_us / 500))))
+    settings_of("drive:servo.telegram=3", slow, f"set:Z.getriebe[0].kv={kv - 50}")
+    with pytest.raises(UserError, match=f"must be below {limit}"):
+        settings_of("drive:servo.telegram=3", slow, f"set:Z.getriebe[0].kv={kv + 50}")
 
 
 CNC = "set:Z.antr.operation_mode=CNC_POSITION_CONTROL"

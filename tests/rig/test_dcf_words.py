@@ -1,5 +1,6 @@
 """What a rig makes of the values of a DCF."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from tests.eds_changes import changed
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.canopen.checks import axis_steps
-from axisrig.bench.rig.canopen.eds_words import eds_warnings
+from axisrig.bench.rig.canopen.eds_words import commissioned, eds_warnings
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.startup_steps import Write as WriteStep
@@ -127,3 +128,18 @@ def test_limits_of_a_dcf_that_act_first_are_named(
     )
     found = [text for text in eds_warnings(settings) if "the drive stops first" in text]
     assert [words in text for text in found] == [True] * (words is not None)
+
+
+def test_node_and_bit_rate_of_a_dcf_that_changes_are_read_again(tmp_path: Path) -> None:
+    """0 and a missing key say nothing; an EDS has no such section."""
+    path = tmp_path / "drive.dcf"
+    commissioning = "[DeviceComissioning]\nNodeID={node}\nBaudrate={rate}\n"
+    for number, (node, rate, found) in enumerate(
+        [(3, 500, (3, 500_000)), (7, 500, (7, 500_000)), (7, 0, (7, None)), (0, 20, (None, 20_000))]
+    ):
+        path.write_text(EDS + "\n" + commissioning.format(node=node, rate=rate), encoding="ascii")
+        os.utime(path, ns=(0, 10**9 * (number + 1)))
+        assert commissioned(str(path)) == found
+    bare = tmp_path / "drive.eds"
+    bare.write_text(EDS, encoding="ascii")
+    assert commissioned(str(bare)) == (None, None)

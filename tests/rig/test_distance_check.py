@@ -1,6 +1,7 @@
 """What a rig lacks for distance control, and the limits of kp that `axisrig check` reckons."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -214,6 +215,16 @@ def test_default_gain_and_filter_are_unstable_in_constant_distance_only(tmp_path
     (text,) = describe_distance(settings, {})
     assert "SET_POS: stable as listed" in text
     assert "CONST_DIST: UNSTABLE as listed" in text
+
+
+def test_the_filter_that_acts_decides_not_the_listed_one(tmp_path: Path) -> None:
+    """A mean of 20 has its limit at 0.17 with two dead cycles, no filter at 0.618."""
+    for listed, acting, is_right in ((1, 20, False), (20, 1, True), (1, 1, True), (20, 20, False)):
+        settings = settings_of(tmp_path, "", f"set:Z.kenngr.distc.n_cycles={listed}")
+        (sensor,) = sensors_of(settings, "Z")
+        control = replace(listed_for(settings, "Z").control, kp=0.4, count=acting)
+        warning = unstable(settings, "Z", sensor, CONST_DIST, control)
+        assert (warning is None) is is_right, (listed, acting)
 
 
 @pytest.mark.parametrize(("v_max", "rings"), [(10000, True), (300, False)])

@@ -11,6 +11,7 @@ import pytest
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.families import family_of, rig_families
 from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.sercos.checks import latch_of
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.profidrive.parameters import parameters as known_parameters
@@ -57,6 +58,31 @@ SERCOS: list[Case] = [
       f"{AT}S-0-0051 S-0-0133"), ""),
     (("set:Z.kenngr.messachse=0", f"{AT}S-0-0051"), ""),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("at", "lines", "latch"),
+    [
+        ("S-0-0051 S-0-0130 S-0-0133", "", (2, "NEG")),  # the last one
+        ("S-0-0051 S-0-0133 S-0-0130", "", (1, "POS")),
+        ("S-0-0051 S-0-0131 S-0-0053", "", (1, "NEG")),
+        ("S-0-0051", "", (1, "POS")),
+        ("S-0-0051 S-0-0130 S-0-0133", "kenngr.measure.edge NEG", (1, "NEG")),
+        ("S-0-0051 S-0-0131 S-0-0130", "kenngr.measure.input 2", (2, "POS")),
+    ],
+)
+def test_the_latch_of_a_sercos_axis_is_that_of_its_list_or_of_its_at(
+    at: str, lines: str, latch: tuple[int, str], tmp_path: Path
+) -> None:
+    """P-AXIS-00517 and 00518 begin with input 1 and POS."""
+    text = (RIGS / "lists" / "axis-z-sercos.lst").read_text()
+    bare = [line for line in text.splitlines() if ".input " not in line and ".edge " not in line]
+    (tmp_path / "z.lst").write_text("\n".join([*bare, lines, ""]))
+    rig = tmp_path / "rig.toml"
+    base = (RIGS / "probe-z-sercos.toml").as_posix()
+    rig.write_text(f'base = "{base}"\n[axis.Z]\nlist = "z.lst"\n', encoding="utf-8")
+    changes = [(parse_assignment(f"{AT}{at}"), as_written)]
+    assert latch_of(read_settings(*read_rig(rig), changes), "Z") == latch
 
 
 @pytest.mark.parametrize(("changes", "words"), SERCOS)
