@@ -195,6 +195,30 @@ def test_rows_over_several_runs_are_kept_by_what_they_ask_for(
     assert found[0] != found[1]
 
 
+def test_a_run_is_kept_by_what_the_statistics_over_it_ask_of_it(place: Path) -> None:
+    """A metric that is new, or another one, has no value in the recording of before."""
+
+    def of_runs(**checks: str) -> list[str]:
+        row = {"case": "a", "program": "part.nc", "rig": "rig.toml", "repeats": "2", **checks}
+        text = "".join(",".join(words) + "\n" for words in (row.keys(), row.values()))
+        (place / "plan.csv").write_text(text, encoding="utf-8")
+        return [depends_sha256(case) for case in read_plan(place / "plan.csv").cases]
+
+    found = [
+        of_runs(**checks)
+        for checks in (
+            {},
+            {"check:mean(latch_error_um)": "<= 1"},
+            {"check:mean(lag_mm_max:Z)": "<= 1"},
+            {"check:mean(latch_error_um)": "<= 1", "check:range(lag_mm_max:Z)": "<= 1"},
+        )
+    ]
+    for hashes in zip(*found, strict=True):  # of the first run, of the second
+        assert all(hashes)
+        assert len(set(hashes)) == len(found)
+    assert of_runs() == found[0]
+
+
 @pytest.mark.parametrize("verdict", list(Verdict))
 def test_an_aborted_run_runs_again_and_a_failed_one_with_failed(
     place: Path, verdict: Verdict

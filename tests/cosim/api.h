@@ -133,7 +133,7 @@ API int fmi2DoStep(Instance *c, double begin, double size, int is_final) {
 API int fmi2GetRealStatus(Instance *c, int kind, double *value) {
     (void)kind;
     *value = c->last;
-    return OK;
+    return c->ended && isnan(c->last) ? DISCARD : OK;
 }
 API int fmi2GetBooleanStatus(Instance *c, int kind, int *value) {
     (void)kind;

@@ -20,7 +20,8 @@ enum {
     NOT_A_NUMBER,
     STANDS_STILL,          /* from 5 ms on: ok, and nothing is done */
     LOSES_ITS_TIME,        /* from 5 ms on: ok, and its time is no number */
-    WAITS                  /* goes on in whole milliseconds only */
+    WAITS,                 /* goes on in whole milliseconds only */
+    ENDS_WITHOUT_A_TIME    /* asks for the end at 5 ms and does not say how far it came */
 };
 
 static void defaults(Instance *odd) { odd->real[LIMIT] = odd->real[SCALE] = 1.0; }
@@ -58,8 +59,10 @@ static int step(Instance *odd, double begin, double size, bool *early) {
         odd->last = NAN;
         return DISCARD;
     case ENDS:
+    case ENDS_WITHOUT_A_TIME:
         if (odd->time + size > 5e-3) {
             odd->ended = true;
+            if (odd->behaviour == ENDS_WITHOUT_A_TIME) odd->last = NAN;
             return FMI == 2 ? DISCARD : OK;
         }
         break;

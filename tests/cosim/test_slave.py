@@ -151,8 +151,10 @@ def test_error_tells_time_and_the_words_of_the_fmu(odd: Odd) -> None:
         slave.step_to(6 * MS)
 
 
-def test_fmu_that_ends_the_simulation_is_told(odd: Odd) -> None:
-    slave = odd("ends")
+@pytest.mark.parametrize("behaviour", ["ends", "ends without a time"])
+def test_fmu_that_ends_the_simulation_is_told(odd: Odd, behaviour: str) -> None:
+    """Also one that refuses to say when: then it is the time of the last step."""
+    slave = odd(behaviour)
     slave.step_to(5 * MS)
     with pytest.raises(PlantError, match=r"t = 5\.0+ ms: the FMU ended the simulation"):
         slave.step_to(6 * MS)

@@ -12,7 +12,13 @@ from axisrig.kernel.drives.ethercat.frames import Answer, Datagram, at_station
 from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPlaces, MailboxPort
 from axisrig.kernel.drives.sercos.mailbox import ServiceMailbox
 from axisrig.kernel.drives.sercos.service_channel import SoeError
-from axisrig.kernel.profiles.ethercat.layouts import MAILBOX, MailboxType
+from axisrig.kernel.profiles.ethercat.layouts import (
+    MAILBOX,
+    SM_ENABLE,
+    SM_FULL,
+    SM_REPEAT,
+    MailboxType,
+)
 from axisrig.kernel.profiles.ethercat.tables import Command
 from axisrig.kernel.profiles.sercos.service import Element, Header, Operation
 from axisrig.kernel.time.clock import MS
@@ -48,6 +54,10 @@ class Questions:
     def refused(self) -> None:
         """The frame came back, and no slave has done what it asked."""
         self.asked.pop(0)[1]([Answer(b"\0", 0)])
+
+    def shows(self, repeat: int) -> None:
+        """SyncManager 1 has been written, and shows how far its slave is with repeats."""
+        self.asked.pop(0)[1]([Answer(b"\0", 1), Answer(bytes((repeat,)), 1)])
 
     def taken(self, data: bytes = b"\0") -> None:
         """The slave has done what was asked."""
@@ -239,3 +249,48 @@ def test_a_message_without_an_answer_is_written_once_and_waits_for_nothing(made:
     made.port.post(MailboxType.COE, b"x")
     head = made.line.asked[0][0][0].data
     assert MAILBOX.unpack_from(head)[3] == MailboxType.COE | 5 << 4  # the fifth message
+
+
+# Reading
+
+
+def answer_of(text: bytes) -> bytes:
+    return (MAILBOX.pack(len(text), 0, 0, MailboxType.COE) + text).ljust(PLACES.in_size, b"\0")
+
+
+def places_of(line: Questions) -> list[tuple[Command, int]]:
+    """What is asked first of all, and where."""
+    return [(each.command, each.address & 0xFFFF) for each in line.asked[0][0]]
+
+
+def test_an_answer_whose_frame_was_lost_is_asked_for_until_it_is_shown_again(made: Port) -> None:
+    """Each loss has the other toggle bit than the one before."""
+    read = [(Command.FPRD, at_station(STATION, PLACES.in_start) & 0xFFFF)]
+    for repeat, text in ((SM_REPEAT, b"one"), (0, b"two"), (SM_REPEAT, b"three")):
+        made.port.note_full()
+        made.port.note_full()  # it is being read already
+        assert places_of(made.line) == read
+        made.line.lost()
+        wanted, _ = made.line.asked[0][0]
+        assert wanted.data == bytes((SM_ENABLE | repeat,))
+        made.line.shows(repeat ^ SM_REPEAT)  # not yet
+        assert made.line.asked == []
+        made.wait(0.2)
+        made.line.shows(repeat)
+        assert places_of(made.line) == read
+        made.line.taken(answer_of(text))
+        assert made.seen[-1] == (MailboxType.COE, text)
+        assert made.line.asked == []
+
+
+def test_a_repeat_that_is_lost_too_gives_up_that_answer_and_not_the_next_one(made: Port) -> None:
+    """No frame comes back for a while: the message after it is read as any other."""
+    made.port.note_full()
+    made.line.lost()
+    made.line.lost()
+    assert (made.line.asked, made.seen) == ([], [])
+    made.send(b"one")
+    made.line.taken()
+    made.line.taken(bytes((SM_FULL,)))  # the first look at the mailbox: full
+    made.line.taken(answer_of(b"next"))
+    assert made.seen == [(MailboxType.COE, b"next")]

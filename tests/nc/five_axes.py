@@ -59,13 +59,15 @@ class FiveAxes(PlaneMachine):
     def tool(self) -> dict[str, float]:
         if self.kinematic is None:
             return self.acs_mm
-        tool = self.kinematic.forward(tuple(self.acs_mm.values()))
-        return dict(zip(self.acs_mm, tool, strict=True))
+        count = self.kinematic.count
+        tool = self.kinematic.forward(tuple(self.acs_mm.values())[:count])
+        return {**self.acs_mm, **dict(zip([*self.acs_mm][:count], tool, strict=True))}
 
     def go(self, target) -> None:
         tool = tuple({**self.tool(), **target}.values())
         if self.kinematic is not None:
-            tool = self.kinematic.inverse(tool, tool)
+            count = self.kinematic.count
+            tool = (*self.kinematic.inverse(tool[:count], tool[:count]), *tool[count:])
         self.acs_mm = dict(zip(self.acs_mm, tool, strict=True))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from tests.nc.conftest import run_text
-from tests.nc.five_axes import FIVE, ON, FiveAxes, direction, machine, pivot_mm, run5, said
+from tests.nc.five_axes import FIVE, ON, TABLES, FiveAxes, direction, machine, pivot_mm, run5, said
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
@@ -251,3 +251,17 @@ def test_the_ball_counts_in_the_direction_of_the_run_alone() -> None:
         tables,
     )
     assert said(commands) == pytest.approx([7.0, 48.0])
+
+
+def test_an_axis_outside_of_the_kinematic_stands_where_it_has_been_sent() -> None:
+    """W beside the head: away, with the tool at rest and in one block with it, and back."""
+    at = FiveAxes(dict.fromkeys((*FIVE, "W"), 0.0), None)
+    show = '#MSG ["%f %f %f", V.A.ACS.ABS.W, V.A.ABS.W, V.A.ACS.ABS.Z]\n'
+    commands = run_text(
+        f"{ON}G0 X0 Y0 Z0 C0 A0\n{show}W5\n{show}W7 Z3\n{show}Z4\n{show}W0\n{show}"
+        f"#TRAFO OFF\n{show}",
+        at, axes=(*FIVE, "W"), tables=TABLES,
+    )  # fmt: skip
+    w_mm, z_mm = (0, 5, 7, 7, 0, 0), (80, 80, 83, 84, 84, 84)
+    expected = [each for w, z in zip(w_mm, z_mm, strict=True) for each in (w, w, z)]
+    assert said(commands) == pytest.approx(expected)

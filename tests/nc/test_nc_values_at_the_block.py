@@ -50,3 +50,19 @@ def test_every_place_of_a_block_that_reads_a_value_waits_for_the_machining(
     text: str, found: list[str]
 ) -> None:
     assert messages(text) == found
+
+
+@pytest.mark.parametrize("other", ["V.A.ABS.Y", "P1", "V.G.WZ_AKT.R"])
+def test_a_position_waits_whatever_else_its_block_reads(other: str) -> None:
+    """X is at 5 mm once the block before is executed; the other value waits for nothing."""
+    before, position = "P1 = 1\nG1 X5 F100\n", "V.A.ACT_POS.X"
+    assert messages(f'{before}#MSG ["%g %g", {position}, {other}]')[0].split()[0] == "5"
+    assert messages(f'{before}#MSG ["%g %g", {other}, {position}]')[0].split()[1] == "5"
+    for sum_of_both in (f"{position} + 0 * {other}", f"0 * {other} + {position}"):
+        assert messages(f"{before}P1 = {sum_of_both}\n{SHOW}") == ["5"]
+
+
+@pytest.mark.parametrize("names", ["V.A.ACT_POS.X, V.E.N", "V.E.N, V.A.ACT_POS.X"])
+def test_a_value_of_the_plc_side_beside_a_position_waits_for_the_cycle_too(names: str) -> None:
+    found = messages(f'G1 X5 F100\n#MSG ["%g %g", {names}]')
+    assert found == ["5 2" if names.startswith("V.A") else "2 5"]

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
+from tests.plan.cases import case_of
 
 from axisrig.bench.campaign import campaign
 from axisrig.bench.campaign.results.writer import CaseResult
@@ -93,3 +94,25 @@ def test_going_on_with_a_part_asks_for_that_part_alone(call: Calls, going_on: Go
     first = call(going_on, select="several-001")
     assert (len(first.results), first.exit_code) == (0, UNDECIDED)
     assert first.kept == [Verdict.PASS, Verdict.INCONCLUSIVE]
+
+
+@pytest.mark.parametrize(
+    ("ends_at_first", "verdicts", "is_interrupted", "code"),
+    [
+        (True, [], True, Verdict.ABORTED),
+        (True, [Verdict.PASS], True, Verdict.ABORTED),
+        (True, [Verdict.MARGINAL], True, Verdict.ABORTED),
+        (True, [Verdict.PASS, Verdict.FAIL], False, Verdict.FAIL),
+        (True, [Verdict.INCONCLUSIVE], False, Verdict.INCONCLUSIVE),
+        (False, [Verdict.PASS, Verdict.FAIL], True, Verdict.ABORTED),
+        (True, [Verdict.PASS] * 3, False, Verdict.PASS),
+        (False, [Verdict.PASS] * 3, False, Verdict.PASS),
+    ],
+)
+def test_a_campaign_that_stops_before_its_third_run_is_meant_to_by_a_failure_alone(
+    ends_at_first: bool, verdicts: list[Verdict], is_interrupted: bool, code: Verdict
+) -> None:
+    """With `-x`; Ctrl-C before any failure is aborted as without it."""
+    results = [CaseResult(case_of(f"r{n}"), verdict, []) for n, verdict in enumerate(verdicts)]
+    found = campaign.Campaign(Path("out"), results, 3, ends_at_first=ends_at_first)
+    assert (found.is_interrupted, found.exit_code) == (is_interrupted, exit_code(code))

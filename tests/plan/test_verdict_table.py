@@ -126,3 +126,29 @@ def test_recordings_that_no_row_judges_are_named(
 ) -> None:
     show_unjudged(left)
     assert capsys.readouterr().err.removeprefix("no row of the plan ") == words
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_below_the_table_stand_as_many_runs_as_passed(
+    capsys: pytest.CaptureFixture[str], count: int
+) -> None:
+    """Runs that are in one row have not passed: of 21 + count runs 21 have, in whatever rows."""
+    alike = [result(f"bad{n}", 2.0 + n) for n in range(count)]
+    apart = [result(f"bad{n}", 2.0 + n, case=f"b{n}") for n in range(count)]
+    for bad in (alike, apart):
+        show_verdicts(many(*bad))
+        assert f"{FEW + 1} more passed; -v shows each one" in map(
+            str.strip, capsys.readouterr().out.splitlines()
+        )
+    show_verdicts(many(*alike), Talk.ALL)
+    assert "more passed" not in capsys.readouterr().out
+
+
+def test_twenty_results_are_few_and_one_more_are_many(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for count, is_each in ((19, True), (20, True), (21, False)):
+        show_verdicts([result(f"good{n}", 0.5, case=f"g{n}") for n in range(count)])
+        out = capsys.readouterr().out
+        assert [f"p-good{n} " in out for n in range(count)] == [is_each] * count
+    assert [Talk.NONE.of(20), Talk.ALL.of(21)] == [Talk.NONE, Talk.ALL]

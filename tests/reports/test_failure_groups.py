@@ -14,6 +14,7 @@ from axisrig.reports.build import build_report
 from axisrig.reports.failures import section
 from axisrig.reports.failures.groups import failure_groups
 from axisrig.reports.failures.legend import legend
+from axisrig.reports.parts.bar import bar
 
 CASES = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,plc:V.E.A,plc:V.E.B"
 CHECKS = "plan,case,run,check,metric,value,unit,lower,upper,uncertainty,verdict,reference,note"
@@ -184,3 +185,20 @@ def test_a_legend_names_what_is_drawn_and_no_more() -> None:
     words = re.sub(r"<[^>]*>", " ", legend('<g class="dot sw-fail"><line class="sw-limit" x1="1"'))
     assert words.split() == ["failed", "limit"]
     assert legend("<svg></svg>") == ""
+
+
+BANDS = bar(0.5, 0.1, 0.0, 1.0, "fail", "x")
+
+
+@pytest.mark.parametrize(
+    ("drawn", "words"),
+    [
+        (BANDS, ["allowed", "marginal", "inconclusive", "value"]),
+        (bar(0.5, 0.0, 0.0, 1.0, "fail", "x"), ["allowed", "value"]),
+        (f'<g class="dot sw-marginal">{BANDS}', ["marginal", "allowed", "inconclusive", "value"]),
+        ('<line class="pic-limit"/>', ["limit"]),
+        ('<line class="sw-limit"/><line class="pic-limit"/>', ["limit"]),
+    ],
+)
+def test_a_word_has_a_key_once_whichever_sign_of_it_is_drawn(drawn: str, words: list[str]) -> None:
+    assert re.sub(r"<[^>]*>", " ", legend(drawn)).split() == words

@@ -75,6 +75,28 @@ def test_measurements_end_with_a_standstill_or_half_a_second_of_nothing() -> Non
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("at_ms", "groups"),
+    [
+        ((0, 400, 800, 1200), 1),  # a slow one: longer than half a second, without such a pause
+        ((0, 500, 1000, 1500), 1),
+        ((0, 501, 900, 1200), 2),
+        ((0, 400, 901, 1402), 3),
+    ],
+)
+def test_a_pause_of_half_a_second_counts_from_the_event_before(
+    at_ms: Sequence[int], groups: int
+) -> None:
+    """A measurement may take as long as it likes from its contact to its standstill."""
+    kinds = ("contact", "edge", "latch", "standstill")
+    events = [event(1000 + ms, kind) for ms, kind in zip(at_ms, kinds, strict=True)]
+    assert len(_measurements(events)) == groups
+    if groups == 1:
+        span_ms = at_ms[-1]
+        begin_ms, end_ms = found(*events)["measurement"]
+        assert (begin_ms, end_ms) == (1000 - 0.6 * span_ms, 1000 + 1.4 * span_ms)
+
+
 def test_the_edge_that_a_probe_leaves_with_is_no_measurement() -> None:
     lone = [
         event(100, "contact"),

@@ -84,3 +84,19 @@ def test_a_plan_is_expanded_only_with_values_that_its_rig_takes(tmp_path: Path) 
         check_inputs(read_plan(path))
     errors = (caught.value, *caught.value.further)
     assert [(e.line, e.column, e.value) for e in errors] == [(2, 4, "sechs"), (3, 5, "UP")]
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "at=100ms until=V.E.GO=1",
+        "at=V.E.GO=1 until=M50",
+        "at=M50 for=5ms; at=M51 until=V.E.GO=1",
+    ],
+)
+def test_a_variable_that_ends_a_feedhold_is_used_as_one_that_begins_it(
+    tmp_path: Path, cell: str
+) -> None:
+    assert warnings_of(tmp_path, "plc:V.E.GO,plc:feedhold", f"600,0,{cell}") == []
+    with pytest.raises(UserError, match=r"plc:V\.E\.GONE is not used"):
+        warnings_of(tmp_path, "plc:V.E.GONE,plc:feedhold", f"600,0,{cell}")

@@ -58,6 +58,19 @@ def test_the_rig_that_runs_away_is_warned_of() -> None:
     assert "gap in V.E.SENSOR counts with the motor" in warning
 
 
+def test_strict_refuses_a_rig_for_each_warning_of_it(tmp_path: Path) -> None:
+    """Of distance control, and of start values, which are warned of elsewhere."""
+    away, bare = RIGS / f"{RUNS_AWAY}.toml", tmp_path / "bare.toml"
+    start = "[plant.probe.start]\nsurface = 0.1\n"
+    bare.write_text(f'base = "{(RIGS / "probe-z.toml").as_posix()}"\n{start}', encoding="utf-8")
+    for rig, words in ((away, "counts with the motor"), (bare, "names no unit and counts in m")):
+        assert words in check_file(rig)
+        with pytest.raises(UserError, match=words):
+            check_file(rig, is_strict=True)
+    good = RIGS / "distance-z.toml"
+    assert check_file(good, is_strict=True) == check_file(good)
+
+
 @pytest.mark.parametrize("rig", sorted(SHIPPED - OF_THE_CHANNEL))
 def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])

@@ -22,8 +22,9 @@ class Bench:
     """Z with a second encoder at 0.1 um per increment, and variables of the PLC side."""
 
     def __init__(
-        self, *, limit_ms: float | None = None, is_optimized: bool = True, has_second: bool = True
-    ) -> None:
+        self, *, limit_ms: float | None = None, is_optimized: bool = True, has_second: bool = True,
+        **changes: Any,
+    ) -> None:  # fmt: skip
         self.link: Any = SimpleNamespace(
             name="Z", actual_mm=0.0, set_mm=0.0, has_second=has_second, second_increments=None,
             second_age_cycles=0, second_period_ns=lambda _cycle_ns: self.promised_ns,
@@ -33,6 +34,7 @@ class Bench:
         self.values = {"HEIGHT": 5.0, "OTHER": 10.0}
         self.refreshed: dict[str, Refreshed] = {}
         control = DistanceSettings(v_max_mm_s=100.0, a_max_mm_s2=1e6, max_deviation_mm=10.0)
+        control = control.replaced(**changes)
         settings = AxisDistanceSettings(
             control=control, sensor=SensorSettings(), is_optimized=is_optimized
         )
@@ -245,3 +247,23 @@ def test_an_offset_changes_by_itself_in_these_states(
     bench = Bench()
     bench.axis.control.state, bench.axis.control.is_dry_run = state, is_dry_run
     assert bench.axis.is_moving is moves
+
+
+@pytest.mark.parametrize("weights", [(0, 0), (0, 1900), (1900, 0), (1900, 1900), (500, 500)])
+@pytest.mark.parametrize("way", [1, -1])
+def test_the_weights_of_the_way_down_are_permitted_above_a_whole_too(
+    weights: tuple[int, int], way: int
+) -> None:
+    """The surface is 5 mm away: a T^2 = 10 um more in each cycle, up to v T = 40 um, weighted."""
+    v_permille, a_permille = weights
+    bench = Bench(
+        v_max_mm_s=40.0, a_max_mm_s2=1e4, v_weight_down_permille=v_permille,
+        a_weight_down_permille=a_permille, max_change_mm_s=1e9, min_pos_mm=-1e3, max_pos_mm=1e3,
+    )  # fmt: skip
+    bench.on()
+    v, a = (each / 1000 if each and way < 0 else 1.0 for each in weights)
+    expected_mm = 0.0
+    for cycle in range(1, 7):
+        expected_mm += way * min(0.01 * a * cycle, 0.04 * v)
+        assert bench.cycle(way * 50_000) == pytest.approx(expected_mm)
+    assert bench.axis.control.state is DistanceState.ACTIVE

@@ -4,8 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from axisrig.kernel.channel.path.dead_times import dead_times
+from axisrig.kernel.channel.path.dead_times import RunUp, dead_times, shares_of
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.motion.dynamics import Dynamics
+from axisrig.kernel.motion.profile import Slope
 
 MS = 1_000_000
 
@@ -56,3 +58,38 @@ def test_an_axis_without_a_dead_time_has_none():
     settings = SimpleNamespace(measuring=SimpleNamespace(delay_ns=0), window_mm=0.01)
     path = SimpleNamespace(settings=lambda _: settings)
     assert dead_times(path, {}, ["Z"], MS, lambda _axis, _mm_s: 0.0) == {}
+
+
+A_MM_S2, SPEED_MM_S = 400.0, 50.0
+SLOPE = Slope(A_MM_S2, A_MM_S2, 500.0)
+DYNAMICS = Dynamics(SLOPE, SLOPE, SLOPE, 500.0)
+
+
+def test_an_axis_of_an_oblique_path_is_behind_by_half_its_own_way_in_the_time_of_the_run_up():
+    """30, 40 and 0 mm of 50: each axis has had half its speed v for T = V / a of the path.
+
+    So it is v V / 2a behind, and an axis alone v^2 / 2a.
+    """
+    path = SimpleNamespace(
+        transformation=SimpleNamespace(kinematic=None), position_acs_mm=lambda _: 10.0
+    )
+    shares = shares_of(path, {"X": 40.0, "Y": -30.0, "Z": 10.0})
+    assert shares == pytest.approx({"X": 0.6, "Y": 0.8, "Z": 0.0})
+    run_up = RunUp(DYNAMICS, shares)
+    for axis, share in (("X", 0.6), ("Y", 0.8)):
+        v_mm_s = share * SPEED_MM_S
+        behind_mm = v_mm_s * SPEED_MM_S / (2.0 * A_MM_S2)
+        assert run_up.behind_mm(axis, v_mm_s) == pytest.approx(behind_mm, rel=1e-5)
+    assert [run_up.behind_mm(axis, SPEED_MM_S) for axis in ("Z", "W")] == [0.0, 0.0]
+    alone_mm = RunUp(DYNAMICS, {"X": 1.0}).behind_mm("X", SPEED_MM_S)
+    assert alone_mm == pytest.approx(SPEED_MM_S**2 / (2.0 * A_MM_S2), rel=1e-5)
+
+
+def test_under_a_kinematic_the_whole_time_of_the_run_up_counts():
+    """No axis has a share of its own: at v it is at most v T behind, T = V / a of the path."""
+    path = SimpleNamespace(transformation=SimpleNamespace(kinematic=object()))
+    assert shares_of(path, {"X": 40.0}) is None
+    run_up = RunUp(DYNAMICS, None, SPEED_MM_S)
+    for v_mm_s in (0.0, 20.0, 80.0):
+        behind_mm = v_mm_s * SPEED_MM_S / A_MM_S2
+        assert run_up.behind_mm("X", v_mm_s) == pytest.approx(behind_mm, rel=1e-5)
