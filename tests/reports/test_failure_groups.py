@@ -199,6 +199,7 @@ BANDS = bar(0.5, 0.1, 0.0, 1.0, "fail", "x")
         ('<line class="pic-limit"/>', ["limit"]),
         ('<line class="sw-limit"/><line class="pic-limit"/>', ["limit"]),
     ],
+    ids=["bands", "no bands", "dot and bands", "one limit", "two limits"],
 )
 def test_a_word_has_a_key_once_whichever_sign_of_it_is_drawn(drawn: str, words: list[str]) -> None:
     assert re.sub(r"<[^>]*>", " ", legend(drawn)).split() == words

@@ -98,5 +98,3 @@ def test_a_variable_that_ends_a_feedhold_is_used_as_one_that_begins_it(
     tmp_path: Path, cell: str
 ) -> None:
     assert warnings_of(tmp_path, "plc:V.E.GO,plc:feedhold", f"600,0,{cell}") == []
-    with pytest.raises(UserError, match=r"plc:V\.E\.GONE is not used"):
-        warnings_of(tmp_path, "plc:V.E.GONE,plc:feedhold", f"600,0,{cell}")
