@@ -69,6 +69,23 @@ def test_unknown_words_are_refused_with_the_nearest(arguments, text):
     assert text in str(error.value)
 
 
+@pytest.mark.usefixtures("two_models", "own_cache")
+def test_each_build_gets_version_platforms_and_compiler(monkeypatch):
+    asked = []
+
+    def run_apart(function, tasks, **_):
+        assert function is library.ensure_built
+        asked.extend(tasks)
+        return iter(Path(name) for name, *_ in tasks)
+
+    monkeypatch.setattr(library, "run_apart", run_apart)
+    built = list(library.build_models(SOME[0], ["2.0", "3.0"], ["x86_64-linux"], "cc"))
+    assert [(one.model, one.fmi) for one in built] == [(SOME[0], "2.0"), (SOME[0], "3.0")]
+    assert [[*task] for task in asked] == [
+        [SOME[0], None, fmi, ["x86_64-linux"], "cc"] for fmi in ("2.0", "3.0")
+    ]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="the compiler is a script with a first line")
 @pytest.mark.usefixtures("two_models", "own_cache")
 def test_failed_build_of_another_process_is_told(tmp_path, monkeypatch):

@@ -43,6 +43,13 @@ def test_an_instance_that_is_kept_goes_on_in_the_notes_of_the_next_task(note: Pa
     assert (call.number, call.function, call.instance) == (1, "fmi3DoStep", "z")
     assert not call.is_inside
     assert last(note) == before
+    third = note.with_name("third")
+    journal.create(third)
+    journal.begin(third)
+    slave.step_to(2 * MS)  # the same function again: its names are in the new file too
+    again = last(third)
+    assert (again.number, again.function, again.instance) == (1, "fmi3DoStep", "z")
+    assert again.file == call.file
     slave.close()
 
 

@@ -108,3 +108,24 @@ def test_a_velocity_that_an_fmu_does_not_report_is_the_slope_of_its_own_position
             assert axis.motion[1] == pytest.approx(load, abs=2e-5)
             apart = max(apart, abs(axis.motor_position_m() - axis.position_m()))
     assert apart > 1e-6
+
+
+def test_both_axes_go_back_to_where_they_were_kept(plant: Callable[[], Plant]) -> None:
+    """Twice, from another instant each time; what follows is what followed before."""
+    first, second = pair(plant(), "_2")
+    for kept_ms in (7, 12):
+        first.step_to(kept_ms * MS)
+        for axis in (first, second):
+            axis.save()
+        was = [axis.motion[:] for axis in (first, second)]
+        first.step_to(20 * MS)
+        after = [axis.motion[:] for axis in (first, second)]
+        assert was != after
+        for axis in (first, second):
+            axis.restore()
+        assert [axis.motion for axis in (first, second)] == was
+        assert [axis._times[-1] for axis in (first, second)] == [kept_ms * MS] * 2
+        first.step_to(20 * MS)
+        assert [axis.motion for axis in (first, second)] == after
+        for axis in (first, second):
+            axis.restore()

@@ -6,7 +6,11 @@ from fractions import Fraction
 import pytest
 from canopen.objectdictionary import ODVariable
 
-from axisrig.bench.drive.cia402.dictionary.eds import eds_text, object_dictionary
+from axisrig.bench.drive.cia402.dictionary.eds import (
+    default_text,
+    eds_text,
+    object_dictionary,
+)
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.objects import Allowed, object_rows, variables
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -106,6 +110,23 @@ def test_vendor_fields_are_numbers_and_signed_defaults_decimal() -> None:
     for row in variables().values():
         if row.type.startswith("I"):
             assert "x" not in row.default
+
+
+@pytest.mark.parametrize("lacks", ["", "60FD", "6064", "60FD 6064 60BA"])
+def test_a_pdo_is_off_by_default_where_the_drive_lacks_any_object_of_its_mapping(
+    lacks: str,
+) -> None:
+    profile = DriveProfile(lacks=lacks)
+    rows = variables()
+    found = {}
+    for index in (*range(0x1600, 0x1604), *range(0x1A00, 0x1A04)):
+        entries = [row for (at, sub), row in rows.items() if at == index and sub]
+        mapped = {int(row.default, 0) >> 16 for row in entries} - {0}
+        is_whole = not mapped & {int(each, 16) for each in lacks.split()}
+        found[index] = is_whole
+        count = default_text(rows[index, 0], profile)
+        assert count == (rows[index, 0].default if is_whole else "0"), hex(index)
+    assert set(found.values()) == ({True, False} if lacks else {True})
 
 
 def test_equal_profiles_give_equal_text() -> None:

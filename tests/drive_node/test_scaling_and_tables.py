@@ -223,6 +223,17 @@ def test_a_position_unit_of_a_length_divides_the_lead() -> None:
         in_lengths(usual, 0.3)
 
 
+@pytest.mark.parametrize(
+    ("increments", "window"),
+    [(2**17, 0.5 * 2**17 / 10), (2**20, 0.5 * 2**20 / 10), (2**24, 0xFFFF), (2, 1)],
+)
+def test_windows_of_16_bits_are_at_most_what_these_hold(increments: int, window: float) -> None:
+    """606D is 0.5 mm/s and 6067 is 0.01 mm, of 32 bits; both are at least a unit."""
+    profile = DriveProfile(encoder_increments=increments, lead_um=10_000)
+    assert profile.object_defaults["velocity_window"] == round(window)
+    assert profile.object_defaults["position_window"] == max(1, round(increments / 1000))
+
+
 def test_sources_of_a_profile_are_words_of_its_text() -> None:
     profile = DriveProfile(trigger_sources="1 5 -2", lacks="60D1 60D0.2")
     assert profile.source_values == {1, 5, -2}

@@ -38,18 +38,24 @@ def telegrams(instead: Places, true_mm: Sequence[float] = TRUE_MM) -> list[Teleg
     return found
 
 
-def touched(value_mm: float, instead: Places | None = None, *, doubt_mm: float = 0.0) -> Left:
+def touched(
+    value_mm: float,
+    instead: Places | None = None,
+    *,
+    doubt_mm: float = 0.0,
+    true_mm: Sequence[float] = TRUE_MM,
+) -> Left:
     """A run whose value is of a signal at the PLC."""
     doubts = {"Z": doubt_mm} if doubt_mm else {}
     record = replace(run(25, 40, value_mm, doubt_mm=doubts), sources={"Z": "PLC"})
     made = left(
         "source-plc",
-        TRUE_MM,
+        true_mm,
         runs=(record,),
         probes={"probe": ProbeRecord(True, 0.0, edges=(Edge(30 * MS + 7, True),))},
         plc_task=PlcTaskRecord(MS, 0, 0, MS, 0, probes=("probe",)),
     )
-    return replace(made, received=received(telegrams(instead or {})))
+    return replace(made, received=received(telegrams(instead or {}, true_mm)))
 
 
 def received(positions: list[Telegram]) -> Received:
@@ -98,6 +104,25 @@ CASES: dict[str, tuple[Left, Result]] = {
 def test_a_value_is_excused_by_what_was_brought_alone(case: str) -> None:
     made, result = CASES[case]
     assert judge(made).result is result
+
+
+def test_what_lies_in_a_gap_of_positions_is_no_part_of_what_was_brought() -> None:
+    """A kink in the gap, all others off alike: the doubt is the control's; its cubic is 0.5 um off.
+
+    The weights of the cubic at the missing place are -1/6, 2/3, 2/3, -1/6; of a kink of 3 mm/s, one
+    cycle before, it shows (2 2/3 - 3 1/6) of its 3 um.
+    """
+    kink_mm = 0.003
+    true_mm = [mm + kink_mm * max(row - SEEN + 1, 0) for row, mm in enumerate(TRUE_MM)]
+    alike: Places = {SEEN: []} | {
+        row: [(200, true_mm[row] + OFF_MM)] for row in range(ROWS) if row != SEEN
+    }
+    of_cubic_mm = true_mm[SEEN] + OFF_MM + kink_mm * (2 * 2 / 3 - 3 / 6 - 1)
+    for value_mm, result in (
+        (true_mm[SEEN] + OFF_MM, Result.UNKNOWABLE),
+        (of_cubic_mm, Result.BROKEN),
+    ):
+        assert judge(touched(value_mm, alike, true_mm=true_mm)).result is result
 
 
 def test_without_a_listener_nothing_is_excused() -> None:

@@ -36,6 +36,17 @@ def test_a_case_falls_through_whatever_became_of_a_switch_inside_it(
     assert path(run, text) == [*inside, 1, 2, 4]
 
 
+@pytest.mark.parametrize(
+    ("value", "expected"), [(1, [1]), (2, [2, 9, 3]), (3, [3]), (4, [9, 3]), (0, [9, 3])]
+)
+def test_a_default_between_cases_is_the_last_choice_and_is_passed_through_in_its_place(
+    run, value: int, expected: list[int]
+) -> None:
+    """Chosen where no case fits; without $BREAK the blocks below follow as they are written."""
+    text = "$SWITCH {}\n$CASE 1\nX1\n$BREAK\n$CASE 2\nX2\n$DEFAULT\nX9\n$CASE 3\nX3\n$ENDSWITCH"
+    assert path(run, text.format(value)) == expected
+
+
 def test_what_no_case_fits_is_forgotten_behind_the_switch(run) -> None:
     """The next one asks its own value; a default is no case of anything that follows."""
     text = "$SWITCH 5\n$CASE 1\nX1\n{default}$ENDSWITCH\n$SWITCH 1\n$CASE 5\nX5\n$BREAK\n"

@@ -55,6 +55,11 @@ def test_twelve_combinations() -> None:
         ([0.99, 0.995, 1.001, 1.0], [0, 0, 0, 0], ABOVE, 2),
         ([-1.99, -1.995, -2.0, -2.001], [0, 0, 0, 0], BELOW, 3),
         ([0, 0, 0, 0], [0, 0.49, 0.51, 0.5], OFFSET, 2),
+        # Of several the one that comes first
+        ([0.995, 1.001, 1.001, 0.5], [0, 0, 0, 0], ABOVE, 1),
+        ([-1.995, -2.001, -2.001, 0], [0, 0, 0.51, 0], BELOW, 1),
+        ([0, 0, 0.02, 0], [0.51, 0, 0, 0], OFFSET, 0),
+        ([0, 0, 0.02, 0.02], [0, 0, 0, 0.51], JUMP, 2),
     ],
 )
 def test_alarms_are_due_in_the_cycle_of_the_value(
