@@ -1,4 +1,4 @@
-"""Which files of a run the report links: its trace, its facts, its bus logs, its row and program."""
+"""Files of a run that the report links: trace, facts, bus logs, row of the plan, program."""
 
 from pathlib import Path
 from types import SimpleNamespace
