@@ -56,7 +56,7 @@ def test_the_register_has_the_bits_of_all_that_are_active(errors: Any) -> None:
     assert (sent[-1], image.error_register) == ((0, 0x11, 0), 0x11)
 
 
-def test_what_is_over_already_is_said_beside_what_stands(errors: Any) -> None:
+def test_what_is_over_already_is_reported_beside_what_stands(errors: Any) -> None:
     register, image, sent = errors
     register.mention(0x8140, COMMUNICATION_ERROR)
     assert (sent, image.error_register) == ([(0x8140, 0x11, 0)], 0)

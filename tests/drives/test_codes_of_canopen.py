@@ -75,7 +75,7 @@ def test_an_emergency_is_code_register_and_five_bytes(
         (0xDEADBEEF, "abort 0xDEADBEEF, a code of the manufacturer"),
     ],
 )  # fmt: skip
-def test_an_abort_is_told_in_words(code: int, words: str) -> None:
+def test_an_abort_is_reported_in_words(code: int, words: str) -> None:
     assert abort_text(code) == words
 
 

@@ -309,7 +309,7 @@ def test_a_slave_that_fails_leaves_the_others_on_their_way(bench: Bench) -> None
     assert bench.log == []  # cyclic frames go on for X
 
 
-def test_a_terminal_that_fails_is_that_of_the_first_drive_and_said_once(bench: Bench) -> None:
+def test_a_terminal_that_fails_is_that_of_the_first_drive_and_reported_once(bench: Bench) -> None:
     for _ in range(2):
         bench.start._fail(bench.slaves[2], an_alarm())
     assert list(bench.ended) == ["X"]

@@ -52,7 +52,7 @@ def test_a_write_needs_its_bit_and_a_command_its_number(eeprom: Eeprom) -> None:
     assert (eeprom.status, bytes(eeprom.content)) == (READS_8, before)
 
 
-def test_a_wrong_check_sum_is_said_until_it_is_right_at_a_reload(eeprom: Eeprom) -> None:
+def test_a_wrong_check_sum_is_reported_until_it_is_right_at_a_reload(eeprom: Eeprom) -> None:
     """The alias, word 4, counts with a right one only; each command goes on saying it."""
     eeprom.command(WRITE | MAY, 4, b"\x07\x00")
     assert (eeprom.status, eeprom.alias) == (READS_8, 0)  # not loaded yet

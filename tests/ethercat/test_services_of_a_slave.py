@@ -219,7 +219,7 @@ def test_a_fall_goes_down_only() -> None:
     assert states.behaviour.left[1:] == [("PREOP", "INIT", "")]
 
 
-def test_each_change_is_told_to_those_who_follow() -> None:
+def test_each_change_is_reported_to_those_who_follow() -> None:
     states = States()
     told: list[tuple[str, int]] = []
     states.machine.observers.append(lambda state, code: told.append((state.name, code)))

@@ -79,7 +79,7 @@ def test_a_command_of_nmt_names_the_axis_of_its_segment(
     assert seen.lines == ([] if line is None else [line])
 
 
-def test_a_sync_is_said_once_and_again_when_it_has_been_away() -> None:
+def test_a_sync_is_reported_once_and_again_when_it_has_been_away() -> None:
     """Each segment has its own; away is more than half a second."""
     seen = Seen()
     seen.frame(1, "can1", 0x80)
@@ -118,7 +118,7 @@ def test_error_frames_and_frames_of_others() -> None:
     assert seen.lines[2].startswith("X SDO abort of 0x1A0A:02 with 0x06020000")
 
 
-def test_what_changes_is_said_with_the_frame_that_comes_after_it(tmp_path: Path) -> None:
+def test_what_changes_is_reported_with_the_frame_that_comes_after_it(tmp_path: Path) -> None:
     """Communication, mode and state, in this order; a table has the same."""
     seen = Seen(tmp_path)
     with seen.opened:

@@ -90,11 +90,11 @@ def run(line: int, measuring_type: int = 1) -> canon.MeasuringRun:
 @pytest.mark.parametrize(
     ("folder", "file", "shown"),
     [
-        ("/work/nc", "/work/nc/part.nc", "part.nc"),
-        ("/work/nc", "/work/cycles/probe.nc", "../cycles/probe.nc"),
-        ("/work/nc", "/work/nc/sub/a.nc", "sub/a.nc"),
-        (None, "/work/nc/part.nc", "/work/nc/part.nc"),
-        ("/work/nc", None, ""),
+        ("/jobs/nc", "/jobs/nc/part.nc", "part.nc"),
+        ("/jobs/nc", "/jobs/cycles/probe.nc", "../cycles/probe.nc"),
+        ("/jobs/nc", "/jobs/nc/sub/a.nc", "sub/a.nc"),
+        (None, "/jobs/nc/part.nc", "/jobs/nc/part.nc"),
+        ("/jobs/nc", None, ""),
         (None, None, ""),
     ],
 )

@@ -230,7 +230,7 @@ def test_a_run_has_the_words_of_its_recording_or_what_is_known_without_it() -> N
     assert "not this" not in whole.log
 
 
-def test_kinds_of_rows_are_told_by_their_cells() -> None:
+def test_kinds_of_rows_are_reported_by_their_cells() -> None:
     for cells, kinds in (
         ({}, (False, False, True)),
         ({RUNS: "", PROBE: "", IN_PLAN: ""}, (False, False, True)),

@@ -42,7 +42,7 @@ def test_each_check_that_failed_and_each_alarm_has_a_line() -> None:
 
 
 @pytest.mark.parametrize("verdict", ["pass", "marginal"])
-def test_of_a_run_that_passed_nothing_is_said(verdict: str) -> None:
+def test_of_a_run_that_passed_nothing_is_reported(verdict: str) -> None:
     assert _causes(result(BAD, verdict=verdict, facts=alarms(("ID 1", False)))) == []
 
 

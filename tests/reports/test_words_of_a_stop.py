@@ -32,7 +32,7 @@ def told(found: Stop, table: pa.Table | None = None) -> dict[str, str]:
     ("beyond_ms", "still_ms", "last"),
     [(120, 139, "lag"), (120, 141, "window"), (120, 140, "window")],
 )
-def test_the_criterion_that_came_last_is_told(beyond_ms: int, still_ms: int, last: str) -> None:
+def test_the_criterion_that_came_last_is_reported(beyond_ms: int, still_ms: int, last: str) -> None:
     """The lag has to last for 20 ms more, the window has lasted."""
     found = stop(at("beyond", beyond_ms, "Z"), at("window", still_ms, "Z"))
     assert told(found)["why here"] == (

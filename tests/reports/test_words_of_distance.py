@@ -75,7 +75,7 @@ def test_who_commanded_what(name: str, by: str, more: dict[str, Any], words: str
     assert said(control(part(10, 40, name, by, **more))) == [words]
 
 
-def test_off_at_once_is_told_and_off_by_running_out_is_not() -> None:
+def test_off_at_once_is_reported_and_off_by_running_out_is_not() -> None:
     """The first INACTIVE is no event; behind TURNING_OFF it comes by itself."""
     on, off, out = (
         part(10, 20, ACTIVE),
@@ -190,7 +190,7 @@ def test_the_error_at_the_end_is_a_mean_of_20_rows() -> None:
     assert said(control(part(10, 40, CONST)), trace)[0].endswith("; error at the end 0.2 mm")
 
 
-def test_a_frozen_offset_is_told_with_what_the_sensor_saw() -> None:
+def test_a_frozen_offset_is_reported_with_what_the_sensor_saw() -> None:
     found = control(part(10, 40, "FREEZE"))
     held = around([0.5] * 30)
     assert said(found, signals(offset_mm=held)) == [

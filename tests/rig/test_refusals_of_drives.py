@@ -241,7 +241,7 @@ def test_a_segment_has_what_its_carrier_needs(
         ("probe-z-profidrive", ("p1043=10", "position_check=true"), "has other fine bits (p1043)"),
     ],
 )
-def test_what_makes_a_measurement_doubtful_is_told(
+def test_what_makes_a_measurement_doubtful_is_reported(
     base: str, changes: tuple[str, ...], words: str
 ) -> None:
     def lines(*keys: str) -> str:

@@ -35,7 +35,7 @@ def make(tmp_path: Path) -> Make:
     return settings
 
 
-def test_each_axis_is_told_with_what_belongs_to_it(make: Make) -> None:
+def test_each_axis_is_reported_with_what_belongs_to_it(make: Make) -> None:
     text = '[axis.Y]\nencoder_2 = "load"'
     lines = describe_axes(make("probe-xyz-mixed.toml", text))
     wired = "probe_1 = probe, probe_2 = probe"
@@ -77,7 +77,7 @@ def test_a_sensor_that_nobody_reads_is_warned_of(
         ("plc-timestamp-line.toml", "terminal: last slave on ec1, input 1 = probe;"),
     ],
 )
-def test_the_task_of_a_plc_is_told_with_its_terminal(make: Make, base: str, words: str) -> None:
+def test_the_task_of_a_plc_is_reported_with_its_terminal(make: Make, base: str, words: str) -> None:
     settings = make(base)
     (line,) = [line for line in describe_axes(settings) if line.startswith("PLC task: ")]
     task = settings.rig.plc_task
@@ -179,7 +179,9 @@ def test_a_telegram_comes_with_its_sync_or_when_it_changes(
         ("position_unit_um = 0.5", "compared with the drive at its start"),
     ],
 )
-def test_a_real_drive_is_told_with_what_nobody_checks(make: Make, keys: str, words: str) -> None:
+def test_a_real_drive_is_reported_with_what_nobody_checks(
+    make: Make, keys: str, words: str
+) -> None:
     text = f"[drive.servo]\nencoder_increments = 4096\nlead_mm = 5.0\n{keys}\n"
     text += '[segment.can1]\ninterface = "socketcan"\nchannel = "can7"'
     found = canopen.FAMILY.outside(make("probe-z.toml", text), "Z")

@@ -216,7 +216,7 @@ def test_an_axis_that_is_held_on_its_way_brakes_and_goes_on() -> None:
     assert (bench.places_mm["X"], bench.axes.is_moving) == (10.0, False)
 
 
-def test_a_stop_brakes_as_a_signal_does_and_is_told() -> None:
+def test_a_stop_brakes_as_a_signal_does_and_is_reported() -> None:
     bench = Bench()
     bench.go(feed_mm_min=2400.0)
     bench.go("Y", 5.04, feed_mm_min=600.0)
