@@ -34,6 +34,7 @@ def test_a_word_shows_what_fits_whole() -> None:
     assert "distance.limits.braking_mm" in oracle_listing("v^2/2a")
     assert "P-AXIS-00414" in oracle_listing("braking_mm")
     assert len(oracle_listing().splitlines()) > len(oracles())
+    assert "supervision.first_due" in oracle_listing("p-axis-00414")  # in the source of its module
     for word in ("RAMP_error_mm", "V^2/2A", "v T/kp"):
         assert oracle_listing(word) == oracle_listing(word.upper()) == oracle_listing(word.lower())
     with pytest.raises(UserError, match="no closed form has this word"):

@@ -43,7 +43,7 @@ def oracles() -> list[Oracle]:
 
 
 def oracle_listing(word: str | None = None) -> str:
-    """Describe all closed forms in a line or two each, or those with a word in name or text, whole.
+    """Describe all closed forms in short, or whole those with a word in name, text or source.
 
     Raises UserError for a word that none has.
     """
@@ -61,7 +61,7 @@ def oracle_listing(word: str | None = None) -> str:
         return "\n".join(lines)
     low = word.lower()
     named = [one for one in every if low in (one.name, f"{one.place}.{one.name}")]
-    fitting = named or [one for one in every if low in f"{one.place}.{one.name} {one.text}".lower()]
+    fitting = named or [one for one in every if low in _words(one)]
     if not fitting:
         names = [oracle.name for oracle in every]
         raise UserError("no closed form has this word", value=word, allowed=nearest(word, names))
@@ -70,6 +70,10 @@ def oracle_listing(word: str | None = None) -> str:
         own = "" if one.origin in one.text else f"\n\n{one.origin}"
         blocks.append(f"{one.place}.{one.name}\n\n{one.text}{own}")
     return "\n\n".join(blocks)
+
+
+def _words(one: Oracle) -> str:
+    return f"{one.place}.{one.name} {one.text} {one.origin}".lower()
 
 
 def _modules(folder: Traversable, above: str) -> Iterator[tuple[str, str]]:
