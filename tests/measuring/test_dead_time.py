@@ -44,6 +44,32 @@ def test_lag_and_window_of_the_axis_are_room(more):
         found.led_back_mm(51.785, V_MM_S * T_S)
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_what_a_lagging_axis_has_not_moved_yet_counts(way):
+    """0.2 mm behind its begin with a lag of 0.25: 0.6 mm back is 0.8 before it, 0.4 is 0.6."""
+    found = dead_time(1.0, lag_mm=lambda: 0.25, behind_mm=lambda _: 0.4)
+    found.note_signal()
+    at_mm = 50.0 - way * 0.2
+    assert found.led_back_mm(at_mm, way * 0.4) == pytest.approx(50.0 - way * 0.6)
+    with pytest.raises(Alarm) as caught:
+        found.led_back_mm(at_mm, way * 0.6)
+    assert caught.value.values["before_mm"] == "0.8"
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_an_axis_that_swings_back_is_led_from_its_turn(way):
+    """30 mm from its begin and on the way back to it: v^2/2a, and no more."""
+    at_mm = 50.0 + way * 30.0
+    for share, is_led in ((0.0, True), (0.99, True), (1.01, False)):
+        speed_mm = -way * share * BEHIND_MM
+        if is_led:
+            found_mm = dead_time(1.0).led_back_mm(at_mm, speed_mm)
+            assert found_mm == pytest.approx(at_mm + way * share * BEHIND_MM)
+        else:
+            with pytest.raises(Alarm):
+                dead_time(1.0).led_back_mm(at_mm, speed_mm)
+
+
 def test_run_up_of_one_step_and_of_two():
     """v/a and v^2/2a; with a second step above 5 mm/s both parts."""
     one = Slope(A_MM_S2, A_MM_S2, 1e9)

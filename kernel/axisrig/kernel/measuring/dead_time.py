@@ -4,6 +4,8 @@ The axis has the speed v of the latch only once it has run up to it: a touch in 
 back to at most v T - s before its begin, where T and s are time and way of the run-up (v^2 / 2a
 with a constant acceleration a), and by as much more as the axis lags behind its set position. What
 lies further back was never touched in this block: its dead time is longer than the axis has moved.
+An axis that swings back as it settles has its speed since it turned: it is led back by at most the
+same way from where it is.
 Source: TF5200 axis parameters 117371403 for the way back; its limit is a decision of ours
 (docs/ambiguities.md).
 """
@@ -49,10 +51,12 @@ class DeadTime:
         """
         way_mm = self.cycles * speed_mm
         back_mm = value_mm - way_mm
-        before_mm = self.begin_mm - back_mm if speed_mm > 0.0 else back_mm - self.begin_mm
-        # An axis that stands or swings back as it settles is led by next to nothing
-        before_mm = min(before_mm, abs(way_mm))
-        if before_mm > self.window_mm + self._lag_mm + self.behind_mm(abs(speed_mm)):
+        room_mm = self.window_mm + self._lag_mm
+        moved_mm = value_mm - self.begin_mm if speed_mm > 0.0 else self.begin_mm - value_mm
+        if moved_mm < -room_mm:  # swings back as it settles: since its turn, not since the begin
+            moved_mm = 0.0
+        before_mm = abs(way_mm) - moved_mm
+        if before_mm > room_mm + self.behind_mm(abs(speed_mm)):
             raise Alarm(
                 900520,
                 axis=self.axis,
