@@ -13,7 +13,7 @@ from axisrig.bench.machine.kept_fmus import close_fmus, close_plant, roles_of, t
 from axisrig.bench.machine.start_places import blamed_start, check_places
 from axisrig.bench.machine.start_values import set_start_values
 from axisrig.bench.rig.check import check_rig
-from axisrig.bench.rig.reading.file import LOAD, MapTable, PlantTable, rig_error
+from axisrig.bench.rig.reading.file import LOAD, MapTable, PlantTable, error_at, rig_error
 from axisrig.bench.rig.real_axes import outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS
@@ -120,7 +120,7 @@ def _add_beside(
     try:
         plant.add_axis_beside(instance, first, roles, second)
     except UserError as error:
-        raise _at(settings, keys, error) from error
+        raise error_at(settings.files, keys, error) from error
 
 
 def _is_needless(settings: Settings, instance: str, note: str) -> bool:
@@ -144,21 +144,7 @@ def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
     except UserError as error:
         message = f"{error.message} ({path.name})"
         keys = ("plant", instance, "fmu")
-        raise _at(settings, keys, error, message) from error
-
-
-def _at(
-    settings: Settings, keys: tuple[str, ...], error: UserError, message: str | None = None
-) -> UserError:
-    """Give an error the place of a key of the rig."""
-    return rig_error(
-        settings.files,
-        keys,
-        message or error.message,
-        value=error.value,
-        allowed=error.allowed,
-        hint=error.hint,
-    )
+        raise error_at(settings.files, keys, error, message) from error
 
 
 def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> Roles:
@@ -179,7 +165,7 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
 
     def located(error: UserError, role: str) -> UserError:
         keys = (*place, "map", role) if role in table.map else (*place, "fmu")
-        return _at(settings, keys, error, f"plant {instance}: {error.message}")
+        return error_at(settings.files, keys, error, f"plant {instance}: {error.message}")
 
     coordinates = coordinates_of(slave, kind, sources)
     refuse_unknown(kind, table.map, list(table.wire) or coordinates, located)
@@ -192,7 +178,7 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
     try:
         roles = map_roles(slave, kind, sources, list(table.wire), located)
     except UserError as error:
-        raise error if error.file else _at(settings, (*place, "fmu"), error) from error
+        raise error if error.file else error_at(settings.files, (*place, "fmu"), error) from error
     if slave.grid_ns is not None and kind != "axis" and roles.has_group("trajectory"):
         raise rig_error(
             settings.files,
@@ -259,7 +245,7 @@ def _wire(settings: Settings, plant: Plant, instance: str, table: PlantTable, ro
     try:
         add(roles.slave, table.wire, roles)
     except UserError as error:
-        raise _at(settings, ("plant", instance, "wire"), error) from error
+        raise error_at(settings.files, ("plant", instance, "wire"), error) from error
 
 
 def check_plants(settings: Settings, plant: Plant) -> None:

@@ -9,7 +9,7 @@ from axisrig.bench.rig.families import family_of, rig_families
 from axisrig.bench.rig.faults import check_faults
 from axisrig.bench.rig.plc.words import ObjectWrite
 from axisrig.bench.rig.reading.families import carriers_of, joined
-from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.reading.file import error_at, rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers
 from axisrig.bench.rig.real_axes import check_outside
 from axisrig.bench.rig.refused_setting import blamed
@@ -99,13 +99,7 @@ def _check_drives(settings: Settings) -> None:
         try:
             drive.facts()
         except UserError as error:
-            raise rig_error(
-                settings.files,
-                ("drive", name),
-                error.message,
-                value=error.value,
-                allowed=error.allowed,
-            ) from error
+            raise error_at(settings.files, ("drive", name), error) from error
 
 
 def _check_objects(settings: Settings) -> None:

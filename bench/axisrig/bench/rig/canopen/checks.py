@@ -9,7 +9,7 @@ from axisrig.bench.rig.canopen.loop import check_loop
 from axisrig.bench.rig.canopen.members import can_axes, drive_of, segment_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, segment_schedules
 from axisrig.bench.rig.canopen.startup import drive_dictionary, drive_steps
-from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.reading.file import error_at, rig_error
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings, once
@@ -101,14 +101,8 @@ def check_steps_of(
     except UserError as error:
         if error.file is not None:
             raise
-        raise rig_error(
-            settings.files,
-            ("drive", axis.drive),
-            f"drive {axis.drive} of axis {name}{_of_profile(settings, name)}: {error.message}",
-            value=error.value,
-            allowed=error.allowed,
-            hint=error.hint,
-        ) from error
+        message = f"drive {axis.drive} of axis {name}{_of_profile(settings, name)}: {error.message}"
+        raise error_at(settings.files, ("drive", axis.drive), error, message) from error
 
 
 def _of_profile(settings: Settings, name: str) -> str:
@@ -131,14 +125,7 @@ def check_functions_of(
         functions, _ = read_functions(name, settings.axis[name])
         check_functions(name, functions, od, mapped)
     except UserError as error:
-        raise rig_error(
-            settings.files,
-            ("axis", name, "list"),
-            error.message,
-            value=error.value,
-            allowed=error.allowed,
-            hint=error.hint,
-        ) from error
+        raise error_at(settings.files, ("axis", name, "list"), error) from error
 
 
 def check_latch_of(settings: Settings, name: str) -> None:

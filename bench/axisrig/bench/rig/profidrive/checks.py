@@ -11,7 +11,7 @@ from axisrig.bench.rig.profidrive.loop import (
     wrong_mode,
 )
 from axisrig.bench.rig.profidrive.members import drive_of
-from axisrig.bench.rig.reading.file import rig_error
+from axisrig.bench.rig.reading.file import error_at
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.functions import read_functions
@@ -51,14 +51,7 @@ def check_profidrive(settings: Settings, name: str, way_ns: TimeNs) -> None:
     try:
         _check_functions(settings, name)
     except UserError as error:
-        raise rig_error(
-            settings.files,
-            ("axis", name, "list"),
-            error.message,
-            value=error.value,
-            allowed=error.allowed,
-            hint=error.hint,
-        ) from error
+        raise error_at(settings.files, ("axis", name, "list"), error) from error
     if wrong_mode(settings, name) is None:
         check_loop(settings, name, way_ns)
 

@@ -437,3 +437,11 @@ def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details:
     """Make a UserError that points at a key of the rig (for checks after that of the form)."""
     file, line = locate(files, keys)
     return UserError(message, file=file, line=line, **details)
+
+
+def error_at(
+    files: list[Path], keys: tuple[str, ...], error: UserError, message: str | None = None
+) -> UserError:
+    """Give an error without a place that of the key of the rig whose value it is about."""
+    found = {"value": error.value, "allowed": error.allowed, "hint": error.hint}
+    return rig_error(files, keys, message or error.message, **found)
