@@ -46,6 +46,11 @@ def test_the_heartbeat_goes_out_on_every_segment_from_begin_to_end() -> None:
     clock.run_until(360 * MS)
     for network in networks:
         assert network.times_ns[3:] == [300 * MS, 350 * MS]
+    producer.end()  # and on again before the next one was due
+    producer.begin()
+    clock.run_until(470 * MS)
+    for network in networks:
+        assert network.times_ns[5:] == [360 * MS, 410 * MS, 460 * MS]
 
 
 def test_there_is_no_heartbeat_without_a_period() -> None:

@@ -124,6 +124,12 @@ def test_a_node_is_guarded_by_remote_requests_of_one_byte_from_begin_to_end() ->
     node.watch.end()
     node.clock.run_until(100 * MS)
     assert len(node.asked) == 4
+    node.watch.begin()
+    node.clock.run_until(104 * MS)
+    node.watch.end()  # and on again before the next question was due
+    node.watch.begin()
+    node.clock.run_until(125 * MS)
+    assert [at_ns // MS for at_ns, *_ in node.asked[4:]] == [100, 104, 114, 124]
 
 
 def test_a_guarded_node_may_be_silent_for_its_life_time() -> None:

@@ -4,6 +4,7 @@ Source: CiA 301 (SYNC with its counter 1019, heartbeat producer 1017).
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from axisrig.kernel.drives.carrier import Carrier, Presence
@@ -68,22 +69,26 @@ class HeartbeatProducer(Presence):
     def __init__(self, networks: Sequence[Any], clock: Clock, node_id: int, period_ms: int) -> None:
         self._networks, self._clock = networks, clock
         self._id, self._period_ns = ERROR_CONTROL_BASE + node_id, period_ms * MS
-        self._runs = False
+        self._runs, self._round = (
+            False,
+            0,
+        )  # of heartbeats; those of an earlier one are sent no more
 
     def begin(self) -> None:
         """Send from now on, if there is a period."""
         if self._period_ns and not self._runs:
             self._runs = True
-            self._send()
+            self._round += 1
+            self._send(self._round)
 
     def end(self) -> None:
         """Send no more."""
         self._runs = False
 
-    def _send(self) -> None:
-        if not self._runs:
+    def _send(self, number: int) -> None:
+        if not self._runs or number != self._round:
             return
         for network in self._networks:
             network.send_message(self._id, bytes((OPERATIONAL,)))
         due_ns = self._clock.now_ns + self._period_ns
-        self._clock.call_at(due_ns, Phase.APPLICATION, self._send)
+        self._clock.call_at(due_ns, Phase.APPLICATION, partial(self._send, number))

@@ -5,6 +5,7 @@ guarding, emergencies. Sources: CiA 301 sections 7.2.7 (EMCY), 7.2.8 (error cont
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from axisrig.kernel.drives.canopen.link import AxisLink
@@ -40,6 +41,7 @@ class LinkWatch(Cia402Watch):
         self._link, self._clock, self._settings = link, clock, settings
         self._id = ERROR_CONTROL_BASE + link.node_id
         self._is_watching = False
+        self._round = 0  # of questions; those of an earlier one ask no more
         self._heard_ns: TimeNs = 0
         self._has_news = False
         self._is_started = False  # a heartbeat from before the NMT start may still be under way
@@ -58,17 +60,18 @@ class LinkWatch(Cia402Watch):
         self._toggle, self._toggle_stuck = None, False
         self._link.begin()
         if self._settings.guard_ns:
-            self._guard()
+            self._round += 1
+            self._guard(self._round)
 
     def end(self) -> None:
         """Ask no more."""
         self._is_watching = False
 
-    def _guard(self) -> None:
-        if self._is_watching:
+    def _guard(self, number: int) -> None:
+        if self._is_watching and number == self._round:
             self._link.network.send_message(self._id, ONE_BYTE, remote=True)
             due_ns = self._clock.now_ns + self._settings.guard_ns
-            self._clock.call_at(due_ns, Phase.APPLICATION, self._guard)
+            self._clock.call_at(due_ns, Phase.APPLICATION, partial(self._guard, number))
 
     def _on_error_control(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
         if not self._is_watching or len(data) != 1:
