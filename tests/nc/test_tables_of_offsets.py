@@ -52,7 +52,7 @@ def test_group_0_acts_only_where_the_list_says_so(available: str, acts: bool) ->
 
 
 def test_a_program_writes_to_a_table_of_its_own() -> None:
-    """Offsets, what is inactive, and what the list says of the groups."""
+    """Offsets, inactive ones, group 0 and the default group."""
     table = offsets(
         "g53_verfuegbar 1", "default_index 3", "np_grp[1].achse[0].versch 10000",
         "np_grp[1].achse[1].inaktiv 1",

@@ -1,7 +1,7 @@
 """What a folder keeps of the calls that made it: runs asked for, missing, earlier, in order."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,14 +20,14 @@ def row(run: str, plan_name: str = "p", **more: str) -> dict[str, str]:
     return {"run": run, "plan": plan_name, **more}
 
 
-def entry(name: str) -> dict[str, str]:
-    return {"name": name, "path": f"{name}.csv", "sha256": "0" * 64}
+def entry(name: str, sha256: str = "2" * 64) -> dict[str, str]:
+    return {"name": name, "path": f"{name}.csv", "sha256": sha256}
 
 
 def history(
     place: Path,
     plans: Sequence[Any],
-    runs: Sequence[str],
+    runs: Collection[str],
     old: Mapping[str, Any] | None = None,
     cases: Sequence[Mapping[str, str]] = (),
 ) -> History:
@@ -54,6 +54,18 @@ def test_a_first_call_has_what_it_runs(tmp_path: Path) -> None:
     assert not made.manifest({**cases, "b": row("b")}, ["a"])["finished"]
 
 
+def test_missing_runs_are_in_the_order_of_their_plans(tmp_path: Path) -> None:
+    """Whatever the order is in which the call has them."""
+    names = [f"r{number}" for number in (7, 3, 9, 1, 8, 2, 6, 4, 5)]
+    ids = {name: [f"{name}-{run}" for run in names] for name in "qp"}
+    plans = [plan(name, *ids[name]) for name in "qp"]
+    made = history(tmp_path, plans, {*ids["p"], *ids["q"]})
+    cases = {"q-r9": row("q-r9", "q"), "p-r7": row("p-r7")}
+    missing = made.manifest(cases, ["q-r9", "p-r7"])["missing"]
+    assert missing == {name: [run for run in ids[name] if run not in cases] for name in "qp"}
+    assert list(missing) == ["q", "p"]
+
+
 def test_what_earlier_calls_asked_for_stays_asked_for(tmp_path: Path) -> None:
     """c is missing since then; d is a row that the folder has, its probe was not asked for."""
     old = {"plans": [entry("p")], "missing": {"p": ["c"]}, "started": "then"}
@@ -64,6 +76,27 @@ def test_what_earlier_calls_asked_for_stays_asked_for(tmp_path: Path) -> None:
     assert (found["missing"], found["runs_planned"], found["finished"]) == ({"p": ["c"]}, 3, False)
     (earlier,) = found["earlier"]
     assert (earlier["started"], earlier["runs"]) == ("then", ["d"])
+
+
+def test_an_earlier_call_has_its_own_entries_with_the_runs_that_it_still_has(
+    tmp_path: Path,
+) -> None:
+    """Entries about the folder as a whole are in the manifest of the last call alone."""
+    old = {"plans": [entry("p")], "command": ["then"], "drive_substituted": {}}
+    cases = [row("a"), row("b"), row("c"), row("c-s01", **{PROBE: "c"})]
+    made = history(tmp_path, [plan("p", "a", "b", "c")], ["b"], old, cases)
+    there = {each["run"]: each for each in cases}
+    (before,) = made.manifest(there, [])["earlier"]
+    assert before == {
+        "axisrig": "1", "command": ["then"], "plans": [entry("p")], "runs": ["a", "b", "c"],
+    }  # fmt: skip
+    assert made.replaced("b")
+    (after,) = made.manifest(there, ["b"])["earlier"]
+    assert after["runs"] == ["a", "c"]
+    assert made.manifest(there, ["b"])["finished"]
+    for run in ("a", "c"):
+        assert made.replaced(run)
+    assert "earlier" not in made.manifest(there, ["b"])
 
 
 def test_a_row_that_is_replaced_is_of_its_earlier_call_no_more(tmp_path: Path) -> None:
@@ -78,12 +111,17 @@ def test_a_row_that_is_replaced_is_of_its_earlier_call_no_more(tmp_path: Path) -
     assert [each["runs"] for each in made.manifest({}, [])["earlier"]] == [["b"]]
 
 
-def test_plans_of_a_folder_are_those_of_all_calls(tmp_path: Path) -> None:
-    old = {"plans": [entry("q"), entry("p")]}
-    made = history(tmp_path, [plan("p", "a")], ["a"], old)
-    assert not made.is_whole  # q is not called
-    assert [each["name"] for each in made.manifest({}, [])["plans"]] == ["q", "p"]
-    assert history(tmp_path, [plan("p", "a"), plan("q", "z")], ["a"]).is_whole
+def test_plans_of_a_folder_are_those_of_all_calls_with_the_newest_entry_of_each(
+    tmp_path: Path,
+) -> None:
+    old = {"plans": [entry("p", "1" * 64), entry("q", "1" * 64)]}
+    called = [plan("q", "a"), plan("r", "b")]
+    made = history(tmp_path, called, ["a"], old)
+    assert not made.is_whole  # p is not called
+    assert [(each["name"], each["sha256"][0]) for each in made.manifest({}, [])["plans"]] == [
+        ("p", "1"), ("q", "2"), ("r", "2"),
+    ]  # fmt: skip
+    assert history(tmp_path, [plan("p", "c"), *called], ["a"]).is_whole
 
 
 @pytest.mark.parametrize(

@@ -105,7 +105,7 @@ def test_what_says_something_over_several_runs_is_no_recording() -> None:
 def test_a_row_that_asks_for_another_run_is_refused(
     place: Path, recorded: dict[str, str], changes: dict[str, Any], words: str
 ) -> None:
-    """What only tells about a run, and its checks, may differ."""
+    """What only describes a run, and its checks, may differ."""
     one = run_of("p-a", **recorded)
     if not words:
         rejudge._check_is_same(one, case(**changes), hashes())

@@ -142,7 +142,7 @@ def test_options_that_keep_exclude_each_other_and_what_clears(
         assert GoingOn.of(**named).option == expected
 
 
-# What the folder says of its call
+# The call that the manifest of a folder holds
 
 VALUED = ("-o", "--out", "-k", "--set", "-j", "--jobs", "--timeout", "--live-port")
 
@@ -170,7 +170,7 @@ def folder_of(place: Path, *words: str, plan: str = "p.csv") -> Path:
         ("p.csv -o", "", "p.csv"),
     ],
 )
-def test_what_a_call_gives_takes_the_place_of_what_the_folder_says(
+def test_what_a_call_gives_takes_the_place_of_what_the_folder_has(
     tmp_path: Path, words: str, given: str, rest: str
 ) -> None:
     """The word after an option with a value is that value, whatever it looks like."""

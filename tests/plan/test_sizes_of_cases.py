@@ -1,4 +1,4 @@
-"""How many runs a case has, in the words of `axisrig check`, and how long a campaign took."""
+"""How many runs a case has, in the words of `axisrig check`."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from axisrig.bench.campaign.checking import _size
-from axisrig.reports.heading import _brief
 
 
 def runs(swept: dict[str, list[int]], repeats: int = 1, skip: int = 0) -> Any:
@@ -33,12 +32,3 @@ def test_a_case_of_all_pairs_is_written_as_a_product(
     swept: dict[str, list[int]], repeats: int, skip: int, words: str
 ) -> None:
     assert _size(runs(swept, repeats, skip)) == words
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(0.04, "0.0 s"), (9.94, "9.9 s"), (9.99, "10.0 s"), (10.0, "10 s"), (59.4, "59 s"),
-     (3600.0, "1 h 00 min")],
-)  # fmt: skip
-def test_a_time_below_10_s_has_tenths(seconds: float, words: str) -> None:
-    assert _brief(seconds) == words

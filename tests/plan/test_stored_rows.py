@@ -189,9 +189,10 @@ def test_names_in_a_manifest_are_run_ids(tmp_path: Path, entries: Any) -> None:
 
 
 def run_of(
-    recording: RunFile | None = None, said: Said | None = None, **case: str
+    recording: RunFile | None = None, without: Said | None = None, **case: str
 ) -> StoredRun:  # fmt: skip
-    made = StoredRun({"run": "p-a", "verdict": "pass", **case}, [], None, None, said)
+    """without: what is known of the run where its recording is not read."""
+    made = StoredRun({"run": "p-a", "verdict": "pass", **case}, [], None, None, without)
     if recording is not None:
         made.__dict__["recording"] = recording  # as the cache of the property has it
     return made

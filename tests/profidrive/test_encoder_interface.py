@@ -20,8 +20,8 @@ EDGE = {POS: int(ProbeFunction.POSITIVE_1), NEG: int(ProbeFunction.NEGATIVE_1)}
 ENABLE = int(ProbeFunction.ENABLE_1)
 
 
-class Far:
-    """The interface, and its touch probe unit as it sees it."""
+class Encoder:
+    """The interface, with a touch probe unit whose status words are set by hand."""
 
     def __init__(self) -> None:
         self.probe: Any = SimpleNamespace(status=0, inputs=0)
@@ -39,11 +39,11 @@ class Far:
 
 
 @pytest.fixture
-def far() -> Far:
-    return Far()
+def far() -> Encoder:
+    return Encoder()
 
 
-def test_of_two_values_that_are_read_at_once_one_is_shown(far: Far) -> None:
+def test_of_two_values_that_are_read_at_once_one_is_shown(far: Encoder) -> None:
     """The first one; the other when the first is read no more."""
     assert far.give(BOTH | ACTIVATE) == (BOTH, 0)
     assert far.interface.function() == ENABLE | EDGE[POS] | EDGE[NEG]
@@ -59,7 +59,7 @@ def test_of_two_values_that_are_read_at_once_one_is_shown(far: Far) -> None:
 
 
 @pytest.mark.parametrize(("first", "value"), [(POS, 11), (NEG, 22)])
-def test_a_value_waits_until_no_function_does(far: Far, first: int, value: int) -> None:
+def test_a_value_waits_until_no_function_does(far: Encoder, first: int, value: int) -> None:
     far.give(BOTH | ACTIVATE)
     far.store(first)
     other = BOTH & ~first
@@ -70,7 +70,7 @@ def test_a_value_waits_until_no_function_does(far: Far, first: int, value: int) 
     assert far.give(first | ABORT) == (0, 0)
 
 
-def test_an_error_stays_while_it_is_acknowledged_and_is_gone_with_the_bit(far: Far) -> None:
+def test_an_error_stays_while_it_is_acknowledged_and_is_gone_with_the_bit(far: Encoder) -> None:
     """The bit may be held; its edge counts, so that one held since before acknowledges nothing."""
     acknowledge = words.ENCODER_ACKNOWLEDGE
     far.give(acknowledge)
@@ -86,7 +86,7 @@ def test_an_error_stays_while_it_is_acknowledged_and_is_gone_with_the_bit(far: F
 
 @pytest.mark.parametrize("word", [words.ABSOLUTE, words.PARK])
 @pytest.mark.parametrize("functions", [POS, NEG, BOTH])
-def test_whatever_waits_is_ended_by_another_wish(far: Far, word: int, functions: int) -> None:
+def test_whatever_waits_is_ended_by_another_wish(far: Encoder, word: int, functions: int) -> None:
     far.give(functions | ACTIVATE)
     assert far.give(word) == (words.ENCODER_ERROR, 6)
     assert far.interface.function() == 0
@@ -98,7 +98,7 @@ def test_whatever_waits_is_ended_by_another_wish(far: Far, word: int, functions:
     assert far.give(0) == (0, 0)
 
 
-def test_a_function_that_nobody_asked_for_holds_the_values_of_the_other(far: Far) -> None:
+def test_a_function_that_nobody_asked_for_holds_the_values_of_the_other(far: Encoder) -> None:
     far.interface.holds_other = True
     assert far.give(POS | ACTIVATE) == (BOTH, 0)
     far.store(POS)
@@ -107,7 +107,7 @@ def test_a_function_that_nobody_asked_for_holds_the_values_of_the_other(far: Far
     assert far.give(POS | READ) == (POS << 4, 11)
 
 
-def test_the_level_is_that_of_the_input_where_the_probe_has_it(far: Far) -> None:
+def test_the_level_is_that_of_the_input_where_the_probe_has_it(far: Encoder) -> None:
     for has_input, inputs, shown in ((True, 1, True), (True, 2, False), (False, 1, False)):
         far.has_input, far.probe.inputs = has_input, inputs
         assert bool(far.give(0)[0] & words.DEFLECTED[0]) is shown
@@ -115,7 +115,7 @@ def test_the_level_is_that_of_the_input_where_the_probe_has_it(far: Far) -> None
     assert far.interface.function() == 0  # without the input
 
 
-def test_power_and_a_fault_end_functions_and_errors(far: Far) -> None:
+def test_power_and_a_fault_end_functions_and_errors(far: Encoder) -> None:
     far.give(BOTH | ACTIVATE)
     far.interface.break_off(3)
     assert far.give(0) == (words.ENCODER_ERROR, 3)

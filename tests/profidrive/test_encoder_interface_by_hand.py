@@ -20,7 +20,7 @@ def clear(echo: int = 2) -> EncoderControl:
 
 
 def measured(control: EncoderControl, *values: int) -> None:
-    """A run: active, the edge, the command to read seen, and the values that come then."""
+    """A run: active, the edge, the command to read, and the values that come then."""
     control.arm()
     cycles(control, (0, 0), (0, 0), (POS, 0), (VALUE, 0))
     assert control.has_latched

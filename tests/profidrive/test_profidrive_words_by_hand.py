@@ -71,8 +71,8 @@ def test_an_encoder_that_counts_nothing_opens_the_loop_in_the_drive_too() -> Non
     """16.667 1/s times 1 mm are 16.7 mm/s, at which it would have counted."""
     bus = bus_of()
     cycles = round(STANDS_S / SETTINGS.period_s)
-    seen = [bus.cycle(1.0)["XERR"] for _ in range(cycles + 2)]
-    assert seen == [round(PER_MM)] * cycles + [0, 0]
+    deviations = [bus.cycle(1.0)["XERR"] for _ in range(cycles + 2)]
+    assert deviations == [round(PER_MM)] * cycles + [0, 0]
 
 
 def test_without_a_gain_the_drive_closes_no_loop_and_nothing_is_watched() -> None:

@@ -34,6 +34,7 @@ from axisrig.bench.record.series import (
 from axisrig.kernel.errors import UserError
 
 MS = 1_000_000
+ACTUAL_MM = "Z.actual_mm"
 ROOT = Path(__file__).parents[2]
 
 
@@ -210,6 +211,34 @@ def test_a_run_that_is_broken_off_leaves_no_file(tmp_path: Path) -> None:
     series = finished.close()
     finished.discard()
     assert series.column("time_ns").tolist() == [0, MS, 2 * MS]
+
+
+def test_a_series_that_has_ended_ends_once_and_one_that_was_never_begun_leaves_no_file(
+    tmp_path: Path,
+) -> None:
+    done = SeriesWriter(tmp_path / "done.parquet")
+    done.add(block(0, 2))
+    done.add(block(2, 3))
+    series = done.close()
+    assert done.close() is series
+    done.discard()
+    assert [(rows.start, rows.stop) for rows in Series(series.source).blocks] == [(0, 2), (2, 5)]
+    SeriesWriter(tmp_path / "never.parquet").discard()
+    SeriesWriter(None).discard()
+    assert [path.name for path in tmp_path.iterdir()] == ["done.parquet"]
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_a_series_has_its_rows_in_another_process_too(tmp_path: Path, is_kept: bool) -> None:
+    """What is open or held stays; there the same rows are read again."""
+    writer = SeriesWriter(tmp_path / "a.parquet" if is_kept else None, {"run": "r1"}, holds=True)
+    writer.add({TIME: column_of(np.arange(3) * MS), ACTUAL_MM: column_of(np.arange(3) * 0.5)})
+    series = writer.close()
+    there: Series = pickle.loads(pickle.dumps(series))
+    assert there.held is None
+    assert there.about == series.about == {"run": "r1"}
+    assert there.names == series.names == [TIME, ACTUAL_MM]
+    assert there.column(ACTUAL_MM).tolist() == [0.0, 0.5, 1.0]
 
 
 def test_a_block_without_instants_is_a_defect(tmp_path: Path) -> None:

@@ -14,9 +14,7 @@ from axisrig.bench.judge.fixed_stop.stop_findings import (
     Mark,
     StopLimits,
 )
-from axisrig.reports.fixed_stop.signals import (
-    Stop,
-)
+from axisrig.reports.fixed_stop.signals import Stop
 
 LIMITS = StopLimits(1.0, 0.01, 20.0, 0.5)
 

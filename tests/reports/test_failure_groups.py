@@ -171,8 +171,8 @@ def test_errors_that_differ_in_numbers_alone_are_equal(tmp_path: Path) -> None:
 def test_many_cards_are_folded_and_the_runs_are_near(tmp_path: Path) -> None:
     rows = [(f"c{n}", "1", "1", 2.0) for n in range(30)]
     page = build_report(folder_of(tmp_path, rows)).read_text(encoding="utf-8")
-    seen, folded = page.split('<details class="folded">')
-    assert seen.count('<article class="card') == 9
+    shown, folded = page.split('<details class="folded">')
+    assert shown.count('<article class="card') == 9
     assert folded.count('<article class="card') == 21
     assert "<summary>21 more</summary>" in folded
 

@@ -1,9 +1,6 @@
 """What the page prints of a run and its checks: values, notes, words to find it by, sentences."""
 
-from typing import Any
-
 import pytest
-from tests.recordings import Step, block_trace
 
 from axisrig.bench.campaign.results.stored import StoredRun
 from axisrig.bench.judge.run_findings import RunFindings
@@ -11,7 +8,6 @@ from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
-from axisrig.reports.blocks.section import _joined, _way, blocks_view
 from axisrig.reports.run import (
     _about,
     _check,
@@ -226,63 +222,3 @@ def test_a_part_that_cannot_be_read_is_named(error: Exception, words: str) -> No
     assert "second" not in message
     with pytest.raises(OSError, match="disk"), readable(run(), "distance"):
         raise OSError("disk")
-
-
-# Blocks
-
-
-@pytest.mark.parametrize(
-    ("path", "travelled", "words"),
-    [
-        (5.0, 5.0, "5"), (5.0, 5.0 + 5e-7, "5"), (5.0, 2.5, "2.5 of 5"), (5.0, 0.0, "0 of 5"),
-        (5.0, float("nan"), "5"), (float("nan"), 3.0, ""), (0.0, 0.0, "0"),
-        (5.0, 4.9999, "4.9999 of 5"),
-    ],
-)  # fmt: skip
-def test_the_way_of_a_block(path: float, travelled: float, words: str) -> None:
-    assert _way(path, travelled) == words
-
-
-def lane(*rows: tuple[int, int, str]) -> list[list[Any]]:
-    """Rows of due and end, waiting for a half of it, with their group."""
-    return [
-        [at, due, due + 1, end, group, 0, f"N{at}"] for at, (due, end, group) in enumerate(rows)
-    ]
-
-
-@pytest.mark.parametrize(
-    ("rows", "found"),
-    [
-        (lane((0, 100, "a")), lane((0, 100, "a"))),
-        (lane((0, 3, "a")), lane((0, 3, "a"))),  # alone, though short
-        (lane((0, 3, "a"), (3, 8, "b")), [[0, 0, 0, 8, "b", 0, "2 from N0"]]),  # 5 of 8 are b
-        (lane((0, 6, "a"), (6, 11, "b"), (11, 15, "a")),
-         [[0, 0, 0, 11, "a", 0, "2 from N0"], [2, 11, 12, 15, "a", 0, "N2"]]),
-        (lane((0, 3, "a"), (3, 50, "b"), (50, 53, "a"), (53, 56, "a")),
-         [[0, 0, 1, 3, "a", 0, "N0"], [1, 3, 4, 50, "b", 0, "N1"],
-          [2, 50, 50, 56, "a", 0, "2 from N2"]]),
-    ],
-)  # fmt: skip
-def test_short_commands_are_joined_until_they_are_10_long(
-    rows: list[list[Any]], found: list[list[Any]]
-) -> None:
-    assert _joined(rows, 10) == found
-
-
-def test_lines_that_come_again_are_counted_by_what_they_took() -> None:
-    """From due to end; a line that is carried out once is not among them."""
-    steps = [
-        Step("N10 G1", "feed", 0, 5, 10, line=1), Step("N20 G1", "feed", 10, 10, 40, line=2),
-        Step("N10 G1", "feed", 40, 40, 45, line=1), Step("N20 G1", "feed", 45, 45, 50, line=2),
-        Step("N30 G1", "feed", 50, 50, 99, line=3),
-    ]  # fmt: skip
-    view = blocks_view(block_trace(steps), lambda _path: "", is_reduced=False)
-    assert view is not None
-    again = [(each["text"], each["count"], each["lasts"]) for each in view["again"]]
-    assert again == [("N20 G1", 2, "35.000"), ("N10 G1", 2, "15.000")]
-    assert view["file"] == "probe.nc"
-    assert (view["has_waits"], view["has_feed"], view["has_way"]) == (True, False, False)
-    alone = blocks_view(block_trace(steps[:1]), lambda _path: "", is_reduced=False)
-    assert alone is not None
-    assert alone["words"] == "1 command in 0.010 s, of it 0.005 s waiting"
-    assert (alone["left_out"], alone["half"]) == (0, -1)

@@ -99,7 +99,7 @@ def test_few_rows_are_all_shown_and_of_many_the_first_the_last_and_every_move() 
         rows = instants(motion(5000, **{name: places}))
         assert (rows[0], rows[-1]) == (0, 4999)
         assert len(rows) <= INSTANTS
-        assert set(range(1999, 2010)) - {1999} <= set(rows.tolist())
+        assert set(range(2000, 2010)) <= set(rows.tolist())
     still = instants(motion(5000))
     assert len(still) == INSTANTS // 2
     assert set(np.diff(still)) <= {4999 // (INSTANTS // 2 - 1), 4999 // (INSTANTS // 2 - 1) + 1}

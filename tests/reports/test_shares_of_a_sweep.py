@@ -112,7 +112,7 @@ def test_a_bar_says_whether_it_is_sure() -> None:
 # The words of a sample
 
 
-def said(values: list[float], *limits: float | None, **more: Any) -> str:
+def section_of(values: list[float], *limits: float | None, **more: Any) -> str:
     checks = [
         CheckRow("mean(m)", "<= 1", "0.123456789", "um", verdict="pass"),
         CheckRow("cpk(m)", "> 1", verdict="inconclusive"),
@@ -124,30 +124,32 @@ def said(values: list[float], *limits: float | None, **more: Any) -> str:
 
 def test_a_sample_is_told_in_words() -> None:
     """-0.1 and 0.1: s is 0.1414, t of one degree 12.706; Cpk (0.3 - 0)/(3 s)."""
-    text = said([-0.1, 0.1], -0.4, 0.3)
+    text = section_of([-0.1, 0.1], -0.4, 0.3)
     assert "<h3>p-c: m, um</h3><p>n 2, a small sample; mean 0 (-1.27062 to 1.27062) um;" in text
     assert "; s 0.1414 (0.0631 to 4.513) um; 2 s 0.2828 um; Cpk 0.707 (" in text
     assert "<li>pass: mean(m) = 0.1234568 um, asked for &lt;= 1</li>" in text
     assert "<li>inconclusive: cpk(m) = no value, asked for &gt; 1</li>" in text
-    assert "Cpk" not in said([-0.1, 0.1])
-    one = said([0.5])
+    assert "Cpk" not in section_of([-0.1, 0.1])
+    one = section_of([0.5])
     assert "<p>n 1, a small sample</p>" in one
     assert "<figure>" not in one
-    assert "<figure>" in said([0.1, 0.2, 0.4])
+    assert "<figure>" in section_of([0.1, 0.2, 0.4])
 
 
 def test_a_sample_names_what_is_odd_in_it() -> None:
     calm = [0.1, -0.1, 0.2, -0.2, 0.1, -0.1, 0.2, -0.2, 0.1, -0.1, 0.2, -0.2]
-    quiet = said(calm)
+    quiet = section_of(calm)
     for words in ("outlier", "first value apart", "drift", "small", "not counted"):
         assert words not in quiet
-    assert "outlier: r12, " in said([*calm, 9.0])
-    assert "first value apart: r0, " in said([9.0, *calm])
-    rising = said([0.1 * n for n in range(12)])
+    assert "outlier: r12, " in section_of([*calm, 9.0])
+    assert "first value apart: r0, " in section_of([9.0, *calm])
+    rising = section_of([0.1 * n for n in range(12)])
     assert "drift 0.1 um for each value, p " in rising
-    assert "not counted, same frames as an earlier run: r1, r2" in said(calm, equal=["r1", "r2"])
-    assert '<p class="note">of a &lt;title&gt;</p>' in said(calm, title="of a <title>")
-    assert "<h3>p-c: m</h3>" in said(calm, unit="")
+    assert "not counted, same frames as an earlier run: r1, r2" in section_of(
+        calm, equal=["r1", "r2"]
+    )
+    assert '<p class="note">of a &lt;title&gt;</p>' in section_of(calm, title="of a <title>")
+    assert "<h3>p-c: m</h3>" in section_of(calm, unit="")
 
 
 def test_values_of_checks_have_seven_digits_and_their_unit() -> None:

@@ -114,14 +114,14 @@ def test_criteria_count_from_when_they_are_armed() -> None:
 
 def test_without_a_lag_limit_no_time_is_beyond_it_and_without_a_trace_nothing_is() -> None:
     found = stop(limits={"Z": replace(LIMITS, lag_limit_mm=None)})
-    seen = shortfall(trace(Z__cnc_lag_mm=during(2.0, 120, 130)), found, "Z")
-    assert (seen.largest_lag_mm, seen.beyond_ms) == (2.0, None)
+    lag = shortfall(trace(Z__cnc_lag_mm=during(2.0, 120, 130)), found, "Z")
+    assert (lag.largest_lag_mm, lag.beyond_ms) == (2.0, None)
     assert shortfall(None, found, "Z").largest_lag_mm is None
     assert shortfall(trace(), found, "Z").largest_lag_mm is None
 
 
 def test_the_smallest_way_counts_while_the_set_value_moves() -> None:
-    """The set value stands from row 160 on: a way of 1 um there says nothing, one of 30 does."""
+    """The set value stands from row 160 on: a way of 1 um does not count there, 30 um before do."""
     lead = [float(min(row, 160)) for row in range(300)]
     way = [1.0 if row > 160 or row < 100 else 30.0 if row == 150 else 70.0 for row in range(300)]
     found = shortfall(trace(Z__change_um=way, Z__set_mm=lead), stop(), "Z")
@@ -251,8 +251,8 @@ def test_of_one_run_windows_have_no_number_and_of_two_they_have(
     marks = (at("contact", 150, "Z"), at("detected", 170, "Z"))
     found = windows([stop(*marks, number=n) for n in range(1, count + 1)])
     assert [each["label"] for each in found] == labels
-    zeros = ["contact"] if count == 1 else ["contact 1", "contact 1", "contact 2", "contact 2"]
-    assert [each["zero"] for each in found][: len(zeros)] == zeros
+    zeros = ["contact"] * 2 if count == 1 else ["contact 1"] * 2 + ["contact 2"] * 2
+    assert [each["zero"] for each in found] == zeros
     assert {each["origin_ns"] for each in found} == {150 * MS}
     free = windows([stop(at("begin", 110))])
     assert [(each["label"], each["zero"]) for each in free] == [("fixed stop", "begin")]

@@ -4,12 +4,11 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.reports.swept import CASES, CHECKS, folder, numbers, searched
+from tests.reports.swept import CASES, CHECKS, folder, numbers
 
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.sweeps.drawing import DOTS_MAX, WIDTH, Mark, Sample, drawing, shown
-from axisrig.reports.sweeps.searches import searches_section
 from axisrig.reports.sweeps.section import CELLS_MAX, Sweep, sweeps, sweeps_section
 from axisrig.reports.sweeps.sensitivity import sensitivities, sensitivity_section
 
@@ -150,9 +149,7 @@ def test_both_ends_of_many_are_drawn() -> None:
 # Which inputs are swept
 
 
-def results(
-    place: Path, columns: str, cases: list[str], checks: list[str], plan: str = "p"
-) -> list[Sweep]:
+def results(place: Path, columns: str, cases: list[str], checks: list[str]) -> list[Sweep]:
     head = f"{CASES.split(',plc')[0]},{columns}"
     (place / "cases.csv").write_text("\n".join([head, *cases, ""]), encoding="utf-8")
     (place / "results.csv").write_text("\n".join([CHECKS, *checks, ""]), encoding="utf-8")
@@ -238,19 +235,3 @@ def test_two_inputs_have_a_sensitivity_and_one_has_none(tmp_path: Path) -> None:
     assert "▼ -87 %" in text
     assert "▲ +13 %" in text
     assert sensitivity_section([each for each in found if each.case == "p-one"]) == ""
-
-
-def test_searches_count_their_own_probes(tmp_path: Path) -> None:
-    """Two rows search; of the first 2 of 6 probes hold, the second has one and it does not."""
-    searched(tmp_path, ("300.0", "325.0"))
-    for name, rows in (
-        ("cases.csv", ["p,d,p-d-s01,inconclusive,1,1,1,,,7,1,5 .. 9 to 1,,p-d",
-                       "p,d,p-d,pass,1,1,1,,,,1,5 .. 9 to 1,1,"]),
-        ("results.csv", ["p,d,p-d-s01,<= 310,m,7,um,,310,1,inconclusive,p.csv:2"]),
-    ):  # fmt: skip
-        with (tmp_path / name).open("a", encoding="utf-8") as table:
-            table.write("\n".join([*rows, ""]))
-    text = searches_section(read_results(tmp_path))
-    assert "100 .. 500 to 50: 6 probes, 2 hold, 4 do not" in text
-    assert "5 .. 9 to 1: 1 probes, 0 hold, 1 do not" in text
-    assert text.count("<svg") == 1  # a single probe is no picture

@@ -1,17 +1,12 @@
-"""Stretches of a run with a button, the axis that is shown first, and facts of the heading."""
+"""Stretches of a run with a button, the order of its plots, and the axis that is shown first."""
 
 from collections.abc import Sequence
-from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pytest
 
-from axisrig.bench.campaign.results.stored import StoredResults, read_results
 from axisrig.bench.judge.observed.event import Event
-from axisrig.reports.heading import _earlier, _files, _tested, _took, heading
 from axisrig.reports.parts.topic import Plots
 from axisrig.reports.signals import _first_axis, _measurements, _plots, _series, _windows, windows
 
@@ -194,72 +189,3 @@ def test_plots_are_in_the_order_of_the_table_and_unknown_ones_last() -> None:
     long = _plots({"a" * 40: {}})
     assert long[0]["height"] == 360
     assert _plots({"a": {}})[0]["height"] == 120
-
-
-# Heading
-
-
-def runs(*cases: tuple[str, str]) -> list[Any]:
-    return [SimpleNamespace(case={"program": p, "rig": r}) for p, r in cases]
-
-
-def test_what_was_tested_on_what_the_most_frequent_first() -> None:
-    shown = _tested(runs(("x/a.nc", "r/z.toml"), ("a.nc", "z.toml"), ("b.nc", ""), ("", "")))
-    assert shown == ["a.nc on z.toml: 2 runs", "b.nc: 1 run"]
-    many = _tested(runs(*((f"{n}.nc", "z.toml") for n in range(10) for _ in range(20 - n))))
-    assert len(many) == 9
-    assert many[0] == "0.nc on z.toml: 20 runs"
-    assert many[-1] == "2 more programs and rigs: 23 runs"  # 12 and 11
-    assert _tested(runs(("C:\\plans\\a.nc", "D:\\z.toml"))) == ["a.nc on z.toml: 1 run"]
-
-
-@pytest.mark.parametrize(
-    ("manifest", "wall_s", "words"),
-    [
-        ({"spent_s": 9.94, "jobs": 4}, 30.0, "9.9 s with 4 processes; 30 s of computing"),
-        ({"spent_s": 2.0, "jobs": 1}, 0.0, "2.0 s"),
-        ({}, 2.0, "2.0 s of computing in all runs"),
-        ({}, 0.0, ""),
-    ],
-)
-def test_how_long_it_took(manifest: dict[str, Any], wall_s: float, words: str) -> None:
-    from axisrig.bench.campaign.results.manifest import SPENT  # noqa: PLC0415
-
-    known = {SPENT if name == "spent_s" else name: value for name, value in manifest.items()}
-    assert _took(known, wall_s).startswith(words) if words else not _took(known, wall_s)
-
-
-def test_earlier_calls_and_files_of_a_manifest() -> None:
-    calls = [{"command": ["axisrig", "run", "a b.csv"], "runs": ["x"], "started": "then"},
-             {"runs": ["x", "y"]}]  # fmt: skip
-    assert list(_earlier({"earlier": calls})) == [
-        "1 run of then axisrig run 'a b.csv'",
-        "2 runs of",
-    ]
-    manifest = {"plans": [{"path": "p.csv", "sha256": "1"}], "files": {"z.toml": "2"},
-                "fmus": {"m.fmu": "3"}}  # fmt: skip
-    assert _files(manifest) == [("p.csv", "1"), ("z.toml", "2"), ("m.fmu", "3")]
-    assert _files({}) == []
-
-
-def test_verdicts_are_counted_without_probes_and_the_missing_named(tmp_path: Path) -> None:
-    rows = ["run,verdict,wall_s,alarms,probe,drive_substituted,info:serial", "a,pass,1,,,x,7",
-            "b,fail,2,,,x,7", "c,error,4,,a,,8", "d,pass,8,,,y,7"]  # fmt: skip
-    (tmp_path / "cases.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
-    (tmp_path / "results.csv").write_text("run,metric,value,verdict\n", encoding="utf-8")
-    folder: StoredResults = read_results(tmp_path)
-    shown = heading(folder, {"sim": (1.0,), "real": ()})
-    counts = {words["word"]: count for words, count in shown["counts"]}
-    assert counts == {
-        "pass": 2,
-        "marginal": 0,
-        "inconclusive": 0,
-        "fail": 1,
-        "aborted": 0,
-        "error": 0,
-    }
-    assert (shown["verdict"]["word"], shown["done"], shown["missing"]) == ("fail", 3, 0)
-    assert shown["tested"] == ["serial: 7"]
-    facts = dict(shown["facts"])
-    assert facts["took"] == "11 s of computing in all runs"
-    assert facts["CiA 402 drive in place of"] == "x (2 runs); y (1 run)"

@@ -18,13 +18,11 @@ from axisrig.bench.judge.fixed_stop.values import Value
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.reports.fixed_stop.section import sections
-from axisrig.reports.fixed_stop.signals import (
-    Stop,
-)
+from axisrig.reports.fixed_stop.signals import Stop
 from axisrig.reports.fixed_stop.words import answers, length, state
 
 
-def told(found: Stop, table: pa.Table | None = None) -> dict[str, str]:
+def answers_of(found: Stop, table: pa.Table | None = None) -> dict[str, str]:
     return dict(answers(found, [], table))
 
 
@@ -35,11 +33,11 @@ def told(found: Stop, table: pa.Table | None = None) -> dict[str, str]:
 def test_the_criterion_that_came_last_is_reported(beyond_ms: int, still_ms: int, last: str) -> None:
     """The lag has to last for 20 ms more, the window has lasted."""
     found = stop(at("beyond", beyond_ms, "Z"), at("window", still_ms, "Z"))
-    assert told(found)["why here"] == (
+    assert answers_of(found)["why here"] == (
         f"Z: lag above 1 mm for 20 ms and moved no more than 10 µm in 20 ms; the {last} came last"
     )
     alone = stop(at("beyond", beyond_ms, "Z2"), at("window", still_ms, "Z"))
-    assert "came last" not in told(alone)["why here"]
+    assert "came last" not in answers_of(alone)["why here"]
 
 
 def test_the_way_in_degrees_and_force_in_newton_metres_of_an_axis_that_turns() -> None:
@@ -49,7 +47,7 @@ def test_the_way_in_degrees_and_force_in_newton_metres_of_an_axis_that_turns() -
         watched=["C"], decided_by=Decision("C", "lag"), rotary={"C": True}, values=rows,
         limits={"C": StopLimits(0.02, None, 20.0, None)}, signals={"C": {"stop_force_n": "C.t"}},
     )  # fmt: skip
-    answer = told(found, trace(C__t=during(3.25, 0, 250)))
+    answer = answers_of(found, trace(C__t=during(3.25, 0, 250)))
     assert answer["why here"] == "C: lag above 0.02° for 20 ms"
     assert answer["pressed with"] == "at most -5 N.m, 3.25 N.m at the end"
 
@@ -71,7 +69,7 @@ def test_what_each_axis_pressed_with(forces: dict[str, float], words: str) -> No
     """From the trace where the bench gives no values."""
     table = trace(**{f"{axis}__stop_force_n": [force] * 300 for axis, force in forces.items()})
     signals = {axis: {"stop_force_n": f"{axis}.stop_force_n"} for axis in forces}
-    assert told(stop(signals=signals), table)["pressed with"] == words
+    assert answers_of(stop(signals=signals), table)["pressed with"] == words
 
 
 @pytest.mark.parametrize(
@@ -93,7 +91,7 @@ def test_what_became_of_a_run(
     assert state(found, [at("alarm", 160)] * trouble) == expected
 
 
-def test_a_plant_that_tells_no_contact_makes_no_trigger_false() -> None:
+def test_a_plant_without_a_contact_makes_no_trigger_false() -> None:
     assert state(stop(signals={"Z": {"cnc_lag_mm": "Z.cnc_lag_mm"}}), []) == "found"
 
 
@@ -107,18 +105,18 @@ def test_lengths_below_a_tenth_are_in_micrometres(mm: float, words: str) -> None
 
 
 def test_what_was_missing_of_each_axis() -> None:
-    """Below the limit no time is said; without signals the limits alone; both off says so."""
+    """Below the limit there is no time; without signals the limits alone; both off is named."""
     found = stop(at("armed", 101), is_found=False, decided_by=None)
     lag = trace(Z__cnc_lag_mm=during(1.5, 120, 130), Z2__cnc_lag_mm=during(0.5, 120, 130))
-    assert told(found, lag)["what was missing"] == (
+    assert answers_of(found, lag)["what was missing"] == (
         "Z: largest lag 1.5 mm of 1 mm, above it for 10 of 20 ms, window 10 µm;"
         " Z2: largest lag 0.5 mm of 1 mm, window 10 µm"
     )
-    assert told(found)["what was missing"].startswith("Z: lag limit 1 mm, window 10 µm; Z2:")
+    assert answers_of(found)["what was missing"].startswith("Z: lag limit 1 mm, window 10 µm; Z2:")
     off = replace(found, watched=["Z"], limits={"Z": StopLimits(None, None, 20.0, None)})
-    assert told(off)["what was missing"] == "Z: both criteria are off"
+    assert answers_of(off)["what was missing"] == "Z: both criteria are off"
     never = replace(found, marks=(), limits={"Z": LIMITS, "Z2": replace(LIMITS, arming_mm=0.05)})
-    assert told(never)["what was missing"] == (
+    assert answers_of(never)["what was missing"] == (
         "the criteria are armed after 50 µm or 0.5 mm of the path only"
     )
 
@@ -139,5 +137,5 @@ def test_trouble_is_of_the_run(event: Event, is_shown: bool) -> None:
     (shown,) = sections(
         RunFindings(events=[event], of_topics=[StopFindings(**fields)]), None, "r", {"A": "why"}
     )
-    assert ("ended by", "A: why") in shown["answers"] or not is_shown
+    assert (("ended by", "A: why") in shown["answers"]) is is_shown
     assert (shown["state"] == "ended") is is_shown

@@ -39,7 +39,7 @@ def control(*stretches: DistanceStretch, unit: str = MM, **more: Any) -> Control
 
 
 def signals(**columns: Sequence[float]) -> pa.Table:
-    """A row each ms; the error is SET_DIST less what the CNC sees, 2 mm less `distance`."""
+    """A row each ms; names of columns are those of axis Z."""
     rows = len(next(iter(columns.values())))
     return pa.table(
         {"time_ns": np.arange(rows, dtype=np.int64) * MS}
@@ -47,7 +47,7 @@ def signals(**columns: Sequence[float]) -> pa.Table:
     )
 
 
-def said(found: ControlFindings, trace: pa.Table | None = None) -> list[str]:
+def sentences(found: ControlFindings, trace: pa.Table | None = None) -> list[str]:
     return [words for _, words in happened(found, [], trace, {})]
 
 
@@ -72,7 +72,7 @@ def said(found: ControlFindings, trace: pa.Table | None = None) -> list[str]:
     ],
 )  # fmt: skip
 def test_who_commanded_what(name: str, by: str, more: dict[str, Any], words: str) -> None:
-    assert said(control(part(10, 40, name, by, **more))) == [words]
+    assert sentences(control(part(10, 40, name, by, **more))) == [words]
 
 
 def test_off_at_once_is_reported_and_off_by_running_out_is_not() -> None:
@@ -82,10 +82,10 @@ def test_off_at_once_is_reported_and_off_by_running_out_is_not() -> None:
         part(20, 30, "INACTIVE", "PLC"),
         part(20, 25, "TURNING_OFF"),
     )
-    assert said(control(part(0, 10, "INACTIVE"))) == []
-    assert said(control(on, off))[1:] == ["off at once, by the PLC or an error: nothing moves"]
-    assert len(said(control(on, out, replace(off, begin_ns=25 * MS)))) == 2
-    at_once = said(control(part(10, 20, "FREEZE"), off))
+    assert sentences(control(part(0, 10, "INACTIVE"))) == []
+    assert sentences(control(on, off))[1:] == ["off at once, by the PLC or an error: nothing moves"]
+    assert len(sentences(control(on, out, replace(off, begin_ns=25 * MS)))) == 2
+    at_once = sentences(control(part(10, 20, "FREEZE"), off))
     assert at_once[1:] == ["off at once, by the PLC or an error: nothing moves"]
 
 
@@ -103,7 +103,7 @@ def test_off_at_once_is_reported_and_off_by_running_out_is_not() -> None:
 def test_the_same_state_again_is_a_change_of_parameters(
     before: DistanceStretch, after: DistanceStretch, is_same: bool
 ) -> None:
-    words = said(control(before, after))[1]
+    words = sentences(control(before, after))[1]
     assert words.startswith("parameters changed: followed") is is_same
 
 
@@ -127,7 +127,7 @@ STEP = [0.0] * 2 + [1.0] * 28
 
 def test_the_offset_is_that_of_the_stretch_alone() -> None:
     trace = signals(offset_mm=around(STEP), error_mm=around([0.01] * 30))
-    (words,) = said(control(part(10, 40, CONST)), trace)
+    (words,) = sentences(control(part(10, 40, CONST)), trace)
     assert words == (
         "ON_CONST_DIST by the program: offset 0 mm to 1 mm, within 5 % of it after 2 ms;"
         " error at the end 0.01 mm"
@@ -152,8 +152,8 @@ def test_the_offset_is_that_of_the_stretch_alone() -> None:
     ],
 )  # fmt: skip
 def test_a_way_of_20_um_and_more_settles_within_5_per_cent(inside: list[float], words: str) -> None:
-    """Of the way, to either side; extremes are said beyond 10 % of it and 2 um."""
-    found = said(control(part(10, 40, ACTIVE)), signals(offset_mm=around(inside)))
+    """Of the way, to either side; extremes are named beyond 10 % of it and 2 um."""
+    found = sentences(control(part(10, 40, ACTIVE)), signals(offset_mm=around(inside)))
     assert found == [f"ON by the program: {words}"]
 
 
@@ -164,7 +164,7 @@ def test_over_a_surface_that_moves_nothing_settles() -> None:
         trace = signals(offset_mm=around(STEP), sensor_mm=around([-2.0] * 30),
                         distance_cnc_mm=around([2.0] * 30), actual_mm=around([50.0] * 30),
                         surface_cnc_mm=around(list(surface), 0.0, 99.0))  # fmt: skip
-        (words,) = said(control(part(10, 40, ACTIVE)), trace)
+        (words,) = sentences(control(part(10, 40, ACTIVE)), trace)
         assert ("within 5 %" in words) is settles
 
 
@@ -173,54 +173,55 @@ def test_a_loop_beyond_its_limit_swings_by_half_of_its_span() -> None:
     unstable = replace(LAW, kp=1.0)
     swing = [5.0] * 10 + [0.3, -0.1] * 10
     trace = signals(offset_mm=around(STEP), error_mm=around(swing))
-    assert said(control(part(10, 40, CONST, law=unstable)), trace) == [
+    assert sentences(control(part(10, 40, CONST, law=unstable)), trace) == [
         "ON_CONST_DIST by the program: offset 0 mm to 1 mm; the error swings by ±0.2 mm at the end"
     ]
     calm = signals(offset_mm=around(STEP), error_mm=around([0.5] * 28 + [0.5015, 0.5]))
     for trace in (calm, signals(offset_mm=around(STEP))):
-        (words,) = said(control(part(10, 40, CONST, law=unstable)), trace)
+        (words,) = sentences(control(part(10, 40, CONST, law=unstable)), trace)
         assert words.endswith("offset 0 mm to 1 mm; nothing has excited the loop so far")
-    stable = said(control(part(10, 40, CONST, law=LAW)), trace)
+    stable = sentences(control(part(10, 40, CONST, law=LAW)), trace)
     assert "within 5 % of it after 2 ms" in stable[0]
 
 
 def test_the_error_at_the_end_is_a_mean_of_20_rows() -> None:
     error = [9.0] * 10 + [0.1, 0.3] * 10
     trace = signals(offset_mm=around([0.0] * 30), error_mm=around(error))
-    assert said(control(part(10, 40, CONST)), trace)[0].endswith("; error at the end 0.2 mm")
+    assert sentences(control(part(10, 40, CONST)), trace)[0].endswith("; error at the end 0.2 mm")
 
 
 def test_a_frozen_offset_is_reported_with_what_the_sensor_saw() -> None:
     found = control(part(10, 40, "FREEZE"))
     held = around([0.5] * 30)
-    assert said(found, signals(offset_mm=held)) == [
+    assert sentences(found, signals(offset_mm=held)) == [
         "FREEZE by the program: the offset is held at 0.5 mm, bit for bit"
     ]
     drift = list(np.linspace(0.5, 0.4, 30))
-    assert said(found, signals(offset_mm=around(drift))) == [
+    assert sentences(found, signals(offset_mm=around(drift))) == [
         "FREEZE by the program: the offset is held at 0.5 mm and moves by 0.1 mm"
     ]
     for way_mm, words in ((0.0021, "; the sensor goes from -2 mm to -1.9979 mm"), (0.0019, "")):
         sensor = around(list(np.linspace(-2.0, -2.0 + way_mm, 30)))
-        (told,) = said(found, signals(offset_mm=held, sensor_mm=sensor))
-        assert told == f"FREEZE by the program: the offset is held at 0.5 mm, bit for bit{words}"
+        (sentence,) = sentences(found, signals(offset_mm=held, sensor_mm=sensor))
+        held_words = "FREEZE by the program: the offset is held at 0.5 mm, bit for bit"
+        assert sentence == held_words + words
 
 
 def test_an_error_holds_where_the_offset_ended_and_off_begins_where_it_was() -> None:
     trace = signals(offset_mm=around(list(np.linspace(1.0, 2.0, 30)), before=0.7))
-    assert said(control(part(10, 40, "ERROR")), trace) == ["ERROR: the offset is held at 2 mm"]
-    assert said(control(part(10, 40, "TURNING_OFF", "PLC")), trace) == [
+    assert sentences(control(part(10, 40, "ERROR")), trace) == ["ERROR: the offset is held at 2 mm"]
+    assert sentences(control(part(10, 40, "TURNING_OFF", "PLC")), trace) == [
         "OFF by the PLC: 0.7 mm run out, 30 ms"
     ]
-    first = said(control(part(0, 40, "TURNING_OFF")), trace)
+    first = sentences(control(part(0, 40, "TURNING_OFF")), trace)
     assert first == ["OFF by the program: the offset runs out, 40 ms"]
 
 
 def test_values_that_are_missing_do_not_count() -> None:
     inside = [np.nan] * 5 + [0.5] * 25
-    assert said(control(part(10, 40, "FREEZE"), unit=DEGREE), signals(offset_mm=around(inside)))[
-        0
-    ].endswith("held at 0.5 °, bit for bit")
+    found = control(part(10, 40, "FREEZE"), unit=DEGREE)
+    (sentence,) = sentences(found, signals(offset_mm=around(inside)))
+    assert sentence.endswith("held at 0.5 °, bit for bit")
 
 
 @pytest.mark.parametrize(
@@ -230,7 +231,7 @@ def test_values_that_are_missing_do_not_count() -> None:
 )  # fmt: skip
 def test_lengths_have_a_tenth_of_a_micrometre(value: float, words: str) -> None:
     trace = signals(offset_mm=around([value] * 30))
-    assert said(control(part(10, 40, "ERROR")), trace) == [
+    assert sentences(control(part(10, 40, "ERROR")), trace) == [
         f"ERROR: the offset is held at {words} mm"
     ]
 
@@ -253,7 +254,7 @@ def test_lengths_have_a_tenth_of_a_micrometre(value: float, words: str) -> None:
         ({"growth": 1.0}, ": stable"),
     ],
 )  # fmt: skip
-def test_what_theory_says_of_a_law(changes: dict[str, Any], words: str) -> None:
+def test_a_law_in_words(changes: dict[str, Any], words: str) -> None:
     found = law_words(replace(LAW, **changes))
     assert found.startswith(words) if words.startswith(("kp", "the")) else found.endswith(words)
 

@@ -1,4 +1,4 @@
-"""Which runs `axisrig diff` calls better and worse, and of which it says nothing."""
+"""Which runs `axisrig diff` calls better, worse, or neither."""
 
 from pathlib import Path
 

@@ -16,12 +16,11 @@ from tests.recordings import kept
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.results.compare import page
 from axisrig.results.compare.drawing import WIDTH, overlay
-from axisrig.results.compare.pairs import Frames
 from axisrig.results.compare.trend import CaseTrend, Point, Trend
-from axisrig.results.compare.words import diff_lines, trend_lines
+from axisrig.results.compare.words import trend_lines
 
-RIGHT = WIDTH - 8.0
-INSET = 12.0
+RIGHT_PX = WIDTH - 8.0  # the right edge of the field
+INSET_PX = 12.0  # from the frame to the outermost dots
 
 
 def line(places: Sequence[float], values: Sequence[float]) -> Any:
@@ -46,8 +45,8 @@ def test_two_lines_are_on_one_scale_the_first_one_is_that_before() -> None:
     assert list(found) == ["cmp-before", "cmp-after"]
     (x0, low), (x10, high) = found["cmp-before"]
     (x5, same), (x20, half) = found["cmp-after"]
-    assert x20 == RIGHT
-    across = [(x - x0) / (RIGHT - x0) for x in (x5, x10)]
+    assert x20 == RIGHT_PX
+    across = [(x - x0) / (RIGHT_PX - x0) for x in (x5, x10)]
     assert across == pytest.approx([0.25, 0.5], abs=2e-3)
     assert (same, high < low) == (high, True)
     assert half == pytest.approx((low + high) / 2.0, abs=0.11)
@@ -63,7 +62,7 @@ def test_a_line_alone_is_no_line_before_and_what_has_no_number_is_left_out() -> 
     found = polylines(text)
     assert list(found) == ["cmp-after"]
     assert len(found["cmp-after"]) == 2
-    assert found["cmp-after"][-1][0] == RIGHT
+    assert found["cmp-after"][-1][0] == RIGHT_PX
     assert 'aria-label="s: b"' in text
 
 
@@ -84,9 +83,9 @@ def test_dots_say_value_and_name_and_are_inside_the_frame() -> None:
     dots = [tuple(map(float, at)) for at in re.findall(r'cx="([\d.]+)" cy="([\d.]+)"', text)]
     assert dots == polylines(text)["cmp-after"]
     ((left,),) = [re.findall(r'<text x="([\d.]+)" y="146">', text)]
-    room = INSET * (RIGHT - float(left)) / WIDTH / (1 + 2 * INSET / WIDTH)
+    room = INSET_PX * (RIGHT_PX - float(left)) / WIDTH / (1 + 2 * INSET_PX / WIDTH)
     assert dots[0][0] - float(left) == pytest.approx(room, abs=0.2)
-    assert RIGHT - dots[-1][0] == pytest.approx(room, abs=0.2)
+    assert RIGHT_PX - dots[-1][0] == pytest.approx(room, abs=0.2)
     assert "<circle" not in overlay("s", {"a": both}, ("", ""))
 
 
@@ -249,20 +248,3 @@ def test_the_page_of_a_trend_has_the_places_of_the_folders(
         ("m:Z", [1.0], [7.0], ends, (), {"has_dots": True, "names": ["two, n 2"]}),
     ]  # fmt: skip
     assert views[0][1]["drawn"] == {"p-a": "m:Z, um", "p-b": "m:Z"}
-
-
-def test_only_a_verdict_that_rose_is_better() -> None:
-    """Of every pair of verdicts; equal ones are neither."""
-
-    def pair(before: Verdict, after: Verdict) -> Any:
-        of = [SimpleNamespace(verdict=verdict) for verdict in (before, after)]
-        return SimpleNamespace(name=f"{before.word} to {after.word}", before=of[0], after=of[1],
-                               metrics=(), is_by_inputs=False, frames=Frames.EQUAL)  # fmt: skip
-
-    pairs = [pair(before, after) for before in Verdict for after in Verdict]
-    found: Any = SimpleNamespace(pairs=pairs, shifts=(), new=(), lost=(), worse=list)
-    better = [line.split(": ")[1] for line in diff_lines(found) if line.startswith("better")]
-    ranks = [verdict.word for verdict in Verdict]  # from the best on
-    assert better == [
-        f"{before} to {after}" for place, before in enumerate(ranks) for after in ranks[:place]
-    ]

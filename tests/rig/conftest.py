@@ -9,6 +9,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 RIG = """\
 title = "one axis"
 
@@ -74,6 +75,18 @@ def settings_of() -> Callable[..., Settings]:
         )
 
     return read
+
+
+@pytest.fixture
+def rig_above(tmp_path: Path, settings_of: Callable[..., Settings]) -> Callable[..., Settings]:
+    """Return `rig_above(base, TOML, *assignments)`: settings of a rig above a shipped one."""
+
+    def make(base: str, text: str = "", *assignments: str) -> Settings:
+        rig = tmp_path / "rig.toml"
+        rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
+        return settings_of(rig, *assignments)
+
+    return make
 
 
 DRIVE = "[drive.servo]\nlead_mm = 10.0\n"

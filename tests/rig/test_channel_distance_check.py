@@ -1,4 +1,4 @@
-"""What a check says of the 3D distance control of a channel; limits by the printed formula."""
+"""Checks of the 3D distance control of a channel; limits by the printed formula."""
 
 import math
 import re

@@ -11,9 +11,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.oracles.latch.instant import LatchTimes
-from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import read_rig
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.rig.contents import settings_of
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
 from axisrig.kernel.time.clock import US
 
@@ -28,14 +26,9 @@ BASES = {
 }
 
 
-def settings_of(rig: str, *changes: str) -> Settings:
-    assigned = [(parse_assignment(text), as_written) for text in changes]
-    return read_settings(*read_rig(RIGS / rig), assigned)
-
-
 def drive(family: str, *keys: str) -> Any:
     changes = [f"drive:servo.{key}" for key in keys]
-    return settings_of(BASES[family], *changes).rig.drive["servo"]
+    return settings_of(RIGS / BASES[family], changes).rig.drive["servo"]
 
 
 PER_TURN: dict[tuple[str, ...], Fraction | int] = {
@@ -171,6 +164,6 @@ def test_limits_of_circles_are_lengths_and_shares() -> None:
     """P-CHAN-00059 and 00171 in 0.1 um, P-CHAN-00060 and 00172 in 0.1 % of the radius."""
     listed = ("mittelpkt_diff=12000", "mittelpkt_faktor=30", "max_radius_diff_circle=70",
               "max_proz_radius_diff_circle=4")  # fmt: skip
-    settings = settings_of("probe-z.toml", *(f"set:channel.{one}" for one in listed))
+    settings = settings_of(RIGS / "probe-z.toml", [f"set:channel.{one}" for one in listed])
     found = settings.offset_tables.circle
     assert found == CircleLimits(1.2, 0.03, 0.007, 0.004)

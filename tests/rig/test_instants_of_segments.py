@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.oracles.phases import Phases
-from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig import contents
 from axisrig.bench.rig.canopen.answers import first_answer_ns
 from axisrig.bench.rig.cyclic.family import FAMILY as CYCLIC
 from axisrig.bench.rig.cyclic.members import instants_of
@@ -20,8 +20,7 @@ from axisrig.bench.rig.ethercat.schedule import (
     schedule_of,
 )
 from axisrig.bench.rig.ethercat.timing import phases_of
-from axisrig.bench.rig.reading.file import read_rig
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
 
@@ -29,8 +28,7 @@ RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
 
 def settings_of(rig: str, *changes: str) -> Settings:
-    assigned = [(parse_assignment(text), as_written) for text in changes]
-    return read_settings(*read_rig(RIGS / rig), assigned)
+    return contents.settings_of(RIGS / rig, changes)
 
 
 # --- a frame of a line

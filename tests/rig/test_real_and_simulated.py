@@ -1,12 +1,10 @@
 """What of a rig is simulated and what is real: axes, plants, sensors; and what may not be both."""
 
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 import pytest
 
-from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import (
     check_outside,
     is_paced,
@@ -14,26 +12,17 @@ from axisrig.bench.rig.real_axes import (
     outside_axes,
     simulated_plants,
 )
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 
-RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 REAL = '[segment.can1]\ninterface = "socketcan"\nchannel = "can0"\n'
 Make = Callable[..., Settings]
 
 
 @pytest.fixture
-def make(tmp_path: Path) -> Make:
+def make(rig_above: Make) -> Make:
     """Return `make(TOML above X, Y, Z on a bus each, *assignments)`."""
-
-    def settings(text: str, *changes: str) -> Settings:
-        rig = tmp_path / "rig.toml"
-        base = (RIGS / "probe-xyz.toml").as_posix()
-        rig.write_text(f'base = "{base}"\n{text}\n', encoding="utf-8")
-        assigned = [(parse_assignment(change), as_written) for change in changes]
-        return read_settings(*read_rig(rig), assigned)
-
-    return settings
+    return partial(rig_above, "probe-xyz.toml")
 
 
 OWN = '[plant.other]\nfmu = "AxisRig.Sensors.TouchProbe"\nwire = { z = "z" }\n'

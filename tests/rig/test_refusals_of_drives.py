@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.rig.families import family_of, rig_families
-from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.sercos.checks import latch_of
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.profiles.profidrive.parameters import parameters as known_parameters
 
@@ -21,14 +20,11 @@ Check = Callable[..., str]
 
 
 @pytest.fixture
-def check(tmp_path: Path) -> Check:
-    """Return `check(base, *assignments, text=TOML above it)`: what is said against it, or ""."""
+def check(rig_above: Callable[..., Settings]) -> Check:
+    """Return `check(base, *assignments, text=TOML above it)`: the refusal, or ""."""
 
     def refusal(base: str, *changes: str, text: str = "") -> str:
-        rig = tmp_path / "rig.toml"
-        rig.write_text(f'base = "{(RIGS / base).as_posix()}.toml"\n{text}\n', encoding="utf-8")
-        assigned = [(parse_assignment(change), as_written) for change in changes]
-        settings: Settings = read_settings(*read_rig(rig), assigned)
+        settings = rig_above(f"{base}.toml", text, *changes)
         try:
             for family in rig_families():
                 family.check(settings)
@@ -72,17 +68,18 @@ SERCOS: list[Case] = [
     ],
 )
 def test_the_latch_of_a_sercos_axis_is_that_of_its_list_or_of_its_at(
-    at: str, lines: str, latch: tuple[int, str], tmp_path: Path
+    at: str,
+    lines: str,
+    latch: tuple[int, str],
+    tmp_path: Path,
+    rig_above: Callable[..., Settings],
 ) -> None:
     """P-AXIS-00517 and 00518 begin with input 1 and POS."""
     text = (RIGS / "lists" / "axis-z-sercos.lst").read_text()
     bare = [line for line in text.splitlines() if ".input " not in line and ".edge " not in line]
     (tmp_path / "z.lst").write_text("\n".join([*bare, lines, ""]))
-    rig = tmp_path / "rig.toml"
-    base = (RIGS / "probe-z-sercos.toml").as_posix()
-    rig.write_text(f'base = "{base}"\n[axis.Z]\nlist = "z.lst"\n', encoding="utf-8")
-    changes = [(parse_assignment(f"{AT}{at}"), as_written)]
-    assert latch_of(read_settings(*read_rig(rig), changes), "Z") == latch
+    settings = rig_above("probe-z-sercos.toml", '[axis.Z]\nlist = "z.lst"', f"{AT}{at}")
+    assert latch_of(settings, "Z") == latch
 
 
 @pytest.mark.parametrize(("changes", "words"), SERCOS)
@@ -183,8 +180,8 @@ def test_a_counter_of_16_bits_may_not_wrap_unseen(
     found = check("probe-z-encoder-terminal", *changes)
     assert (found == "") is is_good
     way_mm = (missing + 1) * 0.5
-    said = f"at P-AXIS-00212 it goes {way_mm:g} mm in {missing + 1} cycles"
-    assert (said in found) is not is_good
+    words = f"at P-AXIS-00212 it goes {way_mm:g} mm in {missing + 1} cycles"
+    assert (words in found) is not is_good
     assert check("probe-z-conventional", *changes) == ""  # its counter is longer
 
 
@@ -228,7 +225,7 @@ def test_a_segment_has_what_its_carrier_needs(
     assert (words in found) if words else found == ""
 
 
-# --- what is said and not refused
+# --- what is reported and not refused
 
 
 @pytest.mark.parametrize(
@@ -245,8 +242,7 @@ def test_what_makes_a_measurement_doubtful_is_reported(
     base: str, changes: tuple[str, ...], words: str
 ) -> None:
     def lines(*keys: str) -> str:
-        changed = [(parse_assignment(f"drive:servo.{key}"), as_written) for key in keys]
-        settings = read_settings(*read_rig(RIGS / f"{base}.toml"), changed)
+        settings = settings_of(RIGS / f"{base}.toml", [f"drive:servo.{key}" for key in keys])
         return "\n".join(family_of(settings, "Z").describe(settings))
 
     assert words in lines(*changes)

@@ -1,4 +1,4 @@
-"""How drives are started stands in the rig; what a drive cannot do is told with file and line."""
+"""The rig has how drives are started; what a drive cannot do is refused with file and line."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -202,21 +202,24 @@ def test_an_rpdo_may_be_missing_as_often_as_a_tpdo_and_half_a_cycle(
 ) -> None:
     """Deadline of the RPDO in ms, sub-index 5 of 1400 (CiA 301), rounded up."""
     keys = StartUpKeys(missing_cycles=missing, rpdo_timeout_ms=given)
-    profile = DriveProfile()
+    assert deadlines_ms(keys, period_us, is_real=is_real) == [timeout_ms]
+
+
+def deadlines_ms(keys: StartUpKeys, period_us: int = 1000, *, is_real: bool = False) -> list[int]:
+    """What a start-up writes to sub-index 5 of 1400 of node 3."""
     steps = drive_steps(
         keys,
         BusSettings(sync_period_us=period_us),
         telegrams(0x60BA, None, counter=True, inputs=True, second=False),
         3,
-        profile,
+        DriveProfile(),
         is_real=is_real,
     )
-    (found,) = (
+    return [
         int.from_bytes(step.data, "little")
         for step in steps
         if isinstance(step, WriteStep) and (step.index, step.sub) == (0x1400, 5)
-    )
-    assert found == timeout_ms
+    ]
 
 
 @pytest.mark.parametrize(("timeout_ms", "found"), [(0, []), (1, [1]), (0xFFFF, [0xFFFF])])
@@ -224,19 +227,7 @@ def test_a_deadline_of_nothing_is_none(timeout_ms: int, found: list[int]) -> Non
     """Sub-index 5 of 1400: 0 switches it off, where the rig says so; then nothing is written."""
     settings = start_up_settings(StartUpKeys(rpdo_timeout_ms=timeout_ms))
     assert settings.rpdo_timeout_ms == timeout_ms
-    steps = drive_steps(
-        StartUpKeys(rpdo_timeout_ms=timeout_ms),
-        BusSettings(sync_period_us=1000),
-        telegrams(0x60BA, None, counter=True, inputs=True, second=False),
-        3,
-        DriveProfile(),
-    )
-    deadlines = [
-        int.from_bytes(step.data, "little")
-        for step in steps
-        if isinstance(step, WriteStep) and (step.index, step.sub) == (0x1400, 5)
-    ]
-    assert deadlines == found
+    assert deadlines_ms(StartUpKeys(rpdo_timeout_ms=timeout_ms)) == found
 
 
 def test_without_keys_the_settings_of_a_start_up_have_no_deadline() -> None:

@@ -139,7 +139,7 @@ def test_what_a_fault_says_is_two_numbers_and_a_text() -> None:
 
 
 def test_a_question_about_a_fault_may_be_refused_or_forgotten() -> None:
-    """On, off, on: what was asked before the fault was forgotten is not said of the next one."""
+    """On, off, on: the answer to a question about a forgotten fault is not of the next one."""
     bench = Bench()
     bench.drive.ask_for_fault()
     bench.channel.answer(b"\x01\x00")
@@ -241,11 +241,11 @@ def test_the_level_of_the_probe_is_that_of_its_edge(edge: str, number: int) -> N
     bench.cycle(OPERATES | level)
     assert bench.drive.is_actuated is None
     bench.drive.knows_level = True
-    seen = []
+    actuated = []
     for status in (OPERATES | level, OPERATES | (level ^ 0xC0)):
         bench.cycle(status)
-        seen.append(bench.drive.is_actuated)
-    assert seen == [edge == "POS", edge == "NEG"]
+        actuated.append(bench.drive.is_actuated)
+    assert actuated == [edge == "POS", edge == "NEG"]
 
 
 def test_a_second_encoder_is_the_value_that_came_last_and_its_age() -> None:

@@ -1,4 +1,4 @@
-"""Faults of a virtual SERCOS drive: what class 1 says, stuck bits, probing that ends by itself."""
+"""Faults of a virtual SERCOS drive: class 1, stuck bits, probing that ends by itself."""
 
 import struct
 from typing import Any
@@ -164,7 +164,7 @@ def test_a_bit_that_is_stuck_keeps_its_level_until_it_passes_again(
         hand.drive.idents.put(ident_number("S-0-0305"), enable)
         hand.drive.idents.put(ident_number("S-0-0307"), enable)
 
-    def seen(level: bool) -> int:
+    def status_at(level: bool) -> int:
         if not is_status:
             hand.cycle(FOLLOW | both * level)
             return hand.drive.front.control & ~FOLLOW
@@ -175,7 +175,7 @@ def test_a_bit_that_is_stuck_keeps_its_level_until_it_passes_again(
         hand.drive.hold_bit(name, level=held)
         for level in (True, False, True):
             own = mask if (level if held is None else held) else 0
-            assert seen(level) == own | (both & ~mask if level else 0), (held, level)
+            assert status_at(level) == own | (both & ~mask if level else 0), (held, level)
 
 
 def test_a_probing_cycle_that_ends_by_itself_is_interrupted_and_begins_again(hand: Hand) -> None:
@@ -201,11 +201,11 @@ def test_the_edges_that_are_latched_are_bits_by_their_order() -> None:
     hand.written("S-0-0169", b"\x03\x00")
     hand.written("S-0-0170", b"\x03\x00")
     hand.written("S-0-0405", b"\x01\x00")
-    seen = []
+    found = []
     for _ in range(6):
         hand.cycle(0)
-        seen.append(hand.number("S-0-0179"))
-    assert seen == [0, 0, 1, 1, 3, 3]
+        found.append(hand.number("S-0-0179"))
+    assert found == [0, 0, 1, 1, 3, 3]
     hand.written("S-0-0405", b"\x00\x00")
     assert (hand.cycle(0), hand.number("S-0-0179")) == (hand.cycle(0), 0)
     hand.written("S-0-0405", b"\x01\x00")

@@ -70,11 +70,11 @@ def test_a_done_measurement_after_the_enable_bit_is_one_of_this_run(probe: Probe
     assert (probe.latch.enable, probe.latch.is_ordered) == (0, False)
     probe.latch.arm()
     assert (probe.latch.enable, probe.latch.is_ordered) == (ENABLE, True)
-    seen = []
+    states = []
     for status in (0, 0, 0, DONE, DONE):
         probe.take(status)
-        seen.append((probe.latch.is_clear, probe.latch.is_armed, probe.latch.has_latched))
-    assert seen == [
+        states.append((probe.latch.is_clear, probe.latch.is_armed, probe.latch.has_latched))
+    assert states == [
         (False, False, False), (False, True, False), (False, True, False), (False, True, True),
         (False, True, True),
     ]  # fmt: skip
@@ -95,11 +95,11 @@ def test_a_latch_is_clear_only_as_long_after_the_enable_bit_as_the_drive_answers
     probe.take(DONE)
     probe.latch.disarm()
     assert (probe.latch.enable, probe.latch.is_ordered, probe.latch.is_armed) == (0, False, False)
-    seen = []
+    is_clear = []
     for status in (0, DONE, DONE, 0, 0):  # the first one was made before the bit fell
         probe.take(status)
-        seen.append(probe.latch.is_clear)
-    assert seen == [False, False, False, True, True]
+        is_clear.append(probe.latch.is_clear)
+    assert is_clear == [False, False, False, True, True]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_a_latch_is_clear_only_as_long_after_the_enable_bit_as_the_drive_answers
         (),
     ],
 )
-def test_a_done_measurement_that_was_not_seen_clear_is_none_of_this_run(
+def test_a_done_measurement_without_a_clear_one_before_it_is_none_of_this_run(
     probe: Probe, before: tuple[int, ...]
 ) -> None:
     probe.armed()
@@ -121,7 +121,7 @@ def test_a_done_measurement_that_was_not_seen_clear_is_none_of_this_run(
     probe.take(*[DONE] * 5)
     assert probe.latch.is_armed
     assert (probe.latch.has_latched, probe.latch.increments) == (False, None)
-    probe.take(0)  # seen clear while it is enabled: what comes now is of this run
+    probe.take(0)  # clear while it is enabled: what comes now is of this run
     probe.take(DONE)
     assert probe.latch.has_latched
 
@@ -151,7 +151,7 @@ def test_the_value_is_that_of_the_first_at_with_the_bit_and_its_way_that_of_the_
     assert (probe.latch.increments, probe.latch.speed_increments) == (1040, 40)
 
 
-def test_an_axis_seen_for_the_first_time_has_no_way() -> None:
+def test_the_first_telegram_of_an_axis_has_no_way() -> None:
     probe = Probe()
     probe.latch.take(0, 5, 90_000)
     probe.latch.take(0, 5, 90_000)
@@ -229,7 +229,7 @@ def test_a_value_is_confirmed_by_done_measurement_and_value_of_the_channel(
 def test_without_a_done_measurement_there_no_value_is_asked_for(
     probe: Probe, done: bytes | None
 ) -> None:
-    """Bit 0 of S-0-0409 and following says it."""
+    """It is bit 0 of S-0-0409 and following."""
     latched(probe, 1300)
     assert not probe.latch.is_confirmed()
     probe.channel.refuse() if done is None else probe.channel.answer(done)

@@ -221,10 +221,10 @@ def test_the_lag_of_a_drive_in_operation_is_watched() -> None:
 
 def test_a_jump_of_the_counter_is_an_alarm_of_the_connection() -> None:
     hand, watch = watched(jump_mm=1.0)
-    seen = []
+    alarms = []
     for at in (0, 300, 1300, 1300):  # 409.6 increments are a mm
         hand.port.receive(hand.from_drive.packed({"DRIVE": OPERATES, "COUNTER": at}))
         hand.link.take()
         found = watch.communication()
-        seen.append(found and found.id)
-    assert seen == [None, None, 900029, None]
+        alarms.append(found and found.id)
+    assert alarms == [None, None, 900029, None]

@@ -137,7 +137,7 @@ def test_what_was_made_before_the_order_is_no_value() -> None:
 
 
 def test_it_is_not_enabled_while_a_bit_is_high(armed: LatchControl) -> None:
-    """Both have to be seen low: the enable bit by the unit, the valid bit by the control."""
+    """Both have to be low once: the enable bit by the unit, the valid bit by the control."""
     show(armed, 5, 5)
     armed.disarm()
     assert (armed.is_ordered, armed.is_clear) == (False, False)

@@ -171,15 +171,12 @@ def test_faults_of_the_row_are_a_cause_of_their_own() -> None:
 
 
 def test_of_a_signal_at_the_plc_the_chain_counts_and_not_the_input_of_the_drive() -> None:
-    """Cycle of the terminal 1000 us, of the PLC by its rig; both are there at their own columns."""
+    """The rig has a task of 2 ms."""
     at_plc = causes_of("plc-signal", latched=False)
-    assert {"PLC cycle"} <= set(at_plc)
     assert not {"input", "filter", "sampling"} & set(at_plc)
     period = at_plc["PLC cycle"]
     assert dict(period.off) == {"plc:period_us": "50", "plc:busy_us": "0"}
-    settings = settings_of(RIGS / "plc-signal.toml", [])
-    assert settings.rig.plc_task is not None
-    assert period.value == str(settings.rig.plc_task.period_us)
+    assert period.value == "2000"
     latched = causes_of("plc-signal", latched=True)
     assert not {"PLC cycle", "terminal cycle"} & set(latched)
     assert "input" in latched
@@ -256,12 +253,10 @@ def test_the_measuring_axis_is_the_one_with_a_probe() -> None:
     with pytest.raises(UserError, match="which axis has the measured value"):
         measuring_axis(one, "Q")
     several = settings_of(RIGS / "probe-xyz.toml", [])
-    wired = [name for name, table in several.rig.axis.items() if table.probe_1]
-    if len(wired) > 1:
-        with pytest.raises(UserError, match="which axis") as refused:
-            measuring_axis(several, None)
-        assert refused.value.hint == f"--axis {wired[0]}"
-        assert measuring_axis(several, wired[1]) == wired[1]
+    with pytest.raises(UserError, match="which axis") as refused:
+        measuring_axis(several, None)
+    assert refused.value.hint == "--axis X"
+    assert measuring_axis(several, "Y") == "Y"
     without = settings_of(RIGS / "fixed-stop-xy.toml", [])
     with pytest.raises(UserError, match="no axis of the rig has a probe"):
         measuring_axis(without, None)
@@ -278,20 +273,16 @@ def test_the_probe_of_an_axis_is_at_its_input_or_at_the_terminal() -> None:
     ("rig", "um", "is_finer"),
     [
         ("probe-z", 10_000 / 2**20, True),
-        ("probe-z-sercos", None, False),
-        ("probe-z-profidrive", None, False),
+        ("probe-z-sercos", 10_000 / 2**20, False),  # the default of its resolution
+        ("probe-z-profidrive", 10_000 / (2048 << 11), False),  # lines and fine bits, P1042
         ("probe-z-lightbus", 1.0, False),  # LATCH32 counts um (docs/drives)
     ],
 )
 def test_the_increment_of_a_value_is_of_what_its_drive_latches(
-    rig: str, um: float | None, is_finer: bool
+    rig: str, um: float, is_finer: bool
 ) -> None:
+    """A turn is 10 mm."""
     settings = settings_of(RIGS / f"{rig}.toml", [])
-    found = increment_of_value_um(settings, "Z")
+    assert increment_of_value_um(settings, "Z") == pytest.approx(um)
     assert has_finer_encoder(settings, "Z") is is_finer
-    if um is None:
-        table: Any = settings.rig.drive[settings.rig.axis["Z"].drive]
-        facts = table.facts()
-        um = 1000.0 / (facts.latch_per_mm or facts.units_per_mm)
-    assert found == pytest.approx(um)
-    assert (("encoder" in causes_of(rig)) and is_finer) or not is_finer
+    assert ("encoder" in causes_of(rig)) is is_finer

@@ -285,7 +285,7 @@ class Ramp(Track):
 
 
 def whole_of(speed_mm_s: float, acceleration_mm_s2: float, **more: Any) -> Seen:
-    """What is seen of a touch 3 ms after the begin, whose drive latches 2 ms later."""
+    """What a run shows of a touch 3 ms after the begin, whose drive latches 2 ms later."""
     settings = plc(None, None)
     settings.rig.axis["Z"].probe_1 = "probe"
     settings.rig.axis["X"] = SimpleNamespace(plant="x")

@@ -1,4 +1,4 @@
-"""What `axisrig doctor` says of compilers and models, whatever this computer has."""
+"""Lines of `axisrig doctor` on compilers and models, whatever this computer has."""
 
 from importlib import metadata
 from typing import Any

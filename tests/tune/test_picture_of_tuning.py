@@ -68,8 +68,8 @@ def tuned(
     advice = replace(ADVICE, quality=replace(ADVICE.quality, rise_cycles=rise))
     both = mode(BOTH_ENCODERS, 1.0, is_stable=is_stable, advice=advice if advised else None)
     made = found(Law(0.5), modes=(mode(CONST_DIST, 1.0), both, mode(SET_POS, 2.0)))
-    seen = None if rows is None else np.linspace(0.0, 1.0, rows)
-    trial = None if seen is None else Trial(Law(0.25), seen, seen * 0.9, 0.001)
+    ran = None if rows is None else np.linspace(0.0, 1.0, rows)
+    trial = None if ran is None else Trial(Law(0.25), ran, ran * 0.9, 0.001)
     configured: Any = made.configured
     configured.uses_both = True
     return replace(made, trial=trial, distance=Path(np.array([1.0]), 0.0, 0.0))
