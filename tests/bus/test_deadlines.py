@@ -3,7 +3,7 @@
 import pytest
 
 from axisrig.bench.bus.deadlines import BINS_US, Deadlines, spread
-from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.clock import MS, US
 
 
 @pytest.mark.parametrize(("late_ns", "is_late"), [(-5, 0), (0, 0), (100_000, 0), (100_001, 1)])
@@ -32,3 +32,34 @@ def test_a_bin_begins_with_its_lower_end() -> None:
     for low_us in BINS_US:
         deadlines.sync_sent(0, low_us * US)
     assert deadlines.histogram() == [1] * len(BINS_US)
+
+
+def test_the_data_of_deadlines_by_hand() -> None:
+    """Times in us, waits and slips in ms; SYNCs at 0, 1.1, 2.0 and 3.0 ms of a period of 1 ms."""
+    deadlines = Deadlines(50 * US)
+    empty = deadlines.as_data(MS)
+    assert (empty["cycles"], empty["lateness_us"], empty["interval_us"]) == (0, None, None)
+    for planned_ns, late_us in ((0, 0), (MS, 100), (2 * MS, 0), (3 * MS, 0)):
+        deadlines.sync_sent(planned_ns, planned_ns + late_us * US)
+    deadlines.slipped(3 * MS)
+    deadlines.slipped(MS // 2)
+    deadlines.waited(250 * US)
+    deadlines.send_errors += 2
+    assert list(deadlines.latest_ns(3)) == [100 * US, 0, 0]
+    assert deadlines.as_data(MS) == {
+        "period_us": 1000.0,
+        "late_us": 50.0,
+        "cycles": 4,
+        "late_cycles": 1,
+        "lateness_us": {"least_us": 0.0, "median_us": 0.0, "p99_us": 100.0, "most_us": 100.0},
+        "interval_us": {
+            "least_us": 900.0, "median_us": 1000.0, "p99_us": 1100.0, "most_us": 1100.0
+        },
+        "bins_us": list(BINS_US),
+        "histogram": [3, 0, 0, 0, 1, *[0] * 7],
+        "slips": 2,
+        "slipped_ms": 3.5,
+        "waits": 1,
+        "waited_ms": 0.25,
+        "send_errors": 2,
+    }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Frame length against a wire written bit by bit, and against closed formulas."""
+"""Frame length and levels against a wire written bit by bit, and against closed formulas."""
 
 import random
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from axisrig.bench.bus.can.frame import (
     arbitration_key,
     data_frame,
     frame_bits,
+    wire_bits,
     worst_case_bits,
 )
 
@@ -30,6 +31,13 @@ def frames(draw: st.DrawFn) -> Frame:
 @given(frames())
 def test_length_equals_the_naive_wire(naive_bits: Bits, frame: Frame) -> None:
     assert frame_bits(frame) == naive_bits(frame)
+
+
+@given(frames())
+def test_levels_are_those_of_the_naive_wire(
+    naive_wire: Callable[[int, bytes, bool, bool, int], str], frame: Frame
+) -> None:
+    assert wire_bits(frame) == naive_wire(*frame)
 
 
 def test_length_equals_the_naive_wire_on_random_and_extreme_payloads(naive_bits: Bits) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import can
 import pytest
+from tests.ethercat.line import frame, physical
 
 from axisrig.bench.bus.can.faults import ErrorAtBit, FaultAction
 from axisrig.bench.bus.can.frame import (
@@ -20,8 +21,9 @@ from axisrig.bench.bus.can.frame_hash import FrameHash
 from axisrig.bench.bus.can.load import LoadFigures
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, BusLog, open_log
 from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.bus.ethercat.segment import EthercatSegment, Passage
 from axisrig.bench.bus.journal import BLOCK_FRAMES, Entry, Journal
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import new_scheduler
 
 SEGMENTS = ("can1", "second")  # records of different lengths
@@ -213,3 +215,37 @@ def test_remembered_lengths_are_exact_and_bounded() -> None:
         assert len(lengths) <= KNOWN_FRAMES
     remote = Frame(0x123, b"", False, True, 5)
     assert lengths[remote] == frame_bits(remote) != lengths[Frame(0x123, b"", False, False, 0)]
+
+
+def test_a_hash_counts_what_waits_in_its_journal() -> None:
+    """The journal gives blocks; whoever asks for number or hash gets all until now."""
+    journal = Journal(100)
+    by_block, by_frame = FrameHash(journal), FrameHash()
+    for number in range(1, 4):
+        entry = (number * MS, "can0", data_frame(0x180 + number, bytes(number)), number == 2)
+        journal.entries.append(entry)
+        by_frame(*entry)
+        assert by_block.frames == number
+        assert by_block.hexdigest() == by_frame.hexdigest()
+    assert by_frame.frames == 3
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_a_block_of_a_line_goes_out_with_its_last_frame(size: int) -> None:
+    """A reader of whole blocks has them at the end of the frame that fills them."""
+
+    class Slave:
+        is_on = True
+
+        def process(self, frame: bytearray, passage: Passage) -> None: ...
+
+        def broken(self, *, is_here: bool) -> None: ...
+
+    clock, journal, blocks = new_scheduler(), Journal(size), list[int]()
+    journal.add(lambda block: blocks.append(len(block)))
+    segment = EthercatSegment(clock, [Slave()], journal=journal)
+    for number in range(1, 8):
+        segment.send(frame(physical(7, 0, 0, 1)))
+        clock.run_until(clock.now_ns + 100 * US)
+        assert blocks == [size] * (number // size)
+        assert len(journal.entries) == number % size

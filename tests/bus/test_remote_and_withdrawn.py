@@ -6,9 +6,10 @@ import can
 import pytest
 
 from axisrig.bench.bus.can.canopen_sim import SimNetwork
+from axisrig.bench.bus.can.controller import QueueKind
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, Phase
 
 
 def test_remote_frames_reach_those_who_subscribed_to_them(segment: Segment) -> None:
@@ -76,3 +77,25 @@ def test_withdrawn_requests_are_not_sent_and_the_others_keep_their_order(
     sender.withdraw({0x181, 0x281})
     segment.scheduler.run_until(2 * MS)
     assert heard == [0x181, *([0x300, 0x200] if queue == "fifo" else [0x200, 0x300])]
+
+
+@pytest.mark.parametrize("queue", ["fifo", "mailbox"])
+@pytest.mark.parametrize("taken", [0x100, 0x150, 0x300])
+def test_what_is_left_after_a_withdrawal_goes_in_the_order_of_its_queue(
+    segment: Segment, queue: QueueKind, taken: int
+) -> None:
+    """Of mailboxes the lowest identifier first, whichever has been taken out of them."""
+    sender, other = segment.port("sender", queue), segment.port("other")
+    heard: list[int] = []
+    other.attach_data(lambda can_id, _data, _time: heard.append(can_id))
+    asked = [0x300, 0x100, 0x200, 0x150, 0x250, 0x120]
+
+    def request() -> None:
+        for can_id in asked:
+            sender.send_raw(can_id, b"")
+        sender.withdraw({taken, 0x7FF})
+
+    segment.scheduler.call_at(MS, Phase.APPLICATION, request)
+    segment.scheduler.run_until(3 * MS)
+    left = [can_id for can_id in asked if can_id != taken]
+    assert heard == (left if queue == "fifo" else sorted(left))

@@ -1,17 +1,15 @@
 """Which frames and which controllers a fault of the wire hits, and whose counts it leaves alone."""
 
 from collections.abc import Callable
-from typing import Any
 
 import can
 import pytest
 
 from axisrig.bench.bus.can.controller import Controller
 from axisrig.bench.bus.can.faults import Alter, Drop, ErrorAtBit, FaultAction, FrameFault
-from axisrig.bench.bus.can.frame import Frame, data_frame
-from axisrig.bench.bus.can.load import LoadMeter
+from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.clock import MS
 
 Hook = Callable[[Frame, Controller, int], FaultAction | None]
 
@@ -73,38 +71,3 @@ def test_a_frame_that_is_dropped_for_all_reaches_nobody_and_is_sent_once(segment
     assert heard == [0x184, 0x184]
     assert [port.tec + port.rec for port in ports] == [0, 0, 0]
     assert segment.load().frames == 2
-
-
-@pytest.mark.parametrize("queue", ["fifo", "mailbox"])
-@pytest.mark.parametrize("taken", [0x100, 0x150, 0x300])
-def test_what_is_left_after_a_withdrawal_goes_in_the_order_of_its_queue(
-    segment: Segment, queue: Any, taken: int
-) -> None:
-    """Of mailboxes the lowest identifier first, whichever has been taken out of them."""
-    sender, other = segment.port("sender", queue), segment.port("other")
-    heard: list[int] = []
-    other.attach_data(lambda can_id, _data, _time: heard.append(can_id))
-    asked = [0x300, 0x100, 0x200, 0x150, 0x250, 0x120]
-
-    def request() -> None:
-        for can_id in asked:
-            sender.send_raw(can_id, b"")
-        sender.withdraw({taken, 0x7FF})
-
-    segment.scheduler.call_at(MS, Phase.APPLICATION, request)
-    segment.scheduler.run_until(3 * MS)
-    left = [can_id for can_id in asked if can_id != taken]
-    assert heard == (left if queue == "fifo" else sorted(left))
-
-
-@pytest.mark.parametrize(("since_ms", "worst_ms"), [(9, 5), (5, 5), (2, 8)])
-def test_the_longest_wait_is_that_of_what_was_sent_or_waits_still(
-    since_ms: int, worst_ms: int
-) -> None:
-    meter = LoadMeter(1_000_000)
-    meter.count_frame(0x100, False, 5 * MS)
-    meter.count_frame(0x100, True, 0)
-    waiting = [(data_frame(0x100, b""), since_ms * MS), (data_frame(0x050, b""), 7 * MS)]
-    found = meter.figures(10 * MS, waiting).worst_delay_ns
-    assert found == {0x050: 3 * MS, 0x100: worst_ms * MS, 0x8000_0100: 0}
-    assert list(found) == [0x050, 0x100, 0x8000_0100]

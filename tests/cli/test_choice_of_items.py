@@ -95,7 +95,7 @@ def test_before_a_plan_is_there_nothing_of_plans_is_loaded(monkeypatch: pytest.M
     begin(config_of("f60"), items)
     assert items == ["an item"]
     assert NAME not in sys.modules
-    pytest_plans.pytest_terminal_summary(None, config_of(""))  # nothing to be said
+    pytest_plans.pytest_terminal_summary(None, config_of(""))  # nothing to report
 
 
 def test_words_that_make_no_choice_are_a_wrong_call_of_pytest(rows: dict[str, Row]) -> None:

@@ -228,8 +228,8 @@ def test_what_is_shown_is_open_as_long_as_the_campaign(
     monkeypatch.setattr(showing, "ticking", opening("ticking"))
     monkeypatch.setattr(showing, "serving", opening("page", "http://127.0.0.1:1/"))
     monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: True))
-    said: list[str] = []
-    watch = showing.showing(lambda: 0.0, said.append, on_page=on_page, in_terminal=in_terminal)
+    printed: list[str] = []
+    watch = showing.showing(lambda: 0.0, printed.append, on_page=on_page, in_terminal=in_terminal)
     assert watch.live == tmp_path / "live"
     with watch.beside(progress):
         news.append("run")
@@ -237,7 +237,7 @@ def test_what_is_shown_is_open_as_long_as_the_campaign(
         drawn_now = [draw() for draw in beneath]
     page = ["+page", "run", "-page"] if on_page else ["run"]
     assert news == ["+ticking", *page, "-ticking"]
-    assert said == (["live: http://127.0.0.1:1/"] if on_page else [])
+    assert printed == (["live: http://127.0.0.1:1/"] if on_page else [])
     if in_terminal:
         assert beneath[-1] is None  # it goes with the campaign
         assert [text.plain for text in drawn_now] == ["waiting for a run"]
@@ -275,6 +275,9 @@ def test_a_server_gives_back_its_port_and_its_threads() -> None:
     feed: Any = Ending()
     ports: list[int] = []
 
+    def serving_threads() -> int:
+        return sum(thread.name == "live page" for thread in threading.enumerate())
+
     def campaign() -> None:
         with server.serving(feed) as address:
             ports.append(int(address.removeprefix("http://127.0.0.1:").removesuffix("/")))
@@ -283,11 +286,12 @@ def test_a_server_gives_back_its_port_and_its_threads() -> None:
                 reader.sendall(f"GET /states HTTP/1.1\r\n{host}\r\n\r\n".encode())
                 assert reader.recv(15) == b"HTTP/1.0 200 OK"
                 assert not feed.has_ended
+                assert serving_threads() > 0
             raise ValueError("odd")
 
     with pytest.raises(ValueError, match="odd"):
         campaign()
     assert feed.has_ended
-    assert [thread for thread in threading.enumerate() if thread.name == "live page"] == []
+    assert serving_threads() == 0
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", ports[0]))

@@ -106,7 +106,7 @@ def test_a_loop_is_measured_and_drawn(
 def test_the_package_of_a_rig_is_written_here_unless_named(
     axisrig: Call, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], target: str, fmi: str
 ) -> None:
-    """What cannot be exported is said beside it."""
+    """What cannot be exported is written to stderr."""
     asked: list[Any] = []
 
     def export(settings: Any, path: Path, version: str) -> list[str]:
@@ -142,7 +142,7 @@ def test_the_answer_of_a_query_is_a_table_or_csv(
     assert "pip install 'axisrig[query]'" in err
 
 
-def test_what_is_no_query_is_refused_with_what_to_ask(
+def test_what_is_no_query_is_refused_with_its_message(
     axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: Any) -> None:
@@ -150,4 +150,6 @@ def test_what_is_no_query_is_refused_with_what_to_ask(
 
     monkeypatch.setattr("axisrig.results.loading.load", lambda folder: folder)
     monkeypatch.setattr("axisrig.results.query.query", refuse)
-    assert axisrig("query", "out", "drop table cases")[0] == 2
+    code, out, err = axisrig("query", "out", "drop table cases")
+    assert (code, out) == (2, "")
+    assert "a query is one statement that selects" in err

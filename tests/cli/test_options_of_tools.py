@@ -128,8 +128,8 @@ def test_a_comparison_ends_with_1_where_something_got_worse(
     assert [one.folder for one in compared["words"]] == [Path("a"), Path("b")]
     assert [*changed["words"]] == [*compared["words"], "pairs"]
     assert (words["words"], page) == ((pairs, "changed"), {})
-    told = capsys.readouterr()
-    assert (told.out, told.err) == ("one\ntwo\n", "b: p-a: altered\n")
+    written = capsys.readouterr()
+    assert (written.out, written.err) == ("one\ntwo\n", "b: p-a: altered\n")
     assert call("diff", "a", "b", "-o", "page.html") == code
     assert page["words"][0] == Path("page.html")
     assert page["words"][3] == "changed"

@@ -186,7 +186,7 @@ def fmu(odd_folder: Path, version: int) -> Callable[..., Path]:
 
 @pytest.fixture
 def odd(odd_folder: Path, version: int) -> Iterator[Callable[..., FmuSlave]]:
-    """Load and initialise an instance with a behaviour; u = 100 mm/s unless told."""
+    """Load and initialise an instance with a behaviour; u = 100 mm/s unless given."""
     slaves: list[FmuSlave] = []
 
     def load(behaviour: str = "plain", *, name: str = "odd", **promises: str | bool) -> FmuSlave:

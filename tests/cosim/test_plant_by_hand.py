@@ -139,11 +139,11 @@ def test_a_way_takes_so_long_at_least(room_m: float, speed: float, time_s: float
 
 def test_a_signal_tells_who_watches_each_edge_when_it_is_known() -> None:
     signal = PlantSignal(False)
-    seen: list[tuple[int, bool, int]] = []
-    signal.watches.append(lambda at_ns: seen.append((at_ns, signal.level, len(signal.edges))))
+    calls: list[tuple[int, bool, int]] = []
+    signal.watches.append(lambda at_ns: calls.append((at_ns, signal.level, len(signal.edges))))
     signal.add(5, True)
     signal.add(9, False)
-    assert (seen, signal.edges) == ([(5, True, 1), (9, False, 2)], [(5, True), (9, False)])
+    assert (calls, signal.edges) == ([(5, True, 1), (9, False, 2)], [(5, True), (9, False)])
 
 
 # What an axis is given

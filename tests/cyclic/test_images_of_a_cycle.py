@@ -36,13 +36,13 @@ def test_a_segment_is_never_late_and_reports_nothing_by_itself(
 
 def test_an_image_counts_for_its_cycle_and_an_empty_one_is_none() -> None:
     port = ImagePort()
-    seen = []
+    counted = []
     for image in (b"", b"\0", b"\7"):
         port.receive(image)
-        seen.append(port.inputs)
+        counted.append(port.inputs)
         port.begin_cycle()
-        seen.append(port.inputs)
-    assert seen == [None, None, b"\0", None, b"\7", None]
+        counted.append(port.inputs)
+    assert counted == [None, None, b"\0", None, b"\7", None]
 
 
 def test_the_start_of_a_drive_with_images_alone_is_over_at_once() -> None:

@@ -156,13 +156,24 @@ def test_what_it_has_summed_up_is_gone_when_it_begins_anew() -> None:
     assert [*deltas, control.delta_mm] == [1.5, 2.0, 2.5, 1.5]
 
 
-@pytest.mark.parametrize("stands_still", [{"is_held": True}, {"dry_run": True}, {}])
-def test_what_cannot_move_sums_up_nothing(stands_still: dict[str, bool]) -> None:
+@pytest.mark.parametrize(
+    ("is_dry", "is_held", "deltas_mm", "offset_mm"),
+    [
+        (False, False, [1.5, -0.25, -0.125], 1.125), (False, True, [1.5] * 3, 0.0),
+        (True, False, [1.5] * 3, 0.0), (True, True, [1.5] * 3, 0.0),
+    ],
+)  # fmt: skip
+def test_what_cannot_move_sums_up_nothing(
+    is_dry: bool, is_held: bool, deltas_mm: list[float], offset_mm: float
+) -> None:
+    """e + 0.5 sum e. In motion e is 1, -0.5 and -0.25 with sums 1, 0.5 and 0.25."""
     control = control_of(kp=1.0, tn_s=0.002)
-    say(control, ON, dry_run=stands_still.pop("dry_run", False))
-    see(control, 1.0, 1.0, 1.0, **stands_still)
-    deltas = control.delta_mm
-    assert (deltas == 1.5) is (control.offset_mm == 0.0)
+    say(control, ON, dry_run=is_dry)
+    found_mm = []
+    for _ in range(3):
+        see(control, 1.0, is_held=is_held)
+        found_mm.append(control.delta_mm)
+    assert (found_mm, control.offset_mm) == (deltas_mm, offset_mm)
 
 
 # What is watched

@@ -37,6 +37,14 @@ def test_a_late_second_encoder_is_of_an_earlier_sync(fake_axis: Any, delay: int)
         one.servo.refresh(one.now_ns)
 
 
+def test_before_there_were_so_many_samples_the_oldest_one_is_shown(fake_axis: Any) -> None:
+    """The first SYNC is at 1 ms."""
+    one = _moving(fake_axis, delay=6)
+    for now_ms in range(4, 10):
+        one.cycle()
+        _shown(one, min(6, now_ms - 1))
+
+
 @pytest.mark.parametrize("delay", [0, 1, 2])
 def test_where_samples_are_sent_apart_from_the_sync_those_count_alone(
     fake_axis: Any, delay: int

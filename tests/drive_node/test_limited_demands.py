@@ -48,7 +48,7 @@ def test_a_demand_is_limited_on_either_side_and_free_again(
     """Target and offset together count: each alone is within the limits, their sum is not."""
     mode, target, offset, within, ends, objects = LIMITS[name]
     sign = 1 if side else -1
-    # A force would drive the axis away in the meantime: it stands whatever it is told
+    # A force would drive the axis away in the meantime: it stands whatever is commanded
     axis = fake_axis(motion=(lambda _: 0.0) if mode == 10 else None)
     one = ServoAlone(axis, mode, **objects)
     usual = one.cycle(**{target: sign * within})

@@ -36,7 +36,8 @@ def test_the_same_edges_have_another_jitter_at_the_other_input() -> None:
     assert len(first) == len(second) == 59
     late = [[t - edge for t, edge in zip(of, edges, strict=True)] for of in (first, second)]
     assert max(map(max, late)) <= 400
-    assert sum(a == b for a, b in zip(*late, strict=True)) < 6
+    # Two draws of 401 values agree once in 401 times: 0.15 of 59 pairs
+    assert sum(a == b for a, b in zip(*late, strict=True)) <= 2
     again, _ = _unit((edges, edges), input_jitter_ns=400)
     again.set_function(BOTH_CONTINUOUS, 0)
     again.take_edges(10**6)
@@ -109,20 +110,19 @@ def test_power_takes_what_a_late_drive_has_still_to_show(habits: dict[str, Any])
     for time_ns in range(0, 12_000, 1000):
         unit.take_edges(time_ns)
         unit.cycle(0x3333, time_ns)
-    values = [
-        getattr(image, f"{name}_{number}_{edge}")
+    names = [
+        f"{name}_{number}_{edge}"
         for name in ("latch", "stamp", "count")
         for number in (1, 2)
         for edge in ("positive", "negative")
     ]
-    assert all(values)
+    assert all(getattr(image, name) for name in names)
     assert unit.status == 0x0707
     unit.reset()
     for time_ns in (12_000, 13_000, 14_000, 15_000):
         assert unit.status == 0
         assert unit.function == 0
-        assert (image.latch_1_positive, image.latch_2_negative) == (0, 0)
-        assert (image.stamp_2_positive, image.count_1_negative) == (0, 0)
+        assert [getattr(image, name) for name in names] == [0] * len(names)
         unit.take_edges(time_ns)
         unit.cycle(0, time_ns)
 

@@ -31,7 +31,7 @@ def pdo(*sizes: int) -> tuple[Pdo, ...]:
 
 
 class Data(SlaveData):
-    """Notes what the master says."""
+    """Notes what the master calls."""
 
     def __init__(self, settings: SlaveSettings) -> None:
         super().__init__(settings)
@@ -78,7 +78,6 @@ class Line:
             self.master.others_taken.append(self.terminal.append)
         self.fallen = 0
         self.master.falls.append(self.fall)
-        self.asked = 0
         self.master.prepare(1001)
 
     def fall(self) -> None:
@@ -114,7 +113,7 @@ class Line:
         self.master.received(bytes(whole))
 
     def logs(self) -> list[Any]:
-        """What each drive was told last."""
+        """The last call of each drive."""
         return [data.log[-1] for data in self.data]
 
 
@@ -157,9 +156,9 @@ def test_a_frame_has_the_time_the_image_and_the_states(
 
 def test_each_cycle_has_an_index_of_its_own_and_they_go_round() -> None:
     line = Line()
-    seen = [indices(line.cycle()) for _ in range(300)]
-    assert all(len(each) == 1 for each in seen)
-    numbers = [each.pop() for each in seen]
+    of_cycles = [indices(line.cycle()) for _ in range(300)]
+    assert all(len(each) == 1 for each in of_cycles)
+    numbers = [each.pop() for each in of_cycles]
     assert set(numbers) == set(range(FIRST, LAST + 1))
     assert all((after - before) % 128 == 1 for before, after in pairwise(numbers))
 

@@ -16,8 +16,6 @@ from axisrig.kernel.drives.canopen.dictionary import (
     variable,
 )
 from axisrig.kernel.drives.canopen.eds_file import (
-    EdsFile,
-    Section,
     object_of,
     read_eds_file,
     table_of,
@@ -90,7 +88,7 @@ def test_a_value_that_its_type_does_not_hold_is_refused(kind: int, value: int, t
         encode(dictionary(item(0x2000, kind=kind)), 0x2000, 0, value)
 
 
-def test_limits_count_where_they_are_minded() -> None:
+def test_limits_count_unless_they_are_left_out() -> None:
     od = dictionary(item(0x2000, kind=U8, min=5, max=9))
     assert [encode(od, 0x2000, 0, value) for value in (5, 9)] == [b"\x05", b"\x09"]
     for value in (4, 10):
@@ -228,11 +226,14 @@ def test_a_key_that_is_empty_counts_as_missing(
     assert [(note.place, note.line) for note in file.notes] == [("[1000] DATATYPE", 3)] * len(notes)
 
 
-def test_a_key_that_is_no_number_is_refused_with_its_line() -> None:
-    file, section = EdsFile("some.eds"), Section("1000", 4)
-    with pytest.raises(UserError) as caught:
-        raise file.refused("no number", section, "DataType", "decimal")
-    assert (caught.value.line, caught.value.value, str(caught.value.file)) == (4, None, "some.eds")
+def test_a_key_that_is_no_number_is_refused_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "some.eds"
+    path.write_text("[1000]\nOther=1\nDataType=0x7G\n", encoding="ascii")
+    file = read_eds_file(str(path))
+    with pytest.raises(UserError, match="no number") as caught:
+        file.number(file.sections["1000"], "DataType")
+    refused = caught.value
+    assert (refused.line, refused.value, str(refused.file)) == (3, "0x7G", str(path))
 
 
 @pytest.mark.parametrize(

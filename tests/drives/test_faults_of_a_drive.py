@@ -1,6 +1,5 @@
 """What a drive of CiA 402 says of its faults: emergencies, 603F, 1003, and what becomes of it."""
 
-from functools import partial
 from typing import Any
 
 import pytest
@@ -89,7 +88,10 @@ def asked_link() -> tuple[AxisLink, Wire, Any]:
 
 def test_the_alarm_of_a_fault_names_what_was_asked_until_it_is_forgotten() -> None:
     link, _, objects = asked_link()
-    found = partial(lambda: link.fault().values["emcy"])
+
+    def found() -> object:
+        return link.fault().values["emcy"]
+
     assert (found(), link.is_asked) == ("none", False)
     link.ask_for_fault()
     assert link.is_asked
@@ -194,7 +196,7 @@ def test_the_lag_is_watched_in_operation_alone() -> None:
 def test_an_emergency_is_an_alarm_of_its_own_where_no_fault_explains_it(
     code: bytes, alarm_id: int, word: int
 ) -> None:
-    """Two cycles are waited for the status word; then it is said once, and so is the next one."""
+    """Two cycles are waited for the status word; then it is reported, once; the next one too."""
     drive = Watched()
     for _ in range(2):
         emergency(drive.wire, code)

@@ -15,7 +15,7 @@ OFF = 0
 
 
 def moved(places: list[int], value: int, per_mm: float = 1000.0) -> LatchWatch:
-    """A watch that was armed, has seen the places, and a latch in the last of them."""
+    """A watch that was armed, then the places, with a latch in the last of them."""
     watch = LatchWatch("Z", ENABLED, STORED, per_mm)
     watch.take(OFF, 0, 7, places[0])
     watch.arm()

@@ -122,14 +122,14 @@ def test_a_telegram_that_came_twice_counts_if_both_say_the_same(twice: int, is_s
 def test_a_status_word_that_fits_no_state_counts_as_missing_each_time() -> None:
     pdos = Pdos()
     words = (OPERATION_ENABLED, NO_STATE, NO_STATE, OPERATION_ENABLED, SWITCHED_ON, NO_STATE)
-    seen = []
+    results = []
     for word in words:
         pdos.first(word)
         pdos.second(3)
         found = pdos.take()
         assert found["latch"] == 3
-        seen.append((found["statusword"], pdos.alarms()))
-    assert seen == [
+        results.append((found["statusword"], pdos.alarms()))
+    assert results == [
         (OPERATION_ENABLED, []), (None, [(WRONG_STATE, "TPDO1", 1)]),
         (None, [(WRONG_STATE, "TPDO1", 2)]), (OPERATION_ENABLED, []), (SWITCHED_ON, []),
         (None, [(WRONG_STATE, "TPDO1", 1)]),
@@ -217,7 +217,7 @@ def test_values_go_out_in_the_telegram_that_carries_them(tmp_path: Path) -> None
 
 
 class Sparse:
-    """TPDO3 with every second SYNC, TPDO4 with every third, TPDO5 on change."""
+    """TPDO3 with every second SYNC, TPDO4 with every third, TPDO2 on change."""
 
     def __init__(self, table: Path) -> None:
         text = RECEIVED.format(a=1) + "TPDO3,2,0,0x60E4,1,32,yes,second\n"

@@ -30,15 +30,16 @@ STATES = pytest.mark.parametrize("state", list(DistanceState))
 
 
 class Bench:
-    """Real controls of X and Z, and one of the channel; both are told what they are to leave."""
+    """Real controls of X and Z, and one of the channel, which notes its calls."""
 
     def __init__(self) -> None:
-        self.seen: list[str] = []
+        self.calls: list[str] = []
         self.axes = {name: self._axis(name) for name in AXES}
         self.channel: Any = SimpleNamespace(
             control=DistanceControl("the channel", DistanceSettings(), MS),
-            end_program=lambda: self.seen.append("end"), forget=lambda: self.seen.append("forget"),
-            switch_off_kept=lambda: self.seen.append("off"), has_offset=False, is_moving=False,
+            end_program=lambda: self.calls.append("end"),
+            forget=lambda: self.calls.append("forget"),
+            switch_off_kept=lambda: self.calls.append("off"), has_offset=False, is_moving=False,
             may_move=lambda axes: "X" in axes,
         )  # fmt: skip
         single: Any = SimpleNamespace(couplings=SimpleNamespace(slaves_of=lambda _axes: {}))
@@ -93,7 +94,7 @@ def test_a_program_that_ends_tells_of_what_is_on_and_forgets_its_set_values(
     bench.controls.end_program("N50")
     is_off = state is DistanceState.INACTIVE
     assert bench.warned == ([] if is_off else [(70332, "X"), (70332, "Z")])
-    assert (bench.seen, bench.states) == (["end"], [state.name] * 2)
+    assert (bench.calls, bench.states) == (["end"], [state.name] * 2)
     assert bench.axes["X"].control.set_pos_mm == (None if is_off else 1.0)
     assert not bench.has_set_values
 
@@ -105,7 +106,7 @@ def test_an_alarm_switches_off_all_but_what_is_in_error(state: DistanceState) ->
     bench.controls.end_by_error()
     left = state if state is DistanceState.ERROR else DistanceState.INACTIVE
     assert (bench.warned, bench.states) == ([], [left.name] * 2)
-    assert bench.seen == ["off", "end"]
+    assert bench.calls == ["off", "end"]
     assert not bench.has_set_values
 
 
@@ -115,24 +116,24 @@ def test_a_reset_leads_out_of_an_error_too(state: DistanceState) -> None:
     bench.lead_to(state)
     bench.controls.reset()
     assert bench.states == ["INACTIVE"] * 2
-    assert (bench.channel.control.state, bench.seen) == (DistanceState.INACTIVE, ["forget"])
+    assert (bench.channel.control.state, bench.calls) == (DistanceState.INACTIVE, ["forget"])
     assert not bench.has_set_values
 
 
 @pytest.mark.parametrize(
-    ("axes", "states", "seen"),
+    ("axes", "states", "calls"),
     [
         (("X",), ["INACTIVE", "ACTIVE"], ["off"]), (("Z",), ["ACTIVE", "INACTIVE"], []),
         (("W",), ["ACTIVE", "ACTIVE"], []), (("Z", "X"), ["INACTIVE", "INACTIVE"], ["off"]),
     ],
 )  # fmt: skip
 def test_an_error_of_some_axes_switches_their_controls_off(
-    axes: tuple[str, ...], states: list[str], seen: list[str]
+    axes: tuple[str, ...], states: list[str], calls: list[str]
 ) -> None:
     bench = Bench()
     bench.lead_to(DistanceState.ACTIVE)
     bench.controls.switch_off(axes)
-    assert (bench.states, bench.seen) == (states, seen)
+    assert (bench.states, bench.calls) == (states, calls)
     assert bench.has_set_values
 
 

@@ -114,7 +114,7 @@ def test_an_axis_does_not_measure_while_a_control_of_it_is_on(
 
 
 class Controls:
-    """The controls of X, Y and Z over a path that notes what it is told; Z has its own one."""
+    """The controls of X, Y and Z over a path that notes its calls; Z has its own one."""
 
     def __init__(self, own: Any, channel: Any = None, slaves: dict[str, str] | None = None) -> None:
         self.floating: set[str] = set()
@@ -142,16 +142,16 @@ class Controls:
 
 def stepped(*, raises: int | None = None, **found: Any) -> Any:
     """A control of Z that notes its cycles, and ends them with an alarm if wished."""
-    seen: list[str] = []
+    noted: list[str] = []
 
     def step() -> None:
-        seen.append("step")
+        noted.append("step")
         if raises is not None:
             raise Alarm(raises, owner="axis Z", axis="Z", what="", allowed="")
 
     return axis_control(
-        take=lambda: seen.append("take"), step=step, show=lambda _state: seen.append("show"),
-        seen=seen, put_out=lambda: 5.0, is_held=False, override=0.0, **found,
+        take=lambda: noted.append("take"), step=step, show=lambda _state: noted.append("show"),
+        noted=noted, put_out=lambda: 5.0, is_held=False, override=0.0, **found,
     )  # fmt: skip
 
 
@@ -173,7 +173,7 @@ def test_what_holds_an_axis_and_its_override_act_on_its_control() -> None:
     unit.override_permille = 250
     found.controls.step()
     assert (own.is_held, own.override) == (unit.holds, 250 / FULL)
-    assert own.seen == ["take", "step", "show"]
+    assert own.noted == ["take", "step", "show"]
     assert found.controls.has_stepped
     found.controls.superpose((0.0, 0.0, 0.0))
     assert not found.controls.has_stepped
@@ -254,7 +254,7 @@ def test_axes_at_rest_keep_the_offset_of_a_control_that_is_off(
     state: DistanceState, has_offset: bool, outlives: bool, offset_mm: float,
     taken: list[tuple[str, float]], warned: list[int],
 ) -> None:  # fmt: skip
-    """Slaves too; what was computed and has not been sent is told and not taken over."""
+    """Slaves too; what was computed and has not been sent is warned of and not taken over."""
     own = stepped(has_offset=has_offset, hand_over=lambda: {"Z": 3.0})
     own.control.state, own.control.offset_mm = state, offset_mm
     found = Controls(own, slaves={"X": "Z"})
@@ -264,7 +264,7 @@ def test_axes_at_rest_keep_the_offset_of_a_control_that_is_off(
 
 
 class Program:
-    """What a channel is told to carry out and to wait for."""
+    """What is registered at a channel: acts by command, and what it waits for."""
 
     def __init__(self, controls: DistanceControls) -> None:
         self.head: Any = None

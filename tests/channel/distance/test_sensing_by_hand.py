@@ -118,14 +118,14 @@ def test_a_variable_that_is_refreshed_has_its_own_period_and_age() -> None:
 def test_a_command_names_another_sensor_or_leaves_the_one_that_is() -> None:
     """SENSOR_VAR alone is a variable; SENSOR_SOURCE=VARIABLE alone is the one of before."""
     bench = Bench()
-    seen = []
+    sensors = []
     for source, variable in (
         (None, None), (None, "HEIGHT"), (VARIABLE, None), (None, None), (VARIABLE, "V.E.OTHER"),
         (ENCODER, None),
     ):  # fmt: skip
         bench.axis.choose(source, variable)
-        seen.append(source_word(bench.axis.sensor))
-    assert seen == [
+        sensors.append(source_word(bench.axis.sensor))
+    assert sensors == [
         ENCODER, "VARIABLE V.E.HEIGHT", "VARIABLE V.E.HEIGHT", "VARIABLE V.E.HEIGHT",
         "VARIABLE V.E.OTHER", ENCODER,
     ]  # fmt: skip
@@ -226,10 +226,10 @@ def test_an_offset_is_there_until_the_last_of_it_has_left() -> None:
     bench.cycle(-500)
     bench.axis.control.switch_off_kept()
     bench.axis.control.hand_over()
-    seen = []
+    states = []
     for _ in range(3):
-        seen.append((bench.axis.is_idle, bench.axis.is_on_its_way, bench.axis.put_out() != 0.0))
-    assert seen == [(False, True, True), (False, True, False), (True, False, False)]
+        states.append((bench.axis.is_idle, bench.axis.is_on_its_way, bench.axis.put_out() != 0.0))
+    assert states == [(False, True, True), (False, True, False), (True, False, False)]
 
 
 @pytest.mark.parametrize(

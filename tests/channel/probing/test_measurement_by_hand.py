@@ -200,12 +200,12 @@ def test_a_preparation_ends_for_all_with_one_of_its_axes() -> None:
 def test_a_run_is_checked_against_its_source_and_distance_control() -> None:
     bench = Bench(Y=MeasuringAxis(source="PLC"), Z=MeasuringAxis(source="FIXED_STOP"))
     bench.measurement.check("X", 1)
-    seen = []
+    alarm_ids = []
     for axis, type_ in (("X", 7), ("Y", 1), ("Z", 1)):
         with pytest.raises(Alarm) as caught:
             bench.measurement.check(axis, type_)
-        seen.append(caught.value.id)
-    assert seen == [900241, 900400, 900242]
+        alarm_ids.append(caught.value.id)
+    assert alarm_ids == [900241, 900400, 900242]
     assert bench.checked == ["X", "X", "Y", "Z"]
 
 

@@ -146,7 +146,7 @@ def test_missing_sync_stops_an_enabled_drive(stranger: Make) -> None:
 
 
 def test_sync_that_was_lost_before_the_drive_is_enabled(stranger: Make) -> None:
-    """Enabled by SDO without any SYNC: three periods later at most it is told."""
+    """Enabled by SDO without any SYNC: it is reported three periods later at most."""
     drive = stranger(profile=DriveProfile(sync_loss_periods=3))
     drive.write(0x1006, 0, 1000, 4)
     drive.nmt(1)

@@ -1,4 +1,4 @@
-"""A canopen network that leaves a simulated bus, waits of a node joined to one, found nodes."""
+"""A canopen network on a simulated bus: leaving it, waits, nodes that it finds, remote frames."""
 
 import pytest
 

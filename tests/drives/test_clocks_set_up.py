@@ -73,7 +73,7 @@ class Line:
         assert register == TIMES
         back = there + 2 * sum(self.way_ns[number:])
         if number + 1 == len(self.clock_ns):
-            back = 4711  # nothing is behind it: its second port has never seen a frame
+            back = 4711  # nothing is behind it: no frame has come back to its second port
         ports = (there % WRAP).to_bytes(4, "little") + (back % WRAP).to_bytes(4, "little")
         return Answer(ports, 1)
 
