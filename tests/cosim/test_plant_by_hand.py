@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.cosim.fmi.fmu import PlantError
-from axisrig.kernel.cosim.plant.axis import SLOPE_NS, PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.curves import drop_before, end_slope, hermite, two_before
 from axisrig.kernel.cosim.plant.demand import SAMPLE_NS, Control, Ramp, SampledDemand
 from axisrig.kernel.cosim.plant.distance import PlantDistance
@@ -241,8 +241,15 @@ def axis_of(fmu: Fmu) -> PlantAxis:
 
 
 def test_what_an_fmu_does_not_report_is_reckoned() -> None:
-    """x = 1000 t²: its velocity is the slope of three points that are not too near."""
-    fmu = Fmu("demand", position=lambda ns: 1e-15 * ns * ns, force=5.0)
+    """x = 1000 t²: its velocity is the slope of three points that are not too near.
+
+    1.8 and 1.9 ms, off by 1 um, are: their errors would be speed.
+    """
+
+    def position_m(ns: int) -> float:
+        return 1e-15 * ns * ns + (1e-6 if ns in (1800 * US, 1900 * US) else 0.0)
+
+    fmu = Fmu("demand", position=position_m, force=5.0)
     axis = axis_of(fmu)
     assert (axis.motion, axis.tells_velocity) == ([0.0, 0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0], False)
     axis.command(0, 0.0, 2.0, 1 * MS, True)
@@ -250,7 +257,6 @@ def test_what_an_fmu_does_not_report_is_reckoned() -> None:
         axis.step_to(step * 100 * US)
     x, v = 0.004, 4.0
     assert axis.motion == pytest.approx([x, v, x, v, 0.002, 5.0, 0.0, 0.0], abs=1e-9)
-    assert SLOPE_NS > 200 * US  # over 100 us the tolerance of an FMU would be speed
     assert (axis.force_n(), axis.position_m()) == (5.0, x)
 
 

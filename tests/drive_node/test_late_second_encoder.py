@@ -1,4 +1,4 @@
-"""A second encoder that is shown late: by SYNCs, or by the samples that are sent."""
+"""A second encoder that is shown late: by so many SYNCs, or samples apart from them."""
 
 from typing import Any
 

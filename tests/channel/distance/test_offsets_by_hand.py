@@ -4,6 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.channel.program_by_hand import Program
 
 from axisrig.kernel.channel import distance_controls
 from axisrig.kernel.channel.distance.guide import (
@@ -18,7 +19,6 @@ from axisrig.kernel.channel.distance_controls import DistanceControls
 from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.feed import FULL
-from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.unit import AxisUnit
 
 AXES = ("X", "Y", "Z")
@@ -263,29 +263,6 @@ def test_axes_at_rest_keep_the_offset_of_a_control_that_is_off(
     assert (found.taken, found.warned) == (taken, warned)
 
 
-class Program:
-    """What is registered at a channel: acts by command, and what it waits for."""
-
-    def __init__(self, controls: DistanceControls) -> None:
-        self.head: Any = None
-        self._carry_out: dict[type, Any] = {}
-        self._ready: Any = None
-        self.is_waiting: Any = None
-        execution: Any = self
-        controls.assign(execution)
-
-    def register(self, kind: type, act: Any, *, ready: Any) -> None:
-        self._carry_out[kind], self._ready = act, ready
-
-    def while_busy(self, is_waiting: Any) -> None:
-        self.is_waiting = is_waiting
-
-    def say(self, command: canon.DistanceCommand) -> None:
-        self.head = command
-        assert self._ready()
-        self._carry_out[type(command)](command)
-
-
 def test_a_program_waits_for_an_offset_that_runs_out_and_not_behind_a_reset(
     say: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -297,16 +274,16 @@ def test_a_program_waits_for_an_offset_that_runs_out_and_not_behind_a_reset(
     program = Program(found.controls)
     own.control.state = DistanceState.TURNING_OFF
     program.say(say.command("off"))
-    assert not program.is_waiting()
+    assert not program.is_busy()
     program.say(say.command("off", wait=True))
-    assert program.is_waiting()
+    assert program.is_busy()
     own.control.state = DistanceState.INACTIVE
-    assert not program.is_waiting()
+    assert not program.is_busy()
     own.control.state = DistanceState.TURNING_OFF
-    assert not program.is_waiting()
+    assert not program.is_busy()
     program.say(say.command("off", wait=True))
     found.controls.reset()
-    assert not program.is_waiting()
+    assert not program.is_busy()
 
 
 # Where the offset of the channel acts

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.channel.program_by_hand import Program
 
 from axisrig.kernel.channel.axes.independent import IndependentAxes
 from axisrig.kernel.channel.axes.single_axes import SingleAxes
@@ -83,7 +84,7 @@ class Bench:
         self.asked: list[tuple[Motion, str]] = []
         path: Any = SimpleNamespace(
             position_acs_mm=self.places_mm.__getitem__, settings=self._settings,
-            require_reach=lambda *_any: None, lead=self.places_mm.__setitem__,
+            require_reach=lambda *_any: None, lead=self.places_mm.__setitem__, has_stopped=True,
             release=self.released.append, has_axis_stopped=lambda _axis: self.stands,
             superposed_mm=lambda _axis: 0.0,
             programmed=SimpleNamespace(default_slope="STEP"),
@@ -329,26 +330,6 @@ def single(bench: Bench) -> SingleAxes:
         bench.measured, bench.links, couplings, bench.overrides.__getitem__,
     )  # fmt: skip
     return SingleAxes(*given)
-
-
-class Program:
-    """What is registered at a channel: acts by command, and what it waits for."""
-
-    def __init__(self, axes: SingleAxes) -> None:
-        self._acts: dict[type, Any] = {}
-        self.is_busy: Any = None
-        execution: Any = self
-        axes.assign(execution)
-
-    def register(self, kind: type, act: Any, *, ready: Any = None) -> None:
-        self._acts[kind] = act
-
-    def while_busy(self, is_busy: Any) -> None:
-        self.is_busy = is_busy
-
-    def say(self, *commands: Any) -> None:
-        for command in commands:
-            self._acts[type(command)](command)
 
 
 def test_a_wait_is_over_when_the_axes_that_it_names_are_there() -> None:

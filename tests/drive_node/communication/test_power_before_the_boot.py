@@ -18,7 +18,10 @@ BOOT_UP, PRE_OPERATIONAL = (0x705, "00"), (0x705, "7f")
 
 
 class Bus:
-    """A segment with a listener. heard: identifier and data of each frame, with `levels` inside."""
+    """A segment with a listener. heard: identifier and data of each frame.
+
+    levels: of the inputs, bit by bit; asked_ns: when a node has asked for them.
+    """
 
     def __init__(self, segment: Segment) -> None:
         self.segment, self.clock = segment, segment.scheduler
