@@ -6,7 +6,7 @@ import pytest
 from tests.ethercat.line import OP, Line, frame, physical
 
 from axisrig.bench.bus.ethercat.frame import datagrams, is_ethercat, time_on_wire_ns
-from axisrig.bench.bus.ethercat.segment import Link
+from axisrig.bench.bus.ethercat.segment import Link, Passage
 from axisrig.bench.drive.ethercat.eeprom import check_sum
 from axisrig.bench.machine.ethercat.line_faults import LineFaults
 from axisrig.kernel.time.clock import MS, US
@@ -255,3 +255,21 @@ def test_the_clock_of_the_slave_of_an_axis_jumps_alone(by_ns: int) -> None:
     gone = [after - before for before, after in zip(before_ns, after_ns, strict=True)]
     spent_ns = later_ns - since_ns
     assert gone == [spent_ns, spent_ns + by_ns, spent_ns]
+
+
+@pytest.mark.parametrize("cut", range(14))
+def test_a_datagram_that_lacks_its_end_is_none_and_those_before_count(cut: int) -> None:
+    """2 bytes of the counter, or data before it, are missing: it is left as it is."""
+    line = Line()
+    line.wait(1000)
+    sent = frame(physical(BRD, 0, 0x0130, 2), physical(BRD, 0, 0x0000, b"\xaa" * 40))
+    end = len(sent)
+    assert end == 16 + 14 + 52
+    part = bytearray(sent[: end - cut])
+    before = bytes(part)
+    line.drive.controller.process(part, Passage(line.clock.now_ns, None))
+    assert part[28:30] == b"\x01\x00"  # of the first one
+    if cut:
+        assert bytes(part[30:]) == before[30:]
+    else:
+        assert part[-2:] == b"\x01\x00"

@@ -69,14 +69,14 @@ class Port:
 
     def __init__(self) -> None:
         self.line, self.clock = Questions(), Scheduler()
-        self.seen: list[tuple[int, bytes]] = []
+        self.handed_on: list[tuple[int, bytes]] = []
         self.silences = 0
         self.port = MailboxPort(
             self.line,  # type: ignore[arg-type]
             self.clock,
             STATION,
             TIMEOUT_NS,
-            lambda kind, body: self.seen.append((kind, body)),
+            lambda kind, body: self.handed_on.append((kind, body)),
             self._silent,
         )
         self.port.places = PLACES
@@ -279,7 +279,7 @@ def test_an_answer_whose_frame_was_lost_is_asked_for_until_it_is_shown_again(mad
         made.line.shows(repeat)
         assert places_of(made.line) == read
         made.line.taken(answer_of(text))
-        assert made.seen[-1] == (MailboxType.COE, text)
+        assert made.handed_on[-1] == (MailboxType.COE, text)
         assert made.line.asked == []
 
 
@@ -288,9 +288,9 @@ def test_a_repeat_that_is_lost_too_gives_up_that_answer_and_not_the_next_one(mad
     made.port.note_full()
     made.line.lost()
     made.line.lost()
-    assert (made.line.asked, made.seen) == ([], [])
+    assert (made.line.asked, made.handed_on) == ([], [])
     made.send(b"one")
     made.line.taken()
     made.line.taken(bytes((SM_FULL,)))  # the first look at the mailbox: full
     made.line.taken(answer_of(b"next"))
-    assert made.seen == [(MailboxType.COE, b"next")]
+    assert made.handed_on == [(MailboxType.COE, b"next")]

@@ -11,7 +11,9 @@ from axisrig.bench.bus.ethercat.segment import Link
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
 from axisrig.bench.drive.ethercat.node import SlaveSettings
+from axisrig.bench.drive.ethercat.sync_unit import SyncUnit
 from axisrig.kernel.time.clock import MS, US, S
+from axisrig.kernel.time.scheduler import new_scheduler
 
 APRD, APWR, BWR, FRMW = 1, 2, 8, 14
 LINKS = [Link(50, 300, 300), Link(75, 300, 300), Link(500, 300, 300)]
@@ -263,3 +265,29 @@ def test_latches_keep_the_last_edge_or_the_first_one(
     positive, negative = struct.unpack("<QQ", line.one(APRD, 0, 0x09B0, 16).data)
     assert (positive - 5000, negative - 5000) == tuple(stamp * MS for stamp in stamps)
     assert line.read(0x09AE, 1) == 0
+
+
+def test_each_activation_counts_its_own_pulses() -> None:
+    """A master waits for the first one after each; what was pending ends with the activation."""
+    clock, came = new_scheduler(), list[int]()
+    unit = SyncUnit(
+        clock, DistributedClock(LocalClock()), lambda: came.append(clock.now_ns), lambda: None
+    )
+    unit.cycle0 = MS
+    for begin_ns in (5 * MS, 50 * MS):
+        unit.start = begin_ns
+        unit.activate(3)
+        assert (unit.has_sync0, unit.pulses, unit.status) == (True, 0, 1)
+        clock.run_until(begin_ns - 1)
+        assert unit.pulses == 0
+        clock.run_until(begin_ns + 2 * MS)
+        assert (unit.pulses, unit.status) == (3, 0)
+        unit.activate(0)
+        assert (unit.has_sync0, unit.pulses) == (False, 0)
+        clock.run_until(begin_ns + 20 * MS)
+    assert came == [5 * MS, 6 * MS, 7 * MS, 50 * MS, 51 * MS, 52 * MS]
+    unit.start = 100 * MS
+    unit.activate(3)
+    unit.activate(0)
+    clock.run_until(200 * MS)
+    assert len(came) == 6

@@ -225,3 +225,30 @@ def test_frames_go_together() -> None:
     both = line.exchange((12, 0, bytes(48)), physical(7, 0, 0x0130, 2))
     assert [answer.wkc for answer in both] == [6, 2]
     assert both[1].number == SAFEOP
+
+
+def test_a_sample_gives_way_to_the_next_cycle() -> None:
+    """700 us after each outputs; where these come each 500 us, only the last one is sampled so."""
+    line = Line(
+        motion=lambda time_s: 0.1 * time_s, settings=[SlaveSettings(serial=1, sample_ns=700 * US)]
+    )
+    line.op()
+    line.wait(5 * MS)
+    samples: list[int] = []
+    refresh = line.drive.servo.refresh
+
+    def note(now_ns: int, *, is_apart: bool = False) -> None:
+        if is_apart:
+            samples.append(now_ns)
+        refresh(now_ns, is_apart=is_apart)
+
+    line.drive.servo.refresh = note  # type: ignore[method-assign]
+    for _ in range(4):
+        line.cycle()
+        line.wait(500 * US)
+    assert samples == []
+    line.wait(2 * MS)
+    (only_ns,) = samples
+    latest = line.drive.managers[3].latest
+    shown_um = int.from_bytes(latest[2:6], "little", signed=True) / 104.8576
+    assert shown_um == pytest.approx(0.1 * only_ns * 1e-3, abs=0.02)

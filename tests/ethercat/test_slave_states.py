@@ -216,3 +216,24 @@ def test_outputs_of_an_earlier_time_do_not_lead_to_op(first: int) -> None:
     assert line.al() == (SAFEOP, 0)
     line.cycle()
     assert line.al() == (OP, 0)
+
+
+@pytest.mark.parametrize("state", [SAFEOP, PREOP])
+def test_no_outputs_are_missed_after_op_was_left_by_request(state: int) -> None:
+    """0440 shows that nothing is watched, 0442 counts nothing, and no error comes later."""
+    line = Line()
+    line.op()
+    line.cycle()
+    assert line.read(0x0440, 2) == 1
+    assert line.ask(state) == (state, 0)
+    line.wait(500 * MS)
+    assert (line.al(), line.read(0x0440, 2), line.read(0x0442, 1)) == ((state, 0), 0, 0)
+    if state == SAFEOP:
+        line.cycle()
+        line.wait(500 * MS)  # outputs in SAFEOP are none that anybody waits for
+        assert (line.al(), line.read(0x0442, 1)) == ((SAFEOP, 0), 0)
+        line.cycle()
+        line.ask(OP)
+        line.cycle()
+        line.wait(500 * MS)
+        assert (line.al()[0], line.read(0x0442, 1)) == (SAFEOP | 0x10, 1)

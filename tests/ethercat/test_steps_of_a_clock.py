@@ -1,9 +1,7 @@
-"""How a distributed clock takes a difference away, and frames that end within a datagram."""
+"""How a distributed clock takes a difference away, step by step, and how its oscillator drifts."""
 
 import pytest
-from tests.ethercat.line import Line, frame, physical
 
-from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.drive.ethercat.distributed_clock import AHEAD, DistributedClock
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
 from axisrig.kernel.time.clock import MS
@@ -11,23 +9,23 @@ from axisrig.kernel.time.clock import MS
 MASK = (1 << 64) - 1
 
 
-def _clock(ahead: int) -> DistributedClock:
+def _clock(ahead_ns: int) -> DistributedClock:
     """Return a clock that is ahead of the time of the reference by so many ns, at 1 ms."""
     clock = DistributedClock(LocalClock())
-    clock.set_offset(ahead & MASK, 0)
+    clock.set_offset(ahead_ns & MASK, 0)
     clock.follow(1 * MS, 64, 1 * MS)
     return clock
 
 
-@pytest.mark.parametrize("ahead", [1, 2, 3, 4, 7, 1000, 1001])
+@pytest.mark.parametrize("ahead_ns", [1, 2, 3, 4, 7, 1000, 1001])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_half_of_a_difference_goes_at_once_toward_zero(ahead: int, sign: int) -> None:
+def test_half_of_a_difference_goes_at_once_toward_zero(ahead_ns: int, sign: int) -> None:
     """Of one ns all of it; the first time that comes is only noted. Either sign is the same."""
-    clock = _clock(sign * ahead)
-    assert clock.system_ns(1 * MS) == 1 * MS + sign * ahead
+    clock = _clock(sign * ahead_ns)
+    assert clock.system_ns(1 * MS) == 1 * MS + sign * ahead_ns
     clock.follow(2 * MS, 64, 2 * MS)
-    assert clock.difference == ahead | (AHEAD if sign > 0 else 0)
-    left = ahead - (ahead // 2 or ahead)
+    assert clock.difference == ahead_ns | (AHEAD if sign > 0 else 0)
+    left = ahead_ns - (ahead_ns // 2 or ahead_ns)
     assert clock.system_ns(2 * MS) == 2 * MS + sign * left
 
 
@@ -54,17 +52,17 @@ def test_a_new_offset_drops_what_was_made_good(sign: int) -> None:
     assert clock.steps == steps + 1
 
 
-@pytest.mark.parametrize("ahead", [800, -800])
-def test_a_rate_that_is_forgotten_moves_the_copy_no_more(ahead: int) -> None:
+@pytest.mark.parametrize("ahead_ns", [800, -800])
+def test_a_rate_that_is_forgotten_moves_the_copy_no_more(ahead_ns: int) -> None:
     """800 ns in 1 ms leave an eighth of 0.8 parts of 1000; after a write of 0930 none."""
-    clock = _clock(ahead)
+    clock = _clock(ahead_ns)
     clock.follow(2 * MS, 64, 2 * MS)
     at_once = clock.system_ns(2 * MS) - 2 * MS
-    assert at_once == ahead // 2
-    assert clock.system_ns(3 * MS) - 3 * MS == at_once - ahead // 8
+    assert at_once == ahead_ns // 2
+    assert clock.system_ns(3 * MS) - 3 * MS == at_once - ahead_ns // 8
     clock.forget(3 * MS)
     kept = clock.system_ns(3 * MS) - 3 * MS
-    assert kept == at_once - ahead // 8
+    assert kept == at_once - ahead_ns // 8
     assert clock.system_ns(9 * MS) - 9 * MS == kept
     clock.follow(9 * MS, 64, 9 * MS)  # only noted again
     assert clock.system_ns(9 * MS) - 9 * MS == kept
@@ -78,21 +76,3 @@ def test_the_start_of_an_oscillator_does_not_drift(drift_ppm: float, start_ns: i
     assert clock.at(10**9) == start_ns + 10**9 + round(drift_ppm * 1000)
     clock.jump(-500)
     assert clock.at(0) == start_ns - 500
-
-
-@pytest.mark.parametrize("cut", range(14))
-def test_a_datagram_that_lacks_its_end_is_none_and_those_before_count(cut: int) -> None:
-    """2 bytes of the counter, or data before it, are missing: it is left as it is."""
-    line = Line()
-    line.wait(1000)
-    sent = frame(physical(7, 0, 0x0130, 2), physical(7, 0, 0x0000, b"\xaa" * 40))
-    end = len(sent)
-    assert end == 16 + 14 + 52
-    part = bytearray(sent[: end - cut])
-    before = bytes(part)
-    line.drive.controller.process(part, Passage(line.clock.now_ns, None))
-    assert part[28:30] == b"\x01\x00"  # of the first one
-    if cut:
-        assert bytes(part[30:]) == before[30:]
-    else:
-        assert part[-2:] == b"\x01\x00"

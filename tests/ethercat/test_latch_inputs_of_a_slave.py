@@ -1,4 +1,4 @@
-"""The watchdog of a slave and its latch inputs, each alone."""
+"""The latch inputs of a slave alone: which edge each register keeps, and in whose time."""
 
 import struct
 from types import SimpleNamespace
@@ -11,61 +11,12 @@ from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
 from axisrig.bench.drive.ethercat.stamping import StampingTerminal
-from axisrig.bench.drive.ethercat.sync_unit import LatchUnit, SyncUnit
-from axisrig.bench.drive.ethercat.watchdog import Watchdog
-from axisrig.kernel.time.clock import MS
+from axisrig.bench.drive.ethercat.sync_unit import LatchUnit
 from axisrig.kernel.time.scheduler import new_scheduler
 
 
-@pytest.mark.parametrize(
-    ("divider", "time", "expected_ns"),
-    [(2498, 1000, 100 * MS), (2498, 1, 100_000), (0, 3, 240), (998, 50, 2 * MS)],
-)
-def test_outputs_may_stay_away_for_so_many_units(divider: int, time: int, expected_ns: int) -> None:
-    """A unit is (0400 + 2) times 40 ns; 0420 has how many of them (at power on 100 ms)."""
-    clock, expired = new_scheduler(), list[int]()
-    watchdog = Watchdog(clock, lambda: expired.append(clock.now_ns))
-    assert watchdog.time_ns == 100 * MS
-    watchdog.divider, watchdog.time = divider, time
-    assert (watchdog.time_ns, watchdog.is_healthy) == (expected_ns, False)
-    watchdog.feed()
-    clock.run_until(expected_ns - 1)
-    watchdog.feed()
-    assert watchdog.is_healthy
-    clock.run_until(2 * expected_ns - 2)
-    assert (expired, watchdog.count) == ([], 0)
-    clock.run_until(10 * expected_ns)
-    assert expired == [2 * expected_ns - 1]
-    assert (watchdog.count, watchdog.is_healthy) == (1, False)
-
-
-def test_a_watchdog_that_is_off_or_stopped_never_runs_out() -> None:
-    clock, expired = new_scheduler(), list[int]()
-    watchdog = Watchdog(clock, lambda: expired.append(1))
-    watchdog.time = 0
-    watchdog.feed()
-    assert watchdog.is_healthy
-    clock.run_until(500 * MS)
-    watchdog.time = 10
-    watchdog.feed()
-    watchdog.stop()
-    assert not watchdog.is_healthy
-    clock.run_until(1000 * MS)
-    assert (expired, watchdog.count) == ([], 0)
-
-
-def test_its_count_stays_at_255() -> None:
-    clock = new_scheduler()
-    watchdog = Watchdog(clock, lambda: None)
-    watchdog.divider, watchdog.time = 0, 1
-    for number in range(1, 300):
-        watchdog.feed()
-        clock.run_until(clock.now_ns + 1000)
-        assert watchdog.count == min(number, 255)
-
-
 class Latches:
-    """A latch unit on a clock that is 1000 ns ahead; edges are added while it looks."""
+    """A latch unit on a clock that is 1000 ns ahead; it looks after each edge."""
 
     def __init__(self, levels: tuple[bool | None, bool | None] = (False, False)) -> None:
         self.signals: list[Any] = [
@@ -100,7 +51,7 @@ def test_each_edge_of_each_input_is_kept_as_its_own_bit_says(number: int, contro
     assert latches.unit.status(number) == control
     assert latches.unit.status(1 - number) == 0
     assert latches.unit.has_event is (control != 0)
-    for place in range(4):  # those of the other input say nothing of it
+    for place in range(4):  # reading those of the other input takes nothing of it
         if place // 2 != number:
             latches.unit.taken(place)
     assert latches.unit.status(number) == control
@@ -131,7 +82,7 @@ def test_the_level_is_there_before_any_edge(level: bool | None) -> None:
 
 
 def test_a_terminal_stamps_what_came_before_the_frame_that_moves_its_clock() -> None:
-    """The offset that a frame writes is of what comes after it; a terminal that is off does not."""
+    """An offset counts for what comes after its frame; a terminal that is off stamps nothing."""
     clock = new_scheduler()
     signal: Any = SimpleNamespace(edges=[], level=False)
     stepped: list[int] = []
@@ -161,29 +112,3 @@ def test_a_terminal_stamps_what_came_before_the_frame_that_moves_its_clock() -> 
     clock.run_until(4000)
     write_offset(0)
     assert (stamps(), stepped) == ((1500, 52_500), [1000, 2000, 3000])
-
-
-def test_each_activation_counts_its_own_pulses() -> None:
-    """A master waits for the first one after each; what was pending ends with the activation."""
-    clock, came = new_scheduler(), list[int]()
-    unit = SyncUnit(
-        clock, DistributedClock(LocalClock()), lambda: came.append(clock.now_ns), lambda: None
-    )
-    unit.cycle0 = MS
-    for begin_ns in (5 * MS, 50 * MS):
-        unit.start = begin_ns
-        unit.activate(3)
-        assert (unit.has_sync0, unit.pulses, unit.status) == (True, 0, 1)
-        clock.run_until(begin_ns - 1)
-        assert unit.pulses == 0
-        clock.run_until(begin_ns + 2 * MS)
-        assert (unit.pulses, unit.status) == (3, 0)
-        unit.activate(0)
-        assert (unit.has_sync0, unit.pulses) == (False, 0)
-        clock.run_until(begin_ns + 20 * MS)
-    assert came == [5 * MS, 6 * MS, 7 * MS, 50 * MS, 51 * MS, 52 * MS]
-    unit.start = 100 * MS
-    unit.activate(3)
-    unit.activate(0)
-    clock.run_until(200 * MS)
-    assert len(came) == 6
