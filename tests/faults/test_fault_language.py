@@ -1,4 +1,4 @@
-"""What may stand in a column `fault:<kind>`, and what is said of what may not."""
+"""What may stand in a column `fault:<kind>`, and the message about what may not."""
 
 import re
 from contextlib import nullcontext

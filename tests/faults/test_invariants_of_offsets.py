@@ -233,4 +233,6 @@ def test_the_edges_of_the_tables() -> None:
     distance = distance_edges.__wrapped__()
     assert {("*", "ERROR"), ("TURNING_OFF", "INACTIVE"), ("INACTIVE", "ACTIVE")} <= distance
     assert not {("INACTIVE", "FREEZE"), ("ACTIVE", "")} & distance
-    assert all(all(pair) for pair in (*drives, *distance, *channel_edges.__wrapped__()))
+    channel = channel_edges.__wrapped__()
+    assert channel
+    assert all(all(pair) for pair in (*drives, *distance, *channel))

@@ -25,7 +25,7 @@ KINDS = {**wires.KINDS, **sensors.KINDS, **plc.KINDS, **clock.KINDS}
 
 
 class Axis:
-    """A motor at 100 mm and 20 mm/s, whose load is seen 1 mm beside it."""
+    """A motor at 100 mm and 20 mm/s, whose load is 1 mm beside it."""
 
     kinds, limits_force = frozenset({"position", "velocity"}), True
 
@@ -113,8 +113,8 @@ def test_a_wire_does_what_its_cell_says_on_off_and_on(kind: str) -> None:
         bench.clock.now_ns = begin_ns + 5 * MS
         if act:
             act.end()
-        seen = [(at_ns - begin_ns, level) for at_ns, level in bench.edges("probe")]
-        assert [edge for edge in seen if edge[0] > 0] == (bent if act else EDGES)
+        edges = [(at_ns - begin_ns, level) for at_ns, level in bench.edges("probe")]
+        assert [edge for edge in edges if edge[0] > 0] == (bent if act else EDGES)
     assert [*bench.beside.wires] == ["probe"]
     plain = [(begin + at, level) for begin in (0, 10 * MS, 20 * MS) for at, level in EDGES]
     assert bench.signals["probe"].edges == plain  # the truth

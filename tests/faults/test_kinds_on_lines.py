@@ -135,14 +135,14 @@ def test_a_slave_falls_and_its_clock_jumps_once() -> None:
     ]
 
 
-@pytest.mark.parametrize(("level", "seen"), [(0, False), (1, True)])
-def test_a_bit_keeps_its_level_and_passes_again(level: int, seen: bool) -> None:
+@pytest.mark.parametrize(("level", "passed"), [(0, False), (1, True)])
+def test_a_bit_keeps_its_level_and_passes_again(level: int, passed: bool) -> None:
     line = Line("probe-z-sercos.toml")
     name = read_faults("bit_stuck", "Z", line.rig)[0].values["real_time"]
     act, _ = line.do("bit_stuck", f"Z level={level}")
     act.begin()
     act.end()
-    assert line.calls == [("Z", name, seen), ("Z", name, None)]
+    assert line.calls == [("Z", name, passed), ("Z", name, None)]
 
 
 def test_a_service_channel_is_silent_or_refuses_and_answers_again() -> None:
@@ -182,7 +182,7 @@ def test_a_probing_cycle_ends_by_itself_once() -> None:
 def test_images_that_are_hit_are_counted_and_no_others(
     place: str, keys: dict[str, Any], hit: Sequence[int]
 ) -> None:
-    """Ten images, one each ms; the fault acts from 2.5 to 6.5 ms, and of Z alone."""
+    """Ten images, one each ms; the fault acts from the third to the sixth, and of Z alone."""
     clock: Any = SimpleNamespace(now_ns=0)
     asked: dict[str, dict[str, list[Any]]] = {
         name: {"X": [], "Z": []} for name in ("lost", "missed", "late")
@@ -203,7 +203,7 @@ def test_images_that_are_hit_are_counted_and_no_others(
         if falls():
             fallen.append(number)
     assert fallen == hit
-    assert record.hits == len(hit)
+    assert (record.hits, record.last_hit_ns) == (len(hit), max(hit, default=0) * MS)
 
 
 def test_an_encoder_interface_breaks_off_with_the_code_of_its_cell() -> None:

@@ -1,7 +1,7 @@
 """Which wrong values no control can know: those that follow from what its segments brought.
 
 By hand: a row each millisecond, the telegram 200 us after it, the NC cycle at 600 us, a PLC of 1 ms
-at a terminal of 1 ms. The edge at 30 ms is seen in the cycle of 31.6 ms, whose SYNC is row 31.
+at a terminal of 1 ms. The edge at 30 ms is read in the cycle of 31.6 ms, whose SYNC is row 31.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from axisrig.bench.tools.scenarios.oracle import DEFECTS, Result, judge
 from axisrig.bench.tools.scenarios.scenario import make_scenario
 from axisrig.kernel.time.clock import MS, US
 
-ROWS, SEEN, OFF_MM = 100, 31, 0.01
+ROWS, AT_EDGE, OFF_MM = 100, 31, 0.01
 TRUE_MM = [0.02 * row for row in range(ROWS)]
 Places = Mapping[int, Sequence[tuple[int, float]]]
 """By row what comes instead of its telegram: so many us after the SYNC, and the position."""
@@ -64,36 +64,36 @@ def received(positions: list[Telegram]) -> Received:
     )
 
 
-WRONG_MM = TRUE_MM[SEEN] + OFF_MM
+WRONG_MM = TRUE_MM[AT_EDGE] + OFF_MM
 ALTERED = (200, WRONG_MM)
 CASES: dict[str, tuple[Left, Result]] = {
-    "right": (touched(TRUE_MM[SEEN]), Result.GOOD),
-    "altered on its way": (touched(WRONG_MM, {SEEN: [ALTERED]}), Result.UNKNOWABLE),
+    "right": (touched(TRUE_MM[AT_EDGE]), Result.GOOD),
+    "altered on its way": (touched(WRONG_MM, {AT_EDGE: [ALTERED]}), Result.UNKNOWABLE),
     "altered alike, twice": (
-        touched(WRONG_MM, {SEEN: [ALTERED, (300, WRONG_MM)]}),
+        touched(WRONG_MM, {AT_EDGE: [ALTERED, (300, WRONG_MM)]}),
         Result.UNKNOWABLE,
     ),
     "that of a cycle before": (
-        touched(TRUE_MM[SEEN - 1], {SEEN: [(200, TRUE_MM[SEEN - 1])]}),
+        touched(TRUE_MM[AT_EDGE - 1], {AT_EDGE: [(200, TRUE_MM[AT_EDGE - 1])]}),
         Result.UNKNOWABLE,
     ),
     "wrong by itself": (touched(WRONG_MM), Result.BROKEN),
     "wrong by more than it was altered": (
-        touched(WRONG_MM + 3 * STEP_MM, {SEEN: [ALTERED]}),
+        touched(WRONG_MM + 3 * STEP_MM, {AT_EDGE: [ALTERED]}),
         Result.BROKEN,
     ),
-    "another telegram was altered": (touched(WRONG_MM, {SEEN - 1: [ALTERED]}), Result.BROKEN),
+    "another telegram was altered": (touched(WRONG_MM, {AT_EDGE - 1: [ALTERED]}), Result.BROKEN),
     "two that differ, the later believed": (
-        touched(WRONG_MM, {SEEN: [(200, TRUE_MM[SEEN]), (300, WRONG_MM)]}),
+        touched(WRONG_MM, {AT_EDGE: [(200, TRUE_MM[AT_EDGE]), (300, WRONG_MM)]}),
         Result.BROKEN,
     ),
-    "after the NC cycle": (touched(WRONG_MM, {SEEN: [(700, WRONG_MM)]}), Result.BROKEN),
-    "missing, between right ones": (touched(WRONG_MM, {SEEN: []}), Result.BROKEN),
-    "missing, with its doubt": (touched(WRONG_MM, {SEEN: []}, doubt_mm=OFF_MM), Result.GOOD),
+    "after the NC cycle": (touched(WRONG_MM, {AT_EDGE: [(700, WRONG_MM)]}), Result.BROKEN),
+    "missing, between right ones": (touched(WRONG_MM, {AT_EDGE: []}), Result.BROKEN),
+    "missing, with its doubt": (touched(WRONG_MM, {AT_EDGE: []}, doubt_mm=OFF_MM), Result.GOOD),
     "missing, between ones that are off alike": (
         touched(
             WRONG_MM,
-            {SEEN: []} | {n: [(200, TRUE_MM[n] + OFF_MM)] for n in range(ROWS) if n != SEEN},
+            {AT_EDGE: []} | {n: [(200, TRUE_MM[n] + OFF_MM)] for n in range(ROWS) if n != AT_EDGE},
         ),
         Result.UNKNOWABLE,
     ),
@@ -113,20 +113,20 @@ def test_what_lies_in_a_gap_of_positions_is_no_part_of_what_was_brought() -> Non
     cycle before, it shows (2 2/3 - 3 1/6) of its 3 um.
     """
     kink_mm = 0.003
-    true_mm = [mm + kink_mm * max(row - SEEN + 1, 0) for row, mm in enumerate(TRUE_MM)]
-    alike: Places = {SEEN: []} | {
-        row: [(200, true_mm[row] + OFF_MM)] for row in range(ROWS) if row != SEEN
+    true_mm = [mm + kink_mm * max(row - AT_EDGE + 1, 0) for row, mm in enumerate(TRUE_MM)]
+    alike: Places = {AT_EDGE: []} | {
+        row: [(200, true_mm[row] + OFF_MM)] for row in range(ROWS) if row != AT_EDGE
     }
-    of_cubic_mm = true_mm[SEEN] + OFF_MM + kink_mm * (2 * 2 / 3 - 3 / 6 - 1)
+    of_cubic_mm = true_mm[AT_EDGE] + OFF_MM + kink_mm * (2 * 2 / 3 - 3 / 6 - 1)
     for value_mm, result in (
-        (true_mm[SEEN] + OFF_MM, Result.UNKNOWABLE),
+        (true_mm[AT_EDGE] + OFF_MM, Result.UNKNOWABLE),
         (of_cubic_mm, Result.BROKEN),
     ):
         assert judge(touched(value_mm, alike, true_mm=true_mm)).result is result
 
 
 def test_without_a_listener_nothing_is_excused() -> None:
-    made = replace(touched(WRONG_MM, {SEEN: [ALTERED]}), received=None)
+    made = replace(touched(WRONG_MM, {AT_EDGE: [ALTERED]}), received=None)
     assert judge(made).result is Result.BROKEN
 
 
@@ -148,23 +148,23 @@ def test_a_position_is_brought_of_the_sync_of_its_own_segment(
 ) -> None:
     """The truth of a row is of the first SYNC; the drive samples at its own."""
     own_mm = [mm + AFTER_US * PER_US_MM for mm in TRUE_MM]
-    made = touched(own_mm[SEEN] + off_mm)
+    made = touched(own_mm[AT_EDGE] + off_mm)
     series = made.series.table().append_column(
         "Z.sync_after_ns", pa.array([AFTER_US * US] * ROWS, pa.int64())
     )
-    places = [mm + brought_off_mm * (row == SEEN) for row, mm in enumerate(own_mm)]
+    places = [mm + brought_off_mm * (row == AT_EDGE) for row, mm in enumerate(own_mm)]
     brought = received(telegrams({}, places))
     assert judge(replace(made, series=Series(series), received=brought)).result is result
 
 
 @pytest.mark.parametrize(
-    ("late", "result"), [(SEEN, Result.GOOD), (36, Result.UNKNOWABLE)], ids=["in time", "late"]
+    ("late", "result"), [(AT_EDGE, Result.GOOD), (36, Result.UNKNOWABLE)], ids=["in time", "late"]
 )
 def test_a_level_that_comes_late_moves_the_value(late: int, result: Result) -> None:
     """The node sends the level of its SYNC; where it comes later the value is that of then."""
     made = touched(TRUE_MM[late])
     task = PlcTaskRecord(MS, 550_000, 0, MS, 0, probes=("probe",), terminal_late_ns=200 * US)
-    probe = ProbeRecord(True, 0.0, edges=(Edge((SEEN - 1) * MS + 7, True),))
+    probe = ProbeRecord(True, 0.0, edges=(Edge((AT_EDGE - 1) * MS + 7, True),))
     facts = replace(made.facts, plc_task=task, probes={"probe": probe})
     assert made.received is not None
     made.received.inputs += [(row * MS + 200 * US, bytes([row >= late])) for row in range(ROWS)]
@@ -175,8 +175,8 @@ def test_each_of_two_runs_is_excused_by_its_own_edge() -> None:
     """The first of 25 to 40 ms, the second of 60 to 80 ms with its edge at 65 ms (row 66)."""
     edges = (Edge(30 * MS + 7, True), Edge(50 * MS, False), Edge(65 * MS + 7, True))
     for first_mm, second_mm, instead in (
-        (WRONG_MM, TRUE_MM[66], {SEEN: [ALTERED]}),
-        (TRUE_MM[SEEN], TRUE_MM[66] + OFF_MM, {66: [(200, TRUE_MM[66] + OFF_MM)]}),
+        (WRONG_MM, TRUE_MM[66], {AT_EDGE: [ALTERED]}),
+        (TRUE_MM[AT_EDGE], TRUE_MM[66] + OFF_MM, {66: [(200, TRUE_MM[66] + OFF_MM)]}),
     ):
         made = touched(first_mm, instead)
         second = replace(run(60, 80, second_mm), sources={"Z": "PLC"})
@@ -195,7 +195,7 @@ def test_after_homing_telegrams_count_from_the_reference() -> None:
     made = replace(made, facts=replace(made.facts, axes=axes))
     places = [mm - 3.0 for mm in TRUE_MM]
     for off_mm, result in ((OFF_MM, Result.UNKNOWABLE), (0.0, Result.BROKEN)):
-        brought = telegrams({SEEN: [(200, places[SEEN] + off_mm)]}, places)
+        brought = telegrams({AT_EDGE: [(200, places[AT_EDGE] + off_mm)]}, places)
         assert judge(replace(made, received=received(brought))).result is result
 
 

@@ -197,7 +197,7 @@ def test_faults_of_a_distance_sensor_in_closed_form() -> None:
         "full": EndValue(clock, 10_000.0),
         "spikes": Spikes(clock, 200.0, 1.0, random.Random(1)),
     }
-    seen = {}
+    shown = {}
     for name, fault in made.items():
         clock.now_ns = 10 * MS
         wire = DistanceWire(sensor, clock)
@@ -208,15 +208,15 @@ def test_faults_of_a_distance_sensor_in_closed_form() -> None:
         assert wire.reported_at(14 * MS) == inside  # whoever asks again gets the same
         clock.now_ns = 20 * MS
         fault.end()
-        seen[name] = before[0], inside[0], wire.reported_at(21 * MS)[0]
+        shown[name] = before[0], inside[0], wire.reported_at(21 * MS)[0]
         assert inside[1:] == (7e-3, True, False)
-    for before_m, _, after_m in seen.values():
+    for before_m, _, after_m in shown.values():
         assert (before_m, after_m) == (1e-3 + 1e-3 * 0.009, 1e-3 + 1e-3 * 0.021)
     true_m = 1e-3 + 1e-3 * 0.014
-    assert seen["drift"][1] == pytest.approx(true_m - 500e-6 * 0.004)
-    assert seen["freeze"][1] == 1e-3 + 1e-3 * 0.009
-    assert seen["full"][1] == 0.010
-    assert abs(seen["spikes"][1] - true_m) == pytest.approx(200e-6)
+    assert shown["drift"][1] == pytest.approx(true_m - 500e-6 * 0.004)
+    assert shown["freeze"][1] == 1e-3 + 1e-3 * 0.009
+    assert shown["full"][1] == 0.010
+    assert abs(shown["spikes"][1] - true_m) == pytest.approx(200e-6)
 
 
 @pytest.mark.parametrize(

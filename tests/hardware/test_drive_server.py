@@ -101,11 +101,23 @@ def test_assignments_and_the_interface_of_the_command_line_are_in_the_settings()
 
 
 def test_an_eds_is_of_one_kind_of_drive(tmp_path: Path) -> None:
+    """Lines end with CR and LF; axes with different drives have no common one."""
     same = drive_settings(RIGS / "probe-xyz.toml", outside(), [], [])
     path = write_eds(same, tmp_path / "z.eds")
     content = path.read_bytes()
-    assert content.count(b"\r\n") == content.count(b"\n") > 100
+    assert content.count(b"\r\n") == content.count(b"\n") > 0
     assert b"FileName=z.eds" in content
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        f'base = "{(RIGS / "probe-xyz.toml").as_posix()}"\n'
+        '[drive.other]\nlacks = "60FD"\n[axis.Y]\ndrive = "other"\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(UserError, match="different drives") as refused:
+        write_eds(drive_settings(rig, outside(), [], []), tmp_path / "y.eds")
+    assert refused.value.hint == "--axis NAME"
+    assert not (tmp_path / "y.eds").exists()
+    assert write_eds(drive_settings(rig, outside(), ["Y"], []), tmp_path / "y.eds").exists()
 
 
 def test_a_simulated_segment_has_no_master_outside() -> None:

@@ -8,6 +8,7 @@ import can
 import pytest
 
 from axisrig.bench.bus.can.faults import FrameFault
+from axisrig.bench.bus.can.frame import data_frame, frame_bits
 from axisrig.bench.bus.can.frame_hash import FrameHash
 from axisrig.bench.bus.can.hardware import interface_names, open_bus, parse_options
 from axisrig.bench.bus.can.real_segment import SEND_ERRORS_MAX
@@ -230,3 +231,23 @@ def test_what_an_interface_lacks_is_said_with_an_example(
         open_bus(interface, channel, 1_000_000, options)
     assert all(words in str(caught.value) for words in found), str(caught.value)
     assert "__init__" not in str(caught.value)
+
+
+@pytest.mark.parametrize("keeps_load", [True, False])
+def test_the_load_of_what_goes_out_and_comes_in_is_kept_where_it_is_wanted(
+    make_bench: Any, make_frame: Any, keeps_load: bool
+) -> None:
+    bench = make_bench()
+    segment = bench.segment
+    segment.keeps_load = keeps_load
+    observed: list[int] = []
+    segment.observe(lambda _time, _name, frame, _is_error: observed.append(frame.arbitration_id))
+    port = segment.port("cnc")
+    bench.scheduler.call_at(MS, 0, lambda: port.send_raw(0x201, b"\x01\x02"))
+    bench.adapter.coming.append((bench.wall.now_ns + 2 * MS, make_frame(0x181, 1, 2, 3)))
+    bench.scheduler.run_until(4 * MS)
+    assert observed == [0x201, 0x181]
+    bits = frame_bits(data_frame(0x201, b"\x01\x02")) + frame_bits(data_frame(0x181, b"\1\2\3"))
+    figures = segment.load()
+    assert (figures.frames, figures.busy_bits) == ((2, bits) if keeps_load else (0, 0))
+    assert set(figures.worst_delay_ns) == ({0x201, 0x181} if keeps_load else set())

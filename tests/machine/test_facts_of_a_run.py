@@ -1,4 +1,4 @@
-"""Facts of a run, each field from its own source: measurement runs, kinematics, alarms, the PLC.
+"""Facts of a run, each field from its own source: runs, kinematics, alarms, PLC, probes, notes.
 
 Values that differ everywhere: one that comes from a neighbour shows.
 """
@@ -186,3 +186,53 @@ def test_a_sensor_knows_the_normal_of_its_workpiece(
     assert (found.is_along, found.is_normalised) == (is_along, is_normalised)
     assert found.normal == (None if normal is None else pytest.approx(normal))
     assert facts._plc_sensor(table, {}).normal is None
+
+
+@pytest.mark.interpreted
+def test_a_probe_leaves_its_edges_contacts_and_what_its_wire_has_passed() -> None:
+    def probe(has_contact: bool, uncertainty_ns: float, *edges: tuple[int, bool]) -> Any:
+        contact = SimpleNamespace(time_ns=4, position_mm={"z": 1.5})
+        return SimpleNamespace(
+            roles=SimpleNamespace(has_group=lambda group: has_contact and group == "contact"),
+            edge_uncertainty_ns=uncertainty_ns, contacts=[contact] * has_contact,
+            signal=SimpleNamespace(edges=edges),
+        )  # fmt: skip
+
+    deflection = SimpleNamespace(mm=0.25, doubt_mm=0.125, beyond_ns=9)
+    machine: Any = SimpleNamespace(
+        plant=SimpleNamespace(
+            probes={"p": probe(True, 1.0, (3, True), (5, False)), "s": probe(False, 250.0)}
+        ),
+        beside=SimpleNamespace(wires={"p": SimpleNamespace(edges=[(7, True)])}),
+        deflections=SimpleNamespace(of=lambda name: [(deflection, f"words of {name}")]),
+    )
+    found: Any = facts._probes(machine)
+    p, s = found["p"], found["s"]
+    assert [(e.time_ns, e.level) for e in p.edges] == [(3, True), (5, False)]
+    assert [(e.time_ns, e.level) for e in p.passed] == [(7, True)]
+    assert [(c.time_ns, c.position_mm) for c in p.contacts] == [(4, {"z": 1.5})]
+    (bent,) = p.deflections
+    assert (bent.mm, bent.doubt_mm, bent.beyond_ns) == (0.25, 0.125, 9)
+    assert bent.words == "words of p"
+    assert (p.has_contacts, p.edge_uncertainty_ns) == (True, 1.0)
+    assert (s.has_contacts, s.edge_uncertainty_ns, s.edges, s.passed, s.deflections) == (
+        False, 250.0, (), None, (),
+    )  # fmt: skip
+
+
+@pytest.mark.interpreted
+def test_notes_have_their_topics_in_the_order_of_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    sources = {"distance_warnings": "warning", "unproved_notes": "latch", "lacking_notes": "lack",
+               "plant_warnings": "of plant", "printed_log": "printed"}  # fmt: skip
+    for name, text in sources.items():
+        monkeypatch.setattr(facts, name, lambda _, text=text: [text])
+    monkeypatch.setattr(facts, "_acting_warnings", lambda *_: ["acting"])
+    machine: Any = SimpleNamespace(
+        settings=SimpleNamespace(notes=["one", "two"]), distance_log=None, links=None, plant=None,
+        plc_side=SimpleNamespace(not_come=lambda: ["not come"]),
+    )  # fmt: skip
+    assert [(note.source, note.text) for note in facts._notes(machine)] == [
+        ("rig", "one"), ("rig", "two"), ("distance", "warning"), ("distance", "acting"),
+        ("latch", "latch"), ("lacking", "lack"), ("plant", "of plant"), ("printed", "printed"),
+        ("plc", "not come"),
+    ]  # fmt: skip

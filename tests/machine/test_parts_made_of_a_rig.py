@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.machine.made_rigs import above, settings_of
 
 from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.ethercat.node import SlaveSettings
@@ -19,28 +20,11 @@ from axisrig.bench.machine.pacing import Hardware, master_scheduler
 from axisrig.bench.machine.recording.edge_log import stamp_times, watchers_of
 from axisrig.bench.oracles.latch.instant import LatchTimes
 from axisrig.bench.oracles.sources.chain import Stamps
-from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.drives.ethercat.settings import LineSettings
 from axisrig.kernel.profiles.ethercat.tables import AlState
 from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import new_scheduler
-
-RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
-
-
-def settings_of(rig: Path | str, *changes: str) -> Settings:
-    assigned = [(parse_assignment(text), as_written) for text in changes]
-    return read_settings(*read_rig(RIGS / rig), assigned)
-
-
-def above(folder: Path, base: str, text: str) -> Path:
-    rig = folder / "rig.toml"
-    rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
-    return rig
-
 
 # --- lines
 

@@ -6,33 +6,15 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.machine.made_rigs import above, settings_of
 
-from axisrig.bench.machine import facts, kept_fmus, plants
+from axisrig.bench.machine import kept_fmus, plants
 from axisrig.bench.machine.fmu_files import plant_path
-from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.start_values import set_start_values
-from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import MapTable, PlantTable, read_rig
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.rig.reading.file import MapTable, PlantTable
+from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.fmi.fmu import load_fmu
 from axisrig.kernel.cosim.fmi.roles import FLAG_THRESHOLD, Source, map_roles
-from axisrig.kernel.nc.block import Block
-from axisrig.kernel.nc.canon import DistanceCommand, Dwell, MeasuringRun
-from axisrig.kernel.nc.text.parser import read_program
-
-RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
-
-
-def settings_of(rig: Path | str, *changes: str) -> Settings:
-    assigned = [(parse_assignment(text), as_written) for text in changes]
-    return read_settings(*read_rig(RIGS / rig), assigned)
-
-
-def above(folder: Path, base: str, text: str) -> Path:
-    rig = folder / "rig.toml"
-    rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
-    return rig
-
 
 # --- steps
 
@@ -190,86 +172,3 @@ def test_roles_are_found_once_for_each_table_of_an_instance() -> None:
     finally:
         other.close()
         kept_fmus.close_fmus([slave])
-
-
-# --- the program on its machine
-
-
-@pytest.mark.parametrize(
-    ("rig", "changes", "constant"),
-    [
-        ("probe-z.toml", (), True),
-        ("probe-z.toml", ("plc:V.E.A=0",), True),
-        ("probe-z.toml", ("plc:V.E.A=0; 1 at=M50",), False),
-        ("distance-z-variable.toml", (), False),  # the PLC reads a sensor
-        ("plc-signal.toml", (), False),  # its task may write
-    ],
-)
-def test_the_plc_side_is_constant_where_nobody_there_writes(
-    rig: str, changes: tuple[str, ...], constant: bool, tmp_path: Path
-) -> None:
-    """Else a program that asks again and again must let time pass."""
-    program = tmp_path / "p.nc"
-    program.write_text("%p\nN10 M30\n", encoding="utf-8")
-    settings = settings_of(rig, *changes)
-    machine = Machine(settings, read_program(program, tuple(settings.rig.axis)))
-    try:
-        assert machine._interpreter._waiting.is_constant is constant
-    finally:
-        machine.close()
-
-
-@pytest.mark.interpreted
-def test_where_measuring_blocks_lead_and_whose_zero_is_new_is_noted() -> None:
-    """A block that comes again counts with its last target."""
-    machine: Any = SimpleNamespace(measuring_targets={}, referenced=set())
-    blocks = {n: Block(n, 10 * n, f"N{10 * n}") for n in (1, 2, 3)}
-
-    def run(number: int, z_mm: float) -> MeasuringRun:
-        return MeasuringRun(blocks[number], {"Z": z_mm}, ("Z",), ("Z",), 600.0, 1)
-
-    commands: list[Any] = [
-        run(1, 5.0), Dwell(blocks[3], 1), run(2, 6.0), run(1, 7.0),
-        DistanceCommand(blocks[3], "Z", "ref"), DistanceCommand(blocks[3], "Y", "on"),
-        DistanceCommand(blocks[3], None, "ref"),
-    ]  # fmt: skip
-    assert [*Machine._noted(machine, iter(commands))] == commands
-    assert machine.measuring_targets == {
-        str(blocks[1]): {"Z": 7.0}, str(blocks[2]): {"Z": 6.0},
-    }  # fmt: skip
-    assert machine.referenced == {"Z", "channel"}
-
-
-# --- what a run leaves of its probes
-
-
-@pytest.mark.interpreted
-def test_a_probe_leaves_its_edges_contacts_and_what_its_wire_has_passed() -> None:
-    def probe(has_contact: bool, uncertainty_ns: float, *edges: tuple[int, bool]) -> Any:
-        contact = SimpleNamespace(time_ns=4, position_mm={"z": 1.5})
-        return SimpleNamespace(
-            roles=SimpleNamespace(has_group=lambda group: has_contact and group == "contact"),
-            edge_uncertainty_ns=uncertainty_ns, contacts=[contact] * has_contact,
-            signal=SimpleNamespace(edges=edges),
-        )  # fmt: skip
-
-    deflection = SimpleNamespace(mm=0.25, doubt_mm=0.125, beyond_ns=9)
-    machine: Any = SimpleNamespace(
-        plant=SimpleNamespace(
-            probes={"p": probe(True, 1.0, (3, True), (5, False)), "s": probe(False, 250.0)}
-        ),
-        beside=SimpleNamespace(wires={"p": SimpleNamespace(edges=[(7, True)])}),
-        deflections=SimpleNamespace(of=lambda name: [(deflection, f"words of {name}")]),
-    )
-    found: Any = facts._probes(machine)
-    p, s = found["p"], found["s"]
-    assert [(e.time_ns, e.level) for e in p.edges] == [(3, True), (5, False)]
-    assert [(e.time_ns, e.level) for e in p.passed] == [(7, True)]
-    assert [(c.time_ns, c.position_mm) for c in p.contacts] == [(4, {"z": 1.5})]
-    (bent,) = p.deflections
-    assert (bent.mm, bent.doubt_mm, bent.beyond_ns) == (0.25, 0.125, 9)
-    assert bent.words == "words of p"
-    assert (p.has_contacts, p.edge_uncertainty_ns) == (True, 1.0)
-    assert (s.has_contacts, s.edge_uncertainty_ns, s.edges, s.passed, s.deflections) == (
-        False, 250.0, (), None, (),
-    )  # fmt: skip

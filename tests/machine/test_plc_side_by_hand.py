@@ -271,7 +271,7 @@ def test_the_plc_side_is_idle_when_nothing_is_left_to_do() -> None:
     on = Rules(Z__torque_limit="300 at=program_end", V__E__A="0; 1 at=program_end+3ms")
     on.turns()
     assert on.plc.is_idle()
-    on.channel.program_ends_ns.append(MS)  # not seen yet
+    on.channel.program_ends_ns.append(MS)  # not noticed yet
     assert not on.plc.is_idle()
     on.turns()
     on.sdo.answer()

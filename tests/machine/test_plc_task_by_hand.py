@@ -52,7 +52,7 @@ class Link:
 
 
 class Cnc:
-    """The CNC side; `cycles` are the instants (ms) and numbers of those that the PLC has run."""
+    """The CNC side; cycles: instant (ms) and number of each cycle of the PLC."""
 
     def __init__(self, folder: Path, *, has_columns: bool = False, **keys: Any) -> None:
         self.clock = new_scheduler()
@@ -92,7 +92,8 @@ class Cnc:
         self.script: Script = lambda _inputs, _hli: None
         self.runner._program._cycle = self._run
         self.columns: Callable[[], None] = lambda: None
-        self.seen: list[str] = []
+        self.held: list[str] = []
+        """What was held in each NC cycle: P = the path, else the names of axes."""
         self.clock.call_at(600 * US, Phase.APPLICATION, self._cycle)
 
     def _program(self) -> Iterator[canon.Command]:
@@ -111,7 +112,7 @@ class Cnc:
         self.plc.take_turn()
         held = "P" * self.plc.feedhold
         held += "".join(name for name, unit in self.plc.axis.items() if unit.feedhold)
-        self.seen.append(held)
+        self.held.append(held)
         for observer in self.observers:
             observer(self)
 
@@ -141,7 +142,7 @@ def test_its_first_cycle_is_the_next_of_its_grid(
     cnc.runner.start()
     cnc.run(first_ms + 4.1)
     assert cnc.cycles == [(first_ms + 2 * count, number + count) for count in range(3)]
-    assert cnc.switched == [False] * 3  # what the program says of the supply of the probe
+    assert cnc.switched == [False] * 3  # the probe is off, as `probe_on` of the program
 
 
 def test_a_cycle_that_takes_longer_costs_those_that_come_meanwhile(tmp_path: Path) -> None:
@@ -155,7 +156,7 @@ def test_a_cycle_that_takes_longer_costs_those_that_come_meanwhile(tmp_path: Pat
     cnc.run(9.0, script)
     assert cnc.cycles == [(0.0, 0), (4.0, 2), (8.0, 4)]
     assert cnc.runner.left_out == 2
-    assert cnc.seen == ["", "", "", *["P"] * 6]  # from the one at 3.6 ms on
+    assert cnc.held == ["", "", "", *["P"] * 6]  # from the one at 3.6 ms on
 
 
 def test_lost_and_late_cycles_keep_the_grid_and_their_numbers(tmp_path: Path) -> None:
@@ -224,11 +225,11 @@ def test_feedholds_of_path_and_axes_come_and_go_each_by_itself(tmp_path: Path) -
     cnc = Cnc(tmp_path)
     cnc.runner.start()
     cnc.run(12.0, by_time(("P", 0, 4), ("X", 2, 6), ("Z", 4, 8), ("P", 8, 10)))
-    assert cnc.seen == ["P", "P", "PX", "PX", "XZ", "XZ", "Z", "Z", "P", "P", "", ""]
+    assert cnc.held == ["P", "P", "PX", "PX", "XZ", "XZ", "Z", "Z", "P", "P", "", ""]
 
 
 def test_columns_and_the_task_both_hold(tmp_path: Path) -> None:
-    """Without columns the task alone says it; with them what one of both holds is held."""
+    """Without columns the task alone decides; with them what one of both holds is held."""
     for has_columns, held in ((False, ["Z", "Z", "", "", ""]), (True, ["XZ", "XZ", "X", "", ""])):
         cnc = Cnc(tmp_path, has_columns=has_columns)
 
@@ -240,7 +241,7 @@ def test_columns_and_the_task_both_hold(tmp_path: Path) -> None:
         cnc.columns = column
         cnc.runner.start()
         cnc.run(5.0, by_time(("Z", 0, 2)))
-        assert cnc.seen == held
+        assert cnc.held == held
 
 
 def test_overrides_are_given_back_when_they_are_not_enabled_any_more(tmp_path: Path) -> None:

@@ -10,20 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.machine import made_rigs
+from tests.machine.made_rigs import above
 
 from axisrig.bench.machine.canopen.links import build_links
 from axisrig.bench.machine.cyclic.profidrive_drive import profidrive_settings
 from axisrig.bench.machine.cyclic.speed_drive import speed_drive_settings
 from axisrig.bench.machine.ethercat.cia402_slave import slave_settings
 from axisrig.bench.machine.ethercat.sercos_slave import sercos_settings
-from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import read_rig
-from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.interface import Drive
 from axisrig.kernel.time.clock import S
 from axisrig.kernel.time.scheduler import new_scheduler
-
-RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
 
 class Network:
@@ -34,10 +32,7 @@ class Network:
 
 
 def settings_of(folder: Path, base: str, text: str, *changes: str) -> Settings:
-    rig = folder / "rig.toml"
-    rig.write_text(f'base = "{(RIGS / base).as_posix()}"\n{text}\n', encoding="utf-8")
-    assigned = [(parse_assignment(change), as_written) for change in changes]
-    return read_settings(*read_rig(rig), assigned)
+    return made_rigs.settings_of(above(folder, base, text), *changes)
 
 
 def can_links(settings: Settings) -> dict[str, Any]:
@@ -185,12 +180,11 @@ def test_each_axis_has_the_values_of_its_own_drive_and_list(
     assert z.increments_per_mm == pytest.approx((1 << 20) / 10)
     assert (y.probe_input, y.edge, y.trigger_source) == (2, "NEG", "DRIVE_DEFINED")
     assert [(one.probe_input, one.edge) for one in (x, z)] == [(1, "POS")] * 2
-    assert (y.missing_cycles, y.lag_limit_mm, y.homing_limit_ns) == (9, 0.5, 12_500_000_000)
+    assert (y.missing_cycles, y.lag_limit_mm, y.homing_limit_ns) == (9, 0.5, 12.5 * S)
     assert (y.fault_reset, y.jump_mm, y.acceleration_mm_s2) == (True, pytest.approx(0.4), 7000.0)
     assert (x.fault_reset, x.lag_limit_mm, x.acceleration_mm_s2) == (False, inf, 1000.0)
     assert (y.sensor_age_limit_ms, x.sensor_age_limit_ms) == (40, None)
-    assert z.homing_limit_ns != y.homing_limit_ns
-    assert z.homing_limit_ns % S == 0
+    assert x.homing_limit_ns == z.homing_limit_ns == 300 * S  # docs/rigs.md
 
 
 def test_a_latch_is_proved_where_its_own_drive_says_so(tmp_path: Path) -> None:

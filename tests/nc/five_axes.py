@@ -81,5 +81,5 @@ def run5(text: str, at: FiveAxes | None = None, tables: OffsetTables = TABLES) -
     return run_text(text, at or machine(), axes=FIVE, tables=tables)
 
 
-def said(commands: Sequence[Command]) -> list[float]:
+def printed(commands: Sequence[Command]) -> list[float]:
     return [number for c in commands if isinstance(c, Message) for number in c.values]

@@ -1,10 +1,10 @@
-"""Which axes of a measuring run have a result, and turned systems whose values are inches."""
+"""Which axes of a measuring run have a result: V.A.MERF and V.A.MESS of two runs in a row."""
 
 import pytest
 from tests.nc.conftest import PlaneMachine
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import LinearMove, Message
+from axisrig.kernel.nc.canon import Message
 
 
 class Remembering(PlaneMachine):
@@ -41,28 +41,3 @@ def test_an_axis_that_is_named_and_does_not_move_loses_the_result_of_before(run,
         assert caught.value.id == 900101
     else:
         assert texts(run(f'{RUN_OF_X}{second}#MSG["%g", V.A.MESS.X]', Remembering()))[-1] == "5"
-
-
-def targets(commands) -> dict[str, float]:
-    found: dict[str, float] = {}
-    for each in commands:
-        if isinstance(each, LinearMove):
-            found |= each.target_mm
-    return found
-
-
-@pytest.mark.parametrize(("unit", "mm"), [("G71", 1.0), ("G70", 25.4)])
-@pytest.mark.parametrize(
-    ("angles", "expected"),
-    [
-        # lower = R upper for (0, 1, 0): Rx(90), Ry(90), Rz(90)
-        ("90,0,0", {"X": 1.0, "Y": 2.0, "Z": 4.0}), ("0,90,0", {"X": 1.0, "Y": 3.0, "Z": 3.0}),
-        ("0,0,90", {"X": 0.0, "Y": 2.0, "Z": 3.0}),
-    ],
-)  # fmt: skip
-def test_shifts_of_a_system_are_lengths_and_its_angles_are_none(
-    run, unit, mm, angles, expected
-) -> None:
-    commands = run(f"{unit} G0\n#CS ON[1,2,3,{angles}]\nX0 Y1 Z0")
-    found = {axis: targets(commands).get(axis, 0.0) for axis in "XYZ"}
-    assert found == pytest.approx({axis: at * mm for axis, at in expected.items()}, abs=1e-9)

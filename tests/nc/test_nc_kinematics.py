@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from tests.nc.conftest import run_text
-from tests.nc.five_axes import FIVE, ON, TABLES, FiveAxes, direction, machine, pivot_mm, run5, said
+from tests.nc.five_axes import (
+    FIVE,
+    ON,
+    TABLES,
+    FiveAxes,
+    direction,
+    machine,
+    pivot_mm,
+    printed,
+    run5,
+)
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
@@ -29,7 +39,9 @@ def test_coordinates_are_those_of_the_tool_tip() -> None:
         '#MSG ["%f %f %f", V.A.ABS.X, V.A.ABS.Z, V.A.ACS.ABS.Z]',
         at,
     )
-    assert said(commands) == pytest.approx([120.0, 10.0, 1.0, 3.0, pivot_mm((1, 2, 3), 20, -35)[2]])
+    assert printed(commands) == pytest.approx(
+        [120.0, 10.0, 1.0, 3.0, pivot_mm((1, 2, 3), 20, -35)[2]]
+    )
     assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm((1, 2, 3), 20, -35), 20, -35])
 
 
@@ -45,7 +57,7 @@ def test_off_begins_where_the_axes_are_and_the_length_shifts_z_again() -> None:
         ON + 'G0 X1 Y2 Z3 A90\n#TRAFO OFF\n#MSG ["%f %f", V.A.ABS.Y, V.A.PROG.Z]\nG91 G0 Y5'
     )
     pivot = pivot_mm((1, 2, 3), 0, 90)
-    assert said(commands) == pytest.approx([pivot[1], pivot[2] - 80.0])
+    assert printed(commands) == pytest.approx([pivot[1], pivot[2] - 80.0])
     assert commands[-2].target_mm == pytest.approx({"Y": pivot[1] + 5.0})
 
 
@@ -195,7 +207,7 @@ def test_what_a_run_gives() -> None:
     )
     (run,) = [c for c in commands if isinstance(c, MeasuringRun)]
     assert run.measuring_axes == FIVE
-    assert said(commands) == pytest.approx([50.0, pivot_mm((0, 0, 50), 20, -35)[2], 10.0, -35.0])
+    assert printed(commands) == pytest.approx([50.0, pivot_mm((0, 0, 50), 20, -35)[2], 10.0, -35.0])
 
 
 def test_without_the_signal_of_one_axis_there_is_no_value() -> None:
@@ -250,7 +262,7 @@ def test_the_ball_counts_in_the_direction_of_the_run_alone() -> None:
         machine(plane=("Z", 50.0)),
         tables,
     )
-    assert said(commands) == pytest.approx([7.0, 48.0])
+    assert printed(commands) == pytest.approx([7.0, 48.0])
 
 
 def test_an_axis_outside_of_the_kinematic_stands_where_it_has_been_sent() -> None:
@@ -264,4 +276,4 @@ def test_an_axis_outside_of_the_kinematic_stands_where_it_has_been_sent() -> Non
     )  # fmt: skip
     w_mm, z_mm = (0, 5, 7, 7, 0, 0), (80, 80, 83, 84, 84, 84)
     expected = [each for w, z in zip(w_mm, z_mm, strict=True) for each in (w, w, z)]
-    assert said(commands) == pytest.approx(expected)
+    assert printed(commands) == pytest.approx(expected)

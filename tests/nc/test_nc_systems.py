@@ -308,3 +308,17 @@ def test_a_probe_with_length_measures_the_workpiece(run, plane_machine):
     )
     machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("Z", 155.0))
     assert messages_of(run(program, machine, tables=tables)) == [100.0, 155.0, 82.0, 155.0]
+
+
+@pytest.mark.parametrize(("unit", "mm"), [("G71", 1.0), ("G70", 25.4)])
+@pytest.mark.parametrize(
+    ("angles", "expected"),
+    [
+        # lower = R upper for (0, 1, 0): Rx(90), Ry(90), Rz(90)
+        ("90,0,0", (1.0, 2.0, 4.0)), ("0,90,0", (1.0, 3.0, 3.0)),
+        ("0,0,90", (0.0, 2.0, 3.0)),
+    ],
+)  # fmt: skip
+def test_shifts_of_a_system_are_lengths_and_its_angles_are_none(run, unit, mm, angles, expected):
+    commands = run(f"{unit} G0\n#CS ON[1,2,3,{angles}]\nX0 Y1 Z0")
+    assert last_target(commands) == pytest.approx([at * mm for at in expected], abs=1e-9)

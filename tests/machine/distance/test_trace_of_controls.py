@@ -1,14 +1,12 @@
-"""Columns of distance control in the trace, and what a run notes of its controls; set by hand."""
+"""Columns of distance control in the trace; controls are set by hand."""
 
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from axisrig.bench.machine import facts
 from axisrig.bench.machine.recording.distance_trace import DISTANCE_CONTROL_COLUMNS, DistanceTrace
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.kernel.channel.distance.sensor import VariableSensor
 from axisrig.kernel.distance import DistanceState
 
 pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
@@ -88,100 +86,3 @@ def test_3d_control_has_the_tool_and_what_is_superposed_on_each_axis() -> None:
     plain = DistanceTrace()
     plain.note(channel(Z=sensing(1.0)))
     assert not any("superposed" in name or CHANNEL in name for name in columns(plain))
-
-
-# --- facts
-
-
-def variable(name: str) -> VariableSensor:
-    sensor = VariableSensor.__new__(VariableSensor)
-    sensor.name = name
-    return sensor
-
-
-def machine_of(whole: Any = None, **axes: Any) -> Any:
-    log = SimpleNamespace(
-        recorded=lambda name: (f"changes of {name}",), orders=lambda name: (f"orders of {name}",),
-        dumps=lambda of: (f"dump of {of.title}",), guides=("guide",),
-    )  # fmt: skip
-    return SimpleNamespace(
-        channel=SimpleNamespace(
-            title="the channel", distance=SimpleNamespace(axes=axes, channel=whole)
-        ),
-        settings=SimpleNamespace(rig=SimpleNamespace(plc={"V.E.GAP": None})),
-        referenced={"Z", CHANNEL}, distance_log=log,
-    )  # fmt: skip
-
-
-def test_a_control_is_left_with_its_variable_its_zero_and_its_history() -> None:
-    """Only a variable that the PLC reads from a sensor is named."""
-    machine = machine_of(
-        Z=SimpleNamespace(sensor=variable("GAP")), Y=SimpleNamespace(sensor=variable("OTHER")),
-        X=SimpleNamespace(sensor=SimpleNamespace(name="GAP")),
-    )  # fmt: skip
-    found: dict[str, Any] = {name: facts._distance(machine, name) for name in "XYZ"}
-    assert {name: (one.variable, one.is_referenced) for name, one in found.items()} == {
-        "X": ("", False), "Y": ("", False), "Z": ("V.E.GAP", True),
-    }  # fmt: skip
-    assert (found["Z"].changes, found["Z"].orders) == (("changes of Z",), ("orders of Z",))
-    assert facts._distance_3d(machine) is None
-
-
-def test_3d_control_is_left_with_its_own_history() -> None:
-    machine = machine_of(SimpleNamespace(sensor=variable("GAP")))
-    found: Any = facts._distance_3d(machine)
-    assert found is not None
-    assert (found.variable, found.is_referenced) == ("V.E.GAP", True)
-    assert found.changes == (f"changes of {CHANNEL}",)
-    assert (found.diagnosis, found.guides) == (("dump of the channel",), ("guide",))
-    assert found.orders == (f"orders of {CHANNEL}",)
-
-
-def change(sensor: str, kp: float, *, is_on: bool = True, is_dry_run: bool = False) -> Any:
-    controller = SimpleNamespace(control=kp)
-    return SimpleNamespace(
-        sensor=sensor, is_on=is_on, is_dry_run=is_dry_run, mode="CONST_DIST", controller=controller
-    )
-
-
-def test_a_control_that_acted_and_cannot_be_stable_is_noted_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Off, a dry run, or by a sensor that the rig does not have: no loop."""
-    acted = {
-        "Z": [change("S", 1.0), change("S", 9.0), change("S", 9.0), change("T", 8.0),
-              change("S", 7.0, is_on=False), change("S", 6.0, is_dry_run=True),
-              change("own", 5.0)],
-        "Y": [change("S", 9.0)],
-        CHANNEL: [change("S", 4.0)],
-    }  # fmt: skip
-    sensors = {word: SimpleNamespace(source=word) for word in "ST"}
-    monkeypatch.setattr(
-        facts, "sensors_of", lambda _, name: [sensors["S"], sensors["T"]][: 1 + (name == "Z")]
-    )
-
-    def unstable(_settings: Any, name: str, sensor: Any, mode: str, kp: float) -> str | None:
-        return None if kp < 2.0 else f"{name} {sensor.source} {mode} {kp:g}"
-
-    monkeypatch.setattr(facts, "unstable", unstable)
-    log: Any = SimpleNamespace(axes=["Y", "Z"], recorded=acted.__getitem__)
-    assert facts._acting_warnings(None, log) == [  # type: ignore[arg-type]
-        "Y S CONST_DIST 9", "Z S CONST_DIST 9", "Z T CONST_DIST 8", f"{CHANNEL} S CONST_DIST 4",
-    ]  # fmt: skip
-
-
-def test_notes_have_their_topics_in_the_order_of_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
-    sources = {"distance_warnings": "warning", "unproved_notes": "latch", "lacking_notes": "lack",
-               "plant_warnings": "of plant", "printed_log": "printed"}  # fmt: skip
-    for name, text in sources.items():
-        monkeypatch.setattr(facts, name, lambda _, text=text: [text])
-    monkeypatch.setattr(facts, "_acting_warnings", lambda *_: ["acting"])
-    machine: Any = SimpleNamespace(
-        settings=SimpleNamespace(notes=["one", "two"]), distance_log=None, links=None, plant=None,
-        plc_side=SimpleNamespace(not_come=lambda: ["not come"]),
-    )  # fmt: skip
-    assert [(note.source, note.text) for note in facts._notes(machine)] == [
-        ("rig", "one"), ("rig", "two"), ("distance", "warning"), ("distance", "acting"),
-        ("latch", "latch"), ("lacking", "lack"), ("plant", "of plant"), ("printed", "printed"),
-        ("plc", "not come"),
-    ]  # fmt: skip
