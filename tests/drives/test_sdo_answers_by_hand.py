@@ -52,7 +52,7 @@ def test_each_answer_has_the_whole_time_for_itself(after_ms: int) -> None:
 
 
 @pytest.mark.parametrize("command", [0x42, 0x46, 0x4A, 0x4E])
-def test_without_the_bit_for_it_the_number_of_unused_bytes_says_nothing(command: int) -> None:
+def test_without_the_bit_for_it_the_number_of_unused_bytes_does_not_count(command: int) -> None:
     server, client = answering(f"{command:02x}08100001020304")
     assert read(server, client) == b"\1\2\3\4"
 
@@ -98,7 +98,7 @@ def test_what_waits_is_asked_before_what_an_answer_asks_for() -> None:
 
 
 def gave_up(server: Server, found: Any, code: int, index: int = NAME) -> None:
-    """The client has sent an abort, and says that it was its own."""
+    """The client has sent an abort, and reports it as its own."""
     abort = b"\x80" + struct.pack("<HBI", index, 0, code)
     assert server.asked[-1] == abort
     assert isinstance(found, SdoError)

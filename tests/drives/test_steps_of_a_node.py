@@ -32,7 +32,7 @@ TIMEOUT_NS = 100 * MS
 
 
 class Node:
-    """A start-up whose node does what the test says; log: NMT, reads and writes in their order."""
+    """A start-up and its node, which answers by hand; log: NMT, reads and writes in their order."""
 
     def __init__(self, *steps: Step, attempts: int = 3) -> None:
         self.clock = new_scheduler()

@@ -64,7 +64,7 @@ def test_a_node_that_leaves_operational_is_an_alarm_until_it_is_back(
     assert node.watch.communication() is None
 
 
-def test_a_heartbeat_from_before_the_start_says_nothing() -> None:
+def test_a_heartbeat_from_before_the_start_does_not_count() -> None:
     """It may still be on its way when the command to start is out."""
     node = Node(HEARTBEAT)
     assert node.hear(PRE_OPERATIONAL, STOPPED) is None

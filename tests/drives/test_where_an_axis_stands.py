@@ -60,7 +60,7 @@ def test_no_drive_goes_into_operation_before_its_place_is_proved(bench: Bench) -
 
 
 def test_after_a_jump_the_place_of_before_counts_until_the_new_one_is_proved(bench: Bench) -> None:
-    """4 mm, then 9 mm at once, then 7 mm: the axis is held at 4 mm until SDO says 7 mm too."""
+    """4 mm, then 9 mm at once, then 7 mm: the axis is held at 4 mm until SDO reports 7 mm too."""
     link = bench.link
     bench.prove(READY, 4000)
     for place in (9000, 9001, 7000, 7000):

@@ -106,20 +106,20 @@ def test_a_frame_breaks_before_one_slave_and_is_none_for_those_behind(place: int
 
 @pytest.mark.parametrize("off", [0, 1, 2, 3])
 def test_frames_turn_round_before_the_first_slave_that_is_off(off: int) -> None:
-    """Of the last slave there is no way back through it; the others see the frame twice."""
+    """off: place of that slave, 3 = none. Those before it see the frame twice, the last of them once."""
     line = Line(3)
     for slave in line.slaves[off : off + 1]:
         slave.is_on = False
     line.send()
     line.wait()
-    reached = min(off, 3)
-    assert line.segment.reached == reached
-    assert [len(slave.came) for slave in line.slaves] == [1] * reached + [0] * (3 - reached)
-    assert (line.segment.lost, len(line.back)) == ((0, 1) if reached else (1, 0))
-    for number, slave in enumerate(line.slaves[:reached]):
+    assert line.segment.reached == off
+    assert [len(slave.came) for slave in line.slaves] == [1] * off + [0] * (3 - off)
+    assert (line.segment.lost, len(line.back)) == ((0, 1) if off else (1, 0))
+    for number, slave in enumerate(line.slaves[:off]):
         passage = slave.came[0]
-        assert passage.arrival_ns == 50 * (number + 1) + 300 * number
+        assert passage.arrival_ns == LINK.wire_ns * (number + 1) + LINK.forward_ns * number
         # Home from the last: its forward time, then a wire and the way back through each
-        ways = reached - 1 - number
-        home = 50 * reached + 300 * reached + 50 * ways + 200 * (ways - 1)
-        assert passage.return_ns == (home if ways else None)
+        ways = off - 1 - number
+        home_ns = (LINK.wire_ns + LINK.forward_ns) * off
+        home_ns += LINK.wire_ns * ways + LINK.back_ns * (ways - 1)
+        assert passage.return_ns == (home_ns if ways else None)

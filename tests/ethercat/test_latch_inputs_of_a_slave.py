@@ -38,7 +38,7 @@ class Latches:
 
 @pytest.mark.parametrize("number", [0, 1])
 @pytest.mark.parametrize("control", [0, 1, 2, 3])
-def test_each_edge_of_each_input_is_kept_as_its_own_bit_says(number: int, control: int) -> None:
+def test_each_edge_of_each_input_is_kept_by_its_own_bit(number: int, control: int) -> None:
     """09A8 and 09A9: bit 0 rising, bit 1 falling; 1 = the first one until it is read."""
     latches = Latches()
     latches.unit.control[number] = control

@@ -23,7 +23,7 @@ def datagram(value: int) -> Datagram:
 
 
 class Wire:
-    """A port that keeps what is sent; the test says when it comes back."""
+    """A port that keeps what is sent until the test brings it back."""
 
     def __init__(self) -> None:
         self.clock: Scheduler = new_scheduler()
@@ -115,7 +115,7 @@ def test_the_indices_go_round_below_those_of_the_cyclic_frames() -> None:
 
 
 class Served(Line):
-    """A drive whose mailbox is asked over a wire that loses what the test says."""
+    """A drive whose mailbox is asked over a wire that loses the frames in `lost`."""
 
     def __init__(self, attempts: int = 1) -> None:
         super().__init__()

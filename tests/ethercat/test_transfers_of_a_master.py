@@ -40,7 +40,7 @@ def error(made: Transfer) -> tuple[int, int, int | None, bool]:
     [("4f", 1), ("4b", 2), ("47", 3), ("43", 4), *((f"4{n:x}", 4) for n in (0x2, 0x6, 0xA, 0xE))],
 )
 def test_a_short_value_comes_with_the_answer(command: str, size: int) -> None:
-    """Without bit 0 the number of unused bytes says nothing."""
+    """Without bit 0 the number of unused bytes does not count."""
     made = read()
     assert made.take(bytes.fromhex(f"{command} 0810 02 11223344")) is None
     assert made.result == bytes.fromhex("11223344")[:size]
@@ -190,11 +190,11 @@ def test_another_latch_has_its_own_counter_and_stamp() -> None:
 
 def test_a_status_word_that_fits_no_state_counts_as_missing() -> None:
     """CiA 402: xxxx xxxx x0xx 0100 is none. Good, none, none, good, and none again."""
-    made, seen = image(), []
+    made, shown = image(), []
     for word in (ENABLED, NO_STATE, NO_STATE, 0x0250, NO_STATE):
         found = taken(made, word)
-        seen.append((found.get("statusword"), made.missing[0], made.is_disturbed))
-    assert seen == [
+        shown.append((found.get("statusword"), made.missing[0], made.is_disturbed))
+    assert shown == [
         (ENABLED, 0, False), (None, 1, True), (None, 2, True), (0x0250, 0, False), (None, 1, True),
     ]  # fmt: skip
     assert made.missing_alarm("Z", 0).id == 900081

@@ -47,9 +47,9 @@ def limited(steps_mm: Sequence[float], *, kp: float = 1.0, is_sloped: bool = Tru
     return _limited(truth, stretch, 0)
 
 
-def halves(early_mm: float, late_mm: float, first: float = 9.0) -> list[float]:
+def halves(early_mm: float, late_mm: float, first_mm: float = 9.0) -> list[float]:
     """200 rows: 100 that do not count, then the largest step of 50 at 110 and of 50 at 170."""
-    steps = [first] * 100 + [0.0] * 100
+    steps = [first_mm] * 100 + [0.0] * 100
     steps[110], steps[170] = early_mm, late_mm
     return steps
 
@@ -72,10 +72,15 @@ def test_steps_that_halve_from_quarter_to_quarter_die_away() -> None:
 
 @pytest.mark.parametrize(
     ("kp", "early_mm", "is_away"),
-    [(1.0, 0.0005, True), (1.0, 0.1, False), (0.01, 0.0001, True), (0.2, 0.0001, True)],
-)
-def test_steps_of_an_increment_have_died_away(kp: float, early_mm: float, is_away: bool) -> None:
-    """An increment of the sensor makes a step of kp of it; below kp 0.1 as of 0.1."""
+    [
+        (1.0, 0.0059, True), (1.0, 0.0061, False), (0.2, 0.00119, True), (0.2, 0.00121, False),
+        (0.01, 0.00059, True), (0.01, 0.00061, False),
+    ],
+)  # fmt: skip
+def test_steps_of_a_few_increments_have_died_away(
+    kp: float, early_mm: float, is_away: bool
+) -> None:
+    """6 increments of the sensor, each a step of kp of it; below kp 0.1 as of 0.1."""
     found = limited(halves(early_mm, early_mm), kp=kp)
     assert (found.note == "died away before the last half") is is_away
     assert (found.growth == 0.0) is is_away

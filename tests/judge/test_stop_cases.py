@@ -8,6 +8,7 @@ from tests.judge.stop_recordings import (
     CONTACT_MS,
     DEMAND,
     DETECT,
+    E0_MM,
     END_NS,
     LOAD,
     ROWS,
@@ -27,9 +28,9 @@ def test_feed_forward_takes_its_share_off_the_lag(share: float, kv: float, side:
     """(1 - share) v/Kv is 0.2 mm in each: found at 203.6 ms where 202.3 ms are expected."""
     observed = recorded(side, plant={"feed_forward": share, "kv": kv})
     found = seen(observed, "detection_error_ms")
-    assert found.value == pytest.approx(1.3, abs=1e-6)
+    assert found.value == pytest.approx(203.6 - 202.3, abs=1e-6)
     (run,) = stop_runs(observed)
-    assert run.running_lag_mm("Z", 10.0) == pytest.approx(0.18)
+    assert run.running_lag_mm("Z", 10.0) == pytest.approx(E0_MM)
     off = recorded(side, plant={"feed_forward": share, "kv": kv * 1.2})
     assert "the lag had not settled" in seen(off, "detection_error_ms").note
 

@@ -25,13 +25,13 @@ def test_an_axis_brakes_over_v_squared_by_2_a(sign: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("velocity", "deceleration"),
+    ("velocity_mm_s", "deceleration"),
     [(10.0, None), (0.0, BRAKE), (STANDING_MM_S, BRAKE), (-STANDING_MM_S, BRAKE)],
 )
 def test_an_axis_that_has_no_brake_or_stands_stops_at_once(
-    velocity: float, deceleration: Slope | None
+    velocity_mm_s: float, deceleration: Slope | None
 ) -> None:
-    ramp = Ramp(5.0, velocity, deceleration, MS)
+    ramp = Ramp(5.0, velocity_mm_s, deceleration, MS)
     assert ramp.is_standing
     assert places(ramp, 2) == [5.0, 5.0]
 

@@ -64,12 +64,14 @@ def test_at_the_pole_the_rotation_comes_back_and_c_is_0(b_deg: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("angle", "near", "found"),
+    ("angle_deg", "near_deg", "found_deg"),
     [(10.0, 0.0, 10.0), (10.0, 370.0, 370.0), (350.0, 0.0, -10.0), (-170.0, 190.0, 190.0),
      (0.0, 179.0, 0.0), (0.0, 181.0, 360.0), (0.0, -1000.0, -1080.0)],
 )  # fmt: skip
-def test_whole_turns_lead_near_an_angle(angle: float, near: float, found: float) -> None:
-    assert near_turn_deg(angle, near) == found
+def test_whole_turns_lead_near_an_angle(
+    angle_deg: float, near_deg: float, found_deg: float
+) -> None:
+    assert near_turn_deg(angle_deg, near_deg) == found_deg
 
 
 @pytest.mark.parametrize(
@@ -86,7 +88,7 @@ def test_the_least_turn_leads_z_to_a_vector(target: Vector) -> None:
         assert turned(rotation, X) == pytest.approx(X)
 
 
-def test_a_turn_about_nothing_in_particular_keeps_its_axis() -> None:
+def test_a_turn_about_any_axis_keeps_it_and_turns_what_is_across() -> None:
     axis = (2 / 7, 3 / 7, 6 / 7)
     rotation = about(axis, 40.0)
     assert turned(rotation, axis) == pytest.approx(axis)

@@ -185,7 +185,7 @@ def test_what_waited_has_the_name_of_its_axis(left: Left) -> None:
         assert {waiting.axis for waiting in bus.waiting} <= {axis, ""}
 
 
-def test_a_line_says_what_its_cycles_did(left: Left) -> None:
+def test_a_line_reports_what_its_cycles_did(left: Left) -> None:
     """LRW counts 1 for a slave that is read and 2 for one that is written to: 3 for each drive."""
     (line,) = (bus.line for bus in left.facts.buses if bus.segment == "ec1")
     assert line is not None
@@ -265,7 +265,7 @@ def test_each_drive_is_reached_by_the_words_of_its_own_family(left: Left) -> Non
 def test_a_drive_is_off_without_torque_or_in_a_fault(
     left: Left, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of CiA 402 also where it is ready to switch on; the others say their power."""
+    """Of CiA 402 also where it is ready to switch on; the others by their power."""
     assert [part(left, axis).is_off(axis) for axis in AXES] == [False] * 5
     for axis in "VW":
         for power in Power:

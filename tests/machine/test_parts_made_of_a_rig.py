@@ -80,7 +80,7 @@ def test_the_control_reads_the_registers_of_the_terminal(edge: Any, mode: bytes)
     found = register_inputs(settings, "ec1", TerminalTable(segment="ec1", stamp_edge=edge))
     assert (found.axis, found.node_id, found.first, found.size) == ("terminal", 2, 0x09AE, 34)
     assert found.writes == (("LATCH0_CONTROL", mode), ("LATCH1_CONTROL", mode))
-    assert found.identity[1] == 0
+    assert found.identity == {1: 0, 2: 401}  # vendor and product, docs/ethercat.md
 
 
 def terminal(**keys: Any) -> tuple[LineTerminal, Any]:
@@ -158,7 +158,7 @@ def opened() -> Iterator[ExitStack]:
 
 
 @pytest.mark.parametrize(("change", "recovers"), [("stay", False), ("recover", True)])
-def test_a_bus_is_built_as_its_table_says(change: str, recovers: bool, opened: ExitStack) -> None:
+def test_a_bus_is_built_by_its_table(change: str, recovers: bool, opened: ExitStack) -> None:
     """After bus-off a controller comes back after 128 times 11 recessive bits, 1.408 ms, or not."""
     clock = new_scheduler()
     settings = settings_of(
@@ -191,7 +191,7 @@ def test_a_run_outside_is_paced_by_its_cycle(tmp_path: Path, text: str, wait_ns:
 
 
 @pytest.mark.parametrize(("interface", "wait_ms"), [("socketcan", 0), ("gs_usb", 5), ("slcan", 50)])
-def test_without_a_key_the_interface_says_how_long_answers_are_waited_for(
+def test_without_a_key_the_wait_for_answers_is_that_of_the_interface(
     tmp_path: Path, interface: str, wait_ms: int
 ) -> None:
     text = f'[segment.can1]\ninterface = "{interface}"\nchannel = "x"'

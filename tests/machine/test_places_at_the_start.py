@@ -95,7 +95,7 @@ def test_a_stop_of_one_axis_of_an_fmu_of_two_is_ours() -> None:
     )
 
 
-def test_what_is_outside_says_itself_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_axis_outside_may_be_anywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(start_places, "outside_axes", lambda _: ["Z"])
     plant = plant_of(2 * REACH_MM, 250.0, 10.0, names=[])
     check_places(settings_of(PROBE, []), plant)

@@ -45,7 +45,7 @@ def test_steps_serve_the_drive_that_looks_farthest_on_either_side(tmp_path: Path
         (MapTable(variable="v", threshold=24.0), Source("v", None, 1, 24.0, None)),
     ],
 )  # fmt: skip
-def test_an_entry_of_a_map_says_where_a_role_comes_from(entry: Any, source: Any) -> None:
+def test_an_entry_of_a_map_names_the_source_of_a_role(entry: Any, source: Any) -> None:
     assert plants._source(entry) == source
 
 

@@ -187,7 +187,7 @@ def test_a_block_ends_as_it_was_ended(how: BlockEnd, state: str) -> None:
 
 
 def test_waits_for_the_next_cycle_are_one_row_for_their_block() -> None:
-    """Three turns of one loop, two of the next one; what is under way says so."""
+    """Three turns of one loop, two of the next one; a block under way is one too."""
     log = Log()
     blocks = {line: block(line) for line in (1, 2)}
     for line in (1, 1, 1, 2, 2):

@@ -187,7 +187,7 @@ def test_each_axis_has_the_values_of_its_own_drive_and_list(
     assert x.homing_limit_ns == z.homing_limit_ns == 300 * S  # docs/rigs.md
 
 
-def test_a_latch_is_proved_where_its_own_drive_says_so(tmp_path: Path) -> None:
+def test_a_latch_is_proved_where_its_own_drive_has_it_so(tmp_path: Path) -> None:
     """What proves a latch, or a place, is the SDO client of the same drive."""
 
     def proved(text: str) -> dict[str, tuple[bool, bool]]:
@@ -235,7 +235,7 @@ def test_real_time_bits_are_those_of_the_list(changes: tuple[str, ...], tmp_path
         ("set:Z.kenngr.messachse=0", "measures", False),
     ],
 )
-def test_a_sercos_drive_does_what_its_keys_say(
+def test_each_key_of_a_sercos_drive_changes_one_flag(
     change: str, field: str, value: bool, tmp_path: Path
 ) -> None:
     flags = ("proves_latches", "proves_places", "starts_probing", "needs_following", "measures")

@@ -81,7 +81,7 @@ def test_a_signal_brakes_once_or_not_at_all(goes_on: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "speed", "lags_mm", "latched_mm", "alarm_ids"),
+    ("value_mm", "speed_mm", "lags_mm", "latched_mm", "alarm_ids"),
     [
         (5.0, 0.5, (0.0, 0.0), {"Z": 4.0}, []),
         (-5.0, -0.5, (0.0, 0.0), {"Z": -4.0}, []),
@@ -97,10 +97,10 @@ def test_a_signal_brakes_once_or_not_at_all(goes_on: bool) -> None:
     ],
 )
 def test_a_value_is_led_back_as_far_as_the_axis_was_in_its_block(
-    value: float, speed: float, lags_mm: tuple[float, float], latched_mm: dict[str, float],
+    value_mm: float, speed_mm: float, lags_mm: tuple[float, float], latched_mm: dict[str, float],
     alarm_ids: list[int],
 ) -> None:  # fmt: skip
-    """Two cycles at the speed of the latch; the lag that counts is that of the signal's cycle.
+    """Two cycles at the speed of the latch, mm in each; the lag that counts is that of the signal's cycle.
 
     An axis that stands or swings back as it settles was where it is, whatever way it has come.
     """
@@ -108,13 +108,13 @@ def test_a_value_is_led_back_as_far_as_the_axis_was_in_its_block(
     lag, later = lags_mm
     now = [lag]
     dead = DeadTime("Z", 2.0, 0.0, 0.001, lambda _mm: 0.0, lambda: now[0])
-    port = FakeLatch(latched_speed_mm=speed)
+    port = FakeLatch(latched_speed_mm=speed_mm)
     stage = Stage(port)
     stage.run = MeasuringRun(
         [port], "N20", 0, False, dead_times={"Z": dead}, warn=lambda alarm: warned.append(alarm.id)
     )
     stage.move()
-    port.latch(value)
+    port.latch(value_mm)
     stage.cycle()
     now[0] = later
     stage.cycles(2, standing=True)
