@@ -106,7 +106,7 @@ def test_a_frame_breaks_before_one_slave_and_is_none_for_those_behind(place: int
 
 @pytest.mark.parametrize("off", [0, 1, 2, 3])
 def test_frames_turn_round_before_the_first_slave_that_is_off(off: int) -> None:
-    """off: place of that slave, 3 = none. Those before it see the frame twice, the last of them once."""
+    """off: place of that slave, 3 = none. Those before it see it twice, the last of them once."""
     line = Line(3)
     for slave in line.slaves[off : off + 1]:
         slave.is_on = False
