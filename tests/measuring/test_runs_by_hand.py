@@ -100,7 +100,7 @@ def test_a_value_is_led_back_as_far_as_the_axis_was_in_its_block(
     value_mm: float, speed_mm: float, lags_mm: tuple[float, float], latched_mm: dict[str, float],
     alarm_ids: list[int],
 ) -> None:  # fmt: skip
-    """Two cycles at the speed of the latch, mm in each; what counts is the lag of the signal's cycle.
+    """Two cycles at the speed of the latch, mm in each; the signal's cycle gives the lag.
 
     An axis that stands or swings back as it settles was where it is, whatever way it has come.
     """
