@@ -4,8 +4,8 @@
 quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
 a parametrized test stay. Of the shipped plans it keeps rows that check every metric, and one row of
 each plan; of rows that check the same, in whatever plan, those that simulate least
-(`plans/simulated.csv`). Statistics over several runs are left out, and rows with the tag `study`,
-which are long and say something together.
+(`plans/simulated.csv`). Rows that simulate more than `LONGEST_S` are left out, statistics over
+several runs too, and rows with the tag `study`, which are long and say something together.
 
 `make test-rest` runs the rest stage once: `compiled/test_both_builds.py` has the rows of all plans,
 and the compiled build runs the folders that `--by-compiled` names.
@@ -27,6 +27,8 @@ from axisrig.bench.campaign.pytest_plugin import CaseItem, StatisticItem
 from axisrig.bench.plan.case import Case
 
 SIMULATED = Path(__file__).parent / "plans" / "simulated.csv"
+LONGEST_S = 3.5
+"""What a row of the quick stage simulates at most, s."""
 STUDY = "study"
 """Tag of rows that are neither in the demo nor in the quick stage."""
 TIME_IS_OVER = "the time of --until is over"
@@ -65,6 +67,12 @@ def rows_of_every_metric(cases: Iterable[Case], sim_s: Mapping[str, float]) -> s
     return set(kept)
 
 
+def quick_rows(cases: Iterable[Case], sim_s: Mapping[str, float]) -> set[str]:
+    """Of the rows of every metric those that are not long. One that is not in the table is not."""
+    shown = rows_of_every_metric(cases, sim_s)
+    return {run for run in shown if sim_s.get(run, 0.0) <= LONGEST_S}
+
+
 def cpu_s() -> float:
     """CPU time of this process and of its ended children, s."""
     times = os.times()
@@ -100,7 +108,7 @@ class Stages:
             for item in items
             if isinstance(item, CaseItem) and STUDY not in item.case.tags
         ]
-        shown = rows_of_every_metric(plans, simulated_s())
+        shown = quick_rows(plans, simulated_s())
         counts: Counter[str] = Counter()
         kept, left_out = [], []
         for item in items:

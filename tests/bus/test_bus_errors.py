@@ -34,6 +34,7 @@ RULES = {"transmit_failed": (8, 0), "receive_failed": (0, 1), "transmitted": (-1
 
 
 @given(st.lists(st.sampled_from([*RULES, "primary", "received", "unacknowledged"]), max_size=600))
+@pytest.mark.long
 def test_counters_follow_the_rules_of_the_standard(events: list[str]) -> None:
     counters, tec, rec, is_off = ErrorCounters(), 0, 0, False
     for event in events:

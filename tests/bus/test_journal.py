@@ -207,6 +207,7 @@ def test_nothing_that_is_kept_grows_with_the_run() -> None:
             assert len(segment.passed) < 100
 
 
+@pytest.mark.long
 def test_remembered_lengths_are_exact_and_bounded() -> None:
     lengths, numbers = FrameLengths(), random.Random(3)
     for _ in range(3 * KNOWN_FRAMES):

@@ -157,6 +157,7 @@ def test_mailbox_keeps_the_order_of_equal_identifiers(
         max_size=30,
     )
 )
+@pytest.mark.long
 def test_bus_never_overlaps_and_loses_nothing(
     naive_bits: Bits, requests: list[tuple[int, int, int, bytes]]
 ) -> None:

@@ -159,6 +159,7 @@ def test_900005_tells_statusword_and_emergency(channel_bench: Make, words: Any) 
     assert int(str(alarm.values["statusword"]), 16) & 0x2048 == 0x2008
 
 
+@pytest.mark.long
 def test_a_drive_fault_brakes_every_axis(channel_bench: Make, words: Any) -> None:
     """A 3-4-5 path at 50 mm/s; a of the path is the smallest limit / share = 1000 / 0.8."""
     bench = _fault_in_motion(channel_bench, words)

@@ -86,6 +86,7 @@ def _program(
 
 @settings(deadline=None)  # the first one builds the grammar
 @given(st.sampled_from(["G17", "G18", "G19"]), turns, places, places, radii, begins, angles)
+@pytest.mark.long
 def test_arcs_in_the_main_planes(
     plane: str, turn: str, x: float, y: float, radius: float, begin: float, angle: float
 ) -> None:
@@ -103,6 +104,7 @@ def test_arcs_in_the_main_planes(
 
 @settings(deadline=None)
 @given(frames, turns, places, places, radii, begins, angles)
+@pytest.mark.long
 def test_arcs_in_a_rotated_system_stay_in_their_plane_and_on_their_circle(
     frame: tuple[float, ...], turn: str, x: float, y: float, radius: float, begin: float,
     angle: float,

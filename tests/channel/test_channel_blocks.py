@@ -42,6 +42,7 @@ def table(trace: BlockTrace) -> list[tuple[int | None, str, str]]:
     ]
 
 
+@pytest.mark.long
 def test_a_move_begins_and_ends_with_its_set_position(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     trace = noted(bench, words.move(1, 3000.0, Y=30.0, Z=40.0), words.move(2, 600.0, Z=35.0))
@@ -204,6 +205,7 @@ def test_nothing_moves_otherwise_because_of_it(channel_bench: Make, words: Any) 
     assert frames(True) == frames(False)
 
 
+@pytest.mark.long
 def test_an_axis_that_only_moves_in_a_measuring_block_has_the_state_of_its_run(
     channel_bench: Make, words: Any
 ) -> None:

@@ -36,6 +36,7 @@ def run(bench: Any, words: Any, *before: Any, **target: float) -> RunRecord:
     return measured(bench)
 
 
+@pytest.mark.long
 def test_the_stop_is_found_by_the_lag(channel_bench: Make, words: Any) -> None:
     """Behind the contact the lag is e0 + v (t - t_c), e0 = v / kv + (2 - d) v T."""
     bench = channel_bench(axis(words, stop_mm=10.0))
@@ -115,6 +116,7 @@ def test_a_share_is_of_the_programmed_path(
     assert bool(record.latched_mm) is True
 
 
+@pytest.mark.long
 def test_a_share_on_a_path_of_two_axes_is_of_the_path(channel_bench: Make, words: Any) -> None:
     """3-4-5: 50 % of the path are 5 mm, of its longest axis they were 4."""
     half = replace(LAG, start_per_mille=500)
@@ -125,6 +127,7 @@ def test_a_share_on_a_path_of_two_axes_is_of_the_path(channel_bench: Make, words
 
 
 @pytest.mark.provokes(900036, 7, axis="Z", limit_mm=0.5)
+@pytest.mark.long
 def test_the_cnc_monitors_no_lag_during_the_run_and_does_before_and_behind_it(
     channel_bench: Make, words: Any
 ) -> None:
@@ -136,6 +139,7 @@ def test_the_cnc_monitors_no_lag_during_the_run_and_does_before_and_behind_it(
     assert bench.channel.alarm_ns[0] > measured(bench).end_ns
 
 
+@pytest.mark.long
 def test_x_hits_while_y_is_free(channel_bench: Make, words: Any) -> None:
     """Each comes back to its own place: X to the stop, Y to where it was when X had found it."""
     bench = channel_bench(axis(words, "X", stop_mm=10.0), axis(words, "Y"))
@@ -151,6 +155,7 @@ def test_x_hits_while_y_is_free(channel_bench: Make, words: Any) -> None:
         assert bench.final_mm(name) == pytest.approx(record.latched_mm[name], abs=1e-9)
 
 
+@pytest.mark.long
 def test_an_axis_that_the_block_does_not_move_is_none_of_the_run(
     channel_bench: Make, words: Any
 ) -> None:
@@ -226,6 +231,7 @@ def test_900242_for_a_run_that_waits_for_a_probe(channel_bench: Make, words: Any
     assert (bench.alarm_ids, bench.channel.records) == ([900242], [])
 
 
+@pytest.mark.long
 def test_signal_of_meas_wins_over_the_list_until_its_default(
     channel_bench: Make, words: Any
 ) -> None:

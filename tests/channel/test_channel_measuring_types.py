@@ -70,6 +70,7 @@ def test_err_no_signal_of_meas_wins_over_p_chan_00176(
         assert bench.alarm_ids == alarms
 
 
+@pytest.mark.long
 def test_type_3_goes_on_to_its_target_without_braking(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, probing_offset_mm=2.0), plane_mm=120.0)
     bench.run([words.probe(1, 600.0, 3, goes_on=True, Z=110.0), words.wait(1), words.end()])

@@ -84,6 +84,7 @@ def _alter(offset: int, form: str, value: int) -> Change:
 
 @pytest.mark.parametrize(("pdo", "can_id"), [("TPDO1", TPDO1), ("TPDO2", TPDO2)])
 @pytest.mark.parametrize("missing_cycles", [1, 3, 7])
+@pytest.mark.long(but=1)
 def test_900006_for_each_cyclic_telegram_after_the_cycles_of_the_rig(
     trouble: Any, pdo: str, can_id: int, missing_cycles: int
 ) -> None:
@@ -113,6 +114,7 @@ def test_900025_for_an_emergency_without_a_fault(trouble: Any) -> None:
     assert alarm.values["emcy"] == words
 
 
+@pytest.mark.long
 def test_the_emergency_of_a_limit_switch_says_so_and_what_to_do(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, struct.pack("<HB5x", 0x8612, 0x01))
@@ -131,6 +133,7 @@ def test_an_unknown_emergency_stops_too(trouble: Any) -> None:
 
 
 @pytest.mark.provokes(900035, 1, axis="Z")
+@pytest.mark.long
 def test_900035_warns_and_the_program_goes_on(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, struct.pack("<HB5x", 0x8120, 0x11))
@@ -166,6 +169,7 @@ def test_900005_and_not_900025_for_a_fault_after_a_warning(trouble: Any) -> None
     assert "excess temperature" in case.bench.channel.alarms[1].values["emcy"]
 
 
+@pytest.mark.long
 def test_an_emergency_that_says_error_reset_is_no_alarm(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, bytes(8))
@@ -269,6 +273,7 @@ def _guarding(life_factor: int = 2) -> dict[str, Any]:
     return {"start_up": start_up, "watches": (watch, watch)}
 
 
+@pytest.mark.long
 def test_node_guarding_is_answered_with_a_toggle(trouble: Any) -> None:
     """CiA 301 section 7.2.8.3.2.1: bit 7 alternates, the rest is the NMT state."""
     case = trouble(**_guarding())
@@ -281,6 +286,7 @@ def test_node_guarding_is_answered_with_a_toggle(trouble: Any) -> None:
     assert all(a != b for a, b in pairwise(said))
 
 
+@pytest.mark.long
 def test_node_guarding_asks_for_as_many_bytes_as_the_answer_has(trouble: Any) -> None:
     """CAN 2.0: the data length code of a remote frame is that of the frame that it asks for."""
     case = trouble(**_guarding())
@@ -313,6 +319,7 @@ def _heartbeat(**options: Any) -> dict[str, Any]:
 
 
 @pytest.mark.provokes(900023, 7, axis="Z", node=2, what="heartbeat", ms=20)
+@pytest.mark.long
 def test_900023_when_the_heartbeat_stops(trouble: Any) -> None:
     case = trouble(**_heartbeat())
     case.change(HEARTBEAT, lambda _frame: Drop())
@@ -321,6 +328,7 @@ def test_900023_when_the_heartbeat_stops(trouble: Any) -> None:
     assert alarm.values["what"] == "heartbeat"
 
 
+@pytest.mark.long
 def test_a_regular_heartbeat_is_no_alarm(trouble: Any) -> None:
     case = trouble(**_heartbeat())
     case.bench.finish()

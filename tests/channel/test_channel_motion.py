@@ -30,6 +30,7 @@ def two_axes(channel_bench: Any, words: Any, **options: Any) -> Any:
     return channel_bench(words.axis("X", start_mm=5.0), words.axis("Y"), **options)
 
 
+@pytest.mark.long
 def test_set_positions_of_a_circle_lie_on_it(channel_bench: Any, words: Any) -> None:
     bench = two_axes(channel_bench, words).run([circle(5.0, 1200.0), words.end()])
     assert bench.alarm_ids == []

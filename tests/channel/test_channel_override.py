@@ -46,6 +46,7 @@ def run(bench: ChannelBench, *commands: canon.Command, path: int = 1000, **axes:
         ({"path": 1500}, 50.0),  # P-CHAN-00056 as it is
     ],
 )
+@pytest.mark.long(but=1)
 def test_the_feed_of_a_path_is_scaled(
     channel_bench: Make, words: Any, overrides: dict[str, int], expected_mm_s: float
 ) -> None:
@@ -91,6 +92,7 @@ def test_a_measuring_run_keeps_within_the_stroke_of_its_probe_at_200_percent(
     ("mode", "expected_mm_s"),
     [(OverrideMode.CHANNEL, 25.0), (OverrideMode.LEAST, 15.0), (OverrideMode.AXIS, 15.0)],
 )
+@pytest.mark.long(but=1)
 def test_which_override_acts_on_an_axis_beside_the_path(
     channel_bench: Make, words: Any, mode: OverrideMode, expected_mm_s: float
 ) -> None:
@@ -158,6 +160,7 @@ ARRIVED = canon.WaitIndependent(Block(2, 20, "N20"), ("Z",))
 
 @pytest.mark.parametrize("is_beside", [False, True])
 @pytest.mark.parametrize("permille", [0, 300])
+@pytest.mark.long(but=1)
 def test_an_override_acts_in_the_cycle_in_which_the_plc_side_gives_it(
     channel_bench: Make, words: Any, permille: int, is_beside: bool
 ) -> None:
@@ -275,6 +278,7 @@ HOLDS = ("", "Y", " Y", " ", " Z", "Z", "YZ", " YZ", " Y", "Y", "Z", "")
 
 
 @pytest.mark.parametrize("word", ["feedhold", "override_permille"])
+@pytest.mark.long
 def test_a_path_is_held_by_itself_and_by_axes_that_it_moves_whatever_else_is_held(
     channel_bench: Make, words: Any, word: str
 ) -> None:
@@ -301,6 +305,7 @@ def test_a_path_is_held_by_itself_and_by_axes_that_it_moves_whatever_else_is_hel
     assert bench.final_mm("Z") == 1.5
 
 
+@pytest.mark.long
 def test_the_window_does_not_count_while_an_override_falls(channel_bench: Make, words: Any) -> None:
     """From 10 to 1 mm/s within a second, back behind 0.2 mm: slower than W / tau for 300 ms.
 

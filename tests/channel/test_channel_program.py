@@ -171,6 +171,7 @@ def _run_text(bench: Any, *blocks: str) -> Any:
     return bench.run(interpreter.commands())
 
 
+@pytest.mark.long
 def test_a_program_text_measures_and_goes_on_from_where_it_stopped(
     channel_bench: Make, words: Any
 ) -> None:

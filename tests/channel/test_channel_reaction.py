@@ -37,6 +37,7 @@ def _probe_down(channel_bench: Make, words: Any, feed_mm_s: float, **options: An
 
 @pytest.mark.parametrize("input_delay_ns", [0, 4_000, 300_000])
 @pytest.mark.parametrize("plane_mm", [110.0, 110.0061, 110.0137])
+@pytest.mark.long(but=1)
 def test_the_demand_runs_on_as_far_as_is_stated(
     channel_bench: Make, words: Any, plane_mm: float, input_delay_ns: int
 ) -> None:
@@ -106,6 +107,7 @@ def test_without_signal_the_run_ends_at_the_target(channel_bench: Make, words: A
 
 
 @pytest.mark.provokes(900004, 4, axis="Z")
+@pytest.mark.long
 def test_without_signal_and_with_p_chan_00176_it_is_an_alarm(
     channel_bench: Make, words: Any
 ) -> None:
@@ -120,6 +122,7 @@ def test_p_axis_00467_lengthens_the_path(channel_bench: Make, words: Any) -> Non
     assert bench.final_mm("Z") == pytest.approx(108.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_signal_behind_the_target_still_counts(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, probing_offset_mm=2.0), plane_mm=109.0)
     bench.run([words.probe(1, 600.0, Z=110.0), words.wait(1), words.end()])
@@ -145,6 +148,7 @@ def test_a_g1_is_not_lengthened(channel_bench: Make, words: Any) -> None:
     assert bench.final_mm("Z") == 110.0
 
 
+@pytest.mark.long
 def test_two_axes_latch_the_point_where_their_line_meets_the_plane(
     channel_bench: Make, words: Any
 ) -> None:
@@ -164,6 +168,7 @@ def test_two_axes_latch_the_point_where_their_line_meets_the_plane(
     assert (y_mm - 5.0) / 30.0 == pytest.approx((40.0 - z_mm) / 40.0, abs=1e-12)
 
 
+@pytest.mark.long
 def test_the_path_speed_is_the_feed_and_each_axis_has_its_share(
     channel_bench: Make, words: Any
 ) -> None:

@@ -130,6 +130,7 @@ def test_an_axis_beside_the_path_stops_by_itself(channel_bench: Make, words: Any
 
 
 @pytest.mark.parametrize(("turn", "method"), [(1, 34), (20, 34), (100, 34), (100, 17)])
+@pytest.mark.long(but=1)
 def test_a_homing_ends_and_the_drive_follows_the_next_program(
     channel_bench: Make, words: Any, turn: int, method: int
 ) -> None:

@@ -44,6 +44,7 @@ def test_mode_1_in_the_positive_direction(
     assert found_mm == (None if expected_mm is None else pytest.approx(expected_mm, abs=0.01))
 
 
+@pytest.mark.long
 def test_mode_1_behind_the_axis_signals_at_once_and_beyond_the_target_never(
     channel_bench: Make, words: Any
 ) -> None:
@@ -56,17 +57,20 @@ def test_mode_2_signals_after_so_many_cycles(channel_bench: Make, words: Any) ->
     assert _value(_run(channel_bench, words, 2, 500)) == pytest.approx(130 - 4.95, abs=1e-6)
 
 
+@pytest.mark.long
 def test_mode_3_signals_when_less_than_a_share_is_left(channel_bench: Make, words: Any) -> None:
     """A quarter of 20 mm is left at 115."""
     assert 114.99 - 1e-9 <= _value(_run(channel_bench, words, 3, 25)) < 115.0
 
 
 @pytest.mark.parametrize("mode", [4, 5])
+@pytest.mark.long(but=1)
 def test_modes_4_and_5_signal_at_the_target(channel_bench: Make, words: Any, mode: int) -> None:
     bench = _run(channel_bench, words, mode, 0)
     assert _value(bench) == bench.final_mm("Z") == 110.0
 
 
+@pytest.mark.long
 def test_simu_offset_shifts_mode_4_along_the_path(channel_bench: Make, words: Any) -> None:
     bench = _run(channel_bench, words, 4, 0, simulated_offset_mm=-3.0)
     assert 112.99 - 1e-9 <= _value(bench) <= 113.0
@@ -74,6 +78,7 @@ def test_simu_offset_shifts_mode_4_along_the_path(channel_bench: Make, words: An
     assert not beyond.channel.measurement_ok("Z")
 
 
+@pytest.mark.long
 def test_type_3_goes_on_behind_a_simulated_signal(channel_bench: Make, words: Any) -> None:
     bench = _run(channel_bench, words, 1, 1_200_000, kind=3, goes_on=True)
     assert 119.99 - 1e-9 <= _value(bench) <= 120.0
@@ -81,7 +86,7 @@ def test_type_3_goes_on_behind_a_simulated_signal(channel_bench: Make, words: An
 
 
 @pytest.mark.provokes(900523, 1, offset_mm="-3")
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [1, 0, 5])
 def test_900523_for_an_offset_that_no_mode_takes(
     channel_bench: Make, words: Any, mode: int
@@ -107,6 +112,7 @@ def test_an_axis_that_is_at_its_target_already_signals_at_once_in_mode_5_alone(
     assert _value(bench) == pytest.approx(expected_mm, abs=0.01)
 
 
+@pytest.mark.long
 def test_mode_4_waits_for_all_axes_and_mode_5_for_the_first(
     channel_bench: Make, words: Any
 ) -> None:

@@ -62,6 +62,7 @@ def test_a_program_chooses_the_profile_of_the_path_and_the_list_again(
     assert x[1:21] == pytest.approx([JERK * (k * T_S) ** 3 / 6 for k in range(1, 21)], abs=1e-12)
 
 
+@pytest.mark.long
 def test_slope_type_chooses_the_profile_of_an_axis_beside_the_path(
     channel_bench: Make, words: Any
 ) -> None:
@@ -150,6 +151,7 @@ def test_an_override_inside_a_ramp_keeps_every_limit(
     assert max(map(abs, differences(z, 3))) <= 1.5708 * JERK * (1 + 1e-6)
 
 
+@pytest.mark.long
 def test_a_signal_stops_with_the_ramps_of_the_stop(channel_bench: Make, words: Any) -> None:
     """20 mm/s; 4000 mm/s² and 10 ms stop on 20 sqrt(20/400000) = 0.1414 mm, the path on 0.632."""
     ways = []

@@ -80,6 +80,7 @@ ABOUT = (-20 * MS, -MS, -1, 0, 1, MS // 2, MS, 3 * MS, 8 * MS, 15 * MS)
 
 @pytest.mark.parametrize(("status", "value"), [(0, 0), (2, 1)], ids=["prompt", "slow"])
 @pytest.mark.parametrize("has_stamps", [False, True], ids=["status", "stamp"])
+@pytest.mark.long
 def test_an_edge_counts_up_to_the_standstill(
     channel_bench: Make, words: Any, stamped: str, status: int, value: int, has_stamps: bool
 ) -> None:
@@ -138,6 +139,7 @@ def test_an_edge_within_the_overtravel_is_a_measurement(channel_bench: Make, wor
             assert measured - TARGET_MM == pytest.approx(-0.5, abs=1 / INCREMENTS_PER_MM)
 
 
+@pytest.mark.long
 def test_a_second_run_without_a_signal_leaves_nothing_of_the_first(
     channel_bench: Make, words: Any
 ) -> None:

@@ -54,6 +54,7 @@ class Stop:
         )
 
 
+@pytest.mark.long
 def test_class_1_goes_on(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(900035, axis="Z", emcy="0x8120"))
     assert stop.bench.alarm_ids == [900035]
@@ -63,6 +64,7 @@ def test_class_1_goes_on(channel_bench: Make, words: Any) -> None:
 @pytest.mark.parametrize(
     "alarm", [Alarm(900105, reason="none"), Alarm(44011, axis="Z")], ids=["class 2", "class 3"]
 )
+@pytest.mark.long
 def test_classes_2_and_3_end_the_program_and_stop_no_motion(
     channel_bench: Make, words: Any, alarm: Alarm
 ) -> None:
@@ -72,6 +74,7 @@ def test_classes_2_and_3_end_the_program_and_stop_no_motion(
     assert stop.has_ended_with_closed_loops()
 
 
+@pytest.mark.long
 def test_class_2_brakes_axes_that_move_by_themselves(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Y"), words.axis("Z", a_mm_s2=4000.0))
     beside = canon.IndependentMove(words.end().block, "Z", 80.0, feed_mm_min=3000.0)

@@ -38,6 +38,7 @@ def test_each_command_refuses_it_and_takes_it_when_told(
     assert axisrig(*NC, "--as-canopen")[0] == 0
 
 
+@pytest.mark.long
 def test_results_show_the_substitution_and_replay_repeats_it(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, "a,part.nc,rig.toml,3000,1,")
     assert axisrig("run", plan, "-o", "out", "--as-canopen")[0] == 0

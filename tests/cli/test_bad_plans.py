@@ -231,6 +231,7 @@ def test_output_that_cannot_be_a_folder(plan: Path, rejected: Reject) -> None:
     _holds(rejected("run", plan.name, "-o", "x" * 300), "name too long")
 
 
+@pytest.mark.long
 def test_output_folder_with_blanks_is_cleared_by_the_option(plan: Path, axisrig: Call) -> None:
     folder = plan.parent / "my results ü" / "of today"
     assert axisrig("run", plan.name, "-k", "a", "-o", folder)[0] == 0

@@ -213,6 +213,7 @@ FMI_1 = (
 )
 
 
+@pytest.mark.long
 def test_fmus_of_other_versions_and_files_that_are_no_fmu(place: Path, rejected: Reject) -> None:
     _use_own(place)
     own = place / "own.fmu"

@@ -198,6 +198,7 @@ def test_a_damaged_log_is_refused(place: Path, axisrig: Call, name: str, content
     assert "the log is damaged" in err
 
 
+@pytest.mark.long
 def test_pcap_may_be_the_only_log_of_a_run(place: Path, axisrig: Call) -> None:
     """It is told as the BLF of the same run is."""
     (place / "plan.csv").write_text("case,program,rig,plc:V.E.FEED\na,part.nc,rig.toml,600\n")

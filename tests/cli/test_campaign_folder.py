@@ -35,6 +35,7 @@ def _verdicts(folder: Path) -> dict[str, str]:
     return dict(zip(table["run"], table["verdict"], strict=True))
 
 
+@pytest.mark.long
 def test_the_code_is_that_of_the_runs_of_this_call(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, PASSES, FAILS)
     assert axisrig("run", plan, "-o", "out")[0] == 1
@@ -48,6 +49,7 @@ def test_the_code_is_that_of_the_runs_of_this_call(place: Path, axisrig: Call) -
     assert _verdicts(place / "out") == {"plan-a": "pass", "plan-b": "pass"}
 
 
+@pytest.mark.long
 def test_a_run_that_the_plan_has_no_more_is_shown_and_does_not_count(
     place: Path, axisrig: Call
 ) -> None:
@@ -60,6 +62,7 @@ def test_a_run_that_the_plan_has_no_more_is_shown_and_does_not_count(
     assert "1 run of 2" in page  # of an earlier call, which began in the year 2...
 
 
+@pytest.mark.long
 def test_changed_inputs_have_a_folder_of_their_own(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, PASSES)
     assert axisrig("run", plan, "--force")[1].endswith("out/plan/report.html\n")
@@ -69,6 +72,7 @@ def test_changed_inputs_have_a_folder_of_their_own(place: Path, axisrig: Call) -
     assert pd.read_csv(place / "out" / "plan-set" / "cases.csv")["plc:V.E.FEED"][0] == 2500
 
 
+@pytest.mark.long
 def test_another_plan_is_refused_until_the_folder_is_cleared(
     place: Path, axisrig: Call, rejected: Reject
 ) -> None:
@@ -89,6 +93,7 @@ def test_a_plan_that_is_refused_leaves_no_folder(place: Path, rejected: Reject) 
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills a process")
+@pytest.mark.long
 def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
     place: Path, axisrig: Call, rejected: Reject
 ) -> None:
@@ -119,6 +124,7 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.long
 def test_a_full_disk_ends_with_4_and_names_the_file(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -147,6 +153,7 @@ def test_a_full_disk_under_a_bus_log(place: Path, axisrig: Call, suffix: str) ->
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.long
 def test_a_full_disk_under_the_report(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:

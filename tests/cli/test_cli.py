@@ -158,6 +158,7 @@ ROWS = {
 
 
 @pytest.mark.parametrize(("row", "expected"), ROWS.values(), ids=ROWS)
+@pytest.mark.long(but=1)
 def test_run_ends_with_the_code_of_the_worst_verdict(
     place: Path, axisrig: Call, row: str, expected: int
 ) -> None:
@@ -171,6 +172,7 @@ def test_run_ends_with_the_code_of_the_worst_verdict(
     assert list(cases["verdict"]) == ["pass" if expected == 0 else "fail", "pass"]
 
 
+@pytest.mark.long
 def test_defect_in_one_row_costs_that_row_only(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -223,6 +225,7 @@ def test_check_goes_on_after_a_file_that_is_rejected(place: Path, axisrig: Call)
     "width",
     [80, 120],
 )
+@pytest.mark.long
 def test_tables_fit_the_terminal(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch, width: int
 ) -> None:
@@ -252,6 +255,7 @@ def test_small_commands(axisrig: Call) -> None:
     assert f"info  axisrig runs {build_word()}, sources {sources_sha256()}\n" in out
 
 
+@pytest.mark.long
 def test_replay_tells_whether_every_frame_came_again(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
     assert axisrig("run", plan, "-o", "out", "--set", "plant:z.kv=30")[0] == 0
@@ -269,6 +273,7 @@ def test_replay_tells_whether_every_frame_came_again(place: Path, axisrig: Call)
 # ---- perf
 
 
+@pytest.mark.long
 def test_perf_json_is_one_object_with_the_split_and_the_hash_of_run(
     place: Path, axisrig: Call
 ) -> None:

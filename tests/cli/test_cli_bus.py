@@ -41,6 +41,7 @@ def stored(place: Path) -> tuple[dict[str, float], Facts]:
     return values, facts
 
 
+@pytest.mark.long
 def test_load_and_waits_fit_the_log(place: Path, axisrig: Call, plan: Path) -> None:
     """The log has the end of every frame; with its length the busy time follows."""
     assert axisrig("run", plan, "-o", "out")[0] == 0
@@ -79,6 +80,7 @@ def test_load_and_waits_fit_the_log(place: Path, axisrig: Call, plan: Path) -> N
     assert "Z.TPDO1" in report
 
 
+@pytest.mark.long
 def test_overload_runs_only_when_forced_and_is_told(place: Path, axisrig: Call, plan: Path) -> None:
     code, out, err = axisrig("run", plan, "-o", "out", *SLOW)
     assert (code, out) == (2, "")
@@ -95,6 +97,7 @@ def test_overload_runs_only_when_forced_and_is_told(place: Path, axisrig: Call, 
     assert out.splitlines()[-1] == "frame_log_sha256 equal"
 
 
+@pytest.mark.long
 def test_an_overload_is_told_once_when_a_check_fails_too(
     place: Path, axisrig: Call, plan: Path
 ) -> None:
@@ -115,6 +118,7 @@ def test_nc_and_check_take_force_too(place: Path, axisrig: Call) -> None:
     assert "over" in out
 
 
+@pytest.mark.long
 def test_run_writes_the_kinds_of_logs_that_are_asked_for(
     place: Path, axisrig: Call, plan: Path
 ) -> None:
@@ -126,6 +130,7 @@ def test_run_writes_the_kinds_of_logs_that_are_asked_for(
     assert "blf, candump, asc, pcap" in err
 
 
+@pytest.mark.long
 def test_a_log_is_told_in_words(place: Path, axisrig: Call, plan: Path) -> None:
     assert axisrig("run", plan, "-o", "out", "--bus-log", "blf,candump")[0] == 0
     code, out, err = axisrig("bus", "out", "plan-a")

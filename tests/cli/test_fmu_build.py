@@ -142,6 +142,7 @@ def sums(folder):
 
 
 @pytest.mark.usefixtures("two_models")
+@pytest.mark.long
 def test_release_has_what_the_rules_of_the_cross_check_ask_for(tmp_path, axisrig):
     """Judged by fmpy's validation of FMUs for the FMI cross-check."""
     words = ("--all", "--fmi", "2.0", "--fmi", "3.0", "-o", tmp_path / "a")

@@ -69,6 +69,7 @@ def notes(place: Path, number: int = 1, name: str = "plan") -> dict[str, str]:
     return {f"{row['case']} {row['metric']}": f"{row['verdict']}: {row['note']}" for row in found}
 
 
+@pytest.mark.long
 def test_the_same_plan_gives_the_same_results_to_the_byte(place: Path, axisrig: Call) -> None:
     before = hashes(place / "out")
     code, out, err = axisrig("judge", "out", "--plan", "plan.csv")
@@ -148,6 +149,7 @@ def test_another_seed_is_another_run(place: Path, axisrig: Call) -> None:
     assert "the seed is not that of the recording" in notes(place)["b alarms"]
 
 
+@pytest.mark.long
 def test_what_was_not_recorded_is_an_error_and_never_a_pass(place: Path, axisrig: Call) -> None:
     trace, table = place / "out" / "traces" / "plan-a.parquet", place / "out" / "cases.csv"
     before = sha256_of(trace)

@@ -15,6 +15,7 @@ Call = Callable[..., tuple[int, str, str]]
 ROW = "a,part.nc,rig.toml,3000,== 1,"
 
 
+@pytest.mark.long
 def test_a_row_says_what_ran_and_what_it_cost(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, ROW)
     code, out, err = axisrig("perf", "--json", "--plan", plan, "--repeats", "2")
@@ -39,6 +40,7 @@ def test_one_thing_is_measured(options: list[str], message: str, axisrig: Call) 
     assert message in err
 
 
+@pytest.mark.long
 def test_a_row_beside_an_earlier_one(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, ROW)
     words = ("perf", "--plan", plan, "--repeats", "1")
@@ -67,6 +69,7 @@ def test_what_is_no_earlier_row_is_refused(place: Path, rejected: Callable[..., 
     assert "no result of axisrig perf --json" in rejected(*words, place / "suite.json")
 
 
+@pytest.mark.long
 def test_the_profile_of_a_row(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, ROW)
     code, out, err = axisrig("perf", "--plan", plan, "--profile")
@@ -75,6 +78,7 @@ def test_the_profile_of_a_row(place: Path, axisrig: Call) -> None:
     assert "own us   share   calls  function" in out
 
 
+@pytest.mark.long
 def test_the_stages_of_a_row(place: Path, axisrig: Call) -> None:
     """As words with the time of each, or as JSON with the same stages."""
     plan = write_plan(place, ROW)

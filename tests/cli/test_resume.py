@@ -47,6 +47,7 @@ def _counts(folder: Path) -> tuple[int, int, int]:
     return manifest["kept"], manifest["run"], manifest["changed"]
 
 
+@pytest.mark.long
 def test_what_is_missing_or_changed_is_run_again(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -79,6 +80,7 @@ def test_what_is_missing_or_changed_is_run_again(
     assert _counts(place / "out") == (0, 3, 3)
 
 
+@pytest.mark.long
 def test_the_folder_that_a_call_names_is_the_one_that_is_written(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -241,6 +243,7 @@ def test_an_aborted_run_runs_again_and_a_failed_one_with_failed(
     assert (len(other.cases), other.changed) == (1, 1)
 
 
+@pytest.mark.long
 def test_failed_runs_alone(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, PASSES, FAILS)
     axisrig("run", plan, "-o", "out")

@@ -57,6 +57,7 @@ def test_an_empty_cell_of_such_a_column_is_none(place: Path, axisrig: Call) -> N
     assert axisrig("check", "p.csv")[0] == 0
 
 
+@pytest.mark.long
 def test_a_default_is_that_of_rows_which_are_not_chosen_too(place: Path, axisrig: Call) -> None:
     """Row b uses V.E.TIME; a run of row a alone says nothing of it, one of both neither."""
     text = (place / "programs/probe-z.nc").read_text(encoding="utf-8")

@@ -53,6 +53,7 @@ def searched(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_the_target_is_between_the_two_values(searched: Path) -> None:
     cases = _cases(searched / "out")
     row, probes = cases.loc["plan-a"], cases[cases["probe"] == "plan-a"]
@@ -140,6 +141,7 @@ def test_probes_are_judged_and_run_again(searched: Path, place: Path, axisrig: C
     assert "over several runs" in err
 
 
+@pytest.mark.long
 def test_a_limit_outside_the_range_fails(place: Path, axisrig: Call) -> None:
     plan = _write(place, "a,part.nc,rig.toml,3000,128 .. 129 to 0.5,== 1,,,")
     code, out, _ = axisrig("run", plan, "-o", "out")

@@ -114,6 +114,7 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
     assert _content(place / "twice") == _content(place / "whole")
 
 
+@pytest.mark.long
 def test_shares_with_other_values_of_one_run_are_not_joined(place: Path, called: Call) -> None:
     """The same frames and verdict, another value; another uncertainty; another limit."""
     plan = _plan(place, ROWS[0])

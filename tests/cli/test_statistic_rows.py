@@ -54,6 +54,7 @@ TIMES = ' (time|timestamp)="[^"]*"'
 """What differs between two equal campaigns."""
 
 
+@pytest.mark.long
 def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, plan: str) -> None:
     code, printed, _ = axisrig("run", plan, "-o", "all")
     assert code == 0, printed
@@ -107,6 +108,7 @@ def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, pl
     assert "plan-drawn-001" in error
 
 
+@pytest.mark.long
 def test_a_part_of_the_runs_has_no_statistics_until_the_folder_has_all(
     axisrig: Call, place: Path, plan: str
 ) -> None:

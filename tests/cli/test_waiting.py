@@ -270,6 +270,7 @@ def test_fmu_build_takes_the_file_of_a_model(
         list(library.build_models(str(tmp_path / "MyAxes.mo")))
 
 
+@pytest.mark.long
 def test_a_run_ends_at_its_first_failure_where_asked(place: Path, axisrig: Call) -> None:
     rows = [f"r{n},part.nc,rig.toml,3000,== {0 if n == 1 else 1}," for n in range(4)]
     (place / "four.csv").write_text("\n".join([HEADER, *rows, ""]), encoding="utf-8")
@@ -284,6 +285,7 @@ def test_a_run_ends_at_its_first_failure_where_asked(place: Path, axisrig: Call)
     assert "four-r1" not in err
 
 
+@pytest.mark.long
 def test_an_expression_chooses_cases_for_check_expand_and_judge(place: Path, axisrig: Call) -> None:
     rows = [f"r{n},part.nc,rig.toml,3000,== 1," for n in range(3)]
     (place / "plans").mkdir()

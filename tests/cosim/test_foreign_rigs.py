@@ -112,6 +112,7 @@ def test_fmu_that_takes_one_step_size_only_is_stepped_on_its_grid(
     assert speed_mm_s == pytest.approx(-50.0, abs=0.02)
 
 
+@pytest.mark.long
 def test_edge_on_a_table_with_a_grid_is_enclosed_as_well(place: Place) -> None:
     """Measured is the place of the edge, whatever the steps of the table are."""
     fixed = {"canHandleVariableCommunicationStepSize": False, "stepSize": "0.001"}
@@ -144,6 +145,7 @@ def test_encoder_on_the_screw_and_on_the_table_latch_the_same(place: Place) -> N
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=INCREMENT_MM + held_mm)
 
 
+@pytest.mark.long
 def test_inverted_switch_gives_the_falling_edge(place: Place) -> None:
     inverted = ("threshold = 12 }", "threshold = 12, sign = -1 }")
     machine = run(place(inverted), "set:Z.kenngr.measure.edge=NEG")

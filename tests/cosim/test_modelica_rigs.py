@@ -164,6 +164,7 @@ def test_beam_is_measured_where_the_screw_is_four_microseconds_later(machine: Ma
     assert record.latched_mm["Z"] == pytest.approx(expected_mm, abs=2 * INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_steady_lag_is_that_of_the_loop_and_half_a_drive_tick(machine: Machine) -> None:
     """v/kv, and v T/2 since the held staircase lies that much behind the ramp on average."""
     trace = machine.recorder.table()

@@ -63,6 +63,7 @@ def test_the_sensor_crossed_the_obstacle(script: ModuleType) -> None:
 
 
 @pytest.mark.parametrize(("picture", "panel"), [("moving-average", 0), ("expo-mean", 1)])
+@pytest.mark.long
 def test_more_values_smooth_better_and_are_later(curves: Any, picture: str, panel: int) -> None:
     found = curves(picture, panel)
     assert _falls(found.noise)

@@ -38,6 +38,7 @@ def zeros_mm(make_loop: Make, **settings: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize("count", [1, 4, 16])
+@pytest.mark.long
 def test_the_zero_has_the_noise_gain_of_the_mean(make_loop: Make, count: int) -> None:
     zeros = zeros_mm(make_loop, n_cycles=count)
     assert np.mean(zeros) == pytest.approx(-GAP_MM, abs=5 * NOISE_MM / math.sqrt(count * RUNS))
@@ -45,6 +46,7 @@ def test_the_zero_has_the_noise_gain_of_the_mean(make_loop: Make, count: int) ->
     assert np.std(zeros) == pytest.approx(NOISE_MM / math.sqrt(count), rel=0.14)
 
 
+@pytest.mark.long
 def test_the_zero_has_the_noise_gain_of_exponential_weights(make_loop: Make) -> None:
     weights = 0.2 * 0.8 ** np.arange(20)
     gain = math.sqrt(float(np.sum((weights / weights.sum()) ** 2)))

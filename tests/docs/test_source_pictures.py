@@ -157,7 +157,7 @@ def _expected(source: Any, found: Any) -> dict[str, int]:
     return expected
 
 
-@pytest.mark.long(but=2)
+@pytest.mark.long
 def test_the_instants_of_the_run_are_those_of_the_formula(shown: tuple[Any, Any, Any]) -> None:
     source, found, picture = shown
     if source.name != "fixed-stop":

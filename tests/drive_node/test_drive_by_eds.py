@@ -249,7 +249,7 @@ def test_objects_of_the_maker_are_memory_until_a_reset(bench: Any) -> None:
     assert sdo.upload(0x6065, 0) == struct.pack("<I", 4711)
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("block", [True, False])
 def test_a_domain_takes_as_many_bytes_as_come(bench: Any, block: bool) -> None:
     sdo = bench.remote.sdo

@@ -133,6 +133,7 @@ class Bare:
 @pytest.mark.parametrize("kinds", [frozenset(ControlKind), frozenset({ControlKind.POSITION})])
 @settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(steps=STEPS, motion=st.sampled_from(MOTIONS))
+@pytest.mark.long
 def test_no_order_of_writes_breaks_the_drive(
     fake_axis: Any, kinds: frozenset[ControlKind], steps: list[Any], motion: Any
 ) -> None:

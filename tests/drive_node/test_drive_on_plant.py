@@ -114,6 +114,7 @@ RAMPS = [
 
 
 @pytest.mark.parametrize(("option", "code", "word", "ramp", "end"), RAMPS)
+@pytest.mark.long(but=1)
 def test_a_ramp_stops_after_v2_by_2a(
     running: Callable[..., Running], option: str, code: int, word: int, ramp: str, end: State
 ) -> None:
@@ -149,6 +150,7 @@ def test_a_ramp_stops_after_v2_by_2a(
 
 
 @pytest.mark.parametrize("code", [3, 4, 7, 8])
+@pytest.mark.long(but=1)
 def test_the_current_limit_stops_after_m_v2_by_2f(
     running: Callable[..., Running], code: int
 ) -> None:
@@ -186,6 +188,7 @@ def test_the_current_limit_stops_after_m_v2_by_2f(
         (None, 0x00, State.SWITCH_ON_DISABLED),
     ],
 )
+@pytest.mark.long(but=1)
 def test_code_0_and_disable_voltage_let_the_axis_coast(
     running: Callable[..., Running], option: str | None, word: int, end: State
 ) -> None:
@@ -232,6 +235,7 @@ def test_fault_reaction_brakes_and_ends_in_fault(
         (3, State.SWITCH_ON_DISABLED, 0.01),
     ],
 )
+@pytest.mark.long(but=1)
 def test_a_lost_connection_acts_by_6007(
     running: Callable[..., Running], option: int, end: State, way_m: float | None
 ) -> None:

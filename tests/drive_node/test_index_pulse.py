@@ -55,6 +55,7 @@ def test_standing_on_the_mark_is_no_edge() -> None:
 
 
 @given(st.lists(st.integers(1, 40_000_000), max_size=8).map(sorted))
+@pytest.mark.long
 def test_looking_often_or_once_finds_the_same_edges(looks_ns: list[int]) -> None:
     def motion(t: float) -> float:
         return 0.02 * (1 - cos(30 * t))

@@ -77,6 +77,7 @@ class Handshake:
         ({"sampling": "before_rpdo", "status_delay_cycles": 2}, 3, 8),
     ],
 )
+@pytest.mark.long(but=1)
 def test_arming_and_arming_again(
     drive_bench: Make, habits: dict[str, Any], late_cycles: int, full_ms: int
 ) -> None:

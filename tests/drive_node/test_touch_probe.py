@@ -5,6 +5,7 @@ The position at t ns is t units, so a latched value is the instant it was taken 
 
 from collections.abc import Sequence
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -257,6 +258,7 @@ def debounced(edges: Sequence[int], filter_ns: int, end_ns: int) -> list[tuple[i
     st.integers(0, 12),
     st.lists(st.integers(0, 120), max_size=6).map(sorted),
 )
+@pytest.mark.long
 def test_input_circuit_against_a_look_per_nanosecond(
     edges: list[int], filter_ns: int, looks_ns: list[int]
 ) -> None:

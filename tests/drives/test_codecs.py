@@ -70,6 +70,7 @@ def whole_mappings(draw: Any) -> tuple[list[tuple[int, bool]], list[int]]:
 
 
 @given(whole_mappings())
+@pytest.mark.long
 def test_whole_bytes_are_packed_as_canopen_does(
     mapping: tuple[list[tuple[int, bool]], list[int]],
 ) -> None:

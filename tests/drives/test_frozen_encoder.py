@@ -141,6 +141,7 @@ def test_an_axis_whose_encoder_jumps_is_not_led_to_where_it_says(tmp_path: Path,
 
 
 @pytest.mark.parametrize("rig", RIGS_WITH_A_LOOP)
+@pytest.mark.long
 def test_after_a_reset_the_axis_goes_on_without_a_leap(tmp_path: Path, rig: str) -> None:
     """The encoder is back before the reset: the next program goes to its end, no faster than it.
 

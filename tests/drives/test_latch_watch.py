@@ -342,6 +342,7 @@ def scenario(seed: int, has_counter: bool) -> list[tuple[int, int, int]]:
 
 
 @pytest.mark.parametrize("has_counter", [True, False])
+@pytest.mark.long
 def test_no_wrong_value_on_a_bad_bus(has_counter: bool) -> None:
     found = [one for seed in range(1500) for one in scenario(seed, has_counter)]
     assert [one for one in found if one[0] != one[1]] == []

@@ -5,6 +5,8 @@ import csv
 import io
 from pathlib import Path
 
+import pytest
+
 import axisrig.bench
 import axisrig.kernel
 from axisrig.kernel.errors import catalogue
@@ -29,11 +31,13 @@ def _ids_in_use() -> dict[int, list[str]]:
     return {number: at for number, at in places.items() if number in catalogue()}
 
 
+@pytest.mark.long
 def test_what_is_raised_is_marked_so() -> None:
     unmarked = {i: at for i, at in _ids_in_use().items() if not catalogue()[i].is_raised}
     assert unmarked == {}, "set `raised` of kernel/axisrig/kernel/errors.csv to yes"
 
 
+@pytest.mark.long
 def test_what_is_marked_so_is_raised() -> None:
     in_use = _ids_in_use()
     assert [i for i, entry in catalogue().items() if entry.is_raised and i not in in_use] == []

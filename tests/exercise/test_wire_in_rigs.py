@@ -348,6 +348,7 @@ def test_a_drive_without_a_family_has_that_of_its_lists(
         settings_of(folder, rig=on_can)
 
 
+@pytest.mark.long
 def test_no_module_of_the_product_names_it() -> None:
     """A new family is its folders and a row of the registry."""
     for module, tree in trees().items():

@@ -160,6 +160,7 @@ def test_an_entry_packed_by_another_method(pack: Pack, refused: Refused, method:
 # ---- Sizes
 
 
+@pytest.mark.long
 def test_a_bomb_that_says_what_it_is(pack: Pack, refused: Refused) -> None:
     message = refused(pack(("resources/zeros", bytes(100 << 20))))
     assert "'resources/zeros' makes an absurd size: 100 MiB unpacked" in message

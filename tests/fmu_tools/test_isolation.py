@@ -51,7 +51,7 @@ def test_a_crash_is_told_with_file_instance_and_call(
         assert 4.9 < time_ms < 20
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("how", [*SIGNALS, "EXIT"])
 def test_finished_cases_stay_and_the_others_go_on(
     place: Path, axisrig: Call, ideal_axis: Build, how: str
@@ -75,6 +75,7 @@ def test_finished_cases_stay_and_the_others_go_on(
     assert (code, out.splitlines()[-1]) == (0, "frame_log_sha256 equal")
 
 
+@pytest.mark.long
 def test_several_processes_name_the_fmu_too(place: Path, axisrig: Call, ideal_axis: Build) -> None:
     good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
     bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_AT_S=0.005)
@@ -116,6 +117,7 @@ def test_a_time_out_of_the_whole_case_names_the_call(
     assert re.search(r"no end within 1 s of wall time: it was in fmi3DoStep at t = [5-9]\.", out)
 
 
+@pytest.mark.long
 def test_isolated_results_are_those_of_one_process(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:

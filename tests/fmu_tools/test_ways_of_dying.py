@@ -98,6 +98,7 @@ def _hold_to(place: Path, rows: list[tuple[str, str]], code: int, out: str) -> N
 
 
 @pytest.mark.parametrize("place_of_death", ["CALL", "THREAD"])
+@pytest.mark.long
 def test_each_way_costs_its_own_row(
     place: Path, axisrig: Call, ideal_axis: Build, deadly: Build, place_of_death: str
 ) -> None:
@@ -257,6 +258,7 @@ def test_before_axes_outside_move_it_is_said_what_cannot_be_caught(
     assert line.startswith("plant z is a foreign FMU in this process: if it ends the process")
 
 
+@pytest.mark.long
 def test_our_own_rows_stay_in_this_process(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_rig(place, "model.toml", Path("AxisRig.Drives.ServoAxis"))
     monkeypatch.setattr("axisrig.bench.campaign.processes._Worker.__init__", _refuse)

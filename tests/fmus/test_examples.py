@@ -35,7 +35,7 @@ def rows_of(example: str) -> list[dict[str, str]]:
     return [row for row in SIGNALS if row["model"] == example]
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_an_example_computes_its_reference(example, load):
     fmu = load(small_fmu(f"AxisRig.Examples.{example}", LIBRARY, STEP_S))

@@ -86,6 +86,7 @@ def test_other_schema_of_the_compiler_is_refused(tmp_path, monkeypatch):
         small(tmp_path, "y = time; n = 0; x = 0;")
 
 
+@pytest.mark.long
 def test_two_builds_have_the_same_bytes(tmp_path):
     first = building.build(MODELS[0], tmp_path / "a" / "x.fmu")
     second = building.build(MODELS[0], tmp_path / "b" / "x.fmu")
@@ -105,6 +106,7 @@ def test_cache_is_used_and_follows_the_sources(tmp_path, monkeypatch):
     assert building.cache_key("Small.Plant", root) != before
 
 
+@pytest.mark.long
 def test_damaged_fmu_in_the_cache_is_built_again(tmp_path):
     path = ensure_built(MODELS[-2], tmp_path)
     good = path.read_bytes()
@@ -260,6 +262,7 @@ def test_failed_assertion_tells_text_and_place(tmp_path, load):
     assert plant.messages[-1].startswith(f"Small/package.mo:{LINE}: too far (t = 0.5")
 
 
+@pytest.mark.long
 def test_exported_model_agrees_with_the_compilers_own_solver(servo):
     """SteadyLag through another solver of the same source: lag of 2 mm at 20 mm/s, Kv 10 1/s."""
     entry = building.LIBRARY / "package.mo"

@@ -33,6 +33,7 @@ AXIS = "AxisRig.Drives.ServoAxis"
         ("Real x(strat = 1); equation x = 1;", "unknown modifier `strat`"),
     ],
 )  # fmt: skip
+@pytest.mark.long
 def test_a_name_that_nothing_has_is_an_error(tmp_path: Path, line: str, words: str) -> None:
     text = f"model M\n  // kv\n  {line}\nend M;\n"
     with pytest.raises(BuildError, match=words) as caught:
@@ -57,6 +58,7 @@ end M;
     assert caught.value.line == 8
 
 
+@pytest.mark.long
 def test_names_that_are_there_pass(tmp_path: Path) -> None:
     """Attributes, parts of parts, base classes of base classes, conditions, several in a line."""
     look_at(
@@ -80,6 +82,7 @@ end M;
 
 
 @pytest.mark.parametrize("model", ["Drives.ScrewAxis", "Drives.GantryPair", "Machines.ProbeOnAxis"])
+@pytest.mark.long
 def test_the_library_passes(model: str) -> None:
     ir = compile_model(f"AxisRig.{model}", LIBRARY)
     refuse_unknown_modifiers(ir, Texts(ir))

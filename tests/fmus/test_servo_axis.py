@@ -52,6 +52,7 @@ def reference(segments, limit, step):
     return np.array(positions)
 
 
+@pytest.mark.long
 def test_position_matches_independent_integration_through_saturation_and_contact(servo):
     segments = [(0.0, 0.6, 0.0, 0.05), (0.6, 0.9, 0.03, -0.05)]
     step = 1e-3

@@ -128,7 +128,7 @@ def two_masses(stop: float, stiffness: float, backlash: float) -> Callable[..., 
     return rhs
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("stiffness", [20e6, 500e6])
 @pytest.mark.parametrize("name", ["ServoAxis", "ScrewAxis"])
 def test_steps_of_50_us_are_fine_enough_for_any_stop(axis, name, stiffness):

@@ -51,7 +51,7 @@ def workpiece(load, cache):
     return load(build("AxisRig.Validation.Workpiece", cache / "surfaces.fmu"))
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(20))
 def test_no_slope_is_steeper_than_the_steepest(workpiece, seed):
     """Neither the derivatives nor the heights from point to point; 500 points each 0.2 mm."""

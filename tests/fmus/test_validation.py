@@ -167,6 +167,7 @@ def changed(variable, value: float) -> float | int | bool:
 @pytest.mark.parametrize(
     "model", [pytest.param(m, marks=pytest.mark.long) if m in LARGE else m for m in MODELS]
 )
+@pytest.mark.long
 def test_one_percent_of_any_physical_parameter_is_noticed(model, validation):
     """A value that is no number any more does not count: something broke, nothing was noticed."""
     beside = validation(model)

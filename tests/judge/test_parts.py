@@ -129,7 +129,7 @@ def test_what_is_kept_of_a_long_run_does_not_grow(tmp_path: Path) -> None:
     assert columns.kept_bytes <= KEPT_BYTES
 
 
-@pytest.mark.long(but=2)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("plan", "case"),
     [

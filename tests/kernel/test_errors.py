@@ -134,6 +134,7 @@ def raised() -> list[tuple[str, int, set[str]]]:
     return calls
 
 
+@pytest.mark.long
 def test_every_alarm_of_the_kernel_is_in_the_catalogue_with_its_values() -> None:
     calls = raised()
     assert calls

@@ -52,6 +52,7 @@ def test_full_circle_comes_back() -> None:
 
 
 @given(radii, begins, angles, signs)
+@pytest.mark.long
 def test_every_point_lies_on_the_circle_and_steps_are_equal(
     radius: float, begin: float, angle: float, sign: float
 ) -> None:
@@ -227,6 +228,7 @@ def _derived(
 
 
 @given(st.lists(AXES, min_size=3, max_size=3), radii, begins, angles, signs, st.floats(1.0, 400.0))
+@pytest.mark.long
 def test_a_stop_on_the_arc_keeps_to_the_stop_deceleration(
     axes: list[Dynamics], radius: float, begin: float, angle: float, sign: float, feed: float
 ) -> None:

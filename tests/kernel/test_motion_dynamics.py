@@ -152,6 +152,7 @@ DELTAS = st.lists(st.floats(-100, 100).filter(lambda d: abs(d) > 1e-3), min_size
 
 
 @given(st.lists(LIMITS, min_size=3, max_size=3), DELTAS)
+@pytest.mark.long
 def test_no_axis_exceeds_its_own_limits(axes: list[Dynamics], deltas: list[float]) -> None:
     length = math.hypot(*deltas)
     path = path_dynamics(axes, deltas)

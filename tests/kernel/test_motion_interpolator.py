@@ -45,6 +45,7 @@ def test_samples_lie_on_the_profile_at_multiples_of_the_cycle() -> None:
     st.floats(5.0, 200.0),
     st.sampled_from([250_000, MS, 3 * MS]),
 )
+@pytest.mark.long
 def test_last_sample_is_exactly_the_target_and_duration_is_rounded_up(
     target: dict[str, float], feed: float, cycle_ns: int
 ) -> None:
@@ -74,6 +75,7 @@ def test_path_over_three_axes_is_straight_and_keeps_the_feed() -> None:
     assert max(speeds) <= math.sqrt(7.0 * 1000.0) + 1e-6  # triangle: v_p² = D·a
 
 
+@pytest.mark.long
 def test_no_drift_over_many_cycles() -> None:
     """Ten minutes at 1 mm/s: sample 600 000 - 1 lies on 599.999 s, not on a sum of cycles."""
     profile = plan(600.0, 1.0, SLOPE, SLOPE)

@@ -317,6 +317,7 @@ def test_ends_between_one_and_two_falls_of_a_sine_ramp_are_reached_without_a_jum
 
 @settings(max_examples=60, deadline=None)
 @given(replanned(), slopes(TRAPEZ), st.floats(0.0, 1.0))
+@pytest.mark.long
 def test_a_stop_from_any_state_keeps_its_own_limits(
     case: Case, own: JerkSlope, share: float
 ) -> None:
@@ -342,6 +343,7 @@ def test_a_stop_from_any_state_keeps_its_own_limits(
 
 @settings(max_examples=40, deadline=None)
 @given(replanned())
+@pytest.mark.long
 def test_the_trajectory_is_the_integral_of_its_acceleration(case: Case) -> None:
     """Path and speed of every phase against Simpson's rule over the acceleration alone."""
     path, *_ = case

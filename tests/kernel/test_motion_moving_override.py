@@ -140,6 +140,7 @@ def _steepest(slopes: list[AnySlope], kind: str) -> float:
 @pytest.mark.parametrize("kind", [STEP, TRAPEZ, SIN2])
 @settings(max_examples=6, deadline=None)
 @given(st.integers(0, 2**32))
+@pytest.mark.long(but=1)
 def test_no_course_of_an_override_passes_a_limit(kind: str, seed: int) -> None:
     rng = Random(seed)
     Driven(rng, kind, has_stroke=False).run(course(rng, 300))

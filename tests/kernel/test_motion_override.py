@@ -156,6 +156,7 @@ def test_a_hold_that_is_let_go_too_near_the_end_brakes_no_harder_than_it_did() -
         max_size=12,
     )
 )
+@pytest.mark.long
 def test_no_course_of_an_override_exceeds_speed_or_acceleration(
     course: Sequence[tuple[int, float]],
 ) -> None:

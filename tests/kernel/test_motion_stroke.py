@@ -69,6 +69,7 @@ def test_5_mm_hold_at_every_instant(ramp_ms: int, speed: float, before: float) -
 
 
 @pytest.mark.parametrize("ramp_ms", [10, 50])
+@pytest.mark.long(but=1)
 def test_it_is_hardly_slower_than_the_limit_itself(ramp_ms: int) -> None:
     """Beside a run-up in steps of 10 us with all the acceleration that the closed form allows."""
     t_r, a, stroke, step = ramp_ms / 1000.0, 1000.0, 5.0, 1e-5
@@ -141,6 +142,7 @@ STUCK = [
 
 
 @pytest.mark.parametrize(("up", "stop", "stroke_mm", "shape"), STUCK)
+@pytest.mark.long
 def test_a_run_comes_to_its_feed_with_unequal_ramps(
     up: tuple[float, float, float],
     stop: tuple[float, float, float],
@@ -194,6 +196,7 @@ def test_a_fall_of_sin2_does_not_go_on_in_short_parts(
 
 @settings(max_examples=30, deadline=None)
 @given(cases())
+@pytest.mark.long
 def test_every_run_comes_to_its_feed(
     case: tuple[JerkSlope, JerkSlope, JerkSlope, float, float],
 ) -> None:
@@ -205,6 +208,7 @@ def test_every_run_comes_to_its_feed(
 
 @settings(max_examples=30, deadline=None)
 @given(cases(), st.floats(0.0, 1.0), st.floats(0.1, 1.0))
+@pytest.mark.long
 def test_whatever_ends_the_run_up_the_stroke_holds(
     case: tuple[JerkSlope, JerkSlope, JerkSlope, float, float], instant: float, override: float
 ) -> None:

@@ -73,6 +73,7 @@ def test_an_axis_that_comes_back_has_moved() -> None:
     "target", [(130.0, 20.0, 200.0, 110.0, 45.0), (-40.0, 80.0, 150.0, 20, 80)]
 )
 @pytest.mark.parametrize("feed_mm_s", [10.0, 80.0, math.inf])
+@pytest.mark.long(but=1)
 def test_no_axis_passes_its_limits_anywhere(target: tuple[float, ...], feed_mm_s: float) -> None:
     """The speeds and accelerations of the axes by differences over the whole profile."""
     curve = curve_to(*target)
@@ -169,6 +170,7 @@ def test_a_path_on_which_joints_would_jump_is_refused_before_it_begins(miss_mm: 
 
 
 @pytest.mark.parametrize("miss_mm", [0.0, 1.0, 5.0, 20.0])
+@pytest.mark.long(but=1)
 def test_joints_keep_their_limits_beside_the_stretched_wrist_and_through_it(miss_mm: float) -> None:
     curve = past_the_stretched_wrist(miss_mm)
     dynamics = tool_dynamics([AXIS] * 6, curve, 200.0)

@@ -105,6 +105,7 @@ def test_processes_and_hash_seeds_do_not_show_in_any_file(
     assert _cases(other) == _cases(first)
 
 
+@pytest.mark.long
 def test_this_process_gives_the_same_frames_twice(plan: Path, first: Path) -> None:
     recorded = [row["frame_log_sha256"] for row in _cases(first)]
     cases = read_plan(plan).cases

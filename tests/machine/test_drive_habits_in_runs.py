@@ -29,7 +29,7 @@ N60 G100 Z80 F60
 """
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("profile", profile_names())
 @pytest.mark.parametrize("edge", ["POS", "NEG"])
 def test_three_runs_at_one_surface_with_every_profile(run_nc: Run, profile: str, edge: str) -> None:
@@ -52,7 +52,7 @@ def test_three_runs_at_one_surface_with_every_profile(run_nc: Run, profile: str,
         assert out.printed(name) == pytest.approx([expected], rel=0, abs=INCREMENT_MM)
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("probe_input", [1, 2])
 @pytest.mark.parametrize("source", ["CNC_DEFINED", "DRIVE_DEFINED"])
 def test_the_trigger_source_of_either_input(run_nc: Run, probe_input: int, source: str) -> None:
@@ -87,6 +87,7 @@ def test_backlash_lies_between_motor_and_load(run_nc: Run, downwards: bool) -> N
 
 
 @pytest.mark.parametrize("downwards", [True, False])
+@pytest.mark.long
 def test_the_second_encoder_latches_the_load(run_nc: Run, downwards: bool) -> None:
     """With a scale at the load the backlash is gone: contact and delay only."""
     scales = "".join(f'[axis.{axis}]\nencoder_2 = "load"\n' for axis in "XYZ")
@@ -165,7 +166,7 @@ def test_jitter_belongs_to_the_seed(run_nc: Run) -> None:
         assert drawn_s != 0
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("compensation_us", [4, 1000, 7000])
 @pytest.mark.parametrize("latch", ["interpolated", "linear"])
 def test_compensation_looks_back_as_far_as_it_is_told(

@@ -56,6 +56,7 @@ def test_a_segment_without_a_drive_gets_no_sync(run_nc: Callable[..., Any]) -> N
     assert outcome.alarms == []
 
 
+@pytest.mark.long
 def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) -> None:
     """FCT-C4 7.3.2: 10 % is 100 per mille and back to 50000; the window off and back to 1048575."""
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
@@ -65,6 +66,7 @@ def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) ->
     assert (image.max_torque, image.following_window) == (50_000, 1_048_575)
 
 
+@pytest.mark.long
 def test_values_given_to_a_drive_are_marks_of_the_run(run_own: Callable[..., Any]) -> None:
     """As the program has them, to the last digit, in its order."""
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
@@ -72,6 +74,7 @@ def test_values_given_to_a_drive_are_marks_of_the_run(run_own: Callable[..., Any
     assert found[:2] == ["#DRIVE WR Z TORQUE_LIMIT = 10", "#DRIVE WR Z MON_WINDOW = 4294967295"]
 
 
+@pytest.mark.long
 def test_the_drive_begins_with_what_the_program_restores(run_own: Callable[..., Any]) -> None:
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
     assert outcome.printed("torque before") == outcome.printed("torque after") == [5000.0]
@@ -92,6 +95,7 @@ def test_a_fixed_stop_is_a_following_error_only_while_the_drive_watches(
     assert sum("900005" in text and "0x8611" in text for text in found) == len(found) == faults
 
 
+@pytest.mark.long
 def test_a_cyclic_function_acts_like_one_over_sdo(
     run_nc: Callable[..., Any], tmp_path: Path
 ) -> None:

@@ -232,6 +232,7 @@ def rows_of(out: Any, level: bool = True) -> dict[str, EdgeTruth]:
     return {row.axis: row for row in reversed(rows)}
 
 
+@pytest.mark.long
 def test_an_even_motion_in_inch_down_and_sideways(run_nc: RunNc) -> None:
     """Speeds are those of the path, the edge is at the surface, the latch one delay later.
 

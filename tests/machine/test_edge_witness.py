@@ -57,7 +57,7 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
 
 
 # From standstill, in speeding up, at the end of speeding up (5 mm), in steady motion, in braking
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("depth_mm", [0.002, 0.1, 4.99, 7.0, 15.5])
 @pytest.mark.parametrize("cycle", ["", "exchange_us = 100", "period_us = 10000"])
 @pytest.mark.parametrize("feed_forward", [0.0, 1.0])

@@ -57,7 +57,7 @@ def _left(out: Any) -> Any:
     return out.machine.hexdigest(), probe.signal.edges, probe.contacts, trace
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("period_us", "steps_us"),
     [(1000, (50, 100, 450, 1000, 20_000)), (10_000, (100, 250, 1000, 2000, 10_000))],
@@ -104,7 +104,7 @@ def test_an_elastic_axis_with_backlash_is_latched_alike_at_any_step(run_nc: Run)
 
 
 # Depths: in speeding up (to 5 mm), in steady motion, and in braking (from 15 mm on)
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("depth_mm", "feed_forward"), [(0.1, 0.0), (7.0, 0.0), (0.01, 1.0), (3.0, 1.0), (15.5, 1.0)]
 )

@@ -37,6 +37,7 @@ def slope(out: Any) -> tuple[float, float]:
     return listed.mm_s2(f"{path}.a_stufe_1"), listed.mm_s2(f"{path}.d_stufe_1")
 
 
+@pytest.mark.long
 def test_the_path_stands_where_the_ramp_ends_and_takes_that_much_longer(run_nc: RunNc) -> None:
     """G1 at 50 mm/s; held 0.3 s after 0.1 s. The stop costs what it lasts and both ramps."""
     program = "N10 G1 Z110 F3000"
@@ -73,6 +74,7 @@ def test_blocks_without_motion_go_on_and_the_next_path_waits(run_nc: RunNc) -> N
     assert at_ns(out, "M8 to the PLC") > off_ns
 
 
+@pytest.mark.long
 def test_axes_beside_the_path_go_on(run_nc: RunNc) -> None:
     """X moves by itself while Z is held; both end where they should."""
     out = run_nc(

@@ -44,6 +44,7 @@ N20 G00 G90 Z260
 """
 
 
+@pytest.mark.long
 def test_the_end_of_a_program_ends_its_kinematic(run5: Run) -> None:
     """The second one begins in axis coordinates: Z60 of the tool is Z240 of the axis."""
     outcome = run5(
@@ -78,6 +79,7 @@ def test_a_reset_on_the_way_stops_on_the_path_of_the_tool_and_ends_the_kinematic
     assert z == pytest.approx(260.0, abs=STEP_MM)
 
 
+@pytest.mark.long
 def test_an_axis_goes_by_itself_after_the_last_path_of_the_tool(run5: Run) -> None:
     """The path that is past belongs to a kinematic which is off."""
     outcome = run5(
@@ -95,6 +97,7 @@ def test_an_axis_goes_by_itself_after_the_last_path_of_the_tool(run5: Run) -> No
         ("A-60|A60", ("Z.kenngr.swe_check=1", "Z.kenngr.swe_pos=2550000"), 120002),
     ],
 )
+@pytest.mark.long
 def test_what_an_axis_does_on_the_way_counts_for_its_limits(
     run5: Run, turn: str, limits: tuple[str, ...], alarm_id: int
 ) -> None:
@@ -110,6 +113,7 @@ def test_what_an_axis_does_on_the_way_counts_for_its_limits(
     assert ends(outcome)[3:] != pytest.approx([90.0, 0.0])
 
 
+@pytest.mark.long
 def test_the_way_back_from_a_stop_is_straight_for_the_axes(run5: Run) -> None:
     """A turns about the tool and is held at -11 degrees; the others have gone on with the lag.
 
@@ -146,6 +150,7 @@ def test_the_way_back_from_a_stop_is_straight_for_the_axes(run5: Run) -> None:
     assert back == pytest.approx(back[0] + np.outer(share, way), abs=1e-9)
 
 
+@pytest.mark.long
 def test_the_limits_of_the_axes_hold_on_the_overtravel(run5: Run) -> None:
     """A turns by 44 degrees more after its target: z' = L sin a is largest where that ends."""
     outcome = run5(

@@ -70,6 +70,7 @@ def first(plan: str, row: str | None) -> Case:
 @pytest.mark.parametrize(
     ("plan", "row"), [*ROWS, *(pytest.param(*row, marks=pytest.mark.long) for row in LONG)]
 )
+@pytest.mark.long(but=1)
 def test_a_run_on_fmus_that_were_reset_is_equal_to_one_on_new_ones(
     plan: str, row: str | None, tmp_path: Path
 ) -> None:

@@ -41,6 +41,7 @@ def judged(outcome: Any, metric: str, condition: str) -> Any:
     return judge(check, seen.value, seen.uncertainty, seen.note)
 
 
+@pytest.mark.long
 def test_a_shared_segment_is_proved_at_standstill(run_nc: RunNc) -> None:
     outcome = run_nc(PROGRAM, SHARED, SURFACE)
     assert sdo_room(outcome.machine.settings, "Z") is SdoRoom.STANDSTILL
@@ -52,6 +53,7 @@ def test_a_shared_segment_is_proved_at_standstill(run_nc: RunNc) -> None:
 
 @pytest.mark.provokes(900083, 4, axis="Z")
 @pytest.mark.parametrize("rig", [SHARED, pytest.param("", marks=pytest.mark.long)])
+@pytest.mark.long
 def test_a_latch_that_is_altered_alike_in_every_telegram_is_not_published(
     run_nc: RunNc, rig: str
 ) -> None:
@@ -59,6 +61,7 @@ def test_a_latch_that_is_altered_alike_in_every_telegram_is_not_published(
     assert (outcome.alarms, outcome.printed("Z")) == ([900083], [])
 
 
+@pytest.mark.long
 def test_where_nothing_proves_it_everything_says_so(run_nc: RunNc) -> None:
     """The uncertainty is where a latch would have been believed: it holds the truth."""
     outcome = run_nc(PROGRAM, FULL, SURFACE, ALTERED)
@@ -120,6 +123,7 @@ def test_no_shipped_rig_measures_without_a_proof(rig: str) -> None:
     assert [line for line in answer if line.startswith("warning")] == []
 
 
+@pytest.mark.long
 def test_results_report_and_command_line_name_the_axes(tmp_path: Path) -> None:
     settings_of(tmp_path, FULL)
     (tmp_path / "z.nc").write_text(f"%z\n{PROGRAM}\nN99 M30\n")

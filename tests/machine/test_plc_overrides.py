@@ -21,6 +21,7 @@ BODY = """class Program:
 """
 
 
+@pytest.mark.long
 def test_an_override_that_is_not_enabled_any_more_is_given_back(
     tmp_path: Path, run_nc: Callable[..., Any]
 ) -> None:

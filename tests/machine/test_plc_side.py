@@ -96,6 +96,7 @@ def test_times_and_the_second_of_a_moment(run_nc: RunNc) -> None:
     assert answer[2] > taken  # M50 is acknowledged when the drive has its value
 
 
+@pytest.mark.long
 def test_a_limit_holds_for_a_measurement_run_and_is_restored_behind_it(run_nc: RunNc) -> None:
     out = run_nc(
         f"N10 G100 Z90 F600\n{READ}N20 G1 Z110 F6000\n{READ}",

@@ -292,6 +292,7 @@ def test_a_program_that_is_missing_is_named(run_nc: RunNc) -> None:
         )
 
 
+@pytest.mark.long
 def test_feedhold_and_override_of_the_program_act_on_the_path(run_plc: RunNc) -> None:
     """Half the feed until 200 ms after the begin of the motion, then a hold of 100 ms."""
     body = """    def cycle(self, inputs, hli):
@@ -346,6 +347,7 @@ def test_reset_and_start_of_the_program(run_plc: RunNc) -> None:
     assert out.alarms == []
 
 
+@pytest.mark.long
 def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
     """probe_actuated_r, measurement_active_r and measure_value_ok_r, counted by the PLC.
 

@@ -49,6 +49,7 @@ def test_a_prepared_case_is_recalled_and_no_other(folder: Path) -> None:
     assert recall(two) is None
 
 
+@pytest.mark.long
 def test_a_run_of_a_kept_case_is_equal_to_one_that_reads_everything(folder: Path) -> None:
     read = [run_case(case, RunFiles()) for case in cases(folder)]
     for case in cases(folder):

@@ -32,6 +32,7 @@ def test_three_touches_meet_the_top_of_the_workpiece(mean: tuple[list[str], list
     assert value_mm == pytest.approx(100.0, abs=1e-4)
 
 
+@pytest.mark.long
 def test_the_plc_side_has_the_mean_afterwards(mean: tuple[list[str], list[str]]) -> None:
     _, said = mean
     (line,) = [text for text in said if "V.E.MEAN" in text]
@@ -40,6 +41,7 @@ def test_the_plc_side_has_the_mean_afterwards(mean: tuple[list[str], list[str]])
     assert "block N190" in line
 
 
+@pytest.mark.long
 def test_a_word_that_does_not_act_ends_the_program_when_the_machine_gets_there(
     tmp_path: Path,
 ) -> None:

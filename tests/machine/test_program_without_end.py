@@ -29,7 +29,7 @@ def give_up(tmp_path: Path) -> GiveUp:
     return run
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("text", "line", "waits"),
     [

@@ -94,7 +94,7 @@ class Setting:
         return out
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     "setting",
     [
@@ -155,6 +155,7 @@ def test_overtravel_and_reaction_fill_their_bands(run_nc: Run, setting: Setting)
     ("kv", "feed_forward", "v"),
     [(40, 0.0, 30.0), (10, 0.0, 10.0), (60, 0.25, 50.0), (25, 1.0, 40.0)],
 )
+@pytest.mark.long(but=1)
 def test_steady_lag_of_the_drive(run_nc: Run, kv: float, feed_forward: float, v: float) -> None:
     """(1 - f) v/Kv, physics.md 2(c); with full feed-forward nothing is left."""
     rig = f"[plant.z]\nstart = {{ kv = {kv}, feed_forward = {feed_forward} }}"
@@ -255,6 +256,7 @@ def test_marks_of_the_report_stand_in_their_order(run_nc: Run) -> None:
     assert marks["standstill"] > marks["brake"]
 
 
+@pytest.mark.long
 def test_an_axis_that_counts_as_standing_moves_no_further_than_is_stated(run_nc: Run) -> None:
     """Behind the run X moves and Z is left alone: how far does it still go?"""
     rig = """

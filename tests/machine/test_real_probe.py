@@ -29,6 +29,7 @@ def drawn_um(seed: int, count: int) -> list[float]:
 
 
 @pytest.mark.parametrize("seed", [3, 999_999])
+@pytest.mark.long
 def test_each_touch_measures_the_pretravel_that_its_seed_draws(
     run_nc: Callable[..., Any], seed: int
 ) -> None:

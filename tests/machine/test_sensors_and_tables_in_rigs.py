@@ -128,6 +128,7 @@ start = { kv = 20, position_start_deg = 90 }
 """ + "\n".join(f'{role} = {{ variable = "{role}", lead_mm = 360 }}' for role in ROLES)
 
 
+@pytest.mark.long
 def test_rotary_table_is_an_axis_of_degrees(run_own: Run, tmp_path: Path) -> None:
     """1 mm stands for 1 degree, also at the encoder; in steady motion it lags by v/kv."""
     out = run(run_own, tmp_path, {"C": "worm"}, TABLE, "N10 G90 G1 C180 F3600")

@@ -17,6 +17,7 @@ def at_end(out: Any, name: str) -> float:
     return float(out.column(name)[-1])
 
 
+@pytest.mark.long
 def test_both_sides_get_there_and_the_beam_stays_straight(run_nc: RunNc) -> None:
     out = run_nc(COUPLED + "N40 G1 X40 F6000\nN50 G4 X1", "", base=PAIR)
     assert out.alarms == []
@@ -26,6 +27,7 @@ def test_both_sides_get_there_and_the_beam_stays_straight(run_nc: RunNc) -> None
     assert np.abs(skew).max() < 1e-3
 
 
+@pytest.mark.long
 def test_a_side_that_moves_alone_pulls_at_the_other(run_nc: RunNc) -> None:
     """The other end is accelerated by (m/4 - I/L^2) a = 50 N at 0.8 m/s2; its bristles yield.
 
@@ -60,6 +62,7 @@ def test_the_stop_of_one_side_carries_what_both_drives_push(run_nc: RunNc) -> No
     assert "X.stop_mm" not in names
 
 
+@pytest.mark.long
 def test_the_frames_do_not_depend_on_the_exchange_step(run_nc: RunNc) -> None:
     program = COUPLED + "N40 G1 X5 F3000\nN50 G100 Z249 F600"
     truth = [

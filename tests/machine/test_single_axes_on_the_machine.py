@@ -87,6 +87,7 @@ def test_an_axis_measures_beside_a_run_of_the_path(run_nc: Run) -> None:
     assert alone.start_ns < path.signal_ns < path.end_ns < alone.signal_ns
 
 
+@pytest.mark.long
 def test_a_run_beside_the_program_leaves_nothing_of_the_one_before(run_nc: Run) -> None:
     """The stop is at 60 mm: the second run ends before it, the third meets it again."""
     ask = '#MSG SYN["{}=%d", V.A.MERF.X]\n'
@@ -115,6 +116,7 @@ def test_a_run_beside_the_program_leaves_nothing_of_the_one_before(run_nc: Run) 
     assert abs(out.printed("asked")[0] - (run.end_ns - run.begin_ns) / 1e6) < 20
 
 
+@pytest.mark.long
 def test_both_sides_of_a_gantry_stay_together(run_nc: Run) -> None:
     out = run_nc(
         "N10 G0 X100 X2=0\nN20 #SET AX LINK[1, [X2=X,G,15,20]]\nN30 #ENABLE AX LINK[1]\n"
@@ -153,6 +155,7 @@ def test_a_side_that_is_blocked_ends_the_program_at_the_first_limit(run_nc: Run)
     assert "N40" in str(alarm)
 
 
+@pytest.mark.long
 def test_the_program_goes_on_in_the_coordinates_of_the_reference(run_own: Run) -> None:
     """The lower edge of the home switch at 12 mm becomes 100 mm, so 110 mm lie at 22 mm."""
     out = run_own(PLANS / "programs" / "homing.nc", PLANS / "rigs" / "homing-z-g74.toml")
@@ -166,6 +169,7 @@ def test_the_program_goes_on_in_the_coordinates_of_the_reference(run_own: Run) -
     assert 22.0 - 1e-4 < end_mm(out, "Z") < 22.0 + late_mm + 1e-4
 
 
+@pytest.mark.long
 def test_a_run_behind_homing_measures_in_the_new_coordinates(run_nc: Run) -> None:
     """The face at 30 mm lies 18 mm above the edge that is 100 mm; 10 mm/s and 4 us of delay."""
     out = run_nc(

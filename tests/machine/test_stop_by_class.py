@@ -39,6 +39,7 @@ def way_mm(outcome: Any, axis: str) -> float:
     ],
     ids=["own feedhold", "P-AXIS-00003", "P-AXIS-00008"],
 )
+@pytest.mark.long(but=1)
 def test_the_faulty_axis_brakes_by_its_own_ramp(
     run_nc: Any, settings: list[str], x_mm: float
 ) -> None:

@@ -105,6 +105,7 @@ def master() -> Iterator[Callable[..., Master]]:
         (33, -7.5, 0.0),
     ],
 )  # fmt: skip
+@pytest.mark.long(but=1)
 def test_home_is_where_the_plant_has_it(
     master: Callable[..., Master], method: int, home_mm: float, seen_mm: float
 ) -> None:
@@ -171,6 +172,7 @@ DEMANDS = {
 
 
 @pytest.mark.parametrize("mode", DEMANDS)
+@pytest.mark.long
 def test_a_limit_switch_stops_the_axis_and_leaves_the_way_back(
     master: Callable[..., Master], mode: int
 ) -> None:
@@ -216,6 +218,7 @@ def test_cyclic_position_waits_at_the_limit_switch_for_its_targets(
     assert not made.word & LIMITED
 
 
+@pytest.mark.long
 def test_set_points_beyond_the_limit_switch_end_where_the_axis_stopped(
     master: Callable[..., Master],
 ) -> None:

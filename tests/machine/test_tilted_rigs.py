@@ -43,6 +43,7 @@ def head(out: Any, what: str) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize(
     ("rig", "within_mm"), [("distance-5axis", EXACT_MM), ("distance-5axis-servo", EXACT_MM)]
 )
+@pytest.mark.long
 def test_place_of_the_tool_is_that_of_the_loads(run_nc: Run, rig: str, within_mm: float) -> None:
     """Ideal axes, then servo axes with rotary plants in rad; level surface at 0."""
     out = run_nc(MOVING, "", base=f"{rig}.toml")
@@ -56,6 +57,7 @@ def test_place_of_the_tool_is_that_of_the_loads(run_nc: Run, rig: str, within_mm
     assert np.max(np.abs(out.column("gap.along_mm") - along)) < within_mm
 
 
+@pytest.mark.long
 def test_tool_centre_point_rests_while_the_tool_tilts(run_nc: Run) -> None:
     """Half an increment of each linear axis and half a rotary one at each end of both levers.
 
@@ -85,6 +87,7 @@ def test_tool_centre_point_rests_while_the_tool_tilts(run_nc: Run) -> None:
     assert np.abs(value - orthogonal)[tilted].max() < bound
 
 
+@pytest.mark.long
 def test_joints_of_a_robot_reach_its_sensor(run_nc: Run) -> None:
     """Matrices by scipy from the true joints; offsets of the channel list in mm."""
     out = run_nc(JOINTS, "", base="distance-robot.toml")

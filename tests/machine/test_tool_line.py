@@ -13,6 +13,7 @@ DELAYS = [f"set:{axis}.antr.nbr_delay_cycles=6" for axis in "XYZCA"]
 
 
 @pytest.mark.parametrize("delays", [DELAYS, pytest.param([], marks=pytest.mark.long)])
+@pytest.mark.long
 def test_what_the_cnc_assumes_of_its_dead_cycles_moves_no_tool(
     run_nc: Callable[..., Any], delays: list[str]
 ) -> None:

@@ -34,6 +34,7 @@ def way_mm(outcome: Any, begin_ns: float) -> float:
 
 @pytest.mark.parametrize("rig", SPEED_MM_S)
 @pytest.mark.parametrize("fault", [PRE_OPERATIONAL, STOPPED, UNSEEN])
+@pytest.mark.long(but=1)
 def test_an_axis_stops_when_its_telegrams_stay_out(run_nc: RunNc, rig: str, fault: str) -> None:
     """The way: v until it is stopped, v^2/2a of the ramp, v/Kv that the axis lags behind."""
     outcome = run_nc(HOMING if "homing" in rig else LEADING, "", f"{fault} at=200ms", base=rig)

@@ -36,7 +36,7 @@ wire = {{ z = "z" }}
 """
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("start", "height_mm", "late_s"),
     [

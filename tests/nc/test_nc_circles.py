@@ -134,6 +134,7 @@ def test_a_radius_that_is_too_short_by_rounding_gives_half_a_circle():
 
 
 @given(COMPONENTS, st.sampled_from(list(PLANES)), POINTS, POINTS, st.booleans())
+@pytest.mark.long
 def test_under_a_coordinate_system_an_arc_keeps_radius_and_angle(
     components, plane, start, centre, clockwise
 ):

@@ -4,6 +4,7 @@ from contextlib import suppress
 from itertools import islice
 from unittest.mock import patch
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,6 +59,7 @@ PROGRAMS = st.lists(st.recursive(PLAIN, _nested, max_leaves=8), max_size=6)
 
 
 @given(PROGRAMS)
+@pytest.mark.long
 def test_every_program_gives_commands_or_says_what_is_wrong(plane_machine, parts):
     text = "\n".join([HEAD, *parts, "[OUT] M30"])
     machine, external = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0)), {"A": 1.0}

@@ -191,6 +191,7 @@ def test_structures_too_deep_are_refused(run):
 
 
 @pytest.mark.provokes(900120, 2, blocks=100_000, turns=33334)
+@pytest.mark.long
 def test_900120_for_a_loop_that_never_ends(run):
     with pytest.raises(Alarm) as caught:
         run("G0 X1\nN10 $WHILE 1\nP1=1\n$ENDWHILE")
@@ -198,7 +199,7 @@ def test_900120_for_a_loop_that_never_ends(run):
     assert "line 2 (N10 $WHILE 1)" in str(caught.value.values["loop"])
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     "text",
     [
@@ -261,5 +262,6 @@ def test_the_loop_that_is_told_is_the_one_without_end(run):
     assert "line 1 ($WHILE 1)" in str(caught.value.values["loop"])
 
 
+@pytest.mark.long
 def test_long_loops_that_end_are_no_endless_ones(run):
     assert path(run, "P2=0\n$FOR P1=1,30000,1\nP2=P2+P1\n$ENDFOR\nX=P2/30000") == [15000.5]

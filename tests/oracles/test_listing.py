@@ -28,6 +28,7 @@ def test_every_closed_form_says_where_it_comes_from() -> None:
     assert [f"{one.place}.{one.name}" for one in oracles() if not one.origin] == []
 
 
+@pytest.mark.long
 def test_a_word_shows_what_fits_whole() -> None:
     assert "v T/kp" in oracle_listing("ramp_error_mm")
     assert "Derivation: the offset has to grow by v T" in oracle_listing("ramp_error_mm")

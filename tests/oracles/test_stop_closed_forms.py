@@ -137,6 +137,7 @@ def by_window(axis: Axis, window: float) -> Instant:
 @settings(max_examples=300, deadline=None)
 @given(axes)
 @example(Axis(2_000_000, 4, 20.0, 80.0, 0.75, 0.0, 1.0, 0.0625, 1, 1.0))  # finds in the run-up
+@pytest.mark.long
 def test_lag_criterion(axis: Axis) -> None:
     times, lag, _ = axis.simulate()
     limit = axis.approach().running_lag_mm + axis.rise
@@ -153,6 +154,7 @@ def test_lag_criterion(axis: Axis) -> None:
 
 @settings(max_examples=300, deadline=None)
 @given(axes, st.floats(0.05, 0.95))
+@pytest.mark.long
 def test_window_criterion(axis: Axis, share: float) -> None:
     way = axis.speed * math.ceil(axis.tau_ns / axis.period_ns) * axis.period_ns / S
     if way <= axis.delta:
@@ -195,6 +197,7 @@ def test_running_lag_of_the_printed_numbers(share: float, delay: int, lag_mm: fl
 
 @settings(max_examples=100, deadline=None)
 @given(st.floats(0.01, 1.0), st.integers(10, 200), st.floats(100.0, 2000.0))
+@pytest.mark.long
 def test_path_from_which_a_window_cannot_hold_in_a_ramp(
     window_mm: float, tau_ms: int, acceleration: float
 ) -> None:

@@ -37,6 +37,7 @@ stiff = st.floats(1e5, 5e6)  # 20 N/um on 200 kg to 500 N/um on 100 kg
 
 @settings(max_examples=300, deadline=None)
 @given(places, speeds, stiff, st.sampled_from([1, -1]))
+@pytest.mark.long
 def test_contact_within_the_stated_bound(
     contact_s: float, speed_mm_s: float, k_over_m: float, direction: int
 ) -> None:
@@ -78,6 +79,7 @@ def ramped(
 @settings(max_examples=200, deadline=None)
 @given(places, speeds, stiff, st.floats(-1000.0, 1000.0))
 @example(0.02, 4.0, 1e5, 900.0)  # from rest four rows before
+@pytest.mark.long
 def test_the_acceleration_before_the_contact_is_in_the_bound(
     contact_s: float, speed_mm_s: float, k_over_m: float, slope: float
 ) -> None:

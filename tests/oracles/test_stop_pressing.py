@@ -46,6 +46,7 @@ def pushed(pressing: Pressing, speed_m_s: float) -> tuple[float, float]:
     st.floats(100.0, 2000.0),
     st.floats(0.0, 1.0),
 )
+@pytest.mark.long
 def test_largest_force_stays_in_its_bounds(
     speed_m_s: float, stiffness: float, mass: float, limit_n: float, share: float
 ) -> None:

@@ -119,6 +119,7 @@ def same(ours: Slope, kernels: KernelSlope, speed_mm_s: float) -> bool:
 @settings(max_examples=500, deadline=None)
 @given(axis_lists, channel_lists, st.floats(0.001, 2000.0))
 @example(dict.fromkeys(VALUES), dict.fromkeys(SWITCHES), 100.0)
+@pytest.mark.long
 def test_the_kernel_has_derived_the_same(
     axis_list: dict[str, int | None], channel_list: dict[str, int | None], speed_mm_s: float
 ) -> None:

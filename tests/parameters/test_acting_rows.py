@@ -77,7 +77,7 @@ def test_each_parameter_has_a_row_or_a_reason_or_neither() -> None:
     assert len(SHOWN) >= 198  # rows that are found are not lost again
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("row", SHOWN, ids=lambda row: f"{row['kind']} {row['path']}")
 def test_a_shipped_row_differs_with_another_value(row: dict[str, str]) -> None:
     plan, run, column, before = row["plan"], row["run"], row["column"], row["with"]

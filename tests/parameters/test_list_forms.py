@@ -201,6 +201,7 @@ lists = st.lists(st.lists(words, max_size=4).map(" ".join), max_size=8).map("\n"
 @settings(
     max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
+@pytest.mark.long
 def test_no_text_ends_in_anything_but_a_list_or_a_user_error(
     tmp_path: Path, text: str, kind: Kind
 ) -> None:

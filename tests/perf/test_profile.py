@@ -5,6 +5,8 @@ import re
 from itertools import count
 from pathlib import Path
 
+import pytest
+
 from axisrig.bench.campaign.results.build_info import build_word, is_compiled, sources_sha256
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.profile import SHOWN, profile_row
@@ -13,6 +15,7 @@ from axisrig.bench.tools.perf.stages import REST, SIMULATION, STAGES, measure_st
 PLAN = Path(__file__).parents[2] / "testplans/latch_accuracy.csv"
 
 
+@pytest.mark.long
 def test_a_profile_names_functions_with_their_modules() -> None:
     ticks = count(0, 1000)
     clock = Clocks(lambda: next(ticks), lambda: next(ticks))

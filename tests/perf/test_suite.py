@@ -89,6 +89,7 @@ def run(*measures: Measure, repeats: int = 3) -> dict[str, Any]:
 # ---- the table
 
 
+@pytest.mark.long
 def test_the_table_names_rows_that_there_are() -> None:
     for measure in read_suite():
         if measure.plan.endswith(".csv"):
@@ -223,6 +224,7 @@ def measured(kind: str, plan: str = "", row: str = "") -> dict[str, Any]:
     return found
 
 
+@pytest.mark.long
 def test_a_run_is_timed_with_its_files_and_its_frames() -> None:
     found = measured("run", "latch_accuracy.csv", "actuated")
     assert found["value"] == pytest.approx(found["simulated_s"] / found["cpu_s"])
@@ -423,6 +425,7 @@ def test_the_table_is_read_as_it_is_written() -> None:
     assert all(row["note"] for row in rows)
 
 
+@pytest.mark.long
 def test_the_kernel_of_five_axes_is_timed_beside_three(tmp_path: Path) -> None:
     """Clocks that go on by 1 ms whenever they are read: a cycle reads them twice."""
     (measure,) = selected(read_suite(), "five axes")

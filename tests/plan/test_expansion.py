@@ -71,6 +71,7 @@ def test_what_a_cell_stands_for(text: str, texts: list[str]) -> None:
     factor=st.floats(1.01, 1e6),
     count=st.integers(2, 40),
 )
+@pytest.mark.long
 def test_log_is_that_of_numpy(first: float, factor: float, count: int) -> None:
     last = first * factor
     texts = _texts(f"log({first!r}, {last!r}, {count})")

@@ -93,6 +93,7 @@ every_operation = pytest.param(1, marks=pytest.mark.long, id="each")
 @posix
 @pytest.mark.parametrize("had_rows", [False, True], ids=["new", "again"])
 @pytest.mark.parametrize("step", [pytest.param(11, id="some"), every_operation])
+@pytest.mark.long
 def test_a_kill_at_any_operation_on_a_file_loses_nothing(
     plan: Plan, tmp_path: Path, had_rows: bool, step: int
 ) -> None:

@@ -238,7 +238,7 @@ def test_overshoot_of_the_manuals_sample_set() -> None:
 # Alarms
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("case", having(AFTER))
 def test_cycle_of_an_alarm_that_a_wrong_sign_or_the_defaults_bring(case: str) -> None:
     setup = ROWS[case]

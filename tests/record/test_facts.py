@@ -85,6 +85,7 @@ def same(one: Any, other: Any) -> bool:
 
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(left=any_of(Facts))
+@pytest.mark.long
 def test_facts_come_back_equal(left: Facts, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Each class of the recording, with whatever numbers and texts."""
     path = tmp_path_factory.mktemp("facts") / "run.json"

@@ -139,6 +139,7 @@ def test_a_kind_of_a_later_version_is_shown_by_its_word() -> None:
     assert (view["rows"][0]["kind"], lane["rows"][0][4]) == ("teleport", "other")
 
 
+@pytest.mark.long
 def test_the_page_has_table_and_lane(campaign: Path, tmp_path: Path) -> None:
     part = tmp_path / "part"
     shutil.copytree(campaign, part)

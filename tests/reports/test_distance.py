@@ -272,6 +272,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_runs(folder, "distance", {name: trace(sample) for name, sample in SAMPLES.items()})
 
 
+@pytest.mark.long
 def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
     """Every drawing has words, tables have captions, nothing comes from outside, few bytes."""
     first = build_report(results, findings=made(FINDINGS)).read_bytes()

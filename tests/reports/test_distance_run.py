@@ -50,6 +50,7 @@ def chapter_10(tmp_path_factory: pytest.TempPathFactory) -> tuple[ControlFinding
     return *run(CHAPTER_10, out, "-k", "exact-off"), out
 
 
+@pytest.mark.long
 def test_the_parts_of_chapter_10_are_told(chapter_10: tuple[ControlFindings, str, Path]) -> None:
     control, text, _ = chapter_10
     states = [part.state for part in control.stretches]
@@ -180,6 +181,7 @@ def test_changes_of_parameters_and_no_move(tmp_path: Path) -> None:
         assert error.measured_mm == pytest.approx(0.0, abs=2e-5)
 
 
+@pytest.mark.long
 def test_the_plc_is_told_once(tmp_path: Path) -> None:
     """Its commands stand in the parts of the control, and as its own marks."""
     control, text = run(CHAPTER_10, tmp_path / "out", "-k", "plc-exact-off")

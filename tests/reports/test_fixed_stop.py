@@ -336,6 +336,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_runs(folder, "stops", {name: trace(sample) for name, sample in SAMPLES.items()})
 
 
+@pytest.mark.long
 def test_the_page_holds_a_timeline_per_run_and_stays_the_same(results: Path) -> None:
     """Ids are unique, every drawing has words, nothing comes from outside, few bytes per case."""
     first = build_report(results, findings=made(FINDINGS)).read_bytes()

@@ -94,6 +94,7 @@ def test_nothing_is_loaded_from_outside(page: Page, source: str) -> None:
     assert (policy[0]["content"] or "").startswith("default-src 'none'")
 
 
+@pytest.mark.long
 def test_equal_inputs_give_equal_bytes(campaign: Path, tmp_path: Path) -> None:
     """Also from a folder of another name and place, and over an older report."""
     other = tmp_path / "elsewhere"
@@ -204,6 +205,7 @@ def test_a_recording_that_contradicts_itself_is_refused_with_its_run(
         build_report(part)
 
 
+@pytest.mark.long
 def test_a_run_without_its_series_keeps_what_needs_none(campaign: Path, tmp_path: Path) -> None:
     part = tmp_path / "part"
     shutil.copytree(campaign, part)
@@ -214,6 +216,7 @@ def test_a_run_without_its_series_keeps_what_needs_none(campaign: Path, tmp_path
     assert len(after.find("pre")) == len(before.find("pre"))
 
 
+@pytest.mark.long
 def test_cards_are_of_planned_rows_that_are_not_good(campaign: Path, tmp_path: Path) -> None:
     """A row that the plan no longer has keeps its line, and has no card; the same for a probe."""
     for column in ("in_plan", "probe"):

@@ -125,6 +125,7 @@ def test_what_was_tested_on_what_is_said_first(source: str) -> None:
     assert "probe.nc on machine.toml: 14 runs" in head
 
 
+@pytest.mark.long
 def test_all_samples_of_runs_that_did_not_pass_are_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

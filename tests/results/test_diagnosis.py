@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 PROGRAM = """%d
 N10 V.G.WZ_AKT.L = 80
@@ -13,6 +15,7 @@ N50 M30
 """
 
 
+@pytest.mark.long
 def test_the_diagnosis_data_begin_with_what_releases_the_control(
     tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:

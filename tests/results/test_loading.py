@@ -70,6 +70,7 @@ def test_events_are_those_of_the_run_file(results: Results, folder_of_results: P
     assert events.loc[events["kind"] == "state", "text"].tolist() == [s["state"] for s in states]
 
 
+@pytest.mark.long
 def test_blocks_are_those_of_the_program(results: Results, folder_of_results: Path) -> None:
     """Against the text of the program, the set positions of the trace and the measurement run."""
     blocks, signals = results.blocks("touch-slow"), results.signals("touch-slow")
@@ -289,6 +290,7 @@ def test_the_notebook_runs(folder_of_results: Path, monkeypatch: pytest.MonkeyPa
     assert isinstance(names["results"], Results)
 
 
+@pytest.mark.long
 def test_ten_thousand_runs_are_read_at_once(tmp_path: Path) -> None:
     """What is read, not how fast: `axisrig.results` measures nothing (docs/performance.md)."""
     count = 10_000

@@ -185,6 +185,7 @@ def moved_mm(machine: Machine) -> float:
 
 
 @pytest.mark.interpreted
+@pytest.mark.long
 def test_an_axis_is_not_led_from_a_place_that_its_telegrams_alone_report(run: Run) -> None:
     """The service channel reads S-0-0051 too; without it the axis jumps, which the test sees."""
     still = "%still\nN10 G4 Z0.02\nN20 M30\n"

@@ -38,6 +38,7 @@ def touches(count: int, numbers: random.Random) -> str:
         pytest.param("probe-z-sercos-4ms", 4 * MS, 2400 * US, 400, marks=pytest.mark.long),
     ],
 )
+@pytest.mark.long
 def test_each_edge_is_seen_in_the_cycle_of_the_formula(
     tmp_path: Path, rig: str, period_ns: int, offset_ns: int, count: int
 ) -> None:

@@ -25,6 +25,7 @@ def test_edge_is_within_half_a_nanosecond_of_scipy_at_any_step(errors: Any, name
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.long
 def test_edge_does_not_depend_on_the_step(errors: Any, name: str) -> None:
     edges = errors[name]["edges"]
     assert (edges == edges[0]).all()

@@ -70,7 +70,7 @@ def wander(fmu: Fmu, surface: str, seed: int, exchange_ns: int) -> tuple[Any, ..
         plant.close()
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("surface", SURFACES)
 @pytest.mark.parametrize("seed", range(2))
 def test_long_steps_find_what_fine_steps_find(fmu: Fmu, surface: str, seed: int) -> None:

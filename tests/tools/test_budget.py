@@ -250,6 +250,7 @@ def test_a_value_of_a_plc_has_the_causes_of_its_chain_and_none_of_the_latch() ->
     assert budget.is_explained
 
 
+@pytest.mark.long
 def test_a_clock_is_off_where_the_cnc_knows_it() -> None:
     def shares(name: str) -> list[str]:
         case = plc_row(name)
@@ -355,6 +356,7 @@ def report_of(folder: Path, frames: str) -> str:
     return gzip.decompress(base64.b64decode(packed[1])).decode("utf-8")
 
 
+@pytest.mark.long
 def test_a_budget_in_a_results_folder_is_in_the_card_of_its_run(tmp_path: Path) -> None:
     budget = replace(make_budget(probe_row(), None, calculated), frame_log_sha256="ab" * 32)
     assert "fall" not in report_of(tmp_path, "ab" * 32)

@@ -44,6 +44,7 @@ def test_docstrings_comments_blank_and_import_lines_are_none(text: str, count: i
     assert lines_of(text) == count
 
 
+@pytest.mark.long
 def test_a_module_counts_once_with_the_first_name_that_finds_it() -> None:
     """`machine/ethercat/sercos_slave.py` has both names in its path."""
     one, other = counts(["sercos", "ethercat"]), counts(["ethercat", "sercos"])

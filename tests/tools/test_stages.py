@@ -9,9 +9,11 @@ from types import SimpleNamespace
 import pytest
 from tests.small_fmus import small_fmu
 from tests.stages import (
+    LONGEST_S,
     TIME_IS_OVER,
     cpu_by_folder,
     is_left_to_compiled,
+    quick_rows,
     rows_of_every_metric,
     simulated_s,
 )
@@ -71,6 +73,13 @@ def test_a_metric_of_several_plans_is_checked_in_one_and_each_plan_has_a_row():
     ]
     sim_s = {"a": 5, "b": 4, "c": 1, "d": 2, "e": 3}
     assert rows_of_every_metric(rows, sim_s) == {"b", "c", "d"}
+
+
+def test_a_row_that_simulates_long_is_left_to_the_rest_stage():
+    """Also where it alone checks a metric, or is the only one of its plan."""
+    rows = [row("a", "x"), row("b", "y"), row("c", "z", plan="q"), row("new", "n")]
+    sim_s = {"a": LONGEST_S, "b": LONGEST_S + 0.001, "c": LONGEST_S + 1}
+    assert quick_rows(rows, sim_s) == {"a", "new"}
 
 
 def test_the_table_of_simulated_time_names_rows_that_there_are():

@@ -56,6 +56,7 @@ def test_suggested_law_is_calm(loop: Loop, advice: Advice) -> None:
     assert advice.law.kp <= KP_MAX
 
 
+@pytest.mark.long(but=1)
 def test_a_kp_a_tenth_greater_would_not_be(loop: Loop, advice: Advice) -> None:
     law = Law(1.1 * advice.law.kp, advice.law.tn_s, advice.law.tv_s)
     passes = loop.step_answer(law, 8000).max() > 1 + OVERSHOOT

@@ -56,7 +56,7 @@ def test_dead_time_is_that_of_the_scheduling(tuned: Tune, is_optimized: int, dea
     assert 1.4e6 <= found.dead_time.way_ns <= 2.0e6
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(("is_optimized", "dead"), [(0, 2), (1, 1)])
 def test_limits_are_those_of_the_closed_forms(tuned: Tune, is_optimized: int, dead: int) -> None:
     found = tuned(*DEFAULTS, f"optimized_scheduling={is_optimized}")
@@ -70,6 +70,7 @@ def test_limits_are_those_of_the_closed_forms(tuned: Tune, is_optimized: int, de
         assert mode(found, name).closed_limit == pytest.approx(limit)
 
 
+@pytest.mark.long
 def test_the_default_is_unstable_in_const_dist_and_the_best_in_set_pos(tuned: Tune) -> None:
     found = tuned(*DEFAULTS, "optimized_scheduling=1")
     assert not mode(found, CONST_DIST).is_stable
@@ -124,7 +125,7 @@ def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
     assert np.abs(answer - np.cumsum(expected)[: len(answer)]).max() < 2e-3
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "variable", "dead", "renewal"),
     [
@@ -172,6 +173,7 @@ def test_below_the_limit_of_a_real_axis_a_step_dies_away(servo: Tuning) -> None:
     assert error[300:400].max() < 0.2 * error[20:120].max()
 
 
+@pytest.mark.long
 def test_above_the_limit_of_a_real_axis_a_step_grows_until_the_sensor_ends(servo: Tuning) -> None:
     """From 0.5 mm to 1.9 mm, where the window of the sensor ends."""
     with pytest.raises(UserError, match="70330"):
@@ -253,6 +255,7 @@ def test_command_refuses(arguments: tuple[str, ...], words: str, tmp_path: Path)
     assert "Traceback" not in ended.stderr
 
 
+@pytest.mark.long
 def test_without_matplotlib_the_message_says_how_to_get_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

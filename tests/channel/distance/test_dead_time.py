@@ -52,6 +52,7 @@ def test_the_offset_goes_out_in_the_cycle_of_its_sensor_value_or_one_later(
 
 @pytest.mark.parametrize(("is_optimized", "n"), [(True, 1), (False, 2)])
 @pytest.mark.parametrize("kp", [0.2, 0.5])
+@pytest.mark.long(but=1)
 def test_constant_distance_is_the_loop_with_that_many_dead_cycles(
     distance_bench: Callable[..., Any], say: Any, is_optimized: bool, n: int, kp: float
 ) -> None:

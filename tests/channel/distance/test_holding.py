@@ -112,6 +112,7 @@ def test_a_held_axis_holds_the_path_that_moves_it(
     assert made.alarm_ids == []
 
 
+@pytest.mark.long
 def test_it_does_not_hold_a_path_of_other_axes_but_the_next_one_that_moves_it(
     distance_bench: Make, say: Any, words: Any
 ) -> None:

@@ -30,6 +30,7 @@ def on(say: Any, **words: Any) -> canon.DistanceCommand:
 @pytest.mark.parametrize("is_optimized", [True, False])
 @pytest.mark.parametrize("buffer_cycles", [0, 3])
 @pytest.mark.parametrize("settled_ms", [200, 3])
+@pytest.mark.long(but=1)
 def test_off_no_move_leaves_the_axis_where_it_is_and_the_next_block_goes_to_its_true_target(
     distance_bench: Make,
     say: Any,

@@ -52,6 +52,7 @@ def test_310027_without_a_variable(make_head: Make) -> None:
     [LONG("#CS ON[0,0,5,0,0,0]"), "#TRAFO OFF", LONG("#TRAFO [9]"), LONG("#CHANNEL INIT[CMDPOS]")],
 )
 @pytest.mark.provokes(51062, 7, plane="ECS")
+@pytest.mark.long
 def test_51062_while_its_offset_may_change(make_head: Make, word: str) -> None:
     begin = TILTED + "#DIST CTRL ON [SET_POS=0 MODE=ECS]\n#TIME 0.1\n"
     made = make_head().run(begin + word)
@@ -74,6 +75,7 @@ def test_frozen_over_a_change_of_the_kinematic_no_axis_moves(make_head: Make) ->
         assert len(set(made.sent[name][first:])) == 1
 
 
+@pytest.mark.long
 def test_a_frozen_offset_goes_on_with_the_same_kinematic_built_again(make_head: Make) -> None:
     """#TRAFO OFF and ON between: another object, of the same numbers."""
     made = make_head(lambda ms: 0.5 if ms < 500 else 0.8)
@@ -141,6 +143,7 @@ BARRED = pytest.mark.provokes(310005, 7, owner="the channel")
 @pytest.mark.parametrize(
     ("word", "ids"), [pytest.param("ON", [310005], marks=BARRED), ("DRYRUN", [])]
 )
+@pytest.mark.long(but=1)
 def test_an_axis_that_measures_beside_the_program_bars_all_but_a_dry_run(
     make_head: Make, word: str, ids: list[int]
 ) -> None:

@@ -11,6 +11,7 @@ from axisrig.kernel.plc.interface import PlcParticipant
 
 
 @pytest.mark.parametrize("buffer_cycles", [LONG(0), 7])
+@pytest.mark.long
 def test_off_no_move_leaves_the_axes_and_the_next_block_reaches_its_true_target(
     make_head: Make, tool: Any, buffer_cycles: int
 ) -> None:
@@ -31,6 +32,7 @@ def test_off_no_move_leaves_the_axes_and_the_next_block_reaches_its_true_target(
     )
 
 
+@pytest.mark.long
 def test_off_runs_out_on_the_fly_and_wait_holds_the_next_block(make_head: Make) -> None:
     for word, is_moving in (("WAIT OFF", False), ("OFF", True)):
         made = make_head(lambda _ms: 1.0, v_max_mm_s=4.0)
@@ -44,6 +46,7 @@ def test_off_runs_out_on_the_fly_and_wait_holds_the_next_block(make_head: Make) 
 
 
 @pytest.mark.provokes(900560, 1, owner="the channel")
+@pytest.mark.long
 def test_a_reset_keeps_the_offset_and_follows_no_more(make_head: Make) -> None:
     made = make_head(lambda ms: 1.0 if ms < 600 else 3.0)
     plc = made.channel.plc

@@ -35,6 +35,7 @@ def while_held(made: Any, act: Any, begin: int, end: int) -> None:
 
 @pytest.mark.parametrize("mode", [LONG("MCS"), "ECS"])
 @pytest.mark.parametrize("act", [hold_path, LONG(stop_path), LONG(hold("A")), stop("C")])
+@pytest.mark.long
 def test_path_feedhold_override_0_and_axes_that_it_does_not_move_change_nothing(
     make_head: Make, mode: str, act: Any
 ) -> None:
@@ -54,6 +55,7 @@ def test_path_feedhold_override_0_and_axes_that_it_does_not_move_change_nothing(
         LONG("ECS", stop("Z")),
     ],
 )
+@pytest.mark.long
 def test_an_axis_that_it_moves_freezes_all_of_it_to_the_bit(
     make_head: Make, mode: str, act: Any
 ) -> None:
@@ -67,6 +69,7 @@ def test_an_axis_that_it_moves_freezes_all_of_it_to_the_bit(
     assert made.offset_mm[-1] == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.long
 def test_mcs_is_not_frozen_by_an_axis_that_only_ecs_moves(make_head: Make) -> None:
     made = make_head(rising)
     while_held(made, hold("Y"), 700, 900)
@@ -74,6 +77,7 @@ def test_mcs_is_not_frozen_by_an_axis_that_only_ecs_moves(make_head: Make) -> No
     assert len(set(made.offset_mm[700:900])) > 150
 
 
+@pytest.mark.long
 def test_an_override_of_an_axis_scales_v_max(make_head: Make) -> None:
     made = make_head(lambda _ms: 1.0, v_max_mm_s=2.0)
     made.channel.plc.axis["Y"].override_permille = 500
@@ -82,6 +86,7 @@ def test_an_override_of_an_axis_scales_v_max(make_head: Make) -> None:
     assert max(steps) == pytest.approx(1e-3, rel=1e-9)
 
 
+@pytest.mark.long
 def test_g4_and_a_wait_for_the_plc_do_not_stop_it(make_head: Make) -> None:
     made = make_head(rising)
     made.channel.plc.acknowledged_later = frozenset({"M50"})

@@ -11,6 +11,7 @@ from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
 
 
+@pytest.mark.long
 def test_a_program_of_the_manual_runs(make_head: Make) -> None:
     """Example 2 of FCT-M3 12.2 with a surface at 1.5 mm: 0.5 mm along the tool, then out."""
     made = make_head(lambda _ms: 1.5)

@@ -86,6 +86,7 @@ def expected(law: str, dead: int, smooth: dict[str, Any], gain: float = 1.0) -> 
 
 @pytest.mark.parametrize("mode", ["MCS", "ECS"])
 @pytest.mark.parametrize("tilt", LEVEL_DEG)
+@pytest.mark.long(but=1)
 def test_over_a_parallel_surface_it_is_that_of_an_axis(
     search: Callable[..., Search], mode: str, tilt: float
 ) -> None:

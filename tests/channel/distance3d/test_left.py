@@ -114,6 +114,7 @@ def shown(made: Any) -> list[list[float]]:
         ("axis", "error"),
     ],
 )
+@pytest.mark.long
 def test_what_is_left_stays_until_its_axes_are_named_and_then_they_reach_their_target(
     make_head: Make, tool: Any, kind: str, cause: str, is_optimized: bool, buffer_cycles: int
 ) -> None:

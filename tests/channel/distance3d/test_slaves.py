@@ -25,6 +25,7 @@ def coupled(make_head: Make, words: Any, text: str) -> Any:
 
 
 @pytest.mark.parametrize("end", [LONG("OFF"), "OFF NO_MOVE"])
+@pytest.mark.long
 def test_slaves_follow_the_offset_of_their_masters(make_head: Make, words: Any, end: str) -> None:
     """Along the tool, A = -40: Z and W by 0.5 mm, Y and V by 0.5 tan 40 mm."""
     made = coupled(

@@ -24,6 +24,7 @@ def link_off(group: int = 1) -> canon.AxisLinkOff:
 GANTRY = canon.AxisPair("X2", "X", (0.3, 0.4))
 
 
+@pytest.mark.long
 def test_a_slave_takes_every_step_of_its_master(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("X2", start_mm=7.0))
     bench.run([link_on(canon.AxisPair("X2", "X")), words.move(3, 600.0, X=10.0), words.end()])
@@ -73,6 +74,7 @@ def test_a_slave_measures_nothing_and_brakes_with_its_master(
 @pytest.mark.parametrize(
     ("lost_mm", "alarm_id", "limit"), [(0.35, 900192, "0.3"), (0.45, 900193, "0.4")]
 )
+@pytest.mark.long
 def test_the_limits_watch_the_actual_positions(
     channel_bench: Make, words: Any, lost_mm: float, alarm_id: int, limit: str
 ) -> None:

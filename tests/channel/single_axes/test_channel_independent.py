@@ -95,6 +95,7 @@ def test_the_end_of_the_program_waits_for_every_axis(channel_bench: Make, words:
 
 
 @pytest.mark.parametrize("time_s", [0.5, 1.0, 7.0])
+@pytest.mark.long(but=1)
 def test_time_is_that_of_the_whole_motion(channel_bench: Make, words: Any, time_s: float) -> None:
     bench = channel_bench(words.axis("X"))
     bench.run([alone("X", 10.0, time_s=time_s), words.end()])
@@ -109,6 +110,7 @@ def test_a_time_that_cannot_be_kept_gives_the_fastest_motion(
     assert arrival(course(bench, "X")) == 200  # 2 sqrt(d/a)
 
 
+@pytest.mark.long
 def test_weights_of_speed_and_acceleration(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X", speed_max_mm_s=100.0), words.axis("Y"))
     slow = alone("X", 40.0, speed_share=0.5)
@@ -162,6 +164,7 @@ def test_a_block_that_cannot_be_decoded_stops_axes_that_are_under_way(
 # Measuring
 
 
+@pytest.mark.long
 def test_an_axis_measures_while_another_moves(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("Z", start_mm=130.0), plane_mm=120.0)
     measuring = alone("Z", 110.0, feed_mm_min=600.0, measuring_type=1)
@@ -175,6 +178,7 @@ def test_an_axis_measures_while_another_moves(channel_bench: Make, words: Any) -
     assert bench.final_mm("X") == 30.0
 
 
+@pytest.mark.long
 def test_the_path_measures_while_an_axis_moves_alone(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("Z", start_mm=130.0), plane_mm=120.0)
     order = alone("X", 30.0, feed_mm_min=600.0)
@@ -259,6 +263,7 @@ def test_50059_and_900103_and_900012(channel_bench: Make, words: Any) -> None:
         assert bench.run([order, words.end()]).alarm_ids == [alarm_id]
 
 
+@pytest.mark.long
 def test_a_buffer_lets_the_axis_run_on_by_its_cycles(channel_bench: Make, words: Any) -> None:
     """5 cycles at 10 mm/s: the edge is met 5 ms later, and braking acts 5 ms later."""
     ends = []

@@ -120,6 +120,7 @@ def test_a_run_beside_the_path_brakes_with_the_deceleration_of_a_stop(
 
 
 @pytest.mark.provokes(900222, 1, axis="Z", speed_mm_min="60000")
+@pytest.mark.long
 def test_900222_names_the_speed_that_was_programmed(channel_bench: Make, words: Any) -> None:
     """1000 mm/s of the list (P-AXIS-00215), although the axis has 20 mm/s at most."""
     (warning,) = _run(

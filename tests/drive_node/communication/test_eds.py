@@ -59,6 +59,7 @@ def variables_of(text: str) -> Iterator[ODVariable]:
 
 
 @pytest.mark.parametrize("name", ["generic", "epos4-like", "steppeonline-like"])
+@pytest.mark.long(but=1)
 def test_the_drive_has_what_its_eds_says(drive_bench: Make, name: str) -> None:
     """Every variable: length, default, access rights, and nothing beside them in its object."""
     profile = named_profile(name)
@@ -103,6 +104,7 @@ def test_limits_of_the_tables_are_in_the_eds_also_where_they_are_0() -> None:
     assert min(given.values()) > 0, "no limit of 0 in the tables"
 
 
+@pytest.mark.long
 def test_the_drive_hands_out_its_own_eds(drive_bench: Make) -> None:
     """1021, by canopen's client in segments and in blocks: the same text as `eds_text`."""
     bench = drive_bench()
@@ -155,6 +157,7 @@ def test_a_block_takes_its_time_on_a_slow_bus(fake_axis: Any) -> None:
         assert [data[0] for data in heard[1:]] == list(range(1, 128))
 
 
+@pytest.mark.long
 def test_segments_of_a_block_let_the_pdos_pass(drive_bench: Make) -> None:
     """While the EDS goes out in blocks, every SYNC is answered, at most two segments late.
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -97,6 +98,7 @@ def ends_well(bus: Bus) -> None:
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(frames=st.lists(st.tuples(FRAMES, st.integers(1, 3_000_000)), max_size=40))
+@pytest.mark.long
 def test_any_frames_in_any_order(
     fake_axis: Callable[..., Any], frames: list[tuple[tuple[int, bytes], int]]
 ) -> None:

@@ -40,6 +40,7 @@ def test_result_does_not_depend_on_the_communication_step(built, load, model, si
 
 
 @pytest.mark.parametrize("size_s", [1e-9, 1e-8, 1e-6, 10.0])
+@pytest.mark.long(but=1)
 def test_any_step_size_is_taken(built, load, size_s):
     plant = load(built("Classics.Dahlquist"))
     for k in range(50):

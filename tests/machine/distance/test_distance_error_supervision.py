@@ -121,6 +121,7 @@ def test_check_pos_asks_at_once_whether_the_sensor_is_in_its_range(run_distance,
     assert 30 not in {cycle.block for cycle in watched.cycles}
 
 
+@pytest.mark.long
 def test_outside_of_control_nothing_is_watched(run_distance):
     """FREEZE and INACTIVE: the same motions come to their ends."""
     motion = "N20 G1 Z38.3 F600\nN30 G1 Z30.02\nN40 G1 Z32"

@@ -40,6 +40,7 @@ def of(observed: Observed, metric: str) -> Observation:
     return observe(observed, parse_check(metric, condition, "here"))
 
 
+@pytest.mark.long
 def test_the_list_of_12_8_3_under_its_own_limits(run: Run) -> None:
     """59 um past and at rest; foretold v T (1 + 9.5) = 105 um where v_max is reached."""
     seen = run(1.6)
@@ -70,6 +71,7 @@ def test_the_same_with_clamps(run: Run) -> None:
     assert {limit.acts for limit in block.limits[:2]} == {"clamps"}
 
 
+@pytest.mark.long
 def test_a_slope_does_not_make_a_loop_stable_that_rings_by_its_kp(run: Run) -> None:
     """12.8.3 without D: growth 1.0149, a limit cycle of 11 um."""
     seen = run(1.6, f"{P}d_tv=0")
@@ -85,6 +87,7 @@ def test_the_surface_law_is_foretold_to_stop_at_the_surface(run: Run) -> None:
     assert overshoot <= 1e-5  # an increment of the sensor
 
 
+@pytest.mark.long
 def test_a_wrong_law_would_not_follow_the_own_model(run: Run) -> None:
     """The frames of each choice differ, and each follows its model: the judge knows which acted."""
     hashes = set()

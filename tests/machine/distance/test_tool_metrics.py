@@ -88,6 +88,7 @@ def sound(run: Judged) -> None:
     assert run.value("tool_length_error_um") < 1e-6
 
 
+@pytest.mark.long
 def test_along_the_tool_after_it_has_tilted(judged: Any) -> None:
     """Deviation 1.5 mm, A -35, C 20: path 1.8312, shift 1.0503, X -0.3592, Y 0.9870 mm; the tool
     centre point stays while it tilts, but for half an increment of each axis and L d^2/8.
@@ -116,6 +117,7 @@ def test_along_the_tool_after_it_has_tilted(judged: Any) -> None:
     assert [one.axis for one in findings(run.observed).of(ControlFindings)] == ["channel"]
 
 
+@pytest.mark.long
 def test_along_the_normal_nothing_goes_sideways(judged: Any) -> None:
     text = program("CONST_DIST SET_DIST=80 MODE=MCS", "G4 0.2")
     run = judged(text, *pose(20.0, -35.0), *PLAIN, *LIFT, f"{DIST}kp=0.3", *able())
@@ -279,6 +281,7 @@ class Turning(Observed):
         return np.where(a_deg > -39.9999, -0.5 * np.tan(np.radians(a_deg)), values)
 
 
+@pytest.mark.long
 def test_an_offset_whose_kinematic_has_gone_stays_and_one_that_turned_would_show(
     judged: Any,
 ) -> None:
@@ -308,6 +311,7 @@ def test_an_offset_whose_kinematic_has_gone_stays_and_one_that_turned_would_show
         ("gap.tcp_x_mm", 1e-6, "kinematic_error_nm", 0.9),
     ],
 )
+@pytest.mark.long(but=1)
 def test_a_fault_would_show(judged: Any, column: str, by: float, metric: str, least: float) -> None:
     run = judged(program("SET_POS=-1 MODE=MCS", "G4 0.05"), *pose(20.0, -35.0), *QUICK, *able())
     sound(run)

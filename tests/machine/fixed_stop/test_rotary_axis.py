@@ -34,6 +34,7 @@ def result() -> CaseResult:
     return run_case(replace(case, checks=(*case.checks, *checks)), RunFiles())
 
 
+@pytest.mark.long
 def test_what_is_told_in_mm_has_no_number_and_says_what_to_ask(result: CaseResult) -> None:
     found = {item.check.metric: (item.value, item.note) for item in result.checks}
     for metric, note in ASKED.items():
@@ -42,6 +43,7 @@ def test_what_is_told_in_mm_has_no_number_and_says_what_to_ask(result: CaseResul
     assert abs(float(str(error_mdeg))) < 0.005, "half an increment, and not the -6.9 of N.m/rad"
 
 
+@pytest.mark.long
 def test_an_axis_that_does_not_turn_is_not_asked_in_degrees() -> None:
     plan = read_plan(PLAN.path.with_name("probe_stroke.csv"))
     case = next(case for case in plan.cases if case.case == "type-1")

@@ -56,6 +56,7 @@ def at_detection(out: Any, name: str) -> float:
     return float(out.column(name)[row])
 
 
+@pytest.mark.long
 def test_at_two_stops_each_takes_the_limit_of_its_motor(beam: Run) -> None:
     out = beam()
     assert out.alarms == []
@@ -66,6 +67,7 @@ def test_at_two_stops_each_takes_the_limit_of_its_motor(beam: Run) -> None:
     assert np.abs(skew).max() < 1e-6
 
 
+@pytest.mark.long
 def test_at_the_stop_of_the_master_the_beam_turns_about_it(beam: Run) -> None:
     """One motor presses, not both: at the free end no force is left but that of the guideway."""
     out = beam(without(2))
@@ -82,6 +84,7 @@ def test_at_the_stop_of_the_master_the_beam_turns_about_it(beam: Run) -> None:
     assert out.stand_mm("X2") == pytest.approx(STOP_MM + AHEAD_MM, abs=WINDOW_MM)
 
 
+@pytest.mark.long
 def test_nothing_of_the_slaves_stop_comes_to_the_master(beam: Run) -> None:
     """Unwatched, the first limit of the coupling ends the run at t_c + (l1 + F/k + F/k_c)/v."""
     out = beam(without(1))
@@ -95,6 +98,7 @@ def test_nothing_of_the_slaves_stop_comes_to_the_master(beam: Run) -> None:
     assert out.column("X.force_n")[before][-1] == pytest.approx(VISCOUS_N, abs=5.0)
 
 
+@pytest.mark.long
 def test_with_p_axis_00835_the_slave_is_found_before_the_limit(beam: Run) -> None:
     out = beam(without(1), SLAVES_TOO)
     assert out.alarms == []

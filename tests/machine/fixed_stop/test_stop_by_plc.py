@@ -72,6 +72,7 @@ def test_restoring_the_limit_behind_the_run_moves_nothing(run_stop: RunStop) -> 
 
 @pytest.mark.provokes(900005, 7, axis="Z")
 @pytest.mark.parametrize("time_out_ms", [0, 50])
+@pytest.mark.long
 def test_a_lag_window_left_active_ends_the_run_with_the_fault_of_the_drive(
     run_stop: RunStop, time_out_ms: int
 ) -> None:

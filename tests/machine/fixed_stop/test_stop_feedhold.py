@@ -38,6 +38,7 @@ def test_the_window_finds_no_stop_in_a_feedhold_in_free_space_and_the_right_one_
     assert held.record.latched_mm["Z"] == pytest.approx(120.03, abs=0.02)
 
 
+@pytest.mark.long
 def test_the_lag_goes_on_counting_in_a_feedhold(run_stop: RunStop) -> None:
     """Held once the lag is beyond its limit the stop is found without a further step; the way back
     waits for the end of the feedhold, and so does the end of the run.

@@ -8,6 +8,7 @@ from axisrig.bench.judge.fixed_stop.findings import stop_findings
 LAG_LIMIT, MIN_TIME = 15_000, 100_000  # 1.5 mm, 100 ms
 
 
+@pytest.mark.long
 def test_the_run_ends_with_the_axis_at_the_stop_and_without_lag(run_stop: RunStop) -> None:
     found = run_stop(120, pos_lag_limit=LAG_LIMIT, min_time=MIN_TIME)
     assert found.alarms == []
@@ -18,6 +19,7 @@ def test_the_run_ends_with_the_axis_at_the_stop_and_without_lag(run_stop: RunSto
 
 
 @pytest.mark.provokes(900240, 4, axes="Z")
+@pytest.mark.long
 def test_900240_without_a_stop_says_what_was_looked_for(run_stop: RunStop) -> None:
     """10 mm/s, kv 40: the lag of a running axis is v/kv, and P-AXIS-00191 takes the rest off."""
     missed = run_stop(None, pos_lag_limit=LAG_LIMIT, min_time=MIN_TIME)
@@ -51,6 +53,7 @@ def test_51026_at_the_start_of_a_run_behind_110757_at_start_up(run_stop: RunStop
         pytest.param("N5 G130 Z50\n", False, marks=pytest.mark.long),
     ],
 )
+@pytest.mark.long
 def test_closed_forms_of_the_listed_slope_are_not_of_one_that_the_program_chose(
     run_stop: RunStop, before: str, *, has_form: bool
 ) -> None:

@@ -81,6 +81,7 @@ def stop_of(out: Any) -> Any:
     return record.fixed_stop
 
 
+@pytest.mark.long
 def test_the_master_measures_and_both_sides_are_relieved(gantry: Run) -> None:
     watch = Watch()
     out = gantry("drive:servo.lag_limit_mm=0.4", watch=watch)
@@ -102,7 +103,7 @@ def test_the_master_measures_and_both_sides_are_relieved(gantry: Run) -> None:
         assert abs(watch.lag_mm[axis][on]) < 0.01
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(("stop_mm", "start_mm"), [(29.95, 25.0), (30.05, 25.0), (20.0, 17.0)])
 def test_stops_that_are_not_in_line_leave_the_slave_its_difference(
     gantry: Run, stop_mm: float, start_mm: float
@@ -127,6 +128,7 @@ def test_stops_that_are_not_in_line_leave_the_slave_its_difference(
     assert out.column("X2.truth_mm")[-1] == pytest.approx(start_mm, abs=0.01)
 
 
+@pytest.mark.long
 def test_a_stop_of_the_slave_alone_ends_at_the_limit_of_the_gantry(gantry: Run) -> None:
     """Nobody looks at the slave: the sides part by v (t - t_contact) - F/k up to 15 mm."""
     watch = Watch()
@@ -142,7 +144,7 @@ def test_a_stop_of_the_slave_alone_ends_at_the_limit_of_the_gantry(gantry: Run) 
     assert [watch.watching[axis][-1] for axis in ("X", "X2")] == [True, True]
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("lag_mm", [0.5, 0.35, 1.5])
 def test_with_p_axis_00835_the_stop_of_the_slave_is_found(gantry: Run, lag_mm: float) -> None:
     """By the criteria of the slave; the value is where the master has come to meanwhile."""
@@ -168,6 +170,7 @@ def test_70082_when_the_program_waits_with_the_slave_still_at_its_stop(gantry: R
     assert gantry(FREE, SLAVES_TOO).alarms == [70082]
 
 
+@pytest.mark.long
 def test_either_side_may_be_first(gantry: Run) -> None:
     """Stops in line: the side with the smaller limit is first, the value is the master's."""
     out = gantry(SLAVES_TOO, f"set:X2.{DETECT}pos_lag_limit=3500")
@@ -176,6 +179,7 @@ def test_either_side_may_be_first(gantry: Run) -> None:
     assert out.printed("X") == [pytest.approx(130.0 + PRESSED_MM, abs=0.001)]
 
 
+@pytest.mark.long
 def test_a_slave_that_is_still_held_back_is_monitored_from_the_end_of_the_run_on(
     gantry: Run,
 ) -> None:
@@ -187,6 +191,7 @@ def test_a_slave_that_is_still_held_back_is_monitored_from_the_end_of_the_run_on
     assert record.latched_mm.keys() == {"X"}
 
 
+@pytest.mark.long
 def test_arming_takes_the_smallest_way_of_all_that_are_watched(gantry: Run) -> None:
     early = gantry(SLAVES_TOO, *_arming(X=40000, X2=20000))
     late = gantry(*_arming(X=40000, X2=20000))

@@ -73,6 +73,7 @@ def test_each_axis_finds_its_own_stop(axes: Run) -> None:
     assert all(link.watches_lag for link in out.machine.channel.links)
 
 
+@pytest.mark.long
 def test_the_relaxing_motion_of_an_axis_has_its_feed(axes: Run) -> None:
     """v T from cycle to cycle, no faster than to the stop; rapid traverse would be."""
     out = axes("X[INDP_SYN G100 G90 POS=200 FEED=600]")
@@ -109,6 +110,7 @@ def test_900240_for_an_axis_that_finds_no_stop(axes: Run) -> None:
     assert all(link.watches_lag for link in out.machine.channel.links)
 
 
+@pytest.mark.long
 def test_without_a_stop_the_program_goes_on_by_p_chan_00266(axes: Run) -> None:
     out = axes(MISSED, "set:channel.meas_fixed_stop_no_error=1")
     assert out.alarms == []

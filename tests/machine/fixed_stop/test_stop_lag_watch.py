@@ -45,6 +45,7 @@ def comes_up_on_time(outcome: Outcome) -> None:
 
 
 @pytest.mark.provokes(900036, 7, axis="Z", limit_mm="0.5")
+@pytest.mark.long
 def test_without_type_7_the_same_press_is_900036(run_nc: RunNc) -> None:
     given = ("plant:z.stop_position_mm=120", "plc:Z.torque_limit=400", *GIVEN)
     pressed = run_nc(PRESS, "", *given, base="drive-functions.toml")
@@ -52,6 +53,7 @@ def test_without_type_7_the_same_press_is_900036(run_nc: RunNc) -> None:
     comes_up_on_time(pressed)
 
 
+@pytest.mark.long
 def test_in_the_run_it_is_off_until_the_axis_is_back_in_its_window(run_stop: RunStop) -> None:
     found = run_stop(STOP_MM, *GIVEN, end="N200 G4 0.1", **LAG)
     assert found.alarms == []
@@ -66,6 +68,7 @@ def test_in_the_run_it_is_off_until_the_axis_is_back_in_its_window(run_stop: Run
 
 
 @pytest.mark.provokes(900036, 7, axis="Z", limit_mm="0.5")
+@pytest.mark.long
 def test_directly_behind_the_run_it_is_on_again(run_stop: RunStop) -> None:
     """The axis is at the stop already: e is what the set value has gone on, 0.5 mm."""
     found = run_stop(STOP_MM, *GIVEN, end=PRESS, **LAG)
@@ -84,6 +87,7 @@ def test_directly_behind_the_run_it_is_on_again(run_stop: RunStop) -> None:
 
 
 @pytest.mark.provokes(900036, 7, axis="Z", limit_mm="0.5")
+@pytest.mark.long
 def test_behind_a_run_that_found_nothing_it_is_on_again(run_stop: RunStop) -> None:
     goes_on = "set:channel.meas_fixed_stop_no_error=1"
     missed = run_stop(STOP_MM, goes_on, *GIVEN, target=110, end=PRESS, **LAG)
@@ -92,6 +96,7 @@ def test_behind_a_run_that_found_nothing_it_is_on_again(run_stop: RunStop) -> No
     comes_up_on_time(missed.outcome)
 
 
+@pytest.mark.long
 def test_behind_an_alarm_it_is_on_again(run_stop: RunStop) -> None:
     seen: list[tuple[int, bool]] = []
 

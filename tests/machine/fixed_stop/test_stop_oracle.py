@@ -68,6 +68,7 @@ def run(tmp_path: Path) -> Run:
     return go
 
 
+@pytest.mark.long
 def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
     values, notes, result = run(
         pos_lag_limit=9000, min_time=65_400, max_delta_position_window=200, start_distance=10_000

@@ -13,6 +13,7 @@ N230 G4 1
 """
 
 
+@pytest.mark.long
 def test_behind_the_run_there_is_no_lag_and_no_jump_when_the_limit_is_restored(
     run_stop: RunStop,
 ) -> None:
@@ -42,6 +43,7 @@ def test_without_enough_lag_the_axis_is_led_to_where_it_is(run_stop: RunStop) ->
 
 
 @pytest.mark.provokes(900005, 7, axis="Z")
+@pytest.mark.long
 def test_a_following_error_window_left_on_ends_the_run_without_a_value(run_stop: RunStop) -> None:
     """6065 of 1 mm, 6066 of 0 ms: 8611, and the CNC monitors the lag again."""
     failed = run_stop(120, lag_window=104_857, **LAG)
@@ -67,6 +69,7 @@ def test_a_stop_before_the_arming_is_found_when_the_path_has_got_there(run_stop:
 # Triggers without contact that follow from the settings
 
 
+@pytest.mark.long
 def test_a_limit_below_the_running_lag_fires_in_free_space(run_stop: RunStop) -> None:
     """The running lag is 0.25 mm; a little above it nothing fires."""
     for limit, is_free in ((2_400, True), (2_600, False)):
@@ -81,6 +84,7 @@ def test_the_window_without_start_distance_fires_when_the_block_begins(run_stop:
 
 
 @pytest.mark.parametrize(("window_um", "is_free"), [(1_010, True), (990, False)])
+@pytest.mark.long(but=1)
 def test_a_window_as_fast_as_the_feed_fires_in_free_space(
     run_stop: RunStop, window_um: int, is_free: bool
 ) -> None:
@@ -96,6 +100,7 @@ def test_a_window_as_fast_as_the_feed_fires_in_free_space(
 
 
 @pytest.mark.provokes(900240, 4, axes="Z")
+@pytest.mark.long
 def test_the_window_alone_finds_nothing_at_the_target(run_stop: RunStop) -> None:
     missed = run_stop(
         None,

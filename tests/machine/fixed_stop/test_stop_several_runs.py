@@ -154,6 +154,7 @@ def _force(result: CaseResult) -> tuple[Any, Any, int]:
     return times, force, detected_ns
 
 
+@pytest.mark.long
 def test_the_contact_that_lasts_counts_when_the_stop_goes_away_and_is_met_again(
     judge: Judge,
 ) -> None:
@@ -183,6 +184,7 @@ def test_the_contact_that_lasts_counts_when_the_stop_goes_away_and_is_met_again(
     assert values["found_without_contact"] == 0
 
 
+@pytest.mark.long
 def test_a_contact_that_is_over_at_the_detection_is_none(judge: Judge) -> None:
     """The stop goes away for good with 50 mm/s; the limit is below the running lag.
 

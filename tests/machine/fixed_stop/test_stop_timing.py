@@ -37,7 +37,7 @@ def e0_mm(v_mm_s: float) -> float:
     return v_mm_s / KV + (2 - D) * v_mm_s * PERIOD_S
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("feed", "limit_mm", "time_ms"),
     [(120, 0.5, 100), (600, 3.0, 100), (600, 1.5, 250), (3000, 12.5, 100)],
@@ -70,7 +70,7 @@ def test_found_by_the_lag(
     assert direction * (measured_mm - stop_mm) == pytest.approx(delta_mm, abs=1e-3)
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(("feed", "window_mm"), [(300, 0.05), (600, 0.1), (600, 0.2)])
 def test_found_by_the_window(run_stop: RunStop, feed: float, window_mm: float) -> None:
     """t_det = t_c + tau - (W - delta) / v; the first 5 mm have no window."""
@@ -88,6 +88,7 @@ def test_found_by_the_window(run_stop: RunStop, feed: float, window_mm: float) -
     assert found.stop.detected_ns == pytest.approx(expected_ns, abs=BAND_NS)
 
 
+@pytest.mark.long
 def test_of_both_criteria_the_later_decides(run_stop: RunStop) -> None:
     settings = {"min_time": 100_000, "max_delta_position_window": 20, "start_distance": 50_000}
     window = run_stop(110, pos_lag_limit=0, **settings)
@@ -98,7 +99,7 @@ def test_of_both_criteria_the_later_decides(run_stop: RunStop) -> None:
     assert both.stop.beyond_ns == lag.stop.beyond_ns
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("stiffness", [20e6, 100e6, 500e6])
 def test_the_value_is_that_of_the_contact_force(run_stop: RunStop, stiffness: float) -> None:
     """F of the plant itself over k, at any limit and time; the last bit is the encoder.
@@ -114,7 +115,7 @@ def test_the_value_is_that_of_the_contact_force(run_stop: RunStop, stiffness: fl
         assert force_n == pytest.approx(0.4 * RATED_N, abs=ringing_n)
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(("speed_m_s", "end_s"), [(-0.5e-3, 1.2), (0.5e-3, 1.2), (0.5e-3, 2.5)])
 def test_a_stop_that_moves_is_measured_where_it_is_when_it_is_found(
     run_stop: RunStop, speed_m_s: float, end_s: float

@@ -17,6 +17,7 @@ N60 G1 X10 Y10 F3000
 
 
 @pytest.mark.parametrize(("stops", "first"), [({"x": 30.0}, "X"), ({"y": 25.0}, "Y")])
+@pytest.mark.long
 def test_one_axis_hits_while_the_other_is_free(
     run_nc: RunNc, stops: dict[str, float], first: str
 ) -> None:

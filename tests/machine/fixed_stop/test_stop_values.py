@@ -27,6 +27,7 @@ def values(run: StopFindings, key: str) -> list[Value]:
     return [value for value in run.values if value.key == key]
 
 
+@pytest.mark.long
 def test_each_of_two_independent_axes_has_its_own_contact_and_values_only() -> None:
     """Y meets its stop while X is still led back: that is nothing of the run of X."""
     first, second = found("independent")
@@ -49,6 +50,7 @@ def test_a_value_latched_at_rest_without_friction_is_within_a_micrometre() -> No
     assert all(value.high == pytest.approx(LIMIT_N) for value in ends)
 
 
+@pytest.mark.long
 def test_the_force_at_the_end_has_no_bound_while_the_axis_rings() -> None:
     """The drive faults 18 ms behind the contact; the bound F_lim - F_g + F_c is that of rest."""
     (run,) = found("slave-window-left-on")

@@ -41,6 +41,7 @@ def test_a_coordinate_system_with_two_rotations_and_one_inside_it(
         assert out.printed(f"MOFFS.{axis}") == near([offset], tolerance_mm)
 
 
+@pytest.mark.long
 def test_relative_programming_and_shifts(run_nc: Run) -> None:
     """Z 50; G92 Z7 acts with the next absolute block, a second one in G91 adds to it.
 
@@ -66,7 +67,7 @@ def test_relative_programming_and_shifts(run_nc: Run) -> None:
         assert out.printed(name) == near([value]), name
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("factor", [1.0, 0.5, -1.0, 0.0])
 def test_the_measurement_offset_acts_by_its_factor(run_nc: Run, factor: float) -> None:
     wall = 244.4

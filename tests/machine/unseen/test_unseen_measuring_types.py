@@ -34,6 +34,7 @@ def test_type_3_latches_on_the_way_and_ends_at_its_target(run_nc: Run) -> None:
     assert speeds[-1] == pytest.approx(v, rel=0.01)
 
 
+@pytest.mark.long
 def test_type_4_stops_a_path_of_three_axes_within_the_smallest_stroke(run_nc: Run) -> None:
     """0.2 mm of Y: v² = 2 a s with the path's a = 1000 / largest share, here of Z."""
     share = abs(END - START) / np.linalg.norm(END - START)
@@ -101,6 +102,7 @@ N60 G100 Z80 F600
 #MSG SYN["again=%f", V.A.MESS.Z]"""
 
 
+@pytest.mark.long
 def test_a_program_measures_both_edges_of_a_probe(run_nc: Run, tmp_path: Path) -> None:
     """The input falls where it rose: at the surface, 4 us late at 10 mm/s either way."""
     table = tmp_path / "both.csv"
@@ -115,6 +117,7 @@ def test_a_program_measures_both_edges_of_a_probe(run_nc: Run, tmp_path: Path) -
 
 
 @pytest.mark.provokes(900223, 4, axis="Z", input=1, edge="NEG", object="0x60BB")
+@pytest.mark.long
 def test_the_usual_telegram_carries_one_latch_only(run_nc: Run) -> None:
     out = run_nc(FLANKS, "", base="probe-z.toml")
     assert out.alarms == [900223]

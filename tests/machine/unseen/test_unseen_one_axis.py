@@ -4,7 +4,7 @@ import pytest
 from unseen_geometry import A_MM_S2, Run, near, plane, show, starts
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("axis", "begin", "wall", "feed"),
     [
@@ -35,7 +35,7 @@ def test_any_axis_in_any_direction_at_any_feed(
         assert out.printed(f"MERF.{other}") == [float(other == axis)]
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("depth_mm", [1.0, 3.1, 9.0, 16.9, 19.3])
 def test_the_edge_may_fall_into_any_part_of_the_motion(run_nc: Run, depth_mm: float) -> None:
     """100 mm/s on 20 mm: speeding up until 5 mm, braking from 15 mm on, 2.5 mm of lag between."""

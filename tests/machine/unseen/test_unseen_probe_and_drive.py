@@ -9,6 +9,7 @@ from unseen_geometry import A_MM_S2, Run, near, plane, show, starts
 from axisrig.kernel.cosim.plant.axis import PlantAxis
 
 
+@pytest.mark.long
 def test_ball_pretravel_and_delays_add_up_along_the_normal(run_nc: Run) -> None:
     """Approach in -Z to a plane of 30 degrees: the gap closes with v cos 30, latch where
 
@@ -28,6 +29,7 @@ def test_ball_pretravel_and_delays_add_up_along_the_normal(run_nc: Run) -> None:
 
 
 @pytest.mark.parametrize("filter_us", [0, 1000, 2700])
+@pytest.mark.long(but=1)
 def test_an_input_filter_delays_the_latch(run_nc: Run, filter_us: int) -> None:
     v, wall = 25.0, 112.0
     out = run_nc(
@@ -41,6 +43,7 @@ def test_an_input_filter_delays_the_latch(run_nc: Run, filter_us: int) -> None:
 
 @pytest.mark.parametrize("sample_us", [62.5, 400.0])
 @pytest.mark.parametrize("wall", [112.0, 111.99931])
+@pytest.mark.long
 def test_a_sampling_drive_latches_its_last_sample(
     run_nc: Run, wall: float, sample_us: float
 ) -> None:
@@ -106,6 +109,7 @@ def test_both_edges_and_both_inputs_measure_alike(
 @pytest.mark.parametrize(
     ("increments", "lead_mm"), [(2048, 5.0), (65_536, 20.0), (2**23, 5.0), (1_000_000, 12.7)]
 )
+@pytest.mark.long(but=1)
 def test_the_value_is_a_whole_number_of_encoder_increments(
     run_nc: Run, increments: int, lead_mm: float
 ) -> None:
@@ -136,6 +140,7 @@ def test_the_value_is_a_whole_number_of_encoder_increments(
         (750, 380, 1_000_000, 2, 40, 0.0),
     ],
 )
+@pytest.mark.long(but=1)
 def test_value_and_overtravel_on_other_time_bases(
     run_nc: Run,
     period_us: int,
@@ -187,6 +192,7 @@ def test_a_short_retract_between_two_touches_is_enough(run_nc: Run) -> None:
     assert len(out.printed("MESS.Z")) == 2
 
 
+@pytest.mark.long
 def test_a_run_behind_a_move_of_another_axis_starts_from_its_end(run_nc: Run) -> None:
     """At X -6 the plane of 20 degrees is 6 tan 20 higher; contact 0.04 mm below the start."""
     slope, d = math.radians(20), 90.0

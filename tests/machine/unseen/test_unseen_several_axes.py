@@ -7,7 +7,7 @@ import pytest
 from unseen_geometry import PATH_MM, Run, meets, near, plane, show, starts
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("begin", "target", "normal", "surface_mm"),
     [
@@ -34,6 +34,7 @@ def test_every_axis_reads_where_the_line_meets_the_plane(
         assert out.printed(f"MESS.{axis}") == near([point[axis]], PATH_MM)
 
 
+@pytest.mark.long
 def test_axes_with_different_gains_latch_a_point_of_their_true_path(run_nc: Run) -> None:
     """Each axis lags v_i / Kv_i behind the line: the path is shifted, and so is the value.
 

@@ -174,6 +174,7 @@ STEPS = st.lists(st.integers(-3, 3), min_size=60, max_size=60)
     window=st.one_of(st.none(), st.integers(0, 4)),
     limit=st.one_of(st.none(), st.just(LAG)),
 )
+@pytest.mark.long
 def test_every_history_is_judged_as_by_brute_force(
     lags: list[float],
     steps: list[int],

@@ -29,6 +29,7 @@ def outcomes(monkeypatch: pytest.MonkeyPatch, grammar: lark.Lark, builder: Build
     return found
 
 
+@pytest.mark.long
 def test_a_parser_from_the_file_reads_every_shipped_program_as_one_from_the_text(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

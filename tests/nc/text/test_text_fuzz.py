@@ -88,6 +88,7 @@ def check_any_text(text):
 @example("X\u0661")
 @example("N\u00b2 G0")
 @example("V.P.\u0130=1")
+@pytest.mark.long
 def test_any_text_is_accepted_or_refused(text):
     check_any_text(text)
 
@@ -101,5 +102,6 @@ def test_any_mix_of_words_is_accepted_or_refused(text):
 
 @settings(max_examples=500, deadline=None)
 @given(st.lists(PIECES, max_size=25).map(" ".join))
+@pytest.mark.long
 def test_any_mix_of_words_with_blanks_is_accepted_or_refused(text):
     check_any_text(text)

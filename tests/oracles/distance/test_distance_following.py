@@ -161,7 +161,7 @@ def test_sine_of_a_loop_without_dead_time() -> None:
     assert p_sine_gain(math.pi, 0.4) == pytest.approx(2 / (2 - 0.4))
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
 @pytest.mark.parametrize("smoothing", SMOOTH[:3], ids=lambda s: s.name)
 def test_noise_of_the_offset(mode: str, smoothing: Smoothing) -> None:

@@ -78,6 +78,7 @@ def cells() -> list[Cell]:
     return found
 
 
+@pytest.mark.long
 def test_every_cell_of_the_table_grows_as_its_poles_say() -> None:
     """756 cells, to 4 digits; the poles themselves are as exact as the filter is long."""
     off = [

@@ -71,6 +71,7 @@ def rounded(values: tuple[object, ...]) -> list[object]:
 
 @settings(max_examples=400, deadline=None)
 @given(lists, stems, st.booleans(), st.one_of(st.none(), st.integers(1, 100_000)))
+@pytest.mark.long
 def test_the_kernel_has_read_the_same(
     values: dict[str, object], stem: str, german: bool, axis_a: int | None
 ) -> None:
