@@ -15,6 +15,7 @@ from axisrig.kernel.cosim.plant.demand import SAMPLE_NS, Control, Ramp, SampledD
 from axisrig.kernel.cosim.plant.distance import PlantDistance
 from axisrig.kernel.cosim.plant.grid import GridAxis
 from axisrig.kernel.cosim.plant.outputs import HISTORY_NS
+from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import PlantSignal, free_s
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS, US
@@ -403,3 +404,34 @@ def test_a_sensor_reports_what_its_fmu_knows(
     assert sensor.reported_at(9 * MS) == (0.625, *reported[1:])
     with pytest.raises(PlantError, match="no distance is kept"):
         sensor.reported_at(2 * MS - 1)
+
+
+@pytest.mark.parametrize(
+    ("fine_us", "steps_us", "found_us"),
+    [
+        (50, (20, None), 40),
+        (50, (None, 20), 40),
+        (50, (50, 20), 50),  # a step as long as the span counts: 100 us is too long
+        (50, (51, 20), 40),  # one that is longer does not
+        (200, (20, 12.5), 200),
+        (230, (20, 12.5), 200),  # lcm 100 us
+        (70, (15, 10), 60),
+        (50, (20, 15), 50),  # 60 us is too long for both
+        (0.05, (0.0031, 0.02), 0.04),  # 3.1 ns: no whole nanosecond
+        (50, (0.0, None), 50),
+        (50, (), 50),
+    ],
+)
+def test_the_fine_step_is_whole_internal_steps_of_every_axis(
+    fine_us: float, steps_us: Sequence[float | None], found_us: float
+) -> None:
+    axes = [
+        SimpleNamespace(
+            slave=SimpleNamespace(
+                can=SimpleNamespace(fixed_step_s=None if step is None else step * 1e-6)
+            )
+        )
+        for step in steps_us
+    ]
+    plant: Any = SimpleNamespace(_axes=axes)
+    assert Plant._whole_steps_ns(plant, round(fine_us * US)) == round(found_us * US)

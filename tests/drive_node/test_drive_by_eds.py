@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from canopen.objectdictionary import ObjectDictionary, ODRecord, ODVariable
 from canopen.sdo.exceptions import SdoAbortedError
 from tests.eds_changes import changed
 
 from axisrig.bench.drive.canopen.node import Document
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
-from axisrig.bench.drive.cia402.dictionary.foreign import foreign_table
+from axisrig.bench.drive.cia402.dictionary.foreign import foreign_table, power_on_values
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.canopen.dictionary import read_eds
 
@@ -220,6 +221,40 @@ def test_a_default_mapping_with_an_object_that_nothing_carries_is_empty(
     as_listed = foreign_table(DriveProfile(), read_eds(str(path), NODE)).defaults(NODE)
     assert as_listed[0x1A00, 0] == 2
     assert values[0x1A02, 0] == as_listed[0x1A02, 0] == 1
+
+
+def test_the_process_image_begins_as_the_file_says() -> None:
+    """Objects of CiA 402 that can be written, with values that the model knows (CiA 402-2); those
+    of the communication, of the maker and of the rig keep their own.
+    """
+    values: dict[tuple[int, int], Any] = {
+        (0x6065, 0): 4711, (0x607D, 1): -5, (0x607D, 2): 7, (0x6099, 1): 9, (0x6099, 2): 3,
+        (0x605A, 0): 8, (0x6098, 0): -4, (0x60FF, 0): 0,
+    }  # fmt: skip
+    kept = {
+        (0x1017, 0): 100, (0x2000, 0): 1, (0x6041, 0): 1, (0x6064, 0): 1,
+        (0x6040, 0): 15, (0x6060, 0): 8, (0x608F, 1): 5, (0x6091, 2): 3, (0x6092, 1): 1,
+        (0x60B8, 0): 1, (0x60D0, 2): 1, (0x60E6, 1): 5, (0x60EB, 1): 5,
+        (0x605B, 0): 2, (0x605D, 0): 0, (0x6086, 0): 2, (0x6067, 0): None, (0x6072, 0): "1000",
+    }  # fmt: skip
+    od = ObjectDictionary()
+    for (index, sub), value in {**values, **kept}.items():
+        one = ODVariable(f"{index:X}sub{sub}", index, sub)
+        one.default = value
+        if not sub:
+            od.add_object(one)
+            continue
+        if index not in od:
+            od.add_object(ODRecord(f"{index:X}", index))
+        od[index].add_member(one)
+    found = {key: (name, value) for key, name, value in power_on_values(od)}
+    assert found == {
+        (0x6065, 0): ("following_window", 4711),
+        (0x607D, 1): ("software_limit_min", -5), (0x607D, 2): ("software_limit_max", 7),
+        (0x6099, 1): ("homing_speed_switch", 9), (0x6099, 2): ("homing_speed_zero", 3),
+        (0x605A, 0): ("quick_stop_option", 8), (0x6098, 0): ("homing_method", -4),
+        (0x60FF, 0): ("target_velocity", 0),
+    }  # fmt: skip
 
 
 def test_limits_and_access_are_those_of_the_file(bench: Any) -> None:

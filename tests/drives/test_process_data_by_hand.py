@@ -261,6 +261,27 @@ def test_a_telegram_of_every_nth_sync_may_stay_out_so_many_times_n(sparse: Spars
     assert sparse.steps(3) == []
 
 
+@pytest.mark.parametrize("missing_max", [0, 1, 3])
+@pytest.mark.parametrize(("can_id", "name", "period"), [(0x383, "TPDO3", 2), (0x483, "TPDO4", 3)])
+def test_each_telegram_is_counted_by_its_own_period(
+    sparse: Sparse, can_id: int, name: str, period: int, missing_max: int
+) -> None:
+    """The other one comes in every cycle; what has come once has not come for ever."""
+    frames = {0x383: bytes(4), 0x483: bytes(1)}
+    limit = period * (missing_max + 1)
+    for _ in range(2):
+        found = []
+        for cycle in range(limit + 2):
+            for other, data in frames.items():
+                if other != can_id or not cycle:
+                    sparse.wire._bring(other, data)
+            found += sparse.steps(1, missing_max)
+            assert len(found) == max(0, cycle - limit + 1), cycle
+        assert found == [(STAYED_OUT, name, missing_max + 1)] * 2
+        sparse.data.begin()
+        assert sparse.steps(1, missing_max) == []
+
+
 def test_a_value_stays_until_the_next_one_and_is_news_once(sparse: Sparse) -> None:
     assert sparse.data.values == {}
     for value in (5, -5):

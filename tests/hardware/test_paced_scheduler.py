@@ -1,7 +1,10 @@
 """Simulated time tied to real time, against a clock that the test moves."""
 
 from functools import partial
+from itertools import pairwise
 from typing import Any
+
+import pytest
 
 from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.bus.deadlines import BINS_US, Deadlines
@@ -148,6 +151,49 @@ def test_time_by_sync_goes_on_by_real_time_when_no_sync_comes(
     )
     bench.scheduler.run_until(31 * MS)
     assert 220 * MS <= ran[0] <= 240 * MS  # held at 6 ms for 200 ms, then by real time
+
+
+def _instants_of(bench: Any, arrivals: list[tuple[float, Any]], until_ms: float) -> list[float]:
+    """Let frames arrive at these ms of real time; return their instants of the run, ms."""
+    seen: list[float] = []
+    bench.segment.observe(lambda time_ns, *_: seen.append(time_ns / MS))
+    for time_ms, frame in arrivals:
+        bench.adapter.coming.append((bench.wall.now_ns + round(time_ms * MS), frame))
+    bench.scheduler.run_until(round(until_ms * MS))
+    return seen
+
+
+def test_frames_between_syncs_stay_between_them(make_bench: Any, make_frame: Any) -> None:
+    """Before the first SYNC by real time, then as long after their SYNC as they came; one that
+    comes when the next SYNC is overdue counts just before it.
+    """
+    bench = make_bench(slip_ns=100 * MS, sync_period_ns=lambda: MS)
+    sync, other = make_frame(SYNC), make_frame(TPDO)
+    found = _instants_of(
+        bench,
+        [(4, other), (5, sync), (5.3, other), (7.5, other), (7.6, other), (8, sync), (8.2, other),
+         (8.5, sync), (8.6, other), (30, sync), (30.4, other)], 8.5,
+    )  # fmt: skip
+    assert found == pytest.approx([4, 5, 5.3, 6, 6, 6, 6.2, 7, 7.1, 8, 8.4], abs=0.03)
+    assert found[3] < found[5]
+    assert found == sorted(found)
+    assert [found[k] - found[1] for k in (5, 7, 9)] == pytest.approx([1, 2, 3], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("periods", "steps"),
+    [([1, 2, 4, 3], [2, 4, 3]), ([1, 0, 3, 3], [0.7, 0.7, 3]), ([0, 3, 3, 0], [0.7, 3, 0.7])],
+)
+def test_the_period_by_sync_may_change_and_may_be_none(
+    make_bench: Any, make_frame: Any, periods: list[int], steps: list[float]
+) -> None:
+    """SYNCs 0.7 ms apart. A period of 0 is that of real time."""
+    heard: list[int] = []
+    bench = make_bench(slip_ns=100 * MS, sync_period_ns=lambda: periods[min(len(heard), 3)] * MS)
+    bench.segment.observe(lambda *_: heard.append(1))
+    sync = make_frame(SYNC)
+    found = _instants_of(bench, [(5, sync), (5.7, sync), (6.4, sync), (7.1, sync)], 16)
+    assert [b - a for a, b in pairwise(found)] == pytest.approx(steps, abs=0.03)
 
 
 def test_late_syncs_are_counted_from_the_plan_before_it_moved(make_bench: Any) -> None:

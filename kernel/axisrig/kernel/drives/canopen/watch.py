@@ -57,6 +57,7 @@ class LinkWatch(Cia402Watch):
         self._is_watching = True
         self._heard_ns = self._clock.now_ns
         self._has_booted, self._nmt_state = False, OPERATIONAL
+        self._is_started = False
         self._toggle, self._toggle_stuck = None, False
         self._link.begin()
         if self._settings.guard_ns:
