@@ -1,6 +1,6 @@
 """Two axes on one FMU: the stop of either side, and what an FMU does not report of a motion."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import pytest
 
@@ -9,6 +9,7 @@ from axisrig.kernel.cosim.fmi.fmu import FmuSlave, load_fmu
 from axisrig.kernel.cosim.fmi.role_table import roles_of
 from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles
 from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.outputs import AXIS_OUTPUTS
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS
 
@@ -38,14 +39,16 @@ def roles_with(slave: FmuSlave, suffix: str, *left_out: str) -> Roles:
     return map_roles(slave, "axis", sources | dict.fromkeys(left_out))
 
 
-def pair(plant: Plant, stop_of: str) -> tuple[PlantAxis, PlantAxis]:
+def pair(
+    plant: Plant, stop_of: str, absent_1: Sequence[str] = (), absent_2: Sequence[str] = ()
+) -> tuple[PlantAxis, PlantAxis]:
     """Both sides run at V_M_S; one of them has a stop at STOP_M."""
     slave = load_fmu(ensure_built("AxisRig.Drives.GantryPair"), "x")
     for name in (f"stop_position{suffix}" for suffix in SUFFIXES):
         slave.set_start(name, STOP_M if name.endswith(stop_of) else 1.0)
     slave.set_start("kv", 40.0)
-    first = plant.add_axis(slave, roles_with(slave, "_1"))
-    second = plant.add_axis_beside("x2", "x", roles_with(slave, "_2"))
+    first = plant.add_axis(slave, roles_with(slave, "_1", *absent_1))
+    second = plant.add_axis_beside("x2", "x", roles_with(slave, "_2", *absent_2))
     plant.initialize(0)
     for axis in (first, second):
         axis.command(0, 0.0, V_M_S, 60 * MS, enabled=True)
@@ -74,6 +77,29 @@ def test_the_stop_of_either_side_is_met_in_fine_steps(
     assert min(peaks) > 100.0
     assert peaks == [peaks[0]] * 3
     assert forces == [forces[0]] * 3
+
+
+@pytest.mark.parametrize("is_in_rows", [False, True])
+@pytest.mark.parametrize("left_out", [(("stop_face",), ()), ((), ("stop_force", "stop_face"))])
+def test_each_axis_has_the_outputs_of_its_own_side(
+    plant: Callable[[], Plant], left_out: tuple[tuple[str, ...], ...], is_in_rows: bool
+) -> None:
+    """One side reports less than the other; what the FMU says itself is the witness."""
+    first, second = pair(plant(), "none", *left_out)
+    second.command(0, 0.0, -V_M_S / 3, 60 * MS, enabled=True)
+    ends_ns = range(MS, 30 * MS + 1, MS)
+    if is_in_rows:
+        first.walk(ends_ns)
+    else:
+        for end_ns in ends_ns:
+            first.step_to(end_ns)
+    slave = first.slave
+    for axis, suffix, absent in zip((first, second), SUFFIXES, left_out, strict=True):
+        names = [name for name in AXIS_OUTPUTS if name not in absent and slave.has(name + suffix)]
+        assert len(names) == len(AXIS_OUTPUTS) - len(absent)
+        found = dict(zip(AXIS_OUTPUTS, axis.motion, strict=True))
+        assert found == {name: slave.get(name + suffix) if name in names else 0.0 for name in found}
+        assert axis.motion_at(15 * MS)[0] != axis.motion[0] != 0.0
 
 
 def test_far_from_any_stop_there_are_no_fine_steps(plant: Callable[[], Plant]) -> None:

@@ -181,6 +181,28 @@ def test_every_parameter_is_written_and_read_back(tmp_path: Path, kind: Kind) ->
     assert len(list(whole.items())) == len(table(kind).parameters)
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_every_axis_of_a_list_is_written_with_its_number_first(tmp_path: Path, count: int) -> None:
+    """The number may have been set last, or never; words are quoted where they have to be."""
+    words = ["Z", "a b", "X#1", "it's", 'say "Z"', ""]
+    parts = []
+    for number in range(count):
+        part = ParameterSet("axis")
+        part.load("kopf.log_achs_name", words[number], Origin("here", 1))
+        part.load("antr.function[0].id", words[-1 - number], Origin("here", 2))
+        if number != 1:
+            part.load("kopf.achs_nr", str(number + 4), Origin("here", 3))
+        parts.append(part)
+    path = tmp_path / "axes.lst"
+    write_list(parts, path)
+    again = read_sections(path, "axis")
+    assert [part.integer("kopf.achs_nr") for part in again] == [
+        part.integer("kopf.achs_nr") for part in parts
+    ]
+    for name in ("kopf.log_achs_name", "antr.function[0].id"):
+        assert [part.word(name) for part in again] == [part.word(name) for part in parts]
+
+
 NAMES = [name for kind in KINDS for name in table(kind).paths()]
 words = st.one_of(
     st.sampled_from(NAMES),
