@@ -103,6 +103,36 @@ def test_a_type_has_what_it_is_made_from() -> None:
     assert found.attributes(same) == {}
 
 
+@pytest.mark.parametrize(
+    ("written", "name"),
+    [
+        ("Way", "Way"), ("WayInput", "Way"), ("Second", "Way"), ("Third", "Way"),
+        ("FarInput", "Far"), ("Real", None), ("Bus", None), ("Absent", None),
+    ],
+)  # fmt: skip
+def test_the_type_of_a_variable_is_looked_for_through_its_connectors(
+    written: str, name: str | None
+) -> None:
+    text = """package Lib
+  type Way = Real(unit = "m");
+  type Far = Way(nominal = 5);
+  connector WayInput = input Way;
+  connector Second = WayInput;
+  connector Third = output Second;
+  connector FarInput = input Far;
+  connector Bus Real x; end Bus;
+  // \u00e4: two bytes
+  model Part
+    """
+    found, ir = texts(f"{text}{written} x;\n  end Part;\nend Lib;")
+    start = len(text.encode())
+    for source, expected in ((1, name and f"Lib.{name}"), (2, None)):
+        span = {"source": source, "start": start, "end": start + len(f"{written} x")}
+        kind = found.declared_type(ir, {"declaration": {"span": span}})
+        assert (kind.name if kind else None) == expected
+    assert found.declared_type(ir, {"declaration": {}}) is None
+
+
 def test_what_a_model_is_made_of() -> None:
     found, _ = texts()
     assert [each.name for each in found.bases("Lib.Inner.Part")] == ["Lib.Inner.Part", "Lib.Base"]
@@ -342,7 +372,8 @@ def test_arrays_become_scalars_side_by_side() -> None:
 
 
 def test_what_outputs_depend_on() -> None:
-    """y0 a state; y1 = y0 + p0, y2 = y1 * time, y3 = p2 (before: p3), p1 by a relation of p0."""
+    """y0 a state; y1 = y0 + p0, y2 = y1 * time, y3 = p2 (before: p3), p1 by a relation of p0
+    and by what is written to its memory."""
 
     def row(vector: str, index: int, e: Any) -> Any:
         return SimpleNamespace(vector=vector, index=index, value=e)
@@ -353,18 +384,20 @@ def test_what_outputs_depend_on() -> None:
                     row("y", 2, apply("Mul", variable(1), TIME)), row("y", 3, parameter(2)),
                     row("y", 5, parameter(1)), row("y", 6, parameter(5)),
                     row("y", 7, variable(8))],
-        runtime=[], updates=[row("p", 2, parameter(3))], whens=[], conditions=[],
+        runtime=[], updates=[row("p", 2, parameter(3))], whens=[],
+        conditions=[row("p", 1, parameter(6))],
         relations=[SimpleNamespace(memory=1, function=apply("Sub", parameter(0), parameter(4)))],
         schedules=[(5, None)], previous=[(3, "p", 2)],
     )  # fmt: skip
     made = [
         shown(name="in0", causality="input", vector="p", index=0, reference=2),
         shown(name="in4", causality="input", vector="p", index=4, reference=3),
+        shown(name="in6", causality="input", vector="p", index=6, reference=4),
         *(shown(name=f"y{n}", index=n, reference=10 + n) for n in range(8) if n != 4),
         shown(name="inner", causality="local", index=1, reference=30),
     ]
     assert output_dependencies(system, made) == {
-        10: (), 11: (2,), 12: (1, 2), 13: (), 15: (2, 3), 16: (1,), 17: None,
+        10: (), 11: (2,), 12: (1, 2), 13: (), 15: (2, 3, 4), 16: (1,), 17: None,
     }  # fmt: skip
 
 

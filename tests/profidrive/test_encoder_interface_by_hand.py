@@ -68,6 +68,21 @@ def test_each_run_is_armed_by_its_own_telegram() -> None:
         assert control.is_clear
 
 
+def test_a_value_that_was_read_in_the_run_before_is_no_first_reading_of_this_one() -> None:
+    """The run ends after one reading; the next one latches the same place at once."""
+    control = clear()
+    measured(control, 7)
+    control.disarm()
+    cycles(control, *[(VALUE, 7)] * 3, *[(0, 0)] * 4)
+    control.arm()
+    cycles(control, (0, 0), (0, 0), (VALUE, 0))
+    assert control.control == READING
+    cycles(control, (VALUE, 7), (VALUE, 7))
+    assert control.increments is None
+    cycles(control, (VALUE, 7))
+    assert control.increments == 7
+
+
 def test_a_run_is_armed_only_once_the_drive_shows_the_function() -> None:
     control = clear()
     control.arm()
