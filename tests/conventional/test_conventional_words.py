@@ -1,9 +1,13 @@
 """A conventional drive at a card of the control: latches for both edges, own power; both ends."""
 
+from dataclasses import replace
+
 import pytest
-from tests.speed_drive.ends import MILLISECOND, Ends
+from tests.speed_drive.ends import MILLISECOND, SETTINGS, Ends
 
 from axisrig.bench.drive.conventional.unit import CounterCard
+from axisrig.kernel.drives.conventional.link import ConventionalDrive
+from axisrig.kernel.drives.cyclic.carrier import ImagePort
 from axisrig.kernel.profiles.conventional import words
 
 
@@ -50,3 +54,28 @@ def test_the_level_of_the_input_is_known(edge: str, level: bool, is_actuated: bo
     for _ in range(10):
         ends.cycle()
     assert ends.link.is_actuated is is_actuated
+
+
+@pytest.mark.parametrize(("edge", "other"), [("POS", "NEG"), ("NEG", "POS")])
+def test_the_value_of_an_edge_counts_with_its_own_valid_bit(edge: str, other: str) -> None:
+    """That of the other edge, and its bit, say nothing; the value has to come twice."""
+    port = ImagePort()
+    link = ConventionalDrive(replace(SETTINGS, echo_cycles=1), port)
+    link.choose_latch(1, edge)
+    found = []
+    for status, value in (
+        (0, 0), (0, 0), (words.ENABLE[other], 4096), (words.ENABLE[edge], 819),
+        (words.ENABLE[edge] | words.ENABLE[other], 819),
+    ):  # fmt: skip
+        image = {"STATUS": status, words.VALUE[edge]: value, words.VALUE[other]: -value}
+        port.receive(words.FROM_CARD.packed(image))
+        link.take()
+        link.send(0.0)
+        if link.is_clear:
+            link.arm()
+            link.send(0.0)
+        assert port.outputs is not None
+        enabled = words.TO_CARD.values_of(port.outputs)["ENABLE"]
+        assert enabled == (words.ENABLE[edge] if link.is_probing else 0)
+        found.append((link.has_latched, link.latched_mm))
+    assert found == [(False, None)] * 3 + [(True, None), (True, 819 / 409.6)]

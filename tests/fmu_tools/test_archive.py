@@ -223,8 +223,9 @@ def test_a_list_of_entries_that_is_too_long_is_not_even_read(pack: Pack, refused
     assert "too many entries" in refused(path)
 
 
-def test_entries_that_share_their_bytes(pack: Pack, refused: Refused) -> None:
-    path = pack(("resources/a", b"a" * 500), ("resources/b", b"a" * 500))
+@pytest.mark.parametrize("size", [500, 1, 0])
+def test_entries_that_share_their_bytes(pack: Pack, refused: Refused, size: int) -> None:
+    path = pack(("resources/a", b"a" * size), ("resources/b", b"a" * size))
     raw = bytearray(path.read_bytes())
     first = raw.index(b"resources/a") - 30
     struct.pack_into("<I", raw, raw.rindex(b"resources/b") - 46 + 42, first)

@@ -8,7 +8,7 @@ import pytest
 from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.slave_data import Silent
 from axisrig.kernel.drives.mapped import MappedObject
-from axisrig.kernel.drives.power import Power, PowerOrder
+from axisrig.kernel.drives.power import Power, PowerOrder, PowerRequest
 from axisrig.kernel.drives.sercos.accesses import SercosAccesses
 from axisrig.kernel.drives.sercos.data import TelegramData
 from axisrig.kernel.drives.sercos.link import SercosDrive
@@ -120,6 +120,32 @@ def test_the_control_word_leads_it_and_toggles_with_each_cycle() -> None:
         *(0, ON | ENABLE | RUN, ON | ENABLE | RUN, ON | ENABLE, 0),
     ]
     assert [bool(word & TOGGLE) for word in sent] == [True, False, True, False, True]
+
+
+MOVES, HALTS = ON | ENABLE | RUN, ON | ENABLE
+
+
+@pytest.mark.parametrize(
+    ("request_", "words"),
+    [
+        # S-0-0134 where the drive has power, operates, operates without following, has a fault
+        (PowerRequest.OFF, (0, 0, 0, 0)), (PowerRequest.RELEASE, (0, 0, 0, 0)),
+        (PowerRequest.ON, (MOVES, MOVES, MOVES, 0)), (PowerRequest.KEEP, (0, MOVES, MOVES, 0)),
+        (PowerRequest.STOP, (0, HALTS, HALTS, 0)),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("acknowledges", [False, True])
+def test_what_the_drive_gets_is_in_the_table_of_requests(
+    request_: PowerRequest, words: tuple[int, ...], acknowledges: bool
+) -> None:
+    """KEEP and STOP go on with what it does, and never lead it into operation; see `power.csv`."""
+    for status, word in zip((0x8000, OPERATES | FOLLOWS, OPERATES, C1D), words, strict=True):
+        bench = Bench()
+        bench.drive.request = request_
+        bench.drive.acknowledges_faults = acknowledges
+        assert bench.cycle(status) & ~TOGGLE == word, status
+        is_reset = status == C1D and acknowledges
+        assert bench.channel.asked == [(99, b"\3\0")] * is_reset
 
 
 def test_what_a_fault_says_is_two_numbers_and_a_text() -> None:
