@@ -13,8 +13,8 @@ from axisrig.bench.plan import assignment
 from axisrig.kernel.cosim.fmi import roles
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_fmu
 from axisrig.kernel.cosim.fmi.role_table import role_table
-from axisrig.kernel.cosim.fmi.roles import Source, guess_kind, map_roles
-from axisrig.kernel.cosim.fmi.units import known_units, unit_of
+from axisrig.kernel.cosim.fmi.roles import Bound, Source, guess_kind, map_roles
+from axisrig.kernel.cosim.fmi.units import Unit, known_units, unit_of
 from axisrig.kernel.errors import UserError
 
 AXIS = {"demand": Source("control.s_set"), "position": Source("table.s")}
@@ -67,6 +67,53 @@ def test_rotation_stands_for_a_travel_by_its_lead(table: FmuSlave) -> None:
     motor.read()
     assert table.get("motor.phi") == pytest.approx(math.pi / 2)
     assert list(motor.values) == pytest.approx([0.0025, -0.010])
+
+
+FAHRENHEIT = (5 / 9, 459.67 * 5 / 9)
+
+
+@pytest.mark.parametrize(
+    ("factor", "offset", "value", "si"),
+    [
+        (1.0, 0.0, -3.0, -3.0), (1e-3, 0.0, 250.0, 0.25), (1.0, 273.15, -40.0, 233.15),
+        (*FAHRENHEIT, -40.0, 233.15), (*FAHRENHEIT, 212.0, 373.15),
+        (-1e-3, 0.5, 100.0, 0.4),
+    ],
+)  # fmt: skip
+def test_a_value_has_its_factor_first_and_its_offset_then(
+    factor: float, offset: float, value: float, si: float
+) -> None:
+    """FMI 3.0, 2.4.3: base unit = factor * unit + offset; and back again."""
+    for known in (Unit("u", (0,) * 8, factor, offset), Bound("v", factor, offset)):
+        assert known.to_si(value) == pytest.approx(si, abs=1e-12)
+        assert known.from_si(si) == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sign", "lead_m", "exponents", "found"),
+    [
+        (1, None, "m", 0.6), (-1, None, "m", -0.6),
+        (1, 0.01, "rad", 0.6 * 0.01 / (2 * math.pi)), (-1, 0.01, "rad", -0.003 / math.pi),
+    ],
+)  # fmt: skip
+def test_sign_and_lead_are_of_the_whole_value(
+    sign: int, lead_m: float | None, exponents: str, found: float
+) -> None:
+    """A unit that counts in thousandths from a mark at 0.5: 100 of it are 0.6."""
+    base = SimpleNamespace(
+        **dict.fromkeys(("kg", "m", "s", "A", "K", "mol", "cd", "rad"), 0)
+        | {exponents: 1, "factor": 1e-3, "offset": 0.5}
+    )
+    variable: Any = SimpleNamespace(
+        name="v", unit="tick", declaredType=None, causality="output", type="Float64", shape=None
+    )
+    slave: Any = SimpleNamespace(
+        description=SimpleNamespace(unitDefinitions=[SimpleNamespace(name="tick", baseUnit=base)]),
+        variable=lambda _name: variable, TYPES=("Float64",),
+    )  # fmt: skip
+    role = next(role for role in role_table() if role.role == "position")
+    bound = roles.bind(slave, "position", role, Source("v", sign=sign, lead_m=lead_m))
+    assert bound.to_si(100.0) == pytest.approx(found, rel=1e-12)
 
 
 def test_offset_of_a_unit_counts_and_its_display_unit_does_not(

@@ -73,6 +73,11 @@ def test_an_expedited_write_is_one_frame_each_way(data: bytes, frame: str) -> No
     assert results == [b""]
     assert client.latency_ns == MS
     assert not client.is_busy
+    for at_ns in (50 * MS, 60 * MS):  # of the last transfer alone
+        server.clock.run_until(at_ns)
+        client.write(int.from_bytes(written[1:3], "little"), 0, data, results.append)
+        server.clock.run_until(at_ns + 5 * MS)
+        assert client.latency_ns == MS
 
 
 @pytest.mark.parametrize(

@@ -119,6 +119,26 @@ def test_the_drive_watches_the_rpdos_that_come_with_every_sync_and_no_others() -
 
 
 @pytest.mark.parametrize(
+    "types", [{"TPDO1": 1}, {"TPDO2": 3, "TPDO3": 254}, {"TPDO1": 0, "TPDO2": 1, "TPDO4": 255}]
+)
+def test_tpdos_that_nobody_uses_are_switched_off_and_the_others_while_they_are_mapped(
+    types: dict[str, int],
+) -> None:
+    """CiA 301, 7.5.2.35: 18xx:1 with bit 31; identifiers of the predefined connection set."""
+    inputs = (MappedObject(0x60FD, 0, 32, False, ""),)
+    maps = {name: Telegram(name, number, 0, inputs) for name, number in types.items()}
+    od = object_dictionary(NODE, DriveProfile())
+    steps = start_up_steps(StartUpSettings(), BusSettings(), maps, NODE, SCALING, od)
+    off = 1 << 31
+    for number in range(1, 5):
+        index, cob_id = 0x17FF + number, 0x80 + 0x100 * number + NODE
+        values = [value for at, sub, value in _writes(steps) if (at, sub) == (index, 1)]
+        written = [value & (off | 0x7FF) for value in values]  # bit 30: remote requests
+        is_used = f"TPDO{number}" in types
+        assert written == ([cob_id | off, cob_id] if is_used else [cob_id | off]), number
+
+
+@pytest.mark.parametrize(
     ("settings", "message"),
     [
         (StartUpSettings(writes=[(0x5FFF, 0, 1)]), "no such object"),

@@ -109,6 +109,29 @@ def test_a_message_is_written_again_until_the_slave_has_it(made: Port) -> None:
     assert made.port.waits
 
 
+def test_messages_are_counted_from_1_to_7_and_then_from_1_again(made: Port) -> None:
+    """ETG.1000.4, mailbox header: 3 bits of counter, 0 is of slaves that count nothing.
+
+    One that is written again keeps its number: by it the slave knows that it has it already.
+    """
+    heads = []
+    for number in range(16):
+        kind = MailboxType.COE if number % 3 else MailboxType.SOE
+        made.port.send(kind, [b"message"])
+        for _ in range(2):
+            (message,) = made.line.asked[0][0]
+            heads.append(MAILBOX.unpack_from(message.data))
+            made.line.lost() if len(heads) % 2 else made.line.taken()
+            made.wait(0.2)
+        made.port.end()
+        made.line.asked.clear()
+    counters = [1, 2, 3, 4, 5, 6, 7, 1, 2, 3, 4, 5, 6, 7, 1, 2]
+    assert [head[:3] for head in heads] == [(7, 0, 0)] * 32
+    assert [head[3] >> 4 for head in heads] == [count for count in counters for _ in range(2)]
+    kinds = [MailboxType.COE if number % 3 else MailboxType.SOE for number in range(16)]
+    assert [head[3] & 0xF for head in heads] == [kind for kind in kinds for _ in range(2)]
+
+
 def test_a_full_mailbox_after_a_lost_frame_shows_that_the_slave_has_the_message(
     made: Port,
 ) -> None:
