@@ -127,6 +127,47 @@ def test_a_slave_without_a_drive_stops_the_first_drive_once(late: list[int]) -> 
 
 
 @pytest.mark.parametrize(
+    ("without", "silent", "reference", "failed"),
+    [
+        ("", "", "X", ""), ("X", "", "Y", "X"), ("Y", "", "X", "Y"), ("XY", "", "Z", "XY"),
+        ("XYZ", "", None, "XYZ"), ("", "X", None, "X"), ("", "Z", None, "Z"),
+        ("X", "YZ", None, "XYZ"), ("Y", "X", None, "XY"),
+    ],
+)  # fmt: skip
+def test_the_first_clock_of_a_line_is_its_reference_if_all_have_answered(
+    without: str, silent: str, reference: str | None, failed: str
+) -> None:
+    """Bit 2 of 0008 says that there is one. With a silent one no clock is written to."""
+    waiting = Waiting([0, 0, 0])
+    names = dict(zip((1001, 1002, 1003), "XYZ", strict=True))
+    written = set()
+
+    def answer(each: Any) -> Answer:
+        name, register = names.get(each.address & 0xFFFF, ""), each.address >> 16
+        if each.command is not Command.FPRD:
+            written.add(register)
+            return Answer(b"", 1)
+        if register == 0x0008:
+            return Answer(bytes((0 if name in without else 4, 0)), 1)
+        return Answer(bytes(len(each.data)), 0 if name in silent else 1)
+
+    steps, found, given = waiting.start._set_clocks(), None, None
+    while given is None:
+        try:
+            step = steps.send(found)
+        except StopIteration as end:
+            given = (end.value,)
+        else:
+            assert isinstance(step, Ask)
+            found = [answer(each) for each in step.datagrams]
+    assert [reference and {v: k for k, v in names.items()}[reference]] == [*given]
+    assert {axis: alarm and alarm.id for axis, alarm in waiting.alarms.items()} == dict.fromkeys(
+        failed, 900706
+    )
+    assert (0x0920 in written) is (reference is not None)  # offset of the system time
+
+
+@pytest.mark.parametrize(
     ("now_ns", "start_ns"), [(0, 10 * MS), (1, 11 * MS), (MS, 11 * MS), (7 * MS - 1, 17 * MS)]
 )
 def test_sync0_of_all_drives_begins_at_one_instant_of_the_grid(now_ns: int, start_ns: int) -> None:
