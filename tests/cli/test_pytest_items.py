@@ -21,6 +21,7 @@ from axisrig.bench.campaign.pytest_plugin import (
     PlanFile,
     RowItem,
     StatisticItem,
+    _Plans,
     has_conftest,
     is_plan,
 )
@@ -192,6 +193,43 @@ def test_a_folder_is_one_of_plans_by_the_hook_of_its_own_conftest(tmp_path: Path
     )
     found = [has_conftest(manager, tmp_path / folder) for folder in "abcd"]
     assert found == [True, False, False, False]
+
+
+def test_a_table_is_collected_where_it_is_a_plan_in_a_folder_of_plans(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where there is no entry point: a plan elsewhere is none of ours, another table nowhere."""
+    conftest = SimpleNamespace(
+        __file__=str(tmp_path / "plans/conftest.py"),
+        pytest_addoption=pytest_plugin.pytest_addoption,
+    )
+    plans = _Plans(SimpleNamespace(get_plugins=lambda: [conftest]))  # type: ignore[arg-type]
+    monkeypatch.setattr(
+        PlanFile, "from_parent", classmethod(lambda cls, parent, path: (cls, parent, path))
+    )
+    parent: Any = object()
+    for folder, name, text, is_one in (
+        ("plans", "a.csv", "case,program,rig\n", True),
+        ("plans", "b.csv", "case,limit\n", False),
+        ("plans/below", "c.csv", "case,program,rig\n", False),
+        ("other", "d.csv", "case,program,rig\n", False),
+    ):
+        path = tmp_path / folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        found: Any = plans.pytest_collect_file(path, parent)
+        assert found == ((PlanFile, parent, path) if is_one else None), name
+
+
+@pytest.mark.parametrize("texts", [[], ["a: bench of an older axisrig", "b: kernel of one"]])
+def test_pytest_names_at_its_end_what_an_older_axisrig_has_left(
+    texts: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pytest_plugin, "leftovers", lambda: texts)
+    for write in (pytest_plugin.write_leftovers, _Plans(object()).pytest_terminal_summary):  # type: ignore[arg-type]
+        lines: list[str] = []
+        write(SimpleNamespace(write_line=lines.append))
+        assert lines == [f"axisrig: {text}" for text in texts]
 
 
 def test_each_row_is_an_item_and_statistics_share_what_runs_have_given(

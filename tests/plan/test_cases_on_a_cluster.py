@@ -1,5 +1,6 @@
 """A case on its way to a worker of a cluster and back, in this process: nothing is run."""
 
+import os
 import pickle
 from collections.abc import Mapping
 from dataclasses import replace
@@ -144,6 +145,56 @@ def test_a_foreign_rig_runs_beside_the_worker(
     monkeypatch.setattr(cluster, "_run_beside", run("beside"))
     cluster._work(pickle.dumps(parcel), contents)
     assert ran == ["beside" if is_apart else "here"]
+
+
+def test_a_run_of_a_worker_has_its_limits_and_leaves_its_signals_in_files(
+    case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a search those of every probe too: what goes back is what can be sent."""
+    asked: dict[str, Any] = {}
+    probes = [CaseResult(case, Verdict.PASS, [], series=object()) for _ in range(2)]  # type: ignore[arg-type]
+    whole = CaseResult(case, Verdict.FAIL, [], series=object(), probes=tuple(probes))  # type: ignore[arg-type]
+
+    def run_cases(cases: Any, files_of: Any, **given: Any) -> Any:
+        asked.update(given, cases=cases, files=files_of(case.run))
+        return iter([whole])
+
+    monkeypatch.setattr(cluster, "run_cases", run_cases)
+    files, limits = RunFiles(rig="r"), Limits(5.0, [case.rig], 7.0)
+    assert cluster._run(cluster._Order(case, files, limits, no_stopwatch)) is whole
+    assert asked == {
+        "cases": [case], "files": files, "limits": limits, "stopwatch": no_stopwatch
+    }  # fmt: skip
+    assert [one.series for one in (whole, *probes)] == [None] * 3
+
+
+@pytest.mark.parametrize("code", [0, -9, 3])
+def test_the_process_beside_a_worker_hands_over_its_result_or_costs_its_row(
+    code: int, case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it writes to its standard error is the log of a run that it could not end."""
+    order = cluster._Order(case, RunFiles(), Limits(), no_stopwatch)
+    watched: list[int] = []
+    monkeypatch.setattr(cluster, "end_with", watched.append)
+    monkeypatch.setattr(
+        cluster, "_run", lambda one: CaseResult(one.case, Verdict.MARGINAL, [], error="of the run")
+    )
+
+    def run(command: list[str], **_: Any) -> Any:
+        assert command[:2] == [cluster.sys.executable, "-c"]
+        if code == 0:
+            exec(command[2], {})
+        return SimpleNamespace(returncode=code, stderr=b"one\ntwo \xff\n")
+
+    monkeypatch.setattr(cluster.subprocess, "run", run)
+    result = cluster._run_beside(order)
+    if code == 0:
+        assert (result.verdict, result.error, result.log) == (Verdict.MARGINAL, "of the run", [])
+        assert watched == [os.getpid()]
+    else:
+        assert (result.case, result.verdict) == (case, Verdict.ERROR)
+        assert result.error == f"the process of the run ended: exit code {code}"
+        assert result.log == ["one", "two \N{REPLACEMENT CHARACTER}"]
 
 
 def test_a_worker_with_other_sources_runs_nothing(

@@ -190,6 +190,26 @@ def test_a_commit_that_was_left_is_carried_out_however_far_it_had_come(
     assert not (filled / NEW).exists()
 
 
+@pytest.mark.parametrize("has_commit", [True, False])
+def test_what_a_full_disk_kept_from_its_place_stays_for_the_next_campaign(
+    filled: Path, has_commit: bool
+) -> None:
+    """The new results of r1 are written and not yet in their place when the folder is closed."""
+    results = opened(filled)
+    new = results.path_of("traces", "r1", ".parquet")
+    new.write_text("new", encoding="utf-8")
+    if has_commit:
+        commit = Commit("r1", ["traces/r1.parquet"], case("r1", "fail"), [check("r1", "9")])
+        (new.parents[1] / f"r1{COMMIT}").write_text(commit.text, encoding="utf-8")
+    results.close()
+    assert new.exists() is (filled / NEW).exists() is has_commit
+    opened(filled).close()
+    assert dict(rows(filled, "cases.csv"))["r1"] == ("fail" if has_commit else "pass")
+    text = (filled / "traces/r1.parquet").read_text(encoding="utf-8")
+    assert text == ("new" if has_commit else "a")
+    assert not (filled / NEW).exists()
+
+
 def test_without_a_commit_nothing_is_recovered(filled: Path) -> None:
     before = (filled / "cases.csv").stat().st_mtime_ns
     (filled / NEW / "campaign-y" / "traces").mkdir(parents=True)

@@ -67,3 +67,71 @@ def test_a_process_ends_with_the_one_that_has_started_it(monkeypatch: pytest.Mon
     assert called == [asked]
     worker.end_with(78)
     assert called == [asked, asked, 1]
+
+
+class GoneError(BaseException):
+    """This process ends."""
+
+
+class Ends:
+    """The end of a channel that belongs to another process."""
+
+    def __init__(self, did: list[Any], number: int) -> None:
+        self._did, self._number = did, number
+
+    def close(self) -> None:
+        self._did.append(f"close {self._number}")
+
+
+@pytest.mark.parametrize("error", [EOFError(), BrokenPipeError()])
+def test_a_worker_makes_itself_ready_and_works_until_nobody_is_there(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """First it lets go of the channels of others; its answers go to its own from then on."""
+    did: list[Any] = []
+    orders = iter(["a", "b"])
+
+    def recv() -> str:
+        order = next(orders, None)
+        if order is None:
+            raise error
+        return order
+
+    def leave(code: int) -> None:
+        did.append(("exit", code))
+        raise GoneError
+
+    pipe: Any = SimpleNamespace(recv=recv)
+    others = {Ends(did, number) for number in (1, 2)}
+    monkeypatch.setattr(worker, "PARENT_ENDS", others)
+    monkeypatch.setattr(worker, "_ANSWERS", ["of another"])
+    monkeypatch.setattr(worker, "end_with", lambda parent: did.append(("parent", parent)))
+    monkeypatch.setattr(worker.faulthandler, "disable", lambda: did.append("no stacks"))
+    monkeypatch.setattr(worker.signal, "signal", lambda *given: did.append(given))
+    monkeypatch.setattr(worker, "share_session_folder", did.append)
+    monkeypatch.setattr(worker.gc, "freeze", lambda: did.append("freeze"))
+    monkeypatch.setattr(worker.os, "_exit", leave)
+    monkeypatch.setattr(
+        worker, "_answer", lambda to, order: did.append((to, order, list(worker._ANSWERS)))
+    )
+    with pytest.raises(GoneError):
+        worker.work(pipe, tmp_path, 77)
+    assert {*did[:2]} == {"close 1", "close 2"}
+    assert did[2:] == [
+        ("parent", 77), "no stacks", (signal.SIGINT, signal.SIG_IGN),
+        (signal.SIGTERM, signal.SIG_DFL), tmp_path, "freeze", (pipe, "a", [pipe]),
+        (pipe, "b", [pipe]), ("exit", 1),
+    ]  # fmt: skip
+    assert not worker.PARENT_ENDS
+
+
+def test_a_line_goes_to_who_started_the_process(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent: list[Any] = []
+    monkeypatch.setattr(worker, "send", lambda *given: sent.append(given))
+    monkeypatch.setattr(worker, "_ANSWERS", [])
+    worker.say("here")
+    monkeypatch.setattr(worker, "_ANSWERS", ["pipe"])
+    worker.say("apart")
+    assert (capsys.readouterr().out, sent) == ("here\n", [("pipe", worker.Line("apart"))])

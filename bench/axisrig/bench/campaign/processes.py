@@ -188,7 +188,8 @@ class _Crew:
             elif isinstance(said, Answer):
                 if said.lowered:
                     reason = f"{said.error}; it had lowered limits of its process: {said.lowered}"
-                    said = Answer(Died(reason, log=_printed(worker)))
+                    answer = Answer(Died(reason, log=_printed(worker)))
+                    return self._take(worker, answer, is_last=True)  # its limits stay lowered
                 return self._take(worker, said, is_last=False)
             else:
                 break

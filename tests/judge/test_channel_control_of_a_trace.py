@@ -1,0 +1,176 @@
+"""3D distance control of a recording: what it reads, is to hold, how old it is, what it answers."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from tests.recordings import MS, kept
+from tests.reports import tilted
+from tests.reports.tilted import AXES, OFF, ON, ROWS, STEP, left
+
+from axisrig.bench.judge.distance.tool import ToolTruth, axes_of
+from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.oracles.distance.cycles import NotMeasurableError
+from axisrig.bench.oracles.distance.lists import CHANNEL
+from axisrig.bench.record.axes import PlantRecord, PlantValue
+from axisrig.bench.record.distance import PlcSensor
+from axisrig.bench.record.facts import Facts
+
+AT = np.arange(ROWS)
+SHOWN_MM = {"sensor_mm": 0.0 * AT, "set_dist_mm": 60.0 + 0 * AT}
+
+
+def truth(columns: dict[str, Any] | None = None, of: Facts | None = None) -> ToolTruth:
+    """columns: of the channel; those that the recording has are replaced."""
+    table = tilted.trace()
+    for name, values in {**SHOWN_MM, **(columns or {})}.items():
+        column = name if "." in name else f"{CHANNEL}.{name}"
+        if column in table.column_names:
+            table = table.drop_columns([column])
+        table = table.append_column(column, pa.array(values))
+    return ToolTruth(CHANNEL, Observed(of or left(), kept(table)))
+
+
+def with_axes(**changes: dict[str, Any]) -> Facts:
+    of = left()
+    axes = {name: replace(axis, **changes.get(name, {})) for name, axis in of.axes.items()}
+    return replace(of, axes=axes)
+
+
+# What it is to hold
+
+
+def test_the_gap_that_is_wanted_is_over_the_tool_or_over_the_surface() -> None:
+    """SET_DIST cos 35, which an inclined tool is nearer; or where the program was, less SET_POS."""
+    constant = truth().wanted_gap_mm
+    assert constant[ON + 2 : OFF] == pytest.approx(60.0 * math.cos(math.radians(35.0)))
+    state = np.where((AT >= ON) & (AT < OFF), float(ACTIVE), 0.0)
+    surface = truth({"distance_state": state, "set_pos_mm": 12.0 + 0.01 * AT})
+    program_mm = surface.program_mm
+    rows = slice(ON + 2, OFF)
+    wanted = program_mm[ON : OFF - 2] - (12.0 + 0.01 * AT[rows])
+    assert surface.wanted_gap_mm[rows] == pytest.approx(wanted)
+    # Before the first cycle of the demand the program stood where it began
+    assert surface.wanted_gap_mm[0] == pytest.approx(program_mm[0] - 12.0)
+
+
+@pytest.mark.parametrize("offset", [0, 25_000, -5000])
+def test_without_ref_the_sensor_value_is_0_at_the_offset_of_the_list(offset: int) -> None:
+    """Of the channel it counts as the distance does: upwards (P-CHAN-00805, in 0.1 um)."""
+    of = left()
+    of = replace(of, channel={**of.channel, "dist_ctrl[0].ref_offset": offset})
+    seen, plain = truth(of=of), truth()
+    assert seen.zero_mm == pytest.approx(offset / 1e4)
+    assert seen.wanted_gap_mm[ON:OFF] == pytest.approx(plain.wanted_gap_mm[ON:OFF] + offset / 1e4)
+
+
+# How old its values are
+
+
+@pytest.mark.parametrize(
+    ("late", "fresh", "delay", "late_cycles", "age"),
+    [
+        ({}, {}, 0, 0, 0),
+        ({}, {}, 2, 0, 2),
+        ({"X": 1, "Z": 3, "A": 2}, {}, 0, 3, -3),  # 6064 of the latest axis is older
+        ({"X": 1, "Z": 3, "A": 2}, {"X": 1, "Z": 1}, 0, 3, -2),
+        ({"Y": 2}, {"Y": 2}, 1, 2, 1),
+    ],
+)
+def test_the_latest_axis_says_how_old_a_value_of_the_plc_is_beside_the_positions(
+    late: dict[str, int], fresh: dict[str, int], delay: int, late_cycles: int, age: int
+) -> None:
+    changes = {
+        name: {"late_cycles": late.get(name, 0), "fresh_late_cycles": fresh.get(name, 0)}
+        for name in AXES
+    }
+    of = with_axes(**changes)
+    of = replace(of, plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, delay)})
+    seen = truth(of=of)
+    assert (seen.late_cycles, seen.sensor_age_cycles) == (late_cycles, age)
+    assert (seen.every, seen.sensor_name) == (1, "gap")
+
+
+@pytest.mark.parametrize(("sign", "is_right"), [(1, True), (-1, False)])
+def test_a_value_of_the_channel_grows_when_the_tool_lifts(sign: int, is_right: bool) -> None:
+    of = replace(left(), plc_sensors={"V.E.SENSOR": PlcSensor("gap", sign, 0)})
+    assert truth(of=of).counts_right is is_right
+    bare = truth(of=replace(left(), plc_sensors={}))
+    assert (bare.counts_right, bare.sensor_name) == (True, "")
+
+
+@pytest.mark.parametrize("first", ["x", "z"])
+def test_the_loops_of_the_first_drive_that_has_some_are_those_of_the_control(first: str) -> None:
+    """Of two plants with values one follows its set position at once: it has no gain."""
+    plants = {
+        "x": PlantRecord({"mass": PlantValue(5.0)}),
+        "y": PlantRecord(),
+        "z": PlantRecord({"mass": PlantValue(7.0), "kv": PlantValue(40.0)}),
+    }
+    names = [first, *(name for name in plants if name != first)]
+    seen = truth(of=replace(left(), plants={name: plants[name] for name in names})).values
+    assert seen is not None
+    assert seen.get("mass") == 7.0
+    bare = truth(of=replace(left(), plants={name: plants[name] for name in "yx"})).values
+    assert bare is not None
+    assert bare.get("mass") == 5.0
+    assert truth(of=replace(left(), plants={"y": plants["y"]})).values is None
+
+
+# Its answer to a step
+
+
+def stepped(seen_row: int, shown_row: int, size_mm: float = 1.5) -> dict[str, Any]:
+    """The sensor value steps, and back when the axes are there; 0.5 um of noise beside it."""
+    sensor = np.where((seen_row <= AT) & (shown_row > AT), size_mm, 0.0) + 0.0005 * (AT % 2)
+    return {"sensor_mm": sensor}
+
+
+@pytest.mark.parametrize(("reaction", "way"), [(0, 2), (1, 2), (3, 4)])
+@pytest.mark.parametrize("size_mm", [1.5, -1.5])
+def test_dead_cycles_are_from_the_value_that_steps_to_the_one_that_shows_the_answer(
+    reaction: int, way: int, size_mm: float
+) -> None:
+    """The offset is sent with the set positions of row 400."""
+    found = truth(stepped(STEP - reaction, STEP + way, size_mm)).measured_dead()
+    assert (found.cycles.reaction, found.cycles.way) == (reaction, way)
+    assert found.seen_ns == (STEP - reaction) * MS
+    assert found.shown_ns == (STEP + way) * MS
+
+
+def test_a_step_before_the_control_is_on_or_without_it_shows_nothing() -> None:
+    with pytest.raises(NotMeasurableError, match="never stepped"):
+        truth(stepped(ON - 20, ON - 10)).measured_dead()
+    off = {**stepped(STEP - 1, STEP + 2), "distance_state": np.zeros(ROWS)}
+    with pytest.raises(NotMeasurableError, match="never on"):
+        truth(off).measured_dead()
+    small = truth(stepped(STEP - 1, STEP + 2, 0.0015))
+    with pytest.raises(NotMeasurableError):
+        small.measured_dead()
+
+
+# Rows
+
+
+def test_columns_are_of_every_axis_in_the_order_of_the_rig() -> None:
+    seen = truth()
+    table = tilted.trace()
+    units = {name: "deg" if name in "CA" else "mm" for name in AXES}
+    for column in ("set_mm", "truth_mm"):
+        whole = np.stack(
+            [table[f"{n}.{column.replace('mm', units[n])}"].to_numpy() for n in AXES], axis=1
+        )
+        assert np.array_equal(axes_of(seen.observed, column), whole)
+        some = axes_of(seen.observed, column, slice(60, 63))
+        assert np.array_equal(some, whole[60:63])
+    superposed = axes_of(seen.observed, "superposed_mm")
+    assert seen.base == pytest.approx(axes_of(seen.observed, "set_mm") - superposed)
+    # The clamping point of the program is without the offset, where it was sent is with it
+    rise = seen["set_mm"] - seen.program_mm
+    assert rise[STEP:OFF] == pytest.approx(1.5)
+    assert rise[ON:STEP] == pytest.approx(0.0)
+    assert seen.state[ON] == ACTIVE_CONST_DIST

@@ -1,0 +1,173 @@
+"""Two axes in one run to a fixed stop, each with its own: which one ends the run, and when.
+
+Z as in `stop_recordings.py`: contact at 140.3 ms, its lag has lasted at 202.3 ms. X is the same,
+so many rows later; each with its own detection in closed form.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from tests.judge.stop_recordings import (
+    BY_LAG,
+    CONTACT_MS,
+    DEMAND,
+    DETECT,
+    FORCE_N,
+    LOAD,
+    PLANT,
+    PRESSED_N,
+    ROWS,
+    RUN,
+    SPEED,
+    STOP,
+    V_MM_S,
+    K,
+    seen,
+)
+from tests.recordings import facts, kept
+
+from axisrig.bench.judge.fixed_stop.findings import stop_findings
+from axisrig.bench.judge.fixed_stop.run import StopRun, stop_run, stop_runs
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.axes import AxisRecord, PlantRecord, PlantValue
+from axisrig.bench.record.facts import Timing
+from axisrig.bench.record.measuring import Criteria
+from axisrig.kernel.time.clock import MS, US
+
+DETECTION_MS = 202.3
+NO_CRITERION = {DETECT + "pos_lag_limit": 0, DETECT + "min_time": 20_000}
+
+
+def signals(later: int) -> dict[str, Any]:
+    def moved(values: Any) -> Any:
+        return np.concatenate([np.full(later, values[0]), values[: ROWS - later]])
+
+    demand, load, force = moved(DEMAND), moved(LOAD), moved(PRESSED_N)
+    return {
+        "set_mm": demand, "actual_mm": load, "truth_mm": load, "velocity_mm_s": moved(SPEED),
+        "drive_lag_mm": demand - load, "cnc_lag_mm": demand - load - 2 * V_MM_S * 1e-3,
+        "stop_force_n": force, "stop_force_peak_n": force,
+    }  # fmt: skip
+
+
+def recorded(
+    later: dict[str, int],
+    criteria: str = "ZX",
+    written: dict[str, Any] | None = None,
+    **of_stop: Any,
+) -> Observed:
+    """later: rows by which each axis is later. criteria: the axes with one, in their order."""
+    values = PlantRecord({name: PlantValue(value) for name, value in PLANT.items()})
+    axes = {
+        name: AxisRecord("can1", node, 1000.0, plant=name.lower(), written=(written or {}).get(
+            name, BY_LAG))
+        for node, name in enumerate(later, 1)
+    }  # fmt: skip
+    names = tuple(later)
+    stop = replace(STOP, criteria={name: Criteria() for name in criteria}, axes=names, **of_stop)
+    run = replace(
+        RUN, axes=names, inputs=dict.fromkeys(names, 1), fixed_stop=stop,
+        target_mm=dict.fromkeys(names, 5.0),
+    )  # fmt: skip
+    table = {f"{name}.{key}": column for name, rows in later.items()
+             for key, column in signals(rows).items()}  # fmt: skip
+    left = facts(
+        timing=Timing(MS, 600 * US, 0), axes=axes, runs=(run,), end_ns=(ROWS - 1) * MS,
+        plants={name.lower(): values for name in later},
+    )  # fmt: skip
+    return Observed(left, kept(pa.table({"time_ns": K * MS, **table})))
+
+
+def run_of(observed: Observed) -> StopRun:
+    (run,) = stop_runs(observed)
+    return run
+
+
+@pytest.mark.parametrize("criteria", ["ZX", "XZ"])
+@pytest.mark.parametrize("later", [{"Z": 0, "X": 7}, {"X": 7, "Z": 0}, {"Z": 30, "X": 0}])
+def test_the_first_axis_that_has_its_criteria_ends_the_run(
+    later: dict[str, int], criteria: str
+) -> None:
+    """Whichever the rig, or the run, names first."""
+    first = min(later, key=lambda axis: later[axis])
+    run = run_of(recorded(later, criteria))
+    axis, instant = run.detection
+    assert (axis, instant.time_ns) == (first, pytest.approx(DETECTION_MS * MS, abs=5))
+    assert run.followed_ns == 203 * MS + 600 * US
+    for name, rows in later.items():
+        found = run.found(name).time_ns
+        assert found == pytest.approx((DETECTION_MS + rows) * MS, abs=5)
+        contact = run.contact(name)
+        assert contact is not None
+        assert contact.time_ns == pytest.approx((CONTACT_MS + rows) * MS, abs=5)
+    earliest = run.earliest_contact
+    assert earliest is not None
+    assert (earliest[0], earliest[1].time_ns) == (first, pytest.approx(CONTACT_MS * MS, abs=5))
+
+
+@pytest.mark.parametrize("bare", ["X", "Z", "XZ"])
+def test_an_axis_without_a_criterion_ends_nothing(bare: str) -> None:
+    """Also where it meets its stop first; of two without one the reason is given once."""
+    observed = recorded({"Z": 0, "X": 7}, written=dict.fromkeys(bare, NO_CRITERION))
+    axis, instant = run_of(observed).detection
+    if bare == "XZ":
+        assert (axis, instant.time_ns) == (None, None)
+        assert instant.note == "no criterion is on: nothing can detect"
+        return
+    assert axis == ("Z" if bare == "X" else "X")
+    assert instant.time_ns == pytest.approx((DETECTION_MS + 7 * (bare == "Z")) * MS, abs=5)
+
+
+def test_reasons_of_both_axes_are_given_where_neither_has_a_closed_form() -> None:
+    free = {**BY_LAG, DETECT + "pos_lag_limit": 1800}
+    observed = recorded({"Z": 0, "X": 7}, written={"Z": NO_CRITERION, "X": free})
+    axis, instant = run_of(observed).detection
+    assert axis is None
+    assert instant.note.startswith("no criterion is on: nothing can detect; the lag limit 0.18 mm")
+
+
+@pytest.mark.parametrize(
+    ("detected_by", "detected_ns", "main", "force_of"),
+    [("X", 210 * MS, "X", "X"), (None, None, "X", "X"), ("Z", 233 * MS, "Z", "Z")],
+)
+def test_what_is_asked_without_an_axis_is_of_the_one_that_detected_or_met_its_stop_first(
+    detected_by: str | None, detected_ns: int | None, main: str, force_of: str
+) -> None:
+    """X is 30 rows earlier than Z."""
+    observed = recorded({"Z": 30, "X": 0}, detected_by=detected_by, detected_ns=detected_ns)
+    run = run_of(observed)
+    assert run.main_axis() == main
+    assert run.is_found is (detected_ns is not None)
+    assert seen(observed, "stop_force_end_n").value == pytest.approx(FORCE_N)
+    if detected_ns is None:
+        return
+    contact_ms = CONTACT_MS + (30 if main == "Z" else 0)
+    for name, rows in (("", 30 if main == "Z" else 0), (":Z", 30), (":X", 0)):
+        found = seen(observed, f"contact_to_detection_ms{name}")
+        assert found.value == pytest.approx(detected_ns / MS - CONTACT_MS - rows, abs=1e-5)
+    (block,) = stop_findings(observed)
+    decided = block.decided_by
+    assert decided is not None
+    assert (decided.axis, block.main_axis) == (main, main)
+    assert [mark.axis for mark in block.marks if mark.key == "detected"] == [main]
+    marks = {mark.axis: mark.measured_ns for mark in block.marks if mark.key == "contact"}
+    assert marks[main] == pytest.approx(contact_ms * MS, abs=5)
+    assert set(marks) == {"X", "Z"}
+
+
+def test_each_run_of_a_program_is_its_own() -> None:
+    """And the same record gives the same run, made once."""
+    observed = recorded({"Z": 0, "X": 7})
+    (record,) = observed.facts.runs
+    early = replace(record, begin_ns=2 * MS, start_ns=3 * MS, end_ns=100 * MS)
+    both = Observed(replace(observed.facts, runs=(early, record)), observed.series)
+    first, second = stop_runs(both)
+    assert (first.number, second.number) == (1, 2)
+    assert first.record is early
+    assert stop_run(both, record) is second
+    assert stop_run(both, early) is first
+    assert first.contact("Z") is None
+    assert second.contact("Z") is not None
