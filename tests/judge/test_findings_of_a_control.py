@@ -63,6 +63,7 @@ def test_what_the_program_commands_is_a_mark_and_what_comes_by_itself_is_none() 
         change(200, "FREEZE"),
         change(300, "ACTIVE", "PLC"),
         change(350, "ACTIVE", is_dry=True),
+        change(370, "ACTIVE"),
         change(400, "TURNING_OFF"),
         change(420, "INACTIVE"),  # the offset has run out
         change(500, "ACTIVE"),
@@ -74,8 +75,8 @@ def test_what_the_program_commands_is_a_mark_and_what_comes_by_itself_is_none() 
     )
     observed = recorded(changes=changes)
     words = [
-        (100, "ON_CONST_DIST"), (200, "FREEZE"), (350, "ON (dry run)"), (400, "OFF"), (500, "ON"),
-        (600, "OFF"), (700, "ON"),
+        (100, "ON_CONST_DIST"), (200, "FREEZE"), (350, "ON (dry run)"), (370, "ON"),
+        (400, "OFF"), (500, "ON"), (600, "OFF"), (700, "ON"),
     ]  # fmt: skip
     marks = distance_events(observed)
     assert [(mark.time_ns // MS, mark.label) for mark in marks] == [
@@ -184,6 +185,13 @@ def test_theory_of_a_law_is_that_of_its_loop() -> None:
         assert law.kp_limit_unknown == ""
 
 
+def test_a_law_is_that_of_the_step_after_its_first_row() -> None:
+    """What the program gives with its command acts in the next cycle; its state is there."""
+    order = DistanceOrder(ON * MS, "NC", "ON_CONST_DIST", words={"kp": 0.1})
+    (law,) = found(orders=(order,)).laws
+    assert law.kp == 0.1
+
+
 def test_what_no_closed_form_knows_of_a_law_is_named() -> None:
     """60E4 with every second SYNC, or the loops of a drive: its lag is (1 - f)/Kv = 15 ms."""
     seldom = found(telegrams=(Telegram("TPDO2", 2, ("second",)),))
@@ -207,7 +215,8 @@ LAG_MM = np.where((K > 300) & (K <= 700), 0.05, 0.0)
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize(
-    ("end", "speed", "mean", "expected"), [(600, 10.0, 0.05, 0.05), (900, 0.0, 0.0, 0.0)]
+    ("end", "speed", "mean", "expected"),
+    [(600, 10.0, 0.05, 0.05), (772, 0.0, 0.0, 0.0), (900, 0.0, 0.0, 0.0)],
 )
 def test_the_error_at_the_end_of_a_stretch_is_beside_its_closed_form(
     end: int, speed: float, mean: float, expected: float, side: float
@@ -298,22 +307,19 @@ def test_a_limit_is_named_by_its_parameter_with_what_it_does() -> None:
             assert acts[key] == f"alarm {older.get(key, '')}{newer}"
 
 
-@pytest.mark.parametrize("used", [0.25, -0.25])
+@pytest.mark.parametrize("used", [0.4, -0.4])
 def test_of_limits_that_acted_one_after_the_other_the_one_used_most_is_shown(used: float) -> None:
-    """max_deviation 2 mm until row 500, then 1 mm: an offset of 0.5 and then 0.25 mm of it."""
+    """max_deviation 2 mm until row 500, then 1 mm: 0.5 mm of 2 are less than 0.4 mm of 1."""
     words = {"max_deviation": 20_000}
     orders = (
         DistanceOrder((ON - 1) * MS, "NC", "ON_CONST_DIST"),
         DistanceOrder(499 * MS, "NC", words={"max_deviation": 10_000}),
     )
-    for early, late, limit, most in ((0.5, used, 2.0, 0.5), (0.1, used, 1.0, 0.25)):
-        offset = np.where(K < 200, 0.0, np.where(K < 500, early, late))
+    for early, limit_mm, used_mm in ((0.5, 1.0, 0.4), (0.9, 2.0, 0.9), (-0.9, 2.0, 0.9)):
+        offset = np.where(K < 200, 0.0, np.where(K < 500, early, used))
         block = found(words=words, orders=orders, columns={"offset_mm": offset})
         shown = next(one for one in block.limits if one.key == "max_deviation")
-        if early == 0.5:
-            assert (shown.value, shown.used) == (2.0, 0.5)  # equal shares: the first
-        else:
-            assert (shown.value, shown.used) == (limit, most)
+        assert (shown.value, shown.used) == (limit_mm, used_mm)
 
 
 # What is beside it

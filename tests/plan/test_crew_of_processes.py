@@ -1,6 +1,7 @@
 """Processes that do tasks, each played by hand: who gets which task, who is sent away, and when."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -206,7 +207,7 @@ def test_an_exception_of_a_task_is_raised_for_it_alone() -> None:
     assert of.answer(1) == 7
 
 
-@pytest.mark.parametrize("call", [None, CALL])
+@pytest.mark.parametrize("call", [None, CALL, replace(CALL, is_inside=False)])
 @pytest.mark.parametrize(
     ("error", "what"),
     [(ChannelError("b'x' is no answer"), "b'x' is no answer"), (ValueError("y"), "ValueError: y")],
@@ -216,7 +217,7 @@ def test_what_is_no_answer_is_named_with_the_last_call(
 ) -> None:
     monkeypatch.setattr(processes.journal, "last_call", lambda _: call)
     died = _no_answer(SimpleNamespace(note=Path("n")), error)  # type: ignore[arg-type]
-    last = "" if call is None else f"; its last call was {CALL}"
+    last = "" if call is None else f"; its last call was {call}"
     words = f"something in the process wrote into the channel of its answer: {what}{last}"
     assert died == Died(words, False, ["printed"])
 
