@@ -6,7 +6,7 @@ import pytest
 
 from axisrig.bench.judge.observed.motion import motion, state_ahead, state_at
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.record.axes import AxisRecord, PlantRecord
+from axisrig.bench.record.axes import AxisRecord, PlantRecord, PlantValue
 from axisrig.bench.record.facts import Facts, Timing
 from axisrig.bench.record.series import Series
 from axisrig.kernel.time.clock import MS
@@ -55,7 +55,7 @@ ON_THE_WAY = [
 ]
 
 
-def steady(buffer: int, late: int, *, plant: bool) -> Observed:
+def steady(buffer: int, late: int, *, plant: bool, share: float = 0.0) -> Observed:
     """3 mm/s, as the axis has gone in every row; the demand gets slower `late` rows before ROW."""
     ways_mm = np.full(ROWS, WAY_MM)
     ways_mm[ROW - late :] -= CORNER_MM
@@ -68,7 +68,9 @@ def steady(buffer: int, late: int, *, plant: bool) -> Observed:
     facts = Facts(
         *(Timing(MS, 0, buffer), 0, 0, 0, ""),
         axes={"Z": AxisRecord("can1", 1, 1.0 / INCREMENT_MM, plant="z" if plant else "")},
-        plants={"z": PlantRecord(kv_per_s=KV_PER_S)} if plant else {},
+        plants={"z": PlantRecord({"feed_forward": PlantValue(share)}, kv_per_s=KV_PER_S)}
+        if plant
+        else {},
     )
     table = {f"Z.{name}": values for name, values in columns.items()}
     return Observed(facts, Series(pa.table({"time_ns": np.arange(ROWS) * MS, **table})))
@@ -103,3 +105,15 @@ def test_the_speed_ahead_may_change_by_what_is_on_its_way(
     assert ahead.doubt_mm_s == pytest.approx(
         of_increment + (of_corner if counts else 0.0), abs=1e-3
     )
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("before", [1, 8])
+def test_a_loop_answers_what_comes_by_its_gain_and_its_feed_forward(
+    before: int, share: float
+) -> None:
+    """A demand that is d further makes kv d of speed in the loop, and f d/T beside it."""
+    ahead = state_ahead(steady(0, before, plant=True, share=share), "Z", ROW * MS + MS // 2)
+    assert ahead is not None
+    further_mm = INCREMENT_MM + (CORNER_MM if before == 1 else 0.0)
+    assert ahead.doubt_mm_s == pytest.approx(further_mm * (KV_PER_S + share / 1e-3), rel=1e-3)

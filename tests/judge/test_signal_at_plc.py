@@ -124,6 +124,27 @@ def test_a_probe_that_bounces_counts_where_its_level_is_on_at_an_exchange() -> N
     assert error.value == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("edge_us", "cycle_ms", "unknown_cycles"),
+    [
+        (12_400, 14, 2.0),  # 0.2 ms earlier the exchange at 12.3 has it, and cycle 12.6
+        (12_200, 12, 2.0),  # 0.2 ms later only that at 14.3
+        (12_600, 14, 0.0),
+        (12_000, 12, 0.0),
+    ],
+)
+def test_an_edge_may_have_been_earlier_or_later_by_what_is_known_of_it(
+    edge_us: int, cycle_ms: int, unknown_cycles: float
+) -> None:
+    at_ns = cycle_ms * MS
+    observed = left([(edge_us * US, True)], at_ns + CYCLE_NS, at_ns + SYNC_NS, known_ns=200_000.0)
+    late, error = found(observed)
+    assert (late.value, late.uncertainty) == (0.0, unknown_cycles)
+    assert error.value == pytest.approx(0.0, abs=1e-9)
+    assert error.uncertainty == pytest.approx(-SPEED_MM_S * unknown_cycles, abs=1e-6)
+    assert ("before or behind a cycle" in late.note) is bool(unknown_cycles)
+
+
 @pytest.mark.parametrize("names", [("probe", "other"), ("other", "probe")])
 def test_of_two_probes_at_the_plc_the_first_that_is_seen_counts(names: tuple[str, str]) -> None:
     """On at 10.4 and at 14.5 ms: the exchange at 12.3 has the first, whichever probe it is."""

@@ -16,6 +16,7 @@ from tests.judge.stop_recordings import (
     DEMAND,
     DETECT,
     FORCE_N,
+    LATCHED_MM,
     LOAD,
     PLANT,
     PRESSED_N,
@@ -57,10 +58,16 @@ def recorded(
     later: dict[str, int],
     criteria: str = "ZX",
     written: dict[str, Any] | None = None,
+    measuring: str = "",
+    plant: dict[str, float] | None = None,
     **of_stop: Any,
 ) -> Observed:
-    """later: rows by which each axis is later. criteria: the axes with one, in their order."""
-    values = PlantRecord({name: PlantValue(value) for name, value in PLANT.items()})
+    """later: rows by which each axis is later. criteria: the axes with one, in their order.
+
+    measuring: axes of the path, all without any.
+    """
+    of_plant = {**PLANT, **(plant or {})}
+    values = PlantRecord({name: PlantValue(value) for name, value in of_plant.items()})
     axes = {
         name: AxisRecord("can1", node, 1000.0, plant=name.lower(), written=(written or {}).get(
             name, BY_LAG))
@@ -69,8 +76,8 @@ def recorded(
     names = tuple(later)
     stop = replace(STOP, criteria={name: Criteria() for name in criteria}, axes=names, **of_stop)
     run = replace(
-        RUN, axes=names, inputs=dict.fromkeys(names, 1), fixed_stop=stop,
-        target_mm=dict.fromkeys(names, 5.0),
+        RUN, axes=tuple(measuring) or names, inputs=dict.fromkeys(names, 1), fixed_stop=stop,
+        target_mm=dict.fromkeys(names, 5.0), latched_mm=dict.fromkeys(names, LATCHED_MM),
     )  # fmt: skip
     table = {f"{name}.{key}": column for name, rows in later.items()
              for key, column in signals(rows).items()}  # fmt: skip
@@ -171,3 +178,21 @@ def test_each_run_of_a_program_is_its_own() -> None:
     assert stop_run(both, early) is first
     assert first.contact("Z") is None
     assert second.contact("Z") is not None
+
+
+@pytest.mark.parametrize("detects", ["X", "Z"])
+def test_a_set_value_has_a_bound_past_its_latch_at_the_one_axis_of_the_path_that_detects(
+    detects: str,
+) -> None:
+    """Z is the path; X takes part in the stop beside it, as the second axis of a gantry does."""
+    observed = recorded(
+        {"Z": 0, "X": 0}, detects, measuring="Z", plant={"viscous_friction": 1e5},
+        detected_by=detects,
+    )  # fmt: skip
+    (block,) = stop_findings(observed)
+    found = {value.axis: value for value in block.values if value.key == "command_excess"}
+    assert {axis: value.low is not None for axis, value in found.items()} == {
+        "Z": detects == "Z", "X": detects == "X"
+    }  # fmt: skip
+    for value in found.values():
+        assert value.measured == pytest.approx(float(DEMAND[-1]) - LATCHED_MM)

@@ -129,15 +129,21 @@ def test_without_rows_before_it_the_contact_is_known_to_a_cycle() -> None:
     assert found.uncertainty_ns == pytest.approx(STEP_S * 1e9, abs=2.0)
 
 
-def test_a_stop_that_comes_towards_the_axis_is_met_earlier() -> None:
-    times, position, velocity = rows(0.0201, 10.0, 1e5)
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("way_mm_s", [-5.0, 5.0])
+def test_a_stop_that_moves_is_met_where_it_is_then(way_mm_s: float, direction: int) -> None:
+    """10 (t - 0.0201) = 0.05 + v t: earlier where it comes towards the axis."""
+    times = (np.arange(80) * 1_000_000).astype(np.int64)
     seconds = times * 1e-9
-    stop = StopPath(0.05 - 5.0 * seconds, np.full(len(times), -5.0), 1)
-    found = first_contact(times, position, velocity, stop, 1e5)
+    at = direction * (0.05 + way_mm_s * seconds)
+    stop = StopPath(at, np.full(len(times), direction * way_mm_s), direction)
+    free = direction * 10.0 * (seconds - 0.0201)
+    found = first_contact(times, free, np.full(len(times), direction * 10.0), stop, 1e5)
     assert found is not None
-    # 10 (t - 0.0201) = 0.05 - 5 t
-    assert abs(found.time_ns - 0.251 / 15.0 * 1e9) < 10.0
-    assert found.speed_mm_s == np.float64(15.0)
+    contact_s = 0.251 / (10.0 - way_mm_s)
+    assert abs(found.time_ns - contact_s * 1e9) < 10.0
+    assert found.position_mm == pytest.approx(direction * (0.05 + way_mm_s * contact_s), abs=1e-7)
+    assert found.speed_mm_s == pytest.approx(10.0 - way_mm_s)
 
 
 def test_no_contact_where_the_gap_stays_open_or_was_closed_before() -> None:
