@@ -237,7 +237,7 @@ def chunks(monkeypatch: pytest.MonkeyPatch) -> Asked:
         return iter([f"{machine}{first}"])
 
     monkeypatch.setattr(f"{TOOLS}.scenarios.campaign.run_scenarios", run)
-    monkeypatch.setattr(f"{TOOLS}.scenarios.campaign.CHUNK", 10)
+    monkeypatch.setattr(scenario_command, "TURN", 10)
     return asked
 
 

@@ -1,5 +1,6 @@
-"""How scenarios are run in chunks, repeated, counted and listed; runs are stand-ins."""
+"""How scenarios are run one by one, repeated, counted and listed; runs are stand-ins."""
 
+import os
 from typing import Any
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.tools.scenarios import campaign
 from axisrig.bench.tools.scenarios.campaign import Tally, defect_lines, repeated, run_scenarios
-from axisrig.bench.tools.scenarios.machines import machines
+from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines
 from axisrig.bench.tools.scenarios.oracle import Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario
 
@@ -56,23 +57,24 @@ def test_a_defect_has_lines_that_make_it_again() -> None:
 
 
 @pytest.mark.interpreted
-def test_scenarios_are_run_in_chunks_that_end_with_the_last(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_scenarios_run_one_by_one_and_the_one_whose_process_dies_is_named(
+    monkeypatch: pytest.MonkeyPatch, jobs: int
 ) -> None:
-    """45 from number 30 on: chunks of 20, 20 and 5."""
-    chunks: list[tuple[int, int]] = []
+    """Number 31 of 30 to 34 ends its process where it has one of its own; the others are judged."""
 
-    def run_chunk(seed: int, first: int, count: int, machine: str) -> Any:
-        chunks.append((first, count))
-        return [
-            (Scenario(n, seed, (), "", machine), judged(Result.GOOD))
-            for n in range(first, first + count)
-        ]
+    def run(scenario: Scenario) -> Judgement:
+        if jobs > 1 and scenario.number == 31:
+            os._exit(7)
+        return judged(Result.GOOD, [scenario.number])
 
-    monkeypatch.setattr(campaign, "_run_chunk", run_chunk)
-    found = list(run_scenarios(5, 30, 45))
-    assert chunks == [(30, 20), (50, 20), (70, 5)]
-    assert [scenario.number for scenario, _ in found] == list(range(30, 75))
+    monkeypatch.setattr(campaign, "run_scenario", run)
+    found = {one.number: judgement for one, judgement in run_scenarios(5, 30, 5, jobs, ONE_AXIS)}
+    assert list(found) == [30, 31, 32, 33, 34]
+    dead = found.pop(31)
+    assert (dead.result is Result.EXCEPTION) is (jobs > 1)
+    assert {judgement.result for judgement in found.values()} == {Result.GOOD}
+    assert [judgement.alarms for judgement in found.values()] == [[30], [32], [33], [34]]
 
 
 @pytest.mark.interpreted

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from axisrig.bench.tools.scenarios.machines import MachineRow
 
 COUNT = 200
+TURN = 20
+"""Scenarios of a machine in a turn, for each process, where a time ends them."""
 _DURATION = re.compile(r"(?P<number>\d+(?:\.\d+)?)(?P<unit>[smh])")
 _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0}
 
@@ -111,13 +113,13 @@ def _run(
     is_over: Callable[[], bool] | None,
 ) -> "Iterator[Entry]":
     """Yield scenarios of each machine: `count` of each, or in turns until the time is over."""
-    from axisrig.bench.tools.scenarios.campaign import CHUNK, run_scenarios
+    from axisrig.bench.tools.scenarios.campaign import run_scenarios
 
     if is_over is None:
         for row in rows:
             yield from run_scenarios(seed, begins[row.name], count, jobs, row.name)
         return
-    turn = CHUNK * jobs
+    turn = TURN * jobs
     while True:
         for row in rows:
             if is_over():

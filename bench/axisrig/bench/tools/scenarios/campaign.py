@@ -21,7 +21,6 @@ from axisrig.kernel.time.clock import S
 
 # A start-up in which every SDO answer comes too late asks some 40 times twice 300 ms
 SIMULATED_LIMIT_NS = 30 * S
-CHUNK = 20
 SAMPLE = 500
 """Every so many scenarios, the last of them runs once more, in another process."""
 REPEATS = "repeats"
@@ -105,9 +104,9 @@ def _left_by(scenario: Scenario, machine: Machine, states: StatesSeen, received:
     )
 
 
-def _run_chunk(seed: int, first: int, count: int, machine: str) -> list[tuple[Scenario, Judgement]]:
-    scenarios = [make_scenario(seed, number, machine) for number in range(first, first + count)]
-    return [(scenario, run_scenario(scenario)) for scenario in scenarios]
+def _run_one(seed: int, number: int, machine: str) -> tuple[Scenario, Judgement]:
+    scenario = make_scenario(seed, number, machine)
+    return scenario, run_scenario(scenario)
 
 
 def run_scenarios(
@@ -115,23 +114,22 @@ def run_scenarios(
 ) -> Iterator[tuple[Scenario, Judgement]]:
     """Yield scenarios `first` to `first + count - 1` of a campaign with their judgements.
 
+    jobs: processes, 1 = this one alone. What dies costs its own scenario: a finding.
     Raises UserError where the files of the machine are not there.
     """
     program_of(machine)
-    end = first + count
-    tasks = [(seed, n, min(CHUNK, end - n), machine) for n in range(first, end, CHUNK)]
+    tasks = [(seed, number, machine) for number in range(first, first + count)]
     if jobs == 1:
         for task in tasks:
-            yield from map(repeated, _run_chunk(*task))
+            yield repeated(_run_one(*task))
         return
     for task, result in zip(
-        tasks, run_apart(_run_chunk, tasks, jobs=jobs, is_fresh=False), strict=True
+        tasks, run_apart(_run_one, tasks, jobs=jobs, is_fresh=False), strict=True
     ):
         if isinstance(result, Died):
-            died = Judgement(Result.EXCEPTION, note=result.reason)
-            yield make_scenario(seed, task[1], machine), died
+            yield make_scenario(*task), Judgement(Result.EXCEPTION, note=result.reason)
         else:
-            yield from map(repeated, result)
+            yield repeated(result)
 
 
 def repeated(found: tuple[Scenario, Judgement]) -> tuple[Scenario, Judgement]:
