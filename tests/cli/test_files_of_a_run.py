@@ -1,12 +1,16 @@
-"""Which files decide whether `--resume` keeps a run: each one that it reads, and no other."""
+"""Files that decide whether `--resume` keeps a run and `judge` its recording: all that it reads."""
 
 from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.resuming import depends_sha256, files_of_case
+from axisrig.bench.campaign import rejudge
+from axisrig.bench.campaign.results.case_files import files_of_case
+from axisrig.bench.campaign.results.manifest import file_hashes, file_texts
+from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
+from axisrig.kernel.errors import UserError
 
 HEAD = "case,program,rig,plc:program_start,check:alarms"
 PROGRAM = "%L LOCAL\nN5 G1 Z131 F3000\nM29\n%MAIN\nN10 L sub.nc\nN20 LL LOCAL\nN30 M30\n"
@@ -62,3 +66,37 @@ def test_a_file_that_a_run_reads_decides_whether_it_stays(
 def test_of_a_run_that_lacks_a_file_nothing_is_known(place: Path, case: Case, name: str) -> None:
     (place / name).unlink()
     assert depends_sha256(case) == ""
+
+
+def test_the_manifest_has_hash_and_text_of_each_of_them(place: Path, case: Case) -> None:
+    for found in (file_hashes([case]), file_texts([case])):
+        assert {*READ} <= {*found}
+        assert not {*found} & {"beside.nc", "plan.csv"}
+    assert file_texts([case])["deep.nc"] == FILES["deep.nc"]
+
+
+def test_a_program_that_cannot_be_read_is_in_the_manifest_without_what_it_calls(
+    place: Path, case: Case
+) -> None:
+    """Its run says why; the manifest of the others is written all the same."""
+    (place / "part.nc").write_text("N10 L sub.nc\nN20 G1 Z[\n", encoding="utf-8")
+    found = file_hashes([case])
+    assert {"part.nc", "started.nc", "rig.toml", "lists/axis-z.lst"} <= {*found}
+    assert "sub.nc" not in found
+
+
+@pytest.mark.parametrize("name", ["sub.nc", "deep.nc", "far.nc", "started.nc"])
+def test_a_recording_is_that_of_the_subprograms_as_they_were(
+    place: Path, case: Case, name: str
+) -> None:
+    """Where the plan lies does not count; folders of before have no hashes of subprograms."""
+    row, hashes = {"program": "part.nc", "rig": "over.toml"}, file_hashes([case])
+    moved = {at if at in row.values() else f"old/{at}": one for at, one in hashes.items()}
+    of_before = {at: one for at, one in hashes.items() if at not in ("sub.nc", "deep.nc", "far.nc")}
+    for known in (hashes, moved, of_before):
+        rejudge._check_files(row, case, known)
+    with (place / name).open("a", encoding="utf-8") as file:
+        file.write("(changed)\n")
+    for known in (hashes, moved):
+        with pytest.raises(UserError, match=f"{name} has other content"):
+            rejudge._check_files(row, case, known)

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from tests.plan.cases import case_of
 
-from axisrig.bench.campaign.results import manifest
+from axisrig.bench.campaign.results import case_files, manifest
 from axisrig.bench.campaign.results.build_info import hash_of_sources
-from axisrig.bench.campaign.results.manifest import other_files
+from axisrig.bench.campaign.results.case_files import own_metrics, started_programs
 
 
 def test_sources_count_by_name_and_content_and_what_was_made_of_them_does_not(
@@ -42,10 +42,12 @@ def test_files_that_the_plc_starts_count_and_metrics_of_the_user() -> None:
     module: Any = SimpleNamespace(path=Path("/m/own.py"))
     own: Any = SimpleNamespace(path=None)
     base = case_of("a", program=Path("/n/part.nc"))
-    assert other_files(base) == []
-    found = other_files(replace(base, inputs={"plc:program_start": started}, module=module))
-    assert found == [Path("/n/a.nc"), Path("/n/sub/b.nc"), Path("/n/c.nc"), Path("/m/own.py")]
-    assert other_files(replace(base, inputs={"plc:V.E.A": "file=x.nc"}, module=own)) == []
+    assert [*started_programs(base), *own_metrics(base)] == []
+    found = replace(base, inputs={"plc:program_start": started}, module=module)
+    assert started_programs(found) == [Path("/n/a.nc"), Path("/n/sub/b.nc"), Path("/n/c.nc")]
+    assert own_metrics(found) == [Path("/m/own.py")]
+    none = replace(base, inputs={"plc:V.E.A": "file=x.nc"}, module=own)
+    assert [*started_programs(none), *own_metrics(none)] == []
 
 
 def test_files_of_cases_are_hashed_once_by_their_names_from_the_plan(
@@ -55,7 +57,7 @@ def test_files_of_cases_are_hashed_once_by_their_names_from_the_plan(
     for name in ("p.csv", "rows.csv", "b.nc", "a.nc", "lists/z.lst", "lists/started.nc", "r.toml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(name, encoding="utf-8")
-    monkeypatch.setattr(manifest, "rig_files", lambda rig: [rig, tmp_path / "lists" / "z.lst"])
+    monkeypatch.setattr(case_files, "rig_files", lambda rig: [rig, tmp_path / "lists" / "z.lst"])
     own = {"folder": tmp_path, "rig": tmp_path / "r.toml", "file": tmp_path / "p.csv"}
     starts = {"inputs": {"plc:program_start": "file=lists/started.nc"}}
     cases = [

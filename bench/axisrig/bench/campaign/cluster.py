@@ -23,9 +23,9 @@ from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any
 
 from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.case_files import files_of_case
 from axisrig.bench.campaign.results.layout import logs_beside
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
-from axisrig.bench.campaign.resuming import files_of_case
 from axisrig.bench.campaign.runner import Limits, Stopwatch, run_cases
 from axisrig.bench.campaign.worker import end_with
 from axisrig.bench.plan.case import Case

@@ -12,12 +12,11 @@ from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.case_files import content_hash, files_of_case
 from axisrig.bench.campaign.results.layout import refuse_links
-from axisrig.bench.campaign.results.manifest import other_files, started_programs
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     DEPENDS,
@@ -29,16 +28,11 @@ from axisrig.bench.campaign.results.stored import (
     read_results,
     read_rows,
 )
-from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.searching import HEAD
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
-from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.nc.decoder.base.subprograms import link, reachable
-from axisrig.kernel.nc.text.parser import read_program
 
 LIVE = ("--live", "--live-terminal")
 """Options that change nothing that is written."""
@@ -64,7 +58,7 @@ def depends_sha256(case: Case) -> str:
 def _depends(case: Case) -> str:
     texts = [sources_sha256(), *_row(case)]
     if not case.runs:
-        texts += [_hash(path, _state(path)) for path in files_of_case(case)]
+        texts += [content_hash(path) for path in files_of_case(case)]
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
@@ -83,53 +77,6 @@ def _row(case: Case) -> list[str]:
         *case.runs,
         *([] if case.search is None else [f"{HEAD}{case.search.column}={case.search.text}"]),
     ]
-
-
-def files_of_case(case: Case) -> list[Path]:
-    """Every file that a run reads, in one order."""
-    rig = _of_rig(case.rig, _state(case.rig))
-    axes = _axes(case.rig, _state(case.rig))
-    programs = (case.program, *started_programs(case))
-    files = [file for each in programs for file in _programs(each, axes, _state(each))]
-    files += [*other_files(case), *rig]
-    for item in case.assignments():
-        if item.kind == "drive" and item.name in MAP_KEYS:
-            files.append(case.rig.parent / item.value)
-    return list(dict.fromkeys(files))
-
-
-State = tuple[int, int, int] | None
-
-
-def _state(path: Path) -> State:
-    """What changes when a file is written; None where there is none."""
-    try:
-        state = path.stat()
-    except OSError:
-        return None
-    return state.st_mtime_ns, state.st_size, state.st_ino
-
-
-@lru_cache(maxsize=4096)
-def _hash(path: Path, state: State) -> str:
-    return "" if state is None else sha256_of(path)
-
-
-@lru_cache(maxsize=256)
-def _of_rig(rig: Path, _state: State) -> tuple[Path, ...]:
-    return tuple(rig_files(rig))
-
-
-@lru_cache(maxsize=256)
-def _axes(rig: Path, _state: State) -> tuple[str, ...]:
-    return tuple(read_rig(rig)[0].axis)
-
-
-@lru_cache(maxsize=1024)
-def _programs(program: Path, axes: tuple[str, ...], _state: State) -> tuple[Path, ...]:
-    """A program and the files of the subprograms that it can reach."""
-    units = reachable(link(read_program(program, axes)))
-    return tuple(Path(unit.program.file) for unit in units if unit.program.file is not None)
 
 
 @dataclass(frozen=True)

@@ -2,18 +2,22 @@
 
 import os
 import platform
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
+from axisrig.bench.campaign.results.case_files import (
+    own_metrics,
+    readable_subprograms,
+    rig_parts,
+    started_programs,
+)
 from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.plan import Plan
-from axisrig.bench.rig.reading.sources import rig_files
 
 SPENT = "spent_s"
 """Entry of a manifest: how long the call took, s; `jobs` beside it: with how many processes."""
@@ -58,20 +62,8 @@ def build_manifest(
     }
 
 
-def started_programs(case: Case) -> list[Path]:
-    """Programs that the PLC side starts."""
-    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
-    return [case.program.parent / file for file in files]
-
-
-def other_files(case: Case) -> list[Path]:
-    """Programs that the PLC side starts, and the file with metrics of the user."""
-    own = [] if case.module is None or case.module.path is None else [case.module.path]
-    return [*started_programs(case), *own]
-
-
 def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
-    """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
+    """SHA-256 of what every case reads: programs, those they call, rig, bases, lists, maps."""
     return {name: sha256_of(path) for name, path in _files(cases)}
 
 
@@ -90,13 +82,15 @@ def _files(cases: Sequence[Case]) -> list[tuple[str, Path]]:
     files = {
         (path_from(case.folder, path), path)
         for case in cases
-        for path in (case.program, *other_files(case), case.rig)
+        for path in (case.program, *started_programs(case), *own_metrics(case), case.rig)
+    }
+    files |= {
+        (_from_folder(path, case.folder), path)
+        for case in cases
+        for path in (*readable_subprograms(case), *rig_parts(case))
     }
     included = {(case.folder, case.file) for case in cases if case.file.stem != case.plan}
-    files |= {(_from_folder(path, folder), path) for folder, path in included}
-    for folder, rig in {(case.folder, case.rig) for case in cases}:
-        files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
-    return sorted(files)
+    return sorted(files | {(_from_folder(path, folder), path) for folder, path in included})
 
 
 def _from_folder(path: Path, folder: Path) -> str:
