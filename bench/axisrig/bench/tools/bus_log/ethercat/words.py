@@ -35,6 +35,8 @@ _LOGICAL = (Command.LRD, Command.LWR, Command.LRW)
 _FIRST_RAM = 0x1000
 _TIME_REGISTER = 0x0910
 _HEAD = 2  # of CoE
+_PART_MIN = 7
+"""A part of an SDO transfer has so many bytes at least; the command counts those that are none."""
 
 
 @dataclass
@@ -183,19 +185,39 @@ def _mailbox(data: bytes) -> tuple[str, set[str]]:
         return text, {"mailbox"} | more
     if kind & 0xF != MailboxType.COE or len(body) < _HEAD + SDO.size:
         return f"mailbox {data[: MAILBOX.size + length].hex(' ')}", {"mailbox"}
-    service, content = int.from_bytes(body[:2], "little") >> 12, body[_HEAD:]
+    return _coe(int.from_bytes(body[:2], "little") >> 12, body[_HEAD:])
+
+
+def _coe(service: int, content: bytes) -> tuple[str, set[str]]:
+    """Say a message of CoE and what `--only` may ask for. content: behind its head."""
     if service == CoeService.EMERGENCY:
         return f"EMCY {Emergency.read(bytearray(content[:8]))}", {"emcy"}
-    _, index, sub = SDO.unpack_from(content)
+    is_answer = service == CoeService.SDO_RESPONSE
+    if service != CoeService.SDO_REQUEST and not is_answer:
+        names = {each.value: each.name.lower().replace("_", " ") for each in CoeService}
+        return f"CoE {names.get(service, service)}, {content.hex(' ')}", {"mailbox"}
+    command, index, sub = SDO.unpack_from(content)
+    if command >> 5 in ((0, 1) if is_answer else (0, 3)):
+        return _segment(content, is_answer=is_answer), {"sdo"}
     tags = {"sdo", f"{index:04x}", f"{index:04x}:{sub:x}"}
-    return _sdo(content, is_answer=service == CoeService.SDO_RESPONSE), tags
+    return _sdo(content, is_answer=is_answer), tags
+
+
+def _segment(content: bytes, *, is_answer: bool) -> str:
+    """Say a part of an SDO transfer that comes after the first one; it names no object."""
+    command, part = content[0], content[1:]
+    if command >> 5:
+        return "SDO written, a part" if is_answer else "SDO read, the next part"
+    count = len(part) - (command >> 1 & 7 if len(part) <= _PART_MIN else 0)
+    last = ", the last one" if command & 1 else ""
+    return f"SDO {'answer' if is_answer else 'write'}, a part of {count} bytes{last}"
 
 
 def _sdo(content: bytes, *, is_answer: bool) -> str:
-    """Say a message of an SDO transfer."""
+    """Say a message of an SDO transfer that names its object."""
     command, index, sub = SDO.unpack_from(content)
     item, rest = object_name(index, sub), content[SDO.size :]
-    name = f"{item} {name_of(index, sub)}"
+    name = " ".join(dict.fromkeys((item, name_of(index, sub))))
     if command == 0x80:
         return f"SDO abort {item}: {abort_text(int.from_bytes(rest[:4], 'little'))}"
     if not is_answer and command >> 5 == 2:
@@ -204,7 +226,7 @@ def _sdo(content: bytes, *, is_answer: bool) -> str:
         return f"SDO written {item}"
     what = "SDO answer" if is_answer else "SDO write"
     if not command & 2:
-        return f"{what} {item}, {len(rest)} bytes"
+        return f"{what} {name}, {int.from_bytes(rest[:4], 'little')} bytes"
     plain = rest[: 4 - (command >> 2 & 3 if command & 1 else 0)]
     number = number_of(index, sub, plain)
     shown = value_words(index, sub, 8 * len(plain), number, None, hexadecimal=True)
