@@ -1,6 +1,7 @@
 """How scenarios are run one by one, repeated, counted and listed; runs are stand-ins."""
 
 import os
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.tools.scenarios import campaign
 from axisrig.bench.tools.scenarios.campaign import Tally, defect_lines, repeated, run_scenarios
+from axisrig.bench.tools.scenarios.left import StatesSeen
 from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines
 from axisrig.bench.tools.scenarios.oracle import Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario
@@ -103,3 +105,61 @@ def test_every_500th_scenario_runs_once_more(
         _, judgement = repeated((scenario, first))
         assert judgement.result is (result if runs_again else Result.GOOD)
     assert calls == ([True] * 3 if runs_again else [])
+
+
+def fault(label: str, begin_ns: int | None = 5, hits: int | None = 1) -> Any:
+    return SimpleNamespace(label=label, begin_ns=begin_ns, hits=hits)
+
+
+JUMPS, STAYS = fault("drop Z.RPDO1"), fault("drop Z.TPDO1")
+
+
+def test_a_fault_lets_an_axis_jump_when_it_has_hit_what_the_drive_takes() -> None:
+    """Column `jumps` of kinds.csv: a telegram to the drive, or SYNC, is dropped."""
+    for faults, has_jumped in (
+        ([], False), ([JUMPS], True), ([STAYS], False), ([STAYS, JUMPS], True),
+        ([JUMPS, STAYS], True), ([fault("drop SYNC")], True),
+        ([fault("drop Z.RPDO1", None)], False), ([fault("drop Z.RPDO1", 0)], True),
+        ([fault("drop Z.RPDO1", 5, 0)], False), ([fault("drop Z.RPDO1", 5, None)], True),
+        ([fault("probe_stick probe")], False), ([fault("unknown Z.RPDO1")], False),
+    ):  # fmt: skip
+        machine: Any = SimpleNamespace(faults=faults)
+        assert campaign._has_jumped(machine) is has_jumped, [one.label for one in faults]
+
+
+@pytest.mark.interpreted
+def test_what_a_run_has_left_is_looked_at_longer_only_after_an_alarm(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """X and Z creep, X was thrown: it is left out where a fault lets axes jump, nowhere else."""
+    stepped: list[Any] = []
+
+    def crept(machine: Any) -> dict[str, float]:
+        stepped.append(machine)
+        return {"X": 3.0, "Z": 0.5}
+
+    monkeypatch.setattr(campaign, "facts_of", lambda _: "facts")
+    monkeypatch.setattr(campaign, "crept_mm", crept)
+    monkeypatch.setattr(campaign, "thrown", lambda *seen: frozenset({"X"}) if seen else None)
+    states, scenario = StatesSeen(), Scenario(1, 0, ("fault:drop=Z.RPDO1",), "", "gantry")
+    states.names += ["STARTING", "ENDED"]
+    received: Any = object()
+    warning, end = (SimpleNamespace(ends_program=ends) for ends in (False, True))
+    for alarms, faults, crept_mm in (
+        ([], [JUMPS], {}), ([warning], [JUMPS], {}), ([end], [STAYS], {"X": 3.0, "Z": 0.5}),
+        ([end], [JUMPS], {"Z": 0.5}), ([warning, end], [STAYS, JUMPS], {"Z": 0.5}),
+        ([end, warning], [], {"X": 3.0, "Z": 0.5}),
+    ):  # fmt: skip
+        stepped.clear()
+        machine: Any = SimpleNamespace(
+            channel=SimpleNamespace(alarms=alarms), faults=faults,
+            recorder=SimpleNamespace(series=lambda: "series"),
+        )  # fmt: skip
+        found = campaign._left_by(scenario, machine, states, received)
+        assert found.crept_mm == crept_mm
+        assert stepped == ([machine] if end in alarms else [])
+        assert (found.machine, found.facts, found.series) == (
+            machines()["gantry"], "facts", "series",
+        )  # fmt: skip
+        assert (found.states, found.hidden) == (["STARTING", "ENDED"], scenario.hidden)
+        assert found.received is received

@@ -128,12 +128,18 @@ def test_a_fault_that_changes_what_a_telegram_says_has_no_closed_form() -> None:
 
 @pytest.mark.parametrize(("value", "is_line"), [("sampled", False), ("linear", True)])
 def test_what_samples_lack(value: str, is_line: bool) -> None:
-    """Each 62.5 us: the latch at 2 + 1.02 ms is 0.02 ms after a sample (48 of them)."""
+    """The latch at 2 + 1.02 ms is 0.02 ms after sample 48 of 62.5 us, 0.06 ms after 37 of 80 us."""
     without = seen(latch_ms=1.02)
-    rig = settings_of(RIGS / "probe-z.toml", ["drive:servo.sample_us=62.5"])
-    found = expected_um(active("sampling", value), rig, "Z", seen(latch_ms=1.02), without)
-    on_line = moved_um(1.0, 1.0625) * 0.02 / 0.0625 if is_line else 0.0
-    assert found == pytest.approx(moved_um(1.02, 1.0) + on_line, abs=1e-9)
+    for family, sample_us, since_ms in (
+        ("", 62.5, 0.02), ("", 80.0, 0.06), ("-profidrive", 80.0, 0.06), ("-sercos", 62.5, 0.02),
+        ("-conventional", 80.0, 0.06), ("-ethercat", 80.0, 0.06),
+    ):  # fmt: skip
+        rig = settings_of(RIGS / f"probe-z{family}.toml", [f"drive:servo.sample_us={sample_us}"])
+        found = expected_um(active("sampling", value), rig, "Z", seen(latch_ms=1.02), without)
+        begin_ms, sample_ms = 1.02 - since_ms, sample_us * 1e-3
+        share = since_ms / sample_ms if is_line else 0.0
+        on_line = moved_um(begin_ms, begin_ms + sample_ms) * share
+        assert found == pytest.approx(moved_um(1.02, begin_ms) + on_line, abs=1e-9), family
     unknown = seen(latch_ms=1.0, track=None)
     assert expected_um(active("sampling", value), rig, "Z", unknown, without) is None
 

@@ -84,6 +84,11 @@ RX, TX = "703 Rx d 1 00", "603 Tx d 8 40 00 10 00 00 00 00 00"
         ("absolute", (f"-0.020000 1 {RX}", f"-0.010000 1 {TX}", f"0.001 1 {RX}"), [-20, -10, 1]),
         # A request to send is no frame yet: TxRq, then Tx
         ("absolute", (f"0.01 1 {TX.replace('Tx', 'TxRq')}", f"0.011 1 {TX}"), [11]),
+        ("relative", (f"0.01 1 {RX}", f"0.002 1 {TX.replace('Tx', 'TxRq')}", f"0.003 1 {TX}"),
+         [10, 15]),
+        ("absolute", ("// some words", "Begin Triggerblock", "0.000000 Start of measurement",
+                      f"0.01 1 {RX}", "// base hex  timestamps relative", f"0.02 1 {TX}",
+                      "End TriggerBlock"), [10, 20]),
     ],
 )  # fmt: skip
 def test_times_of_an_asc_log(

@@ -1,8 +1,12 @@
 """Suggested laws: calm, stable, and no smaller than they have to be."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
+from axisrig.bench.tools.tune import advice as advising
 from axisrig.bench.tools.tune.advice import (
     KP_MAX,
     OVERSHOOT,
@@ -110,3 +114,37 @@ def test_surface_without_skew_gets_the_default() -> None:
 
 def test_nothing_is_suggested_for_a_loop_that_counts_the_wrong_way() -> None:
     assert advise(Loop(T_S, -delay(2), mean(1))) is None
+
+
+def test_derivative_times_pay_by_their_area_and_their_noise_and_end_at_2_s(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """P-AXIS-00765; three quarters of the area, half more noise than without, both just so."""
+    areas = {0.0: 100.0, 0.25: 75.0, 0.5: 75.1, 1.0: 74.0, 1.5: 10.0, 2.0: 60.0}
+    noises = {0.0: 2.0, 0.25: 3.0, 0.5: 1.0, 1.0: 3.1, 2.0: 2.5}
+
+    def calmest(loop: Any, tv_s: float) -> Law | None:
+        tried.append(tv_s)
+        return None if tv_s == 1.5 else Law(1.0, 0.0, tv_s)
+
+    monkeypatch.setattr(advising, "_calmest", calmest)
+    monkeypatch.setattr(
+        advising, "quality", lambda _, law: SimpleNamespace(area_cycles=areas[law.tv_s])
+    )
+    # 0.5 to 32 cycles of 0.5 s, and as many where Tv counts per cycle: 1 is one of them
+    for unit_s, times_s, paying in (
+        (0.5, [0.25, 0.5, 1.0, 1.5, 2.0], [0.25, 2.0]), (1.0, [0.5, 1.0, 2.0], [2.0]),
+    ):  # fmt: skip
+        tried: list[float] = []
+        loop: Any = SimpleNamespace(unit_s=unit_s, noise_gain=lambda law: noises[law.tv_s])
+        found = [law.tv_s for law in _with_derivative(loop, Law(1.0))]
+        assert (tried, found) == (times_s, paying), unit_s
+
+
+def test_a_margin_is_that_of_the_whole_law() -> None:
+    """With a D part or an I part kp has another limit, where the loop just does not settle."""
+    loop = LOOPS["n 2, mean of 4"]
+    for law in (Law(0.05), Law(0.05, 0.0, 4 * T_S), Law(0.02, 0.1, 0.0)):
+        limit = quality(loop, law).gain_margin * law.kp
+        for share, is_stable in ((0.999, True), (1.001, False)):
+            assert loop.is_stable(Law(share * limit, law.tn_s, law.tv_s)) is is_stable, law
