@@ -8,15 +8,20 @@ import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import fmpy
 import pytest
+from tests.fmu_tools.trials import CAN, FakeTrial
 
 from axisrig.bench.cli.main import main
+from axisrig.bench.tools.fmu import stages
 from axisrig.fmus.compiler import find_compiler, this_platform
 from axisrig.kernel.cosim.fmi.archive import inspect, unpack
 from axisrig.kernel.cosim.fmi.session import session_folder
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 
 sys.path.insert(0, str(Path(__file__).parent))  # fmu_rigs.py
 
@@ -169,3 +174,19 @@ def axisrig(
         return code, printed.out, printed.err
 
     return call
+
+
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Give trials these properties."""
+
+    def given(**properties: Any) -> type[FakeTrial]:
+        own = {"can": SimpleNamespace(**CAN), "made": []}
+        made = type("Own", (FakeTrial,), {**own, **properties})
+        monkeypatch.setattr(stages, "Trial", made)
+        return made
+
+    monkeypatch.setattr(stages, "step_of", lambda _: MS)
+    monkeypatch.setattr(stages, "course_findings", lambda *_: [])
+    monkeypatch.setattr(stages, "printed_lines", list)
+    return given

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from tests.fmu_tools.described import texts
+from tests.fmu_tools.trials import CAN
 
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.tools.fmu import check, examine, stages
@@ -14,10 +15,8 @@ from axisrig.bench.tools.fmu.check import Checked, check_fmu
 from axisrig.bench.tools.fmu.examine import Examined
 from axisrig.bench.tools.fmu.findings import Finding, as_rows, fail, has_failed, ok, warn
 from axisrig.bench.tools.fmu.stages import Outcome
-from axisrig.bench.tools.fmu.stepped_instance import Reading
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.time.clock import MS
 
 FMU = Path("a.fmu")
 
@@ -110,81 +109,6 @@ def test_what_cannot_run_is_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
     found = check_fmu(FMU)
     assert texts(found.findings, "FAIL") == ["reading it: crashed"]
     assert (apart.ran, found.sha256) == ([], "")
-
-
-class Slave(SimpleNamespace):
-    """An instance."""
-
-
-class FakeTrial:
-    """Outputs follow the number of steps; `odd`: what changes them, by the name of the instance."""
-
-    made: list[str]
-    outputs: Any = (SimpleNamespace(name="x"),)
-
-    def __init__(self, _path: Path, name: str = "trial", *, moves: bool = False) -> None:
-        type(self).made.append(name)
-        self.name, self.count, self.moves = name, 0, moves
-        self.slave: Any = Slave(
-            description=None, can=self.can, messages=list(self.messages), time_ns=0,
-            save_state=lambda: Slave(handle=1, time_ns=self.slave.time_ns, count=self.count),
-            restore_state=self._restore, fmpy=None,
-        )  # fmt: skip
-
-    can: Any = None
-    messages: Any = ()
-    ends_after = 10**6
-    refuses_ns: Any = ()
-    odd: Any = staticmethod(lambda trial, count: 0.0)
-    restores = 0
-
-    def start(self) -> None:
-        self.slave.time_ns = self.count = 0
-
-    def close(self) -> None: ...
-
-    def reset(self) -> None:
-        self.was_reset = True
-
-    def _restore(self, saved: Any) -> None:
-        self.slave.time_ns, self.count = saved.time_ns, saved.count
-        self.restores += 1
-
-    def read(self) -> Reading:
-        value = (float(self.count) + self.odd(self, self.count),)
-        return Reading(self.slave.time_ns, repr(value).encode(), (value,))
-
-    def run(self, lengths: Any) -> list[Reading]:
-        found = []
-        for step_ns in lengths:
-            if step_ns in self.refuses_ns:
-                raise PlantError(self.name, self.slave.time_ns, "no such step")
-            if self.count >= self.ends_after:
-                break
-            self.count += 1
-            self.slave.time_ns += step_ns
-            found.append(self.read())
-        return found
-
-
-CAN: dict[str, Any] = {"can_save_state": True, "can_serialize_state": False, "can_vary_step": True,
-       "once_per_process": False, "fixed_step_s": None}  # fmt: skip
-
-
-@pytest.fixture
-def fake(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Give trials these properties."""
-
-    def given(**properties: Any) -> type[FakeTrial]:
-        own = {"can": SimpleNamespace(**CAN), "made": []}
-        made = type("Own", (FakeTrial,), {**own, **properties})
-        monkeypatch.setattr(stages, "Trial", made)
-        return made
-
-    monkeypatch.setattr(stages, "step_of", lambda _: MS)
-    monkeypatch.setattr(stages, "course_findings", lambda *_: [])
-    monkeypatch.setattr(stages, "printed_lines", list)
-    return given
 
 
 def level(outcome: Outcome) -> list[str]:
