@@ -53,6 +53,17 @@ def test_a_row_says_when_and_how_it_ended() -> None:
     assert view["words"] == "5 commands in 0.890 s, of it 0.040 s waiting, feedhold 0.100 s"
 
 
+def test_a_feedhold_counts_from_the_begin_of_its_command_on() -> None:
+    """The run waits from 120 ms on and moves from 150 to 400 ms."""
+    for hold_ms, held in (
+        ((130, 140), ""), ((130, 160), "10.000"), ((390, 500), "10.000"), ((100, 900), "250.000"),
+    ):  # fmt: skip
+        holds = [(hold_ms[0] * MS, hold_ms[1] * MS)]
+        view = blocks_view(block_trace(STEPS, holds), nowhere, is_reduced=False)
+        assert view is not None
+        assert view["rows"][2]["held"] == held, hold_ms
+
+
 def test_a_block_leads_to_its_line() -> None:
     trace = block_trace([Step("N20 G1 X-1,5", "feed", 0, 0, 9, line=7)])
     view = blocks_view(trace, lambda path: f"../{path}", is_reduced=True)

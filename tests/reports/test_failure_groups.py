@@ -114,6 +114,18 @@ def test_a_card_draws_the_limit_that_was_broken_and_not_the_other_one(tmp_path: 
     assert ("\u2265 -1" in above, "\u2264 1" in above) == (False, True)
 
 
+def test_a_card_draws_the_runs_that_an_input_leads_through(tmp_path: Path) -> None:
+    """Over A, which goes on while B is held: those with this B. Over B itself: all of the case."""
+    free = [("c", str(a), b, 3.0 if b == "1" and a > 2 else 0.5) for a in range(5) for b in "01"]
+    held = [("c", "xyz"[n % 3], str(n // 3), 3.0 if n > 8 else 0.5) for n in range(12)]
+    for rows, leading, drawn in ((free, "plc:V.E.A", 5), (held, "plc:V.E.B", 12)):
+        (group,) = failure_groups(read_results(written(tmp_path, rows)))
+        assert (group.leading, [*group.held]) == (leading, ["plc:V.E.B"])
+        picture = section._swept(group)
+        assert picture.count('<g class="dot') == drawn
+        assert f"m, µm over {leading.removeprefix('plc:')}" in picture
+
+
 TABLE = "plan,case,run,verdict,runs"
 ROWS = "plan,case,run,metric,value,lower,upper,verdict,note"
 

@@ -182,6 +182,20 @@ def test_of_a_signal_at_the_plc_the_chain_counts_and_not_the_input_of_the_drive(
     assert "input" in latched
 
 
+def test_what_acts_on_an_input_counts_without_a_latch_and_what_acts_on_one_does_not() -> None:
+    """The PLC reads 60FD of the drive: delay, jitter and filter of the input act, what acts on a latch does not."""
+    rig = "plc-drive-input"
+    for key, value, name in (
+        ("input_delay_us", "9", "input"), ("input_jitter_us", "2", "input jitter"),
+        ("input_filter_us", "50", "filter"),
+    ):  # fmt: skip
+        found = causes_of(rig, f"drive:servo.{key}={value}", latched=False)[name]
+        assert (found.value, dict(found.off)) == (value, {f"drive:servo.{key}": "0"})
+    for assignment in ("drive:servo.latch=sampled", "drive:servo.delay_compensation_us=4"):
+        assert new(rig, assignment, latched=False) == {}
+        assert len(new(rig, assignment, latched=True)) == 1
+
+
 @pytest.mark.parametrize(
     ("assignment", "name", "off"),
     [
