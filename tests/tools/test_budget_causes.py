@@ -183,7 +183,7 @@ def test_of_a_signal_at_the_plc_the_chain_counts_and_not_the_input_of_the_drive(
 
 
 def test_what_acts_on_an_input_counts_without_a_latch_and_what_acts_on_one_does_not() -> None:
-    """The PLC reads 60FD of the drive: delay, jitter and filter of the input act, what acts on a latch does not."""
+    """The PLC reads 60FD of the drive: delay, jitter and filter act; it has no latch."""
     rig = "plc-drive-input"
     for key, value, name in (
         ("input_delay_us", "9", "input"), ("input_jitter_us", "2", "input jitter"),
