@@ -149,6 +149,7 @@ def test_a_line_that_gave_way_to_others_begins_anew(capsys: pytest.CaptureFixtur
         ("? inconclusive", "? inconclusive"),
         ("■ aborted ≤ 2 µm", "# aborted <= 2 um"),
         ("Fühler", "F_hler"),
+        ("≤≥ ±5 µm ✔✖ äß", "<=>= +-5 um +x __"),
     ],
 )
 def test_signs_that_a_console_lacks_have_a_form_of_their_own(text: str, plain: str) -> None:

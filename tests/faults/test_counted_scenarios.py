@@ -163,3 +163,11 @@ def test_what_a_run_has_left_is_looked_at_longer_only_after_an_alarm(
         )  # fmt: skip
         assert (found.states, found.hidden) == (["STARTING", "ENDED"], scenario.hidden)
         assert found.received is received
+
+
+def test_states_of_a_channel_are_noted_when_they_change_and_when_they_come_again() -> None:
+    seen = StatesSeen()
+    for name in ("READY", "READY", "RUNNING", "READY", "RUNNING", "RUNNING", "ENDED"):
+        channel: Any = SimpleNamespace(state=SimpleNamespace(name=name))
+        seen(channel)
+    assert seen.names == ["READY", "RUNNING", "READY", "RUNNING", "ENDED"]

@@ -107,8 +107,12 @@ def test_an_asc_log_without_the_line_that_ends_its_head_has_its_first_frame(
 
 @pytest.mark.parametrize("encoding", ["cp1252", "utf-8", "utf-8-sig"])
 def test_an_asc_log_with_a_german_date_is_read(written: Callable[..., Path], encoding: str) -> None:
-    text = asc("absolute", f"0.01 1 {RX}", day="Mo Mär 16")
-    assert frames_of(written("some.asc", text, encoding)) == [(10.0, "0", *BOOT)]
+    """The sign after a foreign one is there too, were it the end of its line."""
+    text = asc("absolute", "// Prüfung Ü", f"0.01 1 {RX}", "// ÄÖ", f"0.02 1 {TX}", day="Mo Mär 16")
+    assert frames_of(written("some.asc", text, encoding)) == [
+        (10.0, "0", *BOOT),
+        (20.0, "0", *UPLOAD),
+    ]
 
 
 SCREEN = "  can0  703   [1]  00\n  can0  603   [8]  40 00 10 00 00 00 00 00\n"

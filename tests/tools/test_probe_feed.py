@@ -46,3 +46,19 @@ def test_a_number_that_no_machine_has(option: str, value: str, allowed: str) -> 
 def test_errors_name_the_value() -> None:
     with pytest.raises(UserError, match="--ramp"):
         Question(5.0, 8.0, 1.0, 1.0, ramp_ms=-3.0)
+
+
+def test_every_option_has_its_share() -> None:
+    """50 mm/s: 4 ms and one or two cycles of 8 ms, v^2/2b, v t_r/2, three quarters of v/Kv."""
+    given = Question(
+        2.625, 8.0, 2.0, 3.0, delay_ms=4.0, ramp_ms=10.0, feed_forward=0.25
+    )  # Kv 3 (m/min)/mm are 50/s
+    lines = probe_feed_text(given, 3000.0).splitlines()
+    shares = ["0.6250", "0.2500", "0.7500"]
+    assert lines[1].split() == ["12", "3000.0", "0.6000", *shares, "2.2250"]
+    assert lines[2].split() == ["20", "3000.0", "1.0000", *shares, "2.6250"]
+    largest = probe_feed_text(given).splitlines()
+    assert largest[2].split() == lines[2].split()
+    assert float(largest[1].split()[1]) > 3000.0
+    assert largest[-1].startswith("Within a stroke of 2.625 mm: at most 3000.0 mm/min for every")
+    assert "cycle of 8 ms" in largest[-2]
