@@ -106,6 +106,17 @@ def test_cache_is_used_and_follows_the_sources(tmp_path, monkeypatch):
     assert building.cache_key("Small.Plant", root) != before
 
 
+def test_models_of_one_text_under_two_names_are_two(tmp_path):
+    """Messages of an FMU name the file that its equations come from."""
+    keys = []
+    for folder, name in (("a", "Plant.mo"), ("b", "Plant.mo"), ("c", "Other.mo")):
+        file = tmp_path / folder / name
+        file.parent.mkdir()
+        file.write_text("model Plant end Plant;", encoding="utf-8")
+        keys.append(building.cache_key("Plant", file))
+    assert keys[0] == keys[1] != keys[2]
+
+
 @pytest.mark.long
 def test_damaged_fmu_in_the_cache_is_built_again(tmp_path):
     path = ensure_built(MODELS[-2], tmp_path)

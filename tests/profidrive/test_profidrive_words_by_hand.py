@@ -10,6 +10,7 @@ from tests.profidrive.test_profidrive_parameters import Far
 from axisrig.kernel.drives.frozen_encoder import STANDS_S
 from axisrig.kernel.drives.position_watch import jump_alarm
 from axisrig.kernel.drives.power import PowerOrder, PowerRequest
+from axisrig.kernel.profiles.profidrive import parameters
 
 PER_MM = SETTINGS.increments_per_mm
 READY, OPERATES, INHIBITED, FAULT = 0x0231, 0x0237, 0x0270, 0x0238
@@ -93,3 +94,19 @@ def test_a_value_is_as_long_as_its_format_says(response: str, data: bytes) -> No
     far = Far()
     far.channel.read(1230, 0, far.found.append)
     assert far.answer(response) == data
+
+
+@pytest.mark.parametrize(
+    ("data", "written"),
+    [
+        (b"\x7b", "41 01 7B 00"),  # filled up to a word
+        (b"\x03\xe8", "42 01 03 E8"), (b"\0\1\2\3", "43 01 00 01 02 03"), (b"", ""),
+    ],
+)  # fmt: skip
+def test_a_value_is_written_with_the_format_of_its_length(data: bytes, written: str) -> None:
+    """FCT-C4: byte 0x41, word 0x42, double word 0x43; a request without a value reads."""
+    kind = "02" if data else "01"
+    request = parameters.Request(7, 1230, 2, data).pack()
+    assert request == bytes.fromhex(f"07 {kind} 00 01  10 01 04CE 0002 {written}")
+    answer = parameters.positive(request, data)
+    assert answer == bytes.fromhex(f"07 {kind} 00 01 {written}")

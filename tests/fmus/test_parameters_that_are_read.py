@@ -1,0 +1,83 @@
+"""Which parameters have no effect in an FMU: those that nothing reads, whoever may read them."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.fmus.reading.expressions import TIME, apply, const, parameter, variable
+from axisrig.fmus.writing.fixed_parameters import folded_slots
+
+READ = apply("Mul", parameter(0), variable(0))
+ROWS = ("derivatives", "algebraics", "runtime", "updates", "whens", "conditions", "reinits")
+
+
+def row(value: Any, vector: str = "y", index: int = 0) -> Any:
+    return SimpleNamespace(vector=vector, index=index, value=value)
+
+
+def folded(**parts: Any) -> set[int]:
+    """Slots of the parameters a (0), b (1) and the array c (2, 3); 7 is a discrete variable."""
+    slots = {"a": 0, "b": 1, "c[1]": 2, "c[2]": 3, "n": 7}
+    names = {"a": ["a"], "b": ["b"], "c": ["c[1]", "c[2]"]}
+    ir: Any = SimpleNamespace(
+        solve={"layout": {"bindings": {name: {"P": {"index": at}} for name, at in slots.items()}}},
+        dae={
+            "variables": [
+                {"name": name, "role": "parameter", "scalar_names": elements}
+                for name, elements in names.items()
+            ]
+            + [{"name": "n", "role": "discrete_value", "scalar_names": ["n"]}]
+        },
+        flat={"when_chains": []},
+    )
+    empty = dict.fromkeys(
+        (*ROWS, "initial", "relations", "actions", "schedules", "blocks", "previous"), ()
+    )
+    system: Any = SimpleNamespace(**empty | parts)
+    return set(folded_slots(ir, system))
+
+
+def action(condition: Any = TIME, value: Any = TIME) -> Any:
+    return SimpleNamespace(condition=condition, values=[("Real", TIME), ("Real", value)])
+
+
+def schedule(offset: Any = TIME, interval: Any = TIME) -> Any:
+    return 5, SimpleNamespace(offset=offset, interval=interval)
+
+
+def block(residuals: Any = (), inputs: Any = ()) -> Any:
+    return SimpleNamespace(residuals=residuals, inputs=inputs)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        *({name: [row(TIME), row(READ)]} for name in ROWS),
+        {"initial": [row(TIME), row(READ)]},
+        {"initial": [row(READ, "p", 7)]},
+        {"relations": [SimpleNamespace(function=TIME), SimpleNamespace(function=READ)]},
+        {"actions": [action(), action(condition=READ)]}, {"actions": [action(value=READ)]},
+        {"schedules": [schedule(), schedule(offset=READ)]},
+        {"schedules": [schedule(interval=READ)]},
+        {"blocks": [block(), block(residuals=[TIME, READ])]}, {"blocks": [block(inputs=[READ])]},
+        {"previous": [(9, "y", 1), (8, "p", 0)]},
+    ],
+)  # fmt: skip
+def test_a_parameter_has_an_effect_wherever_it_is_read(parts: dict[str, Any]) -> None:
+    assert folded(**parts) == {1, 2, 3}
+
+
+def test_a_state_before_an_event_is_no_parameter() -> None:
+    assert folded(previous=[(9, "y", 0)]) == {0, 1, 2, 3}
+
+
+def test_a_parameter_that_another_one_follows_acts_through_it() -> None:
+    """b = 2 a: whoever reads b reads a; c[2] = 3 c[1]. Each element speaks for itself."""
+    follows = [
+        row(apply("Mul", const(2), parameter(0)), "p", 1),
+        row(apply("Mul", const(3), parameter(2)), "p", 3),
+    ]
+    reads_b = [row(apply("Sub", parameter(1), variable(0)))]
+    assert folded(initial=follows, algebraics=reads_b) == set()
+    assert folded(algebraics=reads_b) == {0, 2, 3}
