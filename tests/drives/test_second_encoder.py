@@ -107,6 +107,7 @@ def test_every_third_sync_is_enough_when_the_table_says_so(
             second(wire, cycle, 0x283)
         link.take()
         assert link.second_increments == cycle - cycle % 3  # the last one counts until the next
+        assert link.second_age_cycles == cycle % 3
     for _ in range(6):  # it came in cycle 9: two telegrams in a row may be missing
         link.begin_cycle()
         answer(wire)
@@ -122,11 +123,11 @@ def test_sent_on_change_it_stays_until_it_changes(
 ) -> None:
     link, wire = linked(own_table(f"TPDO2,{transmission},0,0x60E4,1,32,yes,second"))
     second(wire, 5, 0x283)
-    for _ in range(20):
+    for cycle in range(20):
         link.begin_cycle()
         answer(wire)
         link.take()
-        assert link.second_increments == 5
+        assert (link.second_increments, link.second_age_cycles) == (5, cycle)
     second(wire, 6, 0x283)
     assert link.second_increments == 6
 

@@ -51,9 +51,19 @@ def test_factor_and_exponents_of_a_unit(text):
     assert unit.offset == 0.0
 
 
-def test_degree_celsius_has_an_offset_and_loses_it_in_a_product():
+def test_degree_celsius_has_an_offset():
     assert (read_unit("degC").factor, read_unit("degC").offset) == (1.0, 273.15)
-    assert read_unit("m/degC").offset == 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "exponents"),
+    [("m/degC", {"m": 1, "K": -1}), ("degC2", {"K": 2}), ("degC-1", {"K": -1}),
+     ("1/degC", {"K": -1}), ("degC.s", {"K": 1, "s": 1}), ("1/degC2", {"K": -2})],
+)  # fmt: skip
+def test_degree_celsius_loses_its_offset_in_products_and_powers(text, exponents):
+    unit = read_unit(text)
+    assert (unit.factor, unit.offset) == (1.0, 0.0)
+    assert dict(zip(BASE, unit.exponents, strict=True)) == dict.fromkeys(BASE, 0) | exponents
 
 
 @pytest.mark.parametrize("text", ["furlong", "", "m//s", "m.", "2m", "kmin", "m^2", "N m"])
