@@ -14,7 +14,7 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.canopen.dictionary import eds_notes, read_eds
-from axisrig.kernel.drives.canopen.eds_file import whole_number
+from axisrig.kernel.drives.canopen.eds_file import read_eds_file, whole_number
 from axisrig.kernel.errors import UserError
 
 WHOLE = eds_text(DriveProfile())
@@ -164,6 +164,27 @@ def test_what_cannot_be_read_is_refused_with_line_section_and_key(
 def test_a_file_without_sections_is_no_eds(written: Callable[..., str], text: str) -> None:
     with pytest.raises(UserError, match="the EDS cannot be read"):
         read_eds(written(text), NODE)
+
+
+@pytest.mark.parametrize(
+    ("line", "value"),
+    [
+        ("Key=5", "5"), ("Key = 5 ; five", "5"), ("KEY=5\t; five; or 6", "5"),
+        ("key=a;b", "a;b"), ("Key=", ""), ("Key=;nothing yet", ""), ("Key= ; nothing yet", ""),
+        ("Key=a=b", "a=b"), ("  Key=a b  ", "a b"), ("; Key=5", None), ("# Key=5", None),
+    ],
+)  # fmt: skip
+def test_a_value_ends_where_its_comment_begins(
+    written: Callable[..., str], line: str, value: str | None
+) -> None:
+    """A semicolon after a blank, or at once after the mark; one inside a word is of the word."""
+    found = read_eds_file(written(f"[ Some Part ] ; of it\n{line}\nOther=1\n"))
+    section = found.sections["some part"]
+    assert section.text("Other") == "1"
+    entry = section.entries.get("key")
+    assert (entry and entry.value) == value
+    assert entry is None or (entry.line, section.line) == (2, 1)
+    assert found.notes == []
 
 
 @pytest.mark.parametrize(
