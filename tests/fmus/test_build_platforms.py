@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
-from axisrig.fmus import PLATFORMS, BuildError, compiler
+from axisrig.fmus import PLATFORMS, BuildError
+from axisrig.fmus import compiler as compilers
 from axisrig.fmus.build import build, cache_key, place_in_cache
 from axisrig.fmus.compiler import find_compiler, this_platform, universal_library
 
@@ -166,14 +167,14 @@ def test_cc_builds_for_its_own_platform_only(library, tmp_path):
 @pytest.mark.parametrize("foreign", [(), (0,), (1,), (0, 2)])
 def test_for_any_other_platform_it_is_zig_that_builds(monkeypatch, name, foreign):
     """Wherever in the list the other platform is."""
-    monkeypatch.setattr(compiler, "find_compiler", lambda wanted=None: wanted)
+    monkeypatch.setattr(compilers, "find_compiler", lambda wanted=None: wanted)
     others = [one for one in PLATFORMS.values() if one is not this_platform()]
     wanted = [others[k] if k in foreign else this_platform() for k in range(3)]
     if foreign and name == "cc":
         with pytest.raises(BuildError, match=f"not for {others[foreign[0]].name}; zig does"):
-            compiler.compiler_for(wanted, name)
+            compilers.compiler_for(wanted, name)
     else:
-        assert compiler.compiler_for(wanted, name) == ("zig" if foreign else name)
+        assert compilers.compiler_for(wanted, name) == ("zig" if foreign else name)
 
 
 @zig

@@ -44,6 +44,16 @@ def test_control_word_1_follows_request_and_state(
         assert bus.cycle(0.0, ZSW1=FAULT)["STW1"] == (ACKNOWLEDGE if acknowledges else OFF)
 
 
+@pytest.mark.parametrize(("status", "word"), [(READY, OFF), (OPERATES, MOVING), (INHIBITED, OFF)])
+def test_a_place_is_proved_before_the_drive_is_led_into_operation_and_not_in_it(
+    status: int, word: int
+) -> None:
+    """KEEP, STOP and ON alike never take away the operation that the drive is in."""
+    bus = bus_of(proves_places=True)
+    assert not bus.drive.is_placed
+    assert bus.cycle(0.0, ZSW1=status)["STW1"] == word
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_deviation_and_speed_end_at_32_bits_in_both_directions(sign: int) -> None:
     """6000 mm are 2.5e9 increments."""
