@@ -6,6 +6,7 @@ import pytest
 
 from axisrig.kernel.drives.cia402.cyclic_data import TAKEN
 from axisrig.kernel.drives.ethercat.settings import Pdo, SlaveSettings
+from axisrig.kernel.drives.ethercat.slave_data import Silent
 from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.drives.sercos.data import TelegramData
 
@@ -90,3 +91,31 @@ def test_why_it_is_missing_is_that_of_the_last_frame(refused: bool, alarm_id: in
     assert (alarm.id, alarm.values["cycles"]) == (alarm_id, 2)
     if refused:
         assert (alarm.values["counter"], alarm.values["expected"]) == (1, 3)
+
+
+def test_why_inputs_are_missing_is_that_of_the_last_cycle() -> None:
+    """No frame; a counter that nobody can explain; a slave that is known to be silent, until
+    inputs come again or the exchange begins anew.
+    """
+    made, found = data(), []
+    silent = Silent("Y", 2, 1, 3)
+    for event in ("none", "refused", "silent", "none", "refused", "inputs", "refused", "begin"):
+        made.forget()
+        if event == "silent":
+            made.silent = silent
+        if event in ("silent", "refused"):
+            made.refused(4, 6)
+        if event == "inputs":
+            made.arrived(telegram(0))
+        if event == "begin":
+            made.begin()
+            found.append((0, made.missing[0]))
+            continue
+        made.take()
+        if made.is_disturbed:
+            alarm = made.missing_alarm("Z", 0)
+            found.append((alarm.id, *alarm.values.values()))
+    assert found == [
+        (900730, "Z", 1), (900731, "Z", 2, 4, 6), (900733, "Y", 2, 3, 1, 3), (900730, "Z", 4),
+        (900733, "Y", 2, 5, 1, 3), (900731, "Z", 1, 4, 6), (0, 0),
+    ]  # fmt: skip
