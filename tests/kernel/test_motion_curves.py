@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from axisrig.kernel.motion.curves import Arc, Line, moved_axes, swing
 from axisrig.kernel.motion.dynamics import Dynamics, arc_dynamics
 from axisrig.kernel.motion.interpolator import Interpolator
+from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.profile import Slope, plan
 from axisrig.kernel.time.clock import MS
 
@@ -166,6 +167,70 @@ def test_axis_that_hardly_moves_hardly_limits() -> None:
     arc = in_plane(1e4, -math.pi / 2, math.radians(1.0), 1.0)
     found = arc_dynamics([axis(100.0, 1000.0), axis(10.0, 1000.0), axis(1.0, 1.0)], arc)
     assert found.speed_max_mm_s == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(
+    ("begin_deg", "sign", "shares"),
+    [
+        (0.0, 1.0, (0.5, 1.0)),  # X turns at the begin of the arc, Y is fastest there
+        (0.0, -1.0, (0.5, 1.0)),
+        (90.0, 1.0, (1.0, 0.5)),
+        (180.0, -1.0, (0.5, 1.0)),
+        (60.0, 1.0, (1.0, 0.5)),  # it ends where X is fastest
+        (75.0, 1.0, (1.0, math.cos(math.radians(75.0)))),  # X is fastest in the middle
+    ],
+)
+@pytest.mark.parametrize("height", [0.0, 4.0, -4.0])
+def test_each_axis_limits_an_arc_by_its_share_at_its_fastest_place(
+    begin_deg: float, sign: float, shares: tuple[float, float], height: float
+) -> None:
+    """30 degrees, 3 mm long in its plane: 3/5 of the shares are left where Z climbs by 4 mm."""
+    angle = math.pi / 6.0
+    arc = in_plane(3.0 / angle, math.radians(begin_deg), angle, sign, height)
+    flat, climb = (0.6, 0.8) if height else (1.0, 0.0)
+    for moved, share in ((0, flat * shares[0]), (1, flat * shares[1]), (2, climb)):
+        speeds = [10.0 if at == moved else 1e4 for at in range(3)]
+        found = arc_dynamics([axis(speed, 1e12) for speed in speeds], arc).speed_max_mm_s
+        expected = [1e4 / (flat * max(shares)), 1e4 / climb if climb else math.inf]
+        expected.append(10.0 / share if share else math.inf)
+        assert found == pytest.approx(min(expected), rel=1e-9), moved
+
+
+def test_each_slope_of_an_arc_has_the_axis_that_decides_it() -> None:
+    """A turn with shares of 0.6, 0.6 and 0.8, so slowly that nothing goes into the curve.
+
+    Y has no feedhold of its own: its deceleration counts there.
+    """
+    slopes = ((600.0, 900.0, 660.0, 780.0), (720.0, 630.0, 690.0, None), (960.0, 920.0, 760.0, 1e3))
+    axes = [
+        Dynamics(
+            *[Slope(a, a, 50.0) for a in (up, down, stop)],
+            400.0,
+            None if hold is None else Slope(hold, hold, 50.0),
+        )
+        for up, down, stop, hold in slopes
+    ]
+    arc = in_plane(3.0 / math.tau, 0.3, math.tau, 1.0, 4.0)
+    found = arc_dynamics(axes, arc, 1e-3)
+    assert found.feedhold is not None
+    expected = (600.0 / 0.6, 630.0 / 0.6, 760.0 / 0.8, 630.0 / 0.6)
+    of_path = (found.acceleration, found.deceleration, found.stop_deceleration, found.feedhold)
+    for one, a_mm_s2 in zip(of_path, expected, strict=True):
+        assert (one.least_mm_s2, one.most_mm_s2) == pytest.approx((a_mm_s2, a_mm_s2), rel=1e-9)
+
+
+@pytest.mark.parametrize("slowest", [0, 1, 2])
+def test_the_least_jerk_of_the_axes_is_that_of_an_arc(slowest: int) -> None:
+    """a/t of an axis by its share; Y and Z with other ramps up and down than X."""
+    ramps = [(0.01, 0.02), (0.02, 0.01), (0.015, 0.005)]
+    ramps[slowest] = (0.2, 0.4)
+    axes = [Dynamics(*[JerkSlope(1200.0, *each)] * 3, 400.0) for each in ramps]
+    found = arc_dynamics(axes, in_plane(3.0 / math.tau, 0.3, math.tau, 1.0, 4.0), 1e-3).acceleration
+    assert isinstance(found, JerkSlope)
+    share = (0.6, 0.6, 0.8)[slowest]
+    assert found.a_mm_s2 == pytest.approx(1200.0 / 0.8)
+    assert found.a_mm_s2 / found.rise_s == pytest.approx(1200.0 / 0.2 / share)
+    assert found.a_mm_s2 / found.fall_s == pytest.approx(1200.0 / 0.4 / share)
 
 
 AXES = st.builds(axis, st.floats(5, 500), *[st.floats(100, 5000)] * 3)
