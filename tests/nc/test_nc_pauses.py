@@ -300,11 +300,3 @@ def test_programs_that_measure_under_polynomial_contouring(run: Any, before: str
         run(f"#CONTOUR MODE [DEV PATH_DEV=0.5]\n{before}\nG100 X10 F100")
     assert caught.value.id == 120652
     assert kinds(run(f"{before}\nG260\nG100 X10 F100"))[-3:-1] == ["MeasuringRun", "Wait"]
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("block", ["G4 0", "#TIME 0", "M1", "M8", "G60", "#FLUSH", "G261"])
-def test_a_loop_that_gives_the_machine_nothing_to_do_is_told(run: Any, block: str) -> None:
-    with pytest.raises(Alarm) as caught:
-        run(f"$WHILE 1\n{block}\n$ENDWHILE")
-    assert caught.value.id == 900120

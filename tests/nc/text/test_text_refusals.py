@@ -53,6 +53,8 @@ ERRORS = [
     ("#MEAS MODE[5/2]", 1, 1, "no such measuring type", "2.5"),
     ("#MEAS MODE[1,2]", 1, 1, "wrong values", None),
     ("#MEAS MODE[1][2]", 1, 1, "wrong values", None),
+    ("#SLOPE [TYPE=STEP][NO_OPT=1]", 1, 1, "wrong values", None),
+    ("#DRIVE RD [AX=X KEY=A][P=P1]", 1, 1, "wrong values", None),
     ("#CS ON[1,2,3,4,5,6,7]", 1, 1, "wrong values", None),
     ('#CS ON[1,"a"]', 1, 1, "wrong values", None),
     ("#CS OFF[1]", 1, 1, "wrong values", None),
@@ -204,6 +206,14 @@ def test_every_word_of_the_table_is_read(kind):
         valued = kind == "G" and word.word in words("address") and word.word != "G4"
         written = f"{word.word}=1" if valued else word.word
         assert notes(text.format(written)) == ([] if word.acts else [word.word])
+
+
+@pytest.mark.parametrize("function", ["SIZEOF[P1]", "EXIST[1]"])
+def test_a_function_that_does_not_act_is_read_wherever_it_stands_in_an_expression(function):
+    """What is constant about it is not computed: only a run that gets there ends."""
+    word = function.partition("[")[0]
+    for form in ("-{}", "NOT[{}]", "1+{}", "{}*2", "[2*{}]+1", "ABS[1-{}]", "MAX[1,{}]", "2*3-{}"):
+        assert notes(f"X={form.format(function)}") == [word]
 
 
 def test_every_variable_of_the_table_is_read():

@@ -80,6 +80,25 @@ def test_a_label_and_its_jump_may_have_leading_zeros_and_blanks():
     assert [jump.target for jump in jumps] == [Target("N10")] * 4
 
 
+def test_a_name_of_a_label_has_no_blanks_around_it_wherever_it_is_written():
+    for written in ("[A_B]", "[ A_B]", "[A_B ]", "[ A_B ]"):
+        text = f"{written} G0 X1\n$GOTO [A_B]\n$IF P1 $GOTO {written}\nG310 X3 $GOTO {written}"
+        label, _, jump, conditional, move = statements(text)
+        assert label == Label("[A_B]")
+        assert {each.target for each in (jump, conditional)} | {move.goto} == {Target("[A_B]")}
+
+
+def test_a_block_has_one_of_ten_levels_of_skip():
+    """Source: functional description of block skip, page 214611467."""
+    for level in range(1, 11):
+        for text in (f"/{level} N5 G0 X1", f"N5 /{level} G0 X1", f"/{level} $WHILE 0\n$ENDWHILE"):
+            assert program(text).blocks[0].skip == level
+    assert [program(f"{head}G0 X1").blocks[0].skip for head in ("/", "/ N5 ", "")] == [1, 1, 0]
+    for level in ("/0", "/11", "/100"):
+        with pytest.raises(UserError, match="no such level"):
+            program(f"{level} G0 X1")
+
+
 def test_a_case_may_stand_behind_the_default_branch():
     assert kinds("$SWITCH 1\n$CASE 1\n$DEFAULT\n$CASE 2\n$ENDSWITCH")[2:4] == ["Default", "Case"]
 

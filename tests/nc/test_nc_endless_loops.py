@@ -1,0 +1,134 @@
+"""Loops without end: told where the machine gets nothing to do, left alone where time passes."""
+
+from itertools import islice
+
+import pytest
+from tests.nc.conftest import XYZ, PlaneMachine
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import Message, Wait
+from axisrig.kernel.nc.decoder import Interpreter, interpreter
+from axisrig.kernel.nc.text.parser import parse_program
+
+
+@pytest.mark.provokes(900120, 2, blocks=100_000, turns=33334)
+@pytest.mark.long
+def test_900120_for_a_loop_that_never_ends(run):
+    with pytest.raises(Alarm) as caught:
+        run("G0 X1\nN10 $WHILE 1\nP1=1\n$ENDWHILE")
+    assert caught.value.id == 900120
+    assert "line 2 (N10 $WHILE 1)" in str(caught.value.values["loop"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[A] P1=1\n$GOTO [A]",
+        "$DO\nP1=1\n$ENDDO 1",
+        "$FOR P1=1,2,V.A.ABS.X\n$ENDFOR",
+        "$WHILE 1\nX0\n$ENDWHILE",
+    ],
+    ids=["jumps", "do", "for with step 0", "moves that lead nowhere"],
+)
+def test_every_kind_of_loop_without_end_is_found(run, monkeypatch, text):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    with pytest.raises(Alarm) as caught:
+        run(f"G0\n{text}")
+    assert caught.value.id == 900120
+
+
+SUBPROGRAM = "%L SUB\n" + "P1=P1+1\n" * 300 + "M17\n%MAIN\nP1=0\n"
+
+
+@pytest.mark.long
+def test_a_straight_program_is_no_endless_loop(run):
+    (message,) = [
+        c
+        for c in run("P1=0\n" + "P1=P1+1\n" * 100_100 + '#MSG ["%d", P1]\n')
+        if isinstance(c, Message)
+    ]
+    assert message.text == "100100"
+
+
+def test_a_straight_program_of_blocks_and_calls_is_no_endless_loop(run, monkeypatch):
+    """900 blocks in three calls, none of which comes from a loop."""
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    loop = "$FOR P2=1,5,1\n$ENDFOR\n"
+    text = "P1=0\n" + loop + "P1=P1+1\n" * 300 + '#MSG ["%d", P1]\n'
+    (message,) = [c for c in run(text) if isinstance(c, Message)]
+    assert message.text == "300"
+    text = SUBPROGRAM + "LL SUB\n" * 3 + '#MSG ["%d", P1]\nM30\n'
+    (message,) = [c for c in run(text) if isinstance(c, Message)]
+    assert message.text == "900"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SUBPROGRAM + "$WHILE 1\nLL SUB\n$ENDWHILE\nM30\n",
+        "X1 F100 G1\n" + "P1=1\n" * 40 + "$WHILE 1\nP1=1\n$ENDWHILE",
+    ],
+    ids=["calls", "behind a motion"],
+)
+def test_blocks_that_come_again_are_counted_wherever_they_are(run, monkeypatch, text):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    with pytest.raises(Alarm) as caught:
+        run(text)
+    assert caught.value.id == 900120
+
+
+def test_the_loop_that_is_told_is_the_one_without_end(run, monkeypatch):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    with pytest.raises(Alarm) as caught:
+        run("$WHILE 1\n$FOR P1=1,5,1\nP2=P1\n$ENDFOR\n$ENDWHILE")
+    assert "line 1 ($WHILE 1)" in str(caught.value.values["loop"])
+
+
+class Drives(PlaneMachine):
+    """Its drives answer 0 to every question."""
+
+    def drive_value(self, axis, key):
+        return 0.0
+
+
+def decoded(body, count):
+    """So many commands of a program that runs for ever, or fewer if it ends."""
+    machine = Drives(dict.fromkeys(XYZ, 0.0), None)
+    program = parse_program(f"N1 F100 G1 P1=0\nN2 $WHILE 1\n{body}\n$ENDWHILE", axes=XYZ)
+    found = []
+    external = {"READY": 0.0}
+    for command in islice(Interpreter(program, XYZ, machine, external=external).commands(), count):
+        found.append(command)
+        machine.queue.append(command)
+        if isinstance(command, Wait):
+            machine.execute()
+    return found
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "G4 0", "#TIME 0", "M1", "M8", "G60", "#FLUSH", "G261", "T3", "H4", "G92 X1", "G54",
+        "P1=1-P1", "X0", "#MEAS PREPARE[AX=X]", "#MEAS[AX=X INPUT=2]", "#SLOPE[TYPE=TRAPEZ]",
+        "G131 = 70", '#MSG["again"]', "#CS ON[0,0,1]\n#CS OFF",
+    ],
+)  # fmt: skip
+def test_a_loop_that_gives_the_machine_nothing_to_do_is_told(monkeypatch, body):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    with pytest.raises(Alarm) as caught:
+        decoded(body, 2000)
+    assert caught.value.id == 900120
+    assert "line 2 (N2 $WHILE 1)" in str(caught.value.values["loop"])
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "G4 0.1", "#TIME 0.1", "M0", "X1\nX0", "G0 X1\nX0", "G2 X10 I5", "G100 X1\nX0", "G74 X1",
+        "X[INDP_ASYN POS=1 G01 FEED=100]\nX[INDP_ASYN POS=0 G01 FEED=100]", "P1=V.E.READY",
+        "#DRIVE RD[AX=X KEY=A P=P1]", "#DRIVE WAIT SYN[AX=X]",
+    ],
+)  # fmt: skip
+def test_a_loop_in_which_time_passes_may_go_on_for_ever(monkeypatch, body):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 50)
+    assert len(decoded(body, 300)) == 300
