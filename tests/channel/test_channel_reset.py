@@ -285,6 +285,33 @@ def test_without_anything_behind_it_a_program_ends_the_run_in_its_cycle(
     assert bench.channel.end_ns == bench.channel.program_ends_ns[0] == bench.samples[-1].time_ns
 
 
+@pytest.mark.parametrize(
+    ("last", "turns"), [("end", {60: "next"}), ("reset", {30: "reset", 90: "next"})]
+)
+def test_the_next_program_begins_with_the_slope_and_the_weights_of_the_lists(
+    channel_bench: Make, words: Any, last: str, turns: dict[int, str]
+) -> None:
+    """1 mm at 10 mm/s with 1000 mm/s²: 100 and 10 ms, not the ramps and a tenth of before."""
+    bench = channel_bench(words.axis("Z"))
+    block = Block(1, 10, "N10")
+    chosen = (
+        canon.SlopeChoice(block, "TRAPEZ"),
+        canon.DynamicWeights(block, "acceleration", {"Z": 0.1}),
+        canon.DynamicWeights(block, "ramp_time", {"Z": 3.0}),
+    )
+    after = start(bench, words.move(1, 600.0, Z=1.0), words.end())
+    Side(
+        bench,
+        words,
+        {turn: after if what == "next" else reset(bench) for turn, what in turns.items()},
+    )
+    bench.run([*chosen, *([dwell(2, 5000)] if last == "reset" else []), words.end()])
+    z = bench.set_mm("Z")
+    begin = next(n for n, mm in enumerate(z) if mm != z[0])
+    assert z.index(1.0) - begin + 1 == 110
+    assert (z[begin], bench.alarm_ids) == (pytest.approx(0.0005, abs=1e-9), [])
+
+
 def test_no_program_finds_what_another_one_has_measured(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=35.0)
     found: list[float | None] = []

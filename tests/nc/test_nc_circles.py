@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from axisrig.kernel.nc.canon import Message
 from axisrig.kernel.nc.coordinates import CircleWords, Coordinates, Frame, GeometryError
 from axisrig.kernel.nc.coordinates.circle import plane_arc
 from axisrig.kernel.nc.coordinates.places import PLANES
@@ -233,3 +234,28 @@ def test_a_rig_without_the_second_axis_of_the_plane_has_no_circle():
     assert fault.value.alarm_id == 900152
     coordinates.plane = PLANES["G18"]
     assert coordinates.aim_arc({}, CircleWords(True, (1.0, 0.0)), absolute=True).angle_rad > 6
+
+
+@pytest.mark.parametrize(("plane", "places"), [("G17", (0, 1)), ("G18", (2, 0)), ("G19", (1, 2))])
+@pytest.mark.parametrize("unit", ["G71", "G70"])
+@pytest.mark.parametrize("written", ["relative", "absolute", "radius"])
+def test_a_program_reads_centre_and_radius_of_its_last_arc_from_the_start_of_it(
+    run, plane, places, unit, written
+):
+    """Half a circle of 5 about (3, 4) from its start, which is nowhere near zero."""
+    start, letters = (10.0, 20.0, 30.0), "IJK"
+    centre = {letters[places[0]]: 3.0, letters[places[1]]: 4.0}
+    first, second = places
+    end = f"{XYZ[first]}{start[first] + 6.0} {XYZ[second]}{start[second] + 8.0}"
+    words = {
+        "relative": " ".join(f"{letter}{value}" for letter, value in centre.items()),
+        "absolute": " ".join(f"{a}{centre[a] + start[letters.index(a)]}" for a in centre),
+        "radius": "R5",
+    }[written]
+    absolute = "G161" if written == "absolute" else "G162"
+    commands = run(
+        f"{unit} {plane} {absolute} G0 X10 Y20 Z30\nG3 {end} {words} F100\n"
+        '#MSG ["%.6f %.6f %.6f %.6f", V.G.I, V.G.J, V.G.K, V.G.R]'
+    )
+    (message,) = [c for c in commands if isinstance(c, Message)]
+    assert message.text.split() == [f"{centre.get(a, 0.0):.6f}" for a in letters] + ["5.000000"]

@@ -1,6 +1,5 @@
 """Homing and adoption among the single axes by hand: order, times, breaking off, the way back."""
 
-from types import SimpleNamespace
 from typing import Any
 
 from tests.channel.program_by_hand import Program
