@@ -75,3 +75,50 @@ def test_the_load_of_now_is_that_of_the_last_windows_however_long_the_run_is() -
             seen.append(now.busy_share)
     assert seen == pytest.approx(([0.1, 0.1, 0.2, 0.3] * 7)[: len(seen)])
     assert len(seen) > 3 * KEPT_WINDOWS // 250 - 2
+
+
+FOLDED = 1949
+"""Windows of a fold, where each one is settled: the 2049th since the last one leaves 100."""
+BURSTS = [
+    (-100, 100),
+    (-99, 100),
+    (0, 1),
+    (-50, 100),
+    (-1, 100),
+    (99, 1),
+    (0, 100),
+    (50, 0),
+    (50, 0),
+]
+"""Of each fold: where its burst begins, counted from its border, and how many ms it has."""
+
+
+def test_a_burst_counts_wherever_the_windows_are_summed_up() -> None:
+    """100 bits in each ms, and each burst has more in each of its ms than those before."""
+    bits_of = [100] * (FOLDED * len(BURSTS) + 300)
+    for number, (begin, length) in enumerate(BURSTS, 1):
+        at = FOLDED * number + begin
+        bits_of[at : at + length] = [400 + 50 * number] * length
+    meter = LoadMeter(BITRATE)
+    most, worst_100ms = [100], [100 * 100]
+    for window, bits in enumerate(bits_of):
+        begin_ns = window * MS
+        if window % 7:
+            meter.passed.append((begin_ns, begin_ns + bits * BIT_NS, bits, 1, False, 0))
+        else:
+            meter.occupy(begin_ns, begin_ns + bits * BIT_NS, bits)
+            meter.count_error()
+        meter.settle()
+        number, past = divmod(window + 1, FOLDED)
+        if past != 250 or not number:
+            continue
+        # 250 ms after a border its burst is over, and its windows are summed up or kept
+        length, height = BURSTS[number - 1][1], 400 + 50 * number
+        most.append(height if length else 100)
+        worst_100ms.append(height * length + 100 * (100 - length))
+        load = meter.figures((window + 1) * MS)
+        assert (load.worst_1ms_bits, load.worst_100ms_bits) == (max(most), max(worst_100ms)), number
+        assert load.worst_100ms_share == load.worst_100ms_bits / 100_000
+        assert load.busy_bits == sum(bits_of[: window + 1])
+        assert load.busy_share == pytest.approx(load.busy_bits / (window + 1) / 1000, rel=1e-12)
+        assert load.frames + load.error_frames == window + 1

@@ -5,9 +5,10 @@ from typing import Any
 import pytest
 from tests.drive_node.servo_alone import LIMITED, PER_M, ServoAlone
 
+from axisrig.bench.drive.axis.drive import NO_TICK
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, US
 
 WARNING, FOLLOWING_ERROR = 1 << 7, 1 << 13
 RATED_N = DriveProfile().rated_force_n
@@ -148,6 +149,33 @@ def test_a_reset_has_the_axis_as_power_on_has_it(fake_axis: Any) -> None:
     for word in (0x06, 0x07, 0x0F):
         one.cycle(controlword=word)
     assert servo.state is State.OPERATION_ENABLED
+
+
+@pytest.mark.parametrize("mode", [3, 9])
+def test_after_a_reset_ticks_begin_with_the_next_need_of_one(fake_axis: Any, mode: int) -> None:
+    """pv needs ticks of 250 us, csv none. The reset is 100 us after a tick, operation 30 us later.
+
+    An axis that is stepped to an instant shows that the drive has looked at it then.
+    """
+    one = ServoAlone(fake_axis(), mode, target_velocity=0.01 * PER_M)
+    one.cycle()
+    servo, axis, clock = one.servo, one.axis, one.clock
+    clock.run_until(one.now_ns + 350 * US)
+    servo.reset(one.now_ns)
+    clock.run_until(one.now_ns + 30 * US)
+    begun_ns = one.now_ns
+    if mode == 9:
+        clock.run_until(begun_ns + 5 * MS)
+        assert axis.now_ns == begun_ns - 30 * US
+        servo.begin_cycle(one.now_ns)
+        assert servo.lag_peak_m == NO_TICK
+        return
+    for word in (0x06, 0x07, 0x0F):
+        one.write(mode=mode, controlword=word)
+    assert servo.state is State.OPERATION_ENABLED
+    for late_us, looked_us in ((249, 0), (251, 250), (499, 250), (501, 500)):
+        clock.run_until(begun_ns + late_us * US)
+        assert axis.now_ns == begun_ns + looked_us * US
 
 
 @pytest.mark.parametrize(("word", "option"), [(0x07, "disable_option"), (0x06, "shutdown_option")])

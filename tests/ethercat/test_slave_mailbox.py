@@ -3,7 +3,7 @@
 import struct
 
 import pytest
-from tests.ethercat.line import PREOP, SAFEOP, Line
+from tests.ethercat.line import OP, PREOP, SAFEOP, Line
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.ethercat.node import SlaveSettings
@@ -304,6 +304,41 @@ def test_a_mapping_takes_what_a_pdo_of_its_direction_carries(line: Line) -> None
     line.map_image(0, 8, 4)
     assert line.ask(SAFEOP) == (SAFEOP, 0)
     assert line.drive.process_data.inputs.fields == ("position_actual",)
+
+
+def test_several_pdos_are_one_image_in_the_order_of_their_assignment(line: Line) -> None:
+    """Outputs: 1601 with a gap of 4 bytes and 6071, then 1600; inputs: 1A01 before 1A00.
+
+    A gap is a dummy entry of CiA 301, here 0007 of 32 bits.
+    """
+    lists = {
+        0x1601: [0x0007_0020, 0x6071_0010], 0x1600: [0x607A_0020, 0x6040_0010],
+        0x1A01: [0x6061_0008, 0x60FD_0020], 0x1A00: [0x6064_0020],
+        0x1C12: [0x1601, 0x1600], 0x1C13: [0x1A01, 0x1A00],
+    }  # fmt: skip
+    for index in (0x1C12, 0x1C13):
+        assert line.sdo_write(index, 0, 0, 1) == 0
+    for index, entries in lists.items():
+        size = 2 if index in (0x1C12, 0x1C13) else 4
+        assert line.sdo_write(index, 0, 0, 1) == 0
+        for sub, entry in enumerate(entries, 1):
+            assert line.sdo_write(index, sub, entry, size) == 0
+        assert line.sdo_write(index, 0, len(entries), 1) == 0
+    outputs, inputs = struct.Struct("<4xhiH"), struct.Struct("<bIi")
+    line.map_image(0, outputs.size, inputs.size)
+    assert line.ask(SAFEOP) == (SAFEOP, 0)
+    line.write(0x120, OP, 2)
+    sent = outputs.pack(-250, -70_000, 0x0006) + bytes(inputs.size)
+    for _ in range(2):
+        (answer,) = line.exchange((12, 0, sent))
+    assert line.al() == (OP, 0)
+    image = line.drive.servo.image
+    assert (image.target_torque, image.controlword) == (-250, 0x0006)
+    assert image.target_position == -70_000
+    image.position_actual = -123_456
+    image.digital_inputs = 0x8000_0001
+    assert line.drive.process_data.message(image) == inputs.pack(8, 0x8000_0001, -123_456)
+    assert answer.wkc == 3
 
 
 def test_fixed_pdos_take_what_is_there_and_nothing_else() -> None:

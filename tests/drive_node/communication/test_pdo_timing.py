@@ -120,6 +120,68 @@ def test_type_253_is_sampled_at_the_request(stranger: Make) -> None:
     assert ask(drive) == ["3102"]
 
 
+@pytest.mark.parametrize("kind", [0, 1, 252, 253, 254, 255])
+def test_only_a_type_of_syncs_answers_with_the_sample_of_its_sync(
+    stranger: Make, fake_axis: Any, kind: int
+) -> None:
+    """6064 of an axis at 0.1 m/s, 1048.576 units in 0.1 ms; 0 to 252 are sampled at the SYNC.
+
+    CiA 301, transmission types: 252 RTR-only synchronous, 253 RTR-only, 254 and 255 by event.
+    """
+    axis = fake_axis(motion=lambda time_s: 0.1 * time_s)
+    drive = stranger(axis=axis)
+    tpdo4(drive, kind, remote=True)
+    for sub, value, size in ((0, 0, 1), (1, 0x60640020, 4), (0, 1, 1)):
+        drive.write(0x1803, 1, 0xC000_0483, 4)
+        assert drive.write(0x1A03, sub, value, size) == 0
+    drive.write(0x1803, 1, 0x483, 4)
+    drive.nmt(1)
+
+    def asked_ms() -> list[float]:
+        """Instants of the positions that the node has sent since the last call."""
+        found = [
+            int.from_bytes(bytes.fromhex(d), "little") / 10_485.76 for d in drive.frames(0x483)
+        ]
+        drive.heard.clear()
+        return found
+
+    asked_ms()
+    synced = []
+    for _ in range(2):
+        begin_ms = drive.bench.scheduler.now_ns / MS
+        drive.after(0x80, wait_ms=3)
+        at_sync = asked_ms()
+        # 47 us of SYNC, none where requests alone ask for it
+        assert at_sync == pytest.approx([begin_ms + 0.047] * (kind not in (252, 253)), abs=2e-3)
+        sync_ms, begin_ms = begin_ms + 0.047, drive.bench.scheduler.now_ns / MS
+        drive.after(0x483, remote=True)
+        (answer_ms,) = asked_ms()
+        synced.append(answer_ms == pytest.approx(sync_ms, abs=2e-3))
+        assert synced[-1] or answer_ms == pytest.approx(begin_ms + 0.05, abs=0.02)
+    assert synced == [kind <= 252] * 2
+
+
+@pytest.mark.parametrize("kind", [1, 252, 253, 254])
+def test_a_window_is_of_synchronous_pdos_alone(stranger: Make, kind: int) -> None:
+    """Asked within the 1 ms of 1007, answered on a bus that others have until past its end.
+
+    CiA 301, 1007: what is synchronous may be taken back then; 253 and 254 are not.
+    """
+    drive = stranger()
+    tpdo4(drive, kind, remote=True)
+    drive.write(0x1007, 0, 1000, 4)
+    drive.nmt(1)
+    drive.after(0x80)
+    begin = len(drive.heard)
+    drive.send(0x80)
+    drive.send(0x483, remote=True)
+    for _ in range(12):
+        drive.send(0x90, "0000000000000000")
+    drive.run_ms(3)
+    heard = [can_id for can_id, _ in drive.heard[begin:]]
+    assert heard.count(0x483) == (1 if kind == 1 or kind >= 253 else 0)
+
+
 @pytest.mark.parametrize("kind", [0, 1, 254])
 def test_other_types_answer_too(stranger: Make, kind: int) -> None:
     drive = stranger()

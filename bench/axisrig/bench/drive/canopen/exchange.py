@@ -138,7 +138,7 @@ class PdoExchange(Owner):
 
     def withdraw_late(self) -> None:
         """Take back synchronous TPDOs that have not reached the bus within the window."""
-        late = {t.cob_id for t in self._active_tpdos if not t.is_event_driven}
+        late = {t.cob_id for t in self._active_tpdos if t.type < REMOTE}
         self._network.withdraw(late)
 
     # Events

@@ -12,7 +12,6 @@ from typing import ClassVar, Final
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.cia402.dictionary.image import DeviceImage, ProcessImage
 from axisrig.bench.drive.cia402.dictionary.mapping import Layout, check_entry, read_layout
-from axisrig.bench.drive.cia402.dictionary.objects import Key
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore, Owner
 from axisrig.bench.drive.ethercat.objects import (
     MAPPINGS,
@@ -110,11 +109,8 @@ class ProcessData(Exchanged):
         number = store.value(assignment)
         parts = [read_layout(store.value(assignment, sub), store) for sub in range(1, number + 1)]
         formats = "".join(part.codec.format.removeprefix("<") for part in parts)
-        fields, memory = list[str](), dict[int, Key]()
-        for part in parts:
-            memory |= {len(fields) + place: key for place, key in part.memory.items()}
-            fields += part.fields
-        return Layout(tuple(fields), struct.Struct(f"<{formats}"), memory, store)
+        fields = tuple(field for part in parts for field in part.fields)
+        return Layout(fields, struct.Struct(f"<{formats}"))
 
 
 def _nothing(_image: DeviceImage) -> bytes:
