@@ -151,27 +151,29 @@ def test_a_reset_has_the_axis_as_power_on_has_it(fake_axis: Any) -> None:
     assert servo.state is State.OPERATION_ENABLED
 
 
-@pytest.mark.parametrize("mode", [3, 9])
-def test_after_a_reset_ticks_begin_with_the_next_need_of_one(fake_axis: Any, mode: int) -> None:
-    """pv needs ticks of 250 us, csv none. The reset is 100 us after a tick, operation 30 us later.
+@pytest.mark.parametrize("is_left_alone", [True, False])
+def test_after_a_reset_ticks_begin_with_the_next_need_of_one(
+    fake_axis: Any, is_left_alone: bool
+) -> None:
+    """Pv needs ticks of 250 us. The reset is 100 us after one, operation 30 us later or never.
 
     An axis that is stepped to an instant shows that the drive has looked at it then.
     """
-    one = ServoAlone(fake_axis(), mode, target_velocity=0.01 * PER_M)
+    one = ServoAlone(fake_axis(), 3, target_velocity=0.01 * PER_M)
     one.cycle()
     servo, axis, clock = one.servo, one.axis, one.clock
     clock.run_until(one.now_ns + 350 * US)
+    servo.begin_cycle(one.now_ns)
     servo.reset(one.now_ns)
-    clock.run_until(one.now_ns + 30 * US)
-    begun_ns = one.now_ns
-    if mode == 9:
+    begun_ns = one.now_ns + 30 * US
+    if is_left_alone:
         clock.run_until(begun_ns + 5 * MS)
         assert axis.now_ns == begun_ns - 30 * US
-        servo.begin_cycle(one.now_ns)
         assert servo.lag_peak_m == NO_TICK
         return
+    clock.run_until(begun_ns)
     for word in (0x06, 0x07, 0x0F):
-        one.write(mode=mode, controlword=word)
+        one.write(mode=3, controlword=word)
     assert servo.state is State.OPERATION_ENABLED
     for late_us, looked_us in ((249, 0), (251, 250), (499, 250), (501, 500)):
         clock.run_until(begun_ns + late_us * US)
