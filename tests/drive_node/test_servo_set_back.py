@@ -169,6 +169,7 @@ def test_after_a_reset_ticks_begin_with_the_next_need_of_one(
     if is_left_alone:
         clock.run_until(begun_ns + 5 * MS)
         assert axis.now_ns == begun_ns - 30 * US
+        servo.begin_cycle(one.now_ns)
         assert servo.lag_peak_m == NO_TICK
         return
     clock.run_until(begun_ns)
