@@ -12,10 +12,12 @@ from tests.reports import tilted
 from tests.reports.tilted import AXES, OFF, ON, ROWS, STEP, left
 
 from axisrig.bench.judge.distance.tool import ToolTruth, axes_of
-from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST
+from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, TURNING_OFF
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import observe
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.lists import CHANNEL
+from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.axes import PlantRecord, PlantValue
 from axisrig.bench.record.distance import PlcSensor
 from axisrig.bench.record.facts import Facts
@@ -174,3 +176,31 @@ def test_columns_are_of_every_axis_in_the_order_of_the_rig() -> None:
     assert rise[STEP:OFF] == pytest.approx(1.5)
     assert rise[ON:STEP] == pytest.approx(0.0)
     assert seen.state[ON] == ACTIVE_CONST_DIST
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("row", "speed_mm_s", "acceleration_mm_s2"),
+    [
+        (ON - 2, 0.0, 0.0),
+        (ON - 1, 0.0, 0.5e6),  # the next row, which is on, has the speed 0 again
+        (ON, 500.0, 0.5e6),
+        (OFF - 1, 500.0, 0.5e6),
+        (OFF, 500.0, 0.5e6),  # it runs out
+        (OFF + 5, 0.0, 0.0),
+    ],
+)
+def test_what_is_superposed_has_its_speed_in_every_row_with_the_control_on(
+    row: int, speed_mm_s: float, acceleration_mm_s2: float, sign: float
+) -> None:
+    """0.5 mm in one cycle, of Y alone; the offset runs out in five rows."""
+    state = np.where((AT >= ON) & (AT < OFF), ACTIVE_CONST_DIST, 0.0)
+    state[OFF : OFF + 5] = TURNING_OFF
+    flat = {f"{name}.superposed_mm": np.zeros(ROWS) for name in "XZ"}
+    columns = {"Y.superposed_mm": np.where(row <= AT, 0.5 * sign, 0.0), **flat}
+    observed = truth({"distance_state": state, **columns}).observed
+    names = ("mm", "speed_mm_s", "acceleration_mm_s2")
+    for axis, share in (("Y", 1.0), ("X", 0.0)):
+        checks = [parse_check(f"superposed_{name}_max:{axis}", "> -1", "") for name in names]
+        found = [observe(observed, check).value for check in checks]
+        assert found == pytest.approx([share * 0.5, share * speed_mm_s, share * acceleration_mm_s2])

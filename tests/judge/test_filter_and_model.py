@@ -5,7 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.judge.controls import ON, ROWS, WITH_CONST_DIST, K, no_value, recorded, seen
+from tests.judge.controls import (
+    ON,
+    ROWS,
+    WITH_CONST_DIST,
+    WITH_SET_POS,
+    K,
+    no_value,
+    recorded,
+    seen,
+)
 
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, FREEZE, INACTIVE
 from axisrig.bench.record.distance import DistanceOrder
@@ -154,4 +163,31 @@ def test_a_new_begin_starts_from_the_offset_that_is_there() -> None:
     offset[550:] += 0.5  # what runs out, or is handed over, in between
     observed = recorded(0.001, columns={"offset_mm": offset, "distance_state": state},
                         orders=orders)  # fmt: skip
+    assert seen(observed, METRIC).value == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("is_other", [True, False])
+def test_behind_a_freeze_a_filter_goes_on_in_its_mode_and_begins_anew_in_another(
+    is_other: bool,
+) -> None:
+    """A mean of four; the tool is 5 instead of 1 um behind from the last frozen row on.
+
+    By the surface (0 mm, which is wanted) nothing moves before; by the distance the error is that
+    of the mean: 3, 4 and 5 um where two frozen rows of 1 um are in it, else 5 um at once.
+    """
+    behind = np.where(K < 599, 0.001, 0.005)
+    first = (ACTIVE, WITH_SET_POS) if is_other else (ACTIVE_CONST_DIST, WITH_CONST_DIST)
+    state = np.where(K < ON, INACTIVE, np.where(K < 500, first[0], np.where(
+        K < 600, FREEZE, ACTIVE_CONST_DIST))).astype(float)  # fmt: skip
+    orders = (first[1], DistanceOrder(500 * MS, "PLC", "FREEZE"),
+              DistanceOrder(600 * MS, "PLC", "ON_CONST_DIST"))  # fmt: skip
+    error = np.where((K >= ON) & (K < 500) & (not is_other), 0.001, 0.0)
+    error += np.where(K >= 600, 0.005, 0.0)
+    if not is_other:
+        error[600:602] = 0.003, 0.004
+    columns = {
+        "distance_state": state, "set_pos_mm": np.zeros(ROWS), "actual_mm": 2.0 - behind,
+        "offset_mm": np.cumsum(0.2 * error),
+    }  # fmt: skip
+    observed = recorded(behind, words={"n_cycles": 4}, columns=columns, orders=orders)
     assert seen(observed, METRIC).value == pytest.approx(0.0, abs=1e-9)

@@ -38,6 +38,15 @@ def series(path: Path | None, sizes: Sequence[int]) -> Series:
     return writer.close()
 
 
+def test_equal_values_in_several_parts_are_one_time_where_these_touch() -> None:
+    """Rows 0 .. 3 and 4 .. 5 touch, rows 8 .. 9 are apart; an empty part is nothing."""
+    parts = [([7, 7, 1, 1], 0), ([], 4), ([1, 7], 4), ([7, 7], 8), ([2], 10)]
+    found = unbroken((np.array(values), first) for values, first in parts)
+    assert [tuple(time) for time in found] == [
+        (0, 2, 7), (2, 5, 1), (5, 6, 7), (8, 10, 7), (10, 11, 2)
+    ]  # fmt: skip
+
+
 def test_a_run_that_was_forgotten_needs_no_search_for_garbage() -> None:
     observed = Observed(facts(axes={"Z": AxisRecord("can1", 1, 10_000.0)}), series(None, [3]))
     observed.once(lambda whole: [whole])

@@ -229,6 +229,8 @@ def test_the_speed_of_the_tool_is_from_sync_to_sync() -> None:
     for row in (ON, ON + 94):
         beside = recorded({"Y.truth_mm": {row: 0.01}}, (moves(),))
         assert seen(beside, "tcp_velocity_mm_s_max").value == pytest.approx(50.0)
+    measured = seen(recorded(None, (moves("measurement run"),)), "tcp_velocity_mm_s_max")
+    assert measured.value == pytest.approx(50.0)  # it has a feed too
     rapid = seen(recorded(None, (moves("rapid"),)), "tcp_velocity_mm_s_max")
     assert (rapid.value, "with a feed" in rapid.note) == (None, True)
 

@@ -207,3 +207,29 @@ def test_path_from_which_a_window_cannot_hold_in_a_ramp(
     leaves = path[first(path - before > window_mm) or 0]
     found = least_path_mm(window_mm, tau_ms * 1_000_000, acceleration)
     assert found == pytest.approx(leaves, rel=2e-2, abs=2e-3)
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+@pytest.mark.parametrize(
+    ("first", "second", "band", "word"),
+    [
+        ((10.0, 10.0, 11.0), (20.0, 20.5, 21.5), (20.5, 21.5), "second"),
+        ((10.0, 10.0, 23.0), (20.0, 20.5, 21.5), (20.5, 23.0), "second"),  # one in great doubt
+        ((19.0, 21.0, 21.2), (20.0, 20.5, 21.5), (21.0, 21.5), "second"),
+    ],
+)
+def test_both_criteria_hold_from_the_later_bounds_on(
+    first: tuple[float, float, float], second: tuple[float, float, float],
+    band: tuple[float, float], word: str, turn: int,
+) -> None:  # fmt: skip
+    """Neither the first nor the last instant of one alone is that of both."""
+    one, other = (
+        Instant(*ends, name, doubt) for ends, name, doubt in (
+            (first, "first", 1.0), (second, "second", 2.0))
+    )  # fmt: skip
+    found = later(*(one, other)[::turn])
+    assert (found.time_ns, found.low_ns, found.high_ns) == (second[0], *band)
+    assert found.note == f"the later of both criteria: {word}"
+    assert found.doubt_ns == 2.0
+    unknown = Instant(None, note="no closed form")
+    assert later(unknown, other) is later(other, unknown) is unknown

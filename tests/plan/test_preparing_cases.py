@@ -1,15 +1,18 @@
 """Cases are prepared in this process or in others; every mistake of them is named."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign import runner
+from axisrig.bench.campaign import preparing, runner
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.campaign.runner import prepare_all
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.checks import parse_check
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
 
 
 def case_of(run: str, rig: str = "r.toml", line: int = 2, **more: Any) -> Case:
@@ -124,3 +127,30 @@ def test_every_mistake_is_named_wherever_it_was_found(monkeypatch: pytest.Monkey
         error = caught.value
         assert [one.message for one in (error, *error.further)] == ["odd e", "odd c", "odd a"]
     assert prepare_all([], apart=(), call_limit_s=5.0) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ('N20 #MSG ["%d", 1]\nN30 G4 1', ["check:msg:N30"]),
+        ('N20 #MSG SAVE ["%d", 1]\nN30 #MSG ["%d", 2]', []),
+        ("N30 G4 1", ["check:msg:N20", "check:msg:N30"]),  # a program that prints nothing
+    ],
+)
+def test_a_check_of_a_block_or_an_axis_that_is_not_there_is_refused(
+    text: str, wrong: list[str], tmp_path: Path
+) -> None:
+    """Also one that only statistics over several runs ask for."""
+    program = tmp_path / "a.nc"
+    program.write_text(f"{text}\nN99 M30\n", encoding="utf-8")
+    own = [parse_check(name, "> 1", "") for name in ("msg:N20", "latch_mm:Z", "duration_s")]
+    sampled: Any = [parse_check(name, "> 1", "") for name in ("msg:N30", "lag_mm_max:Q")]
+    case = case_of("a")
+    case = replace(case, checks=tuple(own), sampled=tuple(sampled))
+    programs = [read_program(program, ("X", "Z"))]
+    found = [str(error) for error in preparing._wrong_metrics(case, ("X", "Z"), programs)]
+    for column in (*wrong, "check:lag_mm_max:Q"):
+        assert any(column in one for one in found), column
+    assert len(found) == len(wrong) + 1
+    assert "the rig has no such axis" in found[-1]
+    assert all("the program has no #MSG in such a block" in one for one in found[:-1])

@@ -1,17 +1,26 @@
 """Results of a runner where a process has died, and the files of the probes of a search."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import pyarrow as pa
 import pytest
+from tests.recordings import facts, kept
 
 from axisrig.bench.campaign import runner
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import Limits, run_case, run_cases
+from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.bus import BusFigures
+from axisrig.kernel.time.clock import MS
 
 
 def case_of(run: str, rig: str = "r.toml", line: int = 2, **more: Any) -> Case:
@@ -57,3 +66,38 @@ def test_probes_of_a_search_get_their_own_files(monkeypatch: pytest.MonkeyPatch)
     assert ran == [("p-s-s01", Path("1.parquet")), ("p-s-s02", Path("2.parquet")),
                    ("p-s-s03", None)]  # fmt: skip
     assert result.wall_s == 8.0
+
+
+@pytest.mark.parametrize(
+    ("limits", "expected", "is_stopped", "verdict"),
+    [
+        (("<= 1", "<= 90"), (), False, Verdict.PASS),
+        (("<= 0.001", "<= 90"), (), False, Verdict.FAIL),
+        (("<= 0.001", "<= 90"), ("duration_s",), False, Verdict.PASS),
+        (("<= 1", "<= 90"), ("duration_s",), False, Verdict.FAIL),
+        (("<= 0.001", "<= 90"), ("duration_s", "bus_load_pct"), False, Verdict.FAIL),
+        (("<= 1", "<= 90"), (), True, Verdict.ABORTED),
+    ],
+)
+def test_a_run_is_judged_by_its_checks_and_by_what_was_expected_of_it(
+    limits: tuple[str, str], expected: tuple[str, ...], is_stopped: bool, verdict: Verdict,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Of 5 ms, on a bus with a load of 30 %."""
+    bus = BusFigures("can1", 1_000_000, 30.0, 30.0, 30.0, 10, 0, "", (), ())
+    left = facts(buses=(bus,), is_stopped=is_stopped)
+    series = kept(pa.table({"time_ns": np.arange(5) * MS}))
+    monkeypatch.setattr(runner, "_left_by", lambda *_: (left, series, 0.25))
+    names = ("duration_s", "bus_load_pct")
+    checks = tuple(parse_check(*one, "p.csv:2") for one in zip(names, limits, strict=True))
+    times = iter([10.0, 12.5])
+    case = replace(case_of("a"), checks=checks, expected=expected)
+    result = run_case(case, RunFiles(), lambda: next(times))
+    assert (result.verdict, result.wall_s, result.loop_s) == (verdict, 2.5, 0.25)
+    assert [check.value for check in result.checks] == [0.005, 30.0]
+    notes = [check.note.partition(";")[0] for check in result.checks]
+    for name, note, check in zip(names, notes, result.checks, strict=True):
+        words = EXPECTED if check.verdict is Verdict.FAIL else NOT_MET
+        assert (note == words) is (name in expected)
+    assert result.error == (STOPPED if is_stopped else None)
+    assert result.facts is left

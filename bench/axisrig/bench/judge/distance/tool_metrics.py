@@ -121,8 +121,7 @@ def _largest_superposed(name: str, order: int) -> None:
             for _ in range(order):
                 values = np.diff(values, prepend=values[:1])
             # A step that the control makes: what OFF NO_MOVE hands over is none
-            before = np.concatenate([[False], runs[:-1]])
-            rows = np.ones(len(runs), dtype=bool) if order == 0 else runs | (before & runs)
+            rows = runs if order else np.ones(len(runs), dtype=bool)
             found.append(float(np.max(np.abs(values[rows]), initial=0.0)))
         return Observation(max(found) / truth.period_s**order)
 
