@@ -45,6 +45,12 @@ def because(cause: BaseException) -> UserError:
     return error
 
 
+def meanwhile(first: BaseException, error: BaseException) -> BaseException:
+    """An error that came up while another one was treated."""
+    error.__context__ = first
+    return error
+
+
 def endless() -> UserError:
     error = UserError("around")
     error.__context__ = other = ValueError()
@@ -62,6 +68,10 @@ def endless() -> UserError:
         (lambda: because(OSError(errno.ENOSPC, "full")), 4),
         (lambda: because(OSError(errno.EACCES, "no")), 2),
         (lambda: because(because(OSError(errno.ENOSPC, "full"))), 4),
+        (lambda: meanwhile(OSError(errno.ENOSPC, "full"), UserError("no report")), 4),
+        (lambda: meanwhile(OSError(errno.ENOSPC, "full"), OSError(errno.EIO, "close")), 4),
+        (lambda: because(meanwhile(OSError(errno.ENOSPC, "full"), ValueError("x"))), 4),
+        (lambda: meanwhile(OSError(errno.EACCES, "no"), UserError("no report")), 2),
         (KeyboardInterrupt, 4),
         (endless, 2),
     ],

@@ -83,6 +83,8 @@ AGREE = [("ok", "courses in steps of 1, 0.25 and 0.05 ms agree")]
         ((held(MS), lambda *_: 3.0), "1"),  # an output that never moves says nothing
         ((held(6 * MS),), None),  # three changes are too few to say anything
         ((held(5 * MS),), "5"),  # four
+        # New after 0.3 and after 0.7 ms in turns
+        ((lambda time_ns, _: 2.0 * (time_ns // MS) + (time_ns % MS >= 300 * US),), "0.7"),
     ],
 )
 def test_all_outputs_that_move_must_stand_still(

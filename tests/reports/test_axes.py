@@ -73,3 +73,13 @@ def test_words_that_would_cover_each_other_are_left_out() -> None:
     words = [part for part in field.named([(n, f"name-{n:02}") for n in range(100)])
              if part.startswith("<text")]  # fmt: skip
     assert 2 <= len(words) <= 5
+
+
+def test_words_at_both_ends_stay_in_the_drawing() -> None:
+    """6 px for each sign; the field ends at 240 px, and 6 px more are free."""
+    field = Field(40.0, 240.0, 10.0, 110.0, (0.0, 99.0), (0.0, 1.0))
+    word = "a-name-of-20-signs-x"
+    for value, middle in ((0.0, 60.0), (50.0, None), (99.0, 186.0)):
+        (text,) = [part for part in field.named([(value, word)]) if part.startswith("<text")]
+        x = float(text.split('x="')[1].split('"')[0])
+        assert x == pytest.approx(field.x(value) if middle is None else middle, abs=0.1)

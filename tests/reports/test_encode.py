@@ -60,6 +60,15 @@ def test_a_constant_costs_one_plane_and_a_single_sample_works() -> None:
     assert back(np.array([7.5]), 1).tolist() == [7.5]
 
 
+def test_a_signal_has_as_many_planes_as_its_largest_difference_has_bytes() -> None:
+    """Differences of -128 to 127 are 0 to 255 in zig-zag, one byte."""
+    for difference, planes in (
+        (127, 1), (-128, 1), (128, 2), (-129, 2), (32_767, 2), (-32_768, 2), (32_768, 3),
+    ):  # fmt: skip
+        head, octets = encode_signal(np.array([5.0, 5.0 + difference]), 0)
+        assert (head.planes, len(octets)) == (planes, 2 * planes), difference
+
+
 def test_time_in_nanoseconds_is_exact() -> None:
     time_ns = np.array([0, 1_000_000, 2_000_001, 9_007_199_254_740_991], dtype=np.int64)
     head, octets = encode_signal(time_ns, 0)

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.tools.distance import readings
 from axisrig.bench.tools.distance.readings import readings_text
 from axisrig.kernel.errors import UserError
 
@@ -54,6 +55,15 @@ def test_how_far_the_offset_goes_past_a_step(
     sloped, clamped = shown("distance-z", *changes)[5:]
     assert sloped == ("surface", 'limiter = "slope"', sloped_mm)
     assert clamped == ("surface", 'limiter = "clamp"', clamped_mm)
+
+
+@pytest.mark.interpreted
+def test_each_source_of_a_distance_has_its_own_dead_cycles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second encoder has 2; the variable of the PLC is two cycles older: v T (n + 9.5)."""
+    monkeypatch.setattr(readings, "_CYCLES", 500)  # the offset is past the surface before that
+    text = readings_text(settings_of(RIGS / "distance-z-variable-late.toml", []))
+    found = re.findall(r"n = (\d)|limiter = \"slope\" +goes past it by ([\d.]+)", text)
+    assert found == [("2", ""), ("", "0.115"), ("4", ""), ("", "0.135")]
 
 
 def test_the_choice_of_the_rig_is_shown_and_changes_no_number() -> None:
