@@ -84,3 +84,23 @@ def test_hostile_names_stay_text() -> None:
     svg = picture(table, chart(table, RunFindings())[0], "alarms")
     assert "<b>" not in svg
     assert "&lt;b&gt;" in svg
+
+
+@pytest.mark.parametrize("rows", [400, 2000])
+def test_a_line_of_many_rows_goes_the_way_of_its_signal(rows: int) -> None:
+    """Up, down, and up to the middle and down again; below 420 rows each has its point."""
+    row = np.arange(rows, dtype=np.float64)
+    up = row / (rows - 1)
+    chart_of_z = {
+        "plots": [{"plot": "position", "unit": "mm", "series": {"Z": [
+            {"column": "Z.actual_mm", "style": "actual", "label": "actual"}]}}],
+    }  # fmt: skip
+    for values, turns in ((up, 0), (1.0 - up, 0), (1.0 - np.abs(2.0 * up - 1.0), 1)):
+        table = pa.table({"time_ns": row.astype(np.int64) * MS, "Z.actual_mm": values})
+        found = points(picture(table, chart_of_z, "latch_mm:Z"))
+        steps = np.sign(-np.diff(found[:, 1]))  # y grows downwards
+        steps = steps[steps != 0.0]
+        assert steps[0] == np.sign(values[1] - values[0])
+        assert np.count_nonzero(np.diff(steps)) == turns
+        assert np.all(np.diff(found[:, 0]) >= 0.0)
+        assert len(found) <= 420
