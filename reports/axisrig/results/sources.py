@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from axisrig.bench.campaign.results.stored import StoredResults
+from axisrig.bench.plan.check_row import finite
 from axisrig.kernel.errors import UserError
 from axisrig.reports.lines.drawing import Point
 from axisrig.reports.lines.section import Lines, lines
@@ -31,18 +32,18 @@ class SourceRow:
     expected_ms: the delay that the plan asks for. found_ms, bound_ms: slope and its bound of 95 %.
     feed_mm_min: of the fastest run. off_um: its mean error less the pre-travel, of a fixed stop
     less the place where the axis rests. spread_um, range_um: its standard deviation, and its
-    largest error less the smallest.
+    largest error less the smallest. None for what the plan does not ask for.
     """
 
     source: str
     case: str
-    expected_ms: float
+    expected_ms: float | None
     found_ms: float
     bound_ms: float
     feed_mm_min: float
-    off_um: float
-    spread_um: float
-    range_um: float
+    off_um: float | None
+    spread_um: float | None
+    range_um: float | None
 
 
 def source_rows(results: StoredResults) -> list[SourceRow]:
@@ -65,34 +66,42 @@ def source_rows(results: StoredResults) -> list[SourceRow]:
 def _rows(results: StoredResults, one: Lines) -> Iterator[SourceRow]:
     runs, um = {run.run: run for run in results.runs}, _UM[one.metric]
     for fitted, (slope, intercept) in zip(one.fitted, one.rows, strict=True):
+        if not fitted.points:  # the folder has the row of the line alone
+            continue
         fastest = max(fitted.points, key=_speed)
         case = runs[fastest.run].case
         signals = {text for column, text in case.items() if column.endswith(_SIGNAL) and text}
         ranges = [
-            float(row.value)
+            row.number
             for row in runs[fastest.run].checks
             if row.metric.startswith(f"range({one.metric}")
         ]
+        expected, place = _middle(slope.asked), _middle(intercept.asked)
         yield SourceRow(
             ", ".join(sorted(signals)),
             fitted.name,
-            _middle(slope.asked) * um,
+            _in(um, expected),
             fitted.slope * um,
             float(slope.uncertainty) * um,
             _speed(fastest) * 60.0,
-            (fastest.y - _middle(intercept.asked)) * um,
-            (fastest.spread or 0.0) * um,
-            *(um * each for each in ranges),
+            _in(um, None if place is None else fastest.y - place),
+            _in(um, fastest.spread),
+            _in(um, next(iter(ranges), None)),
         )
+
+
+def _in(um: float, value: float | None) -> float | None:
+    return None if value is None else value * um
 
 
 def _speed(point: Point) -> float:
     return abs(point.x)
 
 
-def _middle(condition: str) -> float:
-    """Return what a condition `a +- b` is about."""
-    return float(condition.partition("+-")[0])
+def _middle(condition: str) -> float | None:
+    """Return what a condition `a +- b` is about, None for one of another form."""
+    middle, sign, _ = condition.partition("+-")
+    return finite(middle.strip()) if sign else None
 
 
 def sources_table(results: StoredResults) -> str:
@@ -107,8 +116,12 @@ def _cells(row: SourceRow) -> tuple[str, ...]:
     return (
         f"`{row.source}`",
         f"`{row.case}`",
-        f"{row.expected_ms:.{digits}f}",
+        _cell(row.expected_ms, digits),
         f"{row.found_ms:.{digits}f}{bound}",
         f"{row.feed_mm_min:.0f}",
-        *(f"{value:.3f}" for value in (row.off_um, row.spread_um, row.range_um)),
+        *(_cell(value, 3) for value in (row.off_um, row.spread_um, row.range_um)),
     )
+
+
+def _cell(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
