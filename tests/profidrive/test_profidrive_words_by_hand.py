@@ -10,7 +10,7 @@ from tests.profidrive.test_profidrive_parameters import Far
 from axisrig.kernel.drives.frozen_encoder import STANDS_S
 from axisrig.kernel.drives.position_watch import jump_alarm
 from axisrig.kernel.drives.power import PowerOrder, PowerRequest
-from axisrig.kernel.profiles.profidrive import parameters
+from axisrig.kernel.profiles.profidrive import parameters, words
 
 PER_MM = SETTINGS.increments_per_mm
 READY, OPERATES, INHIBITED, FAULT = 0x0231, 0x0237, 0x0270, 0x0238
@@ -25,7 +25,7 @@ def bus_of(**settings: Any) -> Bus:
 
 
 @pytest.mark.parametrize(
-    ("request_", "words"),
+    ("request_", "expected"),
     [
         # STW1 when it is ready, in operation, inhibited
         (PowerRequest.OFF, (OFF, OFF, OFF)), (PowerRequest.ON, (MOVING, MOVING, OFF)),
@@ -35,9 +35,9 @@ def bus_of(**settings: Any) -> Bus:
 )  # fmt: skip
 @pytest.mark.parametrize("acknowledges", [False, True])
 def test_control_word_1_follows_request_and_state(
-    request_: PowerRequest, words: tuple[int, int, int], acknowledges: bool
+    request_: PowerRequest, expected: tuple[int, int, int], acknowledges: bool
 ) -> None:
-    for status, word in zip((READY, OPERATES, INHIBITED), words, strict=True):
+    for status, word in zip((READY, OPERATES, INHIBITED), expected, strict=True):
         bus = bus_of()
         bus.drive.request, bus.drive.acknowledges_faults = request_, acknowledges
         assert bus.cycle(0.0, ZSW1=status)["STW1"] == word
@@ -120,3 +120,26 @@ def test_a_value_is_written_with_the_format_of_its_length(data: bytes, written: 
     assert request == bytes.fromhex(f"07 {kind} 00 01  10 01 04CE 0002 {written}")
     answer = parameters.positive(request, data)
     assert answer == bytes.fromhex(f"07 {kind} 00 01 {written}")
+
+
+@pytest.mark.parametrize(
+    ("to_drive", "from_drive", "has_dsc", "has_second"),
+    [
+        (("STW1", "XERR", "KPC"), ("ZSW1", "G1_XIST1"), True, False),
+        (("KPC", "XERR"), ("G2_XIST1",), True, True), (("STW1", "XERR"), ("G2_ZSW",), False, False),
+        (("STW1", "KPC"), (), False, False), (("STW1", "NSOLL_B"), ("G2_XIST1",), False, True),
+    ],
+)  # fmt: skip
+def test_dynamic_servo_control_takes_both_of_its_signals(
+    to_drive: tuple[str, ...], from_drive: tuple[str, ...], has_dsc: bool, has_second: bool
+) -> None:
+    telegram = words.Telegram(99, to_drive, from_drive)
+    assert (telegram.has_dsc, telegram.has_second) == (has_dsc, has_second)
+
+
+@pytest.mark.parametrize(("number", "has_dsc", "has_second"), [(3, False, False), (5, True, False),
+                                                               (6, True, True)])  # fmt: skip
+def test_standard_telegrams(number: int, has_dsc: bool, has_second: bool) -> None:
+    """PROFIdrive 6.3.4: 5 and 6 have DSC, 4 and 6 two encoders."""
+    telegram = words.telegrams()[number]
+    assert (telegram.has_dsc, telegram.has_second) == (has_dsc, has_second)
