@@ -47,3 +47,21 @@ def test_it_is_that_of_the_control_that_moves_the_axis(
     """Y by its own control, Z by that of the channel; INACTIVE where neither moves it."""
     found = view(of_axis, of_channel)
     assert (found.distance_state("Y"), found.distance_state("Z")) == seen
+
+
+@pytest.mark.parametrize(
+    ("of_channel", "seen"),
+    [
+        (DistanceState.INACTIVE, "ACTIVE"),  # its guide of before would move X and Z
+        (None, "ACTIVE"),
+        (FROZEN, "FREEZE"),
+        (DistanceState.TURNING_OFF, "TURNING_OFF"),
+    ],
+)
+def test_an_idle_control_of_the_channel_says_nothing_about_an_axis_with_its_own(
+    of_channel: DistanceState | None, seen: str
+) -> None:
+    found = view(ON, of_channel)
+    axes: Any = found.distance.axes
+    axes["Z"] = axes["Y"]
+    assert (found.distance_state("Z"), found.distance_state("Y")) == (seen, "ACTIVE")

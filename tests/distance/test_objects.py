@@ -1,12 +1,13 @@
 """CNC objects: names, units, and when a written one acts."""
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from axisrig.kernel.distance import DistanceCommand, DistanceState, objects
-from axisrig.kernel.distance.objects import accept, read, write
+from axisrig.kernel.distance.objects import accept, channel_objects, read, write
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters.origin import Origin
 
@@ -57,6 +58,30 @@ def test_objects_are_read_in_their_units(make_loop: Callable[..., Any]) -> None:
         "DIST_CTRL::filter_type": "DEFAULT",
     }
     assert {name: read(loop.control, name) for name in expected} == expected
+
+
+def holding(attributes: tuple[str, ...], value: float | None) -> Any:
+    """An object in which a path of attributes leads to the value."""
+    found: Any = value
+    for attribute in reversed(attributes):
+        found = SimpleNamespace(**{attribute: found})
+    return found
+
+
+@pytest.mark.interpreted
+def test_a_whole_number_is_the_nearest_one_and_a_real_number_keeps_its_fraction() -> None:
+    """By the columns type and factor of both tables; what is not there yet is 0."""
+    counts = {None: 0, 123.7: 124, 123.2: 123, -123.7: -124, -123.2: -123}
+    for name, item in objects().items():
+        for count, whole in counts.items() if item.type != "STRING" else ():
+            control = holding(item.attributes, None if count is None else count / item.factor)
+            control.requested = {}.get
+            expected = whole if item.type != "REAL64" else count or 0.0
+            assert read(control, name) == pytest.approx(expected, rel=1e-9), (name, count)
+    for name, shown in channel_objects().items():
+        for count, whole in counts.items():
+            value = None if count is None else count / shown.factor
+            assert shown.read(holding(shown.attributes, value)) == whole, (name, count)
 
 
 WRITTEN = [

@@ -8,10 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axisrig.kernel.motion.course import Ramp, State
 from axisrig.kernel.motion.curves import Arc, Line
 from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.motion.feed import Feed
 from axisrig.kernel.motion.interpolator import Interpolator
+from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_ramps import Shape
 from axisrig.kernel.motion.profile import Slope, plan
 from axisrig.kernel.time.clock import MS
 
@@ -250,3 +253,27 @@ def test_however_often_it_never_goes_back_or_past_and_ends_exactly(
     assert all(step <= FEED_MM_S * 1e-3 + 1e-9 for step in steps)
     strongest = max(1000.0, slope.a_low_mm_s2, slope.a_high_mm_s2)
     assert all(abs(b - a) <= strongest * 1e-6 + 1e-9 for a, b in pairwise(steps))
+
+
+@pytest.mark.parametrize(("hold_s", "fall_s"), [(0.05, 0.02), (0.1, 0.04), (1.0, 0.1)])
+def test_a_hold_shortens_the_fall_of_an_acceleration_by_what_is_left_of_it(
+    hold_s: float, fall_s: float
+) -> None:
+    """A fall by 400 of 1000 mm/s² takes 0.4 of the ramp of the hold, and no more than it did.
+
+    A fifth of it is over; its sin² goes on from there, and a fall to 0 from where it ends.
+    """
+    hold = JerkSlope(1000.0, hold_s, hold_s, Shape.SIN2)
+
+    def fallen(share: float) -> float:
+        return math.sin(0.5 * math.pi * share) ** 2
+
+    state = State(0.0, 50.0, 800.0 - 400.0 * fallen(0.2), (Ramp(800.0, 400.0, 0.1, 0.02),))
+    held = hold.held(state, 1000.0, JerkSlope(1000.0, 2.0, 2.0, Shape.SIN2))
+    for share in (0.2, 0.4, 0.7, 0.999):
+        found = held.state((share - 0.2) * fall_s).a_mm_s2
+        assert found == pytest.approx(800.0 - 400.0 * fallen(share), abs=1e-6)
+    release_s = 0.4 * hold_s
+    for share in (0.001, 0.3, 0.9):
+        found = held.state(0.8 * fall_s + share * release_s).a_mm_s2
+        assert found == pytest.approx(400.0 * (1.0 - fallen(share)), abs=1e-6)

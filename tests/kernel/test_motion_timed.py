@@ -21,7 +21,18 @@ def test_what_cannot_be_done_in_time_is_done_as_fast_as_possible() -> None:
     assert speed_for(10.0, 0.01, SLOPE, SLOPE, 500.0) == 500.0
 
 
-def test_the_weaker_of_two_slopes_at_every_speed() -> None:
-    early, late = Slope(100.0, 400.0, 10.0), Slope(300.0, 200.0, 20.0)
-    assert early.weaker(late) == Slope(100.0, 200.0, 10.0)
-    assert late.weaker(early) == Slope(100.0, 200.0, 10.0)
+@pytest.mark.parametrize(
+    ("one", "other", "weaker"),
+    [
+        ((100.0, 400.0, 10.0), (300.0, 200.0, 20.0), (100.0, 200.0, 10.0)),
+        ((200.0, 400.0, 10.0), (150.0, 500.0, 20.0), (150.0, 150.0, 10.0)),  # low up to 20 mm/s
+        ((200.0, 100.0, 10.0), (150.0, 500.0, 20.0), (150.0, 100.0, 10.0)),
+        ((200.0, 400.0, 20.0), (300.0, 500.0, 20.0), (200.0, 400.0, 20.0)),
+    ],
+)
+def test_the_weaker_of_two_slopes_at_every_speed(
+    one: tuple[float, ...], other: tuple[float, ...], weaker: tuple[float, ...]
+) -> None:
+    """Above its smaller change-over speed both steps of the other slope limit."""
+    for first, second in ((one, other), (other, one)):
+        assert Slope(*first).weaker(Slope(*second)) == Slope(*weaker)

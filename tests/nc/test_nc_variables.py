@@ -96,6 +96,17 @@ def test_a_variable_of_the_session_that_is_declared_again_keeps_its_value(run):
     assert value_of(run, "V.S.A", again) == 2
 
 
+def test_an_array_of_the_session_with_other_sizes_is_a_new_one(run):
+    """Its first values count; one element more, one dimension more, or none any more."""
+    for first, then, name, expected in (
+        ("V.S.A[2] = [1,2]", "V.S.A[3] = [4,5,6]", "V.S.A[2]", 6),
+        ("V.S.A[3] = [1,2,3]", "V.S.A[2] = [4,5]", "V.S.A[1]", 5),
+        ("V.S.A[2] = [1,2]", "V.S.A[2] = [4,5]", "V.S.A[1]", 2),
+        ("V.S.A[2] = [1,2]", "V.S.A[2]", "V.S.A[0]", 1),
+    ):
+        assert value_of(run, name, f"{declared(first)}\n{declared(then)}") == expected
+
+
 # ---- what cannot be
 
 

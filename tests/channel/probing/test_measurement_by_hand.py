@@ -9,7 +9,7 @@ from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 from axisrig.kernel.measuring.rules import MeasuringAxis
-from axisrig.kernel.measuring.run import RunRecord
+from axisrig.kernel.measuring.run import RunRecord, RunState
 from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
@@ -215,3 +215,13 @@ def test_nothing_is_chosen_while_a_probe_is_armed(probing: str | None) -> None:
     if probing is not None:
         bench.links[probing].is_probing = True
     assert bench.measurement.may_choose() is (probing is None)
+
+
+def test_every_axis_that_a_run_moves_or_measures_with_takes_part_in_it() -> None:
+    bench = Bench()
+    found = bench.measurement.state_of
+    assert [found(axis) for axis in AXES] == [None] * 3
+    parts: Any = bench.measurement
+    parts._run = SimpleNamespace(record=RunRecord(("X",)), state=RunState.MOVING)
+    parts._order = SimpleNamespace(target_mm={"Y": 2.0})
+    assert [found(axis) for axis in AXES] == ["MOVING", "MOVING", None]

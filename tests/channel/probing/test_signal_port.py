@@ -180,6 +180,24 @@ def test_an_edge_before_the_hardware_is_enabled_is_none(level):
     assert not port.has_latched
 
 
+@pytest.mark.parametrize(("edge", "wanted"), [("POS", True), ("NEG", False)])
+@pytest.mark.parametrize("known_before", [True, False])
+def test_a_level_that_is_there_with_the_first_signal_is_no_edge(edge, wanted, known_before):
+    """Nor is the first one after a time in which the PLC had no signal at all."""
+    bench = Bench()
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, edge)
+    if known_before:
+        bench.next(port, signal=not wanted)
+        bench.next(port, signal=None)
+    port.arm()
+    bench.next(port, signal=None)
+    for level in (wanted, wanted, not wanted):
+        bench.next(port, signal=level)
+        assert (port.has_latched, port.is_armed) == (False, True)
+    bench.next(port, signal=wanted)
+    assert port.has_latched
+
+
 def test_the_watchdog_of_a_unit_begins_when_its_hardware_is_enabled_in_each_run():
     """ENABLE may take longer than that: 30 ms of the 50 for its acknowledgement."""
     bench = Bench()

@@ -201,6 +201,7 @@ def test_an_axis_under_way_is_waited_for_before_it_goes() -> None:
 EXCHANGES = [
     (20312, [put("X"), exchange("CALL AX", ("X", 77, 0))]),
     (21256, [put("X"), exchange("CALL AX", ("X", 1, 0), ("X", 2, 1))]),
+    (21256, [put("X"), exchange("CALL AX", ("x", 1, 0), ("Y", 2, 1), ("X", 3, 2))]),
     (21257, [put("X"), exchange("CALL AX", ("X", 1, 0), ("Y", 2, 0))]),
     (21258, [put("X"), exchange("CALL AX", ("X", 1, 0), ("Y", 1, 1))]),
     (21260, [put("X"), exchange("CALL AX", ("X", 1, 2))]),
@@ -283,3 +284,16 @@ def test_channel_init_waits_for_axes_under_way() -> None:
     assert kinds(decode(single(x), Command("CHANNEL INIT", options=of_y))) == [
         "IndependentMove", "Wait", "EndOfProgram"
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("named", [(), ("X", "C", "X2"), ("C",)])
+def test_channel_init_leaves_slaves_to_their_masters(named: tuple[str, ...]) -> None:
+    """A slave is where its master puts it; behind its coupling it is taken over as any other."""
+    options: list[tuple[str, Option]] = [("ACTPOS", None), *(("AX", Name(a)) for a in named)]
+    init = Command("CHANNEL INIT", options=tuple(options))
+    commands = decode(link(1, "X2=X"), link(2, "C=Y"), enable(1), enable(2), init, disable(1), init)
+    adopted = [c.axes for c in commands if isinstance(c, canon.AdoptActual)]
+    every = named or ("X", "Y", "Z", "C", "X2")
+    assert adopted == [
+        tuple(axis for axis in every if axis not in slaves) for slaves in (("C", "X2"), ("C",))
+    ]

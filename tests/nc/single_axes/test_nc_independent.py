@@ -1,5 +1,7 @@
 """INDP_SYN, INDP_ASYN and #WAIT INDP: what the channel is told, and what is refused."""
 
+from dataclasses import replace
+
 import pytest
 from axis_statements import Machine, alone, decode, kinds, measuring_type, moves, path, single
 
@@ -254,3 +256,19 @@ def test_an_axis_of_a_transformation_cannot_move_alone() -> None:
     with pytest.raises(Alarm, match="21071"):
         decode(on, single(alone("X", "G90", "G0", POS=1)))
     assert moves(decode(on, single(alone("C", "G90", "G0", POS=1))))
+
+
+@pytest.mark.parametrize("name", ["INDP_SYN", "INDP_ASYN"])
+def test_a_relative_block_counts_from_where_its_axis_has_ended_a_run(name: str) -> None:
+    """The run to 50 ends at 7; another axis is not waited for, and its block counts from 3."""
+    run = alone("X", "G100", "G90", POS=50, FEED=300, name=name)
+    y = alone("Y", "G1", "G90", POS=3, FEED=300, name="INDP_ASYN")
+    for axis, target in (("X", 8.0), ("Y", 4.0)):
+        machine = Machine()
+        machine.measured["X"] = 7.0
+        block = replace(path(**{axis: 1.0}), g=("G91",))
+        commands = decode(single(run, y), block, machine=machine)
+        (moved,) = [c.target_mm for c in commands if isinstance(c, canon.LinearMove)]
+        assert moved == {axis: target}
+        waits = [c.axes for c in commands if isinstance(c, canon.WaitIndependent)]
+        assert waits == [("X",)] * (name == "INDP_SYN" or axis == "X") + [("Y",)] * (axis == "Y")

@@ -238,3 +238,18 @@ def test_every_variable_of_the_table_is_read():
 )
 def test_an_unknown_command_gets_a_form_or_names_near_it_and_no_list_of_all(text, ends):
     assert str(refused(text)).endswith(ends)
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("X=[1+\n2 3]", "line 1, column 3"),
+        ("X=[1+\n[2*\n3 4]]", "line 2, column 1"),
+        ("X=[1+[2]*\n3 4]", "line 1, column 3"),
+        ("X=[1+\n[2 3]]", None),  # the innermost one is open in the line of the error
+        ("X=[1+2 3]", None),
+    ],
+)
+def test_an_error_behind_a_line_break_tells_which_bracket_is_open(text, place):
+    hint = refused(text).hint
+    assert hint == (None if place is None else f"[ is open since {place}")

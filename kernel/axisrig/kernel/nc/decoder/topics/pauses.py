@@ -59,11 +59,14 @@ def _time(context: Context, block: Block, command: Command) -> Iterator[canon.Co
 
 def _waiting(context: Context, block: Block, time_s: float, alarm_id: int) -> canon.Dwell:
     duration_us = time_s * US_PER_S
-    if not 0.0 <= duration_us <= DWELL_MAX_US:
+    is_near = 0.0 <= duration_us < DWELL_MAX_US + 1.0
+    # The longest time in s is no exact float: whole ns count
+    duration_ns = round(duration_us * NS_PER_US) if is_near else 0
+    if not is_near or duration_ns > DWELL_MAX_US * NS_PER_US:
         raise context.alarm(
             alarm_id, block, value=f"{duration_us:.15g}", lower=0, upper=DWELL_MAX_US
         )
-    return canon.Dwell(block, round(duration_us * NS_PER_US))
+    return canon.Dwell(block, duration_ns)
 
 
 def _stop(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
