@@ -37,6 +37,23 @@ def test_each_state_has_each_input_once(
     assert sorted(rows) == sorted(expected)
 
 
+@pytest.mark.parametrize(
+    ("state", "properties"),
+    [
+        (S.IDLE, ""), (S.CLEAR, "is_clear"), (S.CLEARING, "reads"), (S.ARMING, "is_ordered reads"),
+        (S.RELEASING, "is_ordered"), (S.ARMED, "is_ordered is_armed"),
+        (S.READING, "is_ordered is_armed has_latched reads"),
+        (S.VALUE, "is_ordered is_armed has_latched reads value"), (S.LOST, "is_ordered"),
+    ],
+)  # fmt: skip
+def test_what_a_state_is_for_a_measuring_run(state: of_control.ReadState, properties: str) -> None:
+    latch = ReadLatch(2)
+    latch.state, latch._raw = state, 7
+    names = ("is_ordered", "is_clear", "is_armed", "has_latched", "reads", "value")
+    found = [name for name in names if getattr(latch, name) not in (False, None)]
+    assert sorted(found) == sorted(properties.split())
+
+
 @pytest.mark.parametrize("state", S)
 @pytest.mark.parametrize("asked", E)
 def test_what_the_control_takes_for_a_value(

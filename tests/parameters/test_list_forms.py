@@ -22,7 +22,7 @@ from axisrig.kernel.parameters import (
     write_list,
     written,
 )
-from axisrig.kernel.parameters.errata import meant
+from axisrig.kernel.parameters.errata import errata, meant
 
 Listed = Callable[..., ParameterSet]
 Sections = Callable[..., list[ParameterSet]]
@@ -158,6 +158,13 @@ def test_a_value_in_several_words(refused: Refused, line: str, hint: str | None)
     error = refused(f"{line}\n")
     assert "more than one value" in error.message
     assert error.hint == hint
+
+
+def test_of_misprints_that_begin_alike_the_longest_one_is_mended() -> None:
+    """The rows of the table in the order in which they are looked for."""
+    lengths = [len(printed) for printed, _, _ in errata()]
+    assert len(lengths) > 2
+    assert lengths == sorted(lengths, reverse=True)
 
 
 def test_errata_leave_undamaged_lists_alone() -> None:
