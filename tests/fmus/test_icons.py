@@ -1,0 +1,89 @@
+"""The icon of a model as it is drawn for an FMU: 64 pixels for 200 units, from its annotation."""
+
+import struct
+import zlib
+from typing import Any
+
+import pytest
+from tests.fmus.test_words_of_models import texts
+
+from axisrig.fmus.writing.icon import SIZE, draw
+
+
+def pixels(png: bytes) -> list[bytes]:
+    """Rows of a PNG with 8 bits of red, green, blue and alpha; checksums are looked at."""
+    assert png.startswith(b"\x89PNG\r\n\x1a\n")
+    at, body, head = 8, b"", b""
+    while at < len(png):
+        length, kind = struct.unpack_from(">I4s", png, at)
+        content = png[at + 8 : at + 8 + length]
+        (check,) = struct.unpack_from(">I", png, at + 8 + length)
+        assert check == zlib.crc32(kind + content)
+        head, body = (content, body) if kind == b"IHDR" else (head, body + content)
+        at += 12 + length
+    assert struct.unpack(">IIBBBBB", head) == (SIZE, SIZE, 8, 6, 0, 0, 0)
+    raw = zlib.decompress(body)
+    rows = [raw[k : k + 4 * SIZE + 1] for k in range(0, len(raw), 4 * SIZE + 1)]
+    assert len(rows) == SIZE
+    assert {row[0] for row in rows} == {0}
+    return [row[1:] for row in rows]
+
+
+def drawn(*objects: str) -> Any:
+    """Colour at a place of the icon, in its units, each part full or nothing; None: not drawn."""
+    text = f"model M annotation(Icon(graphics={{{', '.join(objects)}}})); end M;"
+    found, _ = texts(text, "M.mo")
+    rows = pixels(draw(found, "M"))
+
+    def at(x: float, y: float) -> tuple[int, ...] | None:
+        column, row = int((x + 100) * SIZE / 200), int((100 - y) * SIZE / 200)
+        red, green, blue, alpha = rows[row][4 * column : 4 * column + 4]
+        return None if alpha == 0 else tuple(255 * (each > 127) for each in (red, green, blue))
+
+    return at
+
+
+FRAME = "{{-80, 40}, {60, -70}}"
+
+
+@pytest.mark.parametrize("kind", ["Rectangle", "Ellipse"])
+def test_a_frame_is_drawn_on_all_its_sides_and_filled_only_where_it_is_solid(kind: str) -> None:
+    middle, sides = (-10, -15), [(-80, -15), (60, -15), (-10, 40), (-10, -70)]
+    at = drawn(f"{kind}(extent = {FRAME})")
+    assert [at(*side) is not None for side in sides] == [True] * 4
+    assert (at(*middle), at(-95, -15), at(80, -15)) == (None, None, None)
+    filled = f"fillColor = {{255, 0, 0}}, fillPattern = FillPattern.Solid, extent = {FRAME}"
+    at = drawn(f"{kind}({filled}, pattern = LinePattern.None)")
+    assert at(*middle) == (255, 0, 0)
+    assert at(-95, -15) is None
+    assert drawn(f"{kind}({filled.replace('Solid', 'None')})")(*middle) is None
+
+
+@pytest.mark.parametrize(("kind", "is_closed"), [("Polygon", True), ("Line", False)])
+def test_the_last_side_of_a_polygon_goes_back_to_its_first_point(
+    kind: str, is_closed: bool
+) -> None:
+    at = drawn(f"{kind}(points = {{{{-60, -60}}, {{60, -60}}, {{60, 60}}}})")
+    assert at(0, -60) is not None
+    assert at(60, 0) is not None
+    assert (at(0, 0) is not None) is is_closed
+    assert at(-30, 30) is None
+
+
+def test_what_comes_later_lies_on_top_and_has_its_own_colour() -> None:
+    solid = "fillPattern = FillPattern.Solid, pattern = LinePattern.None"
+    at = drawn(
+        f"Rectangle(extent = {{{{-80, 80}}, {{20, -80}}}}, fillColor = {{255, 0, 0}}, {solid})",
+        f"Rectangle(extent = {{{{-20, 80}}, {{80, -80}}}}, fillColor = {{0, 0, 255}}, {solid})",
+        "Line(points = {{-100, 0}, {100, 0}}, color = {0, 255, 0})",
+    )
+    assert [at(x, 50) for x in (-50, 0, 50)] == [(255, 0, 0), (0, 0, 255), (0, 0, 255)]
+    assert at(-50, -50) == (255, 0, 0)
+
+
+def test_a_class_that_draws_nothing_is_a_box() -> None:
+    at = drawn()
+    assert [at(*place) is not None for place in ((-90, 0), (90, 0), (0, 60), (0, -60))] == [
+        True
+    ] * 4
+    assert at(0, 90) is None
