@@ -43,6 +43,6 @@ def test_of_several_stretches_the_largest_drift_counts(rows_of_a_part: int, orde
 
 @pytest.mark.parametrize("rows_of_a_part", [2, 100])
 def test_a_hold_begins_with_the_row_before_it(rows_of_a_part: int) -> None:
-    held = [Unbroken(2, 3, 1), Unbroken(4, 6, 1), Unbroken(9, 10, 1)]
+    held = [Unbroken(2, 3, 1), Unbroken(4, 5, 1), Unbroken(9, 10, 1)]
     found = offset_held_drift_um(truth(rows_of_a_part, held=held))
     assert found.value == pytest.approx(3.0)

@@ -78,6 +78,14 @@ def test_set_pos_is_behind_by_its_dead_cycles_and_its_filter_too() -> None:
         assert seen(observed, "distance_error_expected_um").value == pytest.approx(50.0)
 
 
+def test_dead_cycles_of_a_control_that_nothing_answers_say_why() -> None:
+    """By the frames; those of the rig are known all the same."""
+    observed = recorded()
+    for metric in ("distance_dead_cycles", "distance_dead_time_ms"):
+        assert no_value(observed, metric) == "the sensor value never changed by more than its noise"
+    assert seen(observed, "distance_dead_cycles_expected").value == N
+
+
 def test_an_integral_part_leaves_no_error() -> None:
     observed = recorded(0.0, RAMP, words={"i_tn": 0.02})
     found = seen(observed, "distance_error_expected_um")

@@ -104,6 +104,7 @@ def test_it_is_judged_as_any_other(
         ("return 1, None, 0.0", "the unit is None"),
         ("return 1, 'mm', -1.0", "the uncertainty is -1.0"),
         ("return 1, 'mm', None", "the uncertainty is None"),
+        ("return 1, 'mm', float('nan')", "the uncertainty is nan: a number, 0 or more, is exp"),
         ("import sys; sys.exit(3)", "own.py:2: SystemExit: 3"),
         ("return recording.column('Q', 'set_mm'), 'mm', 0.0", "own.py:2: "),
     ],

@@ -102,7 +102,8 @@ def test_with_no_delay_cycle_the_lag_is_judged_before_the_set_position_is_made(
 
 
 def test_marks_of_a_program_have_their_kind_axis_and_words() -> None:
-    states = ("SWITCHED_ON", "OPERATION_ENABLED", "QUICK_STOP_ACTIVE", "SWITCH_ON_DISABLED")
+    states = ("SWITCHED_ON", "OPERATION_ENABLED", "QUICK_STOP_ACTIVE", "SWITCH_ON_DISABLED",
+              "SWITCHED_ON", "OPERATION_ENABLED")  # fmt: skip
     changes = (BusChange(1 * MS, "Z", "BUS_OFF", False), BusChange(2 * MS, "Z", "ACTIVE", True),
                BusChange(3 * MS, "kernel", "PASSIVE", False))  # fmt: skip
     axes = {
@@ -138,6 +139,8 @@ def test_marks_of_a_program_have_their_kind_axis_and_words() -> None:
         (16, "fault", "all", None, False),
         (12, "fault", "Z: quick stop active", "Z", False),
         (13, "mark", "Z: switch on disabled", "Z", False),
+        (14, "mark", "Z: switched on", "Z", False),
+        (15, "mark", "Z: operation enabled", "Z", False),
         (17, "mark", "torque limit 50 %", "X", False),
     ]
 

@@ -129,3 +129,14 @@ def test_rows_of_another_tool_need_few_columns() -> None:
     entry = only(statistics_data(checks, cases))
     assert entry.found.mean
     assert (entry.found.mean.value, entry.found.cpk, entry.found.outlier) == (2.0, None, None)
+
+
+@pytest.mark.parametrize("first", ["", "nan", "0.1"])
+def test_a_run_repeats_an_earlier_one_whatever_became_of_its_value(first: str) -> None:
+    """As a statistic of the plan counts them: the second of two equal runs says nothing new."""
+    values = (first, 0.2, 0.3, 0.4)
+    entry = only(statistics_data(*rows(values, frame_log_sha256="aabc", **{FEED: "1111"})))
+    assert list(entry.equal) == ["p-a-1"]
+    counted = [name for name, _ in entry.found.values]
+    assert counted == [*(["p-a-0"] if first == "0.1" else []), "p-a-2", "p-a-3"]
+    assert list(entry.missing) == ([] if first == "0.1" else ["p-a-0"])

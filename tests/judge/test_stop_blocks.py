@@ -242,6 +242,25 @@ def test_both_criteria_and_the_path_are_in_the_timeline() -> None:
     assert (block.begin_ns, block.end_ns, block.watched) == (10 * MS, END_NS, ["Z"])
 
 
+def test_a_mark_with_a_reason_alone_is_shown_and_an_empty_one_is_not() -> None:
+    """Nothing came true and no closed form says when; the run made no relaxing motion."""
+    both = {DETECT + "max_delta_position_window": 1500}
+    never = replace(
+        STOP, beyond_ns={}, window_ns={}, detected_ns=None, detected_by=None, relax_begin_ns=None,
+        relax_end_ns=None, brake_end_ns=None,
+    )  # fmt: skip
+    changes: dict[str, Any] = {"run": replace(RUN, fixed_stop=never, latched_mm={})}
+    (block,) = stop_findings(recorded(plant={"kv": None}, written=both, **changes))
+    marks = {mark.key: mark for mark in block.marks}
+    for key in ("beyond", "window", "detected"):
+        mark = marks[key]
+        assert (mark.measured_ns, mark.oracle_ns, mark.is_inside) == (None, None, None)
+        assert mark.note == "the plant does not give gain, mass and stiffness"
+    assert not marks.keys() & {"stands", "relax_begin", "relax_end"}
+    (plain,) = stop_findings(recorded(**changes))
+    assert [mark.oracle_ns is None for mark in plain.marks if mark.key == "beyond"] == [False]
+
+
 def test_notes_say_once_why_there_is_no_closed_form() -> None:
     both = {DETECT + "max_delta_position_window": 1500}
     (block,) = stop_findings(recorded(plant={"kv": None}, written=both))

@@ -112,3 +112,26 @@ def test_the_least_of_two_torque_limits_acts_through_the_screw(
 ) -> None:
     """1.27 Nm on a screw of 10 mm: 2 pi 1.27 Nm / 0.01 m = 797.96 N."""
     assert drive_limit_n(1270, 10_000.0, per_mille) == pytest.approx(share * 797.9645, rel=1e-6)
+
+
+@pytest.mark.parametrize("joint", [None, 5e7])
+@pytest.mark.parametrize(("weight_n", "friction_n"), [(0.0, 0.0), (80.0, 30.0), (-80.0, 0.0)])
+def test_a_stop_below_is_that_above_upside_down(
+    weight_n: float, friction_n: float, joint: float | None
+) -> None:
+    """Weight pulls down: seen from a stop below it is the other way round."""
+    axis = Axis(191.0, weight_n, friction_n, 1e3, joint, backlash_mm=0.02)
+    up = Pressing(replace(STOP, damping_s_m=0.5), axis, 500.0)
+    turned = replace(axis, weight_n=-weight_n)
+    down = Pressing(replace(up.stop, direction=-1), turned, 500.0)
+    low, high = up.latched_mm(100.0)
+    assert down.latched_mm(-100.0) == pytest.approx((-high, -low), abs=1e-12)
+    for value in ("pushing_n", "force_n", "penetration_mm", "decay_s", "is_held"):
+        assert getattr(down, value) == getattr(up, value), value
+    assert down.peak_force_n(20.0) == up.peak_force_n(20.0)
+    # By hand: F/k of stop and joint for the force that is left, and half of the backlash
+    force_n = 500.0 - weight_n
+    give_mm = 0.0 if joint is None else 500.0 / joint * 1e3 + 0.01
+    middle = 100.0 + force_n / STOP.stiffness_n_m * 1e3 + give_mm
+    band = friction_n / STOP.stiffness_n_m * 1e3
+    assert (low, high) == pytest.approx((middle - band, middle + band), abs=1e-12)

@@ -12,7 +12,9 @@ from tests.recordings import facts
 from axisrig.bench.campaign import rejudge
 from axisrig.bench.campaign.results.stored import PROBE, RECORDING, RUNS, StoredRun
 from axisrig.bench.campaign.results.sums import TRACE_SUM
+from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.files import sha256_of
+from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import default_seed
 from axisrig.bench.plan.verdict import Verdict
@@ -205,3 +207,19 @@ def test_verdicts_get_the_next_number(tmp_path: Path, taken: tuple[str, ...], na
         (tmp_path / "judged" / one).mkdir(parents=True)
     plan: Any = SimpleNamespace(name="p")
     assert rejudge._new_folder(tmp_path, plan) == tmp_path / "judged" / name
+
+
+@pytest.mark.parametrize(("is_stopped", "error"), [(True, "broke"), (True, None), (False, "broke")])
+def test_a_run_that_the_operator_stopped_is_named_so_before_anything_else(
+    is_stopped: bool, error: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In its result and in what was stored of it; without facts its error is all that is left."""
+    left = facts(is_stopped=is_stopped)
+    result = CaseResult(case_of("a"), Verdict.ABORTED, [], facts=left, error=error)
+    words = STOPPED if is_stopped else error
+    assert result.said.error == words
+    stored = StoredRun({"run": "p-a"}, [], None, None)
+    monkeypatch.setitem(vars(stored), "recording", RunFile(VERSION, facts=left, error=error or ""))
+    assert stored.error == words
+    bare = CaseResult(case_of("a"), Verdict.ERROR, [], error=error, log=["a line"])
+    assert (bare.said.error, list(bare.said.log)) == (error, ["a line"])

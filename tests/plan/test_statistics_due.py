@@ -80,6 +80,18 @@ def test_a_run_that_this_call_has_looked_at_counts_with_its_hash(
     assert [row.run for row in found.due] == ["p-a"] * is_due
 
 
+def test_a_row_is_written_again_where_one_of_its_runs_is_new(plan: Plan) -> None:
+    """The folder has the row as it is asked for, and its other run."""
+    first, second, *_ = plan.cases
+    of_a, _ = plan.statistics
+    hashes = {first.run: "now", second.run: "old", **{row.run: "h" for row in plan.statistics}}
+    there = [stored(second), stored(of_a, **{DEPENDS: "h"})]
+    for called in ([first], [second], [first, second]):
+        own = [*there, stored(first, **{DEPENDS: "now"})]
+        assert [row.run for row in rows_of(plan, called, own, hashes).due] == ["p-a"]
+    assert rows_of(plan, [], own, hashes).due == []
+
+
 @pytest.mark.parametrize(("depends", "is_due"), [("h", False), ("other", True), (None, True)])
 def test_a_row_is_written_again_where_it_is_missing_or_asks_for_something_else(
     plan: Plan, depends: str | None, is_due: bool

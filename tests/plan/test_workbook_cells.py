@@ -113,6 +113,21 @@ def test_what_was_computed_counts(tmp_path: Path) -> None:
         assert cell_of(path) == text
 
 
+def test_a_name_of_a_column_may_be_computed(tmp_path: Path) -> None:
+    """What the formula gave counts; one without a value is no name of a column."""
+    path = tmp_path / "p.xlsx"
+    for value, name in (("plc:V.E.FEED", "plc:V.E.FEED"), ("", "=B9")):
+        with xlsxwriter.Workbook(path) as book:
+            sheet = book.add_worksheet()
+            sheet.write_formula(0, 0, "=B9", None, value)
+            sheet.write(0, 1, "case")
+            sheet.write(1, 0, 5)
+            sheet.write(1, 1, "a")
+        table = read_table(path)
+        assert list(table.columns) == [name, "case"]
+        assert dict(table.rows[0].cells) == {name: "5", "case": "a"}
+
+
 @pytest.mark.parametrize("code", ["0%", "0.00%", "[Red]0.0 %", "0.0%;-0.0%"])
 def test_a_percentage_is_an_error_that_says_what_it_shows(tmp_path: Path, code: str) -> None:
     """50 % was read as 0.5."""

@@ -286,3 +286,14 @@ def test_filters_on_a_ramp_and_in_noise() -> None:
     assert butterworth(3, 50.0, T).delay_cycles == pytest.approx(sharp)
     gain = abs(cascade(4, 60.0, T).response(np.array([2 * math.pi * 60 * T]))[0])
     assert gain == pytest.approx(0.25)
+
+
+def test_filters_are_the_same_by_what_they_do_and_not_by_their_names() -> None:
+    """A mean of one value does nothing; a low-pass is named by its order alone."""
+    same = [none(), moving_average(1), exponential(1.0, 1)]
+    others = [moving_average(2), exponential(0.5), exponential(0.25), cascade(2, 100.0, T),
+              cascade(2, 90.0, T), cascade(3, 100.0, T)]  # fmt: skip
+    assert all(one.is_same(two) for one in same for two in same)
+    for place, one in enumerate(others):
+        assert not one.is_same(none())
+        assert [one.is_same(two) for two in others] == [n == place for n in range(len(others))]
