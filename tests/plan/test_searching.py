@@ -123,6 +123,10 @@ def test_values_have_the_decimals_of_the_cell(write_plan: PlanWriter) -> None:
     probe = probe_of(case, 3, "1.75")
     assert (probe.run, probe.inputs) == ("probing-a-s03", {"plc:V.E.FEED": "1.75"})
     assert (probe.seed, probe.probe_of) == (case.seed, case.run)
+    # What is wrong with a value that was tried is an error of the cell that searches it
+    wrong, of_row = probe.error("odd", "plc:V.E.FEED"), case.error("odd", "search:plc:V.E.FEED")
+    assert (wrong.line, wrong.column) == (of_row.line, of_row.column) == (2, 4)
+    assert "column 'search:plc:V.E.FEED'" in str(wrong)
     assert [check.metric for check in probe.checks] == ["latch_error_um", "alarms"]
     assert [check.metric for check in case.checks] == ["search_good", "search_bad"]
 

@@ -100,6 +100,16 @@ def test_a_formula_that_nobody_has_computed_is_an_error(tmp_path: Path, write: W
             read_table(path)
 
 
+@pytest.mark.parametrize("write", [by_openpyxl, by_xlsxwriter])
+def test_equals_signs_make_a_condition_in_a_column_of_conditions_alone(
+    tmp_path: Path, write: Writer
+) -> None:
+    path = tmp_path / "p.xlsx"
+    write(path, "plc:V.E.FEED", "== 3")
+    with pytest.raises(UserError, match=r"cell A2 of sheet '.+' holds the formula =\s?= 3"):
+        read_table(path)
+
+
 def test_what_was_computed_counts(tmp_path: Path) -> None:
     path = tmp_path / "p.xlsx"
     for column, value, text in (
