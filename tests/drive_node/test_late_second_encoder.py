@@ -57,3 +57,14 @@ def test_where_samples_are_sent_apart_from_the_sync_those_count_alone(
         one.servo.refresh(one.now_ns, is_apart=True)
         if number > delay:
             _shown(one, delay)
+
+
+@pytest.mark.parametrize("home_units", [0, 5000, -70_000])
+def test_a_home_of_the_motor_encoder_moves_no_second_one(fake_axis: Any, home_units: int) -> None:
+    """607C and homing shift 6064; 60E4:1 has the scaling of docs/drive.md and nothing beside it."""
+    one = ServoAlone(fake_axis(start_m=0.02, encoder_2_m=OFFSET_M))
+    before = one.image.second_position
+    assert before == round((0.02 + OFFSET_M) * PER_M)
+    one.servo.scaling.set_home(0.02, home_units)
+    one.cycle()
+    assert (one.image.position_actual, one.image.second_position) == (home_units, before)

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 from tests.drive_node.profile_drive import PER_M, PROFILE, Drive
+from tests.drive_node.servo_alone import ServoAlone
 
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS, US
@@ -94,3 +95,15 @@ def test_6502_follows_the_plant_and_so_do_modes_and_option_codes(
             bench.remote.sdo[index].raw = value
         assert caught.value.code == 0x06090030
     assert drive_bench().remote.sdo[0x6502].raw & 0x385 == 0x385
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_csp_begins_at_rest_where_no_position_was_controlled(fake_axis: Any, sign: int) -> None:
+    """An axis that rolls at 50 mm/s without power: the demand stays at the place of its begin."""
+    axis = fake_axis(motion=lambda time_s: sign * 0.05 * time_s)
+    one = ServoAlone(axis, 8)
+    assert axis.commands[-1].enabled
+    begun = axis.commands[-1]
+    place_m = sign * 0.05 * begun.time_ns * 1e-9
+    assert (begun.velocity_m_s, begun.position_m) == (0.0, pytest.approx(place_m))
+    assert one.image.target_position == round(begun.position_m * PER_M)

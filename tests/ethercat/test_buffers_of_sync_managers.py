@@ -1,6 +1,8 @@
 """A SyncManager by its registers: mailboxes that fill and empty, and what a change leaves."""
 
-from axisrig.bench.drive.ethercat.sync_managers import SyncManager
+import pytest
+
+from axisrig.bench.drive.ethercat.sync_managers import SyncManager, SyncManagers
 from axisrig.kernel.profiles.ethercat.layouts import (
     SM_ENABLE,
     SM_FULL,
@@ -55,3 +57,37 @@ def test_three_buffers_are_never_full_for_who_writes() -> None:
     manager.put(b"g")
     assert manager.read(0x1101, 1) == b"\0"
     assert manager.read(0x1100, 2) == manager.read(0x1100, 2) == b"g\0"
+
+
+AREA, SIZE = 0x1080, 8
+
+
+@pytest.mark.parametrize(
+    ("address", "length", "is_inside"),
+    [(0x1080, 8, True), (0x1082, 6, True), (0x107E, 4, False), (0x1086, 4, False),
+     (0x1087, 1, True), (0x1070, 40, False), (0x107C, 4, None), (0x1088, 4, None)],
+)  # fmt: skip
+@pytest.mark.parametrize("control", [0, SM_MAILBOX])
+def test_an_access_is_in_an_area_beside_all_of_them_or_refused(
+    address: int, length: int, is_inside: bool | None, control: int
+) -> None:
+    """A refused one changes nothing; a mailbox is empty by a read of its last byte alone."""
+    taken: list[int] = []
+    managers = SyncManagers(lambda _: None, taken.append, lambda _: None, lambda: None)
+    off = bytes(SYNC_MANAGER.size)
+    managers.configure(off + registers(AREA, SIZE, control) + 6 * off)
+    managers[1].put(b"ABCDEFGH")
+    ram = bytearray(range(256)) * 0x20
+    found = managers.read(address, length, ram)
+    if is_inside is None:
+        assert found == bytes(ram[address : address + length])
+    elif is_inside:
+        assert found == b"ABCDEFGH"[address - AREA :][:length]
+    else:
+        assert found is None
+    is_read = is_inside is True and control == SM_MAILBOX
+    assert (taken, managers[1].is_full) == ([1] if is_read else [], not is_read)
+    before = bytes(ram)
+    assert managers.write(address, b"z" * length, ram) is (is_inside is None)
+    assert (bytes(ram) != before) is (is_inside is None)
+    assert managers[1].latest == b"ABCDEFGH"

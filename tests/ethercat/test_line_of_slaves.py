@@ -43,6 +43,25 @@ def test_a_second_frame_of_the_instant_waits_for_the_wire() -> None:
     assert times == [first_ns, first_ns + 6720]
 
 
+def test_each_frame_waits_for_all_before_it() -> None:
+    """Of 60, 60, 300, 60 bytes, the first one 3 us late: each has the wire for its own time."""
+    line = Line()
+    line.one(BRD, 0, 0, 1)
+    way_ns = line.back[0][0]  # of 60 bytes
+    line.wait(100 * US)
+    late_ns = iter([3000, 0, 0, 0])
+    line.segment.passes.append(lambda _: next(late_ns))
+    begin_ns, sizes = line.clock.now_ns, [60, 60, 300, 60]
+    for size in sizes:
+        line.segment.send(frame_of_brd().ljust(size, b"\0"))
+    line.wait(200 * US)
+    expected, free_ns = [], 3000
+    for size in sizes:
+        expected.append(free_ns + way_ns + 80 * (size - 60))
+        free_ns += 80 * (size + 24)
+    assert [at - begin_ns for at, _ in line.back[1:]] == expected
+
+
 def frame_of_brd() -> bytes:
     return frame(physical(BRD, 0, 0, 1))
 

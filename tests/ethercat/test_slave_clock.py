@@ -235,6 +235,25 @@ def test_sync1_comes_its_time_after_sync0() -> None:
     assert seen[1][1] - seen[0][1] == 300_000
 
 
+@pytest.mark.parametrize(("activation", "before", "between"), [(3, 1, 0), (7, 3, 2)])
+def test_each_signal_is_pending_until_its_first_pulse(
+    activation: int, before: int, between: int
+) -> None:
+    """0984: bit 0 of SYNC0, bit 1 of SYNC1, 300 us later; each activation begins anew."""
+    line = Line()
+    line.write(0x09A4, 300_000, 4)
+    for _ in range(2):
+        first = start_sync(line, MS, activation=activation)
+        assert line.read(0x0984, 1) == before
+        left_ns = first - line.drive.time.system_ns(line.clock.now_ns)
+        line.wait(left_ns + 100_000)
+        assert line.read(0x0984, 1) == between
+        line.wait(300_000)
+        assert line.read(0x0984, 1) == 0
+        line.write(0x0980, 0, 2)
+        assert line.read(0x0984, 1) == 0
+
+
 @pytest.mark.parametrize(("cycle_ns", "after_ns"), [(MS, -5 * MS), (9_999, MS)])
 def test_a_start_time_that_has_passed_gives_no_pulse_and_says_so(
     cycle_ns: int, after_ns: int

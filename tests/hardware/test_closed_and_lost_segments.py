@@ -5,6 +5,7 @@ from typing import Any
 import can
 import pytest
 
+from axisrig.bench.bus.can import real_segment
 from axisrig.bench.bus.can.real_segment import SEND_ERRORS_MAX
 
 MS = 1_000_000
@@ -61,3 +62,25 @@ def test_a_lost_segment_has_shut_its_interface_down_and_waits_for_nobody(
     assert bench.deadlines.send_errors == (SEND_ERRORS_MAX + 1 if by == "send" else 0)
     bench.scheduler.run_until(5 * MS)  # time goes on without it
     assert bench.scheduler.now_ns == 5 * MS
+
+
+def test_a_bus_that_is_open_again_is_waited_for_by_its_own_file(
+    make_bench: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each opening has another file; one without any is asked with its time-out."""
+    bench = make_bench()
+    segment, waited = bench.segment, list[tuple[int, float]]()
+    monkeypatch.setattr(real_segment.select, "select", lambda files, *rest: (
+        waited.append((files[0], rest[-1]))))  # fmt: skip
+    for file in (11, 12, None):
+        bench.adapter.broken = can.CanOperationError("gone")
+        assert segment.receive(0.0) is None
+        assert segment.lost == "gone"
+        bench.adapter.broken = None
+        if file is None:
+            monkeypatch.delattr(type(bench.adapter), "fileno")
+        else:
+            monkeypatch.setattr(type(bench.adapter), "fileno", lambda _, f=file: f, raising=False)
+        assert segment.reopen()
+        assert (segment.lost, segment.receive(0.25)) == (None, None)
+    assert waited == [(11, 0.25), (12, 0.25)]

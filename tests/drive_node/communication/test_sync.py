@@ -159,6 +159,27 @@ def test_sync_that_was_lost_before_the_drive_is_enabled(stranger: Make) -> None:
     assert drive.node.state is not State.OPERATION_ENABLED
 
 
+def test_a_sync_that_is_back_ends_its_error_whatever_the_drive_does(stranger: Make) -> None:
+    """The fault is reset without a SYNC, which keeps the error of 1006; enabled again it may come.
+
+    The bits of 1001 are those of the SYNC alone then: generic and communication.
+    """
+    drive = stranger(profile=DriveProfile(sync_loss_periods=3))
+    drive.write(0x1006, 0, 1000, 4)
+    lost = "0087110000000000"
+    for times in (1, 2):
+        drive.enable()
+        drive.after(0x80, wait_ms=2.9)
+        drive.run_ms(50)
+        assert drive.node.state is State.FAULT
+        assert drive.write(0x6040, 0, 0x80, 2) == 0
+        assert drive.node.state is State.SWITCH_ON_DISABLED
+        assert drive.read(0x1001) == 0x11
+        drive.after(0x80)
+        assert drive.frames(0x083) == [lost, GONE[1]] * times
+        assert drive.read(0x1001) == 0
+
+
 @pytest.mark.parametrize("case", ["not enabled", "no period", "not watched"])
 def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
     periods = 0 if case == "not watched" else 3
