@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 import typer
@@ -331,3 +331,65 @@ def test_each_option_has_one_name() -> None:
     assert "--output" not in found
     assert found["-k"] == {("-k",)}
     assert found["--jobs"] == {("--jobs", "-j")}
+
+
+class Bar:
+    """Stands for a bar of rich; what was done to it, by each."""
+
+    made: ClassVar[list["Bar"]] = []
+
+    def __init__(self, *columns: object, **options: object) -> None:
+        self.options, self.news, self.task_ids = options, [], [3]
+        Bar.made.append(self)
+
+    def add_task(self, words: str) -> None:
+        self.news.append(f"task {words}")
+
+    def start(self) -> None:
+        self.news.append("start")
+
+    def update(self, task: int, *, description: str, refresh: bool) -> None:
+        assert (task, refresh) == (3, True)
+        self.news.append(description)
+
+    def stop(self) -> None:
+        self.news.append("stop")
+
+
+def test_on_a_terminal_a_line_moves_and_gives_way(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One bar until its end, another one after what came beside, whose time begins anew."""
+    monkeypatch.setattr("rich.progress.Progress", Bar)
+    Bar.made.clear()
+    now_s = [100.0]
+    line = Waiting("reading", lambda: now_s[0], is_terminal=True)
+    line.tick()
+    now_s[0] += 2.4
+    line.inside("building an FMU")
+    line.tick()
+    line.inside("")
+    line.say("running")
+    line.tick()
+
+    @contextmanager
+    def campaign(progress: str) -> Iterator[None]:
+        Bar.made[0].news.append(f"+{progress}")
+        line.tick()  # another line is at the bottom now
+        yield
+        Bar.made[0].news.append(f"-{progress}")
+
+    with line.beside(campaign, "campaign"):
+        now_s[0] += 60.0
+    now_s[0] += 1.0
+    line.tick()
+    line.end()
+    line.tick()
+    assert [bar.news for bar in Bar.made] == [
+        ["task reading, 0 s", "start", "reading, 0 s", "building an FMU, 2 s", "running, 2 s",
+         "stop", "+campaign", "-campaign"],
+        ["task running, 1 s", "start", "running, 1 s", "stop"],
+    ]  # fmt: skip
+    for bar in Bar.made:
+        assert (bar.options["transient"], bar.options["auto_refresh"]) == (True, False)
+    assert capsys.readouterr().err == ""

@@ -2,6 +2,7 @@
 
 import re
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,6 +20,7 @@ from axisrig.bench.tools.rig_export.package import (
     _write,
 )
 from axisrig.bench.tools.rig_export.parts import Part, Port
+from axisrig.fmus import BuildError
 from axisrig.kernel.errors import UserError
 
 
@@ -176,3 +178,91 @@ def test_the_command_says_what_is_left_out(monkeypatch: pytest.MonkeyPatch) -> N
         "plant y: stroke_mm and breaks are checked by axisrig only",
     ]
     assert last.startswith("not in it: buses")
+
+
+# The FMUs and the values of a rig
+
+
+class Built:
+    """Stands for the compiler: keeps what it was asked for, and what was beside the source."""
+
+    def __init__(self) -> None:
+        self.asked: list[Any] = []
+        self.error: BuildError | None = None
+
+    def build(self, model: str, target: Path, source: Path, fmi: str) -> Path:
+        if self.error is not None:
+            raise self.error
+        beside = sorted(file.name for file in target.parent.iterdir())
+        text = source.read_text(encoding="utf-8")
+        self.asked.append((model, source.name, text, beside, fmi))
+        target.write_bytes(b"built")
+        return target
+
+    def ensure_built(self, model: str, fmi: str) -> Path:
+        self.asked.append((model, fmi))
+        return Path(__file__)
+
+
+@pytest.fixture
+def built(monkeypatch: pytest.MonkeyPatch) -> Built:
+    found = Built()
+    monkeypatch.setattr(package, "build", found.build)
+    monkeypatch.setattr(package, "ensure_built", found.ensure_built)
+    return found
+
+
+@pytest.mark.interpreted
+def test_an_fmu_is_of_the_library_of_an_own_file_or_joined(built: Built, tmp_path: Path) -> None:
+    """A joined one has all models of the folder of its own ones beside it: they may use them."""
+    for name in ("Own.mo", "Used.mo", "notes.txt"):
+        (tmp_path / name).write_text(f"text of {name}", encoding="utf-8")
+    own = tmp_path / "Own.mo"
+    assert package._fmu(ALONE, "3.0") == Path(__file__).read_bytes()
+    assert package._fmu(replace(ALONE, model=str(own)), "2.0") == b"built"
+    joined = replace(JOINED, text="model Rig_z\nend Rig_z;\n", own=(own,))
+    assert package._fmu(joined, "3.0") == package._fmu(replace(joined, own=()), "2.0") == b"built"
+    assert built.asked == [
+        ("AxisRig.Drives.ServoAxis", "3.0"),
+        ("Own", "Own.mo", "text of Own.mo", [], "2.0"),
+        ("Rig_z", "Rig_z.mo", joined.text, ["Own.mo", "Rig_z.mo", "Used.mo"], "3.0"),
+        ("Rig_z", "Rig_z.mo", joined.text, ["Rig_z.mo"], "2.0"),
+    ]
+    built.error = BuildError("Rig_z.mo", 1, "no such class")
+    with pytest.raises(UserError, match="the plants z, probe cannot be one FMU: .*no such class"):
+        package._fmu(joined, "2.0")
+
+
+@pytest.mark.interpreted
+def test_values_are_those_of_each_plant_after_its_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What lives in the FMU of another plant has none of its own; the plants are closed again."""
+    calls: list[str] = []
+
+    def slave(number: float, kind: str) -> Any:
+        known = {"kv": SimpleNamespace(type=kind), "no": SimpleNamespace(type="Int32")}
+        return SimpleNamespace(variable=known.__getitem__, get={"kv": number, "no": 3.0}.get)
+
+    def kept(**plants: Any) -> dict[str, Any]:
+        return {name: SimpleNamespace(slave=made) for name, made in plants.items()}
+
+    plant = SimpleNamespace(
+        axes=kept(z=slave(40.0, "Float64"), z2=slave(41.0, "Float64")),
+        probes=kept(probe=slave(42.0, "Real")), distances=kept(gap=slave(43.0, "Float32")),
+        initialize=lambda at: calls.append(f"initialize {at}"),
+        close=lambda: calls.append("close"),
+    )  # fmt: skip
+    tables = {name: SimpleNamespace(shares=None) for name in ("z", "probe", "gap")}
+    tables["z2"] = SimpleNamespace(shares="z")
+    keys = {"z": ["kv", "no"], "probe": ["kv"], "gap": []}
+    monkeypatch.setattr(package, "build_plant", lambda _: plant)
+    monkeypatch.setattr(package, "simulated_plants", lambda _: tables)
+    monkeypatch.setattr(package, "_set_keys", lambda _, name, *__: keys[name])
+    assert package._values(settings()) == {
+        "z": {"kv": ("Float64", 40.0), "no": ("Int32", 3.0)}, "probe": {"kv": ("Real", 42.0)},
+        "gap": {},
+    }  # fmt: skip
+    assert calls == ["initialize 0", "close"]
+    monkeypatch.setattr(package, "_set_keys", lambda *_: ["missing"])
+    with pytest.raises(KeyError):
+        package._values(settings())
+    assert calls[-1] == "close"

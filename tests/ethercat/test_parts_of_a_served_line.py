@@ -1,0 +1,100 @@
+"""Parts of `axisrig drive` on EtherCAT by themselves: who answers when, and what is summed up."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.bus.ethercat.segment import Passage
+from axisrig.bench.tools.virtual_drive import ethercat
+from axisrig.bench.tools.virtual_drive.ethercat import LineServer, line_settings, whose_esi
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, US
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+
+class Slave:
+    """Counts in the last byte of a frame, and notes how the frame came."""
+
+    def __init__(self) -> None:
+        self.passages: list[Passage] = []
+        self.begun_ns: list[int] = []
+        self.servo = SimpleNamespace(begin=self.begun_ns.append)
+
+    def process(self, frame: bytearray, passage: Passage) -> None:
+        frame[-1] += 1
+        self.passages.append(passage)
+
+
+def server(**parts: Any) -> Any:
+    made: Any = LineServer.__new__(LineServer)
+    for name, value in parts.items():
+        setattr(made, name, value)
+    return made
+
+
+def test_a_frame_passes_every_slave_and_comes_back_from_the_last_one() -> None:
+    """The source address has the bit of a local one then (IEEE 802), also in the log."""
+    slaves, logged = [Slave(), Slave(), Slave()], list[Any]()
+    frames = SimpleNamespace(add=lambda *words: logged.append(words))
+    line = server(_line=slaves, _frames=frames, scheduler=SimpleNamespace(now_ns=7 * MS))
+    frame = bytearray(60)
+    line._answer(frame)
+    assert [one.passages for one in slaves] == [
+        [Passage(7 * MS, 7 * MS)], [Passage(7 * MS, 7 * MS)], [Passage(7 * MS, None)],
+    ]  # fmt: skip
+    assert (frame[6], frame[-1]) == (2, 3)
+    assert logged == [(7 * MS, 0, bytes(frame))]
+    alone = server(_line=slaves[:1], _frames=None, scheduler=SimpleNamespace(now_ns=8 * MS))
+    alone._answer(frame)
+    assert slaves[0].passages[-1] == Passage(8 * MS, None)
+    assert (frame[6], frame[-1]) == (2, 4)
+
+
+def test_plants_that_no_cycle_steps_go_on_every_20_ms() -> None:
+    drives = {"X": Slave(), "Z": Slave()}
+    asked: list[int] = []
+    terminal = SimpleNamespace(before_latches=lambda: asked.append(1))
+    line = server(drives=drives, terminal=terminal, _kept_ns=0)
+    for now_ms in (1, 19, 20, 21, 39, 41, 60, 61):
+        line._keep_up(now_ms * MS)
+    assert [one.begun_ns for one in drives.values()] == [[20 * MS, 41 * MS, 61 * MS]] * 2
+    assert len(asked) == 3
+    bare = server(drives=drives, terminal=None, _kept_ns=0)
+    bare._keep_up(30 * MS)
+    assert drives["Z"].begun_ns[-1] == 30 * MS
+
+
+def test_a_summary_says_how_fast_frames_were_answered_and_what_was_given_up() -> None:
+    quiet = SimpleNamespace(slips=0, slipped_ns=0)
+    late = SimpleNamespace(slips=2, slipped_ns=250 * MS)
+    answered = SimpleNamespace(latencies_ns=[US] * 98 + [9 * US] * 2, frames=100, latest_ns=9 * US)
+    nothing = SimpleNamespace(latencies_ns=[], frames=0, latest_ns=0)
+    for port, deadlines, count in ((answered, quiet, 1), (answered, late, 2), (nothing, late, 1)):
+        lines = server(port=port, scheduler=SimpleNamespace(deadlines=deadlines))._summary()
+        assert len(lines) == count
+        if port is answered:
+            assert lines[0].startswith("100 frames answered; from reception to answer median 1 us,")
+            assert lines[0].endswith(" max 9 us")
+        if deadlines is late:
+            assert "more than 100 ms late 2 times, 250 ms in all" in lines[-1]
+    assert server(port=nothing, scheduler=SimpleNamespace(deadlines=quiet))._summary() == []
+
+
+def test_an_esi_file_fits_all_axes_with_one_drive_and_none_of_several(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """X, Y and Z have the drive `servo`; where Y has another one, an axis has to be named."""
+    rig = RIGS / "probe-xyz-ethercat.toml"
+    three, axes = line_settings(rig, [], []), ("X", "Y", "Z")
+    assert whose_esi(three) == ", ".join(f"axis {n} (servo, profile generic)" for n in axes)
+    path = ethercat.write_esi(three, tmp_path / "a.xml")
+    assert "<Index>#x607A</Index>" in path.read_text(encoding="utf-8")
+    assert list(line_settings(rig, ["Y"], []).rig.axis) == ["Y"]
+    monkeypatch.setattr(ethercat, "_describe", lambda _, name: name == "Y")
+    with pytest.raises(UserError, match="of which one the ESI file is to be") as refused:
+        ethercat.write_esi(three, tmp_path / "b.xml")
+    assert refused.value.hint == "--axis NAME"
+    assert not (tmp_path / "b.xml").exists()
