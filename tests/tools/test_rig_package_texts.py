@@ -229,7 +229,7 @@ def test_an_fmu_is_of_the_library_of_an_own_file_or_joined(built: Built, tmp_pat
         ("Rig_z", "Rig_z.mo", joined.text, ["Rig_z.mo"], "2.0"),
     ]
     built.error = BuildError("Rig_z.mo", 1, "no such class")
-    with pytest.raises(UserError, match="the plants z, probe cannot be one FMU: .*no such class"):
+    with pytest.raises(UserError, match=r"the plants z, probe cannot be one FMU: .*no such class"):
         package._fmu(joined, "2.0")
 
 
