@@ -10,7 +10,7 @@ from tests.faults.made_runs import BRAKES, LISTS, alarm, braked, left
 
 from axisrig.bench.tools.scenarios.invariants import stops
 from axisrig.bench.tools.scenarios.left import Left
-from axisrig.bench.tools.scenarios.stopping import stop_ns
+from axisrig.bench.tools.scenarios.stopping import Braking, brakings, stop_ns
 from axisrig.kernel.time.clock import MS
 
 RAMPED = {
@@ -64,6 +64,84 @@ def test_how_long_a_speed_takes_by_the_lists(
     facts = replace(made.facts, channel=given, kinematics=kinematics)
     places = {"Z": (np.arange(100.0) * MS, np.array(braked(2000.0)))}
     assert stop_ns(facts, 30 * MS, places) == pytest.approx((expected_ms + 3.0) * MS)
+
+
+def gear(**values: float) -> dict[str, Any]:
+    """Values of the gear of an axis; __ stands for the dot."""
+    return {f"getriebe[0].{name.replace('__', '.')}": value for name, value in values.items()}
+
+
+PROFILE = gear(
+    slope_profil__a_beschl=1100, slope_profil__a_brems=2100, slope_profil__a_grenz=4100,
+    slope_profil__a_feedh=510, slope_profil__tr_beschl_zu=11_000,
+    slope_profil__tr_beschl_ab=17_000, slope_profil__tr_brems_zu=23_000,
+    slope_profil__tr_brems_ab=31_000, slope_profil__tr_grenz=7000, slope_profil__tr_feedh=3000,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lists", "downs", "ups"),
+    [
+        # Ramps of no list are 50 ms, those of G0 10 ms, accelerations 1000; least time 10 ms
+        ({}, [(1000, 0.05), (1000, 0.01)], [(1000, 0.1), (1000, 0.02)]),
+        (PROFILE, [(2100, 0.027), (4100, 0.01), (510, 0.01)], [(1100, 0.028), (4100, 0.02)]),
+        (PROFILE | gear(dynamik__tr_min=1000), [(2100, 0.027), (4100, 0.007), (510, 0.003)],
+         [(1100, 0.028), (4100, 0.014)]),
+        (PROFILE | gear(dynamik__tr_min=20_000), [(2100, 0.027), (4100, 0.02), (510, 0.02)],
+         [(1100, 0.04), (4100, 0.04)]),
+        # Without a time of its own a feedhold has that of G0
+        (PROFILE | gear(dynamik__tr_min=0, slope_profil__tr_feedh=0),
+         [(2100, 0.027), (4100, 0.007), (510, 0.007)], [(1100, 0.028), (4100, 0.014)]),
+        (PROFILE | gear(dynamik__a_max=500, slope_profil__a_feedh=0),
+         [(500, 0.027), (500, 0.01)], [(500, 0.028), (500, 0.02)]),
+    ],
+)  # fmt: skip
+def test_with_ramps_each_deceleration_may_come_while_each_acceleration_acts(
+    lists: dict[str, Any], downs: list[tuple[float, float]], ups: list[tuple[float, float]]
+) -> None:
+    """P-AXIS-00001 to 00004, 00053 with their ramp times, none shorter than P-AXIS-00201."""
+    channel = {"prog_start.slope.profile": 1, "use_drive_curr_limit": 1}
+    found = [way for way in brakings(lists, channel) if way.up_s]
+    expected = [(*down, *up) for down in downs for up in ups]
+    assert len(found) == len(expected)
+    for way, parts in zip(found, expected, strict=True):
+        assert (way.a_mm_s2, way.ramps_s, way.up_mm_s2, way.up_s) == pytest.approx(parts)
+
+
+def test_without_ramps_an_axis_brakes_by_its_steps_or_as_it_is_taken_off_the_path() -> None:
+    """P-AXIS-00003 before P-AXIS-00008; a deceleration of a step before its acceleration."""
+    steps = gear(lslope_profil__a_stufe_1=100, lslope_profil__d_stufe_1=110,
+                 lslope_profil__a_stufe_2=200, lslope_profil__d_grenz_stufe_1=310,
+                 lslope_profil__a_grenz_stufe_1=300, lslope_profil__a_feedh=55)  # fmt: skip
+    of_steps = [110, 200, 310, 1000]
+    hold = {"use_drive_curr_limit": 1}
+    for lists, channel, found in (
+        (steps, {}, of_steps), (steps, hold, [*of_steps, 55]), ({}, hold, [1000] * 4),
+        (steps | gear(dynamik__a_max=900), {}, [900, *of_steps]),
+        (steps | gear(dynamik__a_max=900, dynamik__a_emergency=950), {}, [950, *of_steps]),
+    ):  # fmt: skip
+        assert list(brakings(lists, channel)) == [Braking(float(a)) for a in found]
+
+
+def test_the_axis_that_takes_longest_decides_by_its_speed_at_the_alarm() -> None:
+    """X has 20 mm/s by 100, Z 60 by 1000 mm/s2; the cycles before and after it count, 5 more are dead."""
+    times_ns = np.arange(40.0) * MS
+    x_mm = np.minimum(np.arange(40.0), 30.0) * 0.02
+    z_mm = np.where(np.arange(40) < 10, np.arange(40.0) * 5.0, 45.0 + np.arange(40.0) * 0.06)
+    made = left(alarms=(alarm(30),))
+    slow = gear(**{f"lslope_profil__a_{step}": 100 for step in
+                   ("stufe_1", "stufe_2", "grenz_stufe_1", "grenz_stufe_2")})  # fmt: skip
+    z = replace(made.facts.axes["Z"], written={})
+    timing = replace(made.facts.timing, buffer_cycles=2)
+    facts = replace(
+        made.facts, axes={"X": replace(z, written=slow), "Z": z}, channel={}, timing=timing
+    )
+    places = {"X": (times_ns, x_mm), "Z": (times_ns, z_mm)}
+    for alarm_ms, longest_ms in ((30, 200.0), (31, 60.0), (20, 200.0), (9, 5000.0)):
+        found = stop_ns(facts, alarm_ms * MS, places)
+        assert found == pytest.approx((longest_ms + 5.0) * MS), alarm_ms
+    only_z = stop_ns(facts, 20 * MS, {"Z": places["Z"]})
+    assert only_z == pytest.approx((60.0 + 5.0) * MS)
 
 
 def with_offset(a_mm_s2: float, column: str, offset_mm_s: float) -> Left:
