@@ -124,7 +124,7 @@ def test_without_ramps_an_axis_brakes_by_its_steps_or_as_it_is_taken_off_the_pat
 
 
 def test_the_axis_that_takes_longest_decides_by_its_speed_at_the_alarm() -> None:
-    """X has 20 mm/s by 100, Z 60 by 1000 mm/s2; the cycles before and after it count, 5 more are dead."""
+    """X: 20 mm/s by 100, Z: 60 by 1000 mm/s2; the cycles beside the alarm count, 5 are dead."""
     times_ns = np.arange(40.0) * MS
     x_mm = np.minimum(np.arange(40.0), 30.0) * 0.02
     z_mm = np.where(np.arange(40) < 10, np.arange(40.0) * 5.0, 45.0 + np.arange(40.0) * 0.06)
