@@ -146,6 +146,70 @@ def test_several_axes_a_channel_list_and_an_eds(
     check_rig(settings_of(rig, []))
 
 
+def axis(name: str, number: int, *lines: str) -> str:
+    head = (f"kopf.achs_nr {number}", f"kopf.log_achs_name {name}")
+    return "".join(f"{line}\n" for line in (*head, *lines))
+
+
+MEASURES, AS_TYPE_2 = "kenngr.messachse 1", "kenngr.antr_typ 2"
+
+
+def test_each_axis_has_a_bus_a_node_a_drive_and_a_plant_of_its_own(
+    listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """Of four axes that measure the first three are at the probe; V measures nothing."""
+    rig = tmp_path / "rigs" / "rig.toml"
+    rig.parent.mkdir()
+    lists = listed(
+        v=axis("V", 7, "kenngr.swe_pos 1300000", "kenngr.swe_neg 1000000"),
+        w=axis("W", 1, MEASURES), xy=axis("X", 2, MEASURES, AS_TYPE_2) + axis("Y", 3, MEASURES),
+        z=axis("Z", 4, MEASURES, "kenngr.swe_pos 1300001"), ch="messtyp 1\n",
+    )  # fmt: skip
+    assumed = rig_from(lists, tmp_path / "drive.eds", rig)
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    places = [(name, t["segment"], t["node"], t["drive"], t["plant"], t["list"])
+              for name, t in table["axis"].items()]  # fmt: skip
+    assert places == [
+        (name, f"can{n}", n, name.lower(), name.lower(), f"../{file}.lst")
+        for n, (name, file) in enumerate(zip("VWXYZ", ("v", "w", "xy", "xy", "z"), strict=True), 1)
+    ]
+    assert list(table["segment"]) == [f"can{n}" for n in range(1, 6)]
+    assert table["channel"]["list"] == "../ch.lst"
+    measures = {name: t.get("probe_1", "") + t.get("probe_2", "") for name, t in
+                table["axis"].items()}  # fmt: skip
+    assert measures == {"V": "", "W": "probe" * 2, "X": "probe" * 2, "Y": "probe" * 2, "Z": ""}
+    assert table["plant"]["probe"]["wire"] == {"x": "w", "y": "x", "z": "y"}
+    assert any(text.startswith("no probe on Z:") for text in assumed)
+    assert "a touch probe on W, X, Y, above a surface at 100 mm of input z" in assumed
+    starts = {name: t["start"]["position_start_mm"] for name, t in table["plant"].items()
+              if name != "probe"}  # fmt: skip
+    # 130 mm is inside the limits of no list; V ends there, between 100 and 130
+    assert starts == {"v": 115, "w": 130, "x": 130, "y": 130, "z": 130}
+    drives = table["drive"]
+    assert [name for name, t in drives.items() if "as_canopen" in t] == ["x"]
+    assert {t["eds"] for t in drives.values()} == {"../drive.eds"}
+    assert "axis X: a CANopen drive in place of SERCOS (P-AXIS-00020)" in assumed
+
+
+@pytest.mark.parametrize(
+    ("measuring", "wire"),
+    [("", None), ("X", {"z": "x"}), ("XY", {"x": "x", "y": "y"})],
+)
+def test_the_probe_is_at_the_axes_that_measure(
+    measuring: str, wire: dict[str, str] | None, listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """The only one is the axis of the tool."""
+    texts = {
+        name.lower(): axis(name, number, *([MEASURES] if name in measuring else []))
+        for number, name in enumerate("XY", 1)
+    }
+    rig_from(listed(**texts), None, tmp_path / "rig.toml")
+    table = tomllib.loads((tmp_path / "rig.toml").read_text(encoding="utf-8"))
+    assert table["plant"].get("probe", {}).get("wire") == wire
+    assert table["channel"]["list"] == "rig-channel.lst"
+    assert (tmp_path / "rig-channel.lst").is_file()
+
+
 @pytest.mark.parametrize(
     ("texts", "message"),
     [
