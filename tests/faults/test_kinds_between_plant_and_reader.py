@@ -231,6 +231,30 @@ def test_a_second_encoder_that_is_the_sensor_sees_what_comes_of_it() -> None:
     assert wire.motor_position_m() == 0.100
 
 
+def test_each_axis_that_reads_a_sensor_sees_what_comes_of_it(tmp_path: Path) -> None:
+    """Of three axes two have the sensor as their second encoder; a second fault adds to it."""
+    rig = tmp_path / "three.toml"
+    axis = 'list = "{}"\nsegment = "can1"\nnode = {}\ndrive = "servo"\nplant = "{}"\n{}'
+    base = settings_of("distance-z.toml").rig
+    (own,) = base.axis.values()
+    others = [("X", 21, 'encoder_2 = "other"'), ("Y", 22, 'encoder_2 = "gap"')]
+    lines = [f'base = "{RIGS / "distance-z.toml"}"']
+    for name, node, key in others:
+        words = axis.format(own.list, node, name.lower(), key).replace("can1", own.segment)
+        lines += [f"[axis.{name}]", words.replace('"servo"', f'"{own.drive}"')]
+        lines += [f"[plant.{name.lower()}]", 'fmu = "AxisRig.Drives.ServoAxis"']
+    wired = 'fmu = "AxisRig.Sensors.DistanceSensor"\nwire = { z = "x" }'
+    rig.write_text("\n".join([*lines, "[plant.other]", wired]), "utf-8")
+    bench = Bench(str(rig))
+    acts = [bench.do("sensor_drift", f"gap um_s={rate}") for rate in (1000, 500)]
+    for act in acts:
+        act.begin()
+    bench.clock.now_ns = 1 * S
+    seen_m = {name: bench.beside.axis(name).second_encoder_m() for name in "XYZ"}
+    expected_m = {"X": 0.101, "Y": 0.101 + 1.5e-3, "Z": 0.101 + 1.5e-3}
+    assert seen_m == pytest.approx(expected_m, abs=1e-12)
+
+
 def test_a_task_and_a_clock_have_the_values_of_their_cells() -> None:
     """Late by 2 ms and 0 to 1 ms; the clock 30 us ahead, or 100 ppm too slow for 2 s."""
     bench = Bench("plc-signal.toml")

@@ -103,6 +103,7 @@ def test_a_late_edge_is_no_level_yet_and_edges_keep_their_order() -> None:
     [
         (2 * MS, 4 * MS, [(1 * MS, True), (4 * MS, False), (5 * MS, True)]),
         (2 * MS, 6 * MS, [(1 * MS, True)]),  # what it missed has come and gone
+        (1_200_000, 2_800_000, [*EDGES]),  # nothing has come
         (0, 2 * MS, [(2 * MS, True), (3 * MS, False), (5 * MS, True)]),
         (0, None, []),
         (4 * MS, None, [(1 * MS, True), (3 * MS, False)]),
@@ -183,6 +184,29 @@ def test_a_frozen_encoder_keeps_its_position_and_counts_again_after_it() -> None
         (0.02 * 0.014, 0.02)
     )
     assert wire.motor_position_m_at(11 * MS) == pytest.approx(0.02 * 0.010)
+    # Once more, after 30 um were lost: what stays is the place that was seen
+    wire.lose(3e-5)
+    clock.now_ns = 20 * MS
+    wire.begin_freeze()
+    clock.now_ns = 25 * MS
+    assert wire.motor_position_m() == pytest.approx(0.02 * 0.020 - 3e-5)
+    wire.end_freeze()
+    assert wire.motor_position_m() == pytest.approx(0.02 * 0.025 - 3e-5)
+
+
+@pytest.mark.parametrize("seen_m", [0.0, -1e-3, 2e-3])
+def test_a_sensor_freezes_at_what_it_has_shown_last(seen_m: float) -> None:
+    """Also at 0. Without a value before its fault it is the first one in it."""
+    clock: Any = SimpleNamespace(now_ns=0)
+    early, late = Freeze(clock), Freeze(clock)
+    late.seen_m(0, seen_m)
+    for fault in (early, late):
+        fault.begin()
+    assert [early.seen_m(at_ns, seen_m + 1e-3 * at_ns) for at_ns in range(3)] == [seen_m] * 3
+    assert [late.seen_m(at_ns, 7.0 + at_ns) for at_ns in range(1, 4)] == [seen_m] * 3
+    clock.now_ns = 10
+    late.end()
+    assert late.seen_m(11, 5.0) == 5.0
 
 
 def test_faults_of_a_distance_sensor_in_closed_form() -> None:

@@ -141,3 +141,16 @@ def test_a_program_that_does_not_end_is_given_up(tmp_path: Path, limit_s: str, t
         machine.close()
     assert f"did not end within {text} of simulated time (plc:limit_s)" in str(caught.value)
     assert float(limit_s) * 1e9 <= now_ns < float(limit_s) * 1e9 + MS
+
+
+def test_a_program_that_has_ended_may_go_on_past_the_limit(tmp_path: Path) -> None:
+    """The limit is that of the program; after its end the run goes on as long as it has to."""
+    changes = ("plc:limit_s=0.04", "plc:after_end_ms=30")
+    machine = machine_of(tmp_path, *changes, text="%short\nN10 M30\n")
+    try:
+        took_ns = machine.run()
+        ended_ns = machine.channel.end_ns
+    finally:
+        machine.close()
+    assert ended_ns is not None
+    assert ended_ns < 40 * MS < ended_ns + 30 * MS <= took_ns

@@ -78,6 +78,22 @@ def test_a_burst_is_seen_in_the_window_that_it_is_in() -> None:
 
 
 @pytest.mark.interpreted
+def test_a_run_that_is_shorter_than_the_window_is_all_of_it() -> None:
+    """Four frames of 6.72 us in 5 ms; without a frame, or without time, there is no load."""
+    line = Meant()
+    assert line.meter.worst_pct(MS, 5 * MS) == line.meter.load_pct(5 * MS) == 0.0
+    line.now_ns = MS
+    line.cyclic(True, False, False, True)
+    assert line.meter.worst_pct(100 * MS, 5 * MS) == pytest.approx(100 * 4 * 6720 / (5 * MS))
+    assert line.meter.load_pct(5 * MS) == pytest.approx(100 * 4 * 6720 / (5 * MS))
+    # The window ends with a frame: the whole of that at its end, none of the one at its begin
+    assert line.meter.worst_pct(MS, 5 * MS) == pytest.approx(100 * 6720 / MS)
+    assert line.meter.worst_pct(MS + 6720, 5 * MS) == pytest.approx(100 * 2 * 6720 / (MS + 6720))
+    assert line.meter.worst_pct(MS, 0) == line.meter.load_pct(0) == 0.0
+    assert line.meter.recent_pct(4 * MS, 2 * MS) == pytest.approx(100 * 2 * 6720 / (2 * MS))
+
+
+@pytest.mark.interpreted
 def test_wrong_counters_count_from_the_first_right_one_on() -> None:
     line = Meant()
     line.cyclic(False, False, True, False, False, True, False)

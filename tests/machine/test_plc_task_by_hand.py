@@ -268,6 +268,26 @@ def test_overrides_are_given_back_when_they_are_not_enabled_any_more(tmp_path: P
     ]  # fmt: skip
 
 
+def test_an_override_of_0_is_one_and_stops(tmp_path: Path) -> None:
+    """Of the path in the first cycle, of Z in the second, of none in the third."""
+    cnc, found = Cnc(tmp_path), []
+    cnc.runner.start()
+
+    def script(inputs: Inputs, hli: Hli) -> None:
+        units = (
+            hli.ch.override,
+            hli.ax["X"].lr_mc_control.override,
+            hli.ax["Z"].lr_mc_control.override,
+        )
+        for unit, number in zip(units, (0, None, 1), strict=True):
+            unit.enable_w, unit.command_w = inputs.cycle == number, 0
+
+    for now_ms in (1, 3, 5):
+        cnc.run(now_ms, script)
+        found.append(cnc.overrides())
+    assert found == [(0, 1000, 1000), (1000, 1000, 0), (1000, 1000, 1000)]
+
+
 def test_reset_and_start_act_at_their_rising_edges(tmp_path: Path) -> None:
     """A reset of 2 to 6 ms and of 8 ms, a start of 4 to 8 ms and of 10 ms: two of each."""
     cnc = Cnc(tmp_path)

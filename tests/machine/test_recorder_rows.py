@@ -134,6 +134,30 @@ def test_truth_is_of_the_first_sync_and_what_a_drive_has_sampled_of_its_own(
 
 
 @pytest.mark.interpreted
+@pytest.mark.parametrize("lost", ["X", "C"])
+def test_a_drive_that_got_no_sync_leaves_the_rows_where_they_are(lost: str) -> None:
+    """X and C get theirs 48 and 58 us after it was asked for; one of them only the first three."""
+    plants = {name: Plant(name, "force") for name in "XC"}
+    servos: Any = {
+        name: SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
+    }
+    axes: Any = [RecordedAxis(name, plants[name], servos[name]) for name in plants]  # type: ignore[arg-type]
+    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    made = Recorder(whole, axes, {}, (), SeriesWriter(None))
+    for number in range(1, 6):
+        for name, late_us in (("X", 48), ("C", 58)):
+            if name != lost or number <= 3:
+                servos[name].sync_ns = number * MS + late_us * US
+        whole.now_ns = number * MS + 70 * US
+        cycle = Cycle(number)
+        cycle.links = cycle.links[:2]
+        made(cycle)  # type: ignore[arg-type]
+    later_us = 48 if lost == "C" else 58
+    expected = [at * MS + 48 * US for at in (1, 2, 3)] + [at * MS + later_us * US for at in (4, 5)]
+    assert made.table()["time_ns"].to_numpy().tolist() == expected
+
+
+@pytest.mark.interpreted
 def test_a_stop_that_is_out_of_reach_when_the_program_begins_is_none(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

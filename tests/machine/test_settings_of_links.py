@@ -20,6 +20,7 @@ from axisrig.bench.machine.ethercat.cia402_slave import slave_settings
 from axisrig.bench.machine.ethercat.sercos_slave import sercos_settings
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.time.clock import S
 from axisrig.kernel.time.scheduler import new_scheduler
 
@@ -244,3 +245,13 @@ def test_each_key_of_a_sercos_drive_changes_one_flag(
     assert getattr(found, field) is value
     differing = [name for name in flags if getattr(found, name) is not getattr(plain, name)]
     assert differing == [field]
+
+
+def test_stamps_of_a_line_count_from_the_instant_of_its_clocks(tmp_path: Path) -> None:
+    """System time in ns, latched at SYNC0: `shift_us` after the begin of a cycle; else none."""
+    for key, expected in (
+        ("shift_us=250", StampClock(1, 0, 250_000)), ("shift_us=0", StampClock(1, 0, 0)),
+        ("shift_us=40.5", StampClock(1, 0, 40_500)), ("dc=false", None),
+    ):  # fmt: skip
+        settings = settings_of(tmp_path, "probe-z-ethercat-stamps.toml", "", f"bus:ec1.{key}")
+        assert slave_settings(settings, "Z").stamps == expected, key

@@ -28,6 +28,8 @@ VARIABLES = {
         ModelVariable("turns", type="Int32", unit="furlong"),
         ModelVariable("length", type="Float64", unit="inch"),
         ModelVariable("name", type="String"),
+        ModelVariable("wear_mm", type="Float64", unit="furlong"),
+        ModelVariable("lag_ms", type="Int32"),
         ModelVariable("is_on", type="Boolean"),
     )
 }
@@ -113,3 +115,9 @@ def test_what_a_unit_does_not_fit_is_refused(cell: str, words: str) -> None:
 
 def test_words_and_flags_are_handed_over_as_such() -> None:
     assert Plant().take("name=M8", "is_on=false", is_on=True) == {"name": "M8", "is_on": False}
+
+
+def test_a_name_that_itself_ends_in_a_unit_is_the_variable_of_that_name() -> None:
+    """Its value is in the unit of the FMU; beside it the one whose name ends before the unit."""
+    found = Plant().take("wear_mm=3", "lag_ms=-4", "length_mm=25.4", wear_mm=9.0)
+    assert found == {"wear_mm": 3.0, "lag_ms": -4, "length": pytest.approx(1.0)}

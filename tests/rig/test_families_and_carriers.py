@@ -21,11 +21,12 @@ def test_a_family_has_its_carriers_and_both_together_a_row(monkeypatch: pytest.M
     by_carrier = [row.carrier for row in ROWS]
     for values, row in (({"carrier": "y"}, ROWS[1]), ({}, ROWS[0]), (None, ROWS[0])):
         assert families._row(values, "carrier", by_carrier) is row
-    with pytest.raises(ValidationError) as caught:
-        families._row({"carrier": "w"}, "carrier", by_carrier)
-    (error,) = caught.value.errors()
-    assert (error["loc"], error["input"]) == (("carrier",), "w")
-    assert error["msg"].startswith("there is no such carrier; allowed: ")
+    for word in ("w", "", 0, False):
+        with pytest.raises(ValidationError) as caught:
+            families._row({"carrier": word}, "carrier", by_carrier)
+        (error,) = caught.value.errors()
+        assert (error["loc"], error["input"]) == (("carrier",), word)
+        assert error["msg"].startswith("there is no such carrier; allowed: ")
 
 
 def test_a_drive_takes_the_family_that_a_list_of_its_axes_names(
@@ -47,3 +48,27 @@ def test_a_drive_takes_the_family_that_a_list_of_its_axes_names(
 
     assert named(ROWS) == {"one": "b", "two": "a", "three": None, "own": "b"}
     assert named(ROWS[:2]) == {"one": None, "two": None, "three": None, "own": "b"}
+
+
+def test_a_family_that_a_list_names_counts_only_where_its_segment_carries_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of two axes of a drive the first one whose segment carries its family. A segment without a
+    carrier is one of the first row's; one that the rig does not have is refused elsewhere."""
+    monkeypatch.setattr(file, "_listed_family", lambda path: str(path)[0])
+    monkeypatch.setattr(file, "FAMILIES", ROWS)
+    monkeypatch.setattr(families, "FAMILIES", ROWS)
+    segments = {name: {"carrier": name} for name in "xyz"} | {"plain": {}}
+    for wired, family in (
+        ([("b", "x")], None), ([("b", "y")], "b"), ([("a", "z")], None), ([("a", "plain")], "a"),
+        ([("b", "plain")], None), ([("b", "gone")], "b"), ([("b", "x"), ("a", "y")], "a"),
+        ([("a", "y"), ("b", "z")], "a"),
+    ):  # fmt: skip
+        axes = {
+            f"A{number}": {"drive": "one", "list": f"{of}.lst", "segment": segment}
+            for number, (of, segment) in enumerate(wired)
+        }
+        for keys in ({}, {"as_canopen": True}):
+            drive: dict[str, Any] = dict(keys)
+            file._name_families({"drive": {"one": drive}, "axis": axes, "segment": segments})
+            assert drive.get("family") == (None if keys else family), wired

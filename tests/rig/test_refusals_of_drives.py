@@ -247,3 +247,42 @@ def test_what_makes_a_measurement_doubtful_is_reported(
 
     assert words in lines(*changes)
     assert words not in lines()
+
+
+@pytest.mark.parametrize(
+    ("base", "table", "words"),
+    [
+        ("distance-z-ethercat", "pdo-second-every-2", "TPDO4 comes with every 2. SYNC only"),
+        ("distance-z-ethercat", "pdo-second-event", ""),  # in the image of each cycle all the same
+        ("distance-z", "pdo-second-every-2", ""),
+    ],
+)
+def test_a_process_image_carries_each_value_in_every_cycle(
+    check: Check, base: str, table: str, words: str
+) -> None:
+    path = RIGS / "lists" / f"{table}.csv"
+    found = check(base, text=f'[drive.servo]\npdo_map = "{path.as_posix()}"')
+    assert (words in found) if words else found == ""
+    assert ("found '2'" in found or "found 2" in found) is bool(words)
+
+
+@pytest.mark.parametrize(
+    ("base", "is_good"),
+    [("probe-z", False), ("probe-z-sercos", False), ("probe-z-profidrive", False),
+     ("probe-z-conventional", True)],
+)  # fmt: skip
+def test_the_scale_of_an_output_in_a_list_is_for_drives_that_have_one(
+    base: str, is_good: bool, tmp_path: Path, rig_above: Callable[..., Settings]
+) -> None:
+    """P-AXIS-00128 and 00129; others would run as if they were not there."""
+    own = (RIGS / "lists" / f"axis-{base.removeprefix('probe-')}.lst").read_text("utf-8")
+    bare = [line for line in own.splitlines() if "multi_gain" not in line]
+    for key in ("multi_gain_z", "multi_gain_n"):
+        (tmp_path / "z.lst").write_text("\n".join([*bare, f"getriebe[0].{key} 7", ""]), "utf-8")
+        text = '[axis.Z]\nlist = "z.lst"'
+        if is_good:
+            notes = rig_above(f"{base}.toml", text).notes
+            assert not [note for note in notes if key in note]
+            continue
+        with pytest.raises(UserError, match=rf"{key} .*does not act here"):
+            rig_above(f"{base}.toml", text)

@@ -349,3 +349,24 @@ def test_shipped_rigs_are_read(path: Path) -> None:
     rig, files = read_rig(path)
     assert rig.title
     assert files[0] == path.resolve()
+
+
+@pytest.mark.parametrize(
+    ("new", "named"),
+    [
+        # The key that may be the missing one keeps its message back, also where it is another
+        ("plamt = 3\n", ["axis.Z.plamt"]),
+        ("qqqq = 3\n", ["axis.Z.qqqq"]),
+        ("prob_1 = 3\n", ["axis.Z.prob_1", "the rig lacks the key axis.Z.plant"]),
+        ("", ["the rig lacks the key axis.Z.plant"]),
+    ],
+)
+def test_a_missing_key_is_named_beside_one_that_is_misspelt_for_another(
+    rig_file: Write, new: str, named: list[str]
+) -> None:
+    """A key without any likeness may be meant for the one that is missing in the same table."""
+    probe = () if "prob_1" not in new else (('probe_1 = "probe"\n', ""),)
+    error = _refused(rig_file(('plant = "z"\n', new), *probe))
+    found = [error.message, *(one.message for one in error.further)]
+    assert {one.removeprefix("unknown rig key ") for one in found} == {*named}
+    assert len(found) == len(named)
