@@ -28,7 +28,7 @@ VARIABLES = {
         ModelVariable("turns", type="Int32", unit="furlong"),
         ModelVariable("length", type="Float64", unit="inch"),
         ModelVariable("name", type="String"),
-        ModelVariable("wear_mm", type="Float64", unit="furlong"),
+        ModelVariable("slide_mm", type="Float64", unit="furlong"),
         ModelVariable("lag_ms", type="Int32"),
         ModelVariable("is_on", type="Boolean"),
     )
@@ -119,5 +119,5 @@ def test_words_and_flags_are_handed_over_as_such() -> None:
 
 def test_a_name_that_itself_ends_in_a_unit_is_the_variable_of_that_name() -> None:
     """Its value is in the unit of the FMU; beside it the one whose name ends before the unit."""
-    found = Plant().take("wear_mm=3", "lag_ms=-4", "length_mm=25.4", wear_mm=9.0)
-    assert found == {"wear_mm": 3.0, "lag_ms": -4, "length": pytest.approx(1.0)}
+    found = Plant().take("slide_mm=3", "lag_ms=-4", "length_mm=25.4", slide_mm=9.0)
+    assert found == {"slide_mm": 3.0, "lag_ms": -4, "length": pytest.approx(1.0)}
