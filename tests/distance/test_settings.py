@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
+from axisrig.kernel.channel.distance.settings import (
+    AxisDistanceSettings,
+    ChannelDistanceSettings,
+)
 from axisrig.kernel.distance import DistanceSettings, names_newer
 from axisrig.kernel.distance.filters.build import OF_CHANNEL
 from axisrig.kernel.errors import UserError
@@ -181,3 +184,24 @@ def test_the_channel_has_the_control_where_its_list_releases_it(tmp_path: Path) 
 def test_there_is_one_control_for_a_channel(tmp_path: Path, name: str) -> None:
     with pytest.raises(UserError):
         of_channel(tmp_path / "c.lst", f"{name} 1\n")
+
+
+@pytest.mark.parametrize(
+    ("line", "flags"),
+    [
+        ("", (False, False)),
+        ("optimized_scheduling 1", (True, False)),
+        ("check_sw_limit_switch 1", (False, True)),
+    ],
+)
+def test_each_flag_of_a_control_is_its_own_parameter(
+    tmp_path: Path, listed: object, line: str, flags: tuple[bool, bool]
+) -> None:
+    text = f"{CHANNEL}dist_ctrl[0].{line}\n" if line else CHANNEL
+    of_axis = f"lr_param.distance_control_on 1\n{f'kenngr.dist_ctrl[0].{line}' if line else ''}\n"
+    for found in (
+        ChannelDistanceSettings.read(of_channel(tmp_path / "c.lst", text)),
+        AxisDistanceSettings.read(listed(of_axis)),  # type: ignore[operator]
+    ):
+        assert found is not None
+        assert (found.is_optimized, found.checks_limits) == flags

@@ -149,6 +149,21 @@ ROBOT = MachineLists(
 ).kernel()
 
 
+def test_joints_turn_on_where_a_turn_of_the_tool_is_longer_than_half_a_one() -> None:
+    """About the vertical through its wrist: the way anywhere is that of the places before it."""
+    near = (0.0, 0.0, 30.0, 0.0, 60.0, 0.0)
+    tool = ROBOT.forward(near)
+    curve = ToolCurve(Line(tool, (*tool[:5], tool[5] - 400.0)), ROBOT, near)
+    count = len(curve.places) - 1
+    for at, place in enumerate(curve.places):
+        assert curve.at(curve.length_mm * at / count) == pytest.approx(place, abs=1e-6)
+    turned = max(high - low for low, high in zip(*curve.box_mm(), strict=True))
+    assert turned > 200.0
+    steps = [curve.at(curve.length_mm * k / 199.0) for k in range(200)]
+    for before, after in itertools.pairwise(steps):
+        assert max(abs(b - a) for a, b in zip(before, after, strict=True)) < 20.0
+
+
 def past_the_stretched_wrist(miss_mm: float) -> ToolCurve:
     """The wrist of a robot goes 200 mm down with a level tool; half way its forearm points along
     the flange normal but for `miss_mm` to the side.

@@ -102,6 +102,21 @@ def test_two_sets_with_one_id_are_refused() -> None:
         _data("trafo[0].id 9\ntrafo[1].id 9")
 
 
+def test_an_id_may_stand_for_other_sets_in_the_other_step() -> None:
+    """A head of ID 7 in step 0 and an extension of ID 7 in step 1; in one step it is refused."""
+    text = "kin_step[0].trafo[0].id 7\nkin_step[0].trafo[0].type 9\nkin_step[0].trafo[0].param[0] 2"
+    text += "\nkin_step[1].trafo[0].id 7\nkin_step[1].trafo[0].type 98"
+    text += "\nkin_step[1].trafo[0].param[0] 3"
+    for lines in (text.splitlines(), reversed(text.splitlines())):
+        steps = _data("\n".join(lines)).steps
+        found = [(step[7].type, step[7].number("param[]", 0)) for step in steps]
+        assert found == [(9, 2.0), (98, 3.0)]
+    for step in (0, 1):
+        twice = f"kin_step[{step}].trafo[1].id 7\nkin_step[{step}].trafo[1].type 9"
+        with pytest.raises(UserError, match="kinematic 7 has two sets of parameters in one step"):
+            _data(f"{text}\n{twice}")
+
+
 # --- what cannot be chosen -----------------------------------------------------------------------
 
 

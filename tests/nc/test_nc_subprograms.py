@@ -159,3 +159,17 @@ def test_alarms_of_the_machine_carry_the_file_of_their_block(tmp_path, plane_mac
 def test_files_may_call_each_other_as_long_as_they_come_back(files):
     main = "G0 P1=0\nL a.nc\nX9"
     assert files(main=main, a="P1=P1+1\nX=P1\n$IF P1<3\nL b.nc\n$ENDIF", b="L a.nc") == [1, 2, 3, 9]
+
+
+def test_a_file_is_looked_for_beside_the_main_program_and_then_beside_its_caller(files, tmp_path):
+    (tmp_path / "lib" / "deep").mkdir(parents=True)
+    (tmp_path / "lib" / "first.nc").write_text("X1\nL second\nL deep/third.nc", encoding="utf-8")
+    (tmp_path / "lib" / "second.nc").write_text("X2", encoding="utf-8")
+    (tmp_path / "lib" / "deep" / "third.nc").write_text("X3\nL fourth", encoding="utf-8")
+    (tmp_path / "lib" / "deep" / "fourth.nc").write_text("X4", encoding="utf-8")
+    main = "G0\nL lib/first.nc\nX9"
+    assert files(main=main) == [1, 2, 3, 4, 9]
+    assert files(main=main, second="X12", fourth="X14") == [1, 12, 3, 14, 9]
+    with pytest.raises(UserError) as caught:
+        files(main="G0\nL first")
+    assert caught.value.file == str(tmp_path / "main.nc")

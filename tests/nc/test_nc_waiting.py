@@ -85,3 +85,18 @@ def test_a_loop_that_writes_or_moves_is_not_judged() -> None:
 def test_a_plc_side_that_may_change_is_waited_for() -> None:
     text = "$WHILE V.E.READY == 0\n$ENDWHILE"
     assert decode(text, {"READY": 0.0}, constant=False) == MANY
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        "$FOR P1 = 1, 2, 1\nP2 = V.E.READY\n$ENDFOR",
+        "P2 = V.E.READY",
+        "P1 = 2\n$WHILE P1 > V.E.READY\nP1 = P1 - 1\n$ENDWHILE",
+    ],
+)
+def test_a_loop_that_asks_nothing_waits_for_nobody(before: str) -> None:
+    """What blocks before it have asked of the PLC side is none of its own."""
+    loop = "$WHILE 1\nG4 X0.1\n$ENDWHILE"
+    assert decode(f"{before}\n{loop}", {"READY": 0.0}) == MANY
+    assert decode(loop, {"READY": 0.0}) == MANY

@@ -1,8 +1,11 @@
 """Zero offsets and tools as tables: what a value of a list makes of them, and copies of them."""
 
+from pathlib import Path
+
 import pytest
 
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entry
+from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.nc.coordinates.tools import Tool, Tools, make_tools
 from axisrig.kernel.nc.coordinates.zero_offsets import ZeroOffsets, make_zero_offsets
 from axisrig.kernel.parameters import Origin
@@ -106,3 +109,25 @@ def test_a_program_writes_to_tools_of_its_own() -> None:
     other = tool.copy()
     other.offsets_mm[1] = 1.0
     assert tool.offsets_mm == {0: 3.0}
+
+
+# Several lists
+
+
+def test_lists_and_cells_of_a_plan_add_up_and_the_last_value_counts(tmp_path: Path) -> None:
+    first, second, tools = (tmp_path / f"{name}.lst" for name in ("first", "second", "tools"))
+    first.write_text("np_grp[1].achse[0].versch 10000\nnp_grp[1].achse[1].versch 20000\n")
+    second.write_text("np_grp[1].achse[1].versch 30000\nnp_grp[2].achse[0].versch 40000\n")
+    tools.write_text("wz[3].laenge 50000\nwz[3].gueltig 1\n")
+    lists = Lists()
+    lists.read(ZERO_OFFSETS, first)
+    lists.set(ZERO_OFFSETS, "np_grp[2].achse[1].versch", "70000", Origin("plan", 2, 1))
+    lists.read(TOOLS, tools)
+    lists.read(ZERO_OFFSETS, second)
+    lists.set(TOOLS, "wz[3].laenge", "60000", Origin("plan", 2, 1))
+    found = lists.tables(rotary=["C"], ball_radius_counts=False, cycle_changes_modal=True)
+    shifts = [found.zero_offsets.shift_mm(group, axis) for group in (1, 2) for axis in (0, 1)]
+    assert shifts == [1.0, 3.0, 4.0, 7.0]
+    assert found.tools.find(3) == Tool(6.0, valid=True)
+    assert (found.rotary, found.ball_radius_counts) == ({"C"}, False)
+    assert found.cycle_changes_modal

@@ -220,6 +220,22 @@ def test_an_offset_that_is_handed_over_is_the_one_of_this_cycle_and_none_is_left
     assert (bench.axis.has_offset, bench.axis.pending_mm, bench.axis.put_out()) == (False, 0.0, 0.0)
 
 
+def test_an_offset_that_is_computed_and_not_yet_due_is_not_handed_over() -> None:
+    """Before this cycle is sent: in order, what the cycle before has computed; else its own."""
+    for is_optimized in (True, False):
+        bench = Bench(is_optimized=is_optimized)
+        bench.on()
+        bench.cycle(-500)
+        computed = [bench.axis.control.offset_mm]
+        bench.link.second_increments = -503
+        bench.axis.take()
+        bench.axis.step()
+        computed.append(bench.axis.control.offset_mm)
+        assert computed[0] != computed[1]
+        assert bench.axis.hand_over() == {"Z": computed[is_optimized]}
+        assert not bench.axis.has_offset
+
+
 def test_an_offset_is_there_until_the_last_of_it_has_left() -> None:
     bench = Bench(is_optimized=False)
     bench.on()

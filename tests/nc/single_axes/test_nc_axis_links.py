@@ -97,6 +97,26 @@ def test_behind_a_coupling_the_slave_is_known_to_stand_where_it_was_led() -> Non
     assert [c.target_mm for c in moved] == [{"X": 5.0}, {"X2": 6.0}]
 
 
+@pytest.mark.parametrize(
+    "ends", [[disable(1), disable(2)], [Command("AX LINK OFF", options=(("ALL", None),))]]
+)
+def test_behind_all_couplings_every_slave_is_known_to_stand_where_it_was_led(
+    ends: list[Command],
+) -> None:
+    class Led(Machine):
+        def execute(self) -> None:
+            super().execute()
+            self.acs_mm |= {"X2": self.acs_mm["X"] + 1.0, "C": self.acs_mm["Y"] + 2.0}
+
+    program = [link(1, "X2=X"), link(2, "C=Y"), enable(1), enable(2), path(X=5.0, Y=6.0), *ends]
+    for axis, at_mm in (("X2", 6.0), ("C", 8.0)):
+        moves = [path(**{axis: at_mm}), path(**{axis: at_mm + 1.0})]
+        moved = [
+            c for c in decode(*program, *moves, machine=Led()) if isinstance(c, canon.LinearMove)
+        ]
+        assert [c.target_mm for c in moved] == [{"X": 5.0, "Y": 6.0}, {axis: at_mm + 1.0}]
+
+
 def test_a_variable_of_a_slave_tells_where_it_was_led() -> None:
     read = Words(axes=(("C", Variable("V.A.ABS.X2")),), addresses=(("F", Number(60.0)),))
     start = path(X=100.0, X2=7.0)

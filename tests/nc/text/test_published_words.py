@@ -11,7 +11,7 @@ from axisrig.kernel.nc.canon import LinearMove
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.check import check_program
 from axisrig.kernel.nc.text.parser import parse_program
-from axisrig.kernel.nc.text.published import published
+from axisrig.kernel.nc.text.published import published, published_command
 from axisrig.kernel.nc.text.words import commands, words
 
 XYZ = ("X", "Y", "Z")
@@ -148,3 +148,18 @@ def test_the_table_is_sorted_so_that_a_word_is_found() -> None:
 
 def _moves(found: list[Any]) -> list[LinearMove]:
     return [command for command in found if isinstance(command, LinearMove)]
+
+
+def test_of_names_that_begin_alike_the_longest_one_counts() -> None:
+    """`#CS ADD DEL` is published where `#CS ADD` acts; with `#COMMAND WAIT SYN` it is the reverse."""
+    for word in published():
+        if word[0] == "#":
+            code = f"N10 {word} [1]"
+            found = published_command(code, 0, len(code))
+            assert found is not None
+            assert (found[0].word, found[1]) == (word, 4)
+    for name in commands():
+        code = f"#{name.lower()} [1]"
+        assert published_command(code, 0, len(code)) is None, name
+    assert published_command("#CS  ADD\tDEL [1]", 0, 17) == (published()["#CS ADD DEL"], 0)
+    assert published_command("G0 X1 #CYL", 0, 5) is None

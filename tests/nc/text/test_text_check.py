@@ -173,3 +173,10 @@ def test_constants_that_no_run_can_carry_out_are_noted_with_their_alarm(text, al
 )
 def test_what_may_be_right_in_a_run_is_not_noted(text):
     assert not [note for note in checked(text).notes if "a run ends here" in note.text]
+
+
+def test_a_var_that_is_not_closed_ends_with_its_part_of_the_file():
+    found = checked("%L A\nG0 X1\n#VAR\nV.P.A\n%L B\nG0 X1\nV.P.B = 1\n%MAIN\nG0 X2\nLL B\nM30")
+    assert [(error.line, error.message) for error in found.errors] == [(3, "#VAR is not closed")]
+    found = checked("%L A\n$IF 1\n%L B\n[X1]\n%MAIN\n[X1] G0 X2\nM30")
+    assert [(error.line, error.message) for error in found.errors] == [(2, "$IF is not closed")]
