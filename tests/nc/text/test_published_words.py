@@ -151,7 +151,7 @@ def _moves(found: list[Any]) -> list[LinearMove]:
 
 
 def test_of_names_that_begin_alike_the_longest_one_counts() -> None:
-    """`#CS ADD DEL` is published where `#CS ADD` acts; with `#COMMAND WAIT SYN` it is the reverse."""
+    """`#CS ADD DEL` is published where `#CS ADD` acts; of `#COMMAND WAIT SYN` the long one acts."""
     for word in published():
         if word[0] == "#":
             code = f"N10 {word} [1]"
