@@ -60,6 +60,15 @@ def test_a_long_value_comes_in_segments_whose_toggle_alternates() -> None:
     assert made.result == NAME
 
 
+def test_what_fills_a_long_segment_up_is_no_part_of_the_value() -> None:
+    """A segment of more than 7 bytes counts no unused ones: the size of the value ends it."""
+    made = read()
+    body = bytes.fromhex("41 0810 02") + (30).to_bytes(4, "little")
+    assert made.take(body + NAME[:16]) == asks("60 00000000000000")
+    assert made.take(b"\x01" + NAME[16:30] + b"more") is None
+    assert made.result == NAME[:30]
+
+
 @pytest.mark.parametrize(
     ("answers", "code"),
     [

@@ -10,6 +10,7 @@ from tests.profidrive.test_profidrive_parameters import Far
 from axisrig.kernel.drives.frozen_encoder import STANDS_S
 from axisrig.kernel.drives.position_watch import jump_alarm
 from axisrig.kernel.drives.power import PowerOrder, PowerRequest
+from axisrig.kernel.drives.profidrive.watch import ProfidriveWatch
 from axisrig.kernel.profiles.profidrive import parameters, words
 
 PER_MM = SETTINGS.increments_per_mm
@@ -52,6 +53,28 @@ def test_a_place_is_proved_before_the_drive_is_led_into_operation_and_not_in_it(
     bus = bus_of(proves_places=True)
     assert not bus.drive.is_placed
     assert bus.cycle(0.0, ZSW1=status)["STW1"] == word
+
+
+@pytest.mark.parametrize(
+    ("status", "zsw", "code", "alarm_id"),
+    [
+        (OPERATES, 0, 5, None), (OPERATES, words.ENCODER_ERROR, 6, 900763),
+        (OPERATES, words.ENCODER_ERROR, 0, 900763), (READY, 0, 0, 900027),
+        (READY, words.ENCODER_ERROR, 0, 900763), (FAULT, words.ENCODER_ERROR, 6, 900005),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_the_encoder_comes_before_what_follows_from_it(
+    status: int, zsw: int, code: int, alarm_id: int | None
+) -> None:
+    """Bit 15 of G1_ZSW says that there is an error, whatever its code is."""
+    bus = bus_of()
+    bus.cycle(0.0, ZSW1=OPERATES)
+    bus.cycle(0.0, ZSW1=status, G1_ZSW=zsw, G1_XIST2=code)
+    found = ProfidriveWatch(bus.drive).condition()
+    assert (found and found.id) == alarm_id
+    if alarm_id == 900763:
+        assert found is not None
+        assert found.values["code"] == code
 
 
 @pytest.mark.parametrize("sign", [1, -1])

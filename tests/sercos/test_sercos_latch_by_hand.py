@@ -65,6 +65,18 @@ def test_the_bits_of_before_are_those_that_two_manuals_print() -> None:
 # Which done measurement
 
 
+def test_an_edge_right_after_the_enable_bit_is_one_of_this_run_too(probe: Probe) -> None:
+    """No AT has shown the bit low since: it was low before the enable bit went out."""
+    for _ in range(2):
+        probe.clear()
+        probe.latch.arm()
+        probe.take(*[DONE] * ECHO)
+        assert probe.latch.has_latched
+        assert probe.latch.increments == 1300
+        probe.latch.disarm()
+        probe.take(*[0] * ECHO)
+
+
 def test_a_done_measurement_after_the_enable_bit_is_one_of_this_run(probe: Probe) -> None:
     probe.clear()
     assert (probe.latch.enable, probe.latch.is_ordered) == (0, False)
