@@ -13,7 +13,9 @@ from axisrig.kernel.parameters import (
     KINDS,
     Kind,
     Origin,
+    Parameter,
     ParameterSet,
+    Value,
     list_text,
     read_list,
     read_sections,
@@ -256,6 +258,35 @@ def test_a_list_of_an_editor_that_marks_utf_8_begins_with_its_first_name(tmp_pat
 @pytest.mark.parametrize("text", ["0x1F", "0X1F", "0X1f", "31", "+31"])
 def test_whole_numbers_may_be_hexadecimal(listed: Listed, text: str) -> None:
     assert listed(f"kopf.achs_nr {text}\n").integer("kopf.achs_nr") == 31
+
+
+HERE = Origin("here", 1)
+
+
+def parameter_of(type_name: str) -> Parameter:
+    return next(row for kind in KINDS for row in table(kind).parameters if row.type == type_name)
+
+
+@pytest.mark.parametrize(
+    ("text", "type_name", "value"),
+    [
+        ("TRUE", "BOOL", True), ("true", "BOOL", True), ("False", "BOOL", False),
+        ("1", "BOOL", True), ("0", "BOOL", False), ("0x1", "BOOL", True),
+        ("-7", "SGN16", -7), ("0xff", "UNS08", 255), ("-0.5", "REAL64", -0.5), ("7", "REAL64", 7.0),
+        ("true", "STRING", "true"), ("0x1", "STRING", "0x1"), ("1_0", "STRING", "1_0"),
+        ("true", "UNS08", None), ("1.0", "SGN32", None), ("", "UNS08", None),
+        ("1_0", "UNS32", None), ("1_0", "REAL64", None), ("inf", "REAL64", None),
+        ("9" * 401, "UNS32", None),
+    ],
+)  # fmt: skip
+def test_a_text_is_a_value_of_its_type(text: str, type_name: str, value: Value | None) -> None:
+    """None: it is none, whatever the range; lists of external variables write TRUE and FALSE."""
+    if value is None:
+        with pytest.raises(UserError, match="takes a value of type"):
+            parameter_of(type_name).convert(text, HERE)
+        return
+    found = parameter_of(type_name).convert(text, HERE)
+    assert (found, type(found)) == (value, type(value))
 
 
 @pytest.mark.parametrize("text", ["inf", "-inf", "nan", "1e400", "0x10", "1_0"])

@@ -52,6 +52,19 @@ def test_the_table_of_the_manual() -> None:
     }
 
 
+@pytest.mark.parametrize("number", [1, 2])
+@pytest.mark.parametrize(("edge", "word"), [("POS", "positive"), ("NEG", "negative")])
+def test_what_a_probe_is_switched_and_shown_by_has_its_name_in_the_drive(
+    number: int, edge: str, word: str
+) -> None:
+    """Enable and level are of a probe, the done measurement is of a probe and an edge."""
+    names = {ident_number(row["ident"]): row["name"] for row in rows()}
+    probe = PROBES[number, edge]
+    assert [names[ident] for ident in (probe.enable, probe.level, probe.latched)] == [
+        f"Probe {number} enable", f"Probe {number}", f"Probe {number} {word} latched",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("number", "mask", "bits"),
     [
