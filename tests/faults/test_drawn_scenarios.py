@@ -56,6 +56,23 @@ def test_the_program_starts_once() -> None:
     assert "2" in others
 
 
+def test_a_fault_that_is_drawn_twice_acts_twice_where_it_has_keys(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each time it hits again; inputs are exchanged or not."""
+    keyed, plain = (
+        Kind(name, {}, ("axis",), keys, (), ())
+        for name, keys in (("drop", ("p",)), ("probe_swapped", ()))
+    )
+    monkeypatch.setattr(scenarios, "_FAULTS_WEIGHTS", {3: 1})
+    monkeypatch.setattr(scenarios, "_fault", lambda kind, *_: f"{kind.name[0]} Z")
+    for pool, cells in (
+        ((keyed,), ("fault:drop=d Z; d Z; d Z",)), ((plain,), ("fault:probe_swapped=p Z",)),
+    ):  # fmt: skip
+        monkeypatch.setattr(scenarios, "_pool", lambda _, pool=pool: pool)
+        assert make_scenario(7, 0).faults == cells
+
+
 RANGES = {
     "bit": (1, 110), "byte": (1, 8), "xor": (1, 255), "bytes": (0, 8), "count": (1, 50),
     "skip": (1, 100), "p": (0.01, 1.0), "nth": (1, 2),

@@ -8,14 +8,21 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from axisrig.bench.judge.kinematics.tool_findings import ToolFindings, ToolGuide
+from axisrig.bench.judge.kinematics.tool_findings import (
+    KinematicStretch,
+    ToolFindings,
+    ToolGuide,
+)
 from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.kinematics import GuideChange
+from axisrig.bench.record.distance import Diagnosis
+from axisrig.bench.record.kinematics import GuideChange, KinematicRecord
 from axisrig.reports.kinematics import section, signals
 from axisrig.reports.kinematics.section import angle_to_normal
 from axisrig.reports.run import _failures
+
+MS = 1_000_000
 
 TOOL = ToolFindings([], [], "head", {}, [], [], [])
 
@@ -82,3 +89,57 @@ def test_a_note_is_in_the_sentence_or_beneath_it_and_the_worst_failure_comes_fir
                      ("standstill_mm", "")]  # fmt: skip
     assert found[2]["sentence"].endswith(": it never stood")
     assert found[0]["sentence"].endswith(": no plant")
+
+
+def used(at_ms: int, mode: str, axis: str = "", *normal: float, is_used: bool = True) -> ToolGuide:
+    change = GuideChange(at_ms * MS, mode, axis, normal or (0.0, 0.0, 1.0))
+    return ToolGuide(change, is_used)
+
+
+def test_where_the_offset_acted_is_said_when_it_changes() -> None:
+    """A normal that is not that of the machine is said too, but for a single axis."""
+    tilted = (0.0, 0.6, 0.8)
+    guides = [
+        used(1, ""), used(2, "ACS", "Z"), used(3, "ACS", "Z"), used(4, "ACS", "X", *tilted),
+        used(5, "ECS"), used(6, "MCS", "", *tilted), used(7, "ECS", "", *tilted),
+        used(8, "ACS", "Y", is_used=False), used(9, "ECS", "", *tilted), used(10, "MCS"),
+    ]  # fmt: skip
+    found = section.modes_words(replace(TOOL, guides=guides))
+    assert found == [
+        ("2.0 ms", "ACS: the offset acts along the axis Z"),
+        ("4.0 ms", "ACS: the offset acts along the axis X"),
+        ("5.0 ms", "ECS: the offset acts along the tool"),
+        ("6.0 ms", "MCS: the offset acts along the normal; normal 0, 0.6, 0.8"),
+        ("7.0 ms", "ECS: the offset acts along the tool; normal 0, 0.6, 0.8"),
+        ("10.0 ms", "MCS: the offset acts along the normal"),
+    ]
+
+
+def test_each_time_that_a_kinematic_was_on_has_its_tool_and_limits() -> None:
+    def on(at_ms: int, ids: tuple[int, ...], tool_mm: float, **limits: float) -> KinematicStretch:
+        record = KinematicRecord(at_ms * MS, 0, (), ids, tool_mm)
+        return KinematicStretch(record, 0, limits)
+
+    both = [on(10, (9, 98), 80.5, HD2=50.0, HD4=85.25), on(1200, (57,), 0.0)]
+    assert section.kinematics_words(replace(TOOL, kinematics=both)) == [
+        ("10.0 ms", "kinematic 9, 98 on, tool 80.5 mm, HD2 50°, HD4 85.25°"),
+        ("1200.0 ms", "kinematic 57 on, tool 0 mm"),
+    ]
+
+
+def test_equal_dumps_in_a_row_are_one_and_the_last_one_is_always_shown() -> None:
+    def shown(*values: str) -> Any:
+        dumped = [Diagnosis(n * MS, {"zstd": value}) for n, value in enumerate(values)]
+        return section.dumps(replace(TOOL, diagnosis=dumped))
+
+    table = shown("a", "a", "b", "a", "a")
+    assert (table["instants"], table["left_out"]) == (["0.0 ms", "2.0 ms", "3.0 ms"], 0)
+    assert table["rows"] == [{"head": "Distance Control", "name": "zstd",
+                              "values": ["a", "b", "a"], "changes": True}]  # fmt: skip
+    assert shown("a", "a")["rows"][0]["changes"] is False
+    for count, left_out in ((12, 0), (13, 1), (30, 18)):
+        table = shown(*map(str, range(count)))
+        values = table["rows"][0]["values"]
+        assert (len(values), table["left_out"]) == (12, left_out)
+        assert values == [*map(str, range(11)), str(count - 1)]
+        assert table["instants"][-1] == f"{count - 1}.0 ms"

@@ -48,6 +48,10 @@ def test_a_trend_follows_each_case_through_the_folders_that_have_it() -> None:
     assert (last.place, last.n, last.mean, last.verdict) == (1, 1, 4.0, Verdict.FAIL)
     assert last.spread != last.spread
     assert [(one.place, one.n) for one in b.points] == [(0, 1)]
+    # A folder without the case keeps its place
+    a, b = trend([FIRST, campaign("none", ("c", "other", "1", "9", "pass")), LAST], "m").cases
+    assert [(one.place, one.mean) for one in a.points] == [(0, 2.0), (2, 4.0)]
+    assert [one.place for one in trend([LAST, FIRST], "m", "b").cases[0].points] == [1]
     for case in ("a", "p-a"):
         assert [one.case for one in trend([FIRST, LAST], "m", case).cases] == ["p-a"]
 
