@@ -80,10 +80,11 @@ def test_how_long_it_took(manifest: dict[str, Any], wall_s: float, words: str) -
 
 def test_earlier_calls_and_files_of_a_manifest() -> None:
     calls = [{"command": ["axisrig", "run", "a b.csv"], "runs": ["x"], "started": "then"},
-             {"runs": ["x", "y"]}]  # fmt: skip
+             {"runs": ["x", "y"]}, {"started": "later"}]  # fmt: skip
     assert list(_earlier({"earlier": calls})) == [
         "1 run of then axisrig run 'a b.csv'",
         "2 runs of",
+        "0 runs of later",
     ]
     manifest = {"plans": [{"path": "p.csv", "sha256": "1"}], "files": {"z.toml": "2"},
                 "fmus": {"m.fmu": "3"}}  # fmt: skip

@@ -121,7 +121,7 @@ def _earlier(manifest: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _runs(count: int) -> str:
-    return f"{count} run{'s' if count > 1 else ''}"
+    return f"{count} run{'' if count == 1 else 's'}"
 
 
 def _time_of(seconds: Sequence[float]) -> str:
