@@ -25,9 +25,10 @@ from tests.faults.made_runs import (
 from axisrig.bench.record.axes import Edge, ProbeRecord
 from axisrig.bench.record.facts import MessageRecord
 from axisrig.bench.record.measuring import FixedStop, PlcTaskRecord
-from axisrig.bench.tools.scenarios.invariants import broken, invariants
+from axisrig.bench.tools.scenarios.invariants import _machines, broken, invariants
 from axisrig.bench.tools.scenarios.left import Left, thrown
 from axisrig.bench.tools.scenarios.limits import lists_of
+from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.bench.tools.scenarios.oracle import Result, judge
 from axisrig.kernel.time.clock import MS
 
@@ -304,6 +305,15 @@ def test_a_run_of_type_4_stops_within_its_stroke(
 def test_every_invariant_of_the_table_is_broken_somewhere_here() -> None:
     here = {name for name, _, _ in HOLDS_AND_BREAKS} | {"stroke"}
     assert {invariant.name for invariant in invariants()} == here
+
+
+def test_a_row_names_its_machines_all_or_all_but_some() -> None:
+    names = tuple(machines())
+    assert _machines("every") == names
+    assert _machines("gantry homing") == ("gantry", "homing")
+    for left_out in (("homing",), ("homing", "gantry"), (names[0], names[1], names[-1])):
+        found = _machines(f"every but {' '.join(left_out)}")
+        assert found == tuple(name for name in names if name not in left_out)
 
 
 def test_an_invariant_is_about_the_machines_of_its_row_alone() -> None:

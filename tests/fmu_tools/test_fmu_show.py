@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.tools.fmu.binaries import find_binaries, folder_platform
+from axisrig.bench.tools.fmu.place import find_fmu
 from axisrig.bench.tools.fmu.show import read_fmu
 from axisrig.fmus import CATALOGUE, MODELS
 
@@ -117,12 +118,16 @@ def test_variables_structure_and_capabilities(axisrig: Call) -> None:
     assert "output" in lines["position"]
     assert "demand_position: depends on time, reference_position" in out
     assert "save and restore its state: yes" in out
-    assert "local variables are not shown" in out
+    variables = read_fmu(find_fmu("AxisRig.Drives.ServoAxis")).description.modelVariables
+    hidden = sum(each.causality in ("local", "independent") for each in variables)
+    assert f"\n{hidden} variables, local ones and time, are not shown; --all shows them" in out
 
 
 def test_all_variables(axisrig: Call) -> None:
     _, out, _ = axisrig("fmu", "show", "ServoAxis", "--all")
     assert " local " in out
+    assert " independent " in out
+    assert "not shown" not in out
     assert "not shown" not in out
 
 

@@ -83,7 +83,7 @@ def show_fmu(shown: Shown, *, is_all: bool) -> None:
         console.print(f"a window of {_WIDE} columns, or a file, shows {', '.join(_MORE_COLUMNS)}")
     hidden = len(variables) - len(listed)
     if hidden:
-        console.print(f"{hidden} local variables are not shown; --all shows them")
+        console.print(f"{hidden} variables, local ones and time, are not shown; --all shows them")
     console.print()
     for line in _structure(shown.description):
         console.print(printable(line), soft_wrap=True)
