@@ -270,6 +270,24 @@ def test_threads_beside_take_little_time_and_all_is_as_before_then(
     assert len(ticks) == count
 
 
+def test_what_ticks_is_over_with_its_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tick that takes its time ends before the block does."""
+    monkeypatch.setattr(ticking, "TICK_S", 0.001)
+    begun, ended = threading.Event(), list[int]()
+
+    def tick() -> None:
+        begun.set()
+        time.sleep(0.02)
+        ended.append(1)
+
+    progress: Any = SimpleNamespace(tick=tick)
+    with ticking.ticking(progress):
+        assert begun.wait(10.0)
+        count = len(ended)
+    assert len(ended) > count
+    assert not any(thread.name == "progress" for thread in threading.enumerate())
+
+
 def test_a_server_gives_back_its_port_and_its_threads() -> None:
     """Whatever ends the campaign; a reader that looks on hears of the end."""
     feed: Any = Ending()

@@ -106,6 +106,16 @@ def test_a_value_is_excused_by_what_was_brought_alone(case: str) -> None:
     assert judge(made).result is result
 
 
+def test_a_value_is_excused_whatever_else_cannot_be_decided() -> None:
+    """Only a hidden value itself is none to be excused."""
+    made, _ = CASES["altered on its way"]
+    for hidden, result in (
+        ({"rest", "stop"}, Result.UNKNOWABLE), ({"value"}, Result.GOOD),
+        ({"value", "rest"}, Result.GOOD),
+    ):  # fmt: skip
+        assert judge(replace(made, hidden=frozenset(hidden))).result is result
+
+
 def test_what_lies_in_a_gap_of_positions_is_no_part_of_what_was_brought() -> None:
     """A kink in the gap, all others off alike: the doubt is the control's; its cubic is 0.5 um off.
 

@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import re
 
 import pytest
 
@@ -26,6 +27,21 @@ def test_every_public_function_is_listed_with_its_docstring() -> None:
 
 def test_every_closed_form_says_where_it_comes_from() -> None:
     assert [f"{one.place}.{one.name}" for one in oracles() if not one.origin] == []
+
+
+def test_an_origin_is_that_of_the_form_itself_before_that_of_its_module() -> None:
+    """What is after `Source:`, `Derivation:` or `Definition:`; of a module also all of its text."""
+    own, of_module = 0, 0
+    for one in oracles():
+        words = " ".join(one.text.split())
+        if re.search(r"\b(Source|Derivation|Definition)s?:", words):
+            assert one.origin in words, one.name
+            own += 1
+        else:
+            module = importlib.import_module(f"axisrig.bench.oracles.{one.place}")
+            assert one.origin in " ".join((module.__doc__ or "").split()), one.name
+            of_module += 1
+    assert min(own, of_module) > 5
 
 
 @pytest.mark.long

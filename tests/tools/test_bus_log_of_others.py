@@ -290,6 +290,9 @@ def test_a_log_whose_time_begins_anew_keeps_the_order_of_its_file(
     lines = lines_of(written("twice.log", text))
     assert lines[2] == "the times of the log go back by 1500.000 ms here"
     assert len(lines_of(written("twice.log", text), to_ms=6e3)) == 4
+    # Each of them is by time
+    ordered = [m.arbitration_id for m in in_order(at(5e3, 5.9e3, 5.8e3, 1e3, 1.9e3, 1.2e3, 1.5e3))]
+    assert ordered == [0, 2, 1, 3, 5, 6, 4]
 
 
 def test_a_blf_that_is_not_by_time_shows_all_until_the_end(tmp_path: Path) -> None:
