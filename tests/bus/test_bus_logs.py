@@ -1,6 +1,7 @@
 """Log files of the traffic read back: by python-can where it can, pcap by its description."""
 
 import random
+import struct
 from pathlib import Path
 
 import can
@@ -9,6 +10,7 @@ import pytest
 from axisrig.bench.bus.can.faults import ErrorAtBit
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, log_kinds, open_log
+from axisrig.bench.bus.can.pcap import socketcan_message
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
@@ -107,3 +109,25 @@ def test_unknown_kinds_are_refused(tmp_path: Path) -> None:
         log_kinds("blf,mf4")
     with pytest.raises(UserError, match="kind of bus log"):
         open_log(tmp_path / "bus.mf4", ["can1"])
+
+
+@pytest.mark.parametrize("extended", [0, 0x8000_0000])
+@pytest.mark.parametrize(
+    ("flags", "length", "size"),
+    [(0, 3, 8), (0, 8, 8), (0x4000_0000, 4, 0), (0x4000_0000, 4, 8), (0x2000_0000, 8, 8)],
+)
+def test_a_frame_of_socketcan_is_read_by_its_flags(
+    extended: int, flags: int, length: int, size: int
+) -> None:
+    """Linux can.h: bits 31 extended, 30 remote, 29 error; a remote frame has a length and no data.
+
+    Behind the length are three bytes of padding.
+    """
+    data = bytes(range(1, 1 + size))
+    packet = struct.pack(">IB3x", 0x123 | extended | flags, length) + data
+    found = socketcan_message(packet, 1.5, "can0")
+    assert found.arbitration_id == 0x123
+    kind = (found.is_extended_id, found.is_remote_frame, found.is_error_frame)
+    assert kind == (bool(extended), flags == 0x4000_0000, flags == 0x2000_0000)
+    assert (found.timestamp, found.channel, found.dlc) == (1.5, "can0", length)
+    assert bytes(found.data) == (b"" if found.is_remote_frame else data[:length])

@@ -5,11 +5,12 @@ from collections.abc import Callable
 import can
 import pytest
 
+from axisrig.bench.bus.can.confinement import ErrorState
 from axisrig.bench.bus.can.controller import Controller
 from axisrig.bench.bus.can.faults import Alter, Drop, ErrorAtBit, FaultAction, FrameFault
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, Phase
 
 Hook = Callable[[Frame, Controller, int], FaultAction | None]
 
@@ -71,3 +72,80 @@ def test_a_frame_that_is_dropped_for_all_reaches_nobody_and_is_sent_once(segment
     assert heard == [0x184, 0x184]
     assert [port.tec + port.rec for port in ports] == [0, 0, 0]
     assert segment.load().frames == 2
+
+
+def _passive(*ports: Controller) -> None:
+    """16 failed attempts: TEC 128."""
+    for port in ports:
+        for _ in range(16):
+            port.errors.transmit_failed()
+        port.update_state()
+        assert port.error_state is ErrorState.PASSIVE
+
+
+FAR = frozenset({"far"})
+
+
+@pytest.mark.parametrize(
+    ("action", "sent", "misses"),
+    [(None, b"\x00", False), (Alter(b"\x07"), b"\x07", False), (Drop(FAR), b"\x00", True),
+     (Drop(), b"\x00", True), (ErrorAtBit(20, FAR), b"\x00", True)],
+)  # fmt: skip
+def test_who_fails_in_silence_has_nothing_of_the_frame_whatever_else_hits_it(
+    segment: Segment, action: FaultAction | None, sent: bytes, misses: bool
+) -> None:
+    """0x200 with data 00 and 01 at once: the second sender is passive and sees its own bit error.
+
+    It sends again after the frame of the first, which nobody disturbs then.
+    """
+    ports = [segment.port(name) for name in ("low", "high", "near", "far")]
+    low, high, near, far = ports
+    _passive(low, high, far)
+    heard: dict[str, list[bytes]] = {port.port_name: [] for port in ports}
+    for port in ports:
+        port.attach(lambda m, own=heard[port.port_name]: own.append(bytes(m.data)))
+    segment.add_fault(lambda frame, port, attempt: action if port is low else None)
+    low.send_raw(0x200, b"\x00")
+    high.send_raw(0x200, b"\x01")
+    segment.scheduler.run_until(MS)
+    is_for_nobody = isinstance(action, Drop) and action.at is None
+    first = [] if is_for_nobody else [sent]
+    assert heard == {"low": [b"\x01"], "high": [], "near": [*first, b"\x01"],
+                     "far": [*([] if misses else first), b"\x01"]}  # fmt: skip
+    assert (low.tec, high.tec) == (127, 128 + 8 - 1)
+    assert (near.rec, far.rec) == (0, 0)
+
+
+@pytest.mark.parametrize(("seer", "is_destroyed"), [("one", True), ("two", True), ("far", False)])
+def test_an_error_that_any_sender_sees_is_seen_by_all(
+    segment: Segment, seer: str, is_destroyed: bool
+) -> None:
+    """All that could see it are passive: only a flag within one's own frame breaks its stuffing."""
+    one, two, far, near = (segment.port(name) for name in ("one", "two", "far", "near"))
+    _passive(one, two, far)
+    segment.add_fault(
+        lambda _frame, _port, attempt: None if attempt else ErrorAtBit(20, frozenset({seer}))
+    )
+    for port in (one, two):
+        port.send_raw(0x200, b"\x05")
+    segment.scheduler.run_until(MS)
+    assert segment.load().error_frames == is_destroyed
+    assert [near.recv(0) is not None, near.recv(0) is not None] == [True, False]
+    assert (far.recv(0) is not None) is is_destroyed
+
+
+@pytest.mark.parametrize("at_us", [21, 25, 27, 33])
+@pytest.mark.parametrize("by", ["power_off", "force_bus_off"])
+def test_an_error_frame_ends_as_it_began_whatever_becomes_of_its_sender(
+    segment: Segment, at_us: int, by: str
+) -> None:
+    """Error at bit 20: flag of 6 and delimiter of 8 bits, so that it ends after 34 us."""
+    sender, near = segment.port("sender"), segment.port("near")
+    ends: list[tuple[int, bool]] = []
+    segment.observe(lambda time_ns, _segment, _frame, is_error: ends.append((time_ns, is_error)))
+    segment.add_fault(lambda _frame, _port, _attempt: ErrorAtBit(20))
+    sender.send_raw(0x200, b"\x05")
+    segment.scheduler.call_at(at_us * 1000, Phase.APPLICATION, getattr(sender, by))
+    segment.scheduler.run_until(MS)
+    assert ends == [(34_000, True)]
+    assert (near.rec, segment.load().busy_bits) == (1, 34 + 3)

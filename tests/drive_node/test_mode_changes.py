@@ -107,3 +107,14 @@ def test_csp_begins_at_rest_where_no_position_was_controlled(fake_axis: Any, sig
     place_m = sign * 0.05 * begun.time_ns * 1e-9
     assert (begun.velocity_m_s, begun.position_m) == (0.0, pytest.approx(place_m))
     assert one.image.target_position == round(begun.position_m * PER_M)
+
+
+def test_pv_counts_its_standstill_from_its_own_begin(fake_axis: Any) -> None:
+    """Bit 12 is there after the 30 ms of 6070, also where it was in pv some time before."""
+    one = ServoAlone(fake_axis(), 3, target_velocity=0, velocity_threshold_ms=30)
+    for _ in range(2):
+        late = [bool(one.cycle(mode=3) & 1 << 12) for _ in range(40)]
+        assert 29 <= late.index(True) <= 31
+        assert all(late[late.index(True) :])
+        for _ in range(50):
+            one.cycle(mode=8, target_position=0)

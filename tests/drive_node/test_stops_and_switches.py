@@ -9,6 +9,7 @@ import pytest
 from tests.drive_node.servo_alone import LIMITED, PER_M, REACHED, ServoAlone
 
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS, US, S
 
 RAMPS = {"quick_stop_deceleration": 10 * PER_M, "profile_deceleration": 10 * PER_M}
@@ -232,3 +233,41 @@ def test_a_torque_at_a_limit_of_its_own_direction_is_limited(
     for limit in at_the_limit:
         assert made.is_torque_limited(round(limit * 0.992))
         assert not made.is_torque_limited(round(limit * 0.98))
+
+
+def test_an_axis_that_stood_before_its_stop_has_the_whole_time_of_6070(fake_axis: Any) -> None:
+    """Pv at 0 counts standstill too; a stop at once is done 30 ms after its begin and not before.
+
+    Ticks of 250 us, as the drive looks then.
+    """
+    one = ServoAlone(fake_axis(), 3, target_velocity=0, velocity_threshold_ms=30, **RAMPS)
+    one.run_ms(100)
+    one.write(controlword=0x02)
+    one.run_ms(29.5)
+    assert one.servo.state is State.QUICK_STOP_ACTIVE
+    one.run_ms(1)
+    assert one.servo.state.name == "SWITCH_ON_DISABLED"
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_following_error_is_braked_from_where_the_axis_is(fake_axis: Any, sign: int) -> None:
+    """A plant of positions alone: 0.02 m/s beside a demand at rest, stopped with 10 m/s2.
+
+    The ramp of the fault has 2 ms and 20 um from the actual position on.
+    """
+    axis = fake_axis(motion=lambda time_s: sign * 0.02 * time_s)
+    axis.kinds = frozenset({ControlKind.POSITION})
+    one = ServoAlone(axis, 8, following_window=50e-6 * PER_M, following_timeout_ms=0,
+                     fault_option=1, **RAMPS)  # fmt: skip
+    for _ in range(6):
+        one.cycle(target_position=0)
+        if one.sent:
+            break
+    assert one.sent[0][0] == 0x8611
+    fault = next(c for c in axis.commands if c.velocity_m_s * sign > 0.0)
+    place_m = sign * 0.02 * fault.time_ns * 1e-9
+    assert fault.position_m == pytest.approx(place_m)
+    # 0.02 m/s less half of what 10 m/s2 take in a tick of 250 us
+    assert fault.velocity_m_s == pytest.approx(sign * (0.02 - 10 * 125e-6))
+    one.run_ms(5)
+    assert axis.demand_position_m() == pytest.approx(place_m + sign * 20e-6)

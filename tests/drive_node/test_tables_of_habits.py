@@ -1,5 +1,6 @@
 """Habits of drives: values of their table and of plans, allowed values, and what follows."""
 
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -80,11 +81,12 @@ def test_habits_are_in_the_unit_of_the_profile() -> None:
 
 
 def test_a_position_unit_of_a_length_divides_the_lead() -> None:
-    usual = DriveProfile(lead_um=5000)
-    made = in_lengths(usual, 0.1)
-    assert made.units_per_mm == 10_000
-    assert made.units_per_revolution == 50_000
-    assert made.encoder_increments == usual.encoder_increments
+    for factor in (1, Fraction(1, 16), 5):  # what the bus spoke before says nothing
+        usual = DriveProfile(lead_um=5000, position_factor=Fraction(factor))
+        made = in_lengths(usual, 0.1)
+        assert made.units_per_mm == 10_000
+        assert made.units_per_revolution == 50_000
+        assert made.encoder_increments == usual.encoder_increments
     with pytest.raises(UserError, match="lead_mm = 5"):
         in_lengths(usual, 0.3)
 

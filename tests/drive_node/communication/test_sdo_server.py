@@ -9,6 +9,10 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.drive.canopen.sdo_transfers import BlockUpload, SegmentOutlet
+from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.scheduler import new_scheduler
+
 Make = Callable[..., Any]
 
 TOGGLE, TIMED_OUT, COMMAND = 0x05030000, 0x05040000, 0x05040001
@@ -339,3 +343,21 @@ def test_abort_within_a_block(stranger: Make) -> None:
     drive.sdo("c217100002000000")
     assert drive.sdo("8017100000000008") == ""
     assert aborted(drive.sdo("d500000000000000"), COMMAND)
+
+
+def test_an_acknowledgement_within_a_block_begins_the_next_one_with_its_own_time() -> None:
+    """Segments are 250 us apart; what the block before had planned comes no more."""
+    clock, sent = new_scheduler(), list[tuple[int, int, bytes]]()
+    outlet = SegmentOutlet(
+        clock, 250 * US, lambda data: sent.append((clock.now_ns // US, data[0], data[1:])),
+        lambda: True,
+    )  # fmt: skip
+    upload = BlockUpload(bytes(range(70)), 5, False, outlet)
+    upload.on_frame(b"\xa3" + bytes(7))
+    clock.run_until(300 * US)
+    upload.on_frame(b"\xa2\x02\x04" + bytes(5))
+    clock.run_until(5000 * US)
+    places = [0, 250, 300, 550, 800, 1050]
+    assert [at_us for at_us, *_ in sent] == places
+    assert [number for _, number, _ in sent] == [1, 2, 1, 2, 3, 4]
+    assert [data[0] for *_, data in sent] == [0, 7, 14, 21, 28, 35]

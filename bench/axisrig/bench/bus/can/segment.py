@@ -19,7 +19,7 @@ Errors (`ErrorAtBit`, collisions, no acknowledgement; docs/can.md has the counte
 A sender does not receive its own frames (unless its port asks for it).
 """
 
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from functools import cache, partial
 from itertools import count
 from typing import Self
@@ -258,10 +258,10 @@ class Segment(Traffic):
 
     def _begin(self, winner: Controller, rivals: tuple[Controller, ...]) -> bool:
         """Begin a frame that may be disturbed; return whether one began."""
-        missed: Container[str] = ()
+        silenced: list[str] = []
         if rivals:
             collision = collide((winner, *rivals))
-            missed = [port.port_name for port in collision.silenced]
+            silenced = [port.port_name for port in collision.silenced]
             for port in collision.silenced:
                 self._counts.fail(port, port.take())
                 self._counts.report_changes((port,))
@@ -281,15 +281,16 @@ class Segment(Traffic):
             self._delayed.set_aside(winner, request, action)
             return False
         partners = tuple((port, port.take()) for port in rivals)
+        missed = silenced
         if isinstance(action, Alter):
             request = (*request[:4], request[4]._replace(data=action.data))
         elif isinstance(action, Drop):
-            missed = action.at or [port.port_name for port in self.ports]
+            missed = [*silenced, *(action.at or [port.port_name for port in self.ports])]
         elif isinstance(action, ErrorAtBit):
             if is_noticed(action, self._line.live, (winner, *rivals)):
                 self._destroy(winner, request, partners, action.bit, action.seen_by)
                 return True
-            missed = action.seen_by or ()
+            missed = [*silenced, *(action.seen_by or ())]
         if len(self._line.live) == 1 + len(partners):
             bit = self._lengths[request[4]] - IFS_BITS - AFTER_ACK_BITS
             self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)

@@ -25,7 +25,7 @@ CLEARED: Final = AL_STATUS | LATCH_TIMES
 AL_CONTROL: Final = 1 << 9
 WATCHDOG_SETTINGS: Final = 1 << 10
 WATCHDOG_COUNTS: Final = 1 << 11
-ERROR_COUNTS: Final = 1 << 12
+FRAME_ERRORS: Final = 1 << 12
 FMMUS: Final = 1 << 13
 RECEIVE_TIMES: Final = 1 << 14
 FOLLOW_32: Final = 1 << 15
@@ -35,6 +35,10 @@ FILTERS: Final = 1 << 18
 SYNC_SETTINGS: Final = 1 << 19
 ACTIVATION: Final = 1 << 20
 CLOCK: Final = 1 << 21
+MALFORMED_FRAMES: Final = 1 << 23
+PDI_ERRORS: Final = 1 << 24
+LOST_LINKS: Final = 1 << 25
+ERRORS: Final = FRAME_ERRORS | MALFORMED_FRAMES | PDI_ERRORS | LOST_LINKS
 WRITABLE: Final = 1 << 22
 """Of a write: a master may write each byte of it."""
 
@@ -86,7 +90,10 @@ def written_parts(begin: int, end: int) -> int:
         | AL_CONTROL * has("AL_CONTROL")
         | WATCHDOG_SETTINGS * has("WATCHDOG_DIVIDER", "WATCHDOG_PROCESS_DATA")
         | WATCHDOG_COUNTS * has("WATCHDOG_COUNT", "WATCHDOG_PDI_COUNT")
-        | ERROR_COUNTS * has("RX_ERRORS", "LOST_LINKS")
+        | FRAME_ERRORS * has("RX_ERRORS", "FORWARDED_ERRORS")
+        | MALFORMED_FRAMES * has("MALFORMED_FRAMES")
+        | PDI_ERRORS * has("PDI_ERRORS")
+        | LOST_LINKS * has("LOST_LINKS")
         | EEPROM * has("EEPROM_CONTROL")
         | FMMUS * has("FMMU")
         | MANAGERS * has("SYNC_MANAGER")

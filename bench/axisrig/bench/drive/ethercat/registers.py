@@ -31,6 +31,13 @@ _LATCH_EVENT: Final = 1 << 0
 _MASK_32: Final = 0xFFFF_FFFF
 _COUNT_MAX: Final = 0xFF
 _LENGTH_BITS: Final = 12
+_ERRORS: Final = (
+    (areas.FRAME_ERRORS, ("RX_ERRORS", "FORWARDED_ERRORS")),
+    (areas.MALFORMED_FRAMES, ("MALFORMED_FRAMES",)),
+    (areas.PDI_ERRORS, ("PDI_ERRORS",)),
+    (areas.LOST_LINKS, ("LOST_LINKS",)),
+)
+"""What a write clears, whatever it writes."""
 
 
 class Device(Protocol):
@@ -257,9 +264,11 @@ class Registers(Physical):
             parts.watchdog.time = self.get("WATCHDOG_PROCESS_DATA")
         if concerned & areas.WATCHDOG_COUNTS:
             parts.watchdog.count = 0
-        if concerned & areas.ERROR_COUNTS:
-            for name in ("RX_ERRORS", "FORWARDED_ERRORS", "MALFORMED_FRAMES", "LOST_LINKS"):
-                self.put(name, 0)
+        if concerned & areas.ERRORS:
+            for part, names in _ERRORS:
+                if concerned & part:
+                    for name in names:
+                        self.put(name, 0)
         if concerned & areas.EEPROM:
             self._eeprom_command()
         if concerned & areas.FMMUS:
