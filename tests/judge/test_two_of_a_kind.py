@@ -259,6 +259,24 @@ def test_the_torque_limit_is_that_of_the_direction_and_of_the_instant(
     )
 
 
+@pytest.mark.parametrize("weight_n", [0.0, 20.0, -7.0])
+@pytest.mark.parametrize("place_m", [0.1, -0.05])
+def test_weight_and_imbalance_pull_together_where_the_stop_is(
+    place_m: float, weight_n: float
+) -> None:
+    """M_u sin phi of an axis that turns, with phi = x/r; a slide has no imbalance."""
+    values = {"stop_position": place_m, "imbalance": 50.0, "weight": weight_n,
+              "effective_mass": 100.0}  # fmt: skip
+    plant = PlantRecord({name: PlantValue(value) for name, value in values.items()})
+    names = ("actual_mm", "truth_mm", "velocity_mm_s", "drive_lag_mm", "set_mm", "cnc_lag_mm")
+    series = at_rest(**{f"Z.{name}": np.zeros(ROWS) for name in names})
+    for arm_m, pull_n in ((None, 0.0), (0.2, 50.0 * math.sin(place_m / 0.2))):
+        axis = AxisRecord("can1", 1, 1000.0, plant="z", arm_m=arm_m)
+        truth = axis_truth(Observed(facts(axes={"Z": axis}, plants={"z": plant}), series), "Z", 0.0)
+        assert truth.axis is not None
+        assert truth.axis.weight_n == pytest.approx(weight_n + pull_n)
+
+
 @pytest.mark.parametrize(
     ("force_n", "rows", "beside_n"),
     [

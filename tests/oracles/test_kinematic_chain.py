@@ -42,7 +42,15 @@ def test_the_robot_in_its_zero_pose_and_straight_down() -> None:
 
 @pytest.mark.parametrize(
     ("start", "end", "tilt", "l2_mm"),
-    [(30, 60, 45, 97.980), (30, 60, 60, 138.564), (50, 70, 70, 150.351), (10, 31, 31, 91.913)],
+    [
+        (30, 60, 45, 97.980),
+        (30, 60, 60, 138.564),
+        (30, 0, 60, 138.564),  # without HD3 it is longer up to HD4
+        (50, 70, 70, 150.351),
+        (10, 31, 31, 91.913),
+        (90, 60, 45, 80.0),  # never extended
+        (60, 70, 60, 80.0),
+    ],
 )
 def test_the_extended_tool(start: float, end: float, tilt: float, l2_mm: float) -> None:
     program = {(1, 98, 0): 1e6, (1, 98, 1): 1e4 * start, (1, 98, 2): 1e4 * end, (1, 98, 3): 91e4}

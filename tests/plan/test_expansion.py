@@ -363,6 +363,15 @@ def test_pairwise_holds_every_pair_of_values_in_few_rows(counts: list[int]) -> N
     assert rows == pairwise(counts)
 
 
+def test_pairwise_of_one_column_holds_each_of_its_values(write_plan: PlanWriter) -> None:
+    assert pairwise([]) == []
+    assert pairwise([3]) == [(0,), (1,), (2,)]
+    head = "case,program,rig,plc:V.E.A,plc:V.E.B"
+    plan = read_plan(write_plan(f"{head}\na,probe.nc,machine.toml,pairwise(1 | 2 | 3),[7 | 8]\n"))
+    found = [(case.inputs["plc:V.E.A"], case.inputs["plc:V.E.B"]) for case in plan.cases]
+    assert sorted(found) == [(a, b) for a in "123" for b in "78"]
+
+
 def test_cells_of_pairwise_give_runs_with_each_pair(write_plan: PlanWriter) -> None:
     columns = {"a": ["1", "2", "3"], "b": ["10", "20", "30"], "c": ["5", "6"]}
     cells = [f"pairwise({' | '.join(values)})" for values in columns.values()]

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from tests.reports.swept import searched
 
-from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.campaign.results.stored import StoredRun, read_results
 from axisrig.bench.campaign.results.tally import Tally, outcome_words
 from axisrig.bench.plan.verdict import Verdict
 
@@ -36,3 +36,19 @@ def test_each_kind_of_row_is_named() -> None:
 
 def test_probes_are_no_rows(tmp_path: Path) -> None:
     assert Tally.of(read_results(searched(tmp_path, ("300", "325"))).runs) == Tally(0, 0, 1, 6)
+
+
+def test_rows_that_are_no_longer_in_a_plan_are_not_counted() -> None:
+    """Of each kind two are there, one of which its plan has no more."""
+    kinds: dict[str, dict[str, str]] = {
+        "run": {}, "mean": {"runs": "2"},
+        "search": {"runs": "2", "search:plc:V.E.A": "1 .. 9 to 1"},
+        "probe": {"probe": "search", "search:plc:V.E.A": ""},
+    }  # fmt: skip
+    stored = [
+        StoredRun({"run": f"{kind}{mark}", "in_plan": mark, **cells}, [], None, None)
+        for kind, cells in kinds.items()
+        for mark in ("", "no")
+    ]
+    assert Tally.of(stored) == Tally(1, 1, 1, 1)
+    assert Tally.of([]) == Tally(0)
