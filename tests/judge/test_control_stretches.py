@@ -5,11 +5,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.judge.controls import ON, WITH_CONST_DIST, K, recorded
 
-from axisrig.bench.judge.distance.control_stretches import Stretch, _by_law, is_disturbed, steady
+from axisrig.bench.judge.distance.control_stretches import (
+    Stretch,
+    _by_law,
+    is_disturbed,
+    last_on,
+    steady,
+)
 from axisrig.bench.judge.distance.times import Unbroken
-from axisrig.bench.judge.distance.truth import ACTIVE
+from axisrig.bench.judge.distance.tool import distance_truth
+from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, INACTIVE
 from axisrig.bench.oracles.distance.acting import Acting
+from axisrig.bench.record.distance import DistanceOrder
+from axisrig.kernel.time.clock import MS
 
 ONE, OTHER = "a list", "another list"
 
@@ -105,3 +115,41 @@ def test_a_steady_part_is_where_the_surface_moves_up_or_down_however_long_it_res
     part, speed_mm_s = steady(truth)
     assert speed_mm_s == pytest.approx(sign * 10.0)
     assert 28 <= part.end - part.begin <= 30
+
+
+@pytest.mark.parametrize(
+    ("orders", "rows"),
+    [
+        ([], [(100, 1000)]),
+        ([(300, 0.3)], [(100, 301), (301, 1000)]),
+        ([(300, 0.3), (500, 0.4), (700, 0.3)], [(100, 301), (301, 501), (501, 701), (701, 1000)]),
+    ],
+)
+def test_the_last_time_with_the_control_on_has_its_laws_in_their_order(
+    orders: list[tuple[int, float]], rows: list[tuple[int, int]]
+) -> None:
+    """kp is given by the program, so that it acts a row later; a time before is another one."""
+    words = tuple(DistanceOrder(row * MS, "NC", words={"kp": kp}) for row, kp in orders)
+    truth = distance_truth(recorded(orders=(WITH_CONST_DIST, *words)), "Z")
+    assert truth is not None
+    found = last_on(truth)
+    assert [(one.begin, one.end) for one in found] == rows
+    assert [one.kp for one in found] == [0.2, *(kp for _, kp in orders)]
+    state = np.where((K < ON) | ((K >= 600) & (K < 650)), INACTIVE, ACTIVE_CONST_DIST)
+    apart = distance_truth(
+        recorded(orders=(WITH_CONST_DIST,), columns={"distance_state": state.astype(float)}), "Z"
+    )
+    assert apart is not None
+    assert [(one.begin, one.end) for one in last_on(apart)] == [(650, 1000)]
+
+
+@pytest.mark.parametrize("optimized", [0, 1])
+def test_the_program_is_where_the_set_position_is_without_the_offset(optimized: int) -> None:
+    """Sent in the same cycle with optimized scheduling, else in the one after it."""
+    offset = np.where(K >= 400, 0.5, 0.0) + np.where(K >= 700, 0.25, 0.0)
+    sent = offset if optimized else np.concatenate([offset[:1], offset[:-1]])
+    columns = {"offset_mm": offset, "set_mm": 7.0 + 0.001 * K + sent}
+    observed = recorded(columns=columns, words={"optimized_scheduling": optimized})
+    truth = distance_truth(observed, "Z")
+    assert truth is not None
+    assert truth.program_mm == pytest.approx(7.0 + 0.001 * K)

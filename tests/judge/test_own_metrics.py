@@ -2,6 +2,8 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -10,10 +12,12 @@ from tests.recordings import MS, facts, kept
 
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import judged, sampled
+from axisrig.bench.plan import own_metrics
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.statistic_checks import StatisticCheck
+from axisrig.bench.plan.table import Cell, Place
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.kernel.errors import UserError
@@ -173,3 +177,48 @@ def test_a_module_is_written_as_it_is_found_from_the_folder_of_the_plan(tmp_path
         for path in (plan / "own.py", plan / "lib" / "own.py", beside / "own.py", None)
     ]
     assert found == ["own.py", "lib/own.py", (beside / "own.py").as_posix(), "own"]
+
+
+class Points(dict[str, Any]):
+    """Entry points of a group, by their names."""
+
+    @property
+    def names(self) -> set[str]:
+        return set(self)
+
+
+def test_an_entry_point_brings_the_metrics_that_axisrig_does_not_have(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without any of its own, one that is not there, or one that breaks is an error of its cell."""
+
+    def metric_peak(_recording: object) -> tuple[float, str, float]:
+        """Largest lag.
+
+        More words.
+        """
+        return 1.0, "mm", 0.0
+
+    def broken() -> None:
+        raise ImportError("no such part")
+
+    known = SimpleNamespace(metric_duration_s=metric_peak, other=5)
+    loads = {
+        "mine": lambda: SimpleNamespace(metric_peak=metric_peak, **vars(known)),
+        "known": lambda: known,
+        "broken": broken,
+    }
+    found = Points({name: SimpleNamespace(load=load) for name, load in loads.items()})
+    monkeypatch.setattr(own_metrics.metadata, "entry_points", lambda group: found)
+    place = Place(Path("p.csv"), 2, 3, "module")
+    module = own_metrics.own_module(Cell("mine", place))
+    assert (module.name, module.path, set(module.metrics)) == ("mine", None, {"peak"})
+    assert module.metrics["peak"].meaning == "Largest lag."
+    for name, words in (
+        ("known", "the entry point has no metric of its own"),
+        ("broken", "the entry point cannot be loaded: ImportError: no such part"),
+        ("none", "no Python file, and no entry point of this name is installed"),
+    ):
+        with pytest.raises(UserError, match=words) as caught:
+            own_metrics.own_module(Cell(name, place))
+        assert (caught.value.line, caught.value.column) == (2, 3)

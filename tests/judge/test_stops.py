@@ -384,3 +384,15 @@ def test_a_contact_with_a_stop_is_of_the_axes_that_it_stops() -> None:
     free = recorded(plant={"stop_position": 1.0}, columns=none)
     for metric in ("contact_mm:Z", "contact_velocity_mm_s:Z", "latch_error_um:Z"):
         assert seen(free, metric).value is None
+
+
+def test_where_a_stop_stands_is_known_however_well_the_instant_of_its_contact_is() -> None:
+    """A run that begins two rows before, with a stop of unknown stiffness: to a cycle."""
+    late = replace(RUN, begin_ns=139 * MS)
+    observed = recorded(run=late, plant={"stop_stiffness": None})
+    (run,) = stop_runs(observed)
+    contact = run.contact("Z")
+    assert contact is not None
+    assert contact.uncertainty_ns > 0.5 * MS
+    place = seen(observed, "contact_mm:Z")
+    assert (place.value, place.uncertainty, place.note) == (pytest.approx(STOP_MM), 0.0, "")
