@@ -223,3 +223,51 @@ def test_a_run_that_the_operator_stopped_is_named_so_before_anything_else(
     assert stored.error == words
     bare = CaseResult(case_of("a"), Verdict.ERROR, [], error=error, log=["a line"])
     assert (bare.said.error, list(bare.said.log)) == (error, ["a line"])
+
+
+def test_recordings_that_no_row_judges_are_named_and_what_is_none_is_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a case, a search with its probes, and statistics over two runs: one run is left."""
+    runs = [run_of(name) for name in ("p-a", "p-s01", "p-s02", "p-left")]
+    runs += [run_of("p-mean", **{RUNS: "2"})]
+    for run in runs:
+        vars(run)["recording"] = RunFile(VERSION)
+    stored = SimpleNamespace(runs=runs, manifest={})
+    judged = [CaseResult(case("a"), Verdict.FAIL, [], recording="p-a")]
+    judged += [CaseResult(case("s"), Verdict.PASS, [], probes=tuple(
+        CaseResult(case(f"s-s0{n}"), Verdict.PASS, [], recording=f"p-s0{n}") for n in (1, 2)
+    ))]  # fmt: skip
+    into, written = tmp_path / "judged" / "1-p", list[Any]()
+    plan: Any = SimpleNamespace(cases=(case("a"),), with_inputs=lambda *_: plan)
+    plan.with_cases = lambda change: plan
+
+    class Writer:
+        """Makes the folders of runs, as the real one does."""
+
+        def __init__(self, folder: Path, plans: Any, manifest: Any, *_: Any, **given: Any) -> None:
+            assert given == {"is_judged_again": True}
+            assert manifest == {"made": 1, "recordings": "../..", "recorded_in": str(tmp_path)}
+            for name in rejudge.FOLDERS:
+                (folder / name).mkdir(parents=True)
+
+        def __enter__(self) -> Any:
+            return SimpleNamespace(add=written.append)
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+    monkeypatch.setattr(rejudge, "read_results", lambda _: stored)
+    monkeypatch.setattr(rejudge, "read_plan", lambda _: plan)
+    monkeypatch.setattr(rejudge, "selected", lambda found, _: found)
+    monkeypatch.setattr(rejudge, "build_manifest", lambda *_, **__: {"made": 1})
+    monkeypatch.setattr(rejudge, "_new_folder", lambda *_: into)
+    monkeypatch.setattr(rejudge, "_judged", lambda *_: iter(judged))
+    monkeypatch.setattr(rejudge, "ResultsWriter", Writer)
+    found = rejudge.rejudge(
+        tmp_path, Path("p.csv"), assignments=(), command=(), started="", build_report=lambda of: of
+    )
+    assert (list(found.results), written) == (judged, judged)
+    assert list(found.left) == ["p-left"]
+    assert (found.folder, found.report, found.exit_code) == (into, into, 1)
+    assert list(into.iterdir()) == []  # the recordings are in the folder above

@@ -56,6 +56,10 @@ def test_runs_of_one_case_that_fail_alike_are_one_row() -> None:
     for name, changes in PARTS.items():
         groups = _grouped([*alike, result("x", **changes)])
         assert [len(group) for group in groups] == [3, 1], name
+    errors = [result(f"e{n}", error=text, verdict=Verdict.ERROR) for n, text in enumerate("aba")]
+    assert [[one.case.run for one in group] for group in _grouped(errors)] == [
+        ["p-e0", "p-e2"], ["p-e1"]
+    ]  # fmt: skip
     each = [result(f"x{place}", **changes) for place, changes in enumerate(PARTS.values())]
     assert len(_grouped([*each, *each])) == len(PARTS)
 
