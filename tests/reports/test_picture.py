@@ -1,6 +1,7 @@
 """The drawing beside a failure: signal and limit lie where the numbers say."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -104,3 +105,73 @@ def test_a_line_of_many_rows_goes_the_way_of_its_signal(rows: int) -> None:
         assert np.count_nonzero(np.diff(steps)) == turns
         assert np.all(np.diff(found[:, 0]) >= 0.0)
         assert len(found) <= 420
+
+
+def one(column: str, style: str, label: str = "") -> dict[str, str]:
+    return {"column": column, "style": style, "label": label or style}
+
+
+def by_hand(**chart_has: Any) -> tuple[pa.Table, dict[str, Any]]:
+    """Z, C and a channel over 1 s; each column has its own height."""
+    rows = np.arange(0, 1001, 10)
+    heights = {"Z.set_mm": 1.0, "Z.actual_mm": 2.0, "Z.truth_mm": 3.0, "C.actual_deg": 4.0,
+               "channel.feed": 5.0, "Z.lag_mm": 6.0}  # fmt: skip
+    table = pa.table({"time_ns": rows.astype(np.int64) * MS}
+                     | {name: np.full(len(rows), at) for name, at in heights.items()})  # fmt: skip
+    plots = [
+        {"plot": "position", "unit": "mm", "series": {"Z": [
+            one("Z.set_mm", "set"), one("Z.truth_mm", "truth"), one("Z.actual_mm", "actual")]}},
+        {"plot": "angle", "unit": "°", "series": {"C": [one("C.actual_deg", "actual")]}},
+        {"plot": "lag", "unit": "mm", "series": {"Z": [one("Z.lag_mm", "actual")]}},
+        {"plot": "feed", "unit": "mm/min", "series": {"*": [one("channel.feed", "feed")]}},
+    ]  # fmt: skip
+    return table, {"plots": plots, "axis": "Z", **chart_has}
+
+
+def height_of(svg: str) -> float:
+    """The lower end of the scale: the only value, where all limits are above it."""
+    (low,) = re.findall(r": ([\d.]+) to [\d.]+<", svg)
+    return float(low)
+
+
+def test_the_signal_of_a_picture_is_that_of_the_limits_or_the_position_of_the_axis() -> None:
+    """What was measured before the truth, that before what was sent; an angle has a plot too."""
+    lag = [{"plot": "lag", "label": "lag_mm_max:Z", "value": 6.5}]
+    feed = [{"plot": "feed", "label": "feed_max", "value": 9.0}]
+    for metric, chart_has, height, title in (
+        ("latch_mm:Z", {}, 2.0, "Z actual, mm"), ("latch_mm", {}, 2.0, "Z actual, mm"),
+        ("lag_mm_max:Z", {"limits": lag}, 6.0, "Z actual, mm"),
+        ("latch_mm:Z", {"limits": lag}, 2.0, "Z actual, mm"),
+        ("feed_max", {"limits": feed}, 5.0, "Z feed, mm/min"),
+    ):  # fmt: skip
+        table, description = by_hand(**chart_has)
+        svg = picture(table, description, metric)
+        assert height_of(svg) == height, metric
+        assert f">{title}: " in svg
+    table, description = by_hand()
+    assert picture(table, description, "latch_mm:Q") == ""
+    description["plots"] = description["plots"][1:]
+    assert height_of(picture(table, description, "latch_deg:C")) == 4.0
+
+
+def test_the_window_that_opens_is_drawn_with_what_happened_in_it() -> None:
+    """From 200 to 400 ms; with limits the whole run. Marks at one place are one."""
+    windows = [{"start_ns": 0, "end_ns": 100 * MS}, {"start_ns": 200 * MS, "end_ns": 400 * MS}]
+    events = [{"time_ns": at * MS, "kind": kind} for at, kind in (
+        (199, "edge"), (200, "contact"), (300, "edge"), (300, "edge"), (300, "pdo"),
+        (310, "latch"), (320, "brake"), (400, "alarm"), (401, "fault"))]  # fmt: skip
+    limits = [{"plot": "position", "label": "latch_mm:Z", "value": value}
+              for value in (2.5, 1.5, 2.5)]  # fmt: skip
+    for chart_has, span, kinds in (
+        ({"windows": windows, "opens": 1}, ("200", "400"), ["contact", "edge", "latch", "alarm"]),
+        ({"windows": windows, "opens": None}, ("0", "100"), []),
+        ({"windows": windows, "opens": 1, "limits": limits}, ("0", "1000"),
+         ["edge", "contact", "edge", "latch", "alarm", "fault"]),
+        ({}, ("0", "1000"), ["edge", "contact", "edge", "latch", "alarm", "fault"]),
+    ):  # fmt: skip
+        table, description = by_hand(events=events, **chart_has)
+        svg = picture(table, description, "latch_mm:Z")
+        assert f"from {span[0]} ms to {span[1]} ms" in svg
+        assert re.findall(r'class="pic-mark k-(\w+)"', svg) == kinds
+        assert ("limit 1.5 and 2.5" in svg) is ("limits" in chart_has)
+        assert len(limit_places(svg)) == (2 if "limits" in chart_has else 0)
