@@ -1,5 +1,6 @@
 """Commands that hand their words on to a tool: which ones, and what is printed where."""
 
+from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,6 +12,7 @@ from axisrig.bench.cli import (
     data_commands,
     distance_commands,
     list_commands,
+    outside,
     params_command,
     rig_commands,
 )
@@ -189,3 +191,45 @@ def test_params_refuses_words_that_do_not_go_together(
     given = {"rig": None, "axis": None, "assignments": []} | more
     with pytest.raises(UserError, match=message):
         params_command._answer(words, given["rig"], given["axis"], "text", given["assignments"])
+
+
+def test_series_are_exported_in_the_one_form_that_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Beside the results unless a folder is named; the diagnosis data are a text of their own."""
+    results = "axisrig.results"
+    monkeypatch.setattr(f"{results}.loading.load", lambda folder: f"of {folder}")
+    monkeypatch.setattr(f"{results}.export.export", lambda *words: [words])
+    monkeypatch.setattr(f"{results}.export.export_diagnosis", lambda *words: [words])
+    out, own = Path("out"), Path("own")
+    for words, expected in (
+        ({"mf4": True}, ("of out", [], out / "export", "mf4")),
+        ({"csv": True, "runs": ["a"], "into": own}, ("of out", ["a"], own, "csv")),
+        ({"diagnosis": True, "runs": ["a"]}, ("of out", ["a"], out / "export")),
+    ):  # fmt: skip
+        given: Any = {"runs": None, "into": None, "mf4": False, "csv": False, "diagnosis": False}
+        data_commands.export(out, **(given | words))
+        assert capsys.readouterr().out == f"{expected}\n"
+    for forms in ({}, {"mf4": True, "csv": True}, {"csv": True, "diagnosis": True}):
+        given = {"runs": None, "into": None, "mf4": False, "csv": False, "diagnosis": False}
+        with pytest.raises(typer.Exit) as ended:
+            data_commands.export(out, **(given | forms))
+        assert ended.value.exit_code == 2
+        assert "no form, or several, are named" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("ago_s", "text"),
+    [(0.0, "2026-03-01T00:00:30+00:00"), (30.9, "2026-03-01T00:00:00+00:00"),
+     (31.0, "2026-02-28T23:59:59+00:00"), (86_400.0, "2026-02-28T00:00:30+00:00")],
+)  # fmt: skip
+def test_a_time_of_day_is_in_utc_and_whole_seconds(
+    ago_s: float, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is half a minute past midnight, and 0.9 s."""
+
+    def now(zone: tzinfo) -> datetime:
+        return datetime(2026, 3, 1, 0, 0, 30, 900_000, tzinfo=UTC).astimezone(zone)
+
+    monkeypatch.setattr(outside, "datetime", SimpleNamespace(now=now))
+    assert outside.time_of_day(ago_s) == text

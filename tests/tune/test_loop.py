@@ -148,3 +148,11 @@ def test_a_set_value_is_not_differentiated_with_the_feedback() -> None:
     assert of_error.offset_answer(law, 3)[0] == pytest.approx(0.3 * 11)
     assert of_feedback.offset_answer(law, 3)[0] == pytest.approx(0.3)
     assert of_feedback.stable_kp(tv_s=0.01) == of_error.stable_kp(tv_s=0.01)
+
+
+def test_a_loop_that_sees_its_offset_in_the_same_cycle_has_no_limit() -> None:
+    """(1 - q^-1) + kp has its zero at 1/(1 + kp); with the wrong sign no kp is stable."""
+    at_once = Loop(T_S, np.array([1.0]), mean(1))
+    assert at_once.stable_kp() == (0.0, math.inf)
+    assert at_once.is_stable(Law(1e6))
+    assert Loop(T_S, -delay(1), mean(1)).stable_kp() == (0.0, 0.0)
