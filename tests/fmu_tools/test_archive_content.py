@@ -133,6 +133,18 @@ def test_a_description_that_is_no_xml(
 # ---- What is accepted
 
 
+@pytest.mark.parametrize(
+    ("mode", "kept"),
+    [(0o644, 0o600), (0o755, 0o700), (0o100, 0o700), (0o010, 0o700), (0o001, 0o700), (0, 0o600)],
+)
+@pytest.mark.skipif(os.name != "posix", reason="files have no modes")
+def test_what_anybody_may_run_its_owner_may_run(pack: Pack, mode: int, kept: int) -> None:
+    entry = zipfile.ZipInfo("binaries/tool")
+    entry.external_attr = (stat.S_IFREG | mode) << 16
+    folder = unpack(pack((entry, b"tool"), ("resources/data", f"{mode}".encode())))
+    assert stat.S_IMODE((folder / "binaries" / "tool").stat().st_mode) == kept
+
+
 def test_unpacked_files_are_private_and_whole(pack: Pack) -> None:
     content = bytes(range(256)) * 5000
     tool = zipfile.ZipInfo("binaries/tool")

@@ -47,6 +47,7 @@ package Lib "a library" /* model Fake end Fake; */
     model Part "inner part"
       extends Lib.Base;
       Second second(k = 3);
+      Second third;
       annotation(experiment(StartTime = 0.5, StopTime = 2, Tolerance = 1e-6, Interval = 0.01));
     end Part;
     model Second
