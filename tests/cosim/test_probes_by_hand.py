@@ -223,6 +223,12 @@ def test_a_probe_is_followed_after_an_edge_and_after_it_was_switched(
     rig.step(100 * US, (10e-6, 0.1))
     for now_ns, is_free in ((100 * US, False), (2 * MS, False), (2050 * US, True)):
         assert (rig.probe.look_ahead(now_ns, MS) > now_ns) is is_free
+    fmu.time_ns = rig.now_ns = 3 * MS
+    rig.step(3100 * US, (0.0, 0.1))  # the second edge, back at 5 um again
+    assert [level for _, level in rig.probe.signal.edges] == [True, False]
+    for now_ns, is_free in ((3100 * US, False), (5 * MS, False), (5100 * US, True)):
+        rig.probe.free_until_ns = 0
+        assert (rig.probe.look_ahead(now_ns, MS) > now_ns) is is_free
     for number, is_on in enumerate((True, False, False, True)):
         now_ns = (10 + 2 * number) * MS
         fmu.written.clear()

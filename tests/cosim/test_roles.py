@@ -89,6 +89,18 @@ def test_a_value_has_its_factor_first_and_its_offset_then(
         assert known.from_si(si) == pytest.approx(value, abs=1e-9)
 
 
+@pytest.mark.parametrize("factor", [1.0, -1.0])
+def test_an_inverted_level_is_inverted_both_ways(factor: float) -> None:
+    """Above the threshold is high, at it is low; with the sign -1 the other way round."""
+    level = Bound("v", factor, 0.0, 2.5)
+    high = factor > 0.0
+    assert [level.to_si(value) for value in (2.5, 2.500001, -7.0, 9.0)] == [
+        not high, high, not high, high,
+    ]  # fmt: skip
+    assert (level.from_si(1.0), level.from_si(0.0)) == (float(high), float(not high))
+    assert not level.is_plain
+
+
 @pytest.mark.parametrize(
     ("sign", "lead_m", "exponents", "found"),
     [

@@ -284,21 +284,6 @@ def test_equations_that_are_not_linear_hold_at_once() -> None:
     assert len(block.unknowns) == 1  # the other one follows
 
 
-@pytest.mark.parametrize("is_first", [True, False])
-@pytest.mark.parametrize("swapped", [True, False])
-def test_a_product_of_two_unknowns_is_not_linear(is_first: bool, swapped: bool) -> None:
-    """x y = -2, p x + q y = 1; neither of them can be solved before the other."""
-    pairs = ((P, X), (parameter(9), Y))
-    terms = [apply("Mul", known, unknown) for known, unknown in pairs]
-    line = apply("Sub", apply("Add", *terms), ONE)
-    both = apply("Add", apply("Mul", *((Y, X) if swapped else (X, Y))), const(2))
-    residuals = [both, line] if is_first else [line, both]
-    found, solver = solved(residuals, [X, Y], {P: 2.0, parameter(9): 0.5, X: 1.0, Y: -3.0})
-    assert found[X] * found[Y] == pytest.approx(-2.0)
-    assert 2.0 * found[X] + 0.5 * found[Y] == pytest.approx(1.0)
-    assert [len(block.unknowns) for block in solver.blocks] == [2]
-
-
 def test_an_equation_without_a_derivative_is_refused_with_the_name_of_its_unknown() -> None:
     whole = Expr("Whole", (apply("Mul", X, X),))
     with pytest.raises(BuildError, match="the equation for x has no derivative"):

@@ -16,7 +16,13 @@ def row(value: Any, vector: str = "y", index: int = 0) -> Any:
     return SimpleNamespace(vector=vector, index=index, value=value)
 
 
-def folded(**parts: Any) -> set[int]:
+def when(target: str, *conditions: str) -> Any:
+    """A when-clause whose value is chosen by parameters, a branch for each."""
+    branches = [[{"VarRef": {"name": {"name": name}}}, {"Real": 1.0}] for name in conditions]
+    return {"target": target, "value": {"If": {"branches": branches}}}
+
+
+def folded(*chains: Any, **parts: Any) -> set[int]:
     """Slots of the parameters a (0), b (1) and the array c (2, 3); 7 is a discrete variable."""
     slots = {"a": 0, "b": 1, "c[1]": 2, "c[2]": 3, "n": 7}
     names = {"a": ["a"], "b": ["b"], "c": ["c[1]", "c[2]"]}
@@ -29,7 +35,7 @@ def folded(**parts: Any) -> set[int]:
             ]
             + [{"name": "n", "role": "discrete_value", "scalar_names": ["n"]}]
         },
-        flat={"when_chains": []},
+        flat={"when_chains": list(chains)},
     )
     empty = dict.fromkeys(
         (*ROWS, "initial", "relations", "actions", "schedules", "blocks", "previous"), ()
@@ -81,3 +87,27 @@ def test_a_parameter_that_another_one_follows_acts_through_it() -> None:
     reads_b = [row(apply("Sub", parameter(1), variable(0)))]
     assert folded(initial=follows, algebraics=reads_b) == set()
     assert folded(algebraics=reads_b) == {0, 2, 3}
+
+
+@pytest.mark.parametrize(
+    ("conditions", "reads", "found"),
+    [
+        (("a",), (0, 1, 2, 3), set()), (("a",), (1, 2, 3), {0}), (("a", "b"), (0, 1, 2, 3), set()),
+        (("a", "a"), (0, 1, 2, 3), {0}), (("b", "a", "b"), (0, 1, 2, 3), {1}),
+        (("c",), (0, 1, 2, 3), set()), (("c",), (0, 1), {2, 3}), (("n",), (0, 1, 2, 3), set()),
+    ],
+)  # fmt: skip
+def test_a_parameter_that_decides_in_a_when_clause_acts_where_its_program_has_it_once(
+    conditions: tuple[str, ...], reads: tuple[int, ...], found: set[int]
+) -> None:
+    """The compiler has decided what its program does not read, and one of two that look alike.
+
+    An equation beside it reads all of them: it is the clause that makes a parameter folded.
+    """
+    value = TIME
+    for slot in reads:
+        value = apply("Add", value, parameter(slot))
+    every = apply("Add", apply("Add", parameter(0), parameter(1)), parameter(2))
+    beside = row(apply("Add", apply("Add", every, parameter(3)), TIME))
+    whens = [row(value, "p", 7)]
+    assert folded(when("n", *conditions), whens=whens, algebraics=[beside]) == found
