@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.machine.faults.acts import Injected
+from axisrig.bench.machine.faults.acts import Injected, drawn
 from axisrig.bench.machine.faults.images import KINDS
 from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_IMAGES, ON_LINES
 from axisrig.bench.machine.faults.points import ROOMS, points
@@ -153,3 +153,31 @@ def test_a_plant_is_of_the_axes_that_it_is_wired_to() -> None:
     unwired = probing.axis["Y"].model_copy(update={"probe_1": None, "probe_2": None})
     fewer = probing.model_copy(update={"axis": probing.axis | {"Y": unwired}})
     assert axes_of("probe", ["probe"], fewer) == ("X", "Z")
+
+
+def test_a_segment_is_of_all_axes_on_it() -> None:
+    """X and Z share a bus; on lines and beside a second bus each has its own axes."""
+    both = settings_of("distance-xz-one-segment.toml").rig
+    for target in ("can1", "can1.SYNC"):
+        assert axes_of(target, ["telegram", "bus"], both) == ("X", "Z")
+    mixed = settings_of("probe-xyz-mixed.toml").rig
+    for segment in mixed.segment:
+        on = tuple(name for name, axis in mixed.axis.items() if axis.segment == segment)
+        assert axes_of(segment, ["bus", "line"], mixed) == on
+    line = settings_of("probe-xyz-ethercat.toml").rig
+    assert axes_of("ec1", ["line"], line) == ("X", "Y", "Z")
+    assert axes_of("Y", ["slave"], line) == ("Y",)
+
+
+def test_each_further_fault_at_a_place_draws_numbers_of_its_own() -> None:
+    """Of seed, kind, place and which one it is there; one at another place changes none of them."""
+    rig = settings_of("probe-xyz.toml").rig
+    like = read_faults("drop", "Z.TPDO1 p=0.5", rig)
+    other = read_faults("drop", "X.TPDO1 p=0.5", rig) + read_faults("delay", "Z.TPDO1 by=1ms", rig)
+    found = [numbers.random() for _, numbers in drawn(1, like * 4)]
+    assert len({*found}) == 4
+    among = [one for fault in like * 4 for one in (*other, fault)]
+    numbers = [(fault, numbers.random()) for fault, numbers in drawn(1, among)]
+    assert [number for fault, number in numbers if fault in like] == found
+    assert len({number for _, number in numbers}) == 12
+    assert not {*found} & {numbers.random() for _, numbers in drawn(2, like * 4)}

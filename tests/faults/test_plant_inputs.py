@@ -99,9 +99,12 @@ def test_a_machine_names_the_inputs_and_a_plan_gets_no_others(build: Callable[..
     assert found["probe.switched_on"].kinds == ("plant_input",)
     assert found["probe.switched_on"].axes == ("Z",)
     assert "probe.z_start" not in found  # the axis is wired to it
+    clock: Any = SimpleNamespace(now_ns=0)
+    beside = ("fault:drop=Z.TPDO1", "fault:probe_stick=probe", "fault:encoder_freeze=Z")
+    settings, plant = build(*beside, "fault:plant_input=probe.switched_on value=0")
+    assert len(build_beside(Beside(settings, plant, clock), 0)) == 3  # all but that of frames
     wrong = "fault:plant_input=probe.switched_off"
     settings, plant = build(wrong)
-    clock: Any = SimpleNamespace(now_ns=0)
     with pytest.raises(UserError, match=f"--set {wrong}.* no such input.*probe.switched_on"):
         build_beside(Beside(settings, plant, clock), 0)
     with pytest.raises(UserError, match="no such place of a fault"):

@@ -233,16 +233,20 @@ def test_without_a_value_it_is_there_at_once_and_a_later_course_ends_this_one() 
     assert plc.turn() is None
 
 
-def test_a_course_goes_on_from_the_value_that_still_waits() -> None:
+@pytest.mark.parametrize("waiting_mm", [8.0, 0.0, -1.0])
+def test_a_course_goes_on_from_the_value_that_still_waits(waiting_mm: float) -> None:
+    """Also from 0; the other value of the axis and those of another one begin where they are."""
     plc = Plc()
+    plc.control.set_pos_mm = 20.0
     plc.units["Z"].command_semaphor_rw = True  # the kernel has not taken the one before
-    plc.course("first", axis="Z", value="set_dist_mm", to_mm=8.0, over_ns=0)
+    plc.course("first", axis="Z", value="set_dist_mm", to_mm=waiting_mm, over_ns=0)
     plc.course("second", axis="Z", value="set_dist_mm", to_mm=10.0, over_ns=2 * MS)
+    plc.course("other", axis="Z", value="set_pos_mm", to_mm=30.0, over_ns=2 * MS)
     plc.plc.hand_over()
     assert plc.plc.is_waiting
     plc.clock.run_until(MS)
     plc.units["Z"].command_semaphor_rw = False
-    assert plc.turn() == (None, None, 9.0)
+    assert plc.turn() == (None, 25.0, (waiting_mm + 10.0) / 2)
 
 
 def test_commands_go_over_one_by_one_with_the_set_values() -> None:

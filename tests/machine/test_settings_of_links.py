@@ -255,3 +255,18 @@ def test_stamps_of_a_line_count_from_the_instant_of_its_clocks(tmp_path: Path) -
     ):  # fmt: skip
         settings = settings_of(tmp_path, "probe-z-ethercat-stamps.toml", "", f"bus:ec1.{key}")
         assert slave_settings(settings, "Z").stamps == expected, key
+
+
+@pytest.mark.parametrize(
+    ("offset_us", "missing", "is_proved", "waits"),
+    [(600, 1, True, False), (546, 2, True, True), (546, 1, False, False)],
+)
+def test_nothing_is_proved_where_the_bus_has_no_room_for_it(
+    tmp_path: Path, offset_us: int, missing: int, is_proved: bool, waits: bool
+) -> None:
+    """In each cycle, at standstill alone, or never: the instants of `tests/rig`, at 800 kbit/s."""
+    text = f"[cycle]\ncycle_offset_us = {offset_us}\n[drive.servo]\nmissing_cycles = {missing}\n"
+    text += '[segment.can1]\nbitrate = 800_000\noverload = "run"'
+    link = can_links(settings_of(tmp_path, "probe-z.toml", text))["Z"]
+    assert (link._checked_by is link.sdo, link.place_check is not None) == (is_proved,) * 2
+    assert (link._room is not None) is waits

@@ -11,11 +11,13 @@ import pytest
 
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.ethercat.family import FAMILY
+from axisrig.bench.rig.ethercat.members import watches_clocks
 from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.ethercat.schedule import schedule_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, US
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
@@ -95,3 +97,31 @@ def test_what_a_line_has_not_is_refused_by_name(change: str, says: str) -> None:
     with pytest.raises(UserError) as caught:
         FAMILY.check(settings_of(change))
     assert says in caught.value.message
+
+
+def test_the_terminal_of_a_line_is_passed_where_its_frame_is_in_the_cycle() -> None:
+    """Later frames pass it later; behind the end of a cycle it is the begin of the next one."""
+    rig = "plc-timestamp-line.toml"
+    first = FAMILY.terminal_grid(settings_of(rig=rig))
+    assert first is not None
+    assert 0 < first.offset_ns < 20 * US
+    assert 0 < first.late_ns < 20 * US
+    for frame_us in (1, 300, 985, 999):
+        found = FAMILY.terminal_grid(settings_of(f"bus:ec1.frame_us={frame_us}", rig=rig))
+        assert found is not None
+        assert (found.period_ns, found.late_ns) == (MS, first.late_ns)
+        assert found.offset_ns == (first.offset_ns + frame_us * US) % MS
+    assert FAMILY.terminal_grid(settings_of(rig="plc-timestamp-ethercat.toml")) is None
+
+
+@pytest.mark.parametrize(
+    ("rig", "watches"),
+    [("plc-timestamp-line.toml", True), ("plc-timestamp-ethercat.toml", True),
+     ("plc-signal.toml", True), ("plc-io-node.toml", False),
+     ("distance-chapter10-task.toml", False), ("probe-z.toml", False)],
+)  # fmt: skip
+def test_clocks_are_watched_for_stamps_alone(rig: str, watches: bool) -> None:
+    """A node on CAN has no stamps, nor has a task without a terminal."""
+    settings = settings_of(rig=rig)
+    assert watches_clocks(settings) is watches
+    assert (settings.rig.plc_task is None) is (rig == "probe-z.toml")

@@ -159,6 +159,7 @@ def test_of_elements_of_a_list_the_acting_one_comes_first(
 def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path: Path) -> None:
     for text, kind in (
         ("kopf.log_achs_name Z\ngetriebe[0].vb_eilgang 5\n", "Z"),
+        ("getriebe[0].vb_eilgang 5\n", "#1"),
         ("messtyp 1\nmittelpkt_diff 5\n", "channel"),
         ("kopf.log_achs_name Z\nmesstyp 1\ngetriebe[0].vb_eilgang 5\n", "Z"),
     ):

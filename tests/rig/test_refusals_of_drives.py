@@ -111,6 +111,8 @@ PROFIDRIVE: list[Case] = [
     (("drive:servo.p1042=12", "drive:servo.p1043=12"), "a factor of 2 (P-AXIS-00065)"),
     (("drive:servo.p1042=12", "drive:servo.p1043=12", f"{FINE}feinaufloesung=12"), ""),
     ((f"{FINE}p1042=9",), "a factor of 4 (P-AXIS-00316)"),
+    ((f"{FINE}feinaufloesung=0",), "a factor of 2048 (P-AXIS-00065)"),
+    (("drive:servo.p1042=0", "drive:servo.p1043=0", f"{FINE}feinaufloesung=0"), ""),
     ((f"{FINE}p1043=13",), "a factor of 0.25 (P-AXIS-00317)"),
     ((f"{FINE}p1042=11", f"{FINE}p1043=11"), ""),
     (("drive:servo.p0880=8192",), "a factor of 0.5 (P-AXIS-00379)"),
