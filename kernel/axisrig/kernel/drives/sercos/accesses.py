@@ -45,7 +45,8 @@ class SercosAccesses(AnsweredAccesses):
         """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
         super().begin(command)
         if isinstance(command, canon.DriveWait) and command.commands:
-            for name in [command.key] if command.key else self._started[command.axis]:
+            # A copy: each one is taken out of the list when it is asked for
+            for name in [command.key] if command.key else list(self._started[command.axis]):
                 self._open[command.axis] += 1
                 self._await_end(command, name, self._waits)
 
