@@ -118,3 +118,17 @@ def test_pv_counts_its_standstill_from_its_own_begin(fake_axis: Any) -> None:
         assert all(late[late.index(True) :])
         for _ in range(50):
             one.cycle(mode=8, target_position=0)
+
+
+@pytest.mark.parametrize("still_ms", [0, 30])
+def test_a_mode_of_positions_begins_when_the_axis_has_stood_for_6070(
+    fake_axis: Any, still_ms: int
+) -> None:
+    """Csv at 0.1 m/s, csp with 10 m/s2: 10 ms of ramp, then the time of 6070 once."""
+    one = ServoAlone(fake_axis(), 9, target_velocity=0.1 * PER_M, profile_deceleration=10 * PER_M,
+                     velocity_threshold_ms=still_ms)  # fmt: skip
+    one.cycle()
+    one.cycle()
+    shown = [one.cycle(mode=8) and one.image.mode_display for _ in range(80)]
+    assert shown == sorted(shown, reverse=True)
+    assert 10 + still_ms <= shown.count(9) <= 12 + still_ms

@@ -129,6 +129,15 @@ def test_complete_access_of_a_record(line: Line) -> None:
     request = bytes.fromhex("31c26000") + struct.pack("<IHBb", 4, 2, 2, -3)
     assert line.coe(request)[1] == bytes.fromhex("70c2600000000000")
     assert line.drive.servo.interpolation.period_ns() == 2_000_000
+    # Two bytes are of the number of members alone
+    for head, size, code in (("31c26001", 2, 0), ("31c26001", 4, 0x06070012),
+                             ("31c26000", 4, 0), ("31c26000", 6, 0x06070012)):  # fmt: skip
+        data = (struct.pack("<H", 2) if head[-1] == "0" else b"") + struct.pack("<Bb", 2, -3)
+        request = bytes.fromhex(head) + struct.pack("<I", size) + data.ljust(size, b"\0")
+        found = line.coe(request)[1]
+        assert (found[0], found[4:] if code else b"") == (
+            (0x80, struct.pack("<I", code)) if code else (0x70, b"")
+        )
     # Another number of members than there are
     request = bytes.fromhex("31c26000") + struct.pack("<IHBb", 4, 1, 4, -3)
     assert line.coe(request)[1][4:] == struct.pack("<I", 0x06090030)

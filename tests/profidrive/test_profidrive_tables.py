@@ -3,6 +3,8 @@
 import csv
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -11,7 +13,7 @@ from axisrig.bench.drive.profidrive.encoder import EncoderInterface
 from axisrig.bench.drive.profidrive.life import SignOfLife
 from axisrig.bench.rig.profidrive.keys import DriveTable
 from axisrig.kernel.drives.profidrive import link
-from axisrig.kernel.profiles.cia402.ds402 import ProbeStatus
+from axisrig.kernel.profiles.cia402.ds402 import ProbeStatus, State
 from axisrig.kernel.profiles.profidrive import words
 
 HERE = Path(tables.__file__).parent
@@ -71,6 +73,15 @@ def test_power_is_never_given_by_what_takes_it_away(
 )
 def test_control_word_1_asks_for_the_first_that_holds(word: int, asked: str) -> None:
     assert front.asked(word).name == asked
+
+
+@pytest.mark.parametrize("state", State)
+def test_an_acknowledgement_says_something_in_a_fault_alone(state: State) -> None:
+    """STW1 bit 7; whatever else the word asks for."""
+    servo: Any = SimpleNamespace(state=state)
+    for word in (0x047F, 0x043F, 0x0477, 0x047E, 0x047B, 0x0000):
+        with_it = front.controlword(servo, word | 1 << 7)
+        assert with_it == (0x80 if state is State.FAULT else front.controlword(servo, word))
 
 
 def test_words_of_the_control_are_those_of_the_field() -> None:

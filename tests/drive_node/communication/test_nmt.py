@@ -98,11 +98,14 @@ def test_what_a_reset_restores(stranger: Make, command: int) -> None:
         (0x1017, 0, 500, 2),
         (0x1800, 2, 5, 1),
         (0x100C, 0, 100, 2),
+        (0x1005, 0, 0x81, 4),
+        (0x1006, 0, 2000, 4),
         (0x6065, 0, 2500, 4),
     ):
         assert drive.write(index, sub, value, size) == 0
     drive.nmt(command)
     assert [drive.read(0x1017), drive.read(0x1800, 2), drive.read(0x100C)] == [0, 1, 0]
+    assert [drive.read(0x1005), drive.read(0x1006)] == [0x80, 0]
     assert drive.read(0x6065) == (0xFFFFFFFF if command == RESET_NODE else 2500)
 
 
