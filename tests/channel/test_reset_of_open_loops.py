@@ -7,7 +7,7 @@ import pytest
 
 from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.channel.reset import Reset
-from axisrig.kernel.drives.power import Power
+from axisrig.kernel.drives.power import Power, PowerOrder
 
 
 class Link:
@@ -48,3 +48,22 @@ def test_an_axis_whose_loop_was_open_or_whose_drive_was_off_stays_where_it_is(
     is_left = runs_open or power is not Power.OPERATING
     assert put == ({"Z": 7.0} if is_left else {})
     assert not links[1].runs_open
+
+
+def test_drives_are_switched_on_while_one_of_them_leaves_its_homing() -> None:
+    """Every cycle of the reset counts for both, and it is over when both are."""
+    link: Any = Link("Z", Power.OPERATING, False)
+    ordered: list[Any] = []
+    link.order = ordered.append
+    path: Any = SimpleNamespace(put=lambda *_any: None)
+    reactions: Any = SimpleNamespace(reset=lambda: ordered.append("reset"))
+    answers = [False, False, True]
+    called: list[str] = []
+    ends = [lambda: called.append("end 1"), lambda: called.append("end 2")]
+    leaves = [lambda: called.append("leave")]
+    reset = Reset([link], CycleTiming(), path, reactions, ends, leaves, lambda: answers.pop(0))
+    reset.begin()
+    assert called == ["end 1", "end 2"]
+    assert [reset.go_on() for _ in range(3)] == [False, False, True]
+    assert ordered == ["reset", PowerOrder.SWITCH_ON] * 3
+    assert called[2:] == ["leave"] * 3

@@ -62,6 +62,15 @@ def test_a_straight_program_of_blocks_and_calls_is_no_endless_loop(run, monkeypa
     assert message.text == "900"
 
 
+def test_behind_a_motion_in_a_subprogram_no_block_has_come_again(run, monkeypatch):
+    """300 blocks in each of three calls of a loop, a motion before them in all but the first."""
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    sub = "%L SUB\nG0 X=P1\n" + "P2=P2+1\n" * 300 + "M17\n%MAIN\nP2=0\n"
+    text = sub + '$FOR P1=0,2,1\nLL SUB\n$ENDFOR\n#MSG ["%d", P2]\nM30'
+    (message,) = [c for c in run(text) if isinstance(c, Message)]
+    assert message.text == "900"
+
+
 @pytest.mark.parametrize(
     "text",
     [

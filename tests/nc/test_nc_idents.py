@@ -110,3 +110,19 @@ def test_what_of_it_does_not_act_ends_with_900100(run: Callable[..., list[Any]],
     with pytest.raises(Alarm) as caught:
         run(text)
     assert caught.value.id == 900100
+
+
+@pytest.mark.parametrize(
+    ("named", "axes"),
+    [("", AXES), ("AX=Y", ("Y",)), ("AXNR=2", ("Y",)), ("AXNR=P1", ("Z",))],
+)
+def test_a_wait_is_for_the_axis_that_it_names_or_for_all(
+    run: Callable[..., list[Any]], named: str, axes: tuple[str, ...]
+) -> None:
+    for word, more in (("IDENT WAIT SYN", ""), ("COMMAND WAIT SYN", "ID=S-0-0148")):
+        bracket = f"[{named} {more} SERC]"
+        _, *commands = _commands(run, f'#MSG ["waits"]\nP1=3\n#{word} {bracket}')
+        assert tuple(c.axis for c in commands) == axes
+        assert {(c.commands, c.key) for c in commands} == {
+            (True, "S-0-0148") if more else (False, "")
+        }

@@ -83,3 +83,14 @@ def test_900174_for_a_weight_that_leaves_no_motion(run: Run, block: str) -> None
 def test_a_weight_without_a_value_is_refused_with_its_place(run: Run, block: str) -> None:
     with pytest.raises(UserError, match="needs"):
         run(f"N10 {block}")
+
+
+def test_a_weight_without_axes_is_that_of_every_axis_and_one_with_axes_of_those(run: Run) -> None:
+    """Main axes, further ones and rotary ones."""
+    axes = ("X", "Y", "Z", "C", "X2")
+    for word in ("G131", "G133", "G134"):
+        ((_, shares),) = weights(run(f"{word} = 70", axes=axes))
+        assert shares == dict.fromkeys(axes, 0.7)
+    for word in ("G130", "G132"):
+        ((_, shares),) = weights(run(f"{word} X2=50 C120", axes=axes))
+        assert shares == {"X2": 0.5, "C": 1.2}

@@ -180,3 +180,8 @@ def test_a_var_that_is_not_closed_ends_with_its_part_of_the_file():
     assert [(error.line, error.message) for error in found.errors] == [(3, "#VAR is not closed")]
     found = checked("%L A\n$IF 1\n%L B\n[X1]\n%MAIN\n[X1] G0 X2\nM30")
     assert [(error.line, error.message) for error in found.errors] == [(2, "$IF is not closed")]
+
+
+def test_what_does_not_act_in_a_subprogram_is_a_note_too():
+    found = checked("%L A\nG42\n%L B\nG0 X1\nG41 X2\n%MAIN\nLL A\nG40\nM30")
+    assert [(note.line, note.text.split()[0]) for note in found.notes] == [(2, "G42"), (5, "G41")]

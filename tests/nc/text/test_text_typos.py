@@ -44,7 +44,13 @@ def test_what_was_meant_is_told_once(text, words):
     assert words in str(error)
 
 
-@pytest.mark.parametrize("text", ["G1 Q1", "G777 X10", "G1 X ?", "X=SIN[3,5]", "$IF 1 2\n$ENDIF"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("G1 Q1", "G777 X10", "G1 X ?", "X=SIN[3,5]", "$IF 1 2\n$ENDIF"),
+        *("G1 X,5", "G1 X1,Y2", "G1 X1, 5"),
+    ],
+)
 def test_no_slip_is_seen_where_none_is(text):
     words = str(errors(text)[0])
     assert "meant?" not in words
