@@ -355,3 +355,26 @@ def test_the_plant_that_sees_the_tool_is_that_of_the_control(
     assert tilted.tool(table, replace(of, distance_3d=control, plc_sensors=plc)).sensor == chosen
     bare = trace(has_sensor=False)
     assert tilted.tool(bare, replace(of, distance_3d=control, plc_sensors=plc)).sensor is None
+
+
+@pytest.mark.parametrize(
+    ("angles", "limits"),
+    [
+        ((50, 70, 85), {"HD2": 50.0, "HD3": 70.0, "HD4": 85.0}),
+        ((0, 0, 85), {"HD2": 0.0, "HD4": 85.0}),  # longer from the begin on, up to HD4
+        ((89, 0, 0), {"HD2": 89.0}),
+        ((90, 95, 85), {"HD4": 85.0}),  # never extended
+    ],
+)
+def test_the_angles_of_an_extended_tool_are_those_that_act(
+    angles: tuple[int, int, int], limits: dict[str, float]
+) -> None:
+    written = {
+        f"kin_step[1].trafo[0].param[{k}]": 10_000 * deg for k, deg in enumerate(angles, start=1)
+    }
+    of = replace(left(), channel={**tilted.WRITTEN, **written})
+    (one,) = tilted.tool(trace(), of).kinematics
+    assert dict(one.limits) == pytest.approx(limits)
+    (head,) = (replace(on, ids=on.ids[:1]) for on in of.kinematics)
+    (bare,) = tilted.tool(trace(), replace(of, kinematics=(head,))).kinematics
+    assert dict(bare.limits) == {}
