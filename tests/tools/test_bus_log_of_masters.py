@@ -173,6 +173,16 @@ def test_a_master_that_begins_anew_within_a_block_is_understood(outcome: Tell) -
     assert outcome(ids([*frames, *again]))[-1].endswith("upload 0x6041:0 Statusword")
 
 
+def test_a_node_that_starts_anew_has_lost_its_block(outcome: Tell) -> None:
+    frames = ids([*download(bytes.fromhex("101000"), bytes(70), 127, whole())][:5])
+    assert ", segment 3: " in outcome(frames)[-1]
+    *_, started, last = outcome([*frames[:-1], "703#00", frames[-1]])
+    assert started.endswith("boot-up")
+    assert "segment 3" not in last
+    other = outcome([*frames[:-1], "704#00", frames[-1]])  # of another node
+    assert ", segment 3: " in other[-1]
+
+
 # Mappings
 
 
