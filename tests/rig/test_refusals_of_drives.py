@@ -3,6 +3,7 @@
 Numbers: 500 mm/s (P-AXIS-00212) and cycles of 1 ms, screws of 10 mm.
 """
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -288,3 +289,21 @@ def test_the_scale_of_an_output_in_a_list_is_for_drives_that_have_one(
             continue
         with pytest.raises(UserError, match=rf"{key} .*does not act here"):
             rig_above(f"{base}.toml", text)
+
+
+@pytest.mark.parametrize(
+    ("bits", "offset", "step_um_s", "offset_um_s"),
+    [(16, 0, 15.26, 0.0), (12, -100, 244.1, -1526.0), (8, 50, 3906.0, 763.0)],
+)
+def test_an_output_has_its_step_and_its_offset_with_its_sign(
+    bits: int, offset: int, step_um_s: float, offset_um_s: float
+) -> None:
+    """500 mm/s at 32767 of 16 bits; the lag is speed by Kv, which is 20/s here."""
+    keys = [f"drive:servo.output_bits={bits}", f"drive:servo.output_offset={offset}"]
+    changes = [*keys, "set:Z.getriebe[0].kv=2000"]
+    settings = settings_of(RIGS / "probe-z-conventional.toml", changes)
+    (line,) = [one for one in family_of(settings, "Z").describe(settings) if "output of" in one]
+    assert f"output of {bits} bits, 500 mm/s at the full one" in line
+    found = re.findall(r"(-?[\d.]+) um", line)
+    expected = [step_um_s, step_um_s / 20, offset_um_s, offset_um_s / 20]
+    assert [float(one) for one in found] == pytest.approx(expected, rel=1e-3)
