@@ -5,6 +5,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -213,3 +214,24 @@ def test_an_fmu_of_the_user_is_loaded_anew(tmp_path: Path) -> None:
         machine.close()
     assert slaves[0] is not slaves[1]
     assert not any(path == own for path, _ in kept_fmus._kept)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("most", "dropped"), [(5, ""), (4, "a"), (3, "ac"), (2, "acd"), (1, "acde"), (0, "acde")]
+)
+def test_the_oldest_ones_that_nobody_uses_are_let_go(
+    monkeypatch: pytest.MonkeyPatch, most: int, dropped: str
+) -> None:
+    """Of five b is in use: it counts, and it stays."""
+    closed: list[str] = []
+    kept: OrderedDict[Any, Any] = OrderedDict()
+    for name in "abcde":
+        slave = SimpleNamespace(pointer=7, close=lambda name=name: closed.append(name))
+        entry = kept_fmus._Kept(slave, None, False, 0 if name == "b" else 9)  # type: ignore[arg-type]
+        kept[Path("own.fmu"), name] = entry
+    monkeypatch.setattr(kept_fmus, "_kept", kept)
+    monkeypatch.setattr(kept_fmus, "KEPT_MAX", most)
+    close_fmus([])
+    assert "".join(closed) == dropped
+    assert "".join(name for _, name in kept) == "".join(n for n in "abcde" if n not in dropped)
