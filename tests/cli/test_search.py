@@ -141,7 +141,6 @@ def test_probes_are_judged_and_run_again(searched: Path, place: Path, axisrig: C
     assert "over several runs" in err
 
 
-@pytest.mark.long
 def test_a_limit_outside_the_range_fails(place: Path, axisrig: Call) -> None:
     plan = _write(place, "a,part.nc,rig.toml,3000,128 .. 129 to 0.5,== 1,,,")
     code, out, _ = axisrig("run", plan, "-o", "out")

@@ -54,7 +54,6 @@ TIMES = ' (time|timestamp)="[^"]*"'
 """What differs between two equal campaigns."""
 
 
-@pytest.mark.long
 def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, plan: str) -> None:
     code, printed, _ = axisrig("run", plan, "-o", "all")
     assert code == 0, printed

@@ -286,7 +286,6 @@ def test_a_run_ends_at_its_first_failure_where_asked(place: Path, axisrig: Call)
     assert "four-r1" not in err
 
 
-@pytest.mark.long
 def test_an_expression_chooses_cases_for_check_expand_and_judge(place: Path, axisrig: Call) -> None:
     rows = [f"r{n},part.nc,rig.toml,3000,== 1," for n in range(3)]
     (place / "plans").mkdir()

@@ -250,7 +250,7 @@ DOUBTFUL = [
 """Changes of a description that only a validator dislikes; the first one is no rule of it."""
 
 
-@pytest.mark.long
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("old", "new", "area", "text"), DOUBTFUL, ids=[c[3][:9] for c in DOUBTFUL])
 def test_a_description_that_a_validator_dislikes_runs_and_strict_refuses_it(
     checked: Check, ideal_axis: Build, old: str, new: str, area: str, text: str

@@ -142,7 +142,7 @@ STUCK = [
 
 
 @pytest.mark.parametrize(("up", "stop", "stroke_mm", "shape"), STUCK)
-@pytest.mark.long
+@pytest.mark.long(but=1)
 def test_a_run_comes_to_its_feed_with_unequal_ramps(
     up: tuple[float, float, float],
     stop: tuple[float, float, float],

@@ -285,7 +285,6 @@ def test_the_overlay_holds_the_ends_of_the_signals() -> None:
     assert overlay("t", {"x": (places, np.full(5000, np.nan))}, ("", "")) == ""
 
 
-@pytest.mark.long
 def test_the_commands_say_what_changed(
     folder_of_results: Path, tmp_path: Path, axisrig: Call
 ) -> None:

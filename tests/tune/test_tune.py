@@ -125,7 +125,7 @@ def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
     assert np.abs(answer - np.cumsum(expected)[: len(answer)]).max() < 2e-3
 
 
-@pytest.mark.long
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("rig", "variable", "dead", "renewal"),
     [
