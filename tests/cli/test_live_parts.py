@@ -150,7 +150,9 @@ def drawn(shown: Look) -> list[str]:
 
 def test_a_state_is_old_when_it_has_not_come_for_long() -> None:
     for age_s, is_old in ((OLD_S, False), (OLD_S + 0.01, True)):
-        assert any("no new state" in line for line in drawn(look(age_s))) is is_old
+        for is_held in (False, True):
+            shown = drawn(look(age_s, is_held=is_held))
+            assert any("no new state" in line for line in shown) is is_old
 
 
 def test_what_is_not_known_is_left_out() -> None:

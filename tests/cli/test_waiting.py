@@ -120,6 +120,19 @@ def test_in_a_pipe_a_line_comes_at_the_begin_and_every_thirty_seconds(
     ]
 
 
+def test_all_who_listen_hear_a_build_and_its_end_also_of_one_that_fails() -> None:
+    first, second = list[str](), list[str]()
+    with heard(first.append):
+        with heard(second.append), building("A"):
+            pass
+        with pytest.raises(ValueError, match="odd"), building("B"):
+            _ = int("odd")
+    assert (first, second) == (["building A", "", "building B", ""], ["building A", ""])
+    with building("C"):
+        pass
+    assert len(first) == 4  # its block has ended
+
+
 def test_a_line_that_gave_way_to_others_begins_anew(capsys: pytest.CaptureFixture[str]) -> None:
     """Silent while the lines of a campaign are there; then its own seconds and its own 30 s."""
     now_s = 0.0

@@ -79,6 +79,15 @@ def test_a_walk_steps_as_the_bench_does_and_an_input_acts_in_the_step_after_it(
     assert [row[1:] for row in rows] == [[1.0, 0], [1.0, 1], [2.0, 2], [2.0, 3], [3.0, 4]]
     assert [row[0] for row in rows] == pytest.approx([0.0, 0.001, 0.002, 0.003, 0.004])
     assert slave.news == ["initialized", "1", "2", "3", "4", "closed"]
+    both = Slave()
+    monkeypatch.setattr(release, "load_fmu", lambda *_: both)
+    twice = [Change(0.0, "x", 7.0), Change(0.0, "x", 1.0), Change(0.001, "n", 10.0)]
+    course = [
+        *twice,
+        *(Change(at_s, "x", x) for at_s, x in ((1e-3, 2.0), (2e-3, 3.0), (25e-4, 4.0))),
+    ]
+    _, rows = release.walk(Path("a.fmu"), course, MS, 4)
+    assert [row[1:] for row in rows] == [[1.0, 0], [1.0, 1], [2.0, 11], [3.0, 12], [4.0, 13]]
     odd = Slave(2 * MS)
     monkeypatch.setattr(release, "load_fmu", lambda *_: odd)
     with pytest.raises(RuntimeError, match="odd"):

@@ -54,3 +54,24 @@ def test_single_files_count_by_name_and_content(folder):
     paths = [folder / "package.mo", folder / "inside" / "Axis.mo"]
     assert [name for name, *_ in files_named(paths)] == ["package.mo", "Axis.mo"]
     assert hash_of(files_named(paths)) != hash_of(files_named(paths[:1]))
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ({"a": "bc", "d": ""}, {"a": "b", "cd": ""}),
+        ({"a": "bc"}, {"ab": "c"}),
+        ({"a": "1", "b": "2"}, {"a": "2", "b": "1"}),
+        ({"a": "1", "b": ""}, {"a": "1"}),
+    ],
+)
+def test_names_and_contents_do_not_run_into_one_another(tmp_path, one, other):
+    """The same letters in other places are other files."""
+    found = []
+    for place, files in (("one", one), ("other", other)):
+        (tmp_path / place).mkdir()
+        for name, text in files.items():
+            (tmp_path / place / name).write_text(text, encoding="utf-8")
+        found.append(hash_of(files_named([tmp_path / place / name for name in files])))
+    assert found[0] != found[1]
+    assert len(found[0]) == 32

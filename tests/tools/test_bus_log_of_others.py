@@ -8,6 +8,7 @@ from pathlib import Path
 
 import can
 import pytest
+from tests.tools.captures import RESOLUTION, interface, packet, section
 
 from axisrig.bench.bus.can.logs import asc_writer
 from axisrig.bench.cli.guard import needs_progress
@@ -225,20 +226,9 @@ def pcapng(
     link: int, packets: list[tuple[int, bytes]], order: str = "<", resolution: int | None = None
 ) -> bytes:
     """Return a pcapng file of one interface; packets: ticks, data."""
-
-    def block(kind: int, body: bytes) -> bytes:
-        size = struct.pack(f"{order}I", len(body) + 12)
-        return struct.pack(f"{order}I", kind) + size + body + size
-
-    options = b""
-    if resolution is not None:
-        options = struct.pack(f"{order}HHB3x", 9, 1, resolution) + bytes(4)
-    found = block(0x0A0D0D0A, struct.pack(f"{order}IHHq", 0x1A2B3C4D, 1, 0, -1))
-    found += block(1, struct.pack(f"{order}HHI", link, 0, 0) + options)
-    for ticks, data in packets:
-        head = struct.pack(f"{order}5I", 0, ticks >> 32, ticks & 0xFFFFFFFF, len(data), len(data))
-        found += block(6, head + data + bytes(-len(data) % 4))
-    return found
+    options = {} if resolution is None else {RESOLUTION: bytes([resolution])}
+    head = section(order) + interface(link, options, order)
+    return head + b"".join(packet(ticks, data, 0, order) for ticks, data in packets)
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
