@@ -2,12 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
-from axisrig.kernel.channel.path.settling import REST_LIMIT_NS, SETTLED_CYCLES, Settling, Standstill
+from axisrig.kernel.channel.path.settling import (
+    REST_CYCLES,
+    REST_INCREMENTS,
+    REST_LIMIT_NS,
+    SETTLED_CYCLES,
+    Rest,
+    Settling,
+    Standstill,
+)
+from axisrig.kernel.channel.path.slaves import PathWithSlaves
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -153,3 +163,86 @@ def test_an_axis_that_comes_back_to_the_path_has_all_of_its_settling_time(
     bench.run([beside, words.end()])
     assert bench.alarm_ids == []
     assert sum(asked) > 700  # Y stands all the time
+
+
+# ---- rest wherever it is
+
+
+def rests_after(bench: Bench, rows: list[tuple[int, ...]]) -> int | None:
+    """Cycles from the begin of a watch until all axes rest, None where they do not."""
+    rest = Rest(bench, MS, bench.axes)  # type: ignore[arg-type]
+    for cycle, row in enumerate(rows, 1):
+        bench.next(*row)
+        if rest.judge():
+            return cycle
+    return None
+
+
+def two(*second: int) -> list[tuple[int, ...]]:
+    """The first axis stands at 7; the second does this."""
+    return [(7, place) for place in second]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_axes_rest_after_50_cycles_within_two_increments_of_one_place(sign: int) -> None:
+    """Flicker counts from where the time began: creeping by one increment a cycle is no rest."""
+    cases: list[tuple[list[int], int | None]] = [
+        ([0] * 60, REST_CYCLES),
+        ([0] * 30 + [REST_INCREMENTS] * 60, REST_CYCLES),
+        ([0] * 30 + [REST_INCREMENTS + 1] * 60, 31 + REST_CYCLES),
+        ([0] * 49 + [9] + [0] * 60, 51 + REST_CYCLES),
+        ([k // 16 for k in range(200)], None),
+        ([900] * 60, 1 + REST_CYCLES),  # far from its set position
+    ]
+    for places, expected in cases:
+        bench = Bench(FakeLink("X", 7), FakeLink("Z"))
+        assert rests_after(bench, two(*(sign * place for place in places))) == expected, places
+
+
+@pytest.mark.parametrize(("settling_ns", "limit_ns"), [(100 * MS, 100 * MS), (0, REST_LIMIT_NS)])
+def test_an_axis_that_sways_for_its_settling_time_rests_inside_its_window(
+    settling_ns: int, limit_ns: int
+) -> None:
+    """5 s without a settling time; outside the window it is an alarm of that axis."""
+    cycles = limit_ns // MS
+    for sway, ends in ((9, cycles + REST_CYCLES), (11, None)):
+        bench = Bench(FakeLink("X", 7), FakeLink("Z"), settling_ns=settling_ns)
+        swaying = two(*(sway * (-1) ** k for k in range(cycles + REST_CYCLES)))
+        if ends is not None:
+            assert rests_after(bench, swaying) == ends
+            continue
+        with pytest.raises(Alarm) as caught:
+            rests_after(bench, swaying)
+        assert (caught.value.id, caught.value.values) == (900200, {"axis": "Z", "ms": cycles + 1})
+
+
+# ---- slaves at a stop of their own
+
+
+def test_a_run_ends_when_its_slaves_are_in_their_windows_or_rest_away_from_them() -> None:
+    """X2 is held 2 mm off, to either side, and Z2 sways until cycle 30; the path leaves its place
+    in cycle 70: the 50 cycles begin anew.
+    """
+    bench = Bench(FakeLink("X2"), FakeLink("Z2"))
+    asked: list[tuple[str, ...]] = []
+    is_in: list[bool] = []
+    path: Any = SimpleNamespace(
+        is_in_position=lambda names: (asked.append(names), is_in[-1])[1],
+        travelled_mm=3.5,
+        has_stopped=True,
+    )
+    slaves = PathWithSlaves(path, bench.axes, bench, MS)  # type: ignore[arg-type]
+    assert (slaves.travelled_mm, slaves.has_stopped) == (3.5, True)
+    is_in.append(True)
+    bench.next(10, -10)
+    assert slaves.is_in_position()
+    for held in (2000, -2000):
+        found = []
+        for cycle in range(200):
+            is_in.append(cycle != 70)
+            bench.next(held, 5 * (-1) ** cycle if cycle <= 30 else 5)
+            found.append(slaves.is_in_position())
+        assert [cycle for cycle, now in enumerate(found) if now] == list(range(71 + 50, 200))
+        is_in.append(False)
+        assert not slaves.is_in_position()
+    assert set(asked) == {("X2", "Z2")}

@@ -126,3 +126,34 @@ def test_a_rotary_axis_between_linear_ones_makes_a_pose_singular() -> None:
 def test_the_table_of_the_tests_has_its_rotary_axes_first() -> None:
     assert isinstance(MACHINES["91 table"], MachineLists)
     assert "chain[0] 4" in TABLE
+
+
+@pytest.mark.parametrize("places", [(0,), (1,), (2,), (0, 1), (0, 1, 2)])
+def test_linear_axes_may_be_left_handed(places: tuple[int, ...]) -> None:
+    """An axis that counts the other way: same tool, its position with the other sign."""
+    text = UNIVERSAL
+    for place in places:
+        old = f"axis[{place}].orientation[{place}] 1"
+        assert text.count(old) == 1
+        text = text.replace(old, old.replace(" 1", " -1"))
+    turned, usual = _build(text), _build(UNIVERSAL)
+    axes = (10.0, -20.0, 30.0, 40.0, -50.0)
+    tool = usual.forward(axes)
+    expected = [-at if place in places else at for place, at in enumerate(axes)]
+    assert turned.forward(tuple(expected)) == pytest.approx(tool, abs=1e-9)
+    assert turned.inverse(tool, axes) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("a_deg", "tilt_deg"), [(0.0, 0.0), (-60.0, 60.0), (90.0, 90.0), (120.0, 120.0), (180.0, 180.0)]
+)
+def test_the_tilt_of_a_tool_is_from_0_upright_to_180_upside_down(
+    a_deg: float, tilt_deg: float
+) -> None:
+    """C turns about Z and leaves it; the clamping point is the tool's length above the TCP."""
+    kinematic = _build(UNIVERSAL)
+    tool = (1.0, 2.0, 3.0, 33.0, a_deg)
+    assert kinematic.tilt_deg(tool) == pytest.approx(tilt_deg, abs=1e-6)
+    clamp_mm = kinematic.clamp_mm(tool)
+    assert np.linalg.norm(np.subtract(clamp_mm, tool[:3])) == pytest.approx(80.0)
+    assert clamp_mm[2] - 3.0 == pytest.approx(80.0 * np.cos(np.radians(tilt_deg)), abs=1e-9)

@@ -87,3 +87,10 @@ def test_run_up_with_ramps_takes_the_ramps_longer():
     time_s, way_mm = run_up(slope, slope, V_MM_S)
     assert time_s == pytest.approx(V_MM_S / A_MM_S2 + 0.01, rel=1e-3)
     assert way_mm == pytest.approx(0.5 * V_MM_S * time_s, rel=1e-3)
+
+
+@pytest.mark.parametrize(("up_mm_s2", "down_mm_s2"), [(200.0, 5000.0), (5000.0, 200.0)])
+def test_a_run_up_ends_with_the_acceleration_however_short_the_way_down_is(up_mm_s2, down_mm_s2):
+    up, down = (Slope(a_mm_s2, a_mm_s2, 1e9) for a_mm_s2 in (up_mm_s2, down_mm_s2))
+    expected = V_MM_S / up_mm_s2, V_MM_S**2 / (2 * up_mm_s2)
+    assert run_up(up, down, V_MM_S) == pytest.approx(expected, rel=1e-5)
