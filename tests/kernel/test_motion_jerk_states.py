@@ -1,0 +1,82 @@
+"""What a state of a path with ramps leads on to: its ramps to the end, and the same path again."""
+
+import math
+
+import pytest
+
+from axisrig.kernel.motion.course import Ramp, State
+from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_profile import JerkProfile
+from axisrig.kernel.motion.jerk_ramps import Shape
+
+LENGTH_MM = 40.0
+UNIT_MM, CYCLE_S = 1e-4, 0.001  # 0.1 um is the unit of positions
+LOOKS = 12
+
+
+def planned(shape: Shape, feed_mm_s: float) -> tuple[JerkSlope, JerkSlope, JerkProfile]:
+    """Unequal ramps; at 200 mm/s the path is too short for the feed."""
+    up = JerkSlope(1000.0, 0.05, 0.03, shape)
+    down = JerkSlope(800.0, 0.02, 0.06, shape)
+    return up, down, up.plan(LENGTH_MM, feed_mm_s, down)
+
+
+def acceleration(ramp: Ramp, t_s: float, shape: Shape) -> float:
+    """Straight, or a squared sine over the whole of the ramp."""
+    share = (ramp.begun_s + t_s) / ramp.duration_s
+    if shape is Shape.SIN2:
+        share = math.sin(0.5 * math.pi * share) ** 2
+    return ramp.from_mm_s2 + (ramp.to_mm_s2 - ramp.from_mm_s2) * share
+
+
+def led_on(state: State, shape: Shape) -> tuple[float, float, float]:
+    """Path, speed and time after the ramps of a state, by Simpson's rule of the acceleration."""
+    path_mm, speed_mm_s, time_s = state.path_mm, state.speed_mm_s, 0.0
+    for ramp in state.left:
+        rest_s = ramp.duration_s - ramp.begun_s
+        step_s = rest_s / LOOKS
+        for k in range(LOOKS):
+            a0, a1, a2 = (acceleration(ramp, (k + x) * step_s, shape) for x in (0.0, 0.5, 1.0))
+            path_mm += step_s * (speed_mm_s + step_s * (a0 + 2.0 * a1) / 6.0)
+            speed_mm_s += step_s * (a0 + 4.0 * a1 + a2) / 6.0
+        time_s += rest_s
+    return path_mm, speed_mm_s, time_s
+
+
+@pytest.mark.parametrize("shape", Shape)
+@pytest.mark.parametrize("feed_mm_s", [60.0, 200.0])
+def test_the_ramps_that_are_left_lead_to_the_end(shape: Shape, feed_mm_s: float) -> None:
+    """At the begin of each ramp, inside, and of a path that was planned anew inside of one."""
+    up, down, path = planned(shape, feed_mm_s)
+    inside = [phase.start_s + 0.3 * (phase.end_s - phase.start_s) for phase in path.phases]
+    for begin_s in (0.0, *inside):
+        anew = up.rest(path.state(begin_s), LENGTH_MM, feed_mm_s, down)
+        assert anew.duration_s == pytest.approx(path.duration_s - begin_s, abs=1e-7)
+        for phase in anew.phases:
+            for share in (0.0, 0.6):
+                t_s = phase.start_s + share * (phase.end_s - phase.start_s)
+                state = anew.state(t_s)
+                path_mm, speed_mm_s, time_s = led_on(state, shape)
+                assert time_s == pytest.approx(anew.duration_s - t_s, abs=1e-9), (begin_s, t_s)
+                assert path_mm == pytest.approx(LENGTH_MM, abs=1e-5), (begin_s, t_s)
+                assert speed_mm_s == pytest.approx(0.0, abs=1e-4), (begin_s, t_s)
+                first = state.left[0]
+                assert state.a_mm_s2 == pytest.approx(acceleration(first, 0.0, shape), abs=1e-6)
+
+
+@pytest.mark.parametrize("shape", Shape)
+@pytest.mark.parametrize("feed_mm_s", [60.0, 200.0])
+def test_a_path_that_is_planned_anew_again_and_again_stays_the_same(
+    shape: Shape, feed_mm_s: float
+) -> None:
+    up, down, path = planned(shape, feed_mm_s)
+    step_s = 0.0117
+    anew, cycle = path, 0
+    while (cycle + 1) * step_s < path.duration_s:
+        cycle += 1
+        anew = up.rest(anew.state(step_s), LENGTH_MM, feed_mm_s, down)
+        for later_s in (0.0, 0.003, 0.05):
+            place_mm, speed_mm_s = anew.at(later_s)
+            expected_mm, expected_mm_s = path.at(cycle * step_s + later_s)
+            assert abs(place_mm - expected_mm) < UNIT_MM, (cycle, later_s)
+            assert abs(speed_mm_s - expected_mm_s) < UNIT_MM / CYCLE_S, (cycle, later_s)
