@@ -210,6 +210,9 @@ def test_angles_of_98_that_do_not_fit(hd: Sequence[float], message: str) -> None
         ("UVWCA", True),  # other names at all places
         ("UUWCA", False),
         ("YXZCA", False),
+        ("ZYWCA", False),  # the place of Z has another one
+        ("UVYCA", False),
+        ("UVWAB", False),
         ("XYZC", False),
     ],
 )
