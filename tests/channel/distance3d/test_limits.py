@@ -208,6 +208,37 @@ def test_where_the_kinematic_refuses_the_offset_does_not_drop_in_any_cycle(
     assert [at[0] for at in loop.sent] == pytest.approx([0.05 * k for k in range(len(z))])
 
 
+def test_a_place_out_of_reach_is_forgotten_when_the_axes_are_elsewhere(
+    make_tool_loop: Make, tool: Any
+) -> None:
+    """The program goes 5 mm down: it says so once more of the cycle before, and never again."""
+    places = {"surface": 2.0, "program": 0.0}
+    loop = make_tool_loop(
+        lambda _k: ((0.0, 0.0, places["program"]), 0.0, 0.0),
+        tool.plane(height_mm=lambda _k: places["surface"]),
+        kinematic=_Bounded((100.0,), 80.0),
+    )
+    for height_mm in (0.5, -1.0):
+        places |= {"surface": 2.0, "program": 0.0}
+        loop.plan("MCS").on(set_pos=0.0)
+        for _ in range(3):
+            with pytest.raises(Alarm, match="900443"):
+                loop.run(60)
+        assert loop.control.state is DistanceState.ERROR
+        places["program"] = -5.0
+        with pytest.raises(Alarm, match="900443"):
+            loop.run(2)
+        loop.run(20)
+        loop.say(DistanceCommand.OFF).run(20)
+        assert (loop.control.state, loop.control.offset_mm) == (DistanceState.INACTIVE, 0.0)
+        places |= {"surface": height_mm, "program": 0.0}
+        loop.on(set_pos=0.0)
+        loop.run(100)
+        assert loop.control.state is DistanceState.ACTIVE
+        assert loop.sent[-1][2] == pytest.approx(180.0 + height_mm, abs=1e-3)
+        loop.say(DistanceCommand.OFF).run(20)
+
+
 def test_an_axis_that_the_offset_does_not_move_now_does_not_measure_either(
     make_tool_loop: Make, tool: Any
 ) -> None:

@@ -8,6 +8,7 @@ from tests.channel.distance3d.programs import HEAD, TILTED, Make, rising
 
 from axisrig.kernel.channel.distance.diagnosis import diagnosis
 from axisrig.kernel.distance import DistanceCommand, DistanceState
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.plc.unit import Refreshed
 
 
@@ -89,6 +90,64 @@ def test_diagnosis_data_show_the_set_value_that_acts_and_a_held_offset(
             assert shown["cmd_offset_frozen"] == (offset if is_frozen else "0")
             if command is None:
                 assert shown["sollw"] == acts
+
+
+@pytest.mark.parametrize("v_permille", [0, 800])
+@pytest.mark.parametrize("a_permille", [0, 500])
+def test_diagnosis_data_have_each_its_own_value(
+    make_tool_loop: Make, tool: Any, v_permille: int, a_permille: int
+) -> None:
+    """Beside those of the printed list: one weight alone is one in use, and the rest by name."""
+    loop = make_tool_loop(
+        plane=tool.plane(height_mm=lambda _k: 0.5),
+        ref_offset_mm=3.5,
+        is_optimized=False,
+        **LIST_12_8_3 | {"v_max_mm_s": 1e3, "a_max_mm_s2": 1e6, "max_change_mm_s": 1e6, "kp": 0.2},
+        v_weight_down_permille=v_permille,
+        a_weight_down_permille=a_permille,
+    )
+    shown = dict(diagnosis(loop.control3d, is_awaited=True))
+    assert shown["f_use_weighting"] == f"{int(v_permille + a_permille > 0)}"
+    assert (shown["f_wait_for_finished"], shown["f_freeze"]) == ("1", "0")
+    assert (shown["referenzwert"], shown["max_dist_change"]) == ("35000", "1000000")
+    loop.plan("ACS", "Y")
+    shown = dict(diagnosis(loop.control3d, is_awaited=False))
+    assert (shown["active_mode"], shown["new_mode"]) == ("OFF(0)", "ACS(1)")
+    assert (shown["active_ax_idx"], shown["new_ax_idx"]) == ("0", "1")
+    assert shown["f_wait_for_finished"] == "0"
+    loop.plan("ECS").on(set_pos=0.3)
+    sent = loop.control3d.output_mm
+    for _ in range(3):
+        loop.run(1)
+        shown = dict(diagnosis(loop.control3d, is_awaited=False))
+        offset = loop.control.offset_mm
+        assert (shown["cmd_offset"], shown["act_offset"]) == (
+            f"{round(offset * 1e4)}",
+            f"{round(sent * 1e4)}",
+        )
+        sent = offset
+    assert sent != 0.0
+    assert (shown["active_mode"], shown["new_mode"], shown["active_ax_idx"]) == (
+        *("ECS(2)", "ECS(2)"),
+        "0",
+    )
+    assert (shown["sollw"], shown["sollw_prog"]) == ("3000", "3000")
+    loop.control.set_distance(77.0)
+    shown = dict(diagnosis(loop.control3d, is_awaited=False))
+    assert (shown["sollw"], shown["sollw_prog"]) == ("3000", "770000")
+
+
+def test_diagnosis_data_count_the_cycles_that_fail(make_tool_loop: Make, tool: Any) -> None:
+    loop = make_tool_loop(
+        plane=tool.plane(height_mm=lambda _k: 3.0), kp=0.5, max_deviation_mm=1.0
+    ).plan("MCS")
+    for count in (1, 2):
+        loop.on(set_pos=0.0)
+        with pytest.raises(Alarm, match="310017"):
+            loop.run(9)
+        shown = dict(diagnosis(loop.control3d, is_awaited=False))
+        assert (shown["logged_events"], shown["zstd"]) == (f"{count}", "ERROR(5)")
+        loop.say(DistanceCommand.OFF).run(3)
 
 
 # ---- the sensor
