@@ -1,4 +1,4 @@
-"""What an output depends on at the same instant, by the kind of the rows between it and an input."""
+"""What an output depends on at the same instant, by the kind of rows that it is computed by."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -11,7 +11,7 @@ import pytest
 from tests.recordings import kept
 from tests.reports import tilted
 
-from axisrig.bench.judge.distance import tool_metrics
+from axisrig.bench.judge.distance import tool, tool_metrics
 from axisrig.bench.judge.kinematics import metrics
 from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
 from axisrig.bench.judge.observed.observed import Observed
@@ -250,3 +250,26 @@ def test_without_a_control_or_a_kinematic_each_metric_says_so() -> None:
             found = observe(of, parse_check(metric, "> -1e12", ""))
             assert found.value is None
             assert word in found.note
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_axis_that_is_off_by_most_increments_is_the_worst(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Y is off by most mm and C by most increments; each alone has its own."""
+    per_unit = {"X": 10_000.0, "Y": 100.0, "Z": 1000.0, "C": 10_000.0, "A": 10.0}
+    off = {"X.superposed_mm": 0.0005, "Y.superposed_mm": 0.02, "C.superposed_deg": 0.001}
+    columns: dict[str, Any] = {}
+    for name, error in off.items():
+        columns |= changed(name, r200=0.5 * error, r150=side * error, r260=-0.25 * error)
+    base = seen(columns=columns)
+    axes = {
+        name: replace(record, increments_per_mm=per_unit[name])
+        for name, record in base.facts.axes.items()
+    }
+    of = Observed(replace(base.facts, axes=axes), base.series)
+    own = tool.axes_of(seen(), tool_metrics.SUPERPOSED)
+    monkeypatch.setattr(tool_metrics, "_expected_superposed", lambda _: own)
+    expected = {"": 10.0, ":X": 5.0, ":Y": 2.0, ":Z": 0.0, ":C": 10.0, ":A": 0.0}
+    found = {axis: value(of, f"superposed_error_increments{axis}") for axis in expected}
+    assert found == {axis: pytest.approx(n, abs=1e-6) for axis, n in expected.items()}
