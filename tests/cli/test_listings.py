@@ -362,3 +362,22 @@ def test_a_new_project_is_written_into_what_is_empty(tmp_path: Path) -> None:
     for place in (file, empty):
         with pytest.raises(UserError, match="the folder is not empty"):
             new_project(place)
+
+
+def test_elements_and_parameters_that_one_list_alone_sets_are_differences(tmp_path: Path) -> None:
+    """Whichever of them is the first, in the order of the page."""
+    left, right = (tmp_path / f"{name}.lst" for name in "ab")
+    shared = "kopf.achs_nr 1\nkopf.log_achs_name Z\ngetriebe[0].vb_eilgang 60000\n"
+    left.write_text(shared, encoding="utf-8")
+    own = {
+        "getriebe[1].vb_eilgang": 40000, "getriebe[2].vb_eilgang": 50000, "kenngr.messachse": 1
+    }  # fmt: skip
+    lines = "".join(f"{key} {value}\n" for key, value in own.items())
+    right.write_text(shared + lines, encoding="utf-8")
+    for pair, turn in (((left, right), 1), ((right, left), -1)):
+        text, differs = difference_text(*pair)
+        found = [line.removeprefix("Z: ").split(": ") for line in text.splitlines()[2:]]
+        assert differs
+        assert [key for key, _ in found] == [*own]
+        for key, values in found:
+            assert values.split(" -> ")[::turn][1].split()[0] == str(own[key])

@@ -133,6 +133,47 @@ def test_an_upload_has_as_much_in_each_message_as_the_mailbox_holds(size: int) -
     assert server.ask("60" + "00" * 7)[-8:] == COMMAND
 
 
+READ_5, READ_2, ABORT = "4005200100000000", "4002200100000000", "8000200100000405"
+UP, DOWN = "60" + "00" * 7, "00" + "00" * 7
+
+
+@pytest.mark.parametrize("request_", [READ_2, READ_5, ABORT, "21002001" + "14000000" + "11" * 20,
+                                      "2300200111223344", "a000200100000000"])  # fmt: skip
+@pytest.mark.parametrize("is_upload", [True, False])
+def test_a_new_request_ends_the_transfer_that_a_master_gave_up(
+    is_upload: bool, request_: str
+) -> None:
+    """Given up after an odd number of segments: nothing of it is left, neither data nor toggle."""
+    for segment in (UP, "70" + UP[2:], DOWN, "10" + DOWN[2:]):
+        assert _given_up(is_upload, request_).ask(segment)[-8:] == COMMAND
+    server = _given_up(is_upload, request_)
+    written = len(server.objects.written)
+    for _ in range(2):
+        server.ask("4080200100000000")
+        first = server.ask(UP)
+        assert (first[:2], first[2:]) == ("00", bytes(range(16, 39)).hex())
+    _begin(server, 6)
+    server.ask(DOWN[:2] + DATA[6:9].hex())
+    _begin(server, 6)
+    assert server.ask("01" + DATA[6:].hex()) == "2000000000000000"
+    assert server.objects.written[written:] == [(0x2000, 1, DATA.hex())]
+
+
+def _given_up(is_upload: bool, request_: str) -> Server:
+    """A transfer of which one segment came, then a request that ends it."""
+    server = Server()
+    if is_upload:
+        server.ask("4080200100000000")
+        assert server.ask(UP)[:2] == "00"
+    else:
+        _begin(server, 6)
+        assert server.ask("00" + DATA[6:9].hex() + "0" * 8)[:2] == "20"
+    server.objects.size = 4 if request_.startswith("23") else 20
+    server.server.request(bytes.fromhex(REQUEST + request_))
+    server.objects.size = 20
+    return server
+
+
 def test_an_emergency_has_code_register_and_first_own_byte() -> None:
     sent: list[str] = []
 

@@ -16,6 +16,7 @@ from axisrig.bench.rig.reading.faults import (
     faults_table,
     needs_heartbeats,
     read_faults,
+    read_time,
 )
 from axisrig.bench.rig.reading.file import RigFile, read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -62,6 +63,15 @@ def test_times_are_read_in_whole_nanoseconds(rig: RigFile) -> None:
     assert one(rig, "delay", "X.TPDO1 by=0.3ms").values["by"] == 300_000
     assert one(rig, "delay", "X.TPDO1 by=1.000000001s").values["by"] == 1_000_000_001
     assert one(rig, "delay", "X.TPDO1 by=1500ns").values["by"] == 1500
+    units = {"ns": 1, "us": 1000, "ms": MS, "s": 1000 * MS}
+    for unit, unit_ns in units.items():
+        assert read_time(f"007{unit}") == read_time(f"7.{unit}") == 7 * unit_ns
+        assert read_time(f".5{unit}") == unit_ns // 2
+        for part in range(0, 1000 if unit_ns > 1 else 1, 7):
+            assert read_time(f"1.{part:03}{unit}") == unit_ns + part * unit_ns // 1000
+    for text in ("5", "ms", "-1ms", "1 ms", "1,5ms", "1e3ms", "1_0ms", ".ms", "1min", "1MS"):
+        with pytest.raises(ValueError, match=re.escape(text)):
+            read_time(text)
 
 
 def test_several_targets_share_their_keys_and_semicolons_part_faults(rig: RigFile) -> None:

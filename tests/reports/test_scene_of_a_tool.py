@@ -182,3 +182,41 @@ def test_ideal_surfaces_are_what_the_program_has_given_in_each_stretch() -> None
     assert [each["at_mm"] for each in ideal(made, twice)] == [2.0, 3.0]
     off: Any = motion(set_pos_mm=set_pos)
     assert ideal(off, twice) == []
+
+
+def test_readings_that_leave_the_normal_open_take_the_one_before_or_z() -> None:
+    """A slope of 0.75 is measured on the way along X at Y 7; then the axes stand still. The
+    workpiece is lifted, or the beam is oblique above something level. One reading alone says
+    nothing of a normal, as its beam is longer than the distance."""
+    slope, h = np.array([-0.6, 0.0, 0.8]), 50.0
+
+    def still(normal: Any, at_mm: float, beam: tuple[float, float, float]) -> Any:
+        """20 rows at the place of the plane above X = 40, Y = 7; the beam towards the clamp."""
+        hit = np.array([40.0, 7.0, 0.0])
+        hit[2] = (at_mm - normal @ hit) / normal[2]
+        clamp = hit + h * np.array(beam)
+        return [np.tile(part, (20, 1)) for part in (hit, clamp)] + [
+            np.full(20, h * normal @ np.array(beam))
+        ]
+
+    x = np.linspace(0.0, 40.0, 60)
+    hit = np.stack([x, np.full(60, 7.0), 3.0 + 0.75 * x], axis=-1)
+    moving = [hit, hit + np.array([0.0, 0.0, h]), np.full(60, 0.8 * h)]
+    level = np.array([0.0, 0.0, 1.0])
+    half = tuple(((slope + level) / np.linalg.norm(slope + level)).tolist())
+    lifted, oblique = still(slope, 4.4, (0.0, 0.0, 1.0)), still(level, 30.0, (0.0, 0.6, 0.8))
+    either = still(slope, 6.0, half)  # both normals fit
+
+    def found(*parts: Any) -> list[tuple[list[float], float]]:
+        joined = [np.concatenate(column) for column in zip(*parts, strict=True)]
+        made = motion(len(joined[0]), **dict(zip(("hit_mm", "clamp_mm", "distance_mm"), joined,
+                                                 strict=True)))  # fmt: skip
+        return [(each["normal"], each["at_mm"]) for each in planes(made)]
+
+    sloped, flat = slope.tolist(), level.tolist()
+    assert found(moving, lifted) == [(sloped, 2.4), (sloped, 4.4)]
+    assert found(moving, lifted, oblique) == [(sloped, 2.4), (sloped, 4.4), (flat, 30.0)]
+    assert found(moving, either) == [(sloped, 2.4), (sloped, 6.0)]
+    assert [normal for normal, _ in found(either)] == [flat]
+    assert [normal for normal, _ in found(moving, oblique, either)] == [sloped, flat, flat]
+    assert found(lifted) == []  # an inclined one that nothing shows

@@ -12,6 +12,7 @@ from axisrig.bench.record.axes import AxisRecord, DriveState
 from axisrig.bench.record.facts import AlarmRecord, Facts, RunFile, Timing
 from axisrig.bench.record.measuring import FixedStop, MeasurementRun
 from axisrig.kernel.errors import catalogue
+from axisrig.reports.campaign_sections import SECTIONS, Results
 from axisrig.reports.coverage.section import (
     Coverage,
     distance_transitions,
@@ -177,6 +178,32 @@ def test_sensitivity_is_the_slope_that_went_in(tmp_path: Path) -> None:
     assert "plc:V.E.B 10 to 20: +5 (+5 to +5) um" in text
     # The longest bar is the first one
     assert text.index("plc:V.E.B 10") < text.index("plc:V.E.A 1") < text.index("plc:V.E.C POS")
+
+
+def test_all_metrics_of_a_page_are_in_the_tables_in_the_order_of_the_results(
+    tmp_path: Path,
+) -> None:
+    """14 cases over three inputs, that of the worst verdict in the middle."""
+    results = read_results(wide(tmp_path, [(at, float(at[0]), "pass") for at in GRID]))
+    lines = {name: (tmp_path / name).read_text(encoding="utf-8").splitlines()
+             for name in ("cases.csv", "results.csv")}  # fmt: skip
+    cases = [f"c{number:02}" for number in range(14)]
+    for name, (head, *rows) in lines.items():
+        made = [row.replace(",c,r", f",{case},{case}r") for case in cases for row in rows]
+        made = [row.replace(",pass,", ",fail,") if ",c07," in row else row for row in made]
+        (tmp_path / name).write_text("\n".join([head, *made, ""]), encoding="utf-8")
+    results = read_results(tmp_path)
+    page = Results(results, Coverage())
+    assert [sweep.case for sweep in page.sweeps] == [f"p-{case}" for case in cases]
+    texts = {section.place: section.make(page) for section in SECTIONS}
+    assert [place for place, text in texts.items() if text] == ["sweeps_title", "sensitivity_title"]
+    for place, text in texts.items():
+        assert text.count(f'<h2 id="{place}">') == bool(text)
+    text = texts["sensitivity_title"]
+    assert re.findall(r"<caption><b>p-(\w+)</b>", text) == cases
+    assert text.count("<svg") == 12
+    assert "2 more metrics are in the tables only" in text
+    assert texts["sweeps_title"] == sweeps_section(results)
 
 
 def test_inputs_that_go_together_have_no_sensitivity(tmp_path: Path) -> None:

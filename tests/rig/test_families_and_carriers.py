@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from axisrig.bench.rig.cyclic.on_segment import OF_FAMILY, on_segment
 from axisrig.bench.rig.reading import families, file
 
 ROWS = [SimpleNamespace(family=family, carrier=carrier) for family, carrier in
@@ -72,3 +73,18 @@ def test_a_family_that_a_list_names_counts_only_where_its_segment_carries_it(
             drive: dict[str, Any] = dict(keys)
             file._name_families({"drive": {"one": drive}, "axis": axes, "segment": segments})
             assert drive.get("family") == (None if keys else family), wired
+
+
+def test_each_axis_of_a_cyclic_segment_is_of_the_family_of_its_own_drive() -> None:
+    """All on one segment, two with one drive, and two drives of a family in turn."""
+    wired = [(f"{name}{number}", name) for number in (1, 2) for name in OF_FAMILY]
+    drives = {name: SimpleNamespace(family_name=family) for name, family in wired}
+    axes = {f"of_{name}": SimpleNamespace(drive=name, segment="fast") for name, _ in wired}
+    axes["again"] = axes["of_lightbus2"]
+    settings: Any = SimpleNamespace(rig=SimpleNamespace(axis=axes, drive=drives))
+    for axis in axes:
+        family = drives[axes[axis].drive].family_name
+        assert on_segment(settings, axis) is OF_FAMILY[family]
+        found = OF_FAMILY[family]
+        names = [made.__name__ for made in (found.check, found.describe)]
+        assert names == [f"check_{family}", f"describe_{family}"]

@@ -1,5 +1,7 @@
 """What `axisrig probe-feed` prints."""
 
+import math
+
 import pytest
 from typer.testing import CliRunner
 
@@ -20,6 +22,26 @@ def test_the_path_of_a_feed() -> None:
     (one, two) = probe_feed_text(Question(5.0, 8.0, 1.0, 1.0), 6000.0).splitlines()[1:3]
     assert one.split()[-1] == "11.8000"
     assert two.split()[-1] == "12.6000"
+
+
+@pytest.mark.parametrize("feed_mm_min", [None, 60.0, 6000.0, 90000.0])
+def test_what_is_within_the_stroke_does_not_depend_on_the_feed_that_is_asked(
+    feed_mm_min: float | None,
+) -> None:
+    """v t + v^2/2b + v/Kv = 12.6 mm: 100 mm/s at 16 ms; 86.06 mm/s at 32 ms (Kv 1000/60 per s)."""
+    last = probe_feed_text(Question(12.6, 16.0, 1.0, 1.0), feed_mm_min).splitlines()[-1]
+    largest = [60.0 * largest_mm_s(12.6, t_s, 1000.0, 1000.0 / 60.0) for t_s in (0.016, 0.032)]
+    assert largest[0] == pytest.approx(6000.0)
+    assert last == (
+        f"Within a stroke of 12.6 mm: at most {largest[1]:.1f} mm/min for every edge,"
+        f" {largest[0]:.1f} mm/min if it always took one cycle."
+    )
+
+
+def largest_mm_s(way_mm: float, reaction_s: float, b_mm_s2: float, kv_per_s: float) -> float:
+    """The positive root of v^2/2b + (t + 1/Kv) v - s."""
+    p = b_mm_s2 * (reaction_s + 1.0 / kv_per_s)
+    return math.sqrt(p * p + 2.0 * b_mm_s2 * way_mm) - p
 
 
 @pytest.mark.parametrize(

@@ -233,8 +233,10 @@ def _fitted(
 
     known: normals that are tried first.
     """
-    hit, clamp, distance = motion.hit_mm[rows], motion.clamp_mm[rows], motion.distance_mm[rows]
-    count = len(rows)
+    # From their middle: what readings along a line leave open is 0 then, wherever the line is
+    middle = motion.hit_mm[rows].mean(axis=0)
+    hit, clamp = motion.hit_mm[rows] - middle, motion.clamp_mm[rows] - middle
+    distance, count = motion.distance_mm[rows], len(rows)
     matrix = np.full((2 * count, 4), -1.0)
     matrix[:count, :3], matrix[count:, :3] = hit, clamp
     wanted = np.concatenate([np.zeros(count), distance])
@@ -243,7 +245,7 @@ def _fitted(
     for found in solutions:
         has_length = abs(float(np.linalg.norm(found[:3])) - 1.0) < _UNIT
         if has_length and float(np.abs(matrix @ found - wanted).max()) < PLANE_MM:
-            return found[:3], float(found[3])
+            return found[:3], float(found[3] + found[:3] @ middle)
     return None
 
 
