@@ -327,6 +327,10 @@ def test_a_guide_is_used_where_the_control_was_on_meanwhile() -> None:
     tool = tilted.tool(trace(), replace(of, distance_3d=replace(of.distance_3d, guides=guides)))
     assert [guide.is_used for guide in tool.guides] == [False, False, True, True, False]
     assert [guide.change.time_ns for guide in tool.guides] == [row * MS for row in rows]
+    # One that begins before the control and lasts into it, and one that it is switched off in
+    guides = tuple(GuideChange(row * MS, "MCS") for row in (0, ON + 1, tilted.OFF - 1))
+    tool = tilted.tool(trace(), replace(of, distance_3d=replace(of.distance_3d, guides=guides)))
+    assert [guide.is_used for guide in tool.guides] == [True, True, True]
     without = tilted.tool(trace(), replace(of, distance_3d=None))
     assert ([*without.guides], [*without.diagnosis]) == ([], [])
 

@@ -277,6 +277,30 @@ def test_weight_and_imbalance_pull_together_where_the_stop_is(
         assert truth.axis.weight_n == pytest.approx(weight_n + pull_n)
 
 
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("motor_n", [700.0, None])
+def test_an_encoder_is_further_in_by_stop_and_screw(direction: int, motor_n: float | None) -> None:
+    """x_stop + d (F/k + b/2 + M/j): 500 N on 10 N/um, M of the motor on 20 N/um, backlash 4 um.
+
+    The force of the motor has the sign of its direction, that at the stop none.
+    """
+    values = {
+        "stop_direction": direction, "stop_position": 0.1, "stop_stiffness": 1e7,
+        "effective_mass": 100.0, "screw_stiffness": 2e7, "backlash": 4e-6,
+    }  # fmt: skip
+    plant = PlantRecord({name: PlantValue(float(value)) for name, value in values.items()})
+    names = ("actual_mm", "truth_mm", "velocity_mm_s", "drive_lag_mm", "set_mm", "cnc_lag_mm")
+    columns = {f"Z.{name}": np.zeros(ROWS) for name in names}
+    columns["Z.stop_force_n"] = np.full(ROWS, 500.0)
+    if motor_n is not None:
+        columns["Z.force_n"] = np.full(ROWS, direction * motor_n)
+    axes = {"Z": AxisRecord("can1", 1, 1000.0, plant="z")}
+    observed = Observed(facts(axes=axes, plants={"z": plant}), at_rest(**columns))
+    found = axis_truth(observed, "Z", 0.0).pressed_encoder_mm(3)
+    screw_n = 500.0 if motor_n is None else motor_n
+    assert found == pytest.approx(100.0 + direction * (0.05 + 0.002 + screw_n / 2e4))
+
+
 @pytest.mark.parametrize(
     ("force_n", "rows", "beside_n"),
     [

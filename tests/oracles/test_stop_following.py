@@ -1,10 +1,11 @@
 """The criteria walked along a motion, against counting by hand, and what settings foretell."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.oracles.fixed_stop.false_triggers import Motion, false_triggers
+from axisrig.bench.oracles.fixed_stop.false_triggers import Motion, false_triggers, lag_reasons
 from axisrig.bench.oracles.fixed_stop.following import (
     Course,
     begin_of_last,
@@ -93,3 +94,14 @@ def test_what_settings_foretell() -> None:
     assert reasons(Limits(0.9, 0.1, 65 * MS)) == [], "the lag does not hold with it"
     assert len(reasons(Limits(0.2, 0.1, 65 * MS))) == 2
     assert reasons(Limits()) == []
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_running_lag_has_the_sign_of_the_motion_and_its_limit_has_none(side: float) -> None:
+    """A lag of 0.25 mm to either side: found in free motion up to a limit of as much."""
+    motion = Motion(10.0, 1000.0, side * 0.25, None)
+    for limit_mm, is_found in ((0.2, True), (0.25, True), (0.26, False)):
+        assert bool(lag_reasons(Limits(limit_mm, None, MS), motion)) is is_found
+        assert bool(false_triggers(Limits(limit_mm, None, MS), motion, None)) is is_found
+    unknown = Motion(10.0, 1000.0, None, None)
+    assert lag_reasons(Limits(0.2, None, MS), unknown) == []

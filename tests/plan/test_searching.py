@@ -209,3 +209,36 @@ def test_the_command_line_does_not_set_what_is_searched(write_plan: PlanWriter) 
     plan = read_plan(write_plan(f"{HEAD}\n{ROW.format('1 .. 9 to 1')}\n"))
     with pytest.raises(UserError, match="several values"):
         plan.with_inputs([parse_assignment("plc:V.E.FEED=3")])
+
+
+@pytest.mark.parametrize(
+    ("cell", "ends", "width"),
+    [
+        ("1 .. 3 to 0.5", ("1.0", "3.0"), "0.5"),
+        ("0.25 .. 3 to 1", ("0.25", "3.00"), "1.00"),
+        ("3 .. 0.5 to .125", ("3.000", "0.500"), "0.125"),
+        ("-2 .. 10 to 4", ("-2", "10"), "4"),
+    ],
+)
+def test_every_number_of_a_search_has_the_decimals_of_the_finest(
+    write_plan: PlanWriter, cell: str, ends: tuple[str, str], width: str
+) -> None:
+    (case,) = read_plan(write_plan(f"{HEAD}\n{ROW.format(cell)}\n")).cases
+    found = case.search
+    assert found is not None
+    assert (found.value(found.first), found.value(found.last)) == ends
+    assert found.value(found.width) == width
+
+
+@pytest.mark.parametrize("wider", [0, 1])
+def test_a_search_may_take_forty_runs(write_plan: PlanWriter, wider: int) -> None:
+    """Both ends, and 38 times half of 2^38."""
+    path = write_plan(f"{HEAD}\n{ROW.format(f'0 .. {2**38 + wider} to 1')}\n")
+    if wider:
+        with pytest.raises(UserError, match="the search takes 41 runs, more than 40"):
+            read_plan(path)
+        return
+    (case,) = read_plan(path).cases
+    assert case.search is not None
+    _, tried = searched(case.search, lambda value: value < 1)
+    assert len(tried) == case.search.probes_max == PROBES_MAX

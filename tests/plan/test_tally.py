@@ -41,7 +41,7 @@ def test_probes_are_no_rows(tmp_path: Path) -> None:
 def test_rows_that_are_no_longer_in_a_plan_are_not_counted() -> None:
     """Of each kind two are there, one of which its plan has no more."""
     kinds: dict[str, dict[str, str]] = {
-        "run": {}, "mean": {"runs": "2"},
+        "run": {}, "mean": {"runs": "2", "search:plc:V.E.A": ""},
         "search": {"runs": "2", "search:plc:V.E.A": "1 .. 9 to 1"},
         "probe": {"probe": "search", "search:plc:V.E.A": ""},
     }  # fmt: skip

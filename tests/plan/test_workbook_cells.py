@@ -168,10 +168,16 @@ def test_a_format_that_shows_the_number_itself_does_not_count(tmp_path: Path, co
         (47, None, "date"), (48, None, ""), (49, None, ""), (164, "yyyy-mm-dd", "date"),
         (165, "[h]:mm", "date"), (166, "[$-407]0.00", ""), (167, "General", ""), (9, "0.0", ""),
         (168, "@", ""), (169, "0.00E+00", ""), (170, '#,##0.00 "days"', ""),
+        (171, "0.0;0%", ""), (172, "0%;0.0;0", "percent"), (173, "0;yyyy", ""),
+        (174, '"a; b" 0%', "percent"), (175, r"0\;0%", "percent"), (176, '0" m";-0%', ""),
+        (177, '"%;d" 0.0', ""), (178, "_;0%", "percent"),
     ],
 )  # fmt: skip
 def test_number_formats(number: int, code: str | None, what: str) -> None:
-    """ECMA-376-1 18.8.30, 18.8.31: IDs that have no code of their own, and codes."""
+    """ECMA-376-1 18.8.30, 18.8.31: IDs that have no code of their own, and codes.
+
+    The first section counts; a semicolon in quotes or after a backslash ends none.
+    """
     assert shows(number, code) == what
 
 

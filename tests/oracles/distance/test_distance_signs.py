@@ -206,3 +206,41 @@ def test_a_step_comes_after_three_cycles_of_rest(quiet: int, is_step: bool, firs
         measured(targets, sensor, PERIOD_NS, quiet_increments=10)
     with pytest.raises(NotMeasurableError, match="no sensor value showed"):
         measured(targets, sensor, PERIOD_NS, quiet_increments=6)
+
+
+def courses(sensor: list[int], target: list[int]) -> tuple[list[Sent], list[Sent]]:
+    """Frames of each cycle: set positions 7 ns after the sensor values."""
+    return (
+        [Sent(k * PERIOD_NS + 7, value) for k, value in enumerate(target)],
+        [Sent(k * PERIOD_NS, value) for k, value in enumerate(sensor)],
+    )
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("meanwhile", "is_step"), [(10, True), (12, True), (13, False), (7, False)])
+def test_between_step_and_answer_the_sensor_value_rests_but_for_its_noise(
+    side: int, meanwhile: int, is_step: bool
+) -> None:
+    """10 increments at 5 T, another value at 7 T, the answer at 8 T, which shows at 10 T."""
+    sensor = [0] * 5 + [10] * 2 + [meanwhile] * 3 + [2] * 4
+    answer = [0] * 8 + [-6] * 6
+    frames = courses([side * one for one in sensor], [side * one for one in answer])
+    if is_step:
+        found = measured(*frames, PERIOD_NS, quiet_increments=2)
+        assert (found.cycles.reaction, found.cycles.way) == (3, 2)
+        assert (found.seen_ns, found.shown_ns) == (5 * PERIOD_NS, 10 * PERIOD_NS)
+        return
+    with pytest.raises(NotMeasurableError, match="went on changing: no step"):
+        measured(*frames, PERIOD_NS, quiet_increments=2)
+
+
+def test_the_noise_of_the_sensor_excuses_no_set_position() -> None:
+    """One increment of the set position before the step is a motion of its own."""
+    sensor = [0] * 5 + [10] * 5 + [2] * 4
+    for moved in (0, 1, -1):
+        frames = courses(sensor, [0] * 2 + [moved] * 6 + [-6] * 6)
+        if not moved:
+            assert measured(*frames, PERIOD_NS, quiet_increments=5).cycles.reaction == 3
+            continue
+        with pytest.raises(NotMeasurableError, match="the set position was not constant before"):
+            measured(*frames, PERIOD_NS, quiet_increments=5)

@@ -25,7 +25,7 @@ def shows(format_id: int, code: str | None) -> str:
         if format_id < _CUSTOM_FROM:
             return "percent" if format_id in _PERCENT else "date" if format_id in _DATE else ""
         return ""
-    bare = _SHOWN.sub("", code.split(";")[0]).lower()
+    bare = _SHOWN.sub("", code).split(";")[0].lower()
     if "general" in bare:
         return ""
     if "%" in bare:
