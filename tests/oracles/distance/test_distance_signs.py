@@ -217,7 +217,9 @@ def courses(sensor: list[int], target: list[int]) -> tuple[list[Sent], list[Sent
 
 
 @pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize(("meanwhile", "is_step"), [(10, True), (12, True), (13, False), (7, False)])
+@pytest.mark.parametrize(
+    ("meanwhile", "is_step"), [(10, True), (12, True), (13, False), (7, False)]
+)
 def test_between_step_and_answer_the_sensor_value_rests_but_for_its_noise(
     side: int, meanwhile: int, is_step: bool
 ) -> None:
