@@ -330,3 +330,10 @@ def test_what_is_no_table_is_refused_with_its_line(
     with pytest.raises(UserError, match=words) as caught:
         read_table(path)
     assert caught.value.line == line
+
+
+def test_several_cells_with_line_breaks_make_a_row_so_much_longer(write_plan: PlanWriter) -> None:
+    text = 'case,program,rig,title,requirement\na,probe.nc,machine.toml,"x\ny","z\n\nw"\nb,,,,\n'
+    with pytest.raises(UserError) as caught:
+        read_plan(write_plan(text))
+    assert caught.value.line == 6

@@ -5,15 +5,27 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from results_setup import TEXT, PlanWriter, add, contents, manifest, posix, rows, run_case, write
+from results_setup import (
+    TEXT,
+    PlanWriter,
+    add,
+    contents,
+    left,
+    manifest,
+    posix,
+    rows,
+    run_case,
+    write,
+)
 
 from axisrig.bench.campaign.results import writer as writer_module
 from axisrig.bench.campaign.results.folder import clear
 from axisrig.bench.campaign.results.junit import write_junit
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.stored import read_results
-from axisrig.bench.campaign.results.writer import ResultsWriter, no_values
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, no_values
 from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 
@@ -361,3 +373,40 @@ def test_a_campaign_that_was_killed_while_it_cleared_the_folder_leaves_one_to_go
     (out / "bus" / "precious").touch()
     with pytest.raises(UserError, match="something that is no results folder"):
         write(out, plan, [0, 1, 2])
+
+
+def test_of_a_run_that_died_no_part_of_its_series_stays(plan: Plan, tmp_path: Path) -> None:
+    """Nor that of an earlier call, which its row says nothing of any more."""
+    out = write(tmp_path / "out", plan, [0, 1, 2])
+    kept = out / "traces" / "probing-a.parquet"
+    assert kept.is_file()
+    with ResultsWriter(out, [plan], {}, runs=["probing-a"]) as writer:
+        trace = writer.files_of("probing-a").trace
+        assert trace is not None
+        trace.write_bytes(b"a part of it")
+        writer.add(no_values(plan.cases[0], Verdict.ERROR, "its process died"))
+    assert not kept.exists()
+    left_over = {path.name for path in (out / "traces").iterdir()}
+    assert left_over == {"probing-b.parquet", "probing-c.parquet"}
+
+
+def test_a_search_keeps_the_probes_of_its_last_call_alone(
+    write_plan: PlanWriter, tmp_path: Path
+) -> None:
+    """Three at first, then two; their simulated time is that of the search."""
+    head = "case,program,rig,search:plc:V.E.FEED,check:latch_error_um"
+    text = f"{head}\na,probe.nc,machine.toml,1 .. 9 to 1,<= 1\n"
+    plan = read_plan(write_plan(text))
+    (case,) = plan.cases
+    out = tmp_path / "out"
+    for count in (3, 2):
+        probes = [
+            CaseResult(probe_of(case, n, f"{n}"), Verdict.PASS, [], facts=left())
+            for n in range(1, count + 1)
+        ]
+        result = CaseResult(case, Verdict.PASS, [], probes=tuple(probes))
+        assert result.sim_s == pytest.approx(count * 0.005)
+        with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
+            writer.add(result)
+        runs = [run.run for run in read_results(out).runs]
+        assert sorted(runs) == [case.run, *(f"{case.run}-s0{n}" for n in range(1, count + 1))]
