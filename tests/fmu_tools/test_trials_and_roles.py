@@ -185,6 +185,37 @@ def test_what_fits_nothing_may_fit_with_a_map_the_plainest_way_first(
     assert found(slave) == [("ok", "nothing in it can be an axis or a sensor of a rig")]
 
 
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("position", ""),
+        ("position demand", "position = position; demand = demand"),
+        ("demand ramp", ""),
+        ("position demand ramp", "position = position; demand = demand"),
+    ],
+)
+def test_of_groups_that_need_one_another_the_plain_one_is_asked_for(
+    names: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of an axis: the ramp of the demand, or the demand alone (roles.csv)."""
+    kinds = Kinds(monkeypatch)
+    kinds.roles["axis"] = {
+        "position": role(), "ramp": role("demand", "ramp"), "demand": role("demand"),
+        "force": role("optional"),
+    }  # fmt: skip
+
+    def bind(_slave: object, name: str, _role: Any, source: Any) -> None:
+        if source.variable != name:
+            raise UserError("no")
+
+    monkeypatch.setattr(roles, "bind", bind)
+    variables = [variable(name) for name in names.split()]
+    slave: Any = SimpleNamespace(description=SimpleNamespace(modelVariables=variables))
+    ((_, text),) = found(slave)
+    head = "kind axis with a map (docs/rigs.md): "
+    assert text == (head + words if words else "nothing in it can be an axis or a sensor of a rig")
+
+
 def test_with_a_kind_that_fits_no_map_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     kinds = Kinds(monkeypatch, probe=[])
     kinds.roles["axis"] = {}

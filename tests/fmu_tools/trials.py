@@ -13,7 +13,9 @@ class Slave(SimpleNamespace):
 
 
 class FakeTrial:
-    """Outputs follow the number of steps; `odd` is added; `prepare` gets the instance when made."""
+    """Outputs follow the inputs, which move with each step; `odd` is added; `prepare` gets the
+    instance when made. A state has outputs and time; where its inputs are is of the trial.
+    """
 
     made: list[str]
     outputs: Any = (SimpleNamespace(name="x"),)
@@ -23,7 +25,7 @@ class FakeTrial:
         self.name, self.count, self.moves = name, 0, moves
         self.slave: Any = Slave(
             description=None, can=self.can, messages=list(self.messages), time_ns=0,
-            save_state=lambda: Slave(handle=1, time_ns=self.slave.time_ns, count=self.count),
+            save_state=lambda: Slave(handle=1, time_ns=self.slave.time_ns),
             restore_state=self._restore, fmpy=None,
         )  # fmt: skip
         self.prepare(self)
@@ -45,7 +47,7 @@ class FakeTrial:
         self.was_reset = True
 
     def _restore(self, saved: Any) -> None:
-        self.slave.time_ns, self.count = saved.time_ns, saved.count
+        self.slave.time_ns = saved.time_ns
         self.restores += 1
 
     def read(self) -> Reading:

@@ -285,7 +285,9 @@ def test_the_lines_of_a_budget() -> None:
         share(-1.5, expected_um=-1.2, combined_um=-1.0),
         share(0.004, bound_um=0.01, combined_um=0.004),
     )
-    lines = budget_lines(budget(*shares, kept_on=("run-up",), not_combined=("radio", "drift")))
+    lines = budget_lines(
+        budget(*shares, left_um=0.01, kept_on=("run-up",), not_combined=("radio", "drift"))
+    )
     assert lines[2].split()[-2:] == ["mean", "um"]
     cells = [line[65:].split() for line in lines[3:8]]
     assert cells == [
@@ -293,7 +295,7 @@ def test_the_lines_of_a_budget() -> None:
         ["-0.5000", "-1.5000", "-1.2000", "-1.0000", "differs", "by", "-0.3000"],
         ["+1.0040", "+0.0040", "+-", "0.0100", "+0.0040"],
         ["-9.4960"],
-        ["+0.0000"],
+        ["+0.0100"],
     ]
     assert lines[6].startswith("all causes")
     assert lines[7].startswith(LEFT)

@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canopen.objectdictionary import INTEGER16, UNSIGNED16, UNSIGNED32, ObjectDictionary, ODVariable
 
 from axisrig.bench.bus.can.dissect import dissect
 from axisrig.bench.bus.can.frame import data_frame
@@ -223,6 +224,19 @@ def test_values_with_what_they_mean(
 )
 def test_the_number_in_the_data_of_an_sdo(index: int, data: str, number: int) -> None:
     assert number_of(index, 0, bytes.fromhex(data)) == number
+
+
+def test_objects_of_a_maker_have_the_sign_of_its_eds_where_the_length_fits() -> None:
+    od = ObjectDictionary()
+    for index, kind in ((0x3001, INTEGER16), (0x3002, UNSIGNED16), (0x6064, UNSIGNED32)):
+        od.add_object(ODVariable(f"object {index:X}", index, 0))
+        od[index].data_type = kind
+    for index, data, number in (
+        (0x3001, "feff", -2), (0x3001, "fe", 254), (0x3001, "feffffff", 0xFFFF_FFFE),
+        (0x3002, "feff", 0xFFFE), (0x3003, "feff", 0xFFFE),
+        (0x6064, "ffffffff", -1),  # what CiA 402 says comes before an EDS
+    ):  # fmt: skip
+        assert number_of(index, 0, bytes.fromhex(data), od) == number, (index, data)
 
 
 def test_the_log_of_a_run_is_the_first_kind_there_is(tmp_path: Path) -> None:

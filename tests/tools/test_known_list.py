@@ -38,6 +38,12 @@ def test_lines_that_are_refused_are_comments_and_the_rest_is_read(tmp_path: Path
     assert lines[0] == "# of a control"
     assert [n for n, line in enumerate(lines[1:], 2) if line.startswith("#")] == [3, 5, 7, 8, 9]
     assert lines[2] == "# kopf.reserviert 0  # unknown axis parameter"
+    # Each line has its own reason, and the one that was refused first not that of another one
+    reasons = {int(one.line or 0): one.message for one in (caught.value, *caught.value.further)}
+    assert len(set(reasons.values())) > 1
+    for number, reason in reasons.items():
+        head = f"# {LIST.splitlines()[number - 1].strip()}  # "
+        assert lines[number - 1] == head + " ".join(reason.split())
     path.write_text(text, encoding="utf-8")
     (axis,) = read_sections(path, "axis")
     assert axis.word("kopf.log_achs_name") == "Z"

@@ -3,7 +3,7 @@
 A place in braces is drawn, everything beside it is taken as it is written:
 
     {300..1800}                       a whole number
-    {0.100..0.400}                    a number with as many decimals
+    {0.100..0.400}                    a number with as many decimals as the finer end
     {300..1800 step 20 off 120 V.E.A} one of 300, 320 .. 1800, at least 120 beside that of V.E.A
     {a | b}                           one of these
 
@@ -67,7 +67,7 @@ def _place(form: str, numbers: random.Random, drawn: Mapping[str, str]) -> str:
             if abs(number - beside) >= off
         ]
         return str(numbers.choice(far))
-    decimals = len(low.partition(".")[2])
+    decimals = max(len(end.partition(".")[2]) for end in (low, high))
     if not decimals:
         return str(numbers.randint(int(low), int(high)))
     return f"{numbers.uniform(float(low), float(high)):.{decimals}f}"
