@@ -1,0 +1,188 @@
+"""Parts of a machine that carry segments: each answers for its own lines, buses and axes."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.machine import families
+from axisrig.bench.machine.canopen import family as can
+from axisrig.bench.machine.cyclic import family as cyclic
+from axisrig.bench.machine.ethercat import family as ethercat
+from axisrig.bench.machine.ethercat.family import EthercatLines
+from axisrig.bench.machine.ethercat.line_terminal import inputs_of
+from axisrig.kernel.profiles.ethercat.tables import AlState
+from axisrig.kernel.time.clock import MS
+
+pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
+
+WIRED = {"X": "one", "Y": "two", "Z": "two", "W": "other"}
+
+
+def bench() -> Any:
+    """Axes on two segments of a part, and one on a segment of somebody else; it is 250 ms."""
+    axes = {name: SimpleNamespace(segment=segment) for name, segment in WIRED.items()}
+    settings = SimpleNamespace(rig=SimpleNamespace(axis=axes))
+    return SimpleNamespace(settings=settings, scheduler=SimpleNamespace(now_ns=250 * MS))
+
+
+def part_of(kind: Any, segments: dict[str, Any]) -> Any:
+    """A part that has been installed with these segments or lines."""
+    part = kind.__new__(kind)
+    part._bench = bench()
+    part.nodes = {name: f"node {name}" for name in "XYZ"}
+    part.lines = part.segments = segments
+    return part
+
+
+@pytest.mark.parametrize(
+    ("module", "kind", "table"),
+    [(can, "CanBuses", "ON_CAN"), (ethercat, "EthercatLines", "ON_LINES"),
+     (cyclic, "CyclicSegments", "ON_IMAGES")],
+)  # fmt: skip
+def test_a_fault_is_built_in_where_its_segment_or_the_one_of_its_axis_is(
+    monkeypatch: pytest.MonkeyPatch, module: Any, kind: str, table: str
+) -> None:
+    built: list[tuple[Any, ...]] = []
+
+    def make(*words: Any) -> str:
+        built.append(words)
+        return "act"
+
+    monkeypatch.setattr(module, table, {"some": make, "other": None})
+    segments: Any = {name: SimpleNamespace(faults=f"faults of {name}") for name in ("one", "two")}
+    part = part_of(getattr(module, kind), segments)
+    for axis, segment, on in (
+        ("", "one", "one"), ("", "two", "two"), ("X", "", "one"), ("Z", "", "two"),
+        ("W", "", None), ("", "other", None),
+    ):  # fmt: skip
+        fault: Any = SimpleNamespace(kind="some", axis=axis, segment=segment)
+        found = part.build_fault(fault, "numbers", "record")
+        if on is None:
+            assert (found, built) == (None, [])
+            continue
+        ((place, *words),) = built
+        built.clear()
+        assert (found, words) == ("act", [fault, "numbers", "record"])
+        assert place.nodes is part.nodes
+        one = segments[on]
+        of_part = {"CanBuses": lambda at: at.segments is part.segments,
+                   "EthercatLines": lambda at, one=one: at.line is one.faults,
+                   "CyclicSegments": lambda at, one=one: at.segment is one}  # fmt: skip
+        assert of_part[kind](place), (axis, segment)
+        assert place.clock is part._bench.scheduler
+
+
+def test_the_first_part_that_has_the_segment_builds_a_fault_in() -> None:
+    asked: list[str] = []
+
+    def part(name: str, act: str | None) -> Any:
+        def build(*words: Any) -> str | None:
+            asked.append(name)
+            assert words == ("fault", "numbers", "record")
+            return act
+
+        return SimpleNamespace(build_fault=build)
+
+    parts: Any = [part("a", None), part("b", "act of b"), part("c", "act of c")]
+    given: Any = ("fault", "numbers", "record")
+    assert families.build_fault(parts, *given) == "act of b"
+    assert asked == ["a", "b"]
+
+
+class Meter:
+    """What has passed on a line; loads are told apart by their span."""
+
+    def __init__(self, number: int) -> None:
+        self.back, self.wrong, self.wrong_in_a_row = number, number + 1, number + 2
+        self.changes = [f"change {number}"]
+        self._base = 100.0 * number
+
+    def load_pct(self, now_ns: int) -> float:
+        return self._base + now_ns / MS / 1000
+
+    def worst_pct(self, span_ns: int, now_ns: int) -> float:
+        return self._base + span_ns / MS + now_ns / MS / 1000
+
+    def recent_pct(self, now_ns: int, span_ns: int) -> float:
+        return self.worst_pct(span_ns, now_ns)
+
+
+def line_of(number: int, axes: str) -> Any:
+    """A line whose numbers begin with `number`; its last slave has fallen."""
+    slaves = {
+        name: SimpleNamespace(states=SimpleNamespace(state=AlState.OP, code=0)) for name in axes
+    }
+    slaves[axes[-1]].states = SimpleNamespace(state=AlState.SAFEOP, code=0x1B)
+    master = SimpleNamespace(
+        frames=number + 4, image=SimpleNamespace(counter=number + 5), clocks_off_ns=number + 6,
+        line=SimpleNamespace(clock_limit_ns=number + 7, reads_differences=number == 10),
+    )  # fmt: skip
+    carrier = SimpleNamespace(sampled_ns=lambda axis: f"{axis} of {number}")
+    segment = SimpleNamespace(frames=number + 8, lost=number + 9)
+    return SimpleNamespace(
+        slaves=slaves, master=master, carrier=carrier, segment=segment, terminal=None
+    )
+
+
+def test_each_line_has_its_own_figures_schedule_and_clocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = {"one": line_of(10, "X"), "two": line_of(20, "YZ")}
+    part = part_of(EthercatLines, lines)
+    part._meters = {"one": Meter(1), "two": Meter(2)}
+    cycles = {"one": SimpleNamespace(period_ns=1_000_000, wire_ns=10_000),
+              "two": SimpleNamespace(period_ns=2_000_000, wire_ns=12_500)}  # fmt: skip
+    monkeypatch.setattr(ethercat, "schedule_of", lambda settings, name: cycles[name])
+    monkeypatch.setattr(ethercat, "overloads", lambda settings: {"two": "too long"})
+    found = part.figures()
+    assert [one.segment for one in found] == ["one", "two"]
+    assert [one.overload for one in found] == ["", "too long"]
+    assert [one.load_pct for one in found] == [100.25, 200.25]
+    assert [one.load_100ms_pct for one in found] == [200.25, 300.25]
+    assert [one.load_1ms_pct for one in found] == [101.25, 201.25]
+    assert [(one.frames, one.error_frames) for one in found] == [(18, 19), (28, 29)]
+    assert [one.changes for one in found] == [("change 1",), ("change 2",)]
+    assert {one.bitrate for one in found} == {100_000_000}
+    of_lines = [one.line for one in found]
+    assert [(one.period_us, one.wire_us) for one in of_lines] == [(1000.0, 10.0), (2000.0, 12.5)]
+    assert [(one.sent, one.back, one.counter) for one in of_lines] == [(14, 1, 15), (24, 2, 25)]
+    assert [(one.wrong, one.wrong_in_a_row) for one in of_lines] == [(2, 3), (3, 4)]
+    assert [name for name, _ in of_lines[1].slaves] == ["Y", "Z"]
+    (up, down) = (words for _, words in of_lines[1].slaves)
+    assert "," not in up
+    assert down.lower().startswith("safe")
+    assert "watchdog" in down.lower()  # ETG.1000.6: code 001B
+    shown = part.shown()
+    span_ms = ethercat.LOAD_SPAN_NS / MS
+    assert [one["segment"] for one in shown] == ["one", "two"]
+    assert [one["load_pct"] for one in shown] == [100.25 + span_ms, 200.25 + span_ms]
+    assert [(one["frames"], one["error_frames"]) for one in shown] == [(18, 19), (28, 29)]
+    assert [one["line"]["sent"] for one in shown] == [14, 24]
+    assert {(one["is_outside"], one["lost"], one["bitrate"]) for one in shown} == {
+        (False, None, 100_000_000)
+    }
+    # Of the line of the axis; one that does not read differences has no limit
+    assert [part.sampled_ns(axis, 5) for axis in "XZ"] == ["X of 10", "Z of 20"]
+    assert [part.clocks_off_ns(axis) for axis in "XZ"] == [16, 26]
+    assert [part.clock_limit_ns(axis) for axis in "XZ"] == [17, None]
+    assert part.terminal(lambda _: None) is None
+    lines["two"].terminal = "terminal"
+    assert part.terminal(lambda _: None) == "terminal"
+
+
+def test_a_log_of_a_line_has_its_name_whatever_kinds_of_logs_are_asked_for() -> None:
+    logs = [Path("runs") / name for name in ("a.b-1.blf", "a.b-1.log")]
+    found = ethercat._files(logs, ["one", "two"])
+    assert found == [("one", Path("runs/a.b-1@one.pcapng")), ("two", Path("runs/a.b-1@two.pcapng"))]
+    assert ethercat._files([], ["one"]) == []
+    assert ethercat._files(logs, []) == []
+
+
+def test_a_terminal_of_a_line_has_what_is_wired_to_each_input() -> None:
+    signals: Any = {"a": "signal a", "b": "signal b"}
+    for wired, found in (
+        ({1: "a", 2: "b"}, ("signal a", "signal b")), ({2: "a"}, (None, "signal a")),
+        ({1: "b"}, ("signal b", None)), ({2: "b", 1: "a"}, ("signal a", "signal b")),
+    ):  # fmt: skip
+        table: Any = SimpleNamespace(inputs=wired)
+        assert inputs_of(table, signals) == found
