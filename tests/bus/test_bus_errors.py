@@ -396,11 +396,15 @@ def test_state_of_python_can_can_be_set_to_recover(scheduler: Scheduler) -> None
 def test_power_that_goes_during_the_recovery_ends_it(
     scheduler: Scheduler, segment: Segment
 ) -> None:
-    """Off while it counts, and again after power on: the old count ends nothing."""
+    """Off while it counts, and again after power on: the old count ends nothing.
+
+    Without power none begins, whoever asks for it.
+    """
     sender, other = segment.port("sender"), segment.port("receiver")
     sender.force_bus_off()
     scheduler.run_until(MS)
     sender.power_off()
+    sender.recover()
     scheduler.run_until(3 * MS)
     assert [state for *_, state in segment.state_changes] == [OFF]
     sender.power_on()

@@ -164,6 +164,25 @@ def test_swapped_frames_change_places(scheduler: Scheduler, segment: Segment, wa
     assert [can_id for _, can_id, _ in seen] == [0x182, 0x281, 0x181]
 
 
+def test_frames_of_several_ports_that_are_held_back_wait_each_for_its_own_port(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """Of one port one frame waits at most: a second one is sent, and lets the first one go."""
+    seen = watch(segment)
+    held = {0x181, 0x182, 0x281}
+    segment.add_fault(lambda frame, _, attempt: Swap() if frame[0] in held and not attempt else None)
+    x, y = segment.port("x"), segment.port("y")
+    x.send_raw(0x181, b"")
+    y.send_raw(0x182, b"")
+    scheduler.run_until(MS)
+    assert seen == []
+    y.send_raw(0x282, b"")
+    scheduler.run_until(2 * MS)
+    x.send_raw(0x281, b"")
+    scheduler.run_until(3 * MS)
+    assert [can_id for _, can_id, _ in seen] == [0x282, 0x182, 0x281, 0x181]
+
+
 def test_which_frames_are_hit_is_seeded(scheduler: Scheduler, segment: Segment) -> None:
     """The i-th frame of the identifier meets the i-th number of random.Random(seed)."""
     segment.add_fault(

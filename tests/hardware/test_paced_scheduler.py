@@ -121,6 +121,35 @@ def test_a_drive_that_does_not_answer_is_waited_for_so_long_and_no_longer(make_b
     assert 3 * 20 * MS <= bench.wall.now_ns - begin_ns <= 3 * 22 * MS
 
 
+@pytest.mark.parametrize("slow", [0, 1])
+def test_a_cycle_waits_for_the_answers_of_each_of_two_segments(
+    make_bench: Any, make_frame: Any, slow: int
+) -> None:
+    """One of them has its answer at once, the other one 2 ms after the SYNC."""
+    bench = make_bench(wait_ns=50 * MS, answer_ns=600 * US)
+    other = type(bench.adapter)(bench.wall)
+    segments = [bench.segment, OutsideSegment("other", 500_000, bench.scheduler, lambda: other)]
+    heard, order, ports = [0, 0], list[tuple[int, int]](), []
+    for number, (segment, adapter) in enumerate(zip(segments, (bench.adapter, other), strict=True)):
+        segment.expect([TPDO])
+        wait_ns = 2 * MS if number == slow else 0
+        adapter.answer = lambda _, wait_ns=wait_ns: [(wait_ns, make_frame(TPDO))]
+        ports.append(segment.port("cnc"))
+
+        def count(_id: int, _data: bytes, _time: float, number: int = number) -> None:
+            heard[number] += 1
+
+        ports[-1].attach_data(count)
+    for k in range(3):
+        for port in ports:
+            bench.scheduler.call_at(k * MS, Phase.APPLICATION, partial(port.send_raw, SYNC, b""))
+        note = lambda: order.append((heard[0], heard[1]))  # noqa: E731
+        bench.scheduler.call_at(k * MS + 600 * US, Phase.APPLICATION, note)
+    bench.scheduler.run_until(3 * MS)
+    segments[1].close()
+    assert order == [(1, 1), (2, 2), (3, 3)]
+
+
 def _sync_times(bench: Any, arrivals_ns: list[int], make_frame: Any) -> list[int]:
     """Let SYNCs arrive at these instants of real time; return their instants of the run."""
     seen: list[int] = []

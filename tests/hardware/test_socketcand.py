@@ -160,6 +160,20 @@ def test_nobody_gets_frames_before_raw_mode(server: SocketcandServer) -> None:
     made.socket.close()
 
 
+def test_a_client_that_opens_again_has_left_raw_mode(
+    server: SocketcandServer, client: Client
+) -> None:
+    """It neither gets frames nor sends any until it asks for raw mode once more."""
+    assert client.ask("< open can0 >") == "< ok >"
+    server.send(can.Message(arbitration_id=1, is_extended_id=False))
+    assert client.ask("< send 2 0 >").startswith("< error")
+    assert client.ask("< rawmode >") == "< ok >"
+    client.write("< send 3 0 >")
+    received = server.recv(1.0)
+    assert received is not None
+    assert received.arbitration_id == 3
+
+
 def test_no_frame_follows_the_last_ok_in_the_same_piece(server: SocketcandServer) -> None:
     """python-can's client compares what it reads then as a whole."""
     made = Client(server)

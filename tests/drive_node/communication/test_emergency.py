@@ -163,6 +163,18 @@ def test_recovery_from_bus_off(stranger: Make) -> None:
     assert drive.node.nmt_state is NmtState.PRE_OPERATIONAL
 
 
+def test_an_error_of_a_stopped_node_waits_through_bus_off_and_its_end(stranger: Make) -> None:
+    """Stopped has no emergencies: what was reported meanwhile goes out once it is left."""
+    drive = stranger()
+    drive.nmt(2)
+    drive.node._network.bus.force_bus_off()
+    drive.run_ms(20)
+    assert drive.node.nmt_state is NmtState.STOPPED
+    assert drive.frames(0x083) == []
+    drive.nmt(0x80)
+    assert drive.frames(0x083)[:1] == ["4081110000000000"]
+
+
 def test_bus_off_stops_an_enabled_drive(stranger: Make) -> None:
     """The emergency of its fault goes out once the bus is there again."""
     drive = stranger()
