@@ -170,7 +170,9 @@ def test_frames_of_several_ports_that_are_held_back_wait_each_for_its_own_port(
     """Of one port one frame waits at most: a second one is sent, and lets the first one go."""
     seen = watch(segment)
     held = {0x181, 0x182, 0x281}
-    segment.add_fault(lambda frame, _, attempt: Swap() if frame[0] in held and not attempt else None)
+    segment.add_fault(
+        lambda frame, _, attempt: Swap() if frame[0] in held and not attempt else None
+    )
     x, y = segment.port("x"), segment.port("y")
     x.send_raw(0x181, b"")
     y.send_raw(0x182, b"")

@@ -76,6 +76,19 @@ def test_candump_names_the_segment(segment: Segment, tmp_path: Path) -> None:
     assert first.split()[1] == segment.name
 
 
+def test_candump_has_the_length_of_a_remote_frame_where_it_is_not_0(tmp_path: Path) -> None:
+    """`703#R1`, and `080#R` for a length of 0, in the order of the log format of can-utils."""
+    log = open_log(tmp_path / "bus.log", ["can0", "1"])
+    for number, (can_id, extended, dlc) in enumerate(
+        [(0x703, False, 1), (0x080, False, 0), (0x1ABCDE, True, 8), (0x7, True, 0)]
+    ):
+        log(number * MS, "can0", Frame(can_id, b"", extended, True, dlc), False)
+    log(4 * MS, "1", Frame(0x181, b"\x01\x02", False, False, 2), False)
+    log.stop()
+    lines = [line.split()[2] for line in (tmp_path / "bus.log").read_text().splitlines()]
+    assert lines == ["703#R1", "080#R", "001ABCDE#R8", "00000007#R", "181#0102"]
+
+
 def test_pcap_holds_what_its_description_says(segment: Segment, tmp_path: Path) -> None:
     """Global header of 24 bytes, then 16 bytes of record head and 16 of a SocketCAN frame each."""
     path = tmp_path / "bus.pcap"

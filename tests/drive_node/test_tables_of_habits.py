@@ -103,7 +103,9 @@ def test_windows_of_16_bits_are_at_most_what_these_hold(increments: int, window:
 
 
 def test_sources_of_a_profile_are_words_of_its_text() -> None:
-    profile = DriveProfile(trigger_sources="1 5 -2", lacks="60D1 60D0.2")
+    profile = DriveProfile(trigger_sources="1 5 -2", lacks="60D1 60D0.2 1018.0")
     assert profile.source_values == {1, 5, -2}
-    asked = ((0x60D1, 0), (0x60D1, 3), (0x60D0, 2), (0x60D0, 1))
-    assert [profile.has_object(*key) for key in asked] == [False, False, False, True]
+    asked = ((0x60D1, 0), (0x60D1, 3), (0x60D0, 2), (0x60D0, 1), (0x60D0, 0), (0x1018, 1))
+    found = [profile.has_object(*key) for key in asked]
+    assert found == [False, False, False, True, True, True]
+    assert not profile.has_object(0x1018)  # sub-index 0 alone

@@ -30,6 +30,7 @@ def test_receive_times_give_the_delays_of_the_line() -> None:
     times = [struct.unpack("<II", line.one(APRD, -n, 0x0900, 8).data) for n in range(3)]
     behind = [(second - first) % 2**32 if second else 0 for first, second in times]
     assert behind[2] == 0
+    assert [second == 0 for _, second in times] == [False, False, True]  # nothing at its port 1
     # A slave forwards in 300 ns; wires of 75 and 500 ns
     assert [(behind[n] - behind[n + 1]) / 2 for n in (0, 1)] == [375.0, 800.0]
     units = [line.one(APRD, -n, 0x0918, 8).number for n in range(3)]

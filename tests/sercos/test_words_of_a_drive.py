@@ -212,3 +212,34 @@ def test_another_type_of_telegram_is_a_matter_of_the_outputs() -> None:
     hand.drive.idents.put(ident_number("S-0-0015"), 4)
     assert hand.drive.telegrams.wrong() == [ident_number("S-0-0015")]
     assert hand.drive._enter_safeop() == "INVALID_OUTPUT_MAPPING"
+
+
+@pytest.mark.parametrize(("allocation", "mask"), [("S-0-0305", 1 << 6), ("S-0-0307", 1 << 7)])
+def test_a_real_time_bit_of_the_status_is_bit_0_of_its_ident(allocation: str, mask: int) -> None:
+    """Whatever the other bits of the ident are; without an ident it is 0."""
+    hand, other = Hand(), 0xC0 & ~mask
+    idents, ident = hand.drive.idents, ident_number("S-0-0092")
+    assert not hand.cycle(0) & 0xC0
+    idents.put(ident_number(allocation), ident)
+    for value in (1, 2, 3, 0, 500, 501):
+        hand.drive.servo.image.max_torque = value
+        word = hand.cycle(0)
+        assert (bool(word & mask), word & other) == (bool(value % 2), 0), value
+    idents.put(ident_number(allocation), 0)
+    assert not hand.cycle(0) & 0xC0
+
+
+def test_a_reset_that_is_cancelled_leaves_the_error() -> None:
+    """S-0-0099 is taken back while the axis brakes: the fault stands, and waits for another."""
+    hand = Hand()
+    hand.cycle(ON | ENABLE | RUN, 8)
+    hand.fault(0x2310)
+    assert hand.drive.state is State.FAULT_REACTION_ACTIVE
+    hand.written("S-0-0099", b"\x03\x00")
+    assert hand.state("S-0-0099") == "RUNNING"
+    hand.written("S-0-0099", b"\x00\x00")
+    hand.cycle(0, 20)
+    assert hand.drive.state is State.FAULT
+    hand.written("S-0-0099", b"\x03\x00")
+    hand.cycle(0, 4)
+    assert (hand.drive.state.name, hand.state("S-0-0099")) == ("SWITCH_ON_DISABLED", "DONE")
