@@ -208,6 +208,17 @@ def test_a_declared_total_beyond_every_disk(pack: Pack, refused: Refused) -> Non
     assert "absurd size: 11520 MiB" in refused(path)
 
 
+@pytest.mark.parametrize(
+    ("declared_mib", "reason"), [(65, "absurd size: 65 MiB"), (63, "has other than the 66060288")]
+)
+def test_a_ratio_counts_from_64_mib_of_what_is_unpacked_on(
+    pack: Pack, refused: Refused, declared_mib: int, reason: str
+) -> None:
+    """However little it is packed: some 200 bytes here."""
+    path = _declared(pack(("resources/a", b"x" * 50)), b"resources/a", declared_mib << 20)
+    assert reason in refused(path)
+
+
 def test_too_many_entries(pack: Pack, refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archive, "ENTRIES_MAX", 10)
     message = refused(pack(*((f"resources/{i}", b"") for i in range(20))))
