@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable
 
+import can
 import pytest
 
 from axisrig.bench.bus.can.faults import (
@@ -183,6 +184,30 @@ def test_frames_of_several_ports_that_are_held_back_wait_each_for_its_own_port(
     x.send_raw(0x281, b"")
     scheduler.run_until(3 * MS)
     assert [can_id for _, can_id, _ in seen] == [0x282, 0x182, 0x281, 0x181]
+
+
+@pytest.mark.parametrize("is_each_attempt", [False, True])
+def test_a_fault_counts_frames_or_each_attempt_to_send_them(
+    scheduler: Scheduler, segment: Segment, watch: Watch, is_each_attempt: bool
+) -> None:
+    """Two hits destroy two frames once each, or the first one twice; others count for none."""
+    seen = watch(segment)
+    fault = FrameFault(0x181, lambda *_: ErrorAtBit(20), Hits(count=2), is_each_attempt)
+    segment.add_fault(fault)
+    segment.port("listener")
+    sender = segment.port("sender")
+    for value in range(3):
+        sender.send_raw(0x281, b"")
+        sender.send_raw(0x181, bytes([value]))
+    sender.send(can.Message(arbitration_id=0x181, is_extended_id=True))
+    scheduler.run_until(3 * MS)
+    per_frame = [2, 0, 0] if is_each_attempt else [1, 1, 0]
+    expected = [
+        (can_id, kind)
+        for errors in per_frame
+        for can_id, kind in [(0x281, "data"), *[(0x181, "error")] * errors, (0x181, "data")]
+    ]
+    assert [(can_id, kind) for _, can_id, kind in seen] == [*expected, (0x181, "data")]
 
 
 def test_which_frames_are_hit_is_seeded(scheduler: Scheduler, segment: Segment) -> None:

@@ -9,7 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axisrig.bench.bus.can.frame import (
+    KNOWN_FRAMES,
     Frame,
+    FrameLengths,
     arbitration_key,
     data_frame,
     frame_bits,
@@ -130,3 +132,18 @@ def test_data_goes_before_a_remote_request_of_the_same_identifier(can_id: int) -
 def test_impossible_frames_are_refused(can_id: int, data: bytes) -> None:
     with pytest.raises(ValueError, match=r"identifier|data bytes"):
         data_frame(can_id, data)
+
+
+def test_known_lengths_are_right_and_never_more_than_their_room(naive_bits: Bits) -> None:
+    """A frame that was forgotten is worked out again."""
+    lengths, most = FrameLengths(), 0
+    for number in range(KNOWN_FRAMES + 10):
+        bits = lengths[data_frame(number & 0x7FF, number.to_bytes(2, "big"))]
+        most = max(most, len(lengths))
+        if number % 500 == 0 or number >= KNOWN_FRAMES:
+            frame = data_frame(number & 0x7FF, number.to_bytes(2, "big"))
+            assert bits == lengths[frame] == naive_bits(frame)
+    assert most == KNOWN_FRAMES
+    first = data_frame(0, b"\x00\x00")
+    assert first not in lengths
+    assert lengths[first] == naive_bits(first)

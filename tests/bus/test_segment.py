@@ -305,6 +305,23 @@ def test_closed_segment_frees_its_name_and_its_ports(scheduler: Scheduler) -> No
     segment.close()
 
 
+def test_a_segment_that_is_closed_twice_leaves_a_later_one_of_its_name_open(
+    scheduler: Scheduler,
+) -> None:
+    first, other = Segment("named", 500_000, scheduler), Segment("other", 500_000, scheduler)
+    with pytest.raises(ValueError, match="open already"):
+        Segment("named", 500_000, scheduler)
+    assert registry.find("named") is first
+    first.close()
+    second = Segment("named", 500_000, scheduler)
+    first.close()
+    assert registry.find("named") is second
+    assert registry.names()[-2:] == ["other", "named"]
+    second.close()
+    assert (registry.find("named"), registry.find("other")) == (None, other)
+    other.close()
+
+
 def test_bit_rate_is_positive(scheduler: Scheduler) -> None:
     with pytest.raises(ValueError, match="bit rate"):
         Segment("none", 0, scheduler)
