@@ -181,6 +181,19 @@ def test_the_way_to_the_next_edge_is_used_up_at_the_bound_of_all_axes(
     assert rig.probe.look_ahead(0, 20 * MS) == free_ns - 300 * US
 
 
+@pytest.mark.parametrize("clearance", [0.0, -1e-3, -math.inf])
+def test_an_axis_at_an_edge_or_beyond_it_has_no_room(clearance: float) -> None:
+    rig = Rig(Switch("z", lambda _ns, _x: False, clearance=clearance), "z")
+    rig.place((0.0, 0.02))
+    assert rig.probe.look_ahead(MS, 20 * MS) == MS
+
+
+def test_a_clearance_without_end_is_a_kilometre() -> None:
+    """1000 m from rest at 500 m/s2: 2 s."""
+    rig = Rig(Switch("z", lambda _ns, _x: False, clearance=math.inf), "z")
+    assert rig.probe.look_ahead(0, 20 * MS) == 2 * S
+
+
 def test_what_an_axis_has_moved_since_its_clearance_was_read_is_room_no_more() -> None:
     rig = Rig(Switch("xy", lambda _ns, _x: False, clearance=1e-3), "xy")
     rig.place((0.3e-3, 0.1), (-0.4e-3, 0.0))

@@ -50,6 +50,16 @@ def test_a_motion_that_turns_passes_the_mark_twice() -> None:
         assert abs(found_ns - time_ns) <= 2
 
 
+@pytest.mark.parametrize(("direction", "edge_ns"), [(1, 1000), (-1, 1001)])
+def test_at_its_lower_side_a_motion_is_on_the_mark(direction: int, edge_ns: int) -> None:
+    """At 1000 ns exactly: upwards it is on it then, downwards it leaves it a nanosecond later."""
+    profile = DriveProfile(encoder_increments=10_000, index_angle_deg=0.0)
+    index = IndexPulse(profile, lambda time_ns: direction * (time_ns - 1000) * 1e-10)
+    assert index.edges(500, 2000) == [(edge_ns, direction > 0, 0.0)]
+    assert index.edges(500, edge_ns - 1) == []
+    assert index.edges(edge_ns, 2000) == []
+
+
 def test_standing_on_the_mark_is_no_edge() -> None:
     assert pulse(lambda t: 0.01).edges(0, S) == []
 

@@ -11,6 +11,7 @@ from canopen.objectdictionary import ODVariable, datatypes
 from axisrig.kernel.drives.canopen.dcf import dcf_value, dcf_values
 from axisrig.kernel.drives.canopen.dictionary import (
     allowed_values,
+    check_mapping,
     check_objects,
     encode,
     variable,
@@ -148,6 +149,21 @@ def test_a_telegram_carries_what_the_drive_lets_it(
     mapped.index = 0x2001
     with pytest.raises(UserError, match="does not have"):
         check_objects(od, telegram)
+
+
+@pytest.mark.parametrize(("name", "base"), [("RPDO2", 0x1401), ("TPDO2", 0x1801)])
+@pytest.mark.parametrize("lacks", [(0, 1), (0, 2), (0x200, 0)])
+def test_a_telegram_needs_identifier_type_and_mapping_of_its_pdo(
+    name: str, base: int, lacks: tuple[int, int]
+) -> None:
+    places = [(base, 1), (base, 2), (base + 0x200, 0)]
+    missing = base + lacks[0], lacks[1]
+    telegram: Any = SimpleNamespace(name=name, communication_index=base, objects=[])
+    check_mapping(dictionary(*[item(*place) for place in places]), [telegram])
+    rest = dictionary(*[item(*place) for place in places if place != missing])
+    with pytest.raises(UserError, match=f"has no {name}") as caught:
+        check_mapping(rest, [telegram])
+    assert caught.value.value == f"0x{missing[0]:04X}:{missing[1]}"
 
 
 # A DCF
