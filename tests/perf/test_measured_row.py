@@ -259,3 +259,52 @@ def test_a_profile_is_for_each_cycle_the_longest_first(
     assert {line.split()[-1] for line in lines[3:5]} == {"json.decoder.g", "len"}
     monkeypatch.setattr(profile, "SHOWN", 1)
     assert len(profile.profile_row(PLAN, "f600", clock, lambda: made).splitlines()) == 4  # type: ignore[arg-type]
+
+
+def test_walls_are_of_the_middle_the_shortest_and_the_longest_run(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Runs of 8, 2 and 5 s beside 0.7 s of the folder; by the wall twice as long."""
+    spent_s = iter([8.0, 2.0, 5.0, 1.0])
+    names = iter("abcd")
+
+    def run_case(_case: Any, _files: Any, *_: Any) -> Any:
+        clock.spend(next(spent_s))
+        return SimpleNamespace(error=None, sim_s=20.0, loop_s=1.0, series=None,
+                               frame_log_sha256=next(names))  # fmt: skip
+
+    monkeypatch.setattr(perf, "run_case", run_case)
+    found = measure(PLAN, "f600", 3, clock, lambda _: None)  # type: ignore[arg-type, return-value]
+    walls_s = [found[name] for name in ("wall_s_min", "wall_s", "wall_s_max")]
+    assert walls_s == pytest.approx([2 * 2.7, 2 * 5.7, 2 * 8.7])
+    assert (found["cpu_s"], found["simulated_s"]) == (pytest.approx(5.7), 20.0)
+    # Of the warm ones, 2 and 5 s: 1 s of check and what is beside a loop of 1 s
+    assert found["beyond_simulation_ms"] == pytest.approx(1e3 * (1.0 + (2.7 + 5.7) / 2 - 1.0))
+    assert found["next_row_ms"] == pytest.approx(1e3 * (1.0 + (2.2 + 5.2) / 2 - 1.0))
+    assert (found["cycles"], found["frame_log_sha256"]) == (0, "c")
+
+
+def test_a_cycle_is_taken_apart_on_a_run_of_its_own_and_what_is_left_is_the_rest(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 11 s in 4 cycles 3 s are of one part; by the wall twice as long, us of each cycle."""
+
+    class Own:
+        def cycle(self) -> None:
+            clock.spend(3.0)
+
+    own = Own.cycle
+    before = perf.run_case
+
+    def run_case(*words: Any) -> Any:
+        Own().cycle()
+        return before(*words)
+
+    monkeypatch.setattr(perf, "run_case", run_case)
+    monkeypatch.setattr(perf, "is_compiled", lambda: False)
+    monkeypatch.setattr(perf, "PARTS", {"kernel": [(Own, "cycle")], "bus": []})
+    found = measure(PLAN, "f600", 2, clock, lambda _: None)  # type: ignore[arg-type, return-value]
+    parts = {"kernel": 2 * 3e6 / 4, "bus": 0.0, "rest": 2 * 8e6 / 4}
+    assert found["cycle_us"] == pytest.approx(parts)
+    assert Own.cycle is own
+    assert found["cpu_s"] == pytest.approx(11.7)
