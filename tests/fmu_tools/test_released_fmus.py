@@ -8,7 +8,7 @@ import pytest
 
 from axisrig.bench.tools.fmu import examine, release
 from axisrig.bench.tools.fmu.binaries import Binary
-from axisrig.bench.tools.fmu.findings import ok, show_findings, warn
+from axisrig.bench.tools.fmu.findings import fail, ok, show_findings, warn
 from axisrig.bench.tools.fmu.release import Change
 from axisrig.fmus import PLATFORMS
 from axisrig.kernel.errors import UserError
@@ -261,6 +261,16 @@ def test_an_error_is_a_finding_in_its_own_words(monkeypatch: pytest.MonkeyPatch)
     assert ([one.text for one in whole.findings], whole.sha256, whole.can_run) == (
         ["odd; found x; allowed: y"], "", False,
     )  # fmt: skip
+
+
+def test_signs_that_steer_a_terminal_are_shown_and_not_sent_at_any_level() -> None:
+    """What an FMU says of itself may have them; a colour would hide a FAIL."""
+    for make, word in ((ok, "ok"), (warn, "warn"), (fail, "FAIL")):
+        found = make("messages", "a\x1b[2Jb\x07c")
+        assert found.level == word
+        assert found.text.isprintable()
+        assert found.text[0] + found.text[-1] == "ac"
+        assert "[2Jb" in found.text
 
 
 def test_text_of_others_stays_a_text_in_the_table(capsys: pytest.CaptureFixture[str]) -> None:

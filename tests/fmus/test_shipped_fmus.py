@@ -69,6 +69,7 @@ def test_others_are_built_and_say_what_that_needs(
     for asked in (
         {"model": PROBE},
         {"model": AXIS, "fmi": "2.0"},
+        {"model": AXIS, "compiler": "zig"},
         {"model": AXIS, "cache_dir": tmp_path},
         {"model": AXIS, "platforms": ["x86_64-windows"]},
     ):

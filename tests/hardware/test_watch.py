@@ -125,6 +125,9 @@ def test_a_latch_is_in_mm_of_its_drive_with_the_contact_before_it(
         watch.look(8 * MS)
         latch(nodes["X"], 1, "positive", 9002, 9 * MS)
         watch.look(10 * MS)
+        # A drive that is switched off begins to count anew: that is no latch
+        nodes["X"].image.count_1_positive = nodes["Y"].image.count_2_negative = 0
+        watch.look(11 * MS)
     assert [line.split("latch")[1].strip() for line in lines] == [
         "probe 1, 0x60BA = 4001 = 4.001000 mm; contact was at 4.000000 mm",
         "probe 2, 0x60BC = 77 = 0.077000 mm",

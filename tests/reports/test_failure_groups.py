@@ -209,9 +209,19 @@ BANDS = bar(0.5, 0.1, 0.0, 1.0, "fail", "x")
         (bar(0.5, 0.0, 0.0, 1.0, "fail", "x"), ["allowed", "value"]),
         (f'<g class="dot sw-marginal">{BANDS}', ["marginal", "allowed", "inconclusive", "value"]),
         ('<line class="pic-limit"/>', ["limit"]),
+        ('<rect class="sw-unsure"/><rect class="bar-inconclusive"/>', ["inconclusive"]),
+        ('<line class="sw-u wide"/><rect class="bar-in"/>', ["uncertainty", "allowed"]),
         ('<line class="sw-limit"/><line class="pic-limit"/>', ["limit"]),
     ],
-    ids=["bands", "no bands", "dot and bands", "one limit", "two limits"],
+    ids=[
+        "bands",
+        "no bands",
+        "dot and bands",
+        "one limit",
+        "names that begin alike",
+        "a further class",
+        "two limits",
+    ],
 )
 def test_a_word_has_a_key_once_whichever_sign_of_it_is_drawn(drawn: str, words: list[str]) -> None:
     assert re.sub(r"<[^>]*>", " ", legend(drawn)).split() == words

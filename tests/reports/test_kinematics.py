@@ -5,6 +5,7 @@ import gzip
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -177,6 +178,38 @@ def test_a_plane_that_is_inclined_is_found_with_its_normal() -> None:
     (one,) = planes(inclined(10.0))
     assert one["normal"] == pytest.approx([0.0, -0.173648, 0.984808], abs=1e-5)
     assert one["at_mm"] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_readings_at_one_place_take_the_normal_before_or_the_level_one() -> None:
+    """Rows 0 to 19 along a plane that rises along Y, then one place; the tool is upright there."""
+    slope = np.radians(10.0)
+    normal = np.array([0.0, -np.sin(slope), np.cos(slope)])
+    y = np.arange(20.0)
+    rising = np.column_stack([y % 3, y, y * np.tan(slope)])
+    place = np.tile([1.0, 30.0, 7.0], (5, 1))
+    for clamp_of, expected in ((np.array([0.0, 0.0, 1.0]), [0.0, 0.0, 1.0]), (normal, normal)):
+        hit = np.concatenate([rising, place])
+        clamp = np.concatenate([rising + 4.0 * normal, place + 4.0 * clamp_of])
+        count = len(hit)
+        made: Any = SimpleNamespace(
+            hit_mm=hit, clamp_mm=clamp, distance_mm=np.full(count, 4.0),
+            times_ns=np.arange(count) * MS,
+        )  # fmt: skip
+        first, second = planes(made)
+        assert first["normal"] == pytest.approx(normal, abs=1e-8)
+        assert second["normal"] == pytest.approx(expected, abs=1e-8)
+        assert second["at_mm"] == pytest.approx(float(place[0] @ np.array(expected)), abs=1e-5)
+        assert second["begin_ms"] == 20.0
+
+
+def test_the_path_of_a_kinematic_begins_as_it_is_switched_on() -> None:
+    """Where the axes were sent before is no part of it, although demands act two cycles late."""
+    before = np.asarray(ECS["time_ns"]) < tilted.KINEMATIC * MS
+    moved = {name: np.asarray(ECS[name]) for name in ECS.column_names}
+    for axis in "XYZ":
+        moved[f"{axis}.set_mm"] = moved[f"{axis}.set_mm"] + np.where(before, 50.0, 0.0)
+    found = motion(pa.table(moved))
+    assert np.array_equal(found.programmed_mm, motion().programmed_mm)
 
 
 def test_what_is_no_plane_is_not_drawn_as_one() -> None:

@@ -1,5 +1,7 @@
 """What the signs of a drawing are, beside it: only of those that are in it."""
 
+import re
+
 from markupsafe import Markup
 
 _DOT = '<circle cx="7" cy="6" r="3.2"/>'
@@ -32,7 +34,7 @@ def legend(drawn: str) -> Markup:
     """Return a line that says what the signs in drawings mean, empty where there are none."""
     parts, words = [], set()
     for kind, sign, word, of in _KEYS:
-        if f'class="{kind}' not in drawn or word in words:
+        if word in words or not re.search(rf'class="{kind}[" ]', drawn):
             continue
         words.add(word)
         shown = f'<g class="{kind}">{sign}</g>' if of else sign.replace(" ", f' class="{kind}" ', 1)
