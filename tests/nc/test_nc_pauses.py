@@ -94,9 +94,12 @@ def test_dwell_moves_nothing_and_changes_no_modal_word() -> None:
 
 @pytest.mark.provokes(20685, 1, axis="Y")
 def test_further_axes_beside_a_dwell_time_are_ignored_with_a_warning() -> None:
-    warning, dwell = decoded(words("G4", X=2.0, Y=3.0))
-    assert (warning.alarm.id, warning.alarm.values) == (20685, {"axis": "Y"})
-    assert dwell.duration_ns == 2_000_000_000
+    for statement in (words("G4", X=2.0, Y=3.0, Z=4.0), words("G4", G4=2.0, Y=3.0, Z=4.0)):
+        *warnings, dwell = decoded(statement)
+        assert [(warning.alarm.id, warning.alarm.values) for warning in warnings] == [
+            (20685, {"axis": axis}) for axis in "YZ"
+        ]
+        assert dwell.duration_ns == 2_000_000_000
 
 
 @pytest.mark.provokes(20013, 2)

@@ -83,3 +83,11 @@ def test_another_text_has_a_file_of_its_own(tmp_path: Path) -> None:
     stored_grammar(TEXT, parser.OPTIONS, Builder(), tmp_path)
     stored_grammar(f"{TEXT}\n// one more line\n", parser.OPTIONS, Builder(), tmp_path)
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_other_options_have_a_file_of_their_own(tmp_path: Path) -> None:
+    """Values count, not only names: places of another kind would come from the tables."""
+    for value in (False, True):
+        options = {"parser": "lalr", "propagate_positions": value}
+        stored_grammar('start: "a"', options, lark.Transformer(), tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2

@@ -160,6 +160,8 @@ def test_a_missing_file_is_told_beside_other_errors(tmp_path, capsys):
         ("G2 X10 Y10 F500", 20036),
         ("X[INDP_SYN POS10 G0 G1 FEED=5]", 900194),
         ("X[INDP_ASYN POS10 FEED=-5]", 50603),
+        ("X[INDP_ASYN POS10 FEED=5] Y[INDP_SYN POS10 TIME=-1]", 50603),
+        ("G4 Y-1", 900171),  # only the first main axis has the time
     ],
 )
 def test_constants_that_no_run_can_carry_out_are_noted_with_their_alarm(text, alarm):
