@@ -148,6 +148,13 @@ def test_a_jump_may_leave_loops(run):
     ("text", "line", "column", "message"),
     [
         ("$GOTO [A]\n$WHILE 1\n[A] X1\n$ENDWHILE", 1, 1, "leads into $WHILE of line 2"),
+        ("$GOTO [A]\n$DO\n$IF 1\n[A] X1\n$ENDIF\n$ENDDO 0", 1, 1, "leads into $DO of line 2"),
+        (
+            "$GOTO [A]\n$REPEAT\n$SWITCH 1\n$CASE 1\n[A] X1\n$ENDSWITCH\n$UNTIL 1",
+            1,
+            1,
+            "leads into $REPEAT of line 2",
+        ),
         ("$FOR P1=1,2,1\n  $GOTO [A]\n[A] X1\n$ENDFOR", 2, 3, "leads into $FOR of line 1"),
         ("$GOTO [A]\n$SWITCH 1\n$CASE 1\n[A] X1\n$ENDSWITCH", 1, 1, "$SWITCH of line 2"),
     ],

@@ -59,6 +59,13 @@ def test_diagnosis_data_of_the_printed_list_are_those_of_the_figure(make_tool_lo
     shown = dict(diagnosis(loop.control3d, is_awaited=False))
     assert shown.pop("zstd") == "INACTIVE(0)"
     assert list(shown.items()) == list(FIGURE_56.items())
+    loop.control3d._period_ns = 2_000_000  # as many mm/s are twice as many um in 2 ms
+    assert dict(diagnosis(loop.control3d, is_awaited=True)).items() >= {
+        ("max_dist_change", "20000"),
+        ("v_max", "100000"),
+        ("f_wait_for_finished", "1"),
+    }
+    loop.control3d._period_ns = 1_000_000
     loop.plan("MCS", "Z").on(set_pos=0.0)
     shown = dict(diagnosis(loop.control3d, is_awaited=False))
     assert (shown["active_mode"], shown["new_mode"]) == ("MCS(3)", "MCS(3)")

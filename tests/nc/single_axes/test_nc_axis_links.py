@@ -260,6 +260,7 @@ def test_the_numbers_of_g74_are_an_order() -> None:
         (home(X=2, Y=3, Z=1), (("Z",), ("X",), ("Y",))),
         (home(X=1, Y=1, Z=1), (("X", "Y", "Z"),)),
         (home(X=1, Y=2, Z=2), (("X",), ("Y", "Z"))),
+        (home(X=10, Y=9, Z=65535), (("Y",), ("X",), ("Z",))),
     ):
         commands = decode(words)
         assert commands[0] == canon.Homing(commands[0].block, groups)
@@ -267,11 +268,13 @@ def test_the_numbers_of_g74_are_an_order() -> None:
 
 
 def test_behind_homing_the_channel_stands_where_the_axes_do() -> None:
-    machine = Machine()
-    machine.homes = {"Z": 100.0}
-    commands = decode(home(Z=1), path(Z=100.0, Y=1.0), path(Z=101.0), machine=machine)
-    moved = [c.target_mm for c in commands if isinstance(c, canon.LinearMove)]
-    assert moved == [{"Y": 1.0}, {"Z": 101.0}]
+    for order in ({"Z": 1, "X": 2}, {"X": 1, "Z": 2}, {"X": 1, "Z": 1}):
+        machine = Machine()
+        machine.homes = {"Z": 100.0, "X": 50.0}
+        blocks = home(**order), path(X=50.0, Z=100.0, Y=1.0), path(X=51.0, Z=101.0)
+        commands = decode(*blocks, machine=machine)
+        moved = [c.target_mm for c in commands if isinstance(c, canon.LinearMove)]
+        assert moved == [{"Y": 1.0}, {"X": 51.0, "Z": 101.0}], order
 
 
 @pytest.mark.provokes(20816, 2, axis="X", low=1, high=65535)
