@@ -396,3 +396,16 @@ def test_where_a_stop_stands_is_known_however_well_the_instant_of_its_contact_is
     assert contact.uncertainty_ns > 0.5 * MS
     place = seen(observed, "contact_mm:Z")
     assert (place.value, place.uncertainty, place.note) == (pytest.approx(STOP_MM), 0.0, "")
+
+
+@pytest.mark.parametrize("share", [0.5, 1.5])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_feed_that_was_another_one_long_before_the_contact_does_not_count(
+    side: float, share: float
+) -> None:
+    """Until 20 ms before it, at most 1 % of the feed apart over 100 rows: those ten rows alone."""
+    demand, step = DEMAND.copy(), V_MM_S * 1e-3
+    demand[:120] = DEMAND[120] - (120 - K[:120]) * step * share
+    columns = {"drive_lag_mm": side * (demand - LOAD)}
+    found = seen(recorded(side, columns=columns), "detection_error_ms")
+    assert found.value == pytest.approx(203.6 - 202.3, abs=1e-6)

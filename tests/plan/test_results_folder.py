@@ -410,3 +410,24 @@ def test_a_search_keeps_the_probes_of_its_last_call_alone(
             writer.add(result)
         runs = [run.run for run in read_results(out).runs]
         assert sorted(runs) == [case.run, *(f"{case.run}-s0{n}" for n in range(1, count + 1))]
+
+
+@pytest.mark.parametrize(("leaves_out", "verdict"), [("", "pass"), ("lag_mm_max:Z", "error")])
+def test_a_check_that_is_to_fail_does_not_make_its_row_fail(
+    write_plan: PlanWriter, tmp_path: Path, leaves_out: str, verdict: str
+) -> None:
+    """0.9 um of 0.5, as was expected; another check that nobody has judged makes an error of it."""
+    head = "case,program,rig,check:latch_error_um:Z,check:lag_mm_max:Z,expect"
+    text = f"{head}\na,probe.nc,machine.toml,<= 0.5,<= 2,fail:latch_error_um:Z\n"
+    plan = read_plan(write_plan(text))
+    result = run_case(plan.cases[0], 0.9)
+    result.verdict = Verdict.PASS
+    result.checks = [one for one in result.checks if one.check.metric != leaves_out]
+    out = tmp_path / "out"
+    with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
+        writer.add(result)
+    (row,) = rows(out / "cases.csv")
+    assert (row["verdict"], row["expected"]) == (verdict, "fail:latch_error_um:Z")
+    found = {one["metric"]: one["verdict"] for one in rows(out / "results.csv")}
+    for metric, own in (("latch_error_um:Z", "fail"), ("lag_mm_max:Z", "pass")):
+        assert found[metric] == ("error" if metric == leaves_out else own)
