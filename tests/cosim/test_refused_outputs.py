@@ -31,3 +31,11 @@ def test_the_error_names_what_the_fmu_reports(values: tuple[float, ...], message
     error = refusal(roles, NAMES, values)
     assert str(error) == f"plant table at t = 2.500000 ms: {message}"
     assert (error.instance, error.time_ns) == ("table", 2_500_000)
+
+
+def test_where_no_output_is_wrong_each_value_that_was_computed_is_named() -> None:
+    roles: Any = SimpleNamespace(
+        bound={}, has=lambda _: False, slave=SimpleNamespace(name="table", time_ns=0)
+    )
+    error = refusal(roles, NAMES, (nan, 0.0, -inf))
+    assert error.reason == "position is nan, force is -inf"

@@ -2,6 +2,7 @@
 
 import pytest
 
+from axisrig.kernel.drives.cia402.objects import SdoError
 from axisrig.kernel.profiles.canopen import identifiers, nmt
 from axisrig.kernel.profiles.canopen.aborts import abort_text
 from axisrig.kernel.profiles.canopen.emergency import Emergency, codes, meaning_of, row_of
@@ -77,6 +78,17 @@ def test_an_emergency_is_code_register_and_five_bytes(
 )  # fmt: skip
 def test_an_abort_is_reported_in_words(code: int, words: str) -> None:
     assert abort_text(code) == words
+
+
+@pytest.mark.parametrize(
+    ("code", "words"), [(None, "no answer"), (0, "abort 0x00000000"), (0x0602_0000, "not exist")]
+)
+def test_an_access_without_an_answer_is_not_one_with_the_code_0(
+    code: int | None, words: str
+) -> None:
+    error = SdoError(0x60D0, 10, code)
+    assert (error.target, error.code) == ("0x60D0:A", code)
+    assert words in str(error)
 
 
 def test_identifiers_are_those_of_the_pre_defined_connection_set() -> None:

@@ -249,6 +249,11 @@ def test_a_terminal_behind_the_drives_has_its_part_and_counts_one_more() -> None
     assert {(data.silent.axis, data.silent.position) for data in line.data if data.silent} == {
         ("Y", 2),
     }  # fmt: skip
+    line.master.others.append(RegisterInputs(axis="U", node_id=4, first=0, size=1))
+    for number, place in ((0, ("X", 1)), (2, ("T", 3)), (3, ("U", 4))):
+        line.master.note_silent(number)
+        found = [data.silent for data in line.data if data.silent]
+        assert [(each.axis, each.position) for each in found] == [place] * 2
     line.master.note_silent(None)
     assert [data.silent for data in line.data] == [None, None]
 

@@ -11,6 +11,7 @@ from canopen.objectdictionary import ODVariable, datatypes
 from axisrig.kernel.drives.canopen.dcf import dcf_value, dcf_values
 from axisrig.kernel.drives.canopen.dictionary import (
     allowed_values,
+    check_functions,
     check_mapping,
     check_objects,
     encode,
@@ -22,6 +23,7 @@ from axisrig.kernel.drives.canopen.eds_file import (
     table_of,
     whole_number,
 )
+from axisrig.kernel.drives.canopen.eds_text import canonical
 from axisrig.kernel.errors import UserError
 
 MAKE: Any = objectdictionary  # its constructors have no types
@@ -166,6 +168,51 @@ def test_a_telegram_needs_identifier_type_and_mapping_of_its_pdo(
     assert caught.value.value == f"0x{missing[0]:04X}:{missing[1]}"
 
 
+FUNCTION_CASES: list[tuple[dict[str, Any], str | None]] = [
+    ({}, None),
+    ({"communication": "ACYCLIC", "index": 0x2001}, None),
+    ({"communication": "CYCLIC"}, None),
+    ({"communication": "CYCLIC", "index": 0x2001}, "no RPDO carries"),  # in none
+    ({"communication": "CYCLIC", "index": 0x2002}, "no RPDO carries"),  # with a field
+    ({"communication": "CYCLIC", "index": 0x2003}, "no RPDO carries"),  # in a TPDO
+    ({"index": 0x2004}, "does not let it be written"),
+    ({"index": 0x2005}, "has no such object"),
+    ({"bits": 32}, "another data type"), ({"is_signed": True}, "another data type"),
+    ({"read_index": 0x2005}, "no such object to read"), ({"read_index": 0x2004}, None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "text"), FUNCTION_CASES)
+def test_a_drive_function_needs_an_object_and_a_cyclic_one_a_free_place(
+    changes: dict[str, Any], text: str | None
+) -> None:
+    """A place of an RPDO without a field: with one the control itself sends the object."""
+    od = dictionary(
+        *[item(index) for index in (0x2000, 0x2001, 0x2002, 0x2003)],
+        item(0x2004, access_type="ro"),
+    )
+
+    def telegram(is_received: bool, *objects: tuple[int, str]) -> Any:
+        mapped = [SimpleNamespace(index=index, sub=0, field=field) for index, field in objects]
+        return SimpleNamespace(is_received=is_received, objects=mapped)
+
+    function = {
+        "key": "F", "communication": "ACYCLIC", "index": 0x2000, "sub": 0, "read_index": 0x2000,
+        "read_sub": 0, "bits": 16, "is_signed": False, "data_type": "UNS16", **changes,
+    }  # fmt: skip
+    functions: Any = {"F": SimpleNamespace(**function)}
+    telegrams = {
+        "RPDO1": telegram(True, (0x2002, "controlword"), (0x2000, "")),
+        "TPDO1": telegram(False, (0x2003, "")),
+    }
+    if text is None:
+        check_functions("Z", functions, od, telegrams)
+        return
+    with pytest.raises(UserError, match=text) as caught:
+        check_functions("Z", functions, od, telegrams)
+    assert caught.value.message.startswith("drive function F of axis Z")
+
+
 # A DCF
 
 
@@ -289,3 +336,34 @@ def test_a_file_that_says_two_things_is_refused(
     with pytest.raises(UserError, match=text) as caught:
         read_eds_file(str(path))
     assert caught.value.line == line
+
+
+@pytest.mark.parametrize("lines", ["Lines=2", "Lines=0x2", "Lines=1", "Lines=3", "Lines=", ""])
+def test_the_comments_of_a_file_are_counted_anew(tmp_path: Path, lines: str) -> None:
+    """Lines that follow each other, and a note where the file counts them otherwise or not."""
+    path = tmp_path / "some.eds"
+    path.write_text(f"[Comments]\n{lines}\nLine4=last\nLine1=first\n", encoding="ascii")
+    file = read_eds_file(str(path))
+    text = canonical(file).text
+    assert "[Comments]\nLines=2\nLine1=first\nLine2=last\n" in text
+    notes = [note.text for note in file.notes if note.section]
+    is_right = lines in ("Lines=2", "Lines=0x2")
+    assert notes == ([] if is_right else ["does not fit the 2 lines that are there"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "count", "compact"), [("0x8", 3, {0x2000: 3}), ("0x9", 3, {}), ("0x8", 0, {})]
+)
+def test_the_short_form_is_of_arrays_alone(
+    tmp_path: Path, kind: str, count: int, compact: dict[int, int]
+) -> None:
+    """CiA 306-1: CompactSubObj; a record has a section for each of its members."""
+    path = tmp_path / "some.eds"
+    head = f"[2000]\nParameterName=Some\nObjectType={kind}\nCompactSubObj={count}\n"
+    short = "DataType=0x6\nAccessType=rw\n" if compact else ""
+    member = "[2000sub1]\nParameterName=First\nDataType=0x5\nAccessType=ro\n"
+    path.write_text(head + short + member, encoding="ascii")
+    found = canonical(read_eds_file(str(path)))
+    assert found.compact == compact
+    assert ("CompactSubObj" in found.text) is bool(compact)
+    assert "[2000sub1]" in found.text

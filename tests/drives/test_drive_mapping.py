@@ -193,6 +193,7 @@ RPDO2,1,0,0x6072,0,16,no,
         ("RPDO1,1,0,0x60B8,0,16,no,", 6, "0x60B8:0"),
         ("RPDO1,1,0,24754,0x0,16,no,", None, ""),  # an index is hexadecimal
         ("RPDO1,1,0,6072,0,16,no,", 7, "0x6072:0"),
+        ("RPDO2,1,0,0x6072,0,16,no,", 7, "0x6072:0"),  # in one PDO too
         ("RPDO4,1,0,0x6072,1,16,no,", None, ""),  # another sub-index
         ("TPDO2,1,0,0x607A,0,32,yes,", None, ""),  # a drive may send what it was sent
         ("TPDO2,1,0,0x6064,0,32,yes,", None, ""),

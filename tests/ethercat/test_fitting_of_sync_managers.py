@@ -1,5 +1,6 @@
 """Which SyncManagers fit the process data and the mailbox of a drive."""
 
+from itertools import pairwise
 from struct import Struct
 from types import SimpleNamespace
 from typing import Any
@@ -65,3 +66,13 @@ def test_both_mailboxes_are_as_the_eeprom_has_them(number: int, key: str, change
     setattr(manager, key, getattr(manager, key) ^ change)
     assert not fit.made.has_mailbox()
     assert fit.made.wrong() is None
+
+
+@pytest.mark.parametrize("size", [32, 128, 200, 1024])
+def test_the_mailboxes_lie_one_behind_the_other_before_the_process_data(size: int) -> None:
+    managers = describe(DriveProfile(), mailbox_bytes=size).managers
+    assert [(m.start, m.length, m.kind) for m in managers[:2]] == [
+        (0x1000, size, 1), (0x1000 + size, size, 2)
+    ]  # fmt: skip
+    ends = [(m.start, m.start + m.length) for m in managers]
+    assert all(end <= begin for (_, end), (begin, _) in pairwise(ends))

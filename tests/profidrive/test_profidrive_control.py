@@ -193,6 +193,24 @@ def test_a_loop_in_the_cnc_gives_a_speed_and_no_gain() -> None:
     assert bus.drive.lag_mm == 1.0
 
 
+@pytest.mark.parametrize("feed_forward", [0.0, 1.0])
+def test_the_loop_of_the_cnc_begins_where_the_drive_begins_to_follow(feed_forward: float) -> None:
+    """Set positions that go on while it does not follow are no way that is still to be gone."""
+    loop = LoopSettings(kv_per_s=10.0, period_s=1e-3, feed_forward=feed_forward)
+    bus = Bus(replace(SETTINGS, loop=loop, gain=0))
+    bus.drive.order(PowerOrder.SWITCH_ON)
+    place = round(5.0 * SETTINGS.increments_per_mm)
+    for set_mm in (4.0, 4.9):
+        assert bus.cycle(set_mm, ZSW1=0x0233, G1_XIST1=place)["NSOLL_B"] == 0
+        assert bus.drive.lag_mm == pytest.approx(set_mm - 5.0)
+    bus.cycle(5.0, ZSW1=0x0237)
+    sent = bus.cycle(5.001)
+    demand_mm_s = feed_forward * 1.0 + 10.0 * 0.001
+    assert sent["NSOLL_B"] == pytest.approx(demand_mm_s * 393_216, abs=2)
+    sent = bus.cycle(5.001)
+    assert sent["NSOLL_B"] == pytest.approx(10.0 * 0.001 * 393_216, abs=2)
+
+
 def test_a_drive_that_does_not_follow_gets_standstill(bus: Bus) -> None:
     sent = bus.cycle(1.0, ZSW1=0x0233)
     assert (sent["XERR"], sent["NSOLL_B"]) == (0, 0)

@@ -77,15 +77,19 @@ def test_the_set_speed_is_a_share_of_p0880_and_limited_by_the_motor(sign: int) -
     assert one.shown("NIST_B") == pytest.approx(sign * 0.05 * one.per_m_s, rel=1e-4)
 
 
-@pytest.mark.parametrize("v_m_s", [0.02, -0.05])
-def test_dsc_adds_the_deviation_from_where_the_control_has_reckoned_it(v_m_s: float) -> None:
+@pytest.mark.parametrize(
+    ("v_m_s", "xerr_m"), [(0.02, 0.0004), (-0.05, 0.0004), (0.02, -0.0002), (0.02, 0.0)]
+)
+def test_dsc_adds_the_deviation_from_where_the_control_has_reckoned_it(
+    v_m_s: float, xerr_m: float
+) -> None:
     """n = NSOLL_B + KPC (XERR - (x - x0)), x0 of the telegram before the one that is swapped.
 
     That is one cycle of 1 ms before, and a tick 250 us later the axis is so much further.
     """
     one = Node(FakeAxis(motion=lambda time_s: v_m_s * time_s))
     one.operate()
-    kpc, xerr_m, speed_m_s = 25.0, 0.0004, 0.01
+    kpc, speed_m_s = 25.0, 0.01
     increments = xerr_m * 1e3 * one.per_mm
     for _ in range(2):
         one.cycle(KPC=kpc * 1000, XERR=increments, NSOLL_B=speed_m_s * one.per_m_s)

@@ -331,3 +331,30 @@ def test_between_two_questions_of_a_homing_are_some_cycles() -> None:
     gaps = {after - before for before, after in pairwise(drive.asked)}
     assert drive.asked[0] == SDO_CYCLES
     assert gaps == {SDO_CYCLES, 2 * SDO_CYCLES}  # the write lies between two readings
+
+
+class DriveOfMaker(Drive):
+    """A drive whose modes are bytes with a sign, as CiA 402 has 6060 and 6061."""
+
+    def read(self, index: int, sub: int, done: Callable[[Any], None]) -> None:
+        done(self.objects[index].to_bytes(1, "little", signed=True))
+
+    def write(self, index: int, sub: int, data: bytes, done: Callable[[Any], None]) -> None:
+        assert len(data) == 1
+        self._take(index, int.from_bytes(data, "little", signed=True))
+        done(b"")
+
+
+@pytest.mark.parametrize("mode", [CSP, 9, -1, -128])
+@pytest.mark.parametrize("mode_in_pdo", [False, True])
+def test_the_mode_of_before_comes_back_also_one_of_the_maker(mode: int, mode_in_pdo: bool) -> None:
+    """Modes below 0 are those of the maker (CiA 402-2, 6060)."""
+    drive = DriveOfMaker(mode_in_pdo=mode_in_pdo)
+    drive.objects[MODE] = drive.objects[DISPLAY] = mode
+    axis, _ = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES)
+    assert (drive.objects[MODE], axis.phase) == (HOMING, Phase.SEARCHING)
+    cycles(axis, BLIND_CYCLES)
+    drive.statusword = ATTAINED | AT_REST
+    cycles(axis, 4 * SDO_CYCLES)
+    assert (drive.objects[MODE], axis.phase) == (mode, Phase.DONE)

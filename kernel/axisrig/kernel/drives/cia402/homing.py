@@ -177,7 +177,7 @@ class AxisHoming(DriveHoming):
         try:
             self._link.set_object(MODE, 0, mode)
         except KeyError:  # no RPDO carries it
-            data = mode.to_bytes(1, "little")
+            data = mode.to_bytes(1, "little", signed=True)
             self._request = lambda: self._sdo.write(MODE, 0, data, written)
         else:
             self._read(MODE_DISPLAY, poll)
