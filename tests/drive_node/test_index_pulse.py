@@ -60,6 +60,18 @@ def test_at_its_lower_side_a_motion_is_on_the_mark(direction: int, edge_ns: int)
     assert index.edges(edge_ns, 2000) == []
 
 
+@pytest.mark.parametrize(
+    ("angle_deg", "increment"), [(1.0, 28), (0.04, 1), (0.06, 2), (359.99, 0), (359.9, 9997)]
+)
+def test_an_angle_is_that_of_the_nearest_increment(angle_deg: float, increment: int) -> None:
+    """Of 10000 to a revolution, 0.036 degrees each; half of one before 360 it is that of 0."""
+    place_m = increment * LEAD_M / 10_000
+    rise, fall = pulse(lambda t: -1e-7 + t, angle_deg).edges(0, S // 90)[:2]
+    assert (rise.level, fall.level) == (True, False)
+    assert rise.position_m == pytest.approx(place_m, abs=1e-9)
+    assert fall.position_m == pytest.approx(place_m + LEAD_M / 10_000, abs=1e-9)
+
+
 def test_standing_on_the_mark_is_no_edge() -> None:
     assert pulse(lambda t: 0.01).edges(0, S) == []
 
