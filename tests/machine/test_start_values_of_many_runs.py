@@ -1,0 +1,118 @@
+"""Start values of plants that are found once and set in each run; columns that name no unit."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from fmpy.model_description import BaseUnit, ModelVariable
+from fmpy.model_description import Unit as Defined
+
+from axisrig.bench.machine.start_values import set_start_values
+from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.rig.reading.file import PlantTable
+from axisrig.kernel.errors import UserError
+
+pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
+
+METRE = Defined("m", BaseUnit(m=1, factor=1.0, offset=0.0))
+VARIABLES = {
+    each.name: each
+    for each in (
+        ModelVariable("reach", type="Float64", unit="m"),
+        ModelVariable("share", type="Float64", unit="1"),
+        ModelVariable("count", type="Int32"),
+    )
+}
+
+
+class Fmu:
+    """An instance with these variables; given: what was set, in its order."""
+
+    def __init__(self, name: str) -> None:
+        self.given: list[tuple[str, Any]] = []
+        self.name, self.variable = name, VARIABLES.__getitem__
+        self.description = SimpleNamespace(unitDefinitions=[METRE])
+
+    def set_start(self, name: str, value: Any) -> None:
+        self.given.append((name, value))
+
+    def has(self, name: str) -> bool:
+        return name in VARIABLES
+
+    def names(self, _causality: str) -> list[str]:
+        return [*VARIABLES]
+
+
+def settings_with(is_settled: bool, **cells: list[str]) -> Any:
+    """Settings whose run assigns these cells, by plant."""
+
+    def located(error: UserError, item: Assignment) -> UserError:
+        return UserError(f"{item.column}: {error.message}")
+
+    start = {
+        name: [(parse_assignment(f"plant:{name}.{cell}"), located) for cell in of_plant]
+        for name, of_plant in cells.items()
+    }
+    return SimpleNamespace(
+        is_settled=is_settled, known={}, bare_in_rig={}, bare={}, files=["rig.toml"], start=start
+    )
+
+
+def given(settings: Any, name: str, **start: Any) -> list[tuple[str, Any]]:
+    """What a new instance of a plant gets."""
+    fmu = Fmu(name)
+    roles: Any = SimpleNamespace(slave=fmu, spare_inputs=list)
+    set_start_values(settings, name, PlantTable(fmu="p.fmu", start=start), roles)
+    return fmu.given
+
+
+def test_each_plant_gets_its_own_values_in_every_run_those_of_the_run_last() -> None:
+    settings = settings_with(True, p=["reach_mm=250", "count=3"], q=["count=0"])
+    of_p = [("reach", 0.5), ("share", 0.25), ("reach", 0.25), ("count", 3)]
+    of_q = [("reach", 7.0), ("count", 0)]
+    for _ in range(2):
+        assert given(settings, "p", reach_mm=500, share=0.25) == of_p
+        assert given(settings, "q", reach=7) == of_q
+        assert given(settings, "r") == []
+    assert [*settings.bare_in_rig] == ["plant:q.reach"]
+    # Settings that may still change are read anew each time
+    loose = settings_with(False, p=["count=3"])
+    assert given(loose, "p") == [("count", 3)]
+    assert loose.known == {}
+    loose.start["p"].append((parse_assignment("plant:p.count=4"), loose.start["p"][0][1]))
+    assert given(loose, "p") == [("count", 3), ("count", 4)]
+
+
+def test_values_that_were_refused_are_refused_in_every_run(tmp_path: Path) -> None:
+    """Every one of them is named, whether the rig or the run has it."""
+    settings = settings_with(True, p=["count=1.5", "reach_s=2"])
+    settings.files = [tmp_path / "rig.toml"]
+    settings.files[0].write_text("[plant.p]\nstart = { share_mm = 3 }\n", encoding="utf-8")
+    for _ in range(2):
+        with pytest.raises(UserError) as refused:
+            given(settings, "p", share_mm=3)
+        errors = [refused.value, *refused.value.further]
+        assert [(error.line, error.message.partition(": ")[0]) for error in errors] == [
+            (2, "share_mm"), (None, "plant:p.count"), (None, "plant:p.reach_s"),
+        ]  # fmt: skip
+    assert settings.known == {}
+
+
+@pytest.mark.parametrize(
+    ("cell", "is_noted"),
+    [("reach=2", True), ("reach=-2", True), ("reach=0", False), ("reach_mm=2", False),
+     ("reach_m=2", False), ("share=2", False), ("count=2", False)],
+)  # fmt: skip
+def test_a_column_that_names_no_unit_is_noted_where_it_could_have_had_several(
+    cell: str, is_noted: bool
+) -> None:
+    """0 is the same in each."""
+    settings = settings_with(False, p=[cell])
+    given(settings, "p")
+    assert settings.bare_in_rig == {}
+    assert [*settings.bare] == (["plant:p.reach"] if is_noted else [])
+    if is_noted:
+        unit, columns = settings.bare["plant:p.reach"]
+        assert unit == "m"
+        assert {"plant:p.reach_mm", "plant:p.reach_um"} <= {*columns}
