@@ -1,5 +1,6 @@
 """What runs in each slice of `axisrig drive`, on CAN and on a line: stand-ins for all parts."""
 
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,6 +11,7 @@ import pytest
 from axisrig.bench.bus.can.frame import Frame, data_frame
 from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.tools.virtual_drive import ethercat
+from axisrig.bench.tools.virtual_drive import serve as serving
 from axisrig.bench.tools.virtual_drive.ethercat import LineServer, Wanted, line_settings
 from axisrig.bench.tools.virtual_drive.serve import DriveServer
 from axisrig.kernel.errors import UserError
@@ -300,3 +302,60 @@ def test_a_server_with_a_folder_writes_its_trace_once(
     assert made == [tmp_path / "trace.parquet", "columns", "closed", "all closed"]
     server.close()
     assert made[4:] == ["all closed"]
+
+
+class Server:
+    """Stands for a server of either kind: what it was made with, and how it has run."""
+
+    made: "list[Server]"
+
+    def __init__(self, *given: Any, **words: Any) -> None:
+        self.given, self.words, self.calls = given, words, list[Any]()
+        self.made.append(self)
+
+    def __enter__(self) -> "Server":
+        self.calls.append("opened")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.calls.append("closed")
+
+    def run(self, *for_ns: int | None) -> None:
+        self.calls.append(("ran", *for_ns))
+
+
+@pytest.mark.parametrize(("for_s", "for_ns"), [(None, None), (1.5, 1500 * MS), (0.0004, 400_000)])
+@pytest.mark.parametrize("by_sync", [True, False])
+def test_what_the_command_line_says_reaches_the_drives(
+    for_s: float | None, for_ns: int | None, by_sync: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The interface is open as long as they run."""
+    own = type("Own", (Server,), {"made": []})
+    ends: list[str] = []
+    outside: Any = SimpleNamespace(open_hardware=lambda: closing(Hardware(ends)))
+    monkeypatch.setattr(serving, "DriveServer", own)
+    settings: Any = "settings"
+    serving.serve(
+        settings, outside, ends.append, by_sync=by_sync, folder=Path("f"), for_s=for_s,
+        store=Path("s"),
+    )  # fmt: skip
+    (made,) = own.made
+    assert made.given[0] == "settings"
+    assert made.given[1].ends is ends
+    assert made.words == {"by_sync": by_sync, "folder": Path("f"), "store": Path("s")}
+    assert made.calls == ["opened", ("ran", for_ns), "closed"]
+    assert ends == ["closed"]
+    monkeypatch.setattr(ethercat, "LineServer", own)
+    wanted: Any = "wanted"
+    hardware: Any = "hardware"
+    ethercat.serve_line(settings, wanted, hardware, ends.append)
+    assert own.made[1].given == ("settings", "wanted", "hardware", ends.append)
+    assert own.made[1].calls == ["opened", ("ran",), "closed"]
+
+
+class Hardware:
+    def __init__(self, ends: list[str]) -> None:
+        self.ends = ends
+
+    def close(self) -> None:
+        self.ends.append("closed")
