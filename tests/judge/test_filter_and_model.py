@@ -47,6 +47,14 @@ def test_a_filter_is_late_by_its_group_delay(count: int, side: float) -> None:
     assert seen(observed, DELAY_EXPECTED).value == pytest.approx((count - 1) / 2)
 
 
+@pytest.mark.parametrize("step", [600, 601])
+def test_noise_of_the_sensor_is_no_part_of_the_height_of_a_step(step: int) -> None:
+    """0.1 mm to either side in turns: of 1 mm a mean of 20 values is late by 9.5 cycles."""
+    given = 2.0 + 1.0 * (step <= K) + 0.1 * (-1.0) ** K
+    observed = filtered(given, mean_of(given, 20), words={"n_cycles": 20}, gap=2.0 + (step <= K))
+    assert seen(observed, DELAY).value == pytest.approx(9.5, abs=0.11)  # one value more or less
+
+
 def test_a_small_or_a_short_step_shows_no_delay() -> None:
     words = "the surface never stepped from one level to another"
     small = 2.0 + 0.09 * (K >= 500)
