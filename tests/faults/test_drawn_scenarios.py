@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -154,5 +155,7 @@ def test_machines_by_their_names() -> None:
     assert "gantry" in str(refused.value)
     printed = [row for row in machines().values() if row.prints]
     assert printed[0].values_of(4) == 2  # each is printed and published
+    for prints in ((10,), (10, 20, 30)):  # however many blocks print
+        assert [replace(printed[0], prints=prints).values_of(n) for n in (2, 6)] == [1, 3]
     plain = next(row for row in machines().values() if not row.prints)
     assert plain.values_of(4) == 4

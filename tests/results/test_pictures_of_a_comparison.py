@@ -15,7 +15,7 @@ from tests.recordings import kept
 
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.results.compare import page
-from axisrig.results.compare.drawing import WIDTH, overlay
+from axisrig.results.compare.drawing import WIDTH, _reduced, overlay
 from axisrig.results.compare.trend import CaseTrend, Point, Trend
 from axisrig.results.compare.words import trend_lines
 
@@ -248,3 +248,16 @@ def test_the_page_of_a_trend_has_the_places_of_the_folders(
         ("m:Z", [1.0], [7.0], ends, (), {"has_dots": True, "names": ["two, n 2"]}),
     ]  # fmt: skip
     assert views[0][1]["drawn"] == {"p-a": "m:Z, um", "p-b": "m:Z"}
+
+
+def test_a_line_of_many_values_goes_through_its_peaks_in_the_order_of_their_places() -> None:
+    """Falling and rising ones: each column has its largest and smallest value as they came."""
+    places = np.arange(4000.0)
+    for values in (places, -places, np.where(places == 1234.0, 9.0, np.sin(places / 50.0))):
+        found = _reduced(places, values)
+        assert 400 <= len(found) <= 800
+        shown = [place for place, _ in found]
+        assert shown == sorted(shown)
+        assert all(value == values[int(place)] for place, value in found)
+        kept = [value for _, value in found]
+        assert (min(kept), max(kept)) == (values.min(), values.max())

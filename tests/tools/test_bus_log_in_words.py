@@ -48,6 +48,7 @@ def answer(
     [
         ("000#0103", "NMT", "start, node 3"),
         ("000#8000", "NMT", "enter pre-operational, all nodes"),
+        ("000#8001", "NMT", "enter pre-operational, node 1, of no node of this rig"),
         ("000#8203", "NMT", "reset communication, node 3"),
         ("000#0503", "NMT", "command 5, node 3"),
         ("000#0104", "NMT", "start, node 4" + NOBODYS),
