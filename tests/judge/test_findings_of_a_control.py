@@ -270,6 +270,13 @@ def test_another_set_value_begins_what_is_judged_anew() -> None:
     assert error.measured_mm == pytest.approx(0.1)
 
 
+def test_a_surface_that_gets_faster_bit_by_bit_is_even_in_its_last_rows_alone() -> None:
+    """0.1 nm more in each cycle: only the last three rows differ by no more than 0.2 nm."""
+    (error,) = found(0.001 * K, 0.5e-7 * (K - 100.0) ** 2 * (K > 100)).errors
+    assert error.measured_mm == pytest.approx(0.001 * (ROWS - 1), abs=3e-3)
+    assert error.speed_mm_s == pytest.approx(0.09, abs=1e-3)
+
+
 # Limits
 
 ALARM = re.compile(r"above it (\d+) \(older (\d+)\)")

@@ -54,3 +54,12 @@ def test_what_is_handed_over_at_once_is_no_motion(before: int, v_mm_s: float) ->
     offset = np.full(ROWS, 0.5)
     offset[500:] = 0.0
     assert used(offset_mm=offset, distance_state=state)["v_max"] == pytest.approx(v_mm_s)
+
+
+def test_the_row_that_switches_on_has_no_value_of_the_control_yet() -> None:
+    """9 mm nearer until that row: neither an end, nor a jump in the row after it."""
+    found = used(from_row((50, 9.0), (ON + 1, 0.0), (ON + 2, 0.25)))
+    assert (found["max_pos"], found["min_pos"]) == (pytest.approx(-1.75), pytest.approx(-2.0))
+    assert found["max_act_value_change"] == pytest.approx(250.0)
+    early = used(offset_mm=from_row((ON, 0.4), (ON + 2, 0.5)))
+    assert early["a_max"] == pytest.approx(400e3)  # 400 mm/s are gone in the row after it
