@@ -337,3 +337,11 @@ def test_several_cells_with_line_breaks_make_a_row_so_much_longer(write_plan: Pl
     with pytest.raises(UserError) as caught:
         read_plan(write_plan(text))
     assert caught.value.line == 6
+
+
+def test_a_comment_may_begin_in_the_column_of_cases(write_plan: PlanWriter) -> None:
+    """Where that is not the first one; a sign in another column is text of its cell."""
+    head = "requirement,case,program,rig,title"
+    text = f"{head}\n,#a,probe.nc,machine.toml,\n,b,probe.nc,machine.toml,#1\n"
+    (case,) = read_plan(write_plan(text)).cases
+    assert (case.case, case.title, case.line) == ("b", "#1", 3)

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,7 @@ from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, no_
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.facts import AlarmRecord
 from axisrig.kernel.errors import UserError
 
 
@@ -431,3 +433,9 @@ def test_a_check_that_is_to_fail_does_not_make_its_row_fail(
     found = {one["metric"]: one["verdict"] for one in rows(out / "results.csv")}
     for metric, own in (("latch_error_um:Z", "fail"), ("lag_mm_max:Z", "pass")):
         assert found[metric] == ("error" if metric == leaves_out else own)
+
+
+def test_alarms_of_a_result_are_without_those_of_the_stop(plan: Plan) -> None:
+    alarms = tuple(AlarmRecord(0, n, 4, True, "x", is_further=n == 2) for n in (3, 2, 1))
+    result = CaseResult(plan.cases[0], Verdict.PASS, [], facts=replace(left(), alarms=alarms))
+    assert result.alarms == [3, 1]
