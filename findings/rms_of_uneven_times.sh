@@ -10,7 +10,7 @@ set -euo pipefail
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 python3 -m venv "$work/venv"
-"$work/venv/bin/pip" install --quiet --disable-pip-version-check polars-waveform==0.1.0 polars==2.1.0
+"$work/venv/bin/pip" install --quiet --disable-pip-version-check polars-waveform==0.1.0 polars==2.1.0 numpy==2.4.6
 cd "$work"
 cat >try.py <<'PYTHON'
 from math import sqrt
