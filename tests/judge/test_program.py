@@ -261,3 +261,26 @@ def test_a_smaller_lag_in_more_doubt_may_be_the_largest() -> None:
 def test_the_largest_speed_is_that_of_either_direction() -> None:
     for of, wanted in (("", 15.625), (":X", 15.625), (":Z", 7.8125)):
         assert seen(driven(peaks()), f"velocity_mm_s_max{of}").value == pytest.approx(wanted)
+
+
+def test_each_drive_has_marks_from_its_own_start_on() -> None:
+    """X, Y and Z start one after the other; Z never gets on; only what came later is a mark."""
+    start = ("SWITCH_ON_DISABLED", "READY_TO_SWITCH_ON", "SWITCHED_ON", "OPERATION_ENABLED")
+    after = {"X": ("SWITCHED_ON", "OPERATION_ENABLED"), "Y": ("FAULT",), "Z": ()}
+    gone = {"X": start + after["X"], "Y": start + after["Y"], "Z": start[:3]}
+    axes = {
+        axis: AxisRecord("can1", 1, 1000.0, states=tuple(
+            DriveState((100 * n + row) * MS, state, state == "FAULT")
+            for row, state in enumerate(states)
+        ))
+        for n, (axis, states) in enumerate(gone.items())
+    }  # fmt: skip
+    wanted = [
+        (4, "mark", "X: switched on", "X"),
+        (5, "mark", "X: operation enabled", "X"),
+        (104, "fault", "Y: fault", "Y"),
+    ]
+    for names in ("XYZ", "ZYX", "YZX"):
+        observed = recorded(axes={axis: axes[axis] for axis in names})
+        found = [(e.time_ns // MS, e.kind, e.label, e.axis) for e in program_events(observed)]
+        assert sorted(found) == wanted

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.can.confinement import ErrorState
+from axisrig.bench.bus.can.load import LoadNow
 from axisrig.bench.machine import families
 from axisrig.bench.machine.canopen import family as can
 from axisrig.bench.machine.cyclic import family as cyclic
@@ -168,6 +170,65 @@ def test_each_line_has_its_own_figures_schedule_and_clocks(monkeypatch: pytest.M
     assert part.terminal(lambda _: None) is None
     lines["two"].terminal = "terminal"
     assert part.terminal(lambda _: None) == "terminal"
+
+
+class Outside(SimpleNamespace):
+    """A bus at a real interface."""
+
+
+def port(name: str, tec: int, rec: int, state: ErrorState = ErrorState.ACTIVE) -> Any:
+    return SimpleNamespace(port_name=name, tec=tec, rec=rec, error_state=state)
+
+
+def test_each_bus_shows_its_load_and_every_node_that_has_counted_an_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Transmit errors, receive errors or both; no longer once both are 0."""
+    monkeypatch.setattr(can, "OutsideSegment", Outside)
+    wanted: list[tuple[int, int]] = []
+
+    def bus(kind: Any, number: int, ports: list[Any], **more: Any) -> Any:
+        def load_now(now_ns: int, span_ns: int) -> LoadNow:
+            wanted.append((now_ns, span_ns))
+            return LoadNow(number, number + 1, number / 100)
+
+        return kind(bitrate=1000 * number, ports=ports, load_now=load_now, **more)
+
+    ports = [
+        port("cnc", 136, 0, ErrorState.PASSIVE), port("X", 0, 7), port("Y", 0, 0), port("Z", 8, 1)
+    ]  # fmt: skip
+    buses = {
+        "one": bus(SimpleNamespace, 10, ports),
+        "two": bus(Outside, 25, [port("W", 0, 0)], lost=""),
+        "three": bus(Outside, 50, [port("V", 1, 0)], lost="unplugged"),
+    }
+    part = part_of(can.CanBuses, buses)
+    found = part.shown()
+    assert wanted == 3 * [(250 * MS, can.LOAD_SPAN_NS)]
+    assert [one.pop("counters") for one in found] == [
+        [
+            {"node": "cnc", "tec": 136, "rec": 0, "state": str(ErrorState.PASSIVE)},
+            {"node": "X", "tec": 0, "rec": 7, "state": str(ErrorState.ACTIVE)},
+            {"node": "Z", "tec": 8, "rec": 1, "state": str(ErrorState.ACTIVE)},
+        ],
+        [],
+        [{"node": "V", "tec": 1, "rec": 0, "state": str(ErrorState.ACTIVE)}],
+    ]
+    names = ("segment", "bitrate", "is_outside", "lost", "frames", "error_frames", "load_pct")
+    assert [tuple(one[name] for name in names) for one in found] == [
+        ("one", 10_000, False, None, 10, 11, 10.0),
+        ("two", 25_000, True, "", 25, 26, 25.0),
+        ("three", 50_000, True, "unplugged", 50, 51, 50.0),
+    ]
+    ports[0].tec, ports[1].rec, ports[2].rec = 0, 0, 1
+    assert [one["node"] for one in part.shown()[0]["counters"]] == ["Y", "Z"]
+
+
+def test_cyclic_segments_have_the_warnings_of_every_drive_in_their_order() -> None:
+    part = part_of(cyclic.CyclicSegments, {})
+    warned = {"X": [], "Y": ["first", "second"], "Z": (), "W": ["third"]}
+    part.ends = {axis: SimpleNamespace(warnings=found) for axis, found in warned.items()}
+    assert part.warnings == ["first", "second", "third"]
 
 
 def test_a_log_of_a_line_has_its_name_whatever_kinds_of_logs_are_asked_for() -> None:

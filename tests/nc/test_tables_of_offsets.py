@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entry
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.nc.coordinates.tools import Tool, Tools, make_tools
@@ -109,6 +110,46 @@ def test_a_program_writes_to_tools_of_its_own() -> None:
     other = tool.copy()
     other.offsets_mm[1] = 1.0
     assert tool.offsets_mm == {0: 3.0}
+
+
+# Indices
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "last"),
+    [
+        (ZERO_OFFSETS, "np_grp[{}].achse[0].versch", 96),
+        (ZERO_OFFSETS, "np_grp[{}].achse[31].inaktiv", 96),
+        (ZERO_OFFSETS, "np_grp[0].achse[{}].versch", 31),
+        (ZERO_OFFSETS, "np_grp[96].achse[{}].inaktiv", 31),
+        (TOOLS, "wz[{}].laenge", 200),
+        (TOOLS, "wz[{}].param[69]", 200),
+        (TOOLS, "wz[0].param[{}]", 69),
+        (TOOLS, "wz[200].param[{}]", 69),
+    ],
+)
+def test_each_bracket_takes_its_last_index_and_none_after_it(
+    name: str, path: str, last: int
+) -> None:
+    """97 groups of zero offsets, 32 axes, 201 tools and 70 parameters of each count from 0."""
+    for index in (0, 1, last - 1, last):
+        (entry,) = entries(name, f"{path.format(index)} 1")
+        assert entry.written.split()[0] == path.format(index)
+    for index in (last + 1, last + 2, 9999):
+        with pytest.raises(UserError, match="index too large") as caught:
+            entries(name, f"{path.format(index)} 1")
+        assert (caught.value.value, caught.value.allowed) == (path.format(index), f"0 .. {last}")
+
+
+def test_the_last_group_the_last_axis_and_the_last_tool_act() -> None:
+    """Each at its own place: 1 mm, 2 mm and a length of 3 mm with 4 mm in its first axis."""
+    table = offsets("np_grp[96].achse[0].versch 10000", "np_grp[96].achse[31].versch 20000")
+    places = [(group, axis) for group in (95, 96) for axis in (0, 30, 31)]
+    assert [table.shift_mm(*place) for place in places] == [0.0, 0.0, 0.0, 1.0, 0.0, 2.0]
+    lines = ("wz[200].laenge 30000", "wz[200].ax_versatz[0] 40000", "wz[200].gueltig 1")
+    tools = make_tools(entries(TOOLS, *lines))
+    assert tools.find(200) == Tool(3.0, offsets_mm={0: 4.0}, valid=True)
+    assert tools.find(199) is None
 
 
 # Several lists
