@@ -10,7 +10,7 @@ from axisrig.bench.bus.can.controller import Controller
 from axisrig.bench.bus.can.faults import Alter, Drop, ErrorAtBit, FaultAction, FrameFault
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.clock import MS, US, Phase
 
 Hook = Callable[[Frame, Controller, int], FaultAction | None]
 
@@ -149,3 +149,40 @@ def test_an_error_frame_ends_as_it_began_whatever_becomes_of_its_sender(
     segment.scheduler.run_until(MS)
     assert ends == [(34_000, True)]
     assert (near.rec, segment.load().busy_bits) == (1, 34 + 3)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("active", [(), ("one",), ("two",), ("one", "two"), ("low",)])
+def test_one_error_active_sender_that_sees_its_bit_error_destroys_the_frame_of_all(
+    segment: Segment,
+    naive_wire: Callable[[int, bytes, bool, bool, int], str],
+    active: tuple[str, ...],
+) -> None:
+    """0x200 with data 00, 01 and 01 at once: the last two see dominant where they send recessive.
+
+    The flag of an active one has 6 dominant bits after that bit, those of the others and the
+    delimiter take 6 + 8 bits more. The frame ends as it is where both are passive, whatever the
+    first sender is, and the two send on after it.
+    """
+    ports = {name: segment.port(name) for name in ("low", "one", "two", "near")}
+    senders = [ports[name] for name in ("low", "one", "two")]
+    _passive(*(port for port in senders if port.port_name not in active))
+    before = [port.tec for port in senders]
+    ends: list[tuple[int, bool]] = []
+    segment.observe(lambda time_ns, _segment, _frame, is_error: ends.append((time_ns, is_error)))
+    for port, data in zip(senders, (b"\x00", b"\x01", b"\x01"), strict=True):
+        port.send_raw(0x200, data)
+    texts = [naive_wire(0x200, data, False, False, 1) for data in (b"\x00", b"\x01")]
+    bit = next(at for at, pair in enumerate(zip(*texts, strict=False), 1) if len({*pair}) == 2)
+    is_destroyed = "one" in active or "two" in active
+    segment.scheduler.run_until((bit + 6 + 6 + 8) * US if is_destroyed else 100 * US)
+    near = ports["near"].recv(0)
+    if is_destroyed:
+        assert ends == [((bit + 6 + 6 + 8) * US, True)]
+        assert near is None
+        assert [port.tec for port in senders] == [tec + 8 for tec in before]
+    else:
+        assert ends == [((len(texts[0]) + 10) * US, False)]
+        assert near is not None
+        assert bytes(near.data) == b"\x00"
+        assert [port.tec for port in senders] == [max(before[0] - 1, 0), 128 + 8, 128 + 8]

@@ -182,6 +182,36 @@ def test_an_answer_that_the_interface_does_not_take_is_a_lost_frame(sockets: Soc
     assert (port.frames, list(port.latencies_ns), port.latest_ns) == (1, [100], 100)
 
 
+@pytest.mark.parametrize("timeout_s", [0.0, 0.25])
+def test_a_latency_begins_when_its_frame_is_there_not_with_the_wait_for_it(
+    sockets: Sockets, monkeypatch: pytest.MonkeyPatch, timeout_s: float
+) -> None:
+    """Of three frames the middle one is waited for 9000 ns; each is answered 70 ns after it came.
+
+    A wait that brings none leaves nothing behind either.
+    """
+    times = Times()
+    wait = sockets.select
+
+    def select(readers: tuple[Any, ...], *rest: Any) -> None:
+        times.ns += 9000
+        wait(readers, *rest)
+
+    monkeypatch.setattr(sockets, "select", select)
+    port = _port(lambda _: None, times)
+    for number, is_late in enumerate((False, timeout_s > 0.0, False), 1):
+        sockets.waiting, sockets.late = [], []
+        assert port.receive(timeout_s) is None
+        came = sockets.late if is_late else sockets.waiting
+        came.append((HOST, ASKED[0]))
+        arrival = port.receive(timeout_s)
+        assert arrival is not None
+        times.ns += 70
+        arrival[1]()
+        assert list(port.latencies_ns) == [70] * number
+        assert (port.frames, port.latest_ns) == (number, 70)
+
+
 @pytest.mark.parametrize("late", [[], [(HOST, ASKED[0])], [(OUTGOING, ASKED[0])]])
 def test_a_wait_ends_by_a_frame_or_with_its_time(sockets: Sockets, late: list[Any]) -> None:
     port = _port(lambda _: None, Times())

@@ -7,6 +7,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.recording.cyclic_values import CyclicValues
@@ -126,10 +127,41 @@ def test_values_of_a_bus_belong_to_the_axis_of_its_segment_and_identifier() -> N
 
 
 @pytest.mark.interpreted
+def test_frames_that_are_still_in_the_journal_belong_to_the_block_that_is_taken() -> None:
+    """Frames of a drive and of a node with inputs, no block of the journal full: each is in the
+    row of its instant, in no later block, and none is missing at the end.
+    """
+    journal, link = Journal(), link_of("Z", 3)
+    node = NodeTelegrams("can1", 0x194, MS, 99 * US, 600 * US)
+    log = TelegramLog([("can1", link)], journal, node)
+
+    def end(at_us: int, can_id: int, data: bytes) -> None:
+        journal.entries.append((at_us * US, "can1", frame_of(can_id, data), False))
+
+    def rows(times_ms: list[int], *, is_last: bool) -> tuple[list[Any], list[list[int]]]:
+        columns = log.take_columns(np.array(times_ms) * MS, is_last=is_last)
+        assert journal.entries == []
+        inputs: list[list[int]] = columns["plc.inputs_frame_ns"].to_pylist()
+        return lists(columns, "Z", TARGET), inputs
+
+    for at_us in (300, 1300, 2300):
+        end(at_us, 0x194, b"\x01")
+        end(at_us + 1, *sent(link, TARGET, -at_us))
+    targets, inputs = rows([1, 2], is_last=False)
+    assert targets == [[(301 * US, -300)], [(1301 * US, -1300)]]
+    assert inputs == [[300 * US], [1300 * US]]
+    assert rows([3, 4], is_last=False) == ([[(2301 * US, -2300)], []], [[2300 * US], []])
+    end(5300, 0x194, b"\x00")
+    end(6301, *sent(link, TARGET, 7))
+    targets, inputs = rows([5, 6], is_last=True)
+    assert targets == [[], [(6301 * US, 7)]]
+    assert inputs == [[], [5300 * US]]
+
+
+@pytest.mark.interpreted
 def test_values_of_a_line_are_at_the_places_of_their_axis_in_the_image() -> None:
     """Two slaves; of the frame that is back only that with the right counter, and a cyclic one."""
-    taken: list[Any] = []
-    journal: Any = SimpleNamespace(add=taken.append, drain=lambda: None)
+    journal = Journal()
     outputs, inputs = (
         tuple(mapped for t in link_of("", 1).telegrams.values() if t.is_received is is_sent
               for mapped in t.objects) for is_sent in (True, False)
@@ -147,7 +179,6 @@ def test_values_of_a_line_are_at_the_places_of_their_axis_in_the_image() -> None
     )  # fmt: skip
     line: Any = SimpleNamespace(master=master)
     log = ValueLog({"ec1": line, "ec2": line}, {"Z"}, journal)
-    (take,) = taken
 
     def frame(target: int, actual: int, *, index: int = 0x80, is_right: bool = True) -> bytes:
         def packed(objects: Any, field: str, value: int) -> bytes:
@@ -160,13 +191,13 @@ def test_values_of_a_line_are_at_the_places_of_their_axis_in_the_image() -> None
         data[17] = index
         return bytes(data)
 
-    take([
+    journal.entries += [
         (1 * MS, "ec1", frame(-5, 7), False),
         (2 * MS, "ec1", frame(1, 2, is_right=False), False),
         (3 * MS, "ec1", frame(3, 4, index=0x7F), False),
         (4 * MS, "can1", frame(5, 6), False),
         (5 * MS, "ec1", frame(8, -9), False),
-    ])  # fmt: skip
+    ]  # fmt: skip
     columns = log.take_columns(np.array([9 * MS]), is_last=True)
     assert lists(columns, "Z", TARGET) == [[(1 * MS, -5), (5 * MS, 8)]]
     assert lists(columns, "Z", ACTUAL) == [[(1 * MS, 7), (5 * MS, -9)]]

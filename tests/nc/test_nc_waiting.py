@@ -62,6 +62,22 @@ def test_every_way_of_waiting_is_found(text: str) -> None:
     assert "V.E.READY" in str(caught.value)
 
 
+@pytest.mark.parametrize("changing", [1, 2, 3, 7])
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_loop_that_stops_to_change_anything_is_found_then(changing: int, turns: int) -> None:
+    """Its first turns count; of an outer loop that ends, so do those of each time it is begun."""
+    waiting = f"$WHILE V.E.READY == 0\n$IF P1 < {changing}\nP1 = P1 + 1\n$ENDIF\n$ENDWHILE"
+    ends = "$WHILE V.E.READY == 0 AND P2 < 2\nP2 = P2 + 1\n$ENDWHILE"
+    text = f"P1 = 0\n$FOR P3 = 1, {turns}, 1\nP2 = 0\n{ends}\n$ENDFOR\n{waiting}"
+    with pytest.raises(Alarm) as caught:
+        decode(text, {"READY": 0.0})
+    assert caught.value.id == 900126
+    assert caught.value.values == {
+        "loop": "line 8 ($WHILE V.E.READY == 0)",
+        "names": "V.E.READY",
+    }
+
+
 @pytest.mark.parametrize(
     "text",
     [
