@@ -151,7 +151,6 @@ def test_an_error_frame_ends_as_it_began_whatever_becomes_of_its_sender(
     assert (near.rec, segment.load().busy_bits) == (1, 34 + 3)
 
 
-@pytest.mark.interpreted
 @pytest.mark.parametrize("active", [(), ("one",), ("two",), ("one", "two"), ("low",)])
 def test_one_error_active_sender_that_sees_its_bit_error_destroys_the_frame_of_all(
     segment: Segment,
