@@ -137,6 +137,21 @@ def test_a_list_is_written_and_read_in_fragments(wire: Wire, count: int) -> None
     assert read_list(answer, 2) == items
 
 
+@pytest.mark.parametrize("text", ["", "y", "Probe 1", "y" * 60])
+def test_a_text_of_any_length_up_to_its_capacity_is_written_and_read(wire: Wire, text: str) -> None:
+    """Nothing of it is a number: neither its range nor its check is asked."""
+    ident = wire.idents[NAME]
+    ident.minimum, ident.maximum, ident.check = 0, 0, lambda _: "INVALID"
+    assert not isinstance(wire.write(NAME, pack_text(text)), SoeError)
+    found = wire.read(NAME)
+    assert not isinstance(found, SoeError)
+    assert read_text(found) == text
+    both = wire.read(NAME, Element.ATTRIBUTE | Element.VALUE)
+    assert not isinstance(both, SoeError)
+    parts = parts_of(Element.ATTRIBUTE | Element.VALUE, both, Attribute.read(both[:4]))
+    assert parts[Element.VALUE] == pack_text(text)
+
+
 def test_a_write_begins_anew_behind_one_in_fragments(wire: Wire) -> None:
     for count in (40, 3, 16, 0):
         items = [0x9000 + count + n for n in range(count)]

@@ -113,6 +113,32 @@ def test_elements_are_in_their_order() -> None:
             parts_of(elements, wrong, attribute)
 
 
+@pytest.mark.parametrize("kind", Kind)
+def test_lists_and_texts_have_a_length_of_their_own_and_single_values_their_width(
+    kind: Kind,
+) -> None:
+    """Two values in a row are cut where the first one ends.
+
+    A text has a length of its own whether or not its attribute has the bit of lists.
+    """
+    for is_list in (False, True):
+        for width in (1, 2, 4, 8):
+            attribute = Attribute(kind, width, is_list=is_list)
+            has_length = is_list or kind is Kind.TEXT
+            assert attribute.is_variable is has_length
+            body = bytes(range(1, 9))
+            value = struct.pack("<HH", 8, 16) + body if has_length else body[:width]
+            default = value[::-1] if not has_length else struct.pack("<HH", 0, 16)
+            elements = Element.NAME | Element.VALUE | Element.DEFAULT
+            found = parts_of(elements, pack_text("ab") + value + default, attribute)
+            assert found[Element.NAME] == b"\x02\0\x02\0ab"
+            assert (found[Element.VALUE], found[Element.DEFAULT]) == (value, default)
+            with pytest.raises(ValueError, match=r"the data end in VALUE"):
+                parts_of(Element.VALUE, value[:-1], attribute)
+            with pytest.raises(ValueError, match=r"1 bytes after the last"):
+                parts_of(Element.VALUE, value + b"x", attribute)
+
+
 def test_codes_of_the_tables() -> None:
     assert soe_errors()["NO_IDENT"] == 0x1001
     assert {0x7002, 0x7008, 0x7010, 0x7013, 0x800A} <= set(soe_errors().values())

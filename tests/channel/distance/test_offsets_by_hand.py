@@ -216,6 +216,26 @@ def test_a_command_of_the_plc_is_taken_where_it_is_enabled_and_no_alarm_has_ende
     assert [order.axis for order in found.controls.orders] == (["Z"] * 2 if is_taken else [])
 
 
+@pytest.mark.parametrize(("set_pos_mm", "set_dist_mm"), [(0.0, None), (None, 0.0), (0.0, 0.0)])
+def test_zero_from_the_plc_is_taken_and_recorded_as_any_other_value(
+    set_pos_mm: float | None, set_dist_mm: float | None
+) -> None:
+    own = stepped()
+    taken: list[tuple[str, float]] = []
+    own.control.set_surface = lambda value_mm: taken.append(("position", value_mm))
+    own.control.set_distance = lambda value_mm: taken.append(("distance", value_mm))
+    found = Controls(own)
+    unit = found.plc.axis["Z"].distance
+    unit.enable_w, unit.command_semaphor_rw = True, True
+    unit.command_w.set_pos_mm, unit.command_w.set_dist_mm = set_pos_mm, set_dist_mm
+    found.controls.step()
+    both = (("position", set_pos_mm), ("distance", set_dist_mm))
+    assert taken == [one for one in both if one[1] is not None]
+    (order,) = found.controls.orders
+    assert (order.axis, order.by, order.action) == ("Z", "PLC", "")
+    assert (order.set_pos_mm, order.set_dist_mm) == (set_pos_mm, set_dist_mm)
+
+
 def test_a_control_that_moves_an_axis_lets_it_float() -> None:
     own = stepped(is_moving=True)
     found = Controls(own)

@@ -10,7 +10,7 @@ from axisrig.kernel.nc import canon
 
 Run = Callable[..., Any]
 STATES = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
-ACTIONS = {"on": "ACTIVE", "off": "INACTIVE", "freeze": "FREEZE"}
+ACTIONS = {"on": "ACTIVE", "on_const": "ACTIVE_CONST_DIST", "off": "INACTIVE", "freeze": "FREEZE"}
 
 
 @pytest.fixture
@@ -116,7 +116,9 @@ COUPLED = ("#SET AX LINK[1, A=Z]", "#ENABLE AX LINK[1]")
 
 
 @pytest.mark.provokes(900196, 2, axis="A", master="Z", group=1)
-@pytest.mark.parametrize("word", ["ON", "DRYRUN"])
+@pytest.mark.parametrize(
+    "word", ["ON", "DRYRUN", "ON CONST_DIST", "ON CONST_DIST SET_DIST=1", "DRYRUN CONST_DIST"]
+)
 def test_900196_for_a_slave_that_is_to_have_an_offset_of_its_own(
     run: Run, machine: Any, word: str
 ) -> None:
@@ -124,6 +126,25 @@ def test_900196_for_a_slave_that_is_to_have_an_offset_of_its_own(
         names(run, machine, *COUPLED, f"A[DIST_CTRL {word}]")
 
 
+@pytest.mark.parametrize("word", ["FREEZE", "OFF", "SET_DIST=1", "KP=0.5"])
+def test_a_slave_may_get_all_words_that_switch_nothing_on(
+    run: Run, machine: Any, word: str
+) -> None:
+    found = names(run, machine, *COUPLED, f"A[DIST_CTRL {word}]")
+    assert found[-2:] == ["DistanceCommand", "EndOfProgram"]
+
+
 def test_the_master_of_a_coupling_may_and_a_slave_may_switch_off(run: Run, machine: Any) -> None:
     found = names(run, machine, *COUPLED, "Z[DIST_CTRL ON]", "A[DIST_CTRL OFF]")
     assert found[-3:] == ["DistanceCommand", "DistanceCommand", "EndOfProgram"]
+
+
+def test_a_slave_may_hold_a_constant_distance_once_it_follows_no_more(
+    run: Run, machine: Any
+) -> None:
+    """And the master while it has one."""
+    switched = "A[DIST_CTRL ON CONST_DIST]"
+    found = names(run, machine, *COUPLED, "#DISABLE AX LINK[1]", switched)
+    assert found[-2:] == ["DistanceCommand", "EndOfProgram"]
+    found = names(run, machine, *COUPLED, "Z[DIST_CTRL ON CONST_DIST]")
+    assert found[-2:] == ["DistanceCommand", "EndOfProgram"]
