@@ -205,3 +205,16 @@ def test_each_flag_of_a_control_is_its_own_parameter(
     ):
         assert found is not None
         assert (found.is_optimized, found.checks_limits) == flags
+
+
+@pytest.mark.parametrize(("offset", "is_absolute"), [(0, False), (1, True), (-1, True)])
+def test_a_reference_on_either_side_of_0_is_that_of_an_absolute_sensor(
+    tmp_path: Path, offset: int, is_absolute: bool
+) -> None:
+    """P-AXIS-00418, and `ref_offset` of the channel: 0 alone is none."""
+    text = CHANNEL.replace("ref_offset 0", f"ref_offset {offset}")
+    of_all = DistanceSettings.read(of_channel(tmp_path / "c.lst", text), OF_CHANNEL)
+    path = tmp_path / "z.lst"
+    path.write_text(LIST.replace("ref_offset 1", f"ref_offset {offset}"), encoding="utf-8")
+    of_axis = DistanceSettings.read(read_list(path, "axis"))
+    assert [of_all.has_absolute_sensor, of_axis.has_absolute_sensor] == [is_absolute] * 2
