@@ -169,7 +169,7 @@ def test_frames_of_several_ports_that_are_held_back_wait_each_for_its_own_port(
     scheduler: Scheduler, segment: Segment, watch: Watch
 ) -> None:
     """Of one port one frame waits at most: a second one is sent, and lets the first one go."""
-    seen = watch(segment)
+    on_bus = watch(segment)
     held = {0x181, 0x182, 0x281}
     segment.add_fault(
         lambda frame, _, attempt: Swap() if frame[0] in held and not attempt else None
@@ -178,12 +178,12 @@ def test_frames_of_several_ports_that_are_held_back_wait_each_for_its_own_port(
     x.send_raw(0x181, b"")
     y.send_raw(0x182, b"")
     scheduler.run_until(MS)
-    assert seen == []
+    assert on_bus == []
     y.send_raw(0x282, b"")
     scheduler.run_until(2 * MS)
     x.send_raw(0x281, b"")
     scheduler.run_until(3 * MS)
-    assert [can_id for _, can_id, _ in seen] == [0x282, 0x182, 0x281, 0x181]
+    assert [can_id for _, can_id, _ in on_bus] == [0x282, 0x182, 0x281, 0x181]
 
 
 @pytest.mark.parametrize("is_each_attempt", [False, True])
@@ -191,7 +191,7 @@ def test_a_fault_counts_frames_or_each_attempt_to_send_them(
     scheduler: Scheduler, segment: Segment, watch: Watch, is_each_attempt: bool
 ) -> None:
     """Two hits destroy two frames once each, or the first one twice; others count for none."""
-    seen = watch(segment)
+    on_bus = watch(segment)
     fault = FrameFault(0x181, lambda *_: ErrorAtBit(20), Hits(count=2), is_each_attempt)
     segment.add_fault(fault)
     segment.port("listener")
@@ -207,7 +207,7 @@ def test_a_fault_counts_frames_or_each_attempt_to_send_them(
         for errors in per_frame
         for can_id, kind in [(0x281, "data"), *[(0x181, "error")] * errors, (0x181, "data")]
     ]
-    assert [(can_id, kind) for _, can_id, kind in seen] == [*expected, (0x181, "data")]
+    assert [(can_id, kind) for _, can_id, kind in on_bus] == [*expected, (0x181, "data")]
 
 
 def test_which_frames_are_hit_is_seeded(scheduler: Scheduler, segment: Segment) -> None:

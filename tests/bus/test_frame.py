@@ -147,3 +147,6 @@ def test_known_lengths_are_right_and_never_more_than_their_room(naive_bits: Bits
     first = data_frame(0, b"\x00\x00")
     assert first not in lengths
     assert lengths[first] == naive_bits(first)
+    # A remote frame has a length and no data: 0 and 5 are other bits on the wire
+    for asked in (Frame(0x123, b"", False, True, dlc) for dlc in (0, 5)):
+        assert lengths[asked] == lengths[asked] == naive_bits(asked)

@@ -10,13 +10,7 @@ import pytest
 from tests.ethercat.line import frame, physical
 
 from axisrig.bench.bus.can.faults import ErrorAtBit, FaultAction
-from axisrig.bench.bus.can.frame import (
-    KNOWN_FRAMES,
-    Frame,
-    FrameLengths,
-    data_frame,
-    frame_bits,
-)
+from axisrig.bench.bus.can.frame import Frame, data_frame
 from axisrig.bench.bus.can.frame_hash import FrameHash
 from axisrig.bench.bus.can.load import LoadFigures
 from axisrig.bench.bus.can.logs import LOG_SUFFIXES, BusLog, open_log
@@ -205,17 +199,6 @@ def test_nothing_that_is_kept_grows_with_the_run() -> None:
             segment.scheduler.run_until(segment.now_ns + MS)
             assert len(segment.journal.entries) < 100
             assert len(segment.passed) < 100
-
-
-@pytest.mark.long
-def test_remembered_lengths_are_exact_and_bounded() -> None:
-    lengths, numbers = FrameLengths(), random.Random(3)
-    for _ in range(3 * KNOWN_FRAMES):
-        frame = data_frame(numbers.randrange(0x1000), numbers.randbytes(numbers.randrange(9)))
-        assert lengths[frame] == frame_bits(frame) == lengths[frame]
-        assert len(lengths) <= KNOWN_FRAMES
-    remote = Frame(0x123, b"", False, True, 5)
-    assert lengths[remote] == frame_bits(remote) != lengths[Frame(0x123, b"", False, False, 0)]
 
 
 def test_a_hash_counts_what_waits_in_its_journal() -> None:

@@ -5,7 +5,6 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel.path.execution import BlockEnd, BlockWatch, Execution
-from axisrig.kernel.channel.path.transformation import Transformation
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 
@@ -17,12 +16,12 @@ def dwell(number: int) -> canon.Dwell:
 
 
 class Bench(BlockWatch):
-    """Dwells that begin when they may and last as long as the test says; seen: in their order."""
+    """Dwells that begin when they may and last as long as the test says; calls: in their order."""
 
     def __init__(self) -> None:
-        self.seen: list[tuple[str, Any]] = []
+        self.calls: list[tuple[str, Any]] = []
         self.is_ready, self.is_busy = True, False
-        self.execution = Execution(lambda message: self.seen.append(("text", message.text)))
+        self.execution = Execution(lambda message: self.calls.append(("text", message.text)))
         self.execution.while_busy(lambda: self.is_busy)
         self.execution.register(
             canon.Dwell, lambda _command: setattr(self, "is_busy", True),
@@ -32,20 +31,20 @@ class Bench(BlockWatch):
         self.execution.watches.append(self)
 
     def waits(self, command: canon.Command) -> None:
-        self.seen.append(("waits", command.block.number))
+        self.calls.append(("waits", command.block.number))
 
     def begins(self, command: canon.Command) -> None:
-        self.seen.append(("begins", command.block.number))
+        self.calls.append(("begins", command.block.number))
 
     def ends(self, how: BlockEnd) -> None:
-        self.seen.append(("ends", how.value))
+        self.calls.append(("ends", how.value))
 
     def cycles(self, count: int, *, is_ready: bool = True, is_busy: bool = False) -> list[Any]:
         self.is_ready, self.is_busy = is_ready, is_busy
-        before = len(self.seen)
+        before = len(self.calls)
         for _ in range(count):
             self.execution.step()
-        return self.seen[before:]
+        return self.calls[before:]
 
 
 def test_a_command_waits_begins_and_ends_once() -> None:
@@ -70,38 +69,18 @@ def test_what_is_under_way_or_waits_ends_with_its_program(act: str, begun: bool)
     bench = Bench()
     execution = bench.execution
     execution.load(iter((dwell(1), END)))
-    assert bench.seen == []  # nothing was there that could end
+    assert bench.calls == []  # nothing was there that could end
     bench.cycles(2, is_ready=begun)
-    bench.seen.clear()
+    bench.calls.clear()
     if act == "load":
         execution.load(iter((dwell(7), END)))
     elif act == "drop":
         execution.drop()
     else:
         execution.close(BlockEnd.STOPPED)
-    assert bench.seen == [("ends", "stopped" if act == "close" else "reset")]
+    assert bench.calls == [("ends", "stopped" if act == "close" else "reset")]
     execution.close(BlockEnd.RESET)
-    assert len(bench.seen) == 1
+    assert len(bench.calls) == 1
     if act == "load":
         assert bench.cycles(1, is_ready=False) == [("waits", 7)]
     assert (execution.block is None) is (act != "close" or not begun)
-
-
-def test_choices_of_a_kinematic_are_those_that_change_something() -> None:
-    clock: Any = type("Clock", (), {"now_ns": 0})()
-    path = Transformation(clock, ())
-    kinematic: Any = object()
-    on = canon.KinematicChoice(Block(1, 1, ""), kinematic)
-    off = canon.KinematicChoice(Block(2, 2, ""), None)
-    path.end()
-    path.choose(off)
-    assert path.choices == []
-    for clock.now_ns, command in ((10, on), (20, on), (30, off), (40, off), (50, on)):
-        path.choose(command)
-    assert path.kinematic is kinematic
-    clock.now_ns = 60
-    path.end()
-    path.end()
-    assert path.choices == [(10, on), (20, on), (30, None), (50, on), (60, None)]
-    assert path.coordinates((1.0, 2.0)) == (1.0, 2.0)
-    assert path.state() == (None, None)

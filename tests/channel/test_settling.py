@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -17,7 +16,6 @@ from axisrig.kernel.channel.path.settling import (
     Settling,
     Standstill,
 )
-from axisrig.kernel.channel.path.slaves import PathWithSlaves
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
@@ -214,35 +212,3 @@ def test_an_axis_that_sways_for_its_settling_time_rests_inside_its_window(
         with pytest.raises(Alarm) as caught:
             rests_after(bench, swaying)
         assert (caught.value.id, caught.value.values) == (900200, {"axis": "Z", "ms": cycles + 1})
-
-
-# ---- slaves at a stop of their own
-
-
-def test_a_run_ends_when_its_slaves_are_in_their_windows_or_rest_away_from_them() -> None:
-    """X2 is held 2 mm off, to either side, and Z2 sways until cycle 30; the path leaves its place
-    in cycle 70: the 50 cycles begin anew.
-    """
-    bench = Bench(FakeLink("X2"), FakeLink("Z2"))
-    asked: list[tuple[str, ...]] = []
-    is_in: list[bool] = []
-    path: Any = SimpleNamespace(
-        is_in_position=lambda names: (asked.append(names), is_in[-1])[1],
-        travelled_mm=3.5,
-        has_stopped=True,
-    )
-    slaves = PathWithSlaves(path, bench.axes, bench, MS)  # type: ignore[arg-type]
-    assert (slaves.travelled_mm, slaves.has_stopped) == (3.5, True)
-    is_in.append(True)
-    bench.next(10, -10)
-    assert slaves.is_in_position()
-    for held in (2000, -2000):
-        found = []
-        for cycle in range(200):
-            is_in.append(cycle != 70)
-            bench.next(held, 5 * (-1) ** cycle if cycle <= 30 else 5)
-            found.append(slaves.is_in_position())
-        assert [cycle for cycle, now in enumerate(found) if now] == list(range(71 + 50, 200))
-        is_in.append(False)
-        assert not slaves.is_in_position()
-    assert set(asked) == {("X2", "Z2")}

@@ -30,7 +30,7 @@ def view(of_axis: DistanceState | None, of_channel: DistanceState | None) -> Cha
 
 
 @pytest.mark.parametrize(
-    ("of_axis", "of_channel", "seen"),
+    ("of_axis", "of_channel", "states"),
     [
         (None, None, (None, None)),
         (FROZEN, None, ("FREEZE", None)),
@@ -42,15 +42,15 @@ def view(of_axis: DistanceState | None, of_channel: DistanceState | None) -> Cha
 def test_it_is_that_of_the_control_that_moves_the_axis(
     of_axis: DistanceState | None,
     of_channel: DistanceState | None,
-    seen: tuple[str | None, str | None],
+    states: tuple[str | None, str | None],
 ) -> None:
     """Y by its own control, Z by that of the channel; INACTIVE where neither moves it."""
     found = view(of_axis, of_channel)
-    assert (found.distance_state("Y"), found.distance_state("Z")) == seen
+    assert (found.distance_state("Y"), found.distance_state("Z")) == states
 
 
 @pytest.mark.parametrize(
-    ("of_channel", "seen"),
+    ("of_channel", "state"),
     [
         (DistanceState.INACTIVE, "ACTIVE"),  # its guide of before would move X and Z
         (None, "ACTIVE"),
@@ -59,9 +59,9 @@ def test_it_is_that_of_the_control_that_moves_the_axis(
     ],
 )
 def test_an_idle_control_of_the_channel_says_nothing_about_an_axis_with_its_own(
-    of_channel: DistanceState | None, seen: str
+    of_channel: DistanceState | None, state: str
 ) -> None:
     found = view(ON, of_channel)
     axes: Any = found.distance.axes
     axes["Z"] = axes["Y"]
-    assert (found.distance_state("Z"), found.distance_state("Y")) == (seen, "ACTIVE")
+    assert (found.distance_state("Z"), found.distance_state("Y")) == (state, "ACTIVE")

@@ -365,12 +365,13 @@ def test_a_new_project_is_written_into_what_is_empty(tmp_path: Path) -> None:
 
 
 def test_elements_and_parameters_that_one_list_alone_sets_are_differences(tmp_path: Path) -> None:
-    """Whichever of them is the first, in the order of the page."""
+    """Whichever of them is the first, in the order of the page; beside one that both have set."""
     left, right = (tmp_path / f"{name}.lst" for name in "ab")
     shared = "kopf.achs_nr 1\nkopf.log_achs_name Z\ngetriebe[0].vb_eilgang 60000\n"
-    left.write_text(shared, encoding="utf-8")
+    left.write_text(f"{shared}getriebe[2].window 70\n", encoding="utf-8")
     own = {
-        "getriebe[1].vb_eilgang": 40000, "getriebe[2].vb_eilgang": 50000, "kenngr.messachse": 1
+        "getriebe[1].vb_eilgang": 40000, "getriebe[2].vb_eilgang": 50000,
+        "getriebe[2].window": 80, "kenngr.messachse": 1,
     }  # fmt: skip
     lines = "".join(f"{key} {value}\n" for key, value in own.items())
     right.write_text(shared + lines, encoding="utf-8")
@@ -380,4 +381,6 @@ def test_elements_and_parameters_that_one_list_alone_sets_are_differences(tmp_pa
         assert differs
         assert [key for key, _ in found] == [*own]
         for key, values in found:
-            assert values.split(" -> ")[::turn][1].split()[0] == str(own[key])
+            other, shown = values.split(" -> ")[::turn]
+            assert shown.split()[0] == str(own[key])
+            assert key != "getriebe[2].window" or other.split()[0] == "70"

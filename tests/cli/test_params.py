@@ -186,24 +186,6 @@ def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -
     assert said(axisrig, "diff", str(other), str(other)) == "no difference\n"
 
 
-def test_differences_are_of_every_index_and_of_the_list_that_sets_it_alone(
-    axisrig: Call, tmp_path: Path
-) -> None:
-    """Second encoder and second gear: set on either side, or with other values on both."""
-    first, second = tmp_path / "a.lst", tmp_path / "b.lst"
-    for ours, theirs, key, change in (
-        ("", "getriebe[1].window 250", "getriebe[1].window", "-> 250 "),
-        ("getriebe[1].window 250", "", "getriebe[1].window", "250 "),
-        ("getriebe[2].window 70", "getriebe[2].window 80", "getriebe[2].window", "-> 80 "),
-        ("getriebe[0].window 70", "getriebe[0].window 80", "getriebe[0].window", "-> 80 "),
-    ):
-        first.write_text(f"kopf.achs_nr 1\n{ours}\n", encoding="utf-8")
-        second.write_text(f"kopf.achs_nr 1\n{theirs}\n", encoding="utf-8")
-        _, _, line = said(axisrig, "diff", str(first), str(second), code=1).splitlines()
-        assert f": {key}: " in line
-        assert change in line
-
-
 def test_differences_count_in_effective_values(axisrig: Call, tmp_path: Path) -> None:
     first, second = tmp_path / "a.lst", tmp_path / "b.lst"
     first.write_text("kenngr.mess_neg_flanke 1\n")

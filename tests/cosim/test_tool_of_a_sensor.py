@@ -38,5 +38,5 @@ def test_a_sensor_without_a_tool_says_nothing_of_it() -> None:
     sensor = PlantDistance(fmu.roles, {"z": SimpleNamespace(motion=[0.0, 0.0])})  # type: ignore[dict-item]
     sensor.start(0)
     assert not sensor.has_tool
-    with pytest.raises(PlantError):
+    with pytest.raises(PlantError, match="no place of the tool is kept"):
         sensor.tool_at(0)

@@ -124,7 +124,7 @@ def test_the_drive_watches_the_rpdos_that_come_with_every_sync_and_no_others() -
 def test_tpdos_that_nobody_uses_are_switched_off_and_the_others_while_they_are_mapped(
     types: dict[str, int],
 ) -> None:
-    """CiA 301, 7.5.2.35: 18xx:1 with bit 31; identifiers of the predefined connection set."""
+    """CiA 301, 7.5.2.37: 18xx:1 with bit 31; identifiers of the predefined connection set."""
     inputs = (MappedObject(0x60FD, 0, 32, False, ""),)
     maps = {name: Telegram(name, number, 0, inputs) for name, number in types.items()}
     od = object_dictionary(NODE, DriveProfile())

@@ -75,7 +75,9 @@ def test_its_code_and_its_register_are_in_the_alarm_of_its_fault_and_of_no_other
         alarm = own.link.fault()
         assert (alarm.id, alarm.values["axis"]) == (900005, own.link.name)
         assert own.words == "0x8611, following error, error register 0x21"
+        assert (other.link.has_reported, other.words) == (False, "none")
         other.link.forget_fault()
+        assert own.link.has_reported
         own.link.forget_fault()
 
 

@@ -44,7 +44,10 @@ def test_a_second_frame_of_the_instant_waits_for_the_wire() -> None:
 
 
 def test_each_frame_waits_for_all_before_it() -> None:
-    """Of 60, 60, 300, 60 bytes, the first one 3 us late: each has the wire for its own time."""
+    """Of 60, 60, 300, 60 bytes, the first one 3 us late: each has the wire for its own time.
+
+    80 ns a byte at 100 Mbit/s; 24 more are preamble, check sum and the gap between frames.
+    """
     line = Line()
     line.one(BRD, 0, 0, 1)
     way_ns = line.back[0][0]  # of 60 bytes

@@ -2,7 +2,6 @@
 
 import csv
 from importlib import resources
-from xml.etree.ElementTree import fromstring
 
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
@@ -10,8 +9,6 @@ from tests.ethercat.test_assigned_pdos import CONTROL, TARGET, Started
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.store import ObjectStore
-from axisrig.bench.drive.ethercat.description import describe
-from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.object_access import ObjectAccess
 from axisrig.bench.drive.ethercat.objects import described
 
@@ -64,10 +61,3 @@ def test_a_list_that_is_refused_leaves_the_one_of_before() -> None:
     data = b"\x01\x00" + TARGET.to_bytes(4, "little")
     access.download(0x1600, 0, data, complete=True)
     assert [store.value(0x1600, sub) for sub in range(2)] == [1, TARGET]
-
-
-def test_the_esi_file_lets_both_mailboxes_be_32_to_1024_bytes() -> None:
-    managers = fromstring(esi_text(describe(DriveProfile())).partition("\n")[2]).iter("Sm")
-    limits = {one.text: (one.get("MinSize"), one.get("MaxSize")) for one in managers}
-    box, none = ("32", "1024"), (None, None)
-    assert limits == {"MBoxOut": box, "MBoxIn": box, "Outputs": none, "Inputs": none}

@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Iterator
+from xml.etree.ElementTree import fromstring
 
 import pytest
 from tests.ethercat.esi_rules import eeprom_of
@@ -168,3 +169,10 @@ def test_eeprom_and_esi_of_fixed_pdos_say_so() -> None:
     assert text.count('Fixed="1"') == len(fixed.rxpdos + fixed.txpdos)
     assert "PdoAssign" not in text
     assert "Fixed" not in esi_text(describe(DriveProfile()))
+
+
+def test_the_esi_file_lets_both_mailboxes_be_32_to_1024_bytes() -> None:
+    managers = fromstring(esi_text(describe(DriveProfile())).partition("\n")[2]).iter("Sm")
+    limits = {one.text: (one.get("MinSize"), one.get("MaxSize")) for one in managers}
+    box, none = ("32", "1024"), (None, None)
+    assert limits == {"MBoxOut": box, "MBoxIn": box, "Outputs": none, "Inputs": none}

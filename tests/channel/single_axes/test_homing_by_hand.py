@@ -151,9 +151,9 @@ def test_an_alarm_on_the_way_home_names_no_axis_as_homed() -> None:
 
 def test_coupled_axes_are_watched_while_one_of_them_has_limits() -> None:
     bench = Homed()
-    seen: list[int] = []
+    watched_ns: list[int] = []
     couplings: Any = bench.single.couplings
-    couplings.watch = lambda: seen.append(bench.clock.now_ns)
+    couplings.watch = lambda: watched_ns.append(bench.clock.now_ns)
     couplings.switch_on = lambda _command: setattr(couplings, "watched", True)
     couplings.switch_off = lambda _command: setattr(couplings, "watched", False)
     couplings.end_program = lambda: setattr(couplings, "watched", False)
@@ -161,7 +161,7 @@ def test_coupled_axes_are_watched_while_one_of_them_has_limits() -> None:
     bench.program.say(canon.AxisLinkOn(BLOCK, 1, ()))
     assert bench.single.is_active
     bench.turn(2)
-    assert seen == [2 * MS, 3 * MS]
+    assert watched_ns == [2 * MS, 3 * MS]
     bench.single.stop()
     assert bench.single.is_active
     bench.program.say(canon.AxisLinkOff(BLOCK, 1))
@@ -170,7 +170,7 @@ def test_coupled_axes_are_watched_while_one_of_them_has_limits() -> None:
     bench.program.say(canon.AxisLinkOn(BLOCK, 1, ()))
     bench.single.end_program()
     assert not bench.single.is_active
-    assert seen == [2 * MS, 3 * MS]
+    assert watched_ns == [2 * MS, 3 * MS]
 
 
 def test_orders_of_single_axes_wait_until_the_independent_ones_are_there() -> None:

@@ -198,10 +198,10 @@ def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("mode", "minds"),
+    ("mode", "stops"),
     [(1, False), (3, False), (6, False), (8, True), (9, True), (10, True)],
 )
-def test_only_cyclic_modes_depend_on_the_sync(stranger: Make, mode: int, minds: bool) -> None:
+def test_only_cyclic_modes_depend_on_the_sync(stranger: Make, mode: int, stops: bool) -> None:
     """CiA 402: 8, 9 and 10 take a value with each SYNC, the modes with profiles make their own."""
     drive = stranger(profile=DriveProfile(sync_loss_periods=3))
     drive.write(0x1006, 0, 1000, 4)
@@ -209,16 +209,16 @@ def test_only_cyclic_modes_depend_on_the_sync(stranger: Make, mode: int, minds: 
     drive.enable()
     assert drive.read(0x6061) == mode
     drive.run_ms(10)
-    assert drive.frames(0x083) == ["0087110000000000"] * minds
-    assert (drive.node.state is State.OPERATION_ENABLED) is not minds
-    assert drive.read(0x603F) == 0x8700 * minds
+    assert drive.frames(0x083) == ["0087110000000000"] * stops
+    assert (drive.node.state is State.OPERATION_ENABLED) is not stops
+    assert drive.read(0x603F) == 0x8700 * stops
 
 
 @pytest.mark.parametrize(("before", "after"), [(8, 1), (8, 6), (1, 8), (6, 8)])
 def test_a_drive_that_changes_its_mode_depends_on_the_sync_as_the_new_one_does(
     stranger: Make, before: int, after: int
 ) -> None:
-    """Changed by SDO 1 ms after a SYNC, 2 ms before it would be lost."""
+    """Changed by SDO before the last SYNC, of which the next three do not come."""
     drive = stranger(profile=DriveProfile(sync_loss_periods=3))
     drive.write(0x1006, 0, 1000, 4)
     assert drive.write(0x6060, 0, before, 1) == 0
@@ -227,9 +227,9 @@ def test_a_drive_that_changes_its_mode_depends_on_the_sync_as_the_new_one_does(
     drive.after(0x80)
     assert drive.read(0x6061) == after
     drive.run_ms(10)
-    minds = after == 8
-    assert drive.frames(0x083) == ["0087110000000000"] * minds
-    assert (drive.node.state is State.OPERATION_ENABLED) is not minds
+    stops = after == 8
+    assert drive.frames(0x083) == ["0087110000000000"] * stops
+    assert (drive.node.state is State.OPERATION_ENABLED) is not stops
 
 
 @pytest.mark.parametrize(("short_us", "target"), [(0, 0x33), (1, 0)])
