@@ -35,7 +35,10 @@ def test_a_bin_begins_with_its_lower_end() -> None:
 
 
 def test_the_data_of_deadlines_by_hand() -> None:
-    """Times in us, waits and slips in ms; SYNCs at 0, 1.1, 2.0 and 3.0 ms of a period of 1 ms."""
+    """Times in us, waits and slips in ms; SYNCs at 0, 1.1, 2.0 and 3.0 ms of a period of 1 ms.
+
+    The fifth bin begins with 100 us.
+    """
     deadlines = Deadlines(50 * US)
     empty = deadlines.as_data(MS)
     assert (empty["cycles"], empty["lateness_us"], empty["interval_us"]) == (0, None, None)

@@ -77,8 +77,8 @@ def test_the_load_of_now_is_that_of_the_last_windows_however_long_the_run_is() -
     assert len(seen) > 3 * KEPT_WINDOWS // 250 - 2
 
 
-FOLDED = 1949
-"""Windows of a fold, where each one is settled: the 2049th since the last one leaves 100."""
+FOLDED = KEPT_WINDOWS + 1 - 100
+"""Windows of a fold, where each one is settled: one more than are kept leaves the last 100."""
 BURSTS = [
     (-100, 100),
     (-99, 100),

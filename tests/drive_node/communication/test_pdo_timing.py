@@ -165,21 +165,23 @@ def test_only_a_type_of_syncs_answers_with_the_sample_of_its_sync(
 def test_a_window_is_of_synchronous_pdos_alone(stranger: Make, kind: int) -> None:
     """Asked within the 1 ms of 1007, answered on a bus that others have until past its end.
 
-    CiA 301, 1007: what is synchronous may be taken back then; 253 and 254 are not.
+    CiA 301, 1007: what is synchronous may be taken back then; 253 and 254 are not. Type 1 sends
+    that of the SYNC itself in time, which wins against the request of the same identifier.
     """
     drive = stranger()
     tpdo4(drive, kind, remote=True)
     drive.write(0x1007, 0, 1000, 4)
     drive.nmt(1)
     drive.after(0x80)
-    begin = len(drive.heard)
+    begin, begin_ns = len(drive.heard), drive.bench.scheduler.now_ns
     drive.send(0x80)
     drive.send(0x483, remote=True)
     for _ in range(12):
         drive.send(0x90, "0000000000000000")
     drive.run_ms(3)
-    heard = [can_id for can_id, _ in drive.heard[begin:]]
-    assert heard.count(0x483) == (1 if kind == 1 or kind >= 253 else 0)
+    pairs = zip(drive.times_ns[begin:], drive.heard[begin:], strict=True)
+    is_in_window = [at_ns - begin_ns <= MS for at_ns, (can_id, _) in pairs if can_id == 0x483]
+    assert is_in_window == {1: [True], 252: [], 253: [False], 254: [False]}[kind]
 
 
 @pytest.mark.parametrize("kind", [0, 1, 254])
