@@ -1,4 +1,4 @@
-"""Parts of `axisrig drive` on EtherCAT by themselves: who answers when, and what is summed up."""
+"""Parts of `axisrig drive` on EtherCAT: its slaves, who answers when, and what is summed up."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -8,7 +8,7 @@ import pytest
 
 from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.tools.virtual_drive import ethercat
-from axisrig.bench.tools.virtual_drive.ethercat import LineServer, line_settings, whose_esi
+from axisrig.bench.tools.virtual_drive.ethercat import LineServer, Wanted, line_settings, whose_esi
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
 
@@ -98,3 +98,77 @@ def test_an_esi_file_fits_all_axes_with_one_drive_and_none_of_several(
         ethercat.write_esi(three, tmp_path / "b.xml")
     assert refused.value.hint == "--axis NAME"
     assert not (tmp_path / "b.xml").exists()
+
+
+@pytest.mark.interpreted
+def test_slaves_have_their_places_from_0_and_serial_numbers_from_1(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In the order of the rig; the terminal of the first line that has one is behind them."""
+    asked: list[Any] = []
+    settings: Any = SimpleNamespace(rig=SimpleNamespace(axis={"Z": None, "X": None, "Y": None}))
+
+    def drive_slave(_settings: Any, name: str, clock: Any, beside: Any, *numbers: int) -> str:
+        asked.append((name, clock, beside, *numbers))
+        return f"drive {name}"
+
+    def terminal_slave(_settings: Any, name: str, *more: Any) -> str | None:
+        asked.append((name, *more))
+        return None if name == "ec1" else f"terminal of {name}"
+
+    monkeypatch.setattr(ethercat, "drive_slave", drive_slave)
+    monkeypatch.setattr(ethercat, "terminal_slave", terminal_slave)
+    line = server(scheduler="clock", plant=SimpleNamespace(advance_to="advance"))
+    line.drives = line._build(settings, "beside")
+    assert list(line.drives.items()) == [(name, f"drive {name}") for name in "ZXY"]
+    assert [words[3:] for words in asked] == [(1, 0), (2, 1), (3, 2)]
+    assert {words[1:3] for words in asked} == {("clock", "beside")}
+    for lines_of_rig, found, count in (
+        (["ec1"], None, 1), (["ec1", "ec2", "ec3"], "terminal of ec2", 2), ([], None, 0)
+    ):  # fmt: skip
+        asked.clear()
+        line._line = list(line.drives.values())
+        monkeypatch.setattr(ethercat, "ec_segments", lambda _, names=lines_of_rig: names)
+        assert line._build_terminal(settings, "beside") == found
+        assert line._line == [*line.drives.values(), *([found] if found else [])]
+        assert asked == [(name, "clock", "beside", "advance", 4) for name in lines_of_rig[:count]]
+
+
+@pytest.mark.interpreted
+def test_the_terminal_is_looked_at_with_the_inputs_of_its_own_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tables = {"ec1": None, "ec2": SimpleNamespace(inputs={1: "probe"})}
+    monkeypatch.setattr(ethercat, "ec_segments", lambda _: list(tables))
+    monkeypatch.setattr(ethercat, "terminal_on", lambda _, name: tables[name])
+    made: list[Any] = []
+
+    def watcher(*words: Any) -> Any:
+        made.append(words)
+        return SimpleNamespace(look="look of the terminal")
+
+    monkeypatch.setattr(ethercat, "TerminalWatcher", watcher)
+    settings: Any = None
+    parts = {"plant": "plant", "_watcher": SimpleNamespace(report="report")}
+    for terminal, count in (("terminal", 1), (None, 0)):
+        line = server(terminal=terminal, **parts, _looks=["first"])
+        line._watch_terminal(settings)
+        assert line._looks == ["first", *["look of the terminal"] * count]
+        assert made == [("terminal", {1: "probe"}, "plant", "report")]
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("rig", "wanted", "message"),
+    [
+        ("probe-z-ethercat", Wanted(None), "EtherCAT needs an Ethernet interface"),
+        ("probe-z-sercos", Wanted("eth7", store=Path("s.json")), "no drive of the rig stores"),
+    ],
+)
+def test_a_line_is_refused_before_an_interface_is_opened(
+    rig: str, wanted: Wanted, message: str
+) -> None:
+    settings = line_settings(RIGS / f"{rig}.toml", [], [])
+    nothing: Any = SimpleNamespace(real_time=SimpleNamespace(monotonic_ns=None))
+    with pytest.raises(UserError, match=message):
+        LineServer(settings, wanted, nothing, [].append)

@@ -251,4 +251,4 @@ def test_a_sample_gives_way_to_the_next_cycle() -> None:
     (only_ns,) = samples
     latest = line.drive.managers[3].latest
     shown_um = int.from_bytes(latest[2:6], "little", signed=True) / 104.8576
-    assert shown_um == pytest.approx(0.1 * only_ns * 1e-3, abs=0.02)
+    assert shown_um == pytest.approx(0.1 * only_ns * 1e-3, abs=0.5 / 104.8576 + 1e-9)

@@ -25,7 +25,7 @@ from axisrig.bench.tools.scenarios.campaign import (
 from axisrig.bench.tools.scenarios.drawing import draw_inputs
 from axisrig.bench.tools.scenarios.log import ScenarioLog, line_of
 from axisrig.bench.tools.scenarios.machines import machines, machines_named, path_of
-from axisrig.bench.tools.scenarios.minimise import _shorter, faults_of, is_same, minimised
+from axisrig.bench.tools.scenarios.minimise import faults_of, is_same, minimised
 from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds, make_scenario
 from axisrig.kernel.cosim.fmi.fmu import EdgeMayBeLostError, PlantError
@@ -318,21 +318,6 @@ def test_faults_are_dropped_and_windows_shortened_while_the_finding_stays() -> N
     assert run_with("delay", 1500)[1:] == tried  # the same way each time
     without_end, *_ = run_with("drop", 100_000)
     assert without_end.assignments == ("plc:V.E.X=1", "fault:drop=Z.EMCY for=128000us")
-
-
-@pytest.mark.parametrize(
-    ("kind", "cell", "shorter"),
-    [
-        ("delay", "Z.TPDO1 by=1ms for=8ms", "Z.TPDO1 by=1ms for=4000us"),
-        ("delay", "Z.TPDO1 for=3us by=1ms", "Z.TPDO1 for=1us by=1ms"),
-        ("drop", "Z.SDO for=2us", "Z.SDO for=1us"),
-        ("drop", "Z.SDO for=1us", ""),
-        ("drop", "Z.SDO", "Z.SDO for=1024000us"),
-    ],
-)
-def test_a_window_is_halved_down_to_a_microsecond(kind: str, cell: str, shorter: str) -> None:
-    """One without an end gets 1.024 s first."""
-    assert _shorter(kind, cell) == shorter
 
 
 def test_another_finding_is_not_the_same() -> None:

@@ -1,4 +1,7 @@
-"""`axisrig fmu check`: functions and version of a library, and states that come back as bytes."""
+"""Functions that a library has to have, and states that come back: stand-ins, no FMU.
+
+Names of functions: FMI 2.0.4 and FMI 3.0.1, each chapter "FMI for co-simulation".
+"""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -6,146 +9,154 @@ from typing import Any
 
 import pytest
 from tests.fmu_tools.described import texts
-from tests.fmu_tools.trials import CAN
+from tests.fmu_tools.trials import CAN, Slave
 
 from axisrig.bench.tools.fmu import stages
-from axisrig.bench.tools.fmu.findings import Finding
+from axisrig.kernel.time.clock import MS
 
 FMU = Path("a.fmu")
+EVERY = "GetVersion FreeInstance DoStep Reset Terminate EnterInitializationMode"
+FMI2 = f"{EVERY} ExitInitializationMode GetTypesPlatform Instantiate SetupExperiment".split()
+FMI2 += [f"{way}{kind}" for way in ("Get", "Set") for kind in ("Real", "Integer", "Boolean")]
+FMI3 = f"{EVERY} ExitInitializationMode InstantiateCoSimulation GetFloat64 SetFloat64".split()
+STATE = {
+    "fmi2": "GetFMUstate SetFMUstate FreeFMUstate",
+    "fmi3": "GetFMUState SetFMUState FreeFMUState",
+}
+BYTES = {
+    "fmi2": "SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate",
+    "fmi3": "SerializedFMUStateSize SerializeFMUState DeserializeFMUState",
+}
 
 
-class Library:
-    """The functions of a library, with these left out."""
+def library(fake: Any, prefix: str, functions: list[str], version: bytes, **can: bool) -> None:
+    """An FMU whose description has version 2.0 or 3.0, with these functions and its own version."""
 
-    def __init__(self, prefix: str, *without: str) -> None:
-        self._prefix, self._without = prefix, without
+    def prepare(trial: Any) -> None:
+        own = {f"{prefix}{name}": None for name in functions}
+        trial.slave.PREFIX = prefix
+        trial.slave.STATE_WORD = "FMUstate" if prefix == "fmi2" else "FMUState"
+        trial.slave.description = SimpleNamespace(fmiVersion=f"{prefix[-1]}.0")
+        trial.slave.fmpy = SimpleNamespace(
+            dll=SimpleNamespace(_dll=SimpleNamespace(**own)),
+            **{f"{prefix}GetVersion": lambda: version},
+        )
 
-    def __getattr__(self, name: str) -> Any:
-        if not name.startswith(self._prefix) or name in self._without:
-            raise AttributeError(name)
-        return name
-
-
-STATE2 = ("GetFMUstate", "SetFMUstate", "FreeFMUstate")
-BYTES2 = ("SerializedFMUstateSize", "SerializeFMUstate", "DeSerializeFMUstate")
-STATE3 = ("GetFMUState", "SetFMUState", "FreeFMUState")
-BYTES3 = ("SerializedFMUStateSize", "SerializeFMUState", "DeserializeFMUState")
-
-
-def loaded(
-    fake: Any, prefix: str, *without: str, says: bytes, declared: str, **can: bool
-) -> dict[str, list[str]]:
-    """What loading such a library finds, by level."""
-    library = Library(prefix, *(prefix + name for name in without))
-    fmpy = SimpleNamespace(
-        dll=SimpleNamespace(_dll=library), fmi2GetVersion=lambda: says if prefix == "fmi2" else b"",
-        fmi3GetVersion=lambda: says if prefix == "fmi3" else b"",
-    )  # fmt: skip
-
-    def prepare(one: Any) -> None:
-        one.slave.fmpy, one.slave.PREFIX = fmpy, prefix
-        one.slave.STATE_WORD = "FMUstate" if prefix == "fmi2" else "FMUState"
-        one.slave.description = SimpleNamespace(fmiVersion=declared)
-
-    can = {"can_save_state": False, **can}
     fake(can=SimpleNamespace(**{**CAN, **can}), prepare=staticmethod(prepare))
-    found = stages.load(FMU).findings
-    return {name: texts(found, name) for name in ("ok", "FAIL")}
+
+
+@pytest.mark.parametrize(("prefix", "plain"), [("fmi2", FMI2), ("fmi3", FMI3)])
+def test_a_library_has_every_function_that_it_promises(
+    prefix: str, plain: list[str], fake: Any
+) -> None:
+    """Those of a state only where it can be saved, those of bytes where it can be written."""
+    version = f"{prefix[-1]}.0".encode()
+    state, packed = STATE[prefix].split(), BYTES[prefix].split()
+    for saves, packs, needed in (
+        (False, False, plain), (True, False, plain + state), (True, True, plain + state + packed)
+    ):  # fmt: skip
+        can = {"can_save_state": saves, "can_serialize_state": packs}
+        library(fake, prefix, needed, version, **can)
+        assert texts(stages.load(FMU).findings) == [
+            f"loads, has every function needed, version {version.decode()}"
+        ]
+        for place, name in enumerate(needed):
+            library(fake, prefix, [*needed[:place], *needed[place + 1 :]], version, **can)
+            assert texts(stages.load(FMU).findings, "FAIL") == [
+                f"functions are missing: {prefix}{name}"
+            ], name
+    library(fake, prefix, plain[2:], b"9.0", can_save_state=False)
+    (found,) = stages.load(FMU).findings  # whose version is asked for only where all is there
+    assert found.text.count(prefix) == 2
 
 
 @pytest.mark.parametrize(
-    ("prefix", "version", "state", "as_bytes"),
-    [("fmi2", "2.0", STATE2, BYTES2), ("fmi3", "3.0.1", STATE3, BYTES3)],
-)
-def test_a_library_has_the_functions_of_what_its_description_promises(
-    fake: Any, prefix: str, version: str, state: tuple[str, ...], as_bytes: tuple[str, ...]
+    ("prefix", "version", "is_right"),
+    [
+        ("fmi2", "2.0", True), ("fmi2", "2.0.4", True), ("fmi2", "3.0", False),
+        ("fmi2", "1.0", False), ("fmi3", "3.0-beta.2", True), ("fmi3", "2.0", False),
+    ],
+)  # fmt: skip
+def test_a_library_has_the_version_of_its_description(
+    prefix: str, version: str, is_right: bool, fake: Any
 ) -> None:
-    """Names of FMI 2.0.4 (2.1.8, 4.2) and 3.0 (2.2.6, 4.2); saved states only where they are."""
-    good = {"ok": [f"loads, has every function needed, version {version}"], "FAIL": []}
-    says = {"says": version.encode(), "declared": version}
-    assert loaded(fake, prefix, *state, *as_bytes, **says) == good
-    for name in state:
-        assert loaded(fake, prefix, name, can_save_state=True, **says)["FAIL"] == [
-            f"functions are missing: {prefix}{name}"
-        ]
-    both = {"can_save_state": True, "can_serialize_state": True}
-    assert loaded(fake, prefix, **both, **says) == good
-    assert loaded(fake, prefix, *as_bytes, can_save_state=True, **says) == good
-    for name in as_bytes:
-        assert loaded(fake, prefix, name, **both, **says)["FAIL"] == [
-            f"functions are missing: {prefix}{name}"
-        ]
-    assert loaded(fake, prefix, "DoStep", "Reset", **says) == {
-        "ok": [], "FAIL": [f"functions are missing: {prefix}"
-                           + (f"Reset, {prefix}DoStep" if prefix == "fmi2" else
-                              f"DoStep, {prefix}Reset")],
-    }  # fmt: skip
+    """The first number counts."""
+    plain = FMI2 if prefix == "fmi2" else FMI3
+    library(fake, prefix, plain + STATE[prefix].split(), version.encode())
+    found = stages.load(FMU).findings
+    other = f"the library says version {version}, the description {prefix[-1]}.0"
+    assert texts(found, "FAIL") == ([] if is_right else [other])
+    assert texts(found, "ok") == [f"loads, has every function needed, version {version}"]
 
 
-def test_a_library_is_of_the_version_that_its_description_gives(fake: Any) -> None:
-    for prefix, says, declared, is_good in (
-        ("fmi2", b"2.0", "2.0", True), ("fmi2", b"2.0", "2.0.4", True),
-        ("fmi3", b"3.0-beta.2", "3.0", True), ("fmi3", b"3.0", "2.0", False),
-        ("fmi2", b"1.0", "2.0", False),
-    ):  # fmt: skip
-        found = loaded(fake, prefix, says=says, declared=declared)
-        assert found["ok"] == [f"loads, has every function needed, version {says.decode()}"]
-        assert found["FAIL"] == ([] if is_good else [
-            f"the library says version {says.decode()}, the description {declared}"
-        ])  # fmt: skip
+def packing(trial: Any) -> None:
+    """Keeps what is done with bytes; the state of bytes is that of the handle they are made of."""
+    calls: list[Any] = []
+
+    def put_back(handle: Any) -> None:
+        calls.append(("set", handle))
+
+    trial.slave.fmpy = SimpleNamespace(
+        serializeFMUState=lambda handle: calls.append(("pack", handle)) or bytes(12),
+        deserializeFMUState=lambda packed: calls.append(("unpack", len(packed))) or "new handle",
+        setFMUState=put_back,
+        freeFMUState=lambda handle: calls.append(("free", handle)),
+    )
+    trial.slave.calls = calls
+    type(trial).last = trial
 
 
-class Packed:
-    """States as bytes of a library."""
-
-    def __init__(self) -> None:
-        self.freed: list[int] = []
-
-    def serializeFMUState(self, handle: int) -> bytes:  # noqa: N802 - of fmpy
-        assert handle == 1
-        return b"state"
-
-    def deserializeFMUState(self, packed: bytes) -> int:  # noqa: N802
-        assert packed == b"state"
-        return 2
-
-    def setFMUState(self, handle: int) -> None:  # noqa: N802
-        assert handle == 2
-
-    def freeFMUState(self, handle: int) -> None:  # noqa: N802
-        self.freed.append(handle)
+BYTES_CAN = SimpleNamespace(**{**CAN, "can_serialize_state": True})
 
 
-def test_a_state_as_bytes_must_come_back_too(fake: Any) -> None:
-    """Range of the output 0 to 75 in what is compared: 25 steps from 25 on."""
-    both = SimpleNamespace(**{**CAN, "can_serialize_state": True})
-
-    def state_of(odd: Any) -> tuple[list[Finding], Packed]:
-        packed = Packed()
-
-        def prepare(one: Any) -> None:
-            one.slave.fmpy = packed
-
-        fake(can=both, odd=staticmethod(odd), prepare=staticmethod(prepare))
-        return stages.state(FMU).findings, packed
-
-    good, packed = state_of(lambda *_: 0.0)
-    assert texts(good) == [
+def test_a_state_comes_back_through_bytes_at_its_own_time(fake: Any) -> None:
+    """After two ways back; a quarter of 100 steps until it is saved, as many after it."""
+    made = fake(can=BYTES_CAN, prepare=staticmethod(packing))
+    found = stages.state(FMU).findings
+    assert texts(found) == [
         "restored, the run is equal bit for bit",
-        "state of 5 bytes unpacked, the run is equal bit for bit",
+        "state of 12 bytes unpacked, the run is equal bit for bit",
     ]
-    assert [one.area for one in good] == ["state", "state as bytes"]
-    assert packed.freed == [2]
-    # The fourth run from the same state on is that of the bytes
-    runs: list[int] = []
+    assert [one.area for one in found] == ["state", "state as bytes"]
+    trial = made.last
+    assert trial.slave.calls == [
+        ("pack", 1), ("unpack", 12), ("set", "new handle"), ("free", "new handle"),
+    ]  # fmt: skip
+    assert (trial.count, trial.slave.time_ns, trial.restores) == (50, 50 * MS, 2)
 
-    def fourth(_: Any, count: int) -> float:
-        runs.append(count)
-        return 0.5 if runs.count(26) == 4 and count == 30 else 0.0
 
-    bad, _ = state_of(fourth)
-    assert [(one.area, one.level) for one in bad] == [("state", "ok"), ("state as bytes", "FAIL")]
-    assert "x at t = 30 ms is 30.0 and 30.5" in bad[1].text
+def test_bytes_that_give_another_state_fail_and_are_not_tried_where_it_does_not_come_back(
+    fake: Any,
+) -> None:
+    def odd(trial: Any, count: int) -> float:
+        return 0.5 * (bool(trial.slave.calls) and count == 30)
+
+    fake(can=BYTES_CAN, prepare=staticmethod(packing), odd=staticmethod(odd))
+    good, bad = stages.state(FMU).findings
+    assert (good.level, bad.level, bad.area) == ("ok", "FAIL", "state as bytes")
+    assert "x at t = 30 ms" in bad.text
+    made = fake(
+        can=BYTES_CAN, prepare=staticmethod(packing),
+        odd=staticmethod(lambda trial, count: 0.5 * (trial.restores > 0 and count > 25)),
+    )  # fmt: skip
+    (found,) = stages.state(FMU).findings  # both times the same
+    assert (found.level, found.area) == ("FAIL", "state")
+    assert made.last.slave.calls == []
+
+
+def test_what_is_saved_is_the_state_of_a_quarter_of_the_steps(fake: Any) -> None:
+    saved: list[int] = []
+
+    def prepare(trial: Any) -> None:
+        def save() -> Slave:
+            saved.append(trial.count)
+            return Slave(handle=1, time_ns=trial.slave.time_ns, count=trial.count)
+
+        trial.slave.save_state = save
+
+    fake(prepare=staticmethod(prepare))
+    stages.state(FMU)
+    assert saved == [25]
 
 
 @pytest.mark.parametrize(("off", "level_of_it"), [(45e-9, "warn"), (55e-9, "FAIL")])

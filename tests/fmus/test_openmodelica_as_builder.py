@@ -14,8 +14,8 @@ from axisrig.fmus.reading.errors import BuildError
 class Omc:
     """Writes what it is to write; notes its words and its script."""
 
-    def __init__(self, patch, code=0, said="", content="archive"):
-        self.code, self.said, self.content = code, said, content
+    def __init__(self, patch, code=0, printed="", content="archive"):
+        self.code, self.printed, self.content = code, printed, content
         self.commands, self.script = [], ""
         patch.setattr(openmodelica.shutil, "which", lambda name: f"/bin/{name}")
         patch.setattr(openmodelica.subprocess, "run", self.run)
@@ -30,7 +30,7 @@ class Omc:
                     made.writestr("modelDescription.xml", "<x/>")
             elif self.content:
                 (cwd / f"{name}.fmu").write_text(self.content, encoding="utf-8")
-        return subprocess.CompletedProcess(command, self.code, self.said, "")
+        return subprocess.CompletedProcess(command, self.code, self.printed, "")
 
 
 @pytest.mark.parametrize("is_folder", [True, False])
@@ -52,7 +52,7 @@ def test_a_model_is_built_from_its_library_or_its_file(is_folder, tmp_path, monk
 
 
 @pytest.mark.parametrize(
-    ("code", "said", "content", "message"),
+    ("code", "printed", "content", "message"),
     [
         (1, 'true\n"[a.mo:3:1-3:4:writable] Error: no class X\n"', "archive", "no class X"),
         (0, '"Error: first\nError: second"', "", "first"),
@@ -61,9 +61,9 @@ def test_a_model_is_built_from_its_library_or_its_file(is_folder, tmp_path, monk
     ],
 )
 def test_what_is_no_fmu_is_an_error_and_the_one_of_before_stays(
-    code, said, content, message, tmp_path, monkeypatch
+    code, printed, content, message, tmp_path, monkeypatch
 ):
-    Omc(monkeypatch, code, said, content)
+    Omc(monkeypatch, code, printed, content)
     path = tmp_path / "own.fmu"
     path.write_text("before", encoding="utf-8")
     with pytest.raises(BuildError, match=f"OpenModelica says: {message}$") as caught:
@@ -73,8 +73,8 @@ def test_what_is_no_fmu_is_an_error_and_the_one_of_before_stays(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_without_the_compiler_its_name_is_said(monkeypatch):
-    omc = Omc(monkeypatch, said=" OpenModelica 1.24\n")
+def test_without_the_compiler_its_name_is_in_the_error(monkeypatch):
+    omc = Omc(monkeypatch, printed=" OpenModelica 1.24\n")
     assert omc_identity() == "OpenModelica 1.24"
     assert omc.commands == [["/bin/omc", "--version"]]
     monkeypatch.setattr(openmodelica.shutil, "which", lambda _: None)

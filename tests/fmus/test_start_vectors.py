@@ -61,5 +61,5 @@ def test_a_start_that_follows_a_parameter_needs_an_initial_equation() -> None:
     equation = SimpleNamespace(vector="y", index=0)
     assert vectors(one, variability="parameter", initial=[equation])[0] == [1.0, 0.0, 0.0]
     two = declared("v", start=[1.0, 2.0])
-    with pytest.raises(BuildError):
+    with pytest.raises(BuildError, match="start of v must not depend on a parameter"):
         vectors(two, variability="parameter", initial=[SimpleNamespace(vector="y", index=1)])

@@ -93,23 +93,23 @@ def test_a_slot_that_nobody_writes_is_a_value_of_the_compiler() -> None:
 
 
 @pytest.mark.parametrize(
-    ("role", "determined", "hint"),
+    ("role", "determined", "is_refused"),
     [
-        ("discrete_real", {4, 5}, None), ("discrete_value", {4}, True),
-        ("discrete_real", {5}, True), ("parameter", set(), None),
-        ("discrete_value", {4, 5, 6}, None),
+        ("discrete_real", {4, 5}, False), ("discrete_value", {4}, True),
+        ("discrete_real", {5}, True), ("parameter", set(), False),
+        ("discrete_value", {4, 5, 6}, False),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("count", [1, 2])
 def test_a_discrete_variable_has_an_equation_for_each_element(
-    role: str, determined: set[int], hint: bool | None, count: int
+    role: str, determined: set[int], is_refused: bool, count: int
 ) -> None:
     found = ir()
     declared = {"name": "m", "role": role, "scalar_count": count, "declaration": {"span": None}}
     found.dae["variables"] = [declared]  # type: ignore[index]
-    if hint is None or (count == 1 and 4 in determined):
+    if not is_refused or (count == 1 and 4 in determined):
         refuse_undetermined(found, determined)
         return
-    with pytest.raises(BuildError) as error:
+    with pytest.raises(BuildError, match="lost the equation of m") as error:
         refuse_undetermined(found, determined)
     assert ("each element" in str(error.value)) is (count > 1)

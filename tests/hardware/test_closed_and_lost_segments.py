@@ -82,5 +82,8 @@ def test_a_bus_that_is_open_again_is_waited_for_by_its_own_file(
         else:
             monkeypatch.setattr(type(bench.adapter), "fileno", lambda _, f=file: f, raising=False)
         assert segment.reopen()
+        begin_ns = bench.wall.now_ns
         assert (segment.lost, segment.receive(0.25)) == (None, None)
+        # Whoever has a file is not asked to wait as well
+        assert bench.wall.now_ns - begin_ns == (250 * MS if file is None else 0)
     assert waited == [(11, 0.25), (12, 0.25)]

@@ -28,11 +28,11 @@ def computer(monkeypatch: pytest.MonkeyPatch) -> Any:
     return make
 
 
-@pytest.mark.parametrize(("interface", "names"), [("pcan", 2), ("kvaser", 2), ("ixxat", 2)])
-def test_one_of_the_names_of_a_driver_is_enough(computer: Any, interface: str, names: int) -> None:
+@pytest.mark.parametrize("interface", ["pcan", "kvaser", "ixxat"])
+def test_one_of_the_names_of_a_driver_is_enough(computer: Any, interface: str) -> None:
     """A driver has another name on each system (column `library` of `interfaces.csv`)."""
     libraries = hardware.known_interfaces()[interface].libraries
-    assert len(libraries) == names
+    assert len(libraries) > 1
     for library in libraries:
         computer(library)
         assert hardware.usable(interface) is None
@@ -40,7 +40,7 @@ def test_one_of_the_names_of_a_driver_is_enough(computer: Any, interface: str, n
     assert hardware.usable(interface) == "the library of its driver is not installed"
 
 
-def test_what_needs_pyserial_says_that_it_is_missing(computer: Any) -> None:
+def test_what_needs_pyserial_cannot_be_used_without_it(computer: Any) -> None:
     for interface in ("slcan", "serial", "robotell"):
         computer(module=SimpleNamespace(serial=None))
         assert hardware.usable(interface) == "pyserial is not installed"
@@ -78,5 +78,8 @@ def test_socketcan_needs_can_sockets(computer: Any, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(socket, "socket", refused)
     assert hardware.usable("socketcan") == "this system has no CAN sockets (not supported)"
+    monkeypatch.setattr(socket, "socket", lambda *_: SimpleNamespace(close=lambda: None))
     monkeypatch.delattr(socket, "AF_CAN")
-    assert "this system has no CAN sockets" in (hardware.usable("socketcan") or "")
+    reason = hardware.usable("socketcan") or ""
+    assert reason.startswith("this system has no CAN sockets (")
+    assert "AF_CAN" in reason

@@ -1,4 +1,4 @@
-"""What runs in each slice of `axisrig drive`, on CAN and on a line: stand-ins for all parts."""
+"""What `axisrig drive` does in each slice and at its end, on CAN and on a line, with stand-ins."""
 
 from contextlib import closing
 from functools import partial
@@ -12,14 +12,12 @@ from axisrig.bench.bus.can.frame import Frame, data_frame
 from axisrig.bench.bus.can.real_segment import OutsideSegment
 from axisrig.bench.tools.virtual_drive import ethercat
 from axisrig.bench.tools.virtual_drive import serve as serving
-from axisrig.bench.tools.virtual_drive.ethercat import LineServer, Wanted, line_settings
+from axisrig.bench.tools.virtual_drive.ethercat import LineServer, Wanted
 from axisrig.bench.tools.virtual_drive.serve import DriveServer
-from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, Phase
 
 pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
 
-RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 LATE = "this computer was more than 100 ms late 2 times, 250 ms in all; the drives ran slower"
 
 
@@ -185,82 +183,7 @@ def test_a_summary_comes_also_where_a_slice_breaks(collector: list[str]) -> None
     assert collector == ["collect", "freeze", "disable", "enable", "unfreeze"]
 
 
-# --- parts of a line
-
-
-def test_slaves_have_their_places_from_0_and_serial_numbers_from_1(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """In the order of the rig; the terminal of the first line that has one is behind them."""
-    asked: list[Any] = []
-    settings: Any = SimpleNamespace(rig=SimpleNamespace(axis={"Z": None, "X": None, "Y": None}))
-
-    def drive_slave(_settings: Any, name: str, clock: Any, beside: Any, *numbers: int) -> str:
-        asked.append((name, clock, beside, *numbers))
-        return f"drive {name}"
-
-    def terminal_slave(_settings: Any, name: str, *more: Any) -> str | None:
-        asked.append((name, *more))
-        return None if name == "ec1" else f"terminal of {name}"
-
-    monkeypatch.setattr(ethercat, "drive_slave", drive_slave)
-    monkeypatch.setattr(ethercat, "terminal_slave", terminal_slave)
-    server: Any = LineServer.__new__(LineServer)
-    server.scheduler, server.plant = "clock", SimpleNamespace(advance_to="advance")
-    server.drives = server._build(settings, "beside")
-    assert list(server.drives.items()) == [(name, f"drive {name}") for name in "ZXY"]
-    assert [words[3:] for words in asked] == [(1, 0), (2, 1), (3, 2)]
-    assert {words[1:3] for words in asked} == {("clock", "beside")}
-    for lines_of_rig, found, count in (
-        (["ec1"], None, 1), (["ec1", "ec2", "ec3"], "terminal of ec2", 2), ([], None, 0)
-    ):  # fmt: skip
-        asked.clear()
-        server._line = list(server.drives.values())
-        monkeypatch.setattr(ethercat, "ec_segments", lambda _, names=lines_of_rig: names)
-        assert server._build_terminal(settings, "beside") == found
-        assert server._line == [*server.drives.values(), *([found] if found else [])]
-        assert asked == [(name, "clock", "beside", "advance", 4) for name in lines_of_rig[:count]]
-
-
-def test_the_terminal_is_looked_at_with_the_inputs_of_its_own_line(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    tables = {"ec1": None, "ec2": SimpleNamespace(inputs={1: "probe"})}
-    monkeypatch.setattr(ethercat, "ec_segments", lambda _: list(tables))
-    monkeypatch.setattr(ethercat, "terminal_on", lambda _, name: tables[name])
-    made: list[Any] = []
-
-    def watcher(*words: Any) -> Any:
-        made.append(words)
-        return SimpleNamespace(look="look of the terminal")
-
-    monkeypatch.setattr(ethercat, "TerminalWatcher", watcher)
-    settings: Any = None
-    for terminal, count in (("terminal", 1), (None, 0)):
-        server, _ = line(Clock(), [], terminal=terminal, plant="plant")
-        server._watch_terminal(settings)
-        assert server._looks[1:] == ["look of the terminal"] * count
-        assert len(made) == 1
-    assert made[0][:3] == ("terminal", {1: "probe"}, "plant")
-
-
-@pytest.mark.parametrize(
-    ("rig", "wanted", "message"),
-    [
-        ("probe-z-ethercat", Wanted(None), "EtherCAT needs an Ethernet interface"),
-        ("probe-z-sercos", Wanted("eth7", store=Path("s.json")), "no drive of the rig stores"),
-    ],
-)
-def test_a_line_is_refused_before_an_interface_is_opened(
-    rig: str, wanted: Wanted, message: str
-) -> None:
-    settings = line_settings(RIGS / f"{rig}.toml", [], [])
-    nothing: Any = SimpleNamespace(real_time=SimpleNamespace(monotonic_ns=None))
-    with pytest.raises(UserError, match=message):
-        LineServer(settings, wanted, nothing, [].append)
-
-
-# --- what is kept of a bus
+# --- a trace, and what the command line gives
 
 
 def test_a_row_of_the_trace_is_of_each_sync_after_the_nodes_have_acted() -> None:

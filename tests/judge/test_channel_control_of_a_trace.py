@@ -151,7 +151,7 @@ def test_a_step_before_the_control_is_on_or_without_it_shows_nothing() -> None:
     with pytest.raises(NotMeasurableError, match="never on"):
         truth(off).measured_dead()
     small = truth(stepped(STEP - 1, STEP + 2, 0.0015))
-    with pytest.raises(NotMeasurableError):
+    with pytest.raises(NotMeasurableError, match="never stepped"):
         small.measured_dead()
 
 
