@@ -82,7 +82,7 @@ def test_another_file_is_no_log(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "text"),
     [
         (("--machine", "gantri"), "gantry"),
         (("--for", "30"), "30m"),
@@ -90,10 +90,10 @@ def test_another_file_is_no_log(tmp_path: Path) -> None:
         (("--log", "x", "--first", "2"), "exclude each other"),
     ],
 )
-def test_what_cannot_be_is_refused_with_what_is_allowed(words: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_is_refused_with_what_is_allowed(words: tuple[str, ...], text: str) -> None:
     code, output = call(*words)
     assert code == 2
-    assert said in output
+    assert text in output
 
 
 # --- machines and drawing

@@ -211,12 +211,12 @@ def test_omc_is_asked_for_the_model_and_version(library, tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a script with a first line")
 @pytest.mark.usefixtures("omc")
-def test_what_omc_complains_about_is_told(library, tmp_path):
+def test_what_omc_complains_about_is_in_the_error(library, tmp_path):
     with pytest.raises(BuildError, match="OpenModelica says: Klass Broken not found"):
         build("Small.Broken", tmp_path / "a.fmu", library, compiler="omc")
 
 
-def test_missing_omc_is_told(library, tmp_path, monkeypatch):
+def test_a_missing_omc_is_an_error(library, tmp_path, monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     with pytest.raises(BuildError, match="omc is not on the PATH"):
         build("Small.Plant", tmp_path / "a.fmu", library, compiler="omc")

@@ -196,7 +196,7 @@ def test_the_bus_lives_on_when_a_client_has_gone(server: SocketcandServer, clien
         assert server.recv(0.01) is None
 
 
-def test_an_address_in_use_is_told(server: SocketcandServer) -> None:
+def test_an_address_in_use_is_an_error(server: SocketcandServer) -> None:
     with pytest.raises(can.CanInitializationError, match="cannot be served"):
         SocketcandServer(f"127.0.0.1:{server.address[1]}")
     with pytest.raises(can.CanInitializationError, match="cannot be served"):
