@@ -113,6 +113,13 @@ def test_a_log_belongs_to_one_run(name: str, run: str) -> None:
     assert logs_beside("a-1", [name]) == []
 
 
+def test_logs_of_segments_are_those_of_the_whole_name_of_the_run() -> None:
+    """One that begins with it is another run; that of all segments is beside none."""
+    names = ["a@can1.blf", "a@ec 2.pcapng", "ab@can1.blf", "a-1@can1.blf", "b-a@can1.blf", "a.blf",
+             "a@can1.txt"]  # fmt: skip
+    assert logs_beside("a", names) == ["a@can1.blf", "a@ec 2.pcapng"]
+
+
 def test_files_of_lines_are_those_of_their_run(tmp_path: Path) -> None:
     names = ["bus/p-a@ec1.pcapng", "bus/p-a@ec2.pcapng", "bus/p-a.blf"]
     for name in names:

@@ -145,6 +145,26 @@ def test_files_of_a_run_are_known_by_their_sums(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(kept)
 
 
+@pytest.mark.parametrize("has_trace", [True, False])
+def test_every_file_of_a_run_is_compared_with_its_own_sum(tmp_path: Path, has_trace: bool) -> None:
+    """Also of a run without a series; several logs have one sum each."""
+    names = ["runs/r.json", "bus/r.blf", "bus/r@ec1.pcapng", "bus/r@ec2.pcapng"]
+    names += ["traces/r.parquet"] if has_trace else []
+    for name in names:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(name.encode())
+    row = sums_of(tmp_path, "r", names)
+    assert row["trace_sha256"] == (digits(b"traces/r.parquet") if has_trace else "")
+    assert list(altered_files(tmp_path, "r", row)) == []
+    for name in names:
+        (tmp_path / name).write_bytes(b"of another run")
+        assert list(altered_files(tmp_path, "r", row)) == [name]
+        (tmp_path / name).write_bytes(name.encode())
+    (tmp_path / "traces").mkdir(exist_ok=True)
+    (tmp_path / "traces/r.parquet").write_bytes(b"of another run")
+    assert list(altered_files(tmp_path, "r", row)) == ["traces/r.parquet"]
+
+
 @pytest.mark.parametrize(
     ("cell", "plain", "logs"),
     [

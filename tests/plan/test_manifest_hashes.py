@@ -1,6 +1,7 @@
 """Hashes in a manifest: of sources and of the files of its cases."""
 
 import hashlib
+import os
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +12,7 @@ from tests.plan.cases import case_of
 
 from axisrig.bench.campaign.results import case_files, manifest
 from axisrig.bench.campaign.results.build_info import hash_of_sources
-from axisrig.bench.campaign.results.case_files import own_metrics, started_programs
+from axisrig.bench.campaign.results.case_files import content_hash, own_metrics, started_programs
 
 
 def test_sources_count_by_name_and_content_and_what_was_made_of_them_does_not(
@@ -35,6 +36,26 @@ def test_sources_count_by_name_and_content_and_what_was_made_of_them_does_not(
     (first / "one.py").write_text("1", encoding="utf-8")
     (first / "one.py").rename(first / "other.py")
     assert len({before, changed, hash_of_sources([first, second])}) == 3
+
+
+def test_names_and_contents_of_sources_make_their_hash(tmp_path: Path) -> None:
+    """Neither another name nor two files with each other's content are the same sources."""
+    one, other = tmp_path / "a.py", tmp_path / "b.py"
+    one.write_text("1", encoding="utf-8")
+    other.write_text("2", encoding="utf-8")
+    found = [hash_of_sources([tmp_path])]
+    one.write_text("2", encoding="utf-8")
+    other.write_text("1", encoding="utf-8")
+    found.append(hash_of_sources([tmp_path]))
+    other.rename(tmp_path / "c.py")
+    found.append(hash_of_sources([tmp_path]))
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "c.py").rename(tmp_path / "inner" / "c.py")
+    found.append(hash_of_sources([tmp_path]))
+    (tmp_path / "fmus" / "shipped").mkdir(parents=True)
+    (tmp_path / "fmus" / "shipped" / "z.fmu").write_text("a wheel alone has it", encoding="utf-8")
+    assert len(set(found)) == len(found)
+    assert hash_of_sources([tmp_path]) == found[-1]
 
 
 def test_files_that_the_plc_starts_count_and_metrics_of_the_user() -> None:
@@ -72,3 +93,23 @@ def test_files_of_cases_are_hashed_once_by_their_names_from_the_plan(
     for name, digest in found.items():
         assert digest == hashlib.sha256(name.encode()).hexdigest()
     assert "rows.csv" not in manifest.file_hashes(cases[:2])
+
+
+def test_a_file_is_hashed_anew_when_it_was_written_or_replaced(tmp_path: Path) -> None:
+    """Within one second, with as many bytes; or another file with the same time in its place."""
+    path, other = tmp_path / "part.nc", tmp_path / "other.nc"
+    second_ns = 1_700_000_000 * 10**9
+
+    def written(file: Path, text: bytes, after_ns: int) -> None:
+        file.write_bytes(text)
+        os.utime(file, ns=(second_ns, second_ns + after_ns))
+
+    written(path, b"G1 Z1", 0)
+    assert content_hash(path) == hashlib.sha256(b"G1 Z1").hexdigest()
+    written(path, b"G1 Z2", 10**6)
+    assert content_hash(path) == hashlib.sha256(b"G1 Z2").hexdigest()
+    written(other, b"G1 Z3", 10**6)
+    other.replace(path)
+    assert content_hash(path) == hashlib.sha256(b"G1 Z3").hexdigest()
+    path.unlink()
+    assert content_hash(path) == ""

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from multiprocessing import Pipe
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -340,3 +341,15 @@ def test_who_wrote_what_is_no_answer_gets_no_further_row() -> None:
     assert isinstance(died, Died)
     assert len({*after}) == 1
     assert first not in after
+
+
+@posix
+def test_who_has_sent_an_order_does_not_wait_for_its_answer() -> None:
+    parent, child = Pipe()
+    with parent, child:
+        inbox = Inbox(parent, lambda: 0.0)
+        for order in ("first", ["second", 2]):
+            inbox.order(order)
+            assert child.recv() == order
+            assert not os.get_blocking(parent.fileno())
+            assert inbox.take() is None

@@ -327,13 +327,6 @@ def test_processes_of_the_campaign_do_not_hold_the_folder(tmp_path: Path) -> Non
     os.waitpid(child, 0)
 
 
-def test_a_lock_makes_its_folder_and_leaves_nothing(tmp_path: Path) -> None:
-    (tmp_path / "a").mkdir()
-    with FolderLock(tmp_path / "a" / "b" / "c"):
-        assert (tmp_path / "a" / "b" / "c" / ".lock").is_file()
-    assert list((tmp_path / "a").iterdir()) == []
-
-
 def test_the_junit_file_of_a_campaign_is_that_of_its_other_files(
     plan: Plan, tmp_path: Path
 ) -> None:

@@ -1,5 +1,9 @@
-"""Which process runs a case: this one, one of several, one of its own; a defect of the bench."""
+"""Which process runs a case: this one, one of several, one of its own; a defect of the bench.
 
+Also the garbage collector, which is off in a run.
+"""
+
+import gc
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,6 +11,7 @@ import pytest
 from tests.plan.cases import OTHER, RIG, case_of
 
 from axisrig.bench.campaign import runner
+from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.campaign.runner import Limits, run_case, run_cases
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.verdict import Verdict
@@ -124,3 +129,26 @@ def test_a_defect_costs_its_own_row_and_a_full_disk_the_campaign(
     assert result.error.startswith(f"defect of the bench: {type(error).__name__}: ")
     assert result.wall_s == 2.5
     assert any("breaks" in line for line in result.log)
+
+
+@pytest.mark.parametrize("was_enabled", [True, False])
+@pytest.mark.parametrize("breaks_off", [True, False])
+def test_the_garbage_collector_is_after_a_run_as_it_was_before(
+    was_enabled: bool, breaks_off: bool
+) -> None:
+    before = gc.isenabled()
+    (gc.enable if was_enabled else gc.disable)()
+    try:
+        with without_collector():
+            assert not gc.isenabled()
+            with without_collector():
+                assert not gc.isenabled()
+            assert not gc.isenabled()  # the inner one has found it switched off
+            if breaks_off:
+                raise KeyError
+    except KeyError:
+        assert breaks_off
+    finally:
+        now = gc.isenabled()
+        (gc.enable if before else gc.disable)()
+    assert now is was_enabled

@@ -160,8 +160,10 @@ def test_dynamic_servo_control_takes_both_of_its_signals(
     assert (telegram.has_dsc, telegram.has_second) == (has_dsc, has_second)
 
 
-@pytest.mark.parametrize(("number", "has_dsc", "has_second"), [(3, False, False), (5, True, False),
-                                                               (6, True, True)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("number", "has_dsc", "has_second"),
+    [(3, False, False), (4, False, True), (5, True, False), (6, True, True)],
+)
 def test_standard_telegrams(number: int, has_dsc: bool, has_second: bool) -> None:
     """PROFIdrive 6.3.4: 5 and 6 have DSC, 4 and 6 two encoders."""
     telegram = words.telegrams()[number]

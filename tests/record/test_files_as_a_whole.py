@@ -1,6 +1,6 @@
 """Files that are written as a whole or not at all, on a disk that becomes full."""
 
-import resource
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,10 +9,14 @@ import pytest
 
 from axisrig.bench.files import append, beside, write_parts, write_whole
 
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
+
 
 @contextmanager
 def no_more_than(size: int) -> Iterator[None]:
     """Let no file of this process become longer, as on a full disk; the signal is ignored."""
+    import resource  # noqa: PLC0415 - not on Windows
+
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:

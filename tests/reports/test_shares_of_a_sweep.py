@@ -122,7 +122,7 @@ def section_of(values: list[float], *limits: float | None, **more: Any) -> str:
     return _block(dataclasses.replace(view, **more))
 
 
-def test_a_sample_is_told_in_words() -> None:
+def test_a_sample_in_words() -> None:
     """-0.1 and 0.1: s is 0.1414, t of one degree 12.706; Cpk (0.3 - 0)/(3 s)."""
     text = section_of([-0.1, 0.1], -0.4, 0.3)
     assert "<h3>p-c: m, um</h3><p>n 2, a small sample; mean 0 (-1.27062 to 1.27062) um;" in text

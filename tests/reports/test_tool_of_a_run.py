@@ -96,8 +96,8 @@ def used(at_ms: int, mode: str, axis: str = "", *normal: float, is_used: bool = 
     return ToolGuide(change, is_used)
 
 
-def test_where_the_offset_acted_is_said_when_it_changes() -> None:
-    """A normal that is not that of the machine is said too, but for a single axis."""
+def test_where_the_offset_acted_is_named_when_it_changes() -> None:
+    """A normal that is not that of the machine is named too, but for a single axis."""
     tilted = (0.0, 0.6, 0.8)
     guides = [
         used(1, ""), used(2, "ACS", "Z"), used(3, "ACS", "Z"), used(4, "ACS", "X", *tilted),

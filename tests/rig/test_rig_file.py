@@ -354,7 +354,7 @@ def test_shipped_rigs_are_read(path: Path) -> None:
 @pytest.mark.parametrize(
     ("new", "named"),
     [
-        # The key that may be the missing one keeps its message back, also where it is another
+        # A wrong key that may be the missing one is named alone; `prob_1` is near to `probe_1`
         ("plamt = 3\n", ["axis.Z.plamt"]),
         ("qqqq = 3\n", ["axis.Z.qqqq"]),
         ("prob_1 = 3\n", ["axis.Z.prob_1", "the rig lacks the key axis.Z.plant"]),

@@ -59,7 +59,10 @@ def test_how_far_the_offset_goes_past_a_step(
 
 @pytest.mark.interpreted
 def test_each_source_of_a_distance_has_its_own_dead_cycles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The second encoder has 2; the variable of the PLC is two cycles older: v T (n + 9.5)."""
+    """The second encoder has 2; the variable of the PLC is two cycles older.
+
+    v T (n + 9.5): 10 mm/s, 1 ms, and a mean of 20 values is (20 - 1)/2 cycles late.
+    """
     monkeypatch.setattr(readings, "_CYCLES", 500)  # the offset is past the surface before that
     text = readings_text(settings_of(RIGS / "distance-z-variable-late.toml", []))
     found = re.findall(r"n = (\d)|limiter = \"slope\" +goes past it by ([\d.]+)", text)

@@ -103,7 +103,7 @@ def test_registers_of_a_terminal_are_behind_the_drives() -> None:
     assert last.text.startswith("WKC 3  WRONG, 4 expected  from 09AE on 00 01")
 
 
-def test_the_image_of_a_sercos_drive_is_said_by_idents() -> None:
+def test_the_image_of_a_sercos_drive_has_the_names_of_idents() -> None:
     """MDT: S-0-0134, S-0-0047; AT: S-0-0135, S-0-0051, S-0-0130."""
     names = names_of("probe-z-sercos")
     sent = struct.pack("<Hi", 0xE000, PER_5_MM)
@@ -133,7 +133,7 @@ def test_a_register_belongs_to_the_slave_with_this_address(three: LineNames) -> 
         assert one.is_usual is (command == BRD), name
 
 
-def test_registers_are_said_by_name_and_states_by_theirs(three: LineNames) -> None:
+def test_registers_and_states_have_their_names(three: LineNames) -> None:
     """ETG.1000.6: 0x0120, 0x0130 with its code at 0x0134; the system time is 0x0910."""
     for offset, data, text in (
         (0x0120, b"\x11\0", "AL_CONTROL INIT, acknowledges an error"),
@@ -214,7 +214,7 @@ def test_numbers_of_an_sdo_have_the_bytes_that_its_command_says(three: LineNames
         assert one.text == f"WKC 1  {shown}", (hex(command), one.text)
 
 
-def test_several_datagrams_of_a_frame_are_said_in_their_order(three: LineNames) -> None:
+def test_several_datagrams_of_a_frame_are_shown_in_their_order(three: LineNames) -> None:
     found = lines(
         three, (FPRD, 1003, 0x0130, b"\x08\0\0\0\0\0", 1), image_of_three(9),
         (FRMW, 1001, 0x0910, bytes(8), 3),

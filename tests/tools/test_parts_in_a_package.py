@@ -1,4 +1,4 @@
-"""A rig as a package: each part with its own FMU and values, and which keys a rig sets."""
+"""Parts of a rig in a package: each with its own FMU, values and names, and what has no place."""
 
 import zipfile
 from pathlib import Path
