@@ -121,7 +121,8 @@ class JerkSlope(JerkLimits):
 
         A speed above the feed comes down to it at once. Where the path is too short for that, it
         brakes into its end, as weakly as it can while it is at the feed. A falling ramp of SIN2
-        that is under way comes to its end before anything else begins.
+        that is under way comes to its end before anything else begins, and one in which it begins
+        to brake goes on where that leads to the end: a new one in its place would be steeper.
         """
         assert isinstance(deceleration, JerkSlope)
         kept, after = _kept(state, self)
@@ -317,8 +318,9 @@ class _Rest:
         None where the path is too short for them.
         """
         length_mm = self._length_mm
-        if length_mm <= 0.0 and self._speed_mm_s <= 0.0:
-            return [], []
+        as_it_is = self._as_it_is()
+        if as_it_is is not None:
+            return [], as_it_is
         if not self._is_too_fast:
             if self._way_over(self._feed_mm_s) <= length_mm:
                 return self._over(self._feed_mm_s)
@@ -333,6 +335,16 @@ class _Rest:
                 return self._with(halved(self._way_with, length_mm, hardest, 0.0))
         fitted = _fitted(self._state, self._end_mm, self._down)
         return None if fitted is None else ([], fitted)
+
+    def _as_it_is(self) -> list[Ramp] | None:
+        """Return nothing at the end, or the ramps that brake into it already; None elsewhere."""
+        if self._length_mm <= 0.0 and self._speed_mm_s <= 0.0:
+            return []
+        if self._a >= 0.0 or self._rising is None:
+            return None
+        goes_on = braking(self._speed_mm_s, self._a, self._down, self._rising)
+        way_mm, _ = way(self._speed_mm_s, goes_on, self._shape)
+        return goes_on if abs(way_mm - self._length_mm) < _SAME_MM else None
 
     # Over a peak speed, from the one that is reached at once to the feed
 
