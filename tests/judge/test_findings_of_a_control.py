@@ -299,6 +299,7 @@ def test_a_limit_is_named_by_its_parameter_with_what_it_does() -> None:
         (of_axis, "axis", "kenngr.dist_ctrl[i]."),
         (of_channel, "channel", "dist_ctrl[i]."),
     )
+    checked: dict[str, set[int]] = {"axis": set(), "channel": set()}
     for block, kind, stem in kinds:
         for limit in block.limits:
             row = table(kind).numbered(limit.parameter)
@@ -307,11 +308,14 @@ def test_a_limit_is_named_by_its_parameter_with_what_it_does() -> None:
             ids = ALARM.search(row.meaning)
             for alarm in () if ids is None else ids.groups()[: 1 + (kind == "axis")]:
                 assert alarm in limit.acts
+                checked[kind].add(int(alarm))
             assert ("clamps" in limit.acts) is (limit.key in ("v_max", "a_max", "max_deviation"))
         acts = {limit.key: limit.acts for limit in block.limits}
         older = {"max_pos": "70330 or ", "min_pos": "70576 or "} if kind == "axis" else {}
         for key, newer in (("max_pos", 310019), ("min_pos", 310020)):
             assert acts[key] == f"alarm {older.get(key, '')}{newer}"
+    newer = {310017, 310018}  # max_deviation, max_act_value_change
+    assert checked == {"axis": newer | {70329, 70331}, "channel": newer}
 
 
 @pytest.mark.parametrize("used", [0.4, -0.4])

@@ -56,7 +56,7 @@ def test_steps_count_when_filter_and_dead_cycles_have_filled(count: int) -> None
 
 
 def test_what_is_excited_all_the_time_is_looked_at_from_its_begin_on() -> None:
-    """The surface moves until the end: steps of one size say nothing, those that grow do."""
+    """The surface moves until the end: steps of one size show no growth, those that grow do."""
     wavy, on = 0.5 * np.sin(0.3 * K), {"distance_state": ((K >= 100) & (K < 280)) * 4.0}
     even = {**on, "step_mm": np.full(ROWS, 0.01), "delta_mm": np.full(ROWS, 0.01)}
     assert no_value(recorded(0.0, wavy, columns=even), "distance_growth").startswith("something")
@@ -71,15 +71,16 @@ def test_what_is_excited_all_the_time_is_looked_at_from_its_begin_on() -> None:
 def test_an_increment_of_the_sensor_makes_a_step_by_p_part_and_d_part(
     kp: float, count: int
 ) -> None:
-    """The P part has it whole; the D part as sqrt(2)/N of it, by a mean of N values."""
+    """The P part has it whole; the D part as sqrt(2)/N of it, by a mean of N values.
+
+    Tv of 3 ms is 3 cycles: the D part is 3 times the change in a cycle.
+    """
     plain = truth_of(words={"kp": kp, "n_cycles": count})
     mm = plain.increment_mm * kp
     assert _rounding_mm(plain, last_active(plain)) == pytest.approx(mm)
     of = truth_of(words={"kp": kp, "n_cycles": count, "d_tv": 0.003})
     stretch = last_active(of)
-    worth = stretch.listed.control.rate(MS)
-    assert worth > 0.0
-    expected = mm * (1.0 + worth * math.sqrt(2.0) / count)
+    expected = mm * (1.0 + 3.0 * math.sqrt(2.0) / count)
     assert _rounding_mm(of, stretch) == pytest.approx(expected)
 
 

@@ -118,17 +118,21 @@ def test_settling_and_overshoot_are_of_the_whole_time_with_the_control_on(orders
 
 
 def test_a_sine_has_its_frequency_mean_and_complex_amplitude() -> None:
-    """mean + |a| cos(2 pi f t + arg a), also of a part of a period at the end."""
+    """mean + |a| cos(2 pi f t + arg a), also of a part of a period at the end.
+
+    A crossing between two values is taken from a straight line: with w T = x it is off by up to
+    0.016 x² of T. Over 394 ms of 33 Hz that is 3.5e-6 of the frequency, every 2 ms 2.8e-5, and as
+    much of 2 pi f times the middle of the values, 44 rad, in the phase.
+    """
     for frequency, mean, size, turn in ((10.0, 5.0, 2.0, 0.7), (33.0, -1.0, 0.25, -2.0)):
         time_s = np.arange(430) * 1e-3
         values = mean + size * np.cos(2 * np.pi * frequency * time_s + turn)
-        found = sine_parts(values, 1e-3)
-        assert found[0] == pytest.approx(frequency, rel=2e-3)
-        assert found[1] == pytest.approx(mean, abs=0.02 * size)
-        assert abs(found[2]) == pytest.approx(size, rel=0.02)
-        assert np.angle(found[2]) == pytest.approx(turn, abs=0.15)
-        half = sine_parts(values[::2], 2e-3)
-        assert half[0] == pytest.approx(frequency, rel=2e-2)
+        for every, share in ((1, 3.5e-6), (2, 2.8e-5)):
+            found = sine_parts(values[::every], every * 1e-3)
+            assert found[0] == pytest.approx(frequency, rel=share)
+            assert found[1] == pytest.approx(mean, abs=share * size)
+            assert abs(found[2]) == pytest.approx(size, rel=share)
+            assert np.angle(found[2]) == pytest.approx(turn, abs=44.0 * share)
     for values in (np.zeros(100), np.cos(2 * np.pi * 4.0 * np.arange(430) * 1e-3)):
         with pytest.raises(NoClosedFormError, match="fewer than two periods"):
             sine_parts(values, 1e-3)

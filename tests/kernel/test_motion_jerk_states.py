@@ -91,13 +91,16 @@ def test_a_path_that_is_planned_anew_again_and_again_stays_the_same(
 def test_a_brake_in_the_run_up_gains_no_more_than_the_acceleration_does_as_it_falls(
     shape: Shape,
 ) -> None:
-    """At 60 ms it has 1000 (0.06 - 0.05/2) = 35 mm/s; ramps of 50 ms add 25, unless 45 is most."""
+    """At 60 ms it has 1000 (0.06 - 0.05/2) = 35 mm/s; ramps of 50 ms add 25, unless 45 is most.
+
+    Looked at every 0.4 ms: 0.2 ms beside the peak a jerk of 50 m/s³ leaves 1e-3 mm/s of it.
+    """
     slope = JerkSlope(1000.0, 0.05, 0.05, shape)
     path = slope.plan(100.0, 200.0, slope)
     for fastest_mm_s, highest_mm_s in ((math.inf, 60.0), (45.0, 45.0), (80.0, 60.0)):
         stop = path.brake(0.06, slope, fastest_mm_s)
         speeds = [stop.at(k * stop.duration_s / 400)[1] for k in range(400)]
         assert speeds[0] == pytest.approx(35.0)
-        assert max(speeds) == pytest.approx(highest_mm_s, abs=0.2)
+        assert max(speeds) == pytest.approx(highest_mm_s, abs=1e-3)
         assert max(speeds) <= highest_mm_s + 1e-9
         assert stop.at(0.0)[0] == pytest.approx(path.at(0.06)[0])

@@ -1,4 +1,4 @@
-"""Loops without end: told where the machine gets nothing to do, left alone where time passes."""
+"""Loops without end: an alarm where the machine gets nothing to do, left alone where time passes."""
 
 from itertools import islice
 
@@ -86,7 +86,7 @@ def test_blocks_that_come_again_are_counted_wherever_they_are(run, monkeypatch, 
     assert caught.value.id == 900120
 
 
-def test_the_loop_that_is_told_is_the_one_without_end(run, monkeypatch):
+def test_the_alarm_names_the_loop_without_end(run, monkeypatch):
     monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
     with pytest.raises(Alarm) as caught:
         run("$WHILE 1\n$FOR P1=1,5,1\nP2=P1\n$ENDFOR\n$ENDWHILE")
@@ -122,7 +122,7 @@ def decoded(body, count):
         "G131 = 70", '#MSG["again"]', "#CS ON[0,0,1]\n#CS OFF",
     ],
 )  # fmt: skip
-def test_a_loop_that_gives_the_machine_nothing_to_do_is_told(monkeypatch, body):
+def test_a_loop_that_gives_the_machine_nothing_to_do_ends_with_900120(monkeypatch, body):
     monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
     with pytest.raises(Alarm) as caught:
         decoded(body, 2000)

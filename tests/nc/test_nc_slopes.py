@@ -40,10 +40,9 @@ def test_hsc_and_a_wrong_no_opt_are_refused(run: Run) -> None:
     with pytest.raises(Alarm, match="HSC") as raised:
         run("N10 #SLOPE [TYPE=HSC]")
     assert raised.value.id == 900100
-    for value in ("2", "-1", "0.5"):
-        with pytest.raises(Alarm, match="NO_OPT") as raised:
-            run(f"P1 = {value}\nN10 #SLOPE [TYPE=SIN2 NO_OPT=P1]")
-        assert raised.value.id == 900105, value
+    with pytest.raises(Alarm, match="NO_OPT") as raised:
+        run("P1 = 2\nN10 #SLOPE [TYPE=SIN2 NO_OPT=P1]")
+    assert raised.value.id == 900105
     with pytest.raises(UserError, match="TYPE"):
         run("N10 #SLOPE [NO_OPT=1]")
 

@@ -18,7 +18,7 @@ CALL = LastCall(3, True, "/x/a.fmu", "z", "fmi3DoStep", 1_500_000)
 
 
 class Hand:
-    """A process that sends what a test has put into `says`, and ends when a test says so."""
+    """A process that sends what a test has put into `sends`, and ends when a test lets it."""
 
     made: list["Hand"]
 
@@ -29,17 +29,17 @@ class Hand:
         self.number: int | None = None
         self.done, self.note, self.call = 0, Path("note"), 0
         self.began_s = self.call_s = 0.0
-        self.says: list[object] = []
+        self.sends: list[object] = []
         self.tasks: list[int] = []
         self.is_deaf = False
         self.ended = self.waited = 0
         Hand.made.append(self)
 
     def _take(self) -> object:
-        said = self.says.pop(0) if self.says else None
-        if isinstance(said, Exception):
-            raise said
-        return said
+        sent = self.sends.pop(0) if self.sends else None
+        if isinstance(sent, Exception):
+            raise sent
+        return sent
 
     def order(self, number: int, _order: object) -> bool:
         if self.is_deaf:
@@ -70,29 +70,29 @@ def stage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def crew(
     tasks: int, jobs: int = 1, fresh: Sequence[int] = (), tasks_max: int = 9
 ) -> tuple[_Crew, list[tuple[int, bool]]]:
-    heard: list[tuple[int, bool]] = []
+    reports: list[tuple[int, bool]] = []
     made = _Crew(abs, [[n] for n in range(tasks)], [n in fresh for n in range(tasks)], jobs, None,
-                 None, 60.0, tasks_max, lambda *one: heard.append(one))  # fmt: skip
-    return made, heard
+                 None, 60.0, tasks_max, lambda *one: reports.append(one))  # fmt: skip
+    return made, reports
 
 
 def test_free_processes_get_the_next_tasks_and_go_when_there_are_no_more() -> None:
-    of, heard = crew(4, jobs=2)
+    of, reports = crew(4, jobs=2)
     of.look()
     one, other = Hand.made
     assert (one.tasks, other.tasks) == ([0], [1])
-    other.says = [Answer("b")]
+    other.sends = [Answer("b")]
     of.look()
     assert (one.tasks, other.tasks, other.done) == ([0], [1, 2], 1)
-    one.says, other.says = [Answer("a")], [Answer("c")]
+    one.sends, other.sends = [Answer("a")], [Answer("c")]
     of.look()
     assert (one.tasks, other.tasks, other.ended) == ([0, 3], [1, 2], 1)  # nothing is left for it
-    one.says = [Answer("d")]
+    one.sends = [Answer("d")]
     of.look()
     assert {number: answer.value for number, answer in of.answers.items()} == dict(
         enumerate("abcd")
     )
-    assert heard == [(0, True), (1, True), (1, False), (2, True), (0, False), (2, False),
+    assert reports == [(0, True), (1, True), (1, False), (2, True), (0, False), (2, False),
                      (3, True), (3, False)]  # fmt: skip
     assert [(hand.ended, hand.waited) for hand in Hand.made] == [(1, 0), (1, 0)]
     of.dismiss()
@@ -104,7 +104,7 @@ def test_who_was_sent_away_is_waited_for_once_and_only_when_gone() -> None:
     of, _ = crew(4, fresh=range(4))
     for number in range(3):
         of.look()
-        Hand.made[number].says = [Answer(number)]
+        Hand.made[number].sends = [Answer(number)]
         if number == 1:
             Hand.made[0].process.exitcode = 0
         of.look()
@@ -131,22 +131,22 @@ def test_a_task_shares_its_process_as_far_as_it_may(
     for number in range(4):
         of.look()
         busy = next(hand for hand in Hand.made if hand.number == number)
-        busy.says = [Answer(number)]
+        busy.sends = [Answer(number)]
         assert of.answer(number) == number
     assert [hand.tasks for hand in Hand.made] == tasks
     assert all(hand.ended == 1 for hand in Hand.made)
 
 
 def test_a_process_that_takes_no_order_or_has_gone_is_replaced() -> None:
-    of, heard = crew(3)
+    of, reports = crew(3)
     of.look()
-    Hand.made[0].says = [Answer("a")]
+    Hand.made[0].sends = [Answer("a")]
     of._hear(Hand.made[0])  # type: ignore[arg-type]
     Hand.made[0].is_deaf = True  # it has ended, and nobody knows it yet
     of._hand_out()
     assert [hand.tasks for hand in Hand.made] == [[0], [1]]
-    assert (Hand.made[0].ended, heard.count((1, True))) == (1, 1)
-    Hand.made[1].says = [Answer("b")]
+    assert (Hand.made[0].ended, reports.count((1, True))) == (1, 1)
+    Hand.made[1].sends = [Answer("b")]
     of._hear(Hand.made[1])  # type: ignore[arg-type]
     Hand.made[1].process.exitcode = 3
     of._hand_out()
@@ -162,7 +162,7 @@ def test_lines_are_put_out_in_their_order_before_the_answer(
     of, _ = crew(1)
     of.look()
     (hand,) = Hand.made
-    hand.says = [Line("one"), Line("two"), None, Line("three"), Answer(5)]
+    hand.sends = [Line("one"), Line("two"), None, Line("three"), Answer(5)]
     of._hear(hand)  # type: ignore[arg-type]
     assert (put_out, of.answers) == (["one", "two"], {})
     hand.process.exitcode = 0  # it has answered, and ended
@@ -172,7 +172,7 @@ def test_lines_are_put_out_in_their_order_before_the_answer(
 
 
 @pytest.mark.parametrize(
-    ("said", "words"),
+    ("sent", "words"),
     [
         (ChannelError("b'x' is no answer"), "into the channel of its answer: b'x' is no answer"),
         (EOFError(), "the process ended before any call into an FMU: it broke off"),
@@ -183,11 +183,11 @@ def test_lines_are_put_out_in_their_order_before_the_answer(
         ),
     ],
 )
-def test_a_process_that_breaks_costs_its_task_and_is_sent_away(said: object, words: str) -> None:
+def test_a_process_that_breaks_costs_its_task_and_is_sent_away(sent: object, words: str) -> None:
     """Also one whose limits are lowered: the next task would have them too."""
     of, _ = crew(3)
     of.look()
-    Hand.made[0].says = [said]
+    Hand.made[0].sends = [sent]
     of.look()
     died = of.answer(0)
     assert isinstance(died, Died)
@@ -199,9 +199,9 @@ def test_a_process_that_breaks_costs_its_task_and_is_sent_away(said: object, wor
 def test_an_exception_of_a_task_is_raised_for_it_alone() -> None:
     of, _ = crew(2)
     of.look()
-    Hand.made[0].says = [Answer(None, UserError("no file"))]
+    Hand.made[0].sends = [Answer(None, UserError("no file"))]
     of.look()
-    Hand.made[0].says = [Answer(7)]
+    Hand.made[0].sends = [Answer(7)]
     with pytest.raises(UserError, match="no file"):
         of.answer(0)
     assert of.answer(1) == 7
@@ -238,7 +238,7 @@ def test_nobody_looks_anew_at_once_where_only_others_have_written(
     of, _ = crew(1)
     of.look()
     (hand,) = Hand.made
-    for heard, exit_code, rests in (
+    for written, exit_code, rests in (
         ([], None, False),
         ([hand.process.sentinel], None, True),
         ([hand.process.sentinel], 0, False),
@@ -246,9 +246,11 @@ def test_nobody_looks_anew_at_once_where_only_others_have_written(
     ):
         waited: list[tuple[list[object], float]] = []
 
-        def wait(items: list[object], seconds: float, heard: list[object] = heard) -> list[object]:
+        def wait(
+            items: list[object], seconds: float, written: list[object] = written
+        ) -> list[object]:
             waited.append((items, seconds))  # noqa: B023
-            return heard
+            return written
 
         monkeypatch.setattr(processes, "wait", wait)
         hand.process.exitcode = exit_code

@@ -250,6 +250,6 @@ def test_an_unknown_command_gets_a_form_or_names_near_it_and_no_list_of_all(text
         ("X=[1+2 3]", None),
     ],
 )
-def test_an_error_behind_a_line_break_tells_which_bracket_is_open(text, place):
+def test_an_error_behind_a_line_break_names_which_bracket_is_open(text, place):
     hint = refused(text).hint
     assert hint == (None if place is None else f"[ is open since {place}")
