@@ -1,4 +1,4 @@
-"""Loops without end: an alarm where the machine gets nothing to do, left alone where time passes."""
+"""Loops without end: an alarm where the machine has nothing to do, none where time passes."""
 
 from itertools import islice
 
