@@ -1,4 +1,4 @@
-"""From which row on nothing moves the steps of an offset, and the time that another law divides."""
+"""What moved a loop last, the time that another law divides, and sines in a signal."""
 
 from typing import Any
 
@@ -87,7 +87,7 @@ def test_growth_is_of_the_steps_after_a_hold(factor: float) -> None:
     step = np.where(K >= 500, free, np.where(K < 300, 0.01 * 0.99 ** (K - 100.0), 0.0)) * (K > 100)
     columns = {"distance_held": up((300, 500)), "step_mm": step, "delta_mm": step}
     found = seen(recorded(columns=columns), "distance_growth")
-    assert found.value == pytest.approx(factor, abs=1e-3)
+    assert found.value == pytest.approx(factor, abs=1e-6)
     word = "stable" if factor < 1 else "unstable"
     assert seen(recorded(columns=columns), "distance_stability").value == word
 

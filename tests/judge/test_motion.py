@@ -11,6 +11,7 @@ from axisrig.bench.judge.observed.motion import (
     Motion,
     farthest,
     fastest,
+    largest,
     motion,
     state_ahead,
     state_at,
@@ -300,3 +301,22 @@ def test_the_speed_ahead_counts_a_slope_that_begins_there(gain_mm_s2: float) -> 
     ahead = state_ahead(observed, "Z", int(observed.times_ns[-1]) + 9 * MS // 10)
     assert ahead is not None
     assert 0.005 < abs(ahead.speed_mm_s - speeds[8]) <= ahead.doubt_mm_s < 0.02
+
+
+@pytest.mark.parametrize(
+    ("values", "doubts", "value", "doubt"),
+    [
+        ([1.0, 0.95], [0.0, 0.2], 1.0, 0.15),  # the smaller one may be 1.15
+        ([0.95, 1.0], [0.2, 0.0], 1.0, 0.15),
+        ([1.0, 0.95], [0.3, 0.2], 1.0, 0.3),
+        ([1.0, 0.1], [0.0, 0.2], 1.0, 0.0),
+        ([2.0, 2.0], [0.0, 0.5], 2.0, 0.5),
+    ],
+)
+def test_a_smaller_value_with_more_doubt_may_be_the_largest(
+    values: list[float], doubts: list[float], value: float, doubt: float
+) -> None:
+    found = largest(np.array(values), np.array(doubts))
+    assert found is not None
+    assert (found.value, found.doubt) == pytest.approx((value, doubt))
+    assert largest(np.array([]), np.array([])) is None

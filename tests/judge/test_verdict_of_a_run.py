@@ -8,6 +8,7 @@ import pytest
 from tests.recordings import facts, kept
 
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.run_findings import STOPPED, of_facts
 from axisrig.bench.judge.topics import judged
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.verdict import Verdict
@@ -38,3 +39,13 @@ def test_a_stopped_run_is_aborted_whatever_its_checks_say_unless_one_is_in_error
         found, results = judged(Observed(facts(is_stopped=is_stopped, axes=axes), series), asked)
         assert found is verdict
         assert len(results) == len(checks)
+
+
+def test_a_run_that_was_stopped_is_called_so_whatever_it_left_undone() -> None:
+    for of, words in (
+        ({}, None),
+        ({"unfinished": "a plant fell"}, "a plant fell"),
+        ({"is_stopped": True}, STOPPED),
+        ({"is_stopped": True, "unfinished": "a plant fell"}, STOPPED),
+    ):
+        assert of_facts(facts(**of)).error == words  # type: ignore[arg-type]
