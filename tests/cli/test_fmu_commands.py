@@ -86,7 +86,7 @@ def test_an_fmu_is_shown_with_its_local_variables_where_asked(
 def test_models_are_built_into_the_cache_or_into_a_release(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """FMI 3.0 for this platform where nothing is said; a path for each."""
+    """FMI 3.0 for this platform without options; a path for each."""
     asked: list[Any] = []
 
     def build(*words: Any) -> list[Any]:

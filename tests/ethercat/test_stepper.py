@@ -1,4 +1,4 @@
-"""Steps of a start-up, one after the other: who is asked, and what of an earlier start counts."""
+"""Steps of a start-up, one after the other: who gets a request; no earlier start counts."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -100,7 +100,7 @@ def test_what_has_failed_is_not_tried_any_further(
     assert apart.ran == ALL[:ran]
     (failed,) = [one for one in found.findings if one.level == "FAIL"]
     assert (failed.area, failed.text) == (stage, "bad" if way == "bad" else "crashed")
-    # What else was tried at the same time is said too
+    # What else was tried at the same time is reported too
     assert [one.area for one in found.findings] == ["archive", *ALL[:ran]]
 
 

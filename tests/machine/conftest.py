@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.machine.plc_programs import HEAD
 
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.machine.facts import facts_of
@@ -95,6 +96,18 @@ def run_nc(tmp_path: Path) -> RunNc:
         # Geometry to a nanometre needs axes that stand: exact-stop windows of 0.1 um
         fine = [f"set:{a}.getriebe[0].window=1" for a in ("XYZ" if "xyz" in base else "")]
         return run_files(nc_file, rig_file, [*fine, *assignments], watch)
+
+    return run
+
+
+@pytest.fixture
+def run_plc(tmp_path: Path, run_nc: RunNc) -> Callable[..., Outcome]:
+    """Return `run(NC program, body of the class, *assignments, keys=TOML)`."""
+
+    def run(nc: str, body: str, *assignments: str, keys: str = "period_us = 2000") -> Outcome:
+        (tmp_path / "plc.py").write_text(HEAD + body, encoding="utf-8")
+        rig = f'[plc]\nprogram = "plc.py"\n{keys}\n'
+        return run_nc(nc, rig, *assignments, base="probe-z.toml")
 
     return run
 

@@ -69,10 +69,8 @@ class HeartbeatProducer(Presence):
     def __init__(self, networks: Sequence[Any], clock: Clock, node_id: int, period_ms: int) -> None:
         self._networks, self._clock = networks, clock
         self._id, self._period_ns = ERROR_CONTROL_BASE + node_id, period_ms * MS
-        self._runs, self._round = (
-            False,
-            0,
-        )  # of heartbeats; those of an earlier one are sent no more
+        self._runs = False
+        self._round = 0  # of heartbeats; those of an earlier one are sent no more
 
     def begin(self) -> None:
         """Send from now on, if there is a period."""

@@ -1,0 +1,232 @@
+"""PLC programs that cannot be or end in an error: refused with file, line and what is allowed."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.machine.plc_programs import HEAD, IDLE
+
+from axisrig.bench.campaign.processes import Died, run_apart
+from axisrig.bench.machine.plc.elements import Named
+from axisrig.bench.machine.plc.hli import Hli, Inputs, Variables
+from axisrig.bench.machine.plc.program import PlcProgram
+from axisrig.bench.machine.plc.terminal import ChannelInput
+from axisrig.kernel.errors import UserError
+
+MS = 1_000_000
+RunNc = Callable[..., Any]
+
+
+def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
+    body = """    def cycle(self, inputs, hli):
+        if inputs.time_ns > 20_000_000:
+            hli.ax["Q"]
+"""
+    with pytest.raises(UserError) as caught:
+        run_plc("N10 G4 1", body)
+    assert Path(str(caught.value.file)).name == "plc.py"
+    assert caught.value.line == 7
+    assert "unknown axis; found 'Q'; allowed: " in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        ("hli.ax['Q']", "unknown axis; found 'Q'; allowed: X, Z"),
+        ("inputs.channel[2]", "unknown channel of the terminal; found 2; allowed: 1"),
+        ("hli.ve['FEDE']", "unknown variable V.E.; found 'FEDE'; allowed: FEED"),
+        ("hli.ax['Z'].lr_mc_control.timestamp.command_w = True", "timestamp.command_w has a wrong"),
+        ("hli.ax['Z'].lr_mc_control.ext_latch.done_w = 1", r"ext_latch.done_w has a wrong type"),
+        ("hli.ax['X'].lr_mc_control.override.command_w = 1001", "allowed: 0 .. 1000"),
+        ("hli.ch.reset.enable_w = 1", "ch.reset.enable_w has a wrong type; found 1"),
+        ("hli.ch.comand_w = 1", "unknown element of hli.ch; found 'comand_w'"),
+        ("hli.ve.FEED = 1", "no attribute 'FEED'"),
+        ("hli.ax.Z = 1", "no attribute 'Z'"),
+        ("del hli.ch.feedhold.command_w", "command_w of the HLI cannot be deleted"),
+        ("del hli.ax['Z'].lr_mc_control", "lr_mc_control of the HLI cannot be deleted"),
+        ("del hli.ch", "ch of the HLI cannot be deleted"),
+        ("hli.ve['FEED'] = '6'", "V.E.FEED has a wrong type; found '6'; allowed: a number"),
+    ],
+)
+def test_what_is_not_there_is_listed_and_a_wrong_value_has_its_line(
+    tmp_path: Path, use: str, words: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
+    hli = Hli(["X", "Z"])
+    hli.ve = Variables({"FEED": 600.0})
+    channels = Named("channel of the terminal", {1: ChannelInput()})
+    with pytest.raises(UserError, match=words) as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, channels), hli)
+    assert (caught.value.file, caught.value.line) == (str(path), 3)
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        ("hli.ch.feedhold = True", "ch.feedhold has been replaced.*set ch.feedhold.command_w"),
+        ("hli.ve.update(FEED='x')", "V.E.FEED has a wrong type"),
+        ("hli.ch = None", "ch has been replaced.*set ch.feedhold.command_w"),
+        ("hli.ve = 5", "ve has been replaced"),
+        ("hli.ax = {}", "ax has been replaced"),
+        ("hli.ax.clear()", "ax has been replaced"),
+        ("hli.ax['Y'] = hli.ax['Z']", "ax has been replaced"),
+        ("hli.ax['X'] = hli.ax['Z']", "ax has been replaced"),
+        ("hli.ax = dict(hli.ax)", "ax has been replaced"),
+        ("del hli.ax['X']", "ax has been replaced"),
+        ("hli.ax['X'].lr_mc_control.override = 5", r"ax\[X\].*override has been replaced"),
+        ("hli.ax['Z'].lr_mc_control.ext_latch = None", "set ax.Z..lr_mc_control.ext_latch.done_w"),
+        ("hli.ax['Z'].lr_mc_control = None", r"ax\[Z\].lr_mc_control has been replaced"),
+        ("hli.ax['Z'].lr_state = 1", r"ax\[Z\].lr_state has been replaced"),
+    ],
+)
+def test_what_is_replaced_is_found_after_the_cycle(tmp_path: Path, use: str, words: str) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
+    with pytest.raises(UserError, match=words) as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["X", "Z"]))
+    assert caught.value.file == str(path)
+
+
+@pytest.mark.parametrize(
+    ("head", "body", "kind"),
+    [
+        ("def", "return True", "bool"),
+        ("def", "yield", "generator"),
+        ("async def", "pass", "coroutine"),
+    ],
+)
+def test_a_cycle_that_gives_something_back_is_refused(
+    tmp_path: Path, head: str, body: str, kind: str
+) -> None:
+    """With yield or async nothing of it would be carried out, and nobody would see that."""
+    path = tmp_path / "plc.py"
+    text = f"class Program:\n    {head} cycle(self, inputs, hli):\n        {body}\n"
+    path.write_text(text, "utf-8")
+    with pytest.raises(UserError, match="gives something back") as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    assert (caught.value.file, caught.value.line, caught.value.value) == (str(path), 2, kind)
+
+
+def test_a_program_may_look_whether_something_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "plc.py"
+    looks = "assert 'Q' not in hli.ax and hli.ve.get('A') is None\n"
+    looks += "        try:\n            hli.ax['Q']\n"
+    looks += "        except KeyError:\n            hli.ve['A'] = 1\n"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {looks}", "utf-8")
+    hli = Hli(["Z"])
+    PlcProgram(path).cycle(Inputs(0, 0, {}), hli)
+    assert hli.ve == {"A": 1}
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("    def circle(self):\n        pass\n", "one class with a method cycle"),
+        ("    def cycle(self, inputs, hli)\n", "SyntaxError"),
+        ("    def __init__(self):\n        1 / 0\n" + IDLE, "ZeroDivisionError"),
+        (
+            "    def __init__(self, axis):\n        pass\n" + IDLE,
+            "missing a required argument: 'axis'",
+        ),
+        ("    def cycle(self, inputs, hli):\n        raise SystemExit(3)\n", "SystemExit: 3"),
+        (
+            '    def cycle(self, inputs, hli):\n        hli.ch.feedhold.command_w = "on"\n',
+            "ch.feedhold.command_w has a wrong type; found 'on'; allowed: True or False",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n"
+            '        hli.ax["Z"].lr_mc_control.timestamp.command_w = 2**63\n',
+            "timestamp.command_w is out of its range",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n        hli.ch.override.command_w = 2001\n",
+            "ch.override.command_w is out of its range; found 2001; allowed: 0 .. 2000",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n        hli.ch.feedhold.comand_w = True\n",
+            "unknown element of ch.feedhold; found 'comand_w'; did you mean: command_w",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n        hli.ve['A'] = 'x'\n",
+            "V.E.A has a wrong type",
+        ),
+    ],
+)
+def test_a_program_that_cannot_be_is_refused(run_plc: RunNc, body: str, words: str) -> None:
+    with pytest.raises(UserError) as caught:
+        run_plc("N10 G4 0.1", body)
+    assert words in str(caught.value)
+    assert "plc.py" in str(caught.value)
+
+
+def test_a_class_with_parameters_is_named_by_the_line_of_its_init(tmp_path: Path) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(HEAD + "    name = 1\n\n    def __init__(self, axis):\n        pass\n\n" + IDLE)
+    with pytest.raises(UserError) as caught:
+        PlcProgram(path)
+    assert caught.value.line == HEAD.count("\n") + 3
+
+
+def _cycle_of(path: Path) -> None:
+    PlcProgram(path).cycle(Inputs(5_300_000, 0, {}), Hli(["Z"]))
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ("while True:\n            pass", "a call did not come back within 1 s: it was in cycle"),
+        ("import os\n        os._exit(3)", "ended the process in cycle"),
+    ],
+)
+def test_a_cycle_that_never_ends_is_ended_by_the_limit_of_a_call(
+    tmp_path: Path, body: str, reason: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"{HEAD}    def cycle(self, inputs, hli):\n        {body}\n")
+    (died,) = run_apart(_cycle_of, [(path,)], call_limit_s=1.0)
+    assert isinstance(died, Died)
+    assert reason in died.reason
+    assert "at t = 5.300000 ms" in died.reason
+    assert f"the PLC program {path}" in died.reason.replace("(", "").replace(")", "")
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("period_us = 10", "greater than or equal to 50"),
+        ("period_us = 2000\nperiode = 1", "unknown rig key plc.periode"),
+        ("period_us = 2000\n[plc.terminal]\ninput_1 = 'prob'", "plc.terminal.input_1 must name"),
+        ("period_us = 2000\nswitches = 'probe'", "must name a probe that can be switched on"),
+        ("offset_us = 1", "lacks the key plc.period_us"),
+        (
+            "period_us = 2000\n[plc.terminal]\nsegment = 'can9'\nnode = 20",
+            "needs a simulated segment of this rig",
+        ),
+        (
+            "period_us = 2000\n[plc.terminal]\nsegment = 'can1'\nnode = 3",
+            "the terminal has the node id of axis Z on segment can1",
+        ),
+        (
+            "period_us = 2000\n[plc.terminal]\nsegment = 'can1'\nnode = 20\noffset_us = 5",
+            "a node on a CAN bus has none",
+        ),
+    ],
+)
+def test_a_table_that_cannot_be_is_refused_with_its_line(
+    run_plc: RunNc, keys: str, words: str
+) -> None:
+    with pytest.raises(UserError) as caught:
+        run_plc("N10 G4 0.1", IDLE, keys=keys)
+    assert words in str(caught.value)
+    assert caught.value.line is not None
+
+
+def test_a_program_that_is_missing_is_named(run_nc: RunNc) -> None:
+    with pytest.raises(UserError, match=r"rig1\.toml:4: the PLC program is no file"):
+        run_nc(
+            "N10 G4 0.1",
+            '[plc]\nperiod_us = 2000\nprogram = "nowhere.py"\n',
+            base="probe-z.toml",
+        )
