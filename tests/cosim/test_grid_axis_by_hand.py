@@ -14,7 +14,7 @@ from axisrig.kernel.time.clock import MS
 def test_demand_and_force_are_those_of_the_instant_also_at_a_point_of_the_grid(
     tells_demand: bool,
 ) -> None:
-    """Points every 4 ms; the demand is an output of the FMU, or that of the last command: 0.5 mm/ms."""
+    """Points every 4 ms, 0.5 mm/ms; the demand is an output of the FMU or the last command."""
     more: dict[str, Any] = {"demand_position": lambda ns: 1e-3 * ns / MS} if tells_demand else {}
     fmu = Fmu(
         "demand", grid_ns=4 * MS, position=lambda ns: 0.01 * ns / MS, velocity=10.0,
