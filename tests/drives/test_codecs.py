@@ -196,3 +196,36 @@ def test_a_table_that_cannot_be_is_told_with_its_line(
     assert caught.value.file is not None
     if line is not None:
         assert caught.value.line == line
+
+
+@pytest.mark.parametrize(
+    ("column", "wanted"),
+    [
+        ("cob-id", "did you mean: cob_id"),
+        ("event_us", "did you mean: event_ms"),
+        ("Note", "did you mean: note"),
+        ("identifier", "allowed: pdo transmission"),
+    ],
+)
+def test_a_column_that_nothing_reads_is_refused(tmp_path: Path, column: str, wanted: str) -> None:
+    """Its cells would be lost: a COB-ID under another name would leave the one of the node."""
+    head, rows = GOOD.split("\n", 1)
+    with pytest.raises(UserError, match=wanted) as caught:
+        _table(tmp_path, f"{head},{column}\n{rows}")
+    assert (caught.value.line, caught.value.value) == (1, column)
+
+
+@pytest.mark.parametrize("column", ["pdo", "field", "note"])
+def test_a_column_that_is_there_twice_is_refused(tmp_path: Path, column: str) -> None:
+    head, rows = GOOD.split("\n", 1)
+    with pytest.raises(UserError, match="a column twice") as caught:
+        _table(tmp_path, f"{head},{column}\n{rows}")
+    assert (caught.value.line, caught.value.value) == (1, column)
+
+
+def test_the_columns_that_may_be_missing_are_taken_where_they_are_there(tmp_path: Path) -> None:
+    head, rows = GOOD.split("\n", 1)
+    maps = _table(
+        tmp_path, f"{head},cob_id,event_ms,,\n{rows}"
+    )  # two without a name, as of a sheet
+    assert maps == _table(tmp_path, GOOD)

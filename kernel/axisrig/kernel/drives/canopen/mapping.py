@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from axisrig.kernel.drives.mapped import BitCodec, MappedObject
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.profiles.canopen.identifiers import ID_MASK, PDO_BASE, RESTRICTED, SYNC_ID
 from axisrig.kernel.time.clock import MS, TimeNs
 
@@ -50,6 +50,7 @@ EVENT_DRIVEN: Final = (254, 255)
 # A column that a table need not have: COB-ID of its own, 0 = of the pre-defined connection set
 IDENTIFIER: Final = "cob_id"
 _OPTIONAL: Final = (EVENT_TIMER, IDENTIFIER)
+NOTE: Final = "note"  # a column of words for who reads the table
 _PDO: Final = re.compile(r"[RT]PDO([1-9]\d{0,2})")
 PDOS_MAX: Final = 512  # of each direction (CiA 301: 1400 to 15FF, 1800 to 19FF)
 
@@ -215,6 +216,7 @@ def _rows(table: str | None, text: str) -> list[tuple[int, dict[str, str]]]:
             "the mapping table lacks columns", file=table, line=1, value=" ".join(missing),
             allowed=" ".join(COLUMNS),
         )  # fmt: skip
+    _check_columns(reader.fieldnames or (), table)
     rows = [
         (
             reader.line_num,
@@ -227,6 +229,24 @@ def _rows(table: str | None, text: str) -> list[tuple[int, dict[str, str]]]:
         _check_row(row, table, line)
     _check_once(rows, table)
     return rows
+
+
+def _check_columns(names: Sequence[str], table: str | None) -> None:
+    """Raise UserError for a column that nothing reads, or one that is there twice."""
+    known = (*COLUMNS, *_OPTIONAL, NOTE)
+    named = [name for name in names if name]
+    for place, name in enumerate(named):
+        if name not in known:
+            raise UserError(
+                "the mapping table has a column that it does not know", file=table, line=1,
+                value=name, allowed=nearest(name, known) or " ".join(known),
+                hint=f"words of your own go into the column {NOTE}",
+            )  # fmt: skip
+        if name in named[:place]:
+            raise UserError(
+                "the mapping table has a column twice", file=table, line=1, value=name,
+                allowed="each column once",
+            )  # fmt: skip
 
 
 def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
