@@ -24,7 +24,7 @@ SLOPE = Slope(1000.0, 1000.0, 1.0)
 class Bench:
     """Three axes that may measure; what the path would do is noted."""
 
-    def __init__(self, **axes: Any) -> None:
+    def __init__(self, plc: Any = None, **axes: Any) -> None:
         self.clock: Any = SimpleNamespace(now_ns=5 * MS)
         self.lists = {name: axes.get(name, MeasuringAxis()) for name in AXES}
         self.may_measure = dict.fromkeys(AXES, True)
@@ -39,7 +39,7 @@ class Bench:
             "timing": SimpleNamespace(period_ns=MS, offset_ns=0),
             "settings": SimpleNamespace(error_no_signal=False), "slaves_of": lambda _axes: {},
             "offsets": SimpleNamespace(check_measuring=self.checked.append),
-            "warn": self.warned.append, "plc": SimpleNamespace(task=None, axis={}),
+            "warn": self.warned.append, "plc": plc or SimpleNamespace(task=None, axis={}),
         }  # fmt: skip
         self.measurement = Measurement(self.clock, self.path, self.links, **given)
 
