@@ -143,6 +143,8 @@ def test_what_every_drive_gets_in_phase_2() -> None:
         ({"i76": 0x02}, Fraction(3_600_000) / 10),  # preferred: 1e-4 degrees
         ({"i76": 0x0A, "i79": 1 << 20}, Fraction(1 << 20) / 10),
         ({"i76": 0x4A, "i79": 1 << 20}, Fraction(1 << 20) / 10),  # bit 6: at the load
+        ({"i76": 0x41}, Fraction(10**4)),
+        ({"i76": 0x42}, Fraction(3_600_000) / 10),
     ],
 )
 def test_a_position_unit_is_that_of_the_manual(idents: dict[str, int], per_mm: Fraction) -> None:
@@ -154,10 +156,86 @@ def test_a_position_unit_is_that_of_the_manual(idents: dict[str, int], per_mm: F
     assert (alarm.id, alarm.values["found"]) == (900745, f"{float(per_mm):.12g}")
 
 
-def test_a_drive_without_a_position_unit_is_refused() -> None:
-    far = Far(i76=0)
+@pytest.mark.parametrize(
+    ("idents", "settings", "found", "expected"),
+    [
+        # Less than an increment in a millimetre: 1e-4 of the way would be missing
+        ({"i76": 0x0A, "i79": 1 << 20}, {"increments_per_mm": 104857.5}, 104857.6, 104857.5),
+        ({"i76": 0x0A, "i79": 1 << 20}, {"increments_per_mm": 104858.0}, 104857.6, 104858.0),
+        ({"i76": 0x0A, "i79": 1048575}, {"increments_per_mm": 104857.6}, 104857.5, 104857.6),
+        ({"i76": 0x02}, {"increments_per_mm": 36e4, "lead_mm": 10.00001}, 359999.64, 36e4),
+        ({"i76": 0x09, "i77": 3, "i78": -6}, {"increments_per_mm": 333.0}, 1000 / 3, 333.0),
+        ({"i76": 0x09, "i77": 25, "i78": -7}, {"increments_per_mm": 400.4}, 400.0, 400.4),
+        # A power of ten, and the other kind
+        ({"i76": 0x01}, {"increments_per_mm": 1e3}, 1e4, 1e3),
+        ({"i76": 0x09, "i77": 1, "i78": -6}, {"increments_per_mm": 1e4}, 1e3, 1e4),
+        ({"i76": 0x02}, {"increments_per_mm": 1e4}, 36e4, 1e4),
+        # By parameters, and not by them
+        ({"i76": 0x01, "i77": 1, "i78": -6}, {"increments_per_mm": 1e3}, 1e4, 1e3),
+        ({"i76": 0x02, "i79": 1 << 20}, {"increments_per_mm": 104857.6}, 36e4, 104857.6),
+    ],
+)
+def test_a_position_unit_that_differs_at_all_is_refused(
+    idents: dict[str, int], settings: dict[str, float], found: float, expected: float
+) -> None:
+    """Each way would be wrong by the quotient of both, however near to 1 it is."""
+    far = Far(**idents)
+    far.attributes[78] = Attribute(Kind.SIGNED, 2)
+    alarm = alarm_of(far, far.steps(**settings).in_preop())
+    assert alarm.id == 900745
+    assert alarm.values == {
+        "axis": "Z", "kind": f"0x{idents['i76']:02X}",
+        "found": f"{found:.12g}", "expected": f"{expected:.12g}",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("idents", "lead_mm", "per_mm"),
+    [
+        ({"i76": 0x02}, 5.0, 720_000.0),
+        ({"i76": 0x02}, 6.0, 600_000.0),
+        ({"i76": 0x0A, "i79": 1000}, 7.0, 1000 / 7),
+        ({"i76": 0x09, "i77": 3, "i78": -6}, 10.0, 1000 / 3),
+        ({"i76": 0x09, "i77": 1, "i78": 0}, 10.0, 1e-3),  # a metre
+        ({"i76": 0x09, "i77": 2, "i78": 1}, 10.0, 5e-5),  # 20 m
+        ({"i76": 0x01}, 3.0, 10_000.0),  # no lead in a linear unit
+    ],
+)
+def test_a_unit_of_a_turn_counts_by_the_lead_and_one_of_a_way_does_not(
+    idents: dict[str, int], lead_mm: float, per_mm: float
+) -> None:
+    far = Far(**idents)
+    far.attributes[78] = Attribute(Kind.SIGNED, 2)
+    far.run(far.steps(increments_per_mm=per_mm, lead_mm=lead_mm).in_preop())
+
+
+@pytest.mark.parametrize("kind", [0, 3, 4, 7, 8, 0x40])
+def test_a_drive_without_a_position_unit_is_refused(kind: int) -> None:
+    """S-0-0076, bits 2..0: 0 none, 1 translational, 2 rotational; there is no other."""
+    far = Far(i76=kind)
     alarm = alarm_of(far, far.steps().in_preop())
     assert (alarm.id, alarm.values["found"]) == (900745, "no position unit")
+    assert alarm.values["kind"] == f"0x{kind:02X}"
+
+
+@pytest.mark.parametrize(
+    ("idents", "missing"),
+    [
+        ({}, 76),
+        ({"i76": 0x09, "i78": -6}, 77),
+        ({"i76": 0x09, "i77": 1}, 78),
+        ({"i76": 0x0A}, 79),
+    ],
+)
+def test_an_ident_of_the_unit_that_the_drive_does_not_have_is_named(
+    idents: dict[str, int], missing: int
+) -> None:
+    far = Far(**idents)
+    far.attributes[78] = Attribute(Kind.SIGNED, 2)
+    alarm = alarm_of(far, far.steps().in_preop())
+    assert (alarm.id, alarm.values["axis"]) == (900743, "Z")
+    assert alarm.values["step"] == f"the reading of S-0-{missing:04}"
+    assert alarm.values["answer"] == str(SoeError(missing, 0x1001))
 
 
 # Real-time bits
