@@ -185,7 +185,7 @@ def test_what_an_axis_goes_after_its_run_is_counted_from_where_it_ended(
     """To either side, until the set value moves; before the end of the run it is none of it."""
     place = np.full(ROWS, STOP_MM + DEEP_MM)
     place[rows] += way_um * 1e-3
-    changes = {name: side * place for name in ("truth_mm", "actual_mm")}
+    changes = dict.fromkeys(("truth_mm", "actual_mm"), side * place)
     columns = {**changes, "velocity_mm_s": np.zeros(ROWS), "set_mm": side * MOVED["set_mm"]}
     observed = recorded(side, run=ended_at(301 * MS), columns=columns)
     found = seen(observed, "after_run_motion_um")

@@ -23,10 +23,11 @@ FREE: dict[str, Any] = {"begin_ns": 2 * MS, "start_ns": 3 * MS, "end_ns": 100 * 
 def run_of(axis: str, of_stop: dict[str, Any] | None = None, **changes: Any) -> MeasurementRun:
     """A run of one axis, which finds its stop."""
     (record,) = recorded({"Z": 0, "X": 7}).facts.runs
-    of_axes = {"criteria": {axis: Criteria()}, "axes": (axis,), "detected_by": axis}
+    of_axis = {"criteria": {axis: Criteria()}, "axes": (axis,), "detected_by": axis}
+    stop = replace(STOP, **{**of_axis, **(of_stop or {})})
     of_run = {
         "axes": (axis,), "inputs": {axis: 1}, "target_mm": {axis: 5.0},
-        "latched_mm": {axis: LATCHED_MM}, "fixed_stop": replace(STOP, **{**of_axes, **(of_stop or {})}),
+        "latched_mm": {axis: LATCHED_MM}, "fixed_stop": stop,
     }  # fmt: skip
     return replace(record, **{**of_run, **changes})
 

@@ -140,7 +140,7 @@ def test_an_image_is_with_the_plc_when_its_telegram_has_come(
 
 
 def test_a_level_between_two_looks_of_the_cnc_is_lost_unless_the_plc_holds_it() -> None:
-    """PLC each 250 us, CNC each ms: at 1.6 ms it takes the output of 1.5 ms, at 2.6 ms of 2.5 ms."""
+    """PLC each 250 us, CNC each ms: at 1.6 ms it takes what was written at 1.5 ms."""
     chain = Chain(Grid(50 * US), Grid(250 * US), Grid(MS, 600 * US))
     pulse = edges(1640 * US, 1900 * US)
     assert chain.seen(pulse) is None
