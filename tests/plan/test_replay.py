@@ -58,6 +58,63 @@ def test_a_recorded_case_comes_with_the_inputs_of_its_recording(
             replay.recorded_case(tmp_path, run)
 
 
+HEAD = "case,program,rig"
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "inputs"),
+    [
+        (",plc:V.E.A", ",1", {"plc:V.E.A": "7", "set:Z.edge": "NEG"}),
+        # The plan has got a column since, has lost one, or has one that was empty then
+        (",plc:V.E.A,plc:V.E.NEW", ",1,5", {"plc:V.E.A": "7", "set:Z.edge": "NEG"}),
+        ("", "", {"plc:V.E.A": "7", "set:Z.edge": "NEG"}),
+        (
+            ",plc:V.E.EMPTY,fault:drop",
+            ",5,Z.TPDO2 at=motion",
+            {"plc:V.E.A": "7", "set:Z.edge": "NEG"},
+        ),
+    ],
+)
+def test_a_run_is_replayed_with_the_inputs_it_had_and_no_other(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    columns: str,
+    cells: str,
+    inputs: dict[str, str],
+) -> None:
+    """Whatever is in the plan by now; what is no input of the row stays that of the plan."""
+    for name in ("part.nc", "r.toml"):
+        (tmp_path / name).touch()
+    (tmp_path / "p.csv").write_text(
+        f"{HEAD},title{columns}\na,part.nc,r.toml,now{cells}\n", encoding="utf-8"
+    )
+    then = stored_run(
+        "p-a",
+        **{"plc:V.E.A": "7", "set:Z.edge": "NEG", "plc:V.E.EMPTY": "", "title": "then",
+           "check:lag_mm_max:Z": "<= 1", "value:lag_mm_max:Z": "0.5", "info:serial": "3"},
+    )  # fmt: skip
+    listed = {"plans": [{"name": "p", "path": str(tmp_path / "p.csv")}]}
+    stored = SimpleNamespace(runs=[then], manifest=listed)
+    monkeypatch.setattr(replay, "read_results", lambda _: stored)
+    case, row = replay.recorded_case(tmp_path / "out", "p-a")
+    assert dict(case.inputs) == inputs
+    assert (case.title, row["title"]) == ("now", "then")
+
+
+@pytest.mark.parametrize("kind", ["set", "plant", "drive", "bus", "distance", "plc", "fault"])
+def test_each_kind_of_input_is_that_of_the_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    (tmp_path / "p.csv").touch()
+    listed = {"plans": [{"name": "p", "path": str(tmp_path / "p.csv")}]}
+    stored = SimpleNamespace(runs=[stored_run("p-a", **{f"{kind}:x": "7"})], manifest=listed)
+    monkeypatch.setattr(replay, "read_results", lambda _: stored)
+    plan = SimpleNamespace(cases=(case_of("a", inputs={f"{kind}:x": "1", f"{kind}:y": "2"}),))
+    monkeypatch.setattr(replay, "read_plan", lambda _: plan)
+    case, _ = replay.recorded_case(tmp_path / "out", "p-a")
+    assert dict(case.inputs) == {f"{kind}:x": "7"}
+
+
 def test_a_replay_is_the_same_by_its_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
 
