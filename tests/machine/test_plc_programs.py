@@ -93,6 +93,12 @@ def test_what_is_replaced_is_found_after_the_cycle(tmp_path: Path, use: str, wor
     ("head", "body", "kind"),
     [
         ("def", "return True", "bool"),
+        # What counts as false is something too
+        ("def", "return False", "bool"),
+        ("def", "return 0", "int"),
+        ("def", "return 0.0", "float"),
+        ("def", "return ''", "str"),
+        ("def", "return []", "list"),
         ("def", "yield", "generator"),
         ("async def", "pass", "coroutine"),
     ],
@@ -107,6 +113,85 @@ def test_a_cycle_that_gives_something_back_is_refused(
     with pytest.raises(UserError, match="gives something back") as caught:
         PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
     assert (caught.value.file, caught.value.line, caught.value.value) == (str(path), 2, kind)
+
+
+@pytest.mark.parametrize("end", ["pass", "return", "return None"])
+def test_a_cycle_that_gives_nothing_back_is_carried_out(tmp_path: Path, end: str) -> None:
+    path = tmp_path / "plc.py"
+    body = f"        hli.ve['A'] = inputs.cycle\n        {end}\n"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n{body}", "utf-8")
+    program, hli = PlcProgram(path), Hli(["Z"])
+    for cycle in (3, 4):
+        program.cycle(Inputs(cycle * MS, cycle, {}), hli)
+        assert (hli.ve, program.time_ns) == ({"A": cycle}, cycle * MS)
+
+
+@pytest.mark.parametrize("value", ["True", "False", "1", "0", "property(lambda self: self.is_on)"])
+@pytest.mark.parametrize("name", ["probe_on", "is_idle", "outlives_program"])
+def test_each_attribute_of_a_program_is_asked_by_itself(
+    tmp_path: Path, name: str, value: str
+) -> None:
+    """Without them the probe is on, the program idle, and the run ends with the NC program."""
+    path = tmp_path / "plc.py"
+    path.write_text(f"{HEAD}    is_on = True\n    {name} = {value}\n{IDLE}", "utf-8")
+    program = PlcProgram(path)
+    expected = {"probe_on": True, "is_idle": True, "outlives_program": False}
+    expected[name] = value not in ("False", "0")
+    found = {each: getattr(program, each) for each in expected}
+    assert found == expected
+    assert {type(each) for each in found.values()} == {bool}
+
+
+def test_an_attribute_may_change_from_cycle_to_cycle(tmp_path: Path) -> None:
+    path = tmp_path / "plc.py"
+    body = "        self.probe_on = inputs.cycle == 1\n        self.is_idle = inputs.cycle == 2\n"
+    path.write_text(f"{HEAD}    def cycle(self, inputs, hli):\n{body}", "utf-8")
+    program, hli, found = PlcProgram(path), Hli(["Z"]), []
+    for cycle in range(4):
+        program.cycle(Inputs(0, cycle, {}), hli)
+        found.append((program.probe_on, program.is_idle))
+    assert found == [(False, False), (True, False), (False, True), (False, False)]
+
+
+def test_an_attribute_that_fails_is_named_with_its_line(tmp_path: Path) -> None:
+    for name in ("probe_on", "is_idle", "outlives_program"):
+        path = tmp_path / f"{name}.py"
+        text = f"{HEAD}    @property\n    def {name}(self):\n        return 1 / 0\n\n{IDLE}"
+        path.write_text(text, "utf-8")
+        with pytest.raises(UserError, match="ZeroDivisionError") as caught:
+            getattr(PlcProgram(path), name)
+        assert (caught.value.file, caught.value.line) == (str(path), HEAD.count("\n") + 3)
+
+
+def test_a_file_may_have_other_classes_and_may_import_some(tmp_path: Path) -> None:
+    """The class with a cycle of its own counts; two of them are one too many."""
+    path = tmp_path / "plc.py"
+    (tmp_path / "two.py").write_text(f"class A:\n{IDLE}class B:\n{IDLE}", "utf-8")
+    path.write_text(
+        "from axisrig.bench.machine.plc.program import PlcProgram\n"
+        f"class Other:\n    cycle = 3\n\n{HEAD}{IDLE}", "utf-8"
+    )  # fmt: skip
+    PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    with pytest.raises(UserError, match="one class with a method cycle; found 'A, B'") as caught:
+        PlcProgram(tmp_path / "two.py")
+    assert caught.value.file == str(tmp_path / "two.py")
+
+
+def test_nothing_of_a_run_is_left_for_the_next(tmp_path: Path) -> None:
+    """What a program keeps in its class or its module is new in each run; so is an edited file."""
+    path, values = tmp_path / "plc.py", []
+    text = (
+        "count = []\n\n\nclass Program:\n    seen = []\n    def cycle(self, inputs, hli):\n"
+        "        count.append(1)\n        self.seen.append(1)\n"
+        "        hli.ve['A'] = STEP * (len(count) + len(self.seen))\n"
+    )
+    for step in ("1", "1", "10"):
+        path.write_text(text.replace("STEP", step), "utf-8")
+        program, hli = PlcProgram(path), Hli(["Z"])
+        for cycle in range(2):
+            program.cycle(Inputs(0, cycle, {}), hli)
+        values.append(hli.ve["A"])
+    assert values == [4, 4, 40]
 
 
 def test_a_program_may_look_whether_something_is_there(tmp_path: Path) -> None:

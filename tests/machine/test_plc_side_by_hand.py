@@ -261,6 +261,13 @@ def test_no_function_waits_for_a_reset_or_a_start() -> None:
         ({"program_start": "at=400ms"}, True),
         ({"feedhold": "at=M50 until=program_end"}, True),
         ({"feedhold": "at=M50 until=M51"}, False),
+        ({"feedhold": "at=M50 until=reset"}, True),
+        # One of several is enough, in whatever order
+        ({"V__E__A": "0; 1 at=M50", "V__E__B": "0; 1 at=program_end"}, True),
+        ({"V__E__B": "0; 1 at=program_end", "V__E__A": "0; 1 at=M50"}, True),
+        ({"V__E__A": "0; 1 at=M50; 2 at=reset; 3 at=M51"}, True),
+        ({"feedhold": "at=M50 for=5ms", "program_start": "at=M51"}, True),
+        ({"V__E__A": "0; 1 at=M50", "override": "20 at=M51"}, False),
     ],
 )
 def test_who_acts_behind_the_program_outlives_it(cells: dict[str, str], outlives: bool) -> None:
@@ -379,4 +386,6 @@ def test_without_rules_nobody_takes_part() -> None:
     on = Rules()
     assert (on.plc.is_idle(), on.side.writes_variables, on.side.not_come()) == (True, False, [])
     assert variable("M50").side.writes_variables
+    assert Rules(feedhold="at=M50 for=1ms", V__E__A="0; 1 at=M51").side.writes_variables
+    assert Rules(V__E__A="0; 1 at=M51", feedhold="at=M50 for=1ms").side.writes_variables
     assert not Rules(feedhold="at=M50 for=1ms").side.writes_variables

@@ -58,7 +58,7 @@ class Cnc:
         self.clock = new_scheduler()
         self.plc = PlcInterface(self.clock, ("X", "Z"))
         self.actuated, self.measuring, self.measured, self.beside = (set[str]() for _ in range(4))
-        self.links = [Link("X", 1.25, None), Link("Z", -2.5, 1 << 16)]
+        self.links = [Link("X", 1.25003, None), Link("Z", -2.49997, 1 << 16)]
         self.state = SimpleNamespace(name="RUNNING")
         self.timing = SimpleNamespace(period_ns=MS)
         self.sync_ns = 0
@@ -333,12 +333,12 @@ def test_only_variables_that_the_program_has_changed_are_written(tmp_path: Path)
 
 
 def test_each_axis_shows_its_own_state(tmp_path: Path) -> None:
-    """Positions in 0.1 um; a run of an axis beside the path is a measurement too."""
+    """Positions in the nearest 0.1 um; a run of an axis beside the path is a measurement too."""
     cnc = Cnc(tmp_path)
     cnc.actuated.add("Z")
     cnc.measured.add("X")
     cnc.beside.add("X")
-    cnc.plc.show_tool(30.5, 80.25)
+    cnc.plc.show_tool(30.49996, 80.25004)
     read: dict[str, Any] = {}
 
     def script(_inputs: Inputs, hli: Hli) -> None:
