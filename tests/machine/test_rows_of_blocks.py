@@ -201,6 +201,127 @@ def test_waits_for_the_next_cycle_are_one_row_for_their_block() -> None:
     ]
 
 
+@pytest.mark.parametrize("is_same_block", [False, True])
+def test_what_waits_behind_a_loop_ends_the_loop_and_is_due_from_then_on(
+    is_same_block: bool,
+) -> None:
+    """Two turns, then an exact stop that waits for 5 ms; it may be of the block of the loop."""
+    log, loop = Log(), block(1)
+    for _ in range(2):
+        log.carry_out(canon.Wait(loop, for_cycle=True))
+    stop = canon.ExactStop(loop if is_same_block else block(2))
+    log.log.waits(stop)
+    log.go(5)
+    log.log.begins(stop)
+    log.go(3)
+    log.log.ends(DONE)
+    assert log.rows() == [
+        ("wait for machine", 0.0, 0.0, 2.0, "done"),
+        ("exact stop", 2.0, 7.0, 10.0, "done"),
+    ]
+
+
+@pytest.mark.parametrize("second", [1, 2])
+def test_a_loop_that_waits_before_its_turns_is_due_when_it_begins_to_wait(second: int) -> None:
+    """Each turn waits for 2 ms and takes 1 ms; another loop behind it is another row."""
+    log = Log()
+    blocks = {line: block(line) for line in (1, 2)}
+    for line in (1, 1, second):
+        turn = canon.Wait(blocks[line], for_cycle=True)
+        log.log.waits(turn)
+        log.go(2)
+        log.log.begins(turn)
+        log.go(1)
+        log.log.ends(DONE)
+    spans = [(0.0, 2.0, 9.0)] if second == 1 else [(0.0, 2.0, 6.0), (6.0, 8.0, 9.0)]
+    assert [row[1:4] for row in log.rows()] == spans
+
+
+def test_what_waits_behind_a_loop_when_the_program_ends_has_not_begun() -> None:
+    """By a reset, by an alarm, or as the recording ends."""
+    for how in (RESET, STOPPED, None):
+        log = Log()
+        log.carry_out(canon.Wait(block(1), for_cycle=True))
+        log.log.waits(canon.ExactStop(block(2)))
+        log.go(4)
+        if how is not None:
+            log.log.ends(how)
+            log.go(6)  # what comes later is none of it
+        assert log.rows() == [
+            ("wait for machine", 0.0, 0.0, 1.0, "done"),
+            ("exact stop", 1.0, 5.0, 5.0, "not begun"),
+        ]
+
+
+@pytest.mark.parametrize(("how", "state"), [(STOPPED, "stopped"), (RESET, "reset")])
+def test_a_loop_that_is_broken_off_ends_then(how: BlockEnd, state: str) -> None:
+    log, loop = Log(), block(1)
+    for each in (DONE, how):
+        log.carry_out(canon.Wait(loop, for_cycle=True), how=each)
+    log.go(3)
+    log.carry_out(canon.Dwell(block(2), MS))
+    assert log.rows() == [
+        ("wait for machine", 0.0, 0.0, 2.0, state),
+        ("dwell", 5.0, 5.0, 6.0, "done"),
+    ]
+
+
+def test_a_loop_under_way_lasts_until_the_recording_ends() -> None:
+    log = Log()
+    log.carry_out(canon.Wait(block(1), for_cycle=True))
+    log.go(6)
+    found = [("wait for machine", 0.0, 0.0, 7.0, "under way")]
+    assert log.rows() == found
+    assert log.rows() == found  # asked again
+
+
+def test_a_command_that_waits_twice_is_due_from_the_first_time_on() -> None:
+    log = Log()
+    dwell = canon.Dwell(block(1), MS)
+    for _ in range(3):
+        log.log.waits(dwell)
+        log.go(2)
+    log.log.begins(dwell)
+    log.go(1)
+    log.log.ends(DONE)
+    assert [row[1:4] for row in log.rows()] == [(0.0, 6.0, 7.0)]
+
+
+WORDS = {  # docs/recording.md, Blocks
+    canon.Homing: "homing", canon.DistanceCommand: "distance control", canon.Dwell: "dwell",
+    canon.ExactStop: "exact stop", canon.ProgramStop: "programmed stop",
+    canon.TechnologyFunction: "function", canon.WaitIndependent: "wait for axes",
+    canon.Wait: "wait for machine", canon.DriveWrite: "drive value",
+    canon.DriveRead: "drive value", canon.DriveWait: "drive value",
+    canon.AxisLinkOn: "axes of the channel", canon.AxisLinkOff: "axes of the channel",
+    canon.AxisExchange: "axes of the channel", canon.AdoptActual: "axes of the channel",
+    canon.SlopeChoice: "dynamics", canon.DynamicWeights: "dynamics",
+    canon.KinematicChoice: "kinematic", canon.ProbeSettings: "probe settings",
+    canon.DefaultProbes: "probe settings", canon.PrepareProbe: "probe settings",
+    canon.ExternalWrite: "PLC variable", canon.Message: "message", canon.Warn: "warning",
+    canon.EndOfProgram: "end of program", canon.ArcMove: "arc",
+}  # fmt: skip
+
+
+def test_a_row_is_of_the_kind_that_the_page_names() -> None:
+    """In the order in which they come, each kind once; a row has no way unless it moves."""
+    log = Log()
+    for command in WORDS:
+        made = command.__new__(command)
+        object.__setattr__(made, "block", block(1))
+        if command is canon.Wait:
+            object.__setattr__(made, "for_cycle", False)
+        if command is not canon.ArcMove:
+            log.carry_out(made)
+    log.carry_out(canon.ArcMove(block(1), {"X": 0.0}, {}, {}, math.pi, 300.0))
+    trace = log.trace()
+    rows = trace.rows()
+    assert [trace.kinds[kind] for kind in rows.kind] == [*WORDS.values()]
+    assert trace.kinds == tuple(dict.fromkeys(WORDS.values()))
+    assert [number for number, way in enumerate(rows.path_mm) if not math.isnan(way)] == [25]
+    assert [number for number, feed in enumerate(rows.feed_mm_min) if feed == 300.0] == [25]
+
+
 def test_a_wait_of_the_decoder_is_a_row_when_it_takes_time_or_is_cut_off() -> None:
     log = Log()
     log.carry_out(canon.Wait(block(1)), 0.0)
