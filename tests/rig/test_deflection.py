@@ -1,20 +1,20 @@
 """How far a probe gives way: followed from each contact, beyond the stroke told, broken once."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from axisrig.bench.machine.deflection import DeflectionLog
+from axisrig.bench.machine.deflection import DeflectionLog, check_strokes
 from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.rig.reading.file import PlantTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.block import Block
-from axisrig.kernel.nc.canon import LinearMove
+from axisrig.kernel.nc.canon import ArcMove, Dwell, LinearMove, MeasuringRun
 from axisrig.kernel.time.clock import MS
 
 Write = Callable[..., Path]
@@ -22,15 +22,27 @@ Read = Callable[..., Settings]
 STROKE_MM = 0.3
 
 
-def _axes(is_wired: bool) -> dict[str, Any]:
-    probe = "tip" if is_wired else None
-    return {name: SimpleNamespace(plant=name.lower(), probe_1=probe, probe_2=None) for name in "XZ"}
+Wiring = Mapping[str, tuple[str | None, str | None]]
+WIRED: Wiring = {"X": ("tip", None), "Z": ("tip", None)}
+
+
+def _axes(wiring: Wiring) -> dict[str, Any]:
+    """Axes with what is at their inputs 1 and 2."""
+    found = {}
+    for name in "XZ":
+        first, second = wiring.get(name, (None, None))
+        found[name] = SimpleNamespace(plant=name.lower(), probe_1=first, probe_2=second)
+    return found
+
+
+def _task(inputs: Mapping[int, str]) -> Any:
+    return SimpleNamespace(terminal=SimpleNamespace(inputs=inputs))
 
 
 class Bench:
     """Axes x and z with a probe, moved by hand in cycles of 1 ms; positions in mm."""
 
-    def __init__(self, is_wired: bool = True, **keys: Any) -> None:
+    def __init__(self, wiring: Wiring = WIRED, task: Any = None, **keys: Any) -> None:
         self.axes = [
             SimpleNamespace(motion=[0.0, 0.0], slave=SimpleNamespace(name=name)) for name in "xz"
         ]
@@ -39,7 +51,7 @@ class Bench:
         self.plant: Any = SimpleNamespace(probes={"tip": self.probe}, now_ns=0)
         tables = {"tip": PlantTable(fmu="own.fmu", **keys)}
         settings: Any = SimpleNamespace(
-            rig=SimpleNamespace(plant=tables, axis=_axes(is_wired), plc_task=None)
+            rig=SimpleNamespace(plant=tables, axis=_axes(wiring), plc_task=task)
         )
         self.settings = settings
         self.log = DeflectionLog(settings, self.plant, MS)
@@ -116,11 +128,20 @@ def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:
 
 
 def test_the_stroke_itself_is_borne() -> None:
-    bench = Bench(stroke_mm=STROKE_MM)
+    bench = Bench(stroke_mm=0.5, breaks=True)
     bench.approach()
-    bench.cycle(0.0, -STROKE_MM + 1e-9, contact_mm=(0.0, 0.0))
-    assert bench.ways_mm == pytest.approx([STROKE_MM])
+    bench.cycle(0.0, -0.5, contact_mm=(0.0, 0.0))
+    assert bench.ways_mm == [0.5]
     assert [words for _, words in bench.log.of("tip")] == [""]
+    assert bench.alarms == []
+
+
+def test_the_direction_is_that_in_which_the_axes_came() -> None:
+    """Down along z, and sidewards within the cycle of the contact: 0.1 mm down."""
+    bench = Bench()
+    bench.approach()
+    bench.cycle(0.3, -0.1, contact_mm=(0.0, 0.0))
+    assert bench.ways_mm == pytest.approx([0.1])
 
 
 def _driven(bench: Bench) -> list[str]:
@@ -143,12 +164,131 @@ def test_the_block_of_an_axis_beside_the_path_is_the_one_that_is_noted() -> None
     assert "block N50" in _driven(bench)[0]
 
 
+def test_a_probe_at_either_input_of_a_drive_is_one_that_measures() -> None:
+    """At input 1 or 2, of the first axis or of the last, and with another probe at the other."""
+    for wiring in (
+        {"X": ("tip", None)}, {"X": (None, "tip")}, {"Z": ("tip", None)}, {"Z": (None, "tip")},
+        {"X": ("tip", "other")}, {"X": ("other", "tip")},
+        {"X": ("other", None), "Z": (None, "tip")},
+    ):  # fmt: skip
+        assert _driven(Bench(wiring=wiring)) != [""], wiring
+    for wiring in ({}, {"X": ("other", None)}, {"X": (None, "other"), "Z": ("other", "other")}):
+        assert _driven(Bench(wiring=wiring)) == [""], wiring
+
+
+@pytest.mark.parametrize(
+    ("inputs", "is_noted"),
+    [({1: "tip"}, True), ({1: "other", 2: "tip"}, True), ({1: "other"}, False), ({}, False)],
+)
+def test_a_probe_at_an_input_of_the_plc_measures_too(
+    inputs: dict[int, str], is_noted: bool
+) -> None:
+    bench = Bench(wiring={"X": (None, "other")}, task=_task(inputs))
+    assert (_driven(bench) != [""]) is is_noted
+    assert _driven(Bench(task=_task(inputs))) != [""]  # that at a drive still does
+
+
+def test_a_task_without_inputs_reads_no_probe() -> None:
+    assert _driven(Bench(wiring={}, task=SimpleNamespace(terminal=None))) == [""]
+    assert _driven(Bench(task=SimpleNamespace(terminal=None))) != [""]
+
+
+@pytest.mark.parametrize(
+    ("to", "axis"),
+    [((0.3, -0.4), "Z"), ((0.4, -0.3), "X"), ((-0.4, -0.3), "X"), ((-0.3, 0.4), "Z")],
+)
+def test_the_axis_that_leads_the_probe_farthest_is_named(
+    to: tuple[float, float], axis: str
+) -> None:
+    """By the way, in whatever direction: 0.3 and 0.4 are 0.5 mm."""
+    bench = Bench()
+    bench.cycle(0.0, 0.0)
+    bench.cycle(*to, contact_mm=(0.0, 0.0))
+    ((_, words),) = bench.log.of("tip")
+    assert words.startswith(f"tip: driven 0.5000 mm past its contact by axis {axis} in line 7,")
+
+
+def test_an_axis_of_the_plant_that_no_rig_axis_moves_has_its_own_name() -> None:
+    bench = Bench(wiring={"X": ("tip", None)})
+    del bench.settings.rig.axis["Z"]
+    bench.log = DeflectionLog(bench.settings, bench.plant, MS)
+    assert "by axis z in line 7" in _driven(bench)[0]
+
+
+def test_a_probe_that_any_of_its_axes_measures_with_is_not_driven() -> None:
+    """X measures while Z moves."""
+    for measuring in ("X", "Z", "XZ"):
+        bench = Bench()
+        bench.measuring.update(measuring)
+        assert _driven(bench) == [""]
+
+
+def test_arcs_and_straight_blocks_drive_a_probe_and_nothing_else_does() -> None:
+    block = Block(7, 30, "N30")
+    arc = ArcMove(block, {"Z": -1.0}, {}, {}, 1.0, 600.0)
+    for begun, is_noted in (
+        (arc, True), (LinearMove(block, {"Z": -1.0}, True, None), True),
+        (Dwell(block, MS), False),
+        (MeasuringRun(block, {"Z": 0.0}, ("Z",), ("Z",), 600.0, 1), False),
+    ):  # fmt: skip
+        bench = Bench()
+        bench.begun = begun
+        assert (_driven(bench) != [""]) is is_noted
+
+
+def test_an_axis_beside_the_path_comes_before_the_block_of_the_path() -> None:
+    """Also one that is not the first axis of the probe."""
+    for axis in "XZ":
+        bench = Bench()
+        bench.beside[axis] = Block(9, 50, "[INDP_ASYN ..]")
+        assert "in line 9, block N50" in _driven(bench)[0]
+
+
+def test_a_way_is_uncertain_by_half_of_what_a_cycle_goes() -> None:
+    """Down by 0.3 and 0.4 mm in a cycle: 0.25 mm; a slower cycle later on changes nothing less."""
+    bench = Bench()
+    bench.cycle(0.0, 0.0)
+    bench.cycle(0.3, -0.4, contact_mm=(0.0, 0.0))
+    ((found, _),) = bench.log.of("tip")
+    assert (found.mm, found.doubt_mm) == pytest.approx((0.5, 0.25))
+    bench.cycle(0.15, -0.2)  # on the way back
+    assert (found.mm, found.doubt_mm) == pytest.approx((0.5, 0.25))
+    bench.cycle(0.33, -0.44)
+    assert (found.mm, found.doubt_mm) == pytest.approx((0.55, 0.15))
+
+
+def test_each_contact_beyond_the_stroke_has_its_first_cycle() -> None:
+    bench = Bench(stroke_mm=STROKE_MM)
+    bench.approach()
+    bench.cycle(0.0, -0.2, contact_mm=(0.0, 0.0))
+    bench.cycle(0.0, -0.4)
+    bench.cycle(0.0, -0.6)
+    bench.cycle(0.0, 0.2)
+    bench.cycle(0.0, 0.1)
+    bench.cycle(0.0, -0.5, contact_mm=(0.0, 0.0))
+    found = [each for each, _ in bench.log.of("tip")]
+    assert [each.beyond_ns for each in found] == [4 * MS, 8 * MS]
+    assert [each.mm for each in found] == pytest.approx([0.6, 0.5])
+    assert [each.block for each in found] == [bench.begun.block] * 2
+    assert bench.alarms == []
+
+
+def test_a_sensor_that_reports_no_contact_is_not_followed() -> None:
+    bench = Bench()
+    roles = SimpleNamespace(has_group=lambda _group: False)
+    bench.plant.probes["other"] = SimpleNamespace(sources=[], contacts=[], roles=roles)
+    bench.log = DeflectionLog(bench.settings, bench.plant, MS)
+    assert _driven(bench) != [""]
+    with pytest.raises(KeyError):
+        bench.log.of("other")
+
+
 def test_a_run_a_switch_a_known_stroke_and_a_workpiece_that_comes_are_not_noted() -> None:
     runs = Bench()
     runs.measuring.add("Z")
     homing = Bench()
     homing.begun = None
-    for bench in (runs, homing, Bench(is_wired=False), Bench(stroke_mm=20.0)):
+    for bench in (runs, homing, Bench(wiring={}), Bench(stroke_mm=20.0)):
         assert _driven(bench) == [""]
     still = Bench()
     still.cycle(0.0, 0.0)
@@ -164,9 +304,13 @@ def test_a_probe_breaks_once() -> None:
     bench.cycle(0.0, -0.31, contact_mm=(0.0, 0.0))
     bench.cycle(0.0, -0.5)
     bench.cycle(0.0, 0.5)
-    bench.cycle(0.0, -0.5, contact_mm=(0.0, 0.0))
+    bench.cycle(0.0, 0.1)
+    bench.cycle(0.0, -0.4, contact_mm=(0.0, 0.0))
     assert [alarm.id for alarm in bench.alarms] == [900072]
-    assert "it is broken" in bench.log.of("tip")[0][1]
+    assert [words for _, words in bench.log.of("tip")] == [
+        "tip: deflected by 0.5000 mm, more than its stroke of 0.3 mm; it is broken",
+        "tip: deflected by 0.4000 mm, more than its stroke of 0.3 mm; it is broken",
+    ]
 
 
 def test_a_contact_at_rest_counts_every_way() -> None:
@@ -191,3 +335,30 @@ def test_a_stroke_that_nothing_can_watch_is_refused(
     with pytest.raises(UserError, match=why) as caught:
         check_plant(settings_of(path))
     assert path.read_text().splitlines()[(caught.value.line or 0) - 1] == keys
+
+
+@pytest.mark.parametrize(
+    ("keys", "key", "has_contacts", "why"),
+    [
+        ("stroke_mm = 1", "stroke_mm", False, "plant probe: its FMU has no output contact_count"),
+        ("breaks = true", "breaks", False, "plant probe: its FMU has no output contact_count"),
+        ("breaks = true", "breaks", True, "plant probe: a probe that breaks has a stroke"),
+        ("stroke_mm = 1\nbreaks = true", "stroke_mm", False, "plant probe: its FMU has no output"),
+        ("stroke_mm = 1\nbreaks = true", "", True, ""),
+        ("stroke_mm = 1", "", True, ""),
+        ("breaks = false", "", False, ""),
+    ],
+)
+def test_what_a_stroke_needs_is_named_at_its_key(
+    rig_file: Write, settings_of: Read, keys: str, key: str, has_contacts: bool, why: str
+) -> None:
+    path = rig_file(("[plant.probe]\n", f"[plant.probe]\n{keys}\n"))
+    settings = settings_of(path)
+    probe: Any = SimpleNamespace(roles=SimpleNamespace(has_group=lambda _group: has_contacts))
+    if not why:
+        check_strokes(settings, {"probe": probe})
+        return
+    with pytest.raises(UserError, match=why) as caught:
+        check_strokes(settings, {"probe": probe})
+    assert path.read_text().splitlines()[(caught.value.line or 0) - 1].startswith(f"{key} = ")
+    assert caught.value.file == str(path)
