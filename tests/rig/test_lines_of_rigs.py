@@ -81,6 +81,51 @@ def test_a_frame_that_is_back_after_its_nc_cycle_is_refused(wire_ns: int, fits: 
     FAMILY.check(settings_of(f"bus:ec1.wire_ns={wire_ns}", "bus:ec1.overload=run"))
 
 
+LONG = """
+mdt = ["S-0-0047", "S-0-0036", "S-0-0080", "S-0-0092"]
+at = ["S-0-0040", "S-0-0051", "S-0-0053", "S-0-0084", "S-0-0130", "S-0-0131", "S-0-0132",
+      "S-0-0133", "S-0-0179", "S-0-0189", "S-0-0390"]
+"""
+AXIS = """
+[axis.X{0}]
+list = "x.lst"
+segment = "ec1"
+drive = "servo"
+plant = "x{0}"
+[plant.x{0}]
+fmu = "AxisRig.Drives.ServoAxis"
+"""
+
+
+@pytest.mark.parametrize("overload", ["refuse", "run"])
+@pytest.mark.parametrize(("axes", "fits"), [(25, True), (26, False)])
+def test_an_image_that_is_longer_than_a_frame_is_refused_whatever_becomes_of_an_overload(
+    tmp_path: Path, axes: int, fits: bool, overload: str
+) -> None:
+    """SERCOS: MDT 2 + 12, AT 2 + 40 and the mailbox 1 are 57 bytes for each axis. 25 make a frame
+    of 16 + 2 * 16 + 12 + 1425 + 14 = 1499 of 1514 bytes (IEEE 802.3), one more 1556."""
+    (tmp_path / "x.lst").write_text("getriebe[0].window 100\n", encoding="utf-8")
+    more = "".join(AXIS.format(number) for number in range(1, axes))
+    path = tmp_path / "rig.toml"
+    path.write_text(
+        f'base = "{(RIGS / "probe-z-sercos.toml").as_posix()}"\n[drive.servo]{LONG}{more}'
+        f'[segment.ec1]\noverload = "{overload}"\n',
+        encoding="utf-8",
+    )
+    settings = read_settings(*read_rig(path), [])
+    if fits:
+        FAMILY.check(settings)
+        return
+    with pytest.raises(UserError) as caught:
+        FAMILY.check(settings)
+    message = caught.value.message
+    assert message.startswith("the process image does not fit into one frame on segment ec1:\n")
+    assert f"process image of {axes} (LRW)" in message
+    assert "frame 1556 bytes, at least 60, of 1514" in message
+    assert caught.value.hint == "use another segment for some of its axes"
+    assert caught.value.line == 1 + path.read_text().splitlines().index("[segment.ec1]")
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
