@@ -1,6 +1,7 @@
 """The drives of a rig on a bus of python-can in this process: what a master outside finds."""
 
 import csv
+import json
 import time
 from contextlib import nullcontext
 from pathlib import Path
@@ -57,6 +58,42 @@ def test_a_master_starts_the_drive_and_every_sync_is_in_the_trace(tmp_path: Path
     assert (tmp_path / "bus.blf").stat().st_size > 0
     with (tmp_path / "events.csv").open(encoding="utf-8") as file:
         assert "NMT" in {row["kind"] for row in csv.DictReader(file)}
+
+
+SAVE_ALL = bytes.fromhex("23101001") + b"save"
+
+
+def life(channel: str, path: Path | None, *requests: bytes) -> tuple[list[str], list[str]]:
+    """Return the answers of node 3 to SDO requests, and what is reported, in one life of a rig."""
+    on_bus = outside(interface="virtual", channel=channel)
+    settings = drive_settings(RIGS / "probe-z.toml", on_bus, [], [])
+    lines: list[str] = []
+    with (
+        can.Bus(channel, interface="virtual") as master,
+        DriveServer(settings, REAL, lines.append, store=path) as server,
+    ):
+        for data in requests:
+            master.send(can.Message(arbitration_id=0x603, data=data, is_extended_id=False))
+            server.run(10 * MS)
+        heard = list(iter(lambda: master.recv(0.0), None))
+    answers = [bytes(each.data).hex() for each in heard if each.arbitration_id == 0x583]
+    return answers, [line for line in lines if "parameters written" in line]
+
+
+def test_what_a_master_stores_is_in_a_new_file_and_in_the_next_life(tmp_path: Path) -> None:
+    """1017 becomes 500 ms and is stored by 1010:1 (CiA 301); by itself a write is forgotten."""
+    read, write = bytes.fromhex("4017100000000000"), bytes.fromhex("2b171000f4010000")
+    path = tmp_path / "of" / "drives.json"
+    path.parent.mkdir()
+    first, changed = "4b17100000000000", "4b171000f4010000"
+    assert life("store-a", path, read, write, read) == ([first, "6017100000000000", changed], [])
+    assert not path.exists()
+    answers, written = life("store-b", path, read, write, SAVE_ALL)
+    assert answers == [first, "6017100000000000", "6010100100000000"]
+    assert len(written) == 1
+    assert json.loads(path.read_text()) == {"Z": {"1017:00": 500}}
+    assert life("store-c", path, read) == ([changed], [])
+    assert life("store-d", None, read) == ([first], [])
 
 
 def test_without_a_folder_nothing_is_written(
