@@ -1,5 +1,7 @@
 """Parts of `axisrig drive` on EtherCAT: its slaves, who answers when, and what is summed up."""
 
+import itertools
+import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -7,6 +9,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.ethercat.segment import Passage
+from axisrig.bench.bus.paced import RealTime
+from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.tools.virtual_drive import ethercat
 from axisrig.bench.tools.virtual_drive.ethercat import LineServer, Wanted, line_settings, whose_esi
 from axisrig.kernel.errors import UserError
@@ -172,3 +176,43 @@ def test_a_line_is_refused_before_an_interface_is_opened(
     nothing: Any = SimpleNamespace(real_time=SimpleNamespace(monotonic_ns=None))
     with pytest.raises(UserError, match=message):
         LineServer(settings, wanted, nothing, [].append)
+
+
+@pytest.mark.interpreted
+def test_what_a_master_stores_in_a_line_is_in_a_new_file_and_in_the_next_life(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without --store there is no file, and the drive has its defaults again."""
+    times = itertools.count(0, 10 * US)  # real time goes on whenever it is asked for
+    port = SimpleNamespace(
+        is_waiting=False, receive=lambda _: None, close=lambda: None, latencies_ns=[], frames=0,
+        latest_ns=0,
+    )  # fmt: skip
+    monkeypatch.setattr(ethercat, "RawPort", lambda *_, **__: port)
+    idle = dict.fromkeys(("collect", "freeze", "disable", "enable", "unfreeze"), lambda: None)
+    monkeypatch.setattr(ethercat, "gc", SimpleNamespace(**idle))
+    path, settings = tmp_path / "drives.json", line_settings(RIGS / "probe-z-ethercat.toml", [], [])
+
+    def life(store: Path | None, stored: dict[tuple[int, int], int] | None) -> Any:
+        lines: list[str] = []
+        wanted, real = (
+            Wanted("eth7", store=store, for_s=0.004),
+            RealTime(lambda: next(times), lambda _: None),
+        )
+        with LineServer(settings, wanted, Hardware(real), lines.append) as server:
+            memory = server.drives["Z"].storage
+            found = dict(memory.stored)
+            if stored is not None:
+                memory.load(stored)
+            server.run()
+        return found, sum("parameters written" in line for line in lines)
+
+    value = {(0x6065, 0): 2500}
+    assert life(None, value) == ({}, 0)
+    assert list(tmp_path.iterdir()) == []
+    assert life(path, None) == ({}, 0)
+    assert list(tmp_path.iterdir()) == []
+    assert life(path, value) == ({}, 1)
+    assert json.loads(path.read_text()) == {"Z": {"6065:00": 2500}}
+    assert life(path, None) == (value, 0)
+    assert life(None, None) == ({}, 0)
