@@ -8,7 +8,7 @@ import can
 import pytest
 
 from axisrig.bench.bus.can.faults import FrameFault
-from axisrig.bench.bus.can.frame import data_frame, frame_bits
+from axisrig.bench.bus.can.frame import Frame, data_frame, frame_bits
 from axisrig.bench.bus.can.frame_hash import FrameHash
 from axisrig.bench.bus.can.hardware import interface_names, open_bus, parse_options
 from axisrig.bench.bus.can.real_segment import SEND_ERRORS_MAX
@@ -66,6 +66,32 @@ def test_remote_extended_and_error_frames_come_in_as_what_they_are(make_bench: A
     assert [item[:3] for item in seen[:2]] == [(0x703, False, True), (0x1ABCDEF0, True, False)]
     assert [item[4] for item in seen] == [False, False, True]
     assert bench.segment.load().error_frames == 1
+
+
+@pytest.mark.parametrize("dlc", [0, 1, 8])
+def test_a_remote_frame_keeps_its_length_and_an_error_frame_carries_nothing(
+    make_bench: Any, dlc: int
+) -> None:
+    """Data of an error are words of its adapter, and differ from one to the next."""
+    bench = make_bench()
+    recorded: list[tuple[Frame, bool]] = []
+    bench.segment.observe(lambda _t, _n, frame, is_error: recorded.append((frame, is_error)))
+    remote = {"arbitration_id": 0x703, "is_remote_frame": True, "dlc": dlc}
+    error = {"arbitration_id": 0x20, "is_error_frame": True, "dlc": dlc, "data": b"\7" * dlc}
+    heard: list[int] = []
+    bench.segment.port("cnc").attach_data(lambda can_id, _data, _time: heard.append(can_id))
+    for at_ms, given in enumerate((remote, error, {**error, "is_remote_frame": True}), 1):
+        sent = can.Message(**{"is_extended_id": False, **given})
+        if sent.is_error_frame:
+            sent.data = bytearray(b"\7" * dlc)
+        bench.adapter.coming.append((bench.wall.now_ns + at_ms * MS, sent))
+    bench.scheduler.run_until(5 * MS)
+    nothing = Frame(0x20, b"", False, False, 0)
+    assert recorded == [
+        (Frame(0x703, b"", False, True, dlc), False), (nothing, True), (nothing, True),
+    ]  # fmt: skip
+    assert bench.segment.load().error_frames == 2
+    assert heard == []
 
 
 def test_the_hash_is_that_of_the_documented_bytes(make_bench: Any, make_frame: Any) -> None:
