@@ -36,11 +36,16 @@ LAG, LIMIT, NO_OUTPUTS, NO_SYNC, SHORT = 0x8611, 0x8612, 0x8130, 0x8700, 0x2310
 
 
 class Hand:
-    """A drive whose telegrams are written by hand, each millisecond; edges_ns: of its probe 1."""
+    """A drive whose telegrams are written by hand, each millisecond.
 
-    def __init__(self, edges_ns: tuple[int, ...] = (), profile: str = "one_probe") -> None:
+    edges_ns: of its probe 1. place_m: where its axis is.
+    """
+
+    def __init__(
+        self, edges_ns: tuple[int, ...] = (), profile: str = "one_probe", place_m: float = 0.0
+    ) -> None:
         self.clock = new_scheduler()
-        axis = FakeAxis()
+        axis = FakeAxis(place_m)
         self.drive = SercosDrive(
             "Z", self.clock, axis, (FakeSignal(axis, edges_ns), None),
             make_profile(profile, DriveProfile(), "rotary", 1 << 20),
