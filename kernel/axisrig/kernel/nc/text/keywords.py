@@ -84,7 +84,7 @@ def _entry(form: Form, entry: nodes.Entry, following: Iterator[nodes.Entry]) -> 
     if entry.keyword is not None:
         row = _row(form, entry.keyword)
         if row is None:
-            raise _unknown_keyword(form, entry.keyword, entry.offset)
+            raise _unknown_keyword(form, entry.keyword, entry.offset, has_value=True)
         if row.kind == "flag":
             raise form.wrong(f"{entry.keyword} takes no value", entry.offset, value=entry.keyword)
         _option(form, row, entry.keyword, entry.value, entry.offset)
@@ -260,7 +260,7 @@ def group(form: Form, bracket: nodes.Bracket) -> Group:
     return Group(tuple(arguments), tuple(options))
 
 
-def _unknown_keyword(form: Form, word: str, offset: int) -> UserError:
+def _unknown_keyword(form: Form, word: str, offset: int, *, has_value: bool = False) -> UserError:
     """Make the error of a word that is not in the command; it may be half of a name with `_`."""
     known = [keyword for keyword in form.table if keyword]
     if not known and form.own.kind in _KINDS:
@@ -271,14 +271,22 @@ def _unknown_keyword(form: Form, word: str, offset: int) -> UserError:
             allowed="10, P1, V.P.NAME" if form.own.kind == "expression" else form.shape(),
             hint="0 meant?" if word.upper() == "O" else None,
         )
-    hint = None
-    if form.options and isinstance(form.options[-1][1], Name):
-        hint = f"names have no blanks: {form.options[-1][1].value}_{word}?"
-    elif close := nearest(word.upper(), known):
+    hint, close = None, nearest(word.upper(), known)
+    if not (has_value and close) and (name := _name_before(form)) is not None:
+        hint = f"names have no blanks: {name}_{word}?"
+    elif close:
         hint = f"nearest: {', '.join(close)}"
     return form.wrong(
         f"unknown keyword of {form.shown}", offset, value=word, allowed=known, hint=hint
     )
+
+
+def _name_before(form: Form) -> str | None:
+    """Give the name that stands before the word at hand; an axis goes on with no word."""
+    keyword, value = form.options[-1] if form.options else ("", None)
+    row = _row(form, keyword)
+    is_axis = row is not None and row.kind == "axis"
+    return value.value if isinstance(value, Name) and not is_axis else None
 
 
 def _check_number(form: Form) -> None:

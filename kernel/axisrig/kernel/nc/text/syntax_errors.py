@@ -11,6 +11,7 @@ from axisrig.kernel.nc.text.source import Source
 from axisrig.kernel.nc.text.typos import meant_at
 from axisrig.kernel.nc.text.words import words
 
+_SKIP = re.compile(r"[ \t]*(?:/[0-9]*[ \t]*)?")
 _OPENING = re.compile(r"(?:/[0-9]*[ \t]*)?(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<word>\$[ \t]*[A-Za-z]*)")
 
 # What the terminals of the grammar are called in messages, in the order in which they are listed.
@@ -58,6 +59,8 @@ def syntax_error(
         return special
     if in_words:
         expected -= {"OPEN", "VARIABLE", "NUMBER"}
+    if _SKIP.fullmatch(source.code, begin, offset):
+        expected.discard("COLON")  # only a block number makes a label of it
     names = [name for terminal, name in _TERMINAL_NAMES.items() if terminal in expected]
     return source.error(
         "this does not belong here" if found else "the block is not complete",

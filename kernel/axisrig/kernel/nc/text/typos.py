@@ -28,7 +28,9 @@ def meant_at(source: Source, begin: int, end: int, offset: int) -> str | None:
         return "a variable gets its type between #VAR and #ENDVAR"
     left, right = _WORD_BEFORE.search(code[begin:offset]), _WORD.match(code, offset)
     word = (left.group() if left else "") + (right.group() if right else "")
-    if f"${word.upper()}" in words("control"):
+    begins = offset - len(left.group() if left else "")
+    is_marked = code[begin:begins].rstrip().endswith("$")
+    if not is_marked and f"${word.upper()}" in words("control"):
         return f"${word.upper()} meant?"
     if _LETTER_O.fullmatch(word):
         return f"{word[0] + word[1:].upper().replace('O', '0')} meant? It has a letter O"
