@@ -21,15 +21,18 @@ N30 G1 Z129.5 F600
 N40 M0
 N50 M30
 """
+LOOP = "%loop\nN10 $WHILE 1\nN20 G4 0.001\nN30 $ENDWHILE\nN40 M30\n"
 CHANGES = ("fault:drop=Z.TPDO2 at=motion count=2", "plc:V.E.A=0; 3 at=motion+1ms",
            "plc:start_ms=5", "set:Z.antr.nbr_delay_cycles=3")  # fmt: skip
 
 
-def machine_of(folder: Path, *changes: str, text: str = PROGRAM) -> Machine:
+def machine_of(
+    folder: Path, *changes: str, text: str = PROGRAM, limit_ns: int | None = None
+) -> Machine:
     program = folder / "whole.nc"
     program.write_text(text, encoding="utf-8")
     settings = settings_of("drive-functions.toml", *changes)
-    return Machine(settings, read_program(program, ("Z",)))
+    return Machine(settings, read_program(program, ("Z",)), limit_ns=limit_ns)
 
 
 class Run(NamedTuple):
@@ -131,8 +134,7 @@ def test_after_a_failure_of_a_plant_no_fmu_is_asked(run: Run) -> None:
 @pytest.mark.parametrize(("limit_s", "text"), [("0.02", "0.02 s"), ("0.5", "0.5 s")])
 def test_a_program_that_does_not_end_is_given_up(tmp_path: Path, limit_s: str, text: str) -> None:
     """The limit counts simulated time from 0 on; the loop is named."""
-    loop = "%loop\nN10 $WHILE 1\nN20 G4 0.001\nN30 $ENDWHILE\nN40 M30\n"
-    machine = machine_of(tmp_path, f"plc:limit_s={limit_s}", text=loop)
+    machine = machine_of(tmp_path, f"plc:limit_s={limit_s}", text=LOOP)
     try:
         with pytest.raises(SimulatedTimeoutError) as caught:
             machine.run()
@@ -141,6 +143,25 @@ def test_a_program_that_does_not_end_is_given_up(tmp_path: Path, limit_s: str, t
         machine.close()
     assert f"did not end within {text} of simulated time (plc:limit_s)" in str(caught.value)
     assert float(limit_s) * 1e9 <= now_ns < float(limit_s) * 1e9 + MS
+
+
+@pytest.mark.parametrize(
+    ("limit_s", "asked_ms", "limit_ms"),
+    [("0.02", None, 20), ("0.02", 30, 30), ("0.5", 10, 10)],
+)
+def test_a_limit_that_is_asked_for_takes_the_place_of_that_of_the_settings(
+    tmp_path: Path, limit_s: str, asked_ms: int | None, limit_ms: int
+) -> None:
+    """A longer one as well as a shorter one."""
+    asked_ns = None if asked_ms is None else asked_ms * MS
+    machine = machine_of(tmp_path, f"plc:limit_s={limit_s}", text=LOOP, limit_ns=asked_ns)
+    try:
+        with pytest.raises(SimulatedTimeoutError, match=f"within {limit_ms / 1e3:g} s of"):
+            machine.run()
+        now_ns = machine.scheduler.now_ns
+    finally:
+        machine.close()
+    assert limit_ms * MS <= now_ns < (limit_ms + 1) * MS
 
 
 def test_a_program_that_has_ended_may_go_on_past_the_limit(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ from tests.plan.cases import case_of
 
 from axisrig.bench.campaign import preparing
 from axisrig.bench.campaign.preparing import Prepared, forget, recall
+from axisrig.bench.plan.checks import parse_check
+from axisrig.kernel.nc.text.parser import read_program
 
 
 def test_a_prepared_case_is_known_as_long_as_its_files_are_the_same(
@@ -52,6 +54,86 @@ def test_a_prepared_case_is_known_as_long_as_its_files_are_the_same(
     # One that was written while the case was read is not kept
     preparing._keep(case, prepared, [rig], [b"before"])
     assert recall(case) is None
+    forget()
+
+
+GLOBAL, LOCAL = "N10 L other.nc\n", "N10 LL SUB\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "is_kept"),
+    [
+        ("%MAIN\nN10 G4 1\nM30\n", True),
+        (f"%L SUB\nN5 G4 1\nM29\n%MAIN\n{LOCAL}M30\n", True),
+        (f"%MAIN\n{GLOBAL}M30\n", False),
+        ("%MAIN\nN10 L CYCLE [NAME=other.cyc @P1=3]\nM30\n", False),
+        # In a subprogram of its own, in the first or in a later one, called or not
+        (f"%L SUB\n{GLOBAL}M29\n%MAIN\n{LOCAL}M30\n", False),
+        (f"%L SUB\n{GLOBAL}M29\n%MAIN\nN10 G4 1\nM30\n", False),
+        (f"%L SUB\nN5 G4 1\nM29\n%L TWO\n{GLOBAL}M29\n%MAIN\n{LOCAL}M30\n", False),
+        # Within a branch, and behind another call
+        (f"%MAIN\nN5 $IF V.E.A == 1\n{GLOBAL}N15 $ENDIF\nM30\n", False),
+        (f"%L SUB\nN5 G4 1\nM29\n%MAIN\n{LOCAL}{GLOBAL}M30\n", False),
+    ],
+)
+def test_a_case_whose_programs_call_other_files_is_read_every_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, is_kept: bool
+) -> None:
+    """These files may change; subprograms of the same file change with it."""
+    forget()
+    monkeypatch.setattr(preparing, "started_files", lambda _: [])
+    path = tmp_path / "part.nc"
+    path.write_text(text, encoding="utf-8")
+    case = case_of("a", program=path)
+    prepared = Prepared(SimpleNamespace(is_checked=False), read_program(path, ("Z",)))  # type: ignore[arg-type]
+    preparing._keep(case, prepared, [path], preparing._content([path]))
+    assert (recall(case) is prepared) is is_kept
+    forget()
+
+
+@pytest.mark.parametrize(
+    ("inputs", "started", "is_kept"),
+    [
+        ({}, [], True),
+        ({}, ["second.nc"], False),
+        ({"drive:servo.eds": "a.eds"}, [], False),
+        ({"drive:servo.pdo_map": "map.csv"}, [], False),
+        ({"plc:V.E.A": "1", "drive:servo.pdo_map": "map.csv"}, [], False),
+        ({"drive:servo.lead_mm": "5"}, [], True),
+    ],
+)
+def test_a_case_with_files_beside_rig_and_program_is_read_every_time(
+    monkeypatch: pytest.MonkeyPatch, inputs: dict[str, str], started: list[str], is_kept: bool
+) -> None:
+    """Programs that the PLC side starts, and what cells name for a drive."""
+    forget()
+    monkeypatch.setattr(preparing, "started_files", lambda _: started)
+    case = case_of("a", inputs=inputs)
+    settings: Any = SimpleNamespace(is_checked=False)
+    prepared = Prepared(settings, SimpleNamespace(blocks=[], subprograms={}))  # type: ignore[arg-type]
+    preparing._keep(case, prepared, [], [])
+    assert (recall(case) is prepared) is is_kept
+    assert settings.is_checked is is_kept
+    forget()
+
+
+@pytest.mark.parametrize("name", ["case", "file", "places", "checks", "sampled", "line"])
+def test_whatever_is_looked_at_when_a_case_is_prepared_tells_it_from_others(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    forget()
+    monkeypatch.setattr(preparing, "started_files", lambda _: [])
+    settings: Any = SimpleNamespace(is_checked=False)
+    prepared = Prepared(settings, SimpleNamespace(blocks=[], subprograms={}))  # type: ignore[arg-type]
+    case = case_of("a")
+    preparing._keep(case, prepared, [], [])
+    other: Any = {
+        "case": "b", "file": Path("rows.csv"), "places": {"plc:V.E.A": None}, "line": 7,
+        "checks": (parse_check("alarms", "none", ""),),
+        "sampled": (parse_check("alarms", "none", ""),),
+    }[name]  # fmt: skip
+    assert recall(replace(case, **{name: other})) is None
+    assert recall(case) is prepared
     forget()
 
 
