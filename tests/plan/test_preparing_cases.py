@@ -154,3 +154,55 @@ def test_a_check_of_a_block_or_an_axis_that_is_not_there_is_refused(
     assert len(found) == len(wrong) + 1
     assert "the rig has no such axis" in found[-1]
     assert all("the program has no #MSG in such a block" in one for one in found[:-1])
+
+
+MAIN, LAST = "N10 G4 1\n", "N99 M30\n"
+CALLED = {"sub.nc": 'N40 #MSG ["%d", 4]\nN45 L deep\nM29\n', "deep.nc": 'N50 #MSG ["%d", 5]\nM29\n'}
+
+
+@pytest.mark.parametrize(
+    ("text", "printing"),
+    [
+        # docs/plc.md: any block N30 that has printed
+        (f'%MAIN\n{MAIN}N30 #MSG ["%d", 1]\n{LAST}', ["N30"]),
+        (f'%L SUB\nN30 #MSG ["%d", 1]\nM29\n%MAIN\nN10 LL SUB\n{LAST}', ["N30"]),
+        (
+            f'%L A\nN20 #MSG ["%d", 1]\nM29\n%L B\nN30 #MSG ["%d", 1]\nM29\n%MAIN\n'
+            f'N10 LL A\nN15 LL B\n{LAST}',
+            ["N20", "N30"],
+        ),
+        (f"%MAIN\nN10 L sub\n{LAST}", ["N40", "N50"]),
+        (f"%L SUB\nN5 L deep.nc\nM29\n%MAIN\nN10 LL SUB\n{LAST}", ["N50"]),
+        (f'%MAIN\nN10 L sub\nN30 #MSG ["%d", 1]\n{LAST}', ["N30", "N40", "N50"]),
+        # A block without a number is none that a check names
+        (f'%MAIN\n#MSG ["%d", 1]\n{LAST}', []),
+    ],
+)  # fmt: skip
+def test_a_block_of_a_subprogram_prints_too(text: str, printing: list[str], tmp_path: Path) -> None:
+    """Local, global, and what a global one calls; other blocks are refused with those there are."""
+    for name, content in {"a.nc": text, **CALLED}.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    programs = [read_program(tmp_path / "a.nc", ("Z",))]
+    for number in ("N10", "N20", "N30", "N40", "N50", "NNone"):
+        check: Any = replace(parse_check("msg:N20", "> 1", ""), block=(number, 1))
+        case = replace(case_of("a"), checks=(check,))
+        errors = [*preparing._wrong_metrics(case, ("Z",), programs)]
+        assert [error.value for error in errors] == ([] if number in printing else [number])
+        for error in errors:
+            assert str(error.allowed or "none") == (", ".join(printing) or "none")
+
+
+def test_blocks_of_every_program_of_a_run_print(tmp_path: Path) -> None:
+    """That of the row, and those that the PLC side starts with what they call."""
+    texts = {
+        "a.nc": f"%A\n{MAIN}{LAST}",
+        "b.nc": f'%B\nN20 #MSG ["%d", 1]\n{LAST}',
+        "c.nc": f"%C\nN10 L sub\n{LAST}",
+    }
+    for name, content in {**texts, **CALLED}.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    programs = [read_program(tmp_path / name, ("Z",)) for name in texts]
+    checks = [parse_check(f"msg:{number}", "> 1", "") for number in ("N20", "N40", "N50", "N60")]
+    case = replace(case_of("a"), checks=tuple(checks))
+    errors = [*preparing._wrong_metrics(case, ("Z",), programs)]
+    assert [error.value for error in errors] == ["N60"]

@@ -24,6 +24,7 @@ from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import Settings, read_settings
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.decoder.base.subprograms import link, reachable
 from axisrig.kernel.nc.syntax import Command, Program, SubprogramCall
 from axisrig.kernel.nc.text.parser import read_program
 
@@ -249,16 +250,14 @@ def _wrong_metrics(
     case: Case, axes: Sequence[str], programs: Iterable[Program]
 ) -> Iterator[UserError]:
     """Find checks of axes that the rig, and of blocks that the programs, do not have."""
-    blocks = [
-        f"N{part.block.number}"
-        for program in programs
-        for part in program.blocks
-        if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
-    ]
+    programs = list(programs)
+    blocks = _printing(programs)
     for check in (*case.checks, *case.sampled):
         column = f"check:{check.metric}"
         if check.axis is not None and check.axis not in axes:
             yield case.error("the rig has no such axis", column, value=check.axis, allowed=axes)
+        if check.block is not None and check.block[0] not in blocks:
+            blocks = _printing(unit.program for one in programs for unit in reachable(link(one)))
         if check.block is not None and check.block[0] not in blocks:
             yield case.error(
                 "the program has no #MSG in such a block",
@@ -266,3 +265,15 @@ def _wrong_metrics(
                 value=check.block[0],
                 allowed=blocks or "none",
             )
+
+
+def _printing(programs: Iterable[Program]) -> list[str]:
+    """Return the numbers of the blocks with a `#MSG`, those of local subprograms too."""
+    found = [
+        part.block.number
+        for program in programs
+        for blocks in (program.blocks, *program.subprograms.values())
+        for part in blocks
+        if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
+    ]
+    return [f"N{number}" for number in dict.fromkeys(found) if number is not None]
