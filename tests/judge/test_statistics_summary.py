@@ -140,3 +140,94 @@ def test_a_run_repeats_an_earlier_one_whatever_became_of_its_value(first: str) -
     counted = [name for name, _ in entry.found.values]
     assert counted == [*(["p-a-0"] if first == "0.1" else []), "p-a-2", "p-a-3"]
     assert list(entry.missing) == ([] if first == "0.1" else ["p-a-0"])
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("word", ["FREE", "1 mm", "none", "0x10"])
+def test_a_metric_that_is_a_word_in_one_run_has_no_statistics(word: str, place: int) -> None:
+    """The numbers beside it are of a state, such as that of a control; other metrics stay."""
+    values: list[object] = [1.0, 2.0, 3.0]
+    values[place] = word
+    checks, cases = rows(values)
+    assert statistics_data(checks, cases) == []
+    other = [{**row, "metric": "lag_mm_max", "value": "5"} for row in checks]
+    assert only(statistics_data([*checks, *other], cases)).metric == "lag_mm_max"
+
+
+@pytest.mark.parametrize(
+    ("changed", "count"),
+    [({"verdict": "error"}, 2), ({"verdict": "aborted"}, 2), ({"value": ""}, 2),
+     ({"value": "nan"}, 2), ({"value": "inf"}, 2), ({"value": "-inf"}, 2), ({"value": "1e3"}, 3),
+     ({"value": "-0"}, 3), ({"verdict": "fail"}, 3)],
+)  # fmt: skip
+def test_only_numbers_of_runs_that_ended_count(changed: dict[str, str], count: int) -> None:
+    checks, cases = rows([1.0, 2.0, 3.0])
+    checks[1].update(changed)
+    entry = only(statistics_data(checks, cases))
+    assert entry.found.n == count
+    assert entry.missing == ([] if count == 3 else ["p-a-1"])
+
+
+def test_a_word_of_a_run_that_broke_off_or_left_the_plan_hides_nothing() -> None:
+    checks, cases = rows([1.0, 2.0, "FREE", "FREE"])
+    checks[2]["verdict"] = "error"
+    cases[3]["in_plan"] = "no"
+    assert only(statistics_data(checks, cases)).found.n == 2
+
+
+def test_a_metric_without_any_number_has_no_statistics() -> None:
+    assert statistics_data(*rows(["nan", "", "inf"])) == []
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "limits"),
+    [
+        (("0", "0", "0"), ("2", "3", "2"), (0.0, None)),
+        (("-1", "-1", "-2"), ("2", "2", "2"), (None, 2.0)),
+        (("-inf",) * 3, ("inf",) * 3, (None, None)),
+        (("",) * 3, ("5", "5", ""), (None, None)),
+        (("x",) * 3, ("1e2",) * 3, (None, 100.0)),
+    ],
+)
+def test_a_limit_is_one_where_all_runs_have_it(
+    lower: tuple[str, ...], upper: tuple[str, ...], limits: tuple[float | None, float | None]
+) -> None:
+    checks, cases = rows([1.0, 2.0, 3.0])
+    for row, low, high in zip(checks, lower, upper, strict=True):
+        row.update(lower=low, upper=high)
+    found = only(statistics_data(checks, cases)).found
+    assert (found.lower, found.upper) == limits
+
+
+def test_inputs_that_are_texts_have_a_share_and_no_slope() -> None:
+    """One text among numbers makes texts of all; what is no input of a plan is left out."""
+    entry = only(statistics_data(*rows(
+        [1.0, 1.0, 3.0, 3.0],
+        **{FEED: ["1", "1", "fast", "fast"], "set:Z.edge": ["POS", "POS", "NEG", "NEG"],
+           "title": ["a", "b", "c", "d"], "other:x": ["1", "2", "3", "4"]},
+    )))  # fmt: skip
+    assert list(entry.inputs) == [FEED, "set:Z.edge"]
+    for column, texts in ((FEED, ["1", "1", "fast", "fast"]), ("set:Z.edge", None)):
+        found = entry.inputs[column]
+        assert (found.slope, found.intercept, found.share) == (None, None, pytest.approx(1.0))
+        assert texts is None or found.places == texts
+
+
+def test_statistics_are_of_each_plan_case_and_metric() -> None:
+    """In the order of the rows; a run of another plan with the same case is another sample."""
+    checks, cases = rows([1.0, 2.0])
+    others = [
+        [{**row, "run": row["run"].replace("p-a", name), "plan": plan, "case": case}
+         for row in table]
+        for plan, case, name in (("q", "a", "q-a"), ("p", "b", "p-b"))
+        for table in (checks, cases)
+    ]  # fmt: skip
+    more = [{**row, "metric": "lag_mm_max", "unit": "mm"} for row in checks]
+    found = statistics_data(
+        [*others[2], *checks, *more, *others[0]], [*cases, *others[1], *others[3]]
+    )
+    assert [(each.plan, each.case, each.metric, each.unit) for each in found] == [
+        ("p", "b", "latch_error_um", "um"), ("p", "a", "latch_error_um", "um"),
+        ("p", "a", "lag_mm_max", "mm"), ("q", "a", "latch_error_um", "um"),
+    ]  # fmt: skip
+    assert {each.found.n for each in found} == {2}

@@ -74,6 +74,24 @@ def test_the_limit_is_marked_where_the_search_has_found_it() -> None:
     assert searches._marks(search("p-s")[0]) == []
 
 
+@pytest.mark.parametrize(
+    ("good", "bad", "words"),
+    [
+        ("2.50001", "2.50002", ["holds at 2.50001", "not at 2.50002"]),
+        ("1234.5", "1234.75", ["holds at 1234.5", "not at 1234.75"]),
+        ("123456789.012", "123456789.013", ["holds at 123456789.012", "not at 123456789.013"]),
+        ("600.0", "-0.0050", ["holds at 600", "not at -0.005"]),
+        ("0", "1e3", ["holds at 0", "not at 1000"]),
+        ("0.30000000000000004", "nan", ["holds at 0.3"]),  # of a sum of steps
+        ("inf", "FREE", []),
+    ],
+)
+def test_both_sides_of_a_limit_can_be_told_apart(good: str, bad: str, words: list[str]) -> None:
+    """However near they are; what is no number has no mark."""
+    marks = searches._marks(search("p-s", **{GOOD: good, BAD: bad})[0])
+    assert [mark.words for mark in marks] == words
+
+
 def test_metrics_of_a_search_that_did_not_hold_are_drawn_first(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

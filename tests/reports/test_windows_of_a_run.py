@@ -173,6 +173,26 @@ def test_the_axis_that_is_shown_first(
     assert _first_axis(table, ["X", "Y", "Z"], events, [Plots(axes=of_topics)]) == first
 
 
+@pytest.mark.parametrize(
+    ("columns", "first"),
+    [
+        # One that stands far from 0, on either side, does not travel
+        ({"X__actual_mm": (500, 500, 500), "Y__actual_mm": (1, 2, 1)}, "Y"),
+        ({"X__actual_mm": (-500, -500, -500), "Y__actual_mm": (1, 2, 1)}, "Y"),
+        ({"X__actual_mm": (500, 501, 500), "Y__actual_mm": (-3, 3, 0)}, "Y"),
+        ({"X__actual_mm": (0, 1, 2), "Y__actual_mm": (9, 7, 6)}, "Y"),  # downwards
+        ({"X__actual_mm": (0, 9, 0), "Y__actual_mm": (0, 2, 4)}, "X"),  # and back
+        ({"X__actual_deg": (-170, 0, 170), "Y__actual_mm": (300, 100, 200)}, "X"),
+        ({"X__actual_mm": (0, 1, 0), "Y__truth_mm": (0, 99, 0)}, "X"),
+        ({"X__actual_mm": (3, 4, 3), "Y__actual_mm": (7, 8, 7)}, "X"),  # of equal ones the first
+    ],
+)
+def test_without_events_the_axis_that_travels_farthest_is_shown_first(
+    columns: dict[str, Sequence[float]], first: str
+) -> None:
+    assert _first_axis(content(**columns), ["X", "Y"], [], []) == first
+
+
 def test_without_a_position_the_first_axis_is_shown_and_without_axes_none() -> None:
     assert _first_axis(content(Z__lag_mm=(0, 1, 2)), ["X", "Z"], [], []) == "X"
     assert _first_axis(content(), [], [], []) is None
