@@ -115,6 +115,8 @@ def _largest_superposed(name: str, order: int) -> None:
         truth = _control(observed)
         names = [axis] if axis else list(observed.axes)
         runs = np.isin(truth.state, (ACTIVE, ACTIVE_CONST_DIST, TURNING_OFF))
+        if order == 1:  # in the row of the last step of a run-out the control is off
+            runs[1:] |= truth.state[:-1] == TURNING_OFF
         found = []
         for one in names:
             values = observed.column(one, SUPERPOSED)
