@@ -13,7 +13,7 @@ from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import Signal
 
 _ACCELERATION = re.compile(
-    r"getriebe\[0\]\.(lslope_profil\.a_(grenz_)?stufe_[12]|lslope_profil\.a_feedh"
+    r"getriebe\[0\]\.(lslope_profil\.[ad]_(grenz_)?stufe_[12]|lslope_profil\.a_feedh"
     r"|slope_profil\.a_(beschl|brems|grenz|feedh)|dynamik\.a_(max|emergency))"
 )
 _OFFSET = "dist_ctrl[0]."
