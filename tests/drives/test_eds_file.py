@@ -276,3 +276,18 @@ def test_an_eds_of_another_editor_is_read_as_it_was_or_refused_by_its_key(
     same = {key: value for key, value in before.items() if f"{key[0]:04X}" not in touched}
     assert {key: found.get(key) for key in same} == same
     assert {f"{index:04X}" for index, _ in found.keys() ^ before.keys()} <= touched
+
+
+@pytest.mark.parametrize("section", ["MandatoryObjects", "OptionalObjects", "ManufacturerObjects"])
+def test_each_object_that_a_list_names_and_the_file_lacks_is_noted(
+    written: Callable[..., str], section: str
+) -> None:
+    """CiA 306-1: three lists name the objects, one key for each, and their number."""
+    listed = ("0x1000", "0x2001", "0x6040", "0x2002", "0x3003")
+    lines = "".join(f"{place}={number}\n" for place, number in enumerate(listed, 1))
+    path = written(f"{SMALL}[{section}]\nSupportedObjects={len(listed)}\n{lines}\n")
+    notes = [(note.place, note.text) for note in eds_notes(path)]
+    assert notes == [
+        (f"[{section}] {key}", f"names {number}, which has no section")
+        for key, number in ((2, "0x2001"), (4, "0x2002"), (5, "0x3003"))
+    ]
