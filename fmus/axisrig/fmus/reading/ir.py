@@ -167,7 +167,7 @@ def _as_json(match: re.Match[str]) -> str:
 def _refused(error: BaseException, model: str, library: Path, roots: Sequence[Path]) -> BuildError:
     """Find the place that the compiler complains about; it names it in its text or not at all."""
     text = str(error)
-    for file in sorted(library.rglob("*.mo")) if library.is_dir() else [library]:
+    for file in sorted(library.rglob("*.mo")) if library.is_dir() else _named_in(text, library):
         for diagnostic in rumoca.validate(str(file)):
             place = re.search(r"\[[^\]\s]+:(\d+):\d+\]", diagnostic.message)
             if place and diagnostic.level == "error":
@@ -185,6 +185,16 @@ def _refused(error: BaseException, model: str, library: Path, roots: Sequence[Pa
     if names and "does not exist" in first:
         first += _hint_at(names[0], roots)
     return BuildError(_short(file, library), line, first)
+
+
+def _named_in(text: str, model: Path) -> list[Path]:
+    """The file of a model, and those beside it that the compiler names."""
+    return [model, *(file for file in _beside(model) if str(file.resolve()) in text)]
+
+
+def _beside(model: Path) -> list[Path]:
+    """The files that the file of a model may use: those in its folder, without itself."""
+    return [file for file in sorted(model.parent.glob("*.mo")) if file.name != model.name]
 
 
 def _hint_at(name: str, roots: Sequence[Path]) -> str:
@@ -212,9 +222,12 @@ def _other_class(model: str, file: Path) -> BuildError | None:
 def _place_of(names: Sequence[str], model: str, library: Path) -> tuple[Path, int | None]:
     """Where one of the names is in a class that the model uses; else where the model begins."""
     home = _file_of(model, library)
-    others = [file for file in sorted(library.rglob("*.mo")) if file != home]
-    files = dict(enumerate([home, *others] if library.is_dir() else [home]))
-    texts = {number: file.read_text(encoding="utf-8") for number, file in files.items()}
+    if library.is_dir():
+        others = [file for file in sorted(library.rglob("*.mo")) if file != home]
+    else:
+        others = _beside(library)
+    files = dict(enumerate([home, *others]))
+    texts = {n: file.read_text(encoding="utf-8", errors="replace") for n, file in files.items()}
     bodies = list(used_classes(texts, model))
     words = [name.rpartition(".")[2].partition("[")[0] for name in names]
     for word in words:
