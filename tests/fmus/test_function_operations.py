@@ -54,6 +54,14 @@ class Made:
         return len(self.definitions) - 1
 
     def call(self, results: Sequence[int], *registers: Expr) -> list[Expr]:
+        starts, place = [], 0
+        for kind in self.types:
+            starts.append(place)
+            place += math.prod(kind["dimensions"])
+        return self.functions(results).call(0, dict(enumerate(registers)), starts)
+
+    def functions(self, results: Sequence[int]) -> Functions:
+        """The function alone, which call 0 means."""
         function = {
             "name": "f", "external": self.external, "statements": self.statements,
             "folds": self.folds, "definitions": self.definitions,
@@ -73,11 +81,7 @@ class Made:
             solve={"continuous": [program], "initialization": {"residual": {"nodes": []}}},
             files={},
         )  # fmt: skip
-        starts, place = [], 0
-        for kind in self.types:
-            starts.append(place)
-            place += math.prod(kind["dimensions"])
-        return Functions(ir).call(0, dict(enumerate(registers)), starts)
+        return Functions(ir)
 
 
 def values(parts: Sequence[Expr]) -> list[float]:

@@ -333,3 +333,28 @@ def test_samples_are_assumed_within_the_cycle_before_the_frame(
     )))  # fmt: skip
     found = expected_um(active("assumed"), rig, "Z", seen(value_ms=1.0), seen(value_ms=1.0))
     assert found == pytest.approx(moved_um(0.0, shift_ms), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sample_us", "since_ms"),
+    # The latch is 3.05 ms after the start, and 1.02 ms after the contact
+    [(62.5, 0.05), (80, 0.01), (250, 0.05), (50, 0.0)],
+)
+@pytest.mark.parametrize("value", ["sampled", "linear"])
+def test_samples_of_an_encoder_are_at_multiples_since_the_start(
+    sample_us: float, since_ms: float, value: str
+) -> None:
+    """Whenever the contact is: at 2.03 ms."""
+    contact_ms, at_ms = 2.03, 1.02
+    touched = track(round(contact_ms * MS))
+
+    def moved(begin_ms: float, end_ms: float) -> float:
+        return (place_mm(contact_ms + end_ms) - place_mm(contact_ms + begin_ms)) * 1e3
+
+    rig = settings_of(RIGS / "probe-z.toml", [f"drive:servo.sample_us={sample_us}"])
+    later, without = (seen(latch_ms=at_ms, track=touched) for _ in range(2))
+    found = expected_um(active("sampling", value), rig, "Z", later, without)
+    begin_ms, sample_ms = at_ms - since_ms, sample_us * 1e-3
+    on_line_um = moved(begin_ms, begin_ms + sample_ms) * since_ms / sample_ms
+    lacks_um = moved(at_ms, begin_ms) + (on_line_um if value == "linear" else 0.0)
+    assert found == pytest.approx(lacks_um, abs=1e-6)

@@ -170,13 +170,13 @@ def _sampled_um(
 ) -> float | None:
     """Return what a sample, or the line between two of them, differs from the position itself.
 
-    Samples are at whole multiples of the time of a sample.
+    Samples are at whole multiples of the time of a sample; what is latched at one is that one.
     """
     if later.track is None:
         return None
     drive = settings.rig.drive[settings.rig.axis[axis].drive]
     grid_ms = float(getattr(drive, SAMPLE)) * 1e-3
-    since_ms = (later.track.contact_ns / MS + at_ms) % grid_ms
+    since_ms = (later.track.contact_ns + round(at_ms * MS)) % round(grid_ms * MS) / MS
     begin_ms = at_ms - since_ms
     if active.value == "linear":
         return later.moved_um(at_ms, begin_ms) + later.moved_um(begin_ms, begin_ms + grid_ms) * (
