@@ -92,3 +92,20 @@ def test_the_tilt_is_as_old_as_the_value_and_older_by_its_own_delay(normalise: s
     assert aged == pytest.approx([*plain[:1] * 2, *plain[:-2]], abs=1e-5)
     both = shown(0.1, tilts, normalise=normalise, delay_cycles=2, tilt_delay_cycles=1)
     assert both == pytest.approx([*plain[:1] * 3, *plain[:-3]], abs=1e-5)
+
+
+@pytest.mark.parametrize("normalise", ["along", "electrode"])
+@pytest.mark.parametrize("tilt_deg", [30.0, 89.95, 95.0, 120.0])
+def test_a_tilt_to_either_side_is_the_same(normalise: str, tilt_deg: float) -> None:
+    """From 89.9 degrees on it counts as these."""
+    level, *both = shown(1e-3, [89.9, tilt_deg, -tilt_deg], normalise=normalise)
+    assert both[0] == both[1]
+    assert both[0] > 0.0
+    assert (both[0] == level) is (tilt_deg > 89.9)
+
+
+def test_an_error_of_the_tilt_has_its_sign() -> None:
+    """29 and 31 degrees to one side are 31 and 29 to the other."""
+    found = shown(0.1, [30.0, -30.0], normalise="along", tilt_error_deg=1.0)
+    cosines = [math.cos(math.radians(tilt_deg)) for tilt_deg in (31.0, 29.0)]
+    assert found == pytest.approx([1e5 * cosine for cosine in cosines], abs=1e-5)

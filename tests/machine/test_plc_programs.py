@@ -47,6 +47,12 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         ("del hli.ax['Z'].lr_mc_control", "lr_mc_control of the HLI cannot be deleted"),
         ("del hli.ch", "ch of the HLI cannot be deleted"),
         ("hli.ve['FEED'] = '6'", "V.E.FEED has a wrong type; found '6'; allowed: a number"),
+        ("hli.ve['FEED'] = True", "V.E.FEED has a wrong type; found True; allowed: a number"),
+        ("hli.ve['FEED'] = float('nan')", "V.E.FEED has a wrong type; found nan"),
+        ("hli.ve['NEW'] = float('-inf')", "V.E.NEW has a wrong type; found -inf"),
+        ("hli.ax['X'].lr_mc_control.ext_latch.please_rw = 0", "ext_latch.please_rw has a wrong"),
+        ("hli.ch.override.command_w = -1", "allowed: 0 .. 2000"),
+        ("hli.ax['X'].lr_mc_control.override.command_w = -1", "allowed: 0 .. 1000"),
     ],
 )
 def test_what_is_not_there_is_listed_and_a_wrong_value_has_its_line(
@@ -69,6 +75,10 @@ def test_what_is_not_there_is_listed_and_a_wrong_value_has_its_line(
         ("hli.ve.update(FEED='x')", "V.E.FEED has a wrong type"),
         ("hli.ch = None", "ch has been replaced.*set ch.feedhold.command_w"),
         ("hli.ve = 5", "ve has been replaced"),
+        ("hli.ve = {}", r"ve has been replaced.*set ve\[name\]"),
+        ("hli.ve = dict(hli.ve)", "ve has been replaced"),
+        ("hli.ve.update(A=float('inf'))", "V.E.A has a wrong type"),
+        ("hli.ve.update(A=False)", "V.E.A has a wrong type"),
         ("hli.ax = {}", "ax has been replaced"),
         ("hli.ax.clear()", "ax has been replaced"),
         ("hli.ax['Y'] = hli.ax['Z']", "ax has been replaced"),
@@ -113,6 +123,33 @@ def test_a_cycle_that_gives_something_back_is_refused(
     with pytest.raises(UserError, match="gives something back") as caught:
         PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
     assert (caught.value.file, caught.value.line, caught.value.value) == (str(path), 2, kind)
+
+
+def test_an_error_is_at_the_innermost_line_of_the_program(tmp_path: Path) -> None:
+    """In a function that the cycle calls, also where a library is called from there."""
+    path = tmp_path / "plc.py"
+    path.write_text(
+        "import json\n\n\ndef read(text):\n    return json.loads(text)\n\n\n"
+        "class Program:\n    def cycle(self, inputs, hli):\n        read('{')\n", "utf-8"
+    )  # fmt: skip
+    with pytest.raises(UserError, match="JSONDecodeError") as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    assert (caught.value.file, caught.value.line) == (str(path), 5)
+
+
+def test_every_number_in_its_range_is_taken() -> None:
+    """The limits themselves: 0 and 100 % of an axis, 200 % of the path, 64 bits of a stamp."""
+    hli = Hli(["X"])
+    control = hli.ax["X"].lr_mc_control
+    for unit, values in (
+        (control.override, (0, 1000)), (hli.ch.override, (0, 2000)),
+        (control.timestamp, (-(2**63), 2**63 - 1)), (control.probing_position, (-(2**63), 0)),
+    ):  # fmt: skip
+        for value in values:
+            unit.command_w = value
+            assert unit.command_w == value
+    hli.ve["A"], hli.ve["B"] = 3, -1e308
+    hli.check()
 
 
 @pytest.mark.parametrize("end", ["pass", "return", "return None"])

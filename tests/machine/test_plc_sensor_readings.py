@@ -138,3 +138,13 @@ def test_the_plc_reads_at_the_last_sync_of_the_cycle(
     machine.settings.rig.plc = {}
     Machine._connect_plc_sensors(machine)
     assert len(plc.inputs) == 1  # without an entry nobody reads
+
+
+def test_a_promise_may_be_a_part_of_a_millisecond() -> None:
+    """The period of the entry, and none for an entry that promises nothing."""
+    for period_ms, period_ns in ((0.5, 500_000), (2.25, 2_250_000), (3.0, 3 * MS)):
+        plc = Plc(cycle_ns=MS // 4, A={"period_ms": period_ms}, B={})
+        assert {name: one.period_ns for name, one in plc.plc.refreshed.items()} == {"A": period_ns}
+        values = [found["A"] for found in plc.cycles(2 * period_ns // (MS // 4) + 1)]
+        changes = [n for n in range(1, len(values)) if values[n] != values[n - 1]]
+        assert changes == [period_ns * turn // (MS // 4) for turn in (1, 2)]

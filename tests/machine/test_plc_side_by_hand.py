@@ -5,7 +5,7 @@ Turns at 0, 1, 2 ms ... A happening is written into the channel, and the next tu
 
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -43,7 +43,12 @@ class Sdo:
 
 
 class Rules:
-    """The PLC side of a channel with X and Z; mapped: objects that RPDOs of Z carry."""
+    """The PLC side of a channel with X and Z; mapped: objects that RPDOs of Z carry.
+
+    DRIVES: axes whose drives have objects.
+    """
+
+    DRIVES: ClassVar[str] = "Z"
 
     def __init__(self, *mapped: int, **cells: str) -> None:
         self.clock = new_scheduler()
@@ -59,20 +64,22 @@ class Rules:
                 write_object=lambda *words: self.objects.append(words),
             ),
         )  # fmt: skip
-        self.channel, self.sdo = channel, Sdo()
+        self.channel, self.sdos = channel, {name: Sdo() for name in self.DRIVES}
+        self.sdo = self.sdos["Z"]
 
         def get_object(index: int, _sub: int) -> int:
             if index not in mapped:
                 raise KeyError(index)
             return 0
 
-        access: Any = SimpleNamespace(link=SimpleNamespace(get_object=get_object), sdo=self.sdo)
+        link = SimpleNamespace(get_object=get_object)
+        ways: Any = {name: SimpleNamespace(link=link, sdo=sdo) for name, sdo in self.sdos.items()}
         rules = [
             rule
             for name, cell in cells.items()
             for rule in read_rules(parse_column(f"plc:{_column(name)}", cell), "XZ")[1]
         ]
-        self.side = PlcSide(channel, {"Z": access}, rules, self.clock, MS, self._program)
+        self.side = PlcSide(channel, ways, rules, self.clock, MS, self._program)
 
     def _program(self, file: str | None) -> Iterator[canon.Command]:
         self.programs.append(file)
