@@ -220,3 +220,47 @@ def test_an_alarm_that_is_not_both_due_and_raised_says_which(
 def test_without_an_alarm_nothing_came_after_the_begin() -> None:
     assert no_value(recorded(), AFTER) == "no alarm of sensor or offset came up"
     assert WITH_CONST_DIST.by == "NC"
+
+
+def switched(*spans: tuple[int, int]) -> dict[str, Any]:
+    """On in some rows, by the program, which switches in the row before."""
+    state = np.full(ROWS, float(INACTIVE))
+    orders: list[DistanceOrder] = []
+    for begin, end in spans:
+        state[begin:end] = ACTIVE_CONST_DIST
+        orders += [DistanceOrder((begin - 1) * MS, "NC", "ON_CONST_DIST"),
+                   DistanceOrder((end - 1) * MS, "NC", "OFF")]  # fmt: skip
+    return {"columns": {"distance_state": state}, "orders": tuple(orders)}
+
+
+@pytest.mark.parametrize(
+    ("spans", "row", "cycles"),
+    [
+        (((200, 900),), 700, 500),
+        (((200, 300), (600, 900)), 700, 500),
+        (((200, 300), (600, 900)), 600, 400),
+        (((200, 300), (400, 500), (600, 900)), 250, 50),
+        (((200, 300), (400, 500), (600, 900)), 350, 150),  # while it is off
+    ],
+)
+def test_an_alarm_is_counted_from_the_first_time_that_the_control_was_on(
+    spans: tuple[tuple[int, int], ...], row: int, cycles: int
+) -> None:
+    """However often it was switched on meanwhile."""
+    observed = raised(recorded(**switched(*spans)), (row, 70576, False))
+    assert seen(observed, AFTER).value == cycles
+
+
+@pytest.mark.parametrize("changed", [150, 400, 650])
+def test_another_law_is_no_other_begin(changed: int) -> None:
+    """A gain that the program writes meanwhile, before the alarm or after it."""
+    words = {"kp": 0.3}
+    orders = (WITH_CONST_DIST, DistanceOrder(changed * MS, "NC", words=words))
+    observed = raised(recorded(orders=orders), (500, 70576, False))
+    assert seen(observed, AFTER).value == 400
+
+
+def test_the_first_alarm_of_sensor_or_offset_counts() -> None:
+    alarms = ((300, 50059, False), (350, 70576, True), (400, 70330, False), (500, 70576, False))
+    found = seen(raised(recorded(), *alarms), AFTER)
+    assert (found.value, found.note) == (300, "ID 70330")

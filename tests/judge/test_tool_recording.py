@@ -214,6 +214,17 @@ def test_of_several_blocks_the_worst_counts_and_only_straight_ones() -> None:
     assert seen(none, "tcp_from_line_um_max").note == "no kinematic was on (#TRAFO ON)"
 
 
+@pytest.mark.parametrize("aways_mm", [(0.03, 0.02, 0.01), (0.01, 0.03, 0.02), (0.01, 0.02, 0.03)])
+def test_the_worst_of_several_blocks_counts_wherever_it_is(aways_mm: tuple[float, ...]) -> None:
+    """To either side; at the SYNCs and between them."""
+    parts = ((ON + 1, ON + 31), (ON + 31, ON + 61), (ON + 61, ON + 91))
+    for side in (1.0, -1.0):
+        rows = dict(zip((ON + 17, ON + 47, ON + 77), (side * mm for mm in aways_mm), strict=True))
+        observed = recorded({"X.truth_mm": rows}, tuple(moves("feed", *part) for part in parts))
+        for metric in ("tcp_from_line_um_max", "tcp_between_um_max"):
+            assert seen(observed, metric).value == pytest.approx(30.0, abs=1e-6)
+
+
 def test_a_tool_that_rests_is_away_from_its_point_between_the_syncs() -> None:
     tilting = moves("feed", KINEMATIC + 1, TILTED + 1)
     observed = recorded(None, (tilting,), c_deg=0.0)

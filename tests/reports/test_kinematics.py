@@ -332,6 +332,42 @@ def test_a_kinematic_without_distance_control_has_its_section() -> None:
     assert "tilt" in [plot["plot"] for plot in description["plots"]]
 
 
+@pytest.mark.parametrize(
+    ("missed", "has_surface"),
+    [(slice(0, 0), True), (slice(5, 6), True), (slice(0, -1), True), (slice(1, None), True),
+     (slice(None), False)],
+)  # fmt: skip
+def test_a_surface_is_shown_where_the_beam_meets_it_in_any_row(
+    missed: slice, has_surface: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In all rows, in all but one, in one alone; only where it never does there is none."""
+    hit = np.zeros_like(motion().hit_mm)
+    hit[missed] = np.nan
+    made = replace(motion(), hit_mm=hit)
+    monkeypatch.setattr("axisrig.reports.kinematics.section.motion_of", lambda *_: made)
+    monkeypatch.setattr("axisrig.reports.kinematics.section.scene", lambda *_: None)
+    (found,) = sections(RunFindings(of_topics=[TOOL]), ECS, "a", {})
+    assert found["has_surface"] is has_surface
+
+
+@pytest.mark.parametrize(
+    ("rows", "has_offset"), [(slice(0, 0), False), (slice(3, 4), True), (slice(None), True)]
+)
+@pytest.mark.parametrize("offset_mm", [0.01, -0.01])
+def test_an_offset_is_shown_where_there_is_one_in_any_row(
+    rows: slice, has_offset: bool, offset_mm: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To either side; a row without a value is none."""
+    values = np.full(len(motion().offset_mm), np.nan)
+    values[2:] = 0.0
+    values[rows] = offset_mm
+    made = replace(motion(), offset_mm=values)
+    monkeypatch.setattr("axisrig.reports.kinematics.section.motion_of", lambda *_: made)
+    monkeypatch.setattr("axisrig.reports.kinematics.section.scene", lambda *_: None)
+    (found,) = sections(RunFindings(of_topics=[TOOL]), ECS, "a", {})
+    assert found["has_offset"] is has_offset
+
+
 # Section
 
 

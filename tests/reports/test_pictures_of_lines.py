@@ -111,3 +111,25 @@ def test_each_line_has_a_sign_of_its_own_up_to_eight() -> None:
     signs = re.findall(r'class="ln-sign" d="M[\d.]+,[\d.]+(m[^"]*)"/><text', text)
     assert len(set(signs[:8])) == 8
     assert signs[8] == signs[0]
+
+
+@pytest.mark.parametrize("is_mirrored", [False, True])
+@pytest.mark.parametrize("turn", [1, -1])
+def test_names_are_in_the_order_of_the_ends_that_they_are_at(is_mirrored: bool, turn: int) -> None:
+    """Lines that cross: the one that is lower near 0 is the upper one at the far end.
+
+    Large amounts are on the right, where the names are; where all are negative it is mirrored.
+    """
+    side = -1.0 if is_mirrored else 1.0
+    rising = fitted("rising", side, -7.0, {side * x: x - 7.0 for x in (5.0, 10.0)})
+    falling = fitted("falling", -side, 7.0, {side * x: 7.0 - x for x in (5.0, 10.0)})
+    level = fitted("level", 0.0, 0.0, {side * x: 0.0 for x in (5.0, 10.0)})
+    lines = [rising, falling, level][::turn]
+    text = drawing(lines, "t", "", "")
+    heights = {name: float(y) - 4 for y, name in re.findall(NAME, text)}
+    assert sorted(heights, key=heights.__getitem__) == ["rising", "level", "falling"]
+    ends = [line[3] for line in numbers(LINE, text)]
+    assert list(heights.values()) == pytest.approx(ends, abs=0.11)
+    leads = numbers(LEAD, text)
+    assert [lead[1] for lead in leads] == ends
+    assert [lead[3] for lead in leads] == pytest.approx(ends, abs=0.11)

@@ -219,3 +219,36 @@ def test_without_a_way_or_a_truth_there_is_no_picture(changes: dict[str, Any]) -
     assert path(**changes) == ""
     assert drawing(None, control(part(0, 11, ON))) == ""
     assert path(way_mm=1.0) != ""
+
+
+def along(svg: str) -> tuple[str, ...]:
+    """The axis that a picture is over."""
+    return tuple(re.findall(r'class="dp-end"[^>]*>(\w+) in mm<', svg))
+
+
+@pytest.mark.parametrize("state", sorted(STATES))
+def test_a_path_is_over_the_axis_that_moves_most_while_the_control_follows(state: str) -> None:
+    """X goes 90 mm before and after, Y 8 mm meanwhile: in the first and last 3 of 11 rows."""
+    states = [STATES.index("INACTIVE")] * 3 + [STATES.index(state)] * 5
+    states += [STATES.index("INACTIVE")] * 3
+    x = [0.0, 20.0, 40.0, *[45.0] * 5, 50.0, 70.0, 90.0]
+    y = [0.0, 0.0, 0.0, 0.0, 2.0, 4.0, 6.0, 8.0, 8.0, 8.0, 8.0]
+    svg = path(Z__distance_state=states, X__truth_mm=x, Y__truth_mm=y)
+    assert along(svg) == (("Y",) if state in (ON, CONST) else ())
+    assert path(Z__distance_state=states, X__truth_mm=x, Y__truth_mm=[0.0] * 11) == ""
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "name"),
+    [((0.0, 5.0), (0.0, 4.0), "X"), ((0.0, -5.0), (0.0, 4.0), "X"), ((5.0, 0.0), (0.0, 6.0), "Y"),
+     ((300.0, 302.0), (-1.5, 1.5), "Y")],
+)  # fmt: skip
+def test_how_far_an_axis_goes_counts_and_not_where_it_is(
+    x: tuple[float, float], y: tuple[float, float], name: str
+) -> None:
+    assert along(path(X__truth_mm=np.linspace(*x, 11), Y__truth_mm=np.linspace(*y, 11))) == (name,)
+
+
+def test_the_axis_of_the_control_itself_is_no_way() -> None:
+    svg = path(Z__truth_mm=np.linspace(0.0, 50.0, 11))
+    assert along(svg) == ("X",)

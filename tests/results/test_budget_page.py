@@ -1,0 +1,104 @@
+"""The page of an error budget: what leads from the contact to the published value."""
+
+import csv
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.tools.budget.budget import Budget, Share
+from axisrig.bench.tools.budget.causes import causes
+from axisrig.reports.budget.drawing import waterfall
+from axisrig.results.budget.page import write_budget
+
+FIRST, SECOND, THIRD = causes()[:3]
+# Two causes act on each other: in turn they make 10 um, alone 12
+BUDGET = Budget(
+    run="p-a", axis="Z", error_um=9.5, velocity_mm_s=-10.0, increment_um=0.01, left_um=0.5,
+    shares=(
+        Share(FIRST, "8 um", 8.0, 5.0, None, None, 6.5, interacts=True),
+        Share(SECOND, "3 us", 4.0, 5.0, None, None, 3.5, interacts=True),
+        Share(THIRD, "on", -1.0, -1.0, -1.0, None),
+    ),
+    frame_log_sha256="ab" * 32, quantum_um=1.0,
+)  # fmt: skip
+
+
+def page_of(folder: Path, budget: Budget = BUDGET) -> str:
+    return write_budget(folder / "b.html", budget).read_text(encoding="utf-8")
+
+
+def test_the_waterfall_leads_by_what_each_cause_adds_in_turn(tmp_path: Path) -> None:
+    """So that its bars add up to the published value; what is left comes first."""
+    text = page_of(tmp_path)
+    names = re.findall(r'<text x="[\d.]+" y="[\d.]+" text-anchor="end">([^<]*)<', text)
+    sizes = [float(size) for size in re.findall(r'y="[\d.]+">([+-][\d.]+) um</text>', text)]
+    assert names == [
+        "left with all causes off", *(each.cause for each in (FIRST, SECOND, THIRD)),
+        "published value",
+    ]  # fmt: skip
+    assert sizes == [0.5, 5.0, 5.0, -1.0, 9.5]
+    assert sum(sizes[:-1]) == pytest.approx(BUDGET.error_um)
+    assert waterfall([(name, size) for name, size in zip(names[:-1], sizes[:-1], strict=True)],
+                     9.5) in text  # fmt: skip
+
+
+def test_the_table_has_each_cause_alone_in_turn_and_together(tmp_path: Path) -> None:
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", page_of(tmp_path))
+    for alone, in_turn, together in (("+8.0000", "+5.0000", "+6.5000"),
+                                     ("+4.0000", "+5.0000", "+3.5000")):  # fmt: skip
+        place = cells.index(alone)
+        assert cells[place : place + 3] == [alone, in_turn, together]
+    with write_budget(tmp_path / "b.csv", BUDGET).open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["alone_um"] for row in rows] == ["8.0", "4.0", "-1.0", ""]
+    assert [row["in_turn_um"] for row in rows] == ["5.0", "5.0", "-1.0", "0.5"]
+    assert {(row["run"], row["axis"], row["frame_log_sha256"]) for row in rows} == {
+        ("p-a", "Z", "ab" * 32)
+    }
+
+
+@pytest.mark.parametrize(
+    ("velocity_mm_s", "side"), [(-10.0, "smaller"), (10.0, "larger"), (2.5, "larger")]
+)
+def test_the_head_says_where_the_axis_went(velocity_mm_s: float, side: str, tmp_path: Path) -> None:
+    text = page_of(tmp_path, replace(BUDGET, velocity_mm_s=velocity_mm_s, error_um=-9.5))
+    assert f"published value -9.5000 um from the contact at {abs(velocity_mm_s):g} mm/s" in text
+    assert f"towards {side} positions" in text
+    assert "<h1>p-a, axis Z</h1>" in text
+
+
+def test_the_largest_cause_is_the_largest_in_turn(tmp_path: Path) -> None:
+    """The first one is the largest alone; the second one is so in turn."""
+    first, second, third = BUDGET.shares
+    turned = replace(BUDGET, shares=(replace(first, in_turn_um=4.0), second, third))
+    assert f"; largest cause: {SECOND.cause}<" in page_of(tmp_path, turned)
+    small = replace(BUDGET, increment_um=100.0)
+    assert "largest cause" not in page_of(tmp_path, small)
+
+
+def test_causes_that_act_on_each_other_are_named(tmp_path: Path) -> None:
+    text = page_of(tmp_path)
+    assert f"by more than that: {FIRST.cause}, {SECOND.cause}.</p>" in text
+    alone = [replace(share, interacts=False, combined_um=None) for share in BUDGET.shares]
+    apart = page_of(tmp_path, replace(BUDGET, shares=tuple(alone)))
+    assert "An increment of the encoder is 0.0100 um.</p>" in apart
+
+
+@pytest.mark.parametrize(
+    ("left_um", "quantum_um", "words"),
+    [
+        (0.5, 1.0, ""),
+        (1.5, 1.0, "the way in a cycle of the PLC and one of the CNC (1.0000 um)"),
+        (-1.5, 1.0, "the way in a cycle of the PLC and one of the CNC (1.0000 um)"),
+        (0.5, 0.0, "an increment (0.0100 um)"),
+        (0.005, 0.0, ""),
+    ],
+)
+def test_what_is_left_is_explained_up_to_what_nobody_can_know(
+    left_um: float, quantum_um: float, words: str, tmp_path: Path
+) -> None:
+    text = page_of(tmp_path, replace(BUDGET, left_um=left_um, quantum_um=quantum_um))
+    found = re.findall(r"<strong>not explained: (\S+) um are left .*?more than (.*?):", text)
+    assert found == ([(f"{left_um:+.4f}", words)] if words else [])

@@ -1,0 +1,53 @@
+"""Frames of a stored log as a table: instants in nanoseconds, kinds, segments."""
+
+from pathlib import Path
+
+from tests.recordings import facts
+
+from axisrig.bench.record.bus import BusFigures
+from axisrig.bench.record.facts import run_text
+from axisrig.results.loading import load
+
+TIMES_US = [*range(0, 2500, 7), 999_999, 1_000_001, 17_123_457, 1_000_000_000_001]
+"""Up to 11 days: of these a float is exact to far below 1 us."""
+
+
+def folder_of(place: Path, lines: list[str]) -> Path:
+    for name in ("bus", "runs"):
+        (place / name).mkdir()
+    (place / "cases.csv").write_text("run,verdict\nr,pass\n", encoding="utf-8")
+    (place / "results.csv").write_text("run,metric,verdict\n", encoding="utf-8")
+    buses = tuple(BusFigures(name, 1_000_000, 0, 0, 0, 0, 0, "", (), ()) for name in ("a", "b"))
+    (place / "runs" / "r.json").write_text(run_text(facts(buses=buses)), encoding="utf-8")
+    (place / "bus" / "r.log").write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    return place
+
+
+def test_an_instant_is_the_one_of_the_log_to_the_nanosecond(tmp_path: Path) -> None:
+    """A log of candump has whole microseconds; as fractions of a second most are no whole bits."""
+    lines = [f"({us // 10**6}.{us % 10**6:06d}) a 181#{n % 256:02X}"
+             for n, us in enumerate(TIMES_US)]  # fmt: skip
+    found = load(folder_of(tmp_path, lines)).frames("r")
+    assert found["time_ns"].tolist() == [us * 1000 for us in TIMES_US]
+    assert str(found["time_ns"].dtype) == "int64"
+    assert found.attrs["units"] == {"time_ns": "ns"}
+    assert found["data"].tolist() == [f"{n % 256:02x}" for n in range(len(TIMES_US))]
+
+
+def test_a_frame_has_its_identifier_data_kind_and_segment(tmp_path: Path) -> None:
+    lines = [
+        "(0.000001) a 7FF#0102030405060708",
+        "(0.000002) b 00000181#FF",  # 8 digits: 29 bits
+        "(0.000003) b 080#",
+        "(0.000004) a 701#R",
+        "(0.000005) other 1FFFFFFF#00",
+    ]
+    found = load(folder_of(tmp_path, lines)).frames("r")
+    columns = ["segment", "id", "data", "is_extended", "is_remote", "is_error"]
+    assert [tuple(row) for row in found[columns].itertuples(index=False)] == [
+        ("a", 0x7FF, "0102030405060708", False, False, False),
+        ("b", 0x181, "ff", True, False, False),
+        ("b", 0x080, "", False, False, False),
+        ("a", 0x701, "", False, True, False),
+        ("other", 0x1FFFFFFF, "00", True, False, False),
+    ]
