@@ -12,10 +12,12 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE, Datagram
 from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.drives.ethercat.settings import LineSettings, Pdo, RegisterInputs, SlaveSettings
 from axisrig.kernel.drives.ethercat.slave_data import SlaveData
 from axisrig.kernel.drives.mapped import MappedObject
+from axisrig.kernel.profiles.ethercat.tables import Command
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 
@@ -314,3 +316,76 @@ def test_a_question_waits_for_the_cyclic_frame_and_not_for_ever() -> None:
     line.cycle()
     assert len(line.sent) == 3  # the first frame was lost
     assert max(indices(line.sent[2][1])) < FIRST
+
+
+# After the cycles
+
+
+QUESTION = [Datagram(Command.BRD, 0x0130 << 16, bytes(2))]
+
+
+def questions(line: Line) -> list[bytes]:
+    """The frames beside the cycle."""
+    return [frame for _, frame in line.sent if max(indices(frame)) < FIRST]
+
+
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_a_master_that_has_stopped_asks_at_once(is_lost: bool) -> None:
+    """No cyclic frame comes back any more to let a question go."""
+    line = Line()
+    line.master.run_alone()
+    line.clock.run_until(3 * MS)
+    if not is_lost:
+        line.back(line.sent[-1][1])
+    line.master.stop()
+    answers: list[Any] = []
+    for _ in range(2):
+        line.master.transactions.ask(QUESTION, answers.append)
+    assert len(questions(line)) == 1
+    line.master.received(questions(line)[-1])
+    assert len(questions(line)) == 2
+    line.master.received(questions(line)[-1])
+    assert [len(each) for each in answers] == [1, 1]
+    line.clock.run_until(9 * MS)
+    assert len(questions(line)) == 2
+
+
+def test_a_master_that_runs_again_holds_questions_back_again() -> None:
+    line = Line()
+    line.master.run_alone()
+    line.clock.run_until(2 * MS)
+    line.master.stop()
+    line.clock.run_until(4 * MS + 1)
+    line.master.run_alone()
+    line.clock.run_until(5 * MS)
+    line.master.transactions.ask(QUESTION, lambda _: None)
+    assert questions(line) == []
+    line.back(line.sent[-1][1])
+    assert len(questions(line)) == 1
+
+
+def test_questions_leave_one_behind_each_frame_that_is_back() -> None:
+    line = Line()
+    for _ in range(3):
+        line.master.transactions.ask(QUESTION, lambda _: None)
+    assert len(questions(line)) == 1  # before the first cycle nothing holds it
+    for number in (1, 2, 3):
+        frame = line.cycle()
+        line.master.received(questions(line)[-1])
+        assert len(questions(line)) == number
+        line.back(frame)
+        assert len(questions(line)) == min(number + 1, 3)
+
+
+def test_a_question_without_an_answer_is_asked_three_times() -> None:
+    """2 ms apart, each with an index of its own; what comes late counts for nothing."""
+    line = Line()
+    answers: list[Any] = []
+    line.master.transactions.ask(QUESTION, answers.append)
+    first = questions(line)[0]
+    line.clock.run_until(20 * MS)
+    assert [at for at, _ in line.sent] == [0, 2 * MS, 4 * MS]
+    assert len({frame[INDEX_PLACE] for _, frame in line.sent}) == 3
+    assert answers == [None]
+    line.master.received(first)
+    assert answers == [None]
