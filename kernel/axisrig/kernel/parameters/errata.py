@@ -53,7 +53,8 @@ def _squashed(kind: Kind) -> dict[str, str]:
 
 
 def _bare(name: str) -> str:
-    return re.sub(r"\[\s*[0-9]+\s*\]", "[0]", re.sub(_UNDERSCORE, "_", name)).lower()
+    # Indices first: blanks in their brackets are no underscores
+    return re.sub(_UNDERSCORE, "_", re.sub(r"\[\s*[0-9]+\s*\]", "[0]", name.lower()))
 
 
 def damaged_name(line: str, kind: Kind) -> str | None:
