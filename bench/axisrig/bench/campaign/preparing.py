@@ -19,7 +19,7 @@ from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.rig.programs import programs_of, started_files
-from axisrig.bench.rig.reading.file import MAP_KEYS, RigFile, read_rig
+from axisrig.bench.rig.reading.file import RigFile, read_rig
 from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import Settings, read_settings
@@ -138,7 +138,7 @@ def _has_other_files(case: Case, prepared: Prepared) -> bool:
     return (
         any(call.scope != "local" for call in calls)
         or bool(started_files(prepared.settings))
-        or any(item.kind == "drive" and item.name in MAP_KEYS for item in case.assignments())
+        or any(item.names_file for item in case.assignments())
     )
 
 

@@ -4,16 +4,19 @@ import csv
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation, Overflow
 from functools import cache, lru_cache
 from importlib import resources
+from pathlib import Path
 
 from axisrig.bench.plan.hints import several_hint
 from axisrig.kernel.errors import Guess, UserError, nearest
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 INPUT_KINDS = ("set", "plant", "drive", "bus", "distance", "plc", "fault")
+MAP_KEYS = ("eds", "pdo_map")
+"""Keys of drives that name a file."""
 
 _PLACES = {
     "axis": r"(?P<target>[A-Za-z]\w*)",
@@ -78,6 +81,17 @@ class Assignment:
     name: str
     unit: str
     value: str
+
+    @property
+    def names_file(self) -> bool:
+        """Whether the value is the path of a file."""
+        return self.kind == "drive" and self.name in MAP_KEYS
+
+    def anchored(self, folder: Path) -> "Assignment":
+        """Return it with the path of its file from a folder, itself where it names none."""
+        if not self.names_file:
+            return self
+        return replace(self, value=str((folder / self.value).resolve()))
 
     def si(self) -> float:
         """Give the value as a number in SI units. Raises UserError when it is no number."""

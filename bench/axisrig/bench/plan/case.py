@@ -60,8 +60,16 @@ class Case:
     probe_of: str = ""
 
     def assignments(self) -> tuple[Assignment, ...]:
-        """Give the inputs taken apart, in the order of the columns."""
-        return tuple(parse_column(column, value) for column, value in self.inputs.items())
+        """Give the inputs taken apart, in the order of the columns.
+
+        A cell that names a file does so from the folder of its table.
+        """
+        found = []
+        for column, value in self.inputs.items():
+            place = self.places.get(column)
+            table = self.file if place is None else place.file
+            found.append(parse_column(column, value).anchored(table.parent))
+        return tuple(found)
 
     def error(
         self,

@@ -79,10 +79,12 @@ class Plan:
     def with_inputs(self, assignments: Sequence[Assignment], select: str | None = None) -> "Plan":
         """Set inputs of every case, over what the cells say (`--set` of the command line).
 
+        A file is named from the working folder.
+
         select: of `-k`; a case that it does not choose keeps a column with several values. Raises
         UserError for one that it chooses, or that cannot be read.
         """
-        extra = {item.column: item.value for item in assignments}
+        extra = {item.column: item.anchored(Path()).value for item in assignments}
         wanted = self.cases if select is None else chosen(self.cases, select)
         for case in wanted:
             for column, header in _several(case).items():

@@ -34,7 +34,7 @@ from axisrig.bench.rig.reading.lists import (
 )
 from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS, PlcTaskTable
 from axisrig.bench.rig.reading.tables import SegmentKeys, Table, in_words
-from axisrig.kernel.errors import Alarm, UserError, nearest
+from axisrig.kernel.errors import Alarm, UserError, near_files, nearest
 from axisrig.kernel.kinematics import KinematicData
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
@@ -180,6 +180,10 @@ class Settings:
         if item.name == "family":
             raise UserError("a run does not change the family of a drive", value=item.value)
         drives = self.rig.drive
+        if item.names_file and not Path(item.value).is_file():
+            raise UserError(
+                f"{item.name} names no file", value=item.value, hint=near_files(Path(), item.value)
+            )
         value = drives[name].value_of(item.name, item.value)
         try:
             table = drives[name].changed(item.name, value)

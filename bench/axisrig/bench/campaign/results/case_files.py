@@ -6,7 +6,7 @@ from pathlib import Path
 
 from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.case import Case
-from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.decoder.base.subprograms import link, reachable
@@ -42,11 +42,7 @@ def readable_subprograms(case: Case) -> list[Path]:
 
 def rig_parts(case: Case) -> list[Path]:
     """What a rig is made of beside its file: bases, lists, maps, FMUs, maps that cells name."""
-    maps = [
-        case.rig.parent / item.value
-        for item in case.assignments()
-        if item.kind == "drive" and item.name in MAP_KEYS
-    ]
+    maps = [Path(item.value) for item in case.assignments() if item.names_file]
     return [*_of_rig(case.rig, _state(case.rig))[1:], *maps]
 
 

@@ -24,6 +24,7 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails
 
+from axisrig.bench.plan.assignment import MAP_KEYS
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.info import INFO_KEY
 from axisrig.bench.rig.reading.families import (
@@ -274,8 +275,8 @@ def _read_toml(path: Path) -> dict[str, Any]:
         ) from error
 
 
-LIST_KEYS, MAP_KEYS = ("list", "zero_offsets", "tools"), ("eds", "pdo_map")
-"""Keys of channel and axes, and of drives, that name a file."""
+LIST_KEYS = ("list", "zero_offsets", "tools")
+"""Keys of channel and axes that name a file."""
 PROGRAM_KEYS = ("program",)
 """Of the PLC."""
 

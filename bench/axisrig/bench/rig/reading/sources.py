@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from axisrig.bench.plan.assignment import MAP_KEYS
 from axisrig.bench.rig.reading.file import (
     LIST_KEYS,
-    MAP_KEYS,
     MODEL_SUFFIX,
     PROGRAM_KEYS,
     load_tables,

@@ -4,9 +4,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from axisrig.bench.files import sha256_of
+from axisrig.bench.plan.assignment import MAP_KEYS
 from axisrig.bench.rig.contents import CHANNEL, blocks_text, parts_of, read_parts, settings_of
 from axisrig.bench.rig.parameter_words import with_unit
-from axisrig.bench.rig.reading.file import LIST_KEYS, MAP_KEYS, PROGRAM_KEYS, read_rig
+from axisrig.bench.rig.reading.file import LIST_KEYS, PROGRAM_KEYS, read_rig
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import Parameter, ParameterSet, list_text, table
 from axisrig.kernel.parameters.lists import NAME
