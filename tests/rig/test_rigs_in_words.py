@@ -59,6 +59,41 @@ def test_a_sensor_that_nobody_reads_is_warned_of(
     ]
 
 
+OTHER = '[plant.{0}]\nfmu = "AxisRig.Sensors.TouchProbe"\nwire = {{ z = "z" }}\n'
+
+
+@pytest.mark.parametrize(
+    ("base", "reader"),
+    [
+        ("probe-z.toml", '[axis.Z]\nprobe_1 = "{0}"'),
+        ("probe-z.toml", '[axis.Z]\nprobe_2 = "{0}"'),
+        ("probe-z.toml", '[axis.Z]\nencoder_2 = "{0}"'),
+        ("probe-z.toml", '[axis.Z]\nhome_switch = "{0}"'),
+        ("plc-radio.toml", '[plc]\nswitches = "{0}"'),  # in place of the one that the drive has
+        ("plc-signal.toml", '[plc.terminal]\ninput_1 = "{0}"'),
+        ("plc-signal.toml", '[plc.terminal]\ninput_2 = "{0}"'),
+        ("plc-io-node.toml", '[plc.terminal]\ninput_2 = "{0}"'),
+    ],
+)
+def test_each_reader_of_a_sensor_counts_alone(make: Make, base: str, reader: str) -> None:
+    """Of two sensors it reads the one that it names, and the other one is warned of."""
+    sensors = OTHER.format("one") + OTHER.format("two")
+    for name, other in (("one", "two"), ("two", "one")):
+        lines = describe_axes(make(base, f"{reader.format(name)}\n{sensors}"))
+        unread = [line.split()[1] for line in lines if "nobody reads" in line]
+        assert other in unread
+        assert name not in unread
+        assert lines[-len(unread) :] == [
+            f"warning: {each} is wired to no input of a drive: nobody reads it" for each in unread
+        ]
+
+
+def test_unread_sensors_are_named_in_the_order_of_the_rig(make: Make) -> None:
+    names = ("b", "a", "c")
+    lines = describe_axes(make("probe-z.toml", "".join(OTHER.format(name) for name in names)))
+    assert [line.split()[1] for line in lines if "nobody reads" in line] == [*names]
+
+
 @pytest.mark.parametrize(
     ("base", "offset_us", "words"),
     [

@@ -168,6 +168,37 @@ def test_words_that_ask_for_something(
             answer(tmp_path, [(1, "can1 080#")], rig, only=(word,))
 
 
+OBJECTS = [
+    # SDO requests of 1A00:0A, 1A00:10, 1A00:01, 100A:0, 1A00:FF to node 3, and its answer to one
+    (1.0, "can1 603#40001A0A00000000"), (2.0, "can1 603#40001A1000000000"),
+    (3.0, "can1 603#40001A0100000000"), (4.0, "can1 603#400A100000000000"),
+    (5.0, "can1 603#40001AFF00000000"), (6.0, "can1 583#43001A1010006460"),
+    # Of node 4, an abort of 1A00:0A, and TPDO1 of node 3 with 6041:0 and 6064:0
+    (7.0, "can1 584#80001A0A11000906"), (8.0, "can1 183#3702640000000000"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("word", "times"),
+    [
+        ("1a00", [1, 2, 3, 5, 6, 7]), ("0x1A00", [1, 2, 3, 5, 6, 7]), ("100a", [4]),
+        ("1a00:a", [1, 7]), ("1A00:A", [1, 7]), ("0x1a00:a", [1, 7]), ("1a00:10", [2, 6]),
+        ("1a00:1", [3]), ("1a00:ff", [5]), ("1a00:0", []), ("100a:0", [4]),
+        ("6041:0", [8]), ("6064", [8]), ("6041:1", []),
+        ("abort", [7]), ("sdo", [1, 2, 3, 4, 5, 6, 7]), ("4", [7]), ("4.sdo", [7]),
+        ("4.abort", [7]), ("z.sdo", [1, 2, 3, 4, 5, 6]), ("3.tpdo1", [8]), ("z", [*range(1, 7), 8]),
+    ],
+)  # fmt: skip
+def test_an_object_is_found_by_index_and_subindex_in_hex(
+    tmp_path: Path, rig: Settings, word: str, times: list[int]
+) -> None:
+    lines = answer(tmp_path, OBJECTS, rig, only=(word,))
+    if not times:
+        assert lines[0].startswith("no frame for")
+        return
+    assert [round(float(line.split()[0])) for line in lines] == times
+
+
 def test_a_segment_has_the_name_of_the_rig_where_its_number_is_of_it() -> None:
     """Numbers count from 0 in the order of the rig; without one, only a single segment is meant."""
     one, three = (
