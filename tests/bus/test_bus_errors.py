@@ -108,6 +108,29 @@ def test_an_error_in_the_last_bit_makes_a_duplicate(
     assert segment.load().busy_bits == 48 + 14 + 3 + 51
 
 
+@pytest.mark.parametrize("wait_us", [0, 7])
+def test_a_wait_ends_where_a_frame_begins_that_fails_in_its_last_bit(
+    scheduler: Scheduler, segment: Segment, wait_us: int
+) -> None:
+    """0x081 is requested while a SYNC has the bus; 51 us later it begins, and its wait is over.
+
+    It is delivered and fails in its last bit; without power it is not sent again.
+    """
+    sender, other = segment.port("sender"), segment.port("other")
+    segment.port("receiver")
+    segment.add_fault(
+        lambda frame, port, attempt: ErrorAtBit(999) if frame.arbitration_id == 0x081 else None
+    )
+    other.send_raw(0x080, b"")
+    scheduler.call_at(wait_us * 1000, Phase.APPLICATION, lambda: sender.send_raw(0x081, b""))
+    scheduler.run_until((51 + 48 + 5) * 1000)
+    sender.power_off()
+    scheduler.run_until(MS)
+    load = segment.load()
+    assert load.worst_delay_ns == {0x080: 0, 0x081: (51 - wait_us) * 1000}
+    assert load.frames == 2
+
+
 def test_the_last_but_one_bit_still_destroys_the_frame(
     scheduler: Scheduler, segment: Segment, watch: Watch
 ) -> None:

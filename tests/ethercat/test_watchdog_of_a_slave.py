@@ -1,6 +1,7 @@
 """The watchdog of the outputs of a slave, alone: its time, its count, what stops it."""
 
 import pytest
+from tests.ethercat.line import INIT, OP, Line
 
 from axisrig.bench.drive.ethercat.watchdog import Watchdog
 from axisrig.kernel.time.clock import MS
@@ -52,3 +53,48 @@ def test_its_count_stays_at_its_end() -> None:
         watchdog.feed()
         clock.run_until(clock.now_ns + 1000)
         assert watchdog.count == min(number, 255)
+
+
+RAN_OUT = 0x1B
+"""AL status code (ETG.1000.6): the watchdog of SyncManagers."""
+
+
+@pytest.mark.parametrize(("time", "ms"), [(2000, 200), (1000, 100), (5, 0.5)])
+def test_the_time_that_a_master_writes_alone_counts_in_units_of_power_on(
+    time: int, ms: float
+) -> None:
+    """0400 begins with 2498, units of 100 us."""
+    line = Line()
+    line.write(0x0420, time, 2)
+    assert line.drive.watchdog.time_ns == ms * MS
+    line.write(0x0400, 998, 2)
+    assert line.drive.watchdog.time_ns == ms * MS * 0.4
+
+
+def test_a_slave_without_power_counts_nothing_and_begins_anew() -> None:
+    """Its time of 100 ms ends while it has no power; then it runs out, and that is forgotten."""
+    line = Line()
+    line.op()
+    line.write(0x0420, 1100, 2)
+    for wait_ms in (300, 1):
+        line.drive.power_off()
+        line.wait(wait_ms * MS)
+        line.drive.power_on()
+        assert line.al() == (INIT, 0)
+        line.wait(500 * MS)
+        assert line.al() == (INIT, 0)
+        assert [line.read(0x0440, 2), line.read(0x0442, 1)] == [0, 0]
+        line.op()
+        line.wait(99 * MS)
+        assert line.al() == (OP, 0)
+        line.wait(2 * MS)
+        assert line.al()[1] == RAN_OUT
+        assert [line.read(0x0440, 2), line.read(0x0442, 1)] == [0, 1]
+
+
+def test_a_watchdog_that_is_without_power_runs_out_for_nobody() -> None:
+    line = Line()
+    line.op()
+    line.drive.power_off()
+    line.wait(300 * MS)
+    assert line.drive.watchdog.count == 0

@@ -6,6 +6,7 @@ from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.rig.plc.axis_words import (
     AxisFeedhold,
     ObjectChange,
+    ProbingWrite,
     SetCourse,
     UnitWrite,
     axis_columns,
@@ -36,6 +37,33 @@ def test_commands_of_distance_control_have_their_set_values() -> None:
     assert on.moment == Moment("start", None, 200 * MS)
     assert off.action == UnitWrite("Z", DistanceCommand.OFF)
     assert (off.moment, off.nth) == (Moment("M51"), 2)
+
+
+def test_a_probing_signal_goes_up_and_down_and_a_position_is_a_number() -> None:
+    up, down = rules("Z.probing_signal", "1 at=M50; 0 at=M51+2ms")
+    assert (up.action, down.action) == (
+        ProbingWrite("Z", level=True),
+        ProbingWrite("Z", level=False),
+    )
+    assert (up.moment, down.moment) == (Moment("M50"), Moment("M51", None, 2 * MS))
+    (place,) = rules("X.probing_position", "-12.5")
+    assert place.action == ProbingWrite("X", position_mm=-12.5)
+
+
+@pytest.mark.parametrize("cell", ["2", "-1", "true", "ON", "1.0", "01", "0x1", "0;2 at=M50"])
+def test_a_probing_signal_has_two_levels(cell: str) -> None:
+    with pytest.raises(UserError, match="a signal has two levels") as caught:
+        rules("Z.probing_signal", cell)
+    assert caught.value.allowed == "0, 1"
+    assert caught.value.value == cell.rsplit(";", maxsplit=1)[-1].split(maxsplit=1)[0]
+
+
+@pytest.mark.parametrize("column", ["probing_signal", "probing_position", "set_pos", "set_dist"])
+@pytest.mark.parametrize(("cell", "found"), [("at=M50", "nothing"), ("1 0 at=M50", "1 0")])
+def test_a_cell_has_one_value(column: str, cell: str, found: str) -> None:
+    with pytest.raises(UserError, match="one value and its keys") as caught:
+        rules(f"Z.{column}", cell)
+    assert caught.value.value == found
 
 
 def test_a_set_value_moves_over_a_time_or_is_there_at_once() -> None:

@@ -54,6 +54,22 @@ def test_an_object_by_name_or_number_and_off_in_hexadecimal(name: str) -> None:
     assert rule.moment == Moment("start")
 
 
+@pytest.mark.parametrize("name", list(plc_objects()))
+def test_an_object_takes_each_value_of_its_type_from_the_lowest_on(name: str) -> None:
+    """CiA 301: UNS16 is 0 to 65535, UNS32 0 to 4294967295, signed ones have both halves."""
+    target = plc_objects()[name]
+    bits, is_signed = int(target.type[-2:]), target.type.startswith("SGN")
+    low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if is_signed else (0, (1 << bits) - 1)
+    for value in (low, low + 1, high - 1, high):
+        for text in (str(value), hex(value)):
+            (rule,) = rules(f"plc:Z.{name}={text}")
+            assert rule.action == ObjectWrite("Z", target, value)
+    for text in (str(low - 1), str(high + 1), "1.0", "1_0", "ten", "\u0661"):
+        with pytest.raises(UserError, match=f"{name}: not a value of it") as caught:
+            rules(f"plc:Z.{name}={text}")
+        assert f"a whole number from {low} to {high}" in str(caught.value)
+
+
 def test_feedholds_and_variables() -> None:
     first, second = rules("plc:feedhold=at=400ms for=0.3s; for=20ms at=motion+1ms nth=3")
     assert (first.moment, first.action) == (Moment("start", None, 400 * MS), Feedhold(300 * MS))

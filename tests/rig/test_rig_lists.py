@@ -7,12 +7,13 @@ import pytest
 
 from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.rig.check import check_rig
-from axisrig.bench.rig.reading.lists import drive_input, substituted
+from axisrig.bench.rig.reading.lists import drive_input, substituted, substituted_in_words
 from axisrig.bench.rig.settings import AS_CANOPEN, Settings
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
 SECOND_AXIS = """\
 [axis.X]
@@ -189,6 +190,31 @@ def test_a_drive_may_stand_for_one_of_another_type(
     settings = settings_of(listed(rig_file(), SERCOS), key)
     check_rig(settings)
     assert substituted(settings.rig, settings.axis) == {"Z": "SERCOS (2)"}
+
+
+@pytest.mark.parametrize(
+    "rig", ["probe-z", "probe-z-sercos", "probe-z-profidrive", "probe-z-lightbus",
+            "probe-z-conventional", "probe-z-encoder-terminal", "probe-xyz-mixed"],
+)  # fmt: skip
+@pytest.mark.parametrize("says", [True, False])
+def test_a_drive_of_the_rig_replaces_none_where_the_list_names_it_or_none(
+    tmp_path: Path, settings_of: Read, rig: str, says: bool
+) -> None:
+    """P-AXIS-00020 as the shipped lists have it, and lists that say nothing of a drive."""
+    path = RIGS / f"{rig}.toml"
+    if not says:
+        axes = settings_of(path).rig.axis
+        text = f'base = "{path.as_posix()}"\n'
+        for name, axis in axes.items():
+            words = Path(axis.list).read_text(encoding="utf-8").splitlines()
+            kept = [word for word in words if not word.startswith("kenngr.antr_typ")]
+            (tmp_path / f"{name}.lst").write_text("\n".join([*kept, ""]), encoding="utf-8")
+            text += f'[axis.{name}]\nlist = "{name}.lst"\n'
+        path = tmp_path / "own.toml"
+        path.write_text(text, encoding="utf-8")
+    settings = settings_of(path)
+    assert substituted(settings.rig, settings.axis) == {}
+    assert substituted_in_words(settings.rig, settings.axis) == ""
 
 
 def test_every_drive_is_meant_by_all(rig_file: Write, settings_of: Read) -> None:

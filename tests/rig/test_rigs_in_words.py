@@ -120,6 +120,25 @@ def test_an_unproved_place_has_its_reason(make: Make) -> None:
     assert unproved_place(settings, "Z", "the bus is full").endswith(": the bus is full")
 
 
+@pytest.mark.parametrize("base", ["probe-z-ethercat.toml", "probe-z-sercos.toml", "probe-z.toml"])
+@pytest.mark.parametrize("position", [True, False])
+@pytest.mark.parametrize("latch", [True, False])
+def test_places_and_latches_without_a_proof_are_warned_of_each_by_its_own_key(
+    make: Make, base: str, position: bool, latch: bool
+) -> None:
+    """position_check proves the place from which an axis is led, latch_check its latches."""
+    keys = {"position_check": position, "latch_check": latch}
+    changes = [f"drive:servo.{key}={str(value).lower()}" for key, value in keys.items()]
+    settings = make(base, "", *changes)
+    lines = family_of(settings, "Z").describe(settings)
+    unproved = [line for line in lines if "position from which its drive is led" in line]
+    assert unproved == ([] if position else [unproved_place(settings, "Z")])
+    said = [line for line in lines if "latch_check" in line or "nothing proves it" in line]
+    assert len(said) == (0 if latch else 1)
+    proved = [line for line in lines if "SDO proves" in line or "channel proves it" in line]
+    assert len(proved) == (1 if latch else 0)
+
+
 @pytest.mark.parametrize(
     ("name", "is_good"),
     [

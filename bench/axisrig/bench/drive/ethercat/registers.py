@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from axisrig.bench.drive.ethercat import register_areas as areas
+from axisrig.bench.drive.ethercat import watchdog
 from axisrig.bench.drive.ethercat.distributed_clock import DistributedClock
 from axisrig.bench.drive.ethercat.eeprom import Eeprom
 from axisrig.bench.drive.ethercat.fmmu import COUNT as FMMUS
@@ -106,6 +107,9 @@ class Registers(Physical):
         self.put("DL_STATUS", _LAST_OF_LINE)
         self.put("DL_CONTROL", 0x0007_0001)
         self.put("AL_STATUS", tables.AlState.INIT)
+        self.put("WATCHDOG_DIVIDER", watchdog.DIVIDER)
+        self.put("WATCHDOG_PDI", watchdog.TIME)
+        self.put("WATCHDOG_PROCESS_DATA", watchdog.TIME)
         self.put("SPEED_COUNTER_START", 0x1000)
         self.put("TIME_FILTER_DEPTH", 4)
         self.put("SPEED_FILTER_DEPTH", 12)
@@ -115,7 +119,7 @@ class Registers(Physical):
         self._parts.managers.configure(bytes(8 * SYNC_MANAGERS))
         self._parts.time.reset()
         self._parts.sync.activate(0)
-        self._parts.watchdog.stop()
+        self._parts.watchdog.reset()
         self._parts.eeprom.load()
         self.put("STATION_ALIAS", self._parts.eeprom.alias)
 

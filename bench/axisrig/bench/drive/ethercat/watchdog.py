@@ -34,6 +34,11 @@ class Watchdog:
         if self.time:
             self._timer.start(self.time_ns)
 
+    def reset(self) -> None:
+        """Be as after power on."""
+        self.stop()
+        self.divider, self.time, self.count = DIVIDER, TIME, 0
+
     def stop(self) -> None:
         """Watch no more."""
         self._timer.stop()
