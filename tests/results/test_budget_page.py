@@ -9,8 +9,9 @@ import pytest
 
 from axisrig.bench.tools.budget.budget import Budget, Share
 from axisrig.bench.tools.budget.causes import causes
+from axisrig.kernel.errors import UserError
 from axisrig.reports.budget.drawing import waterfall
-from axisrig.results.budget.page import write_budget
+from axisrig.results.budget.page import add_budget, write_budget
 
 FIRST, SECOND, THIRD = causes()[:3]
 # Two causes act on each other: in turn they make 10 um, alone 12
@@ -102,3 +103,55 @@ def test_what_is_left_is_explained_up_to_what_nobody_can_know(
     text = page_of(tmp_path, replace(BUDGET, left_um=left_um, quantum_um=quantum_um))
     found = re.findall(r"<strong>not explained: (\S+) um are left .*?more than (.*?):", text)
     assert found == ([(f"{left_um:+.4f}", words)] if words else [])
+
+
+def results_of(folder: Path, *runs: tuple[str, str]) -> Path:
+    """A results folder with some runs and the hash of their frames."""
+    rows = "".join(f"{run},pass,{frames}\n" for run, frames in runs)
+    (folder / "cases.csv").write_text(f"run,verdict,frame_log_sha256\n{rows}", encoding="utf-8")
+    (folder / "results.csv").write_text("run,metric,verdict\n", encoding="utf-8")
+    return folder
+
+
+def test_a_budget_is_put_beside_its_run(tmp_path: Path) -> None:
+    """A later one replaces it; the folder has one for each run."""
+    folder = results_of(tmp_path, ("p-b", "cd" * 32), ("p-a", "ab" * 32))
+    other = replace(BUDGET, run="p-b", frame_log_sha256="cd" * 32)
+    for budget in (BUDGET, replace(BUDGET, left_um=0.25), other):
+        path = add_budget(folder, budget)
+        assert path == folder / "budgets" / f"{budget.run}.csv"
+        with path.open(encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        assert {row["run"] for row in rows} == {budget.run}
+        assert float(rows[-1]["in_turn_um"]) == budget.left_um
+    assert sorted(path.name for path in (folder / "budgets").iterdir()) == ["p-a.csv", "p-b.csv"]
+
+
+@pytest.mark.parametrize(
+    ("runs", "words"),
+    [
+        ([("p-a", "cd" * 32)], "the results folder has other frames than this budget"),
+        ([("p-b", "ab" * 32)], "the results folder has no such run"),
+        ([("p-b", "ab" * 32), ("p-a", "")], "the results folder has other frames than this budget"),
+        ([], "the results folder has no such run"),
+    ],
+)
+def test_a_budget_of_another_run_is_refused(
+    runs: list[tuple[str, str]], words: str, tmp_path: Path
+) -> None:
+    """Nothing is written then."""
+    with pytest.raises(UserError) as refused:
+        add_budget(results_of(tmp_path, *runs), BUDGET)
+    found = refused.value
+    assert (found.message, found.file, found.value) == (words, str(tmp_path), "p-a")
+    assert "run the row with the same settings" in str(found)
+    assert not (tmp_path / "budgets").exists()
+
+
+@pytest.mark.parametrize("name", ["b.pdf", "b", "b.csv.gz"])
+def test_a_budget_of_another_ending_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(UserError) as refused:
+        write_budget(tmp_path / name, BUDGET)
+    assert (refused.value.message, refused.value.allowed) == ("no kind of a budget", ".csv, .html")
+    assert list(tmp_path.iterdir()) == []
+    assert write_budget(tmp_path / "B.CSV", BUDGET).is_file()
