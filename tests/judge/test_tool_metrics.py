@@ -196,9 +196,9 @@ def test_how_the_offset_moves_the_tool_and_the_axes(
 def test_the_last_step_of_a_run_out_is_a_speed_and_what_off_hands_over_is_none() -> None:
     """1.5 mm run out by 0.1 mm a cycle, the last step is 0.6 mm, in the row that is off."""
     off = tilted.OFF
-    state = np.where((AT >= tilted.ON) & (AT < off), 4, 0)
+    state = np.where((AT >= tilted.ON) & (off > AT), 4, 0)
     state[off - 9 : off] = 3
-    z_mm = np.where((AT >= tilted.STEP) & (AT < off), 1.5, 0.0)
+    z_mm = np.where((AT >= tilted.STEP) & (off > AT), 1.5, 0.0)
     z_mm[off - 9 : off] -= 0.1 * np.arange(1, 10)
     z_mm[tilted.STEP : tilted.STEP + 15] = 0.1 * np.arange(15)
     columns = {"channel.distance_state": state, "Z.superposed_mm": z_mm}
