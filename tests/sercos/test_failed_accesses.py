@@ -10,7 +10,13 @@ from axisrig.kernel.drives.sercos.service_channel import SoeError
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.canon import DriveRead, DriveWait, DriveWrite
-from axisrig.kernel.profiles.sercos.service import Attribute, Element, Kind, ident_number
+from axisrig.kernel.profiles.sercos.service import (
+    Attribute,
+    Element,
+    Kind,
+    ident_number,
+    pack_list,
+)
 
 KEY = "S-0-0092"
 U16 = Attribute(Kind.UNSIGNED, 2)
@@ -194,6 +200,42 @@ def test_a_value_beside_the_range_of_its_ident_is_not_written(kind: Kind, width:
         assert alarm.values == {
             "axis": "Z", "key": KEY, "value": str(value), "data_type": text,
         }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("attribute", "what"),
+    [
+        (Attribute(Kind.IDENT, 2, is_list=True), "list"),
+        (Attribute(Kind.UNSIGNED, 4, is_list=True), "list"),
+        (Attribute(Kind.TEXT, 1), "text"),
+    ],
+)
+@pytest.mark.parametrize("writes", [False, True])
+def test_a_list_or_a_text_is_no_number(attribute: Attribute, what: str, writes: bool) -> None:
+    """S-0-0017 has hundreds of items, which no number holds."""
+    program = Program()
+    if writes:
+        program.accesses.begin(write(length=attribute.width))
+        program.asked()
+        program.channel.answer(attribute.pack())
+        assert program.asked() == []
+    else:
+        program.accesses.begin(read(length=attribute.width))
+        items = pack_list([1] * 400, attribute.width, 400)
+        program.channel.answer(attribute.pack() + items)
+    alarm = alarm_of(program)
+    assert (alarm.id, alarm.place) == (900256, "line 1, block N10")
+    assert alarm.values["allowed"] == f"none for {KEY}: it is a {what}"
+    assert not program.accesses.is_busy
+
+
+def test_what_was_read_before_stays_where_a_length_is_wrong() -> None:
+    program = Program()
+    for length, value in ((2, 7), (4, 8)):
+        program.accesses.begin(read(length=length))
+        program.channel.answer(U16.pack() + value.to_bytes(2, "little"))
+    assert alarm_of(program).id == 900256
+    assert program.accesses.value("Z", KEY) == 7.0
 
 
 def test_a_wrong_length_is_the_alarm_where_the_value_does_not_fit_either() -> None:

@@ -110,10 +110,12 @@ class SercosAccesses(AnsweredAccesses):
                 self._close(command, found)
                 return
             attribute = Attribute.read(found[:4])
-            value = parts_of(BOTH, found, attribute)[Element.VALUE]
-            number = int.from_bytes(value, "little", signed=attribute.kind is Kind.SIGNED)
-            self._values[command.axis, command.key.upper()] = float(number)
-            self._close(command, self._length(command, attribute))
+            wrong = self._length(command, attribute)
+            if wrong is None:
+                value = parts_of(BOTH, found, attribute)[Element.VALUE]
+                number = int.from_bytes(value, "little", signed=attribute.kind is Kind.SIGNED)
+                self._values[command.axis, command.key.upper()] = float(number)
+            self._close(command, wrong)
 
         drive.channel.read(drive.drive_number, ident, BOTH, done)
 
@@ -156,10 +158,12 @@ class SercosAccesses(AnsweredAccesses):
 
     @staticmethod
     def _length(command: canon.DriveWrite | canon.DriveRead, attribute: Attribute) -> Alarm | None:
-        """Return Alarm 900256 where TYP is not the length of the ident."""
-        if command.length_bytes == attribute.width:
+        """Return Alarm 900256 where TYP is not the length of the ident, or it is a list or text."""
+        if command.length_bytes == attribute.width and not attribute.is_variable:
             return None
         allowed = f"{attribute.width} for {command.key}"
+        if attribute.is_variable:
+            allowed = f"none for {command.key}: it is a {'list' if attribute.is_list else 'text'}"
         return Alarm(
             900256,
             place=command.block.place,
