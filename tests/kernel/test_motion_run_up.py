@@ -88,6 +88,19 @@ def test_every_ramp_of_a_run_up_keeps_to_the_jerk_of_its_direction(
             assert last.duration_s == pytest.approx(last.from_mm_s2 / 1000.0 * fall_s, rel=1e-9)
 
 
+@pytest.mark.parametrize("times_s", UNEQUAL)
+def test_a_run_up_with_straight_ramps_comes_to_its_feed_in_one_pulse(
+    times_s: tuple[float, float],
+) -> None:
+    """The acceleration goes on along the limit, is held for what its fall leaves, falls once."""
+    made = run_up(Shape.TRAPEZ, 0.0, times_s)
+    lead = made.lead_to(made.top_mm_s)
+    assert [ramp.to_mm_s2 == 0.0 for ramp in lead] == [False] * (len(lead) - 1) + [True]
+    fall_mm_s = 0.5 * lead[-1].from_mm_s2 * lead[-1].duration_s
+    before_mm_s = START_MM_S + change_mm_s(lead[:-1], Shape.TRAPEZ)
+    assert before_mm_s + fall_mm_s == pytest.approx(FEED_MM_S, rel=2e-6)
+
+
 # Whether a stop has room
 
 
