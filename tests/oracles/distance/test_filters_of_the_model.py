@@ -6,12 +6,14 @@ it, a mean of N goes n/N of it, a lag of first order with the pole p and b = (1 
 """
 
 import math
+from collections.abc import Sequence
 
+import numpy as np
 import pytest
 
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
-from axisrig.bench.oracles.distance.model import Law
+from axisrig.bench.oracles.distance.model import Filtering, Law
 from axisrig.bench.oracles.distance.smoothing import (
     Smoothing,
     cascade,
@@ -113,3 +115,62 @@ def test_the_same_filter_goes_on_when_other_words_change(name: str) -> None:
         found.append(given(one, 0.0))
     assert found == pytest.approx([STEPS[name](n) for n in range(1, 15)], abs=1e-12)
     assert one.control == Control(0.7)
+
+
+# The filter by itself
+
+
+def outputs(smoothing: Smoothing, values: Sequence[float]) -> list[float]:
+    filtering = Filtering(smoothing)
+    return [filtering.step(value) for value in values]
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_a_filter_that_is_filled_forgets_what_came_before(name: str) -> None:
+    filtering = Filtering(FILTERS[name])
+    for value in (1.0, 7.0, -3.0, 2.0):
+        filtering.step(value)
+    filtering.fill(5.0)
+    assert [filtering.step(5.0) for _ in range(30)] == pytest.approx([5.0] * 30, rel=1e-9)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (2.0, 3.0), (-4.0, -4.5)])
+@pytest.mark.parametrize("name", FILTERS)
+def test_what_a_filter_is_late_by_is_missing_of_a_step(name: str, low: float, high: float) -> None:
+    """The sum of what is missing, over the height, is the group delay; from any level.
+
+    After 400 cycles nothing is left of the slowest poles, 0.8 alone and 0.73 three times.
+    """
+    given = [low] * 3 + [high] * 400
+    found = outputs(FILTERS[name], given)
+    missing = sum(one - two for one, two in zip(given, found, strict=True)) / (high - low)
+    assert missing == pytest.approx(FILTERS[name].delay_cycles, abs=1e-8)
+    assert found[-1] == pytest.approx(high, abs=1e-9)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_a_low_pass_is_so_many_lags_one_after_the_other(order: int) -> None:
+    given = [4.0, 5.0, 3.0, 3.5, 6.0, 4.0, 4.0, 2.0, 7.0, 4.5]
+    values = given
+    for _ in range(order):
+        values = outputs(cascade(1, 100.0, 1e-3), values)
+    assert outputs(cascade(order, 100.0, 1e-3), given) == pytest.approx(values, abs=1e-12)
+
+
+def test_a_denominator_that_does_not_begin_with_1_is_the_same_filter() -> None:
+    plain = exponential(0.3)
+    doubled = Smoothing("twice", 2.0 * plain.numerator, 2.0 * plain.denominator)
+    values = [1.0, 2.0, -1.0, 0.5]
+    assert outputs(doubled, values) == pytest.approx(outputs(plain, values), abs=1e-12)
+
+
+def test_a_second_change_of_the_filter_begins_with_the_first_one() -> None:
+    """A mean of 4 is at 1 after 0, 0, 0 and 4. Of two values: 1 and 4; of four: 2.5 and 4s."""
+    one = law(moving_average(4))
+    for value in (0.0, 0.0, 0.0, 4.0):
+        given(one, value)
+    found = []
+    for count in (2, 4, 4):
+        one.change(Control(0.2), moving_average(count))
+        found.append(given(one, 4.0))
+    assert found == pytest.approx([2.5, np.mean([2.5] * 3 + [4.0]), np.mean([2.5] * 2 + [4.0] * 2)])
