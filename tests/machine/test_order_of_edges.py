@@ -1,0 +1,100 @@
+"""Edges at one instant in their order, slaves of several masters, and inputs with one signal."""
+
+import pytest
+from tests.machine.test_edge_truth import Axis, Bench, even, watcher
+
+from axisrig.bench.machine.recording.edge_log import Watcher, watchers_of
+from axisrig.bench.oracles.latch.instant import LatchTimes
+from axisrig.kernel.time.clock import MS, US
+
+pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
+
+
+def axes_of(names: str) -> dict[str, Axis]:
+    """Axes that stand 100 mm apart, in this order."""
+    return {name: Axis(even(0.1 * number, 0.01)) for number, name in enumerate(names)}
+
+
+def test_edges_of_one_instant_are_by_signal_then_axis_then_reader() -> None:
+    """Signals by name, axes as the rig has them (Z before A), the drive before the terminal."""
+    times = LatchTimes(delay_ns=100 * US)
+    watching = [
+        Watcher(name, times, reader) for reader in ("terminal", "drive") for name in ("A", "Z")
+    ]
+    bench = Bench(axes_of("ZA"), {"two": watching, "one": watching[::-1]})
+    bench.at(5 * MS, two=(3 * MS, True), one=(3 * MS, True))
+    bench.at(6 * MS, two=(2 * MS, False))  # came to be known later
+    seen = [(row.edge_ns // MS, row.probe, row.axis, row.read_by) for row in bench.log.rows()]
+    of_axes = [(axis, reader) for axis in "ZA" for reader in ("drive", "terminal")]
+    assert seen == [
+        (at, probe, *each) for at, probe in ((2, "two"), (3, "one"), (3, "two")) for each in of_axes
+    ]
+
+
+def test_each_slave_follows_its_own_master() -> None:
+    """U follows X and V follows Y, whose drives have other delays."""
+    bench = Bench(
+        axes_of("XUYV"), {"probe": [watcher("X", 400), watcher("Y", 100)]}, {"U": "X", "V": "Y"}
+    )
+    bench.at(2 * MS, probe=(1 * MS, True))
+    assert [(row.axis, row.latch_ns // US) for row in bench.log.rows()] == [
+        ("X", 1400), ("U", 1400), ("Y", 1100), ("V", 1100),
+    ]  # fmt: skip
+
+
+def test_a_slave_that_is_simulated_elsewhere_has_no_rows() -> None:
+    bench = Bench(axes_of("XV"), {"probe": [watcher("X", 400)]}, {"U": "X", "V": "X"})
+    bench.at(2 * MS, probe=(1 * MS, True))
+    assert [row.axis for row in bench.log.rows()] == ["X", "V"]
+
+
+def test_a_coupling_counts_from_the_edge_at_which_it_is_there() -> None:
+    slaves: dict[str, str] = {}
+    bench = Bench(axes_of("XU"), {"probe": [watcher("X")]}, slaves)
+    bench.log = type(bench.log)(
+        bench.plant,  # type: ignore[arg-type]
+        axes_of("XU"),  # type: ignore[arg-type]
+        {"probe": [watcher("X")]},
+        lambda masters: {slave: by for slave, by in slaves.items() if by in masters},
+    )
+    for at, coupled in ((1, {}), (2, {"U": "X"}), (3, {})):
+        slaves.clear()
+        slaves.update(coupled)
+        bench.at((at + 1) * MS, probe=(at * MS, at % 2 == 1))
+    assert [(row.edge_ns // MS, row.axis, row.level) for row in bench.log.rows()] == [
+        (1, "X", True), (2, "X", False), (2, "U", False), (3, "X", True),
+    ]  # fmt: skip
+
+
+def test_a_latch_of_this_very_instant_has_its_place() -> None:
+    bench = Bench(axes_of("Z"), {"probe": [watcher("Z", 500)]})
+    bench.at(1 * MS, probe=(800_000, True))
+    bench.at(1_300_000)
+    (row,) = bench.log.rows()
+    assert row.latch_load_mm == pytest.approx(10.0 * 1.3e-3, abs=1e-9)
+
+
+def test_one_signal_at_two_inputs_of_the_terminal_is_watched_once() -> None:
+    """By each axis; a signal at another input by each axis too, and none by the drive."""
+
+    class Of:
+        """Anything with attributes."""
+
+        def __init__(self, **more: object) -> None:
+            self.__dict__.update(more)
+
+    terminal = Of(
+        inputs={1: "probe", 2: "other", 3: "probe"}, stamp_resolution_ns=1, filter_us=0.0,
+        stamp_jitter_ns=0, is_on_can=False,
+    )  # fmt: skip
+    task = Of(
+        terminal=terminal, clock_offset_ns=0, clock_drift_ppm=0.0, assumed_offset_ns=0,
+        assumed_drift_ppm=0.0,
+    )  # fmt: skip
+    facts = Of(latch=LatchTimes())
+    axis = {name: Of(drive="servo", signals={}) for name in "XZ"}
+    drive = {"servo": Of(facts=lambda: facts)}
+    found = watchers_of(Of(rig=Of(axis=axis, drive=drive, plc_task=task)), "XZ")  # type: ignore[arg-type]
+    assert {name: [(one.axis, one.read_by) for one in each] for name, each in found.items()} == {
+        name: [("X", "terminal"), ("Z", "terminal")] for name in ("probe", "other")
+    }
