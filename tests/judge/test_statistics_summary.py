@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pytest
 from scipy import stats
 
-from axisrig.bench.judge.statistics.summary import CaseStatistics, statistics_data
+from axisrig.bench.judge.statistics.summary import CaseStatistics, ValueApart, statistics_data
 
 FEED = "plc:V.E.FEED"
 VALUES = (0.4, 0.1, -0.2, 0.3, 0.0, 0.2)
@@ -231,3 +231,8 @@ def test_statistics_are_of_each_plan_case_and_metric() -> None:
         ("p", "a", "lag_mm_max", "mm"), ("q", "a", "latch_error_um", "um"),
     ]  # fmt: skip
     assert {each.found.n for each in found} == {2}
+
+
+@pytest.mark.parametrize(("ratio", "is_apart"), [(0.0, False), (1.0, False), (1.0001, True)])
+def test_a_value_is_apart_beyond_the_limit_of_its_test(ratio: float, is_apart: bool) -> None:
+    assert ValueApart("p-a", ratio).is_apart is is_apart

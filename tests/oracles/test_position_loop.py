@@ -51,3 +51,35 @@ def test_the_lag_of_a_ramp() -> None:
     assert ramp_lag_mm(10.0, 10.0) == 1.0
     assert ramp_lag_mm(10.0, 10.0, 0.7) == pytest.approx(0.3)
     assert ramp_lag_mm(-10.0, 40.0) == -0.25
+
+
+@pytest.mark.parametrize(
+    ("late", "loop_ns", "period_ns", "dead"),
+    [(0, 0, 1_000_000, 1.0), (2, 0, 1_000_000, 3.0), (0, 500_000, 1_000_000, 1.5),
+     (1, 500_000, 2_000_000, 2.25), (3, 4_000_000, 2_000_000, 6.0)],
+)  # fmt: skip
+def test_carrier_and_speed_loop_add_to_the_one_cycle_that_is_always_dead(
+    late: int, loop_ns: int, period_ns: int, dead: float
+) -> None:
+    assert dead_cycles(late, loop_ns, period_ns) == dead
+
+
+@pytest.mark.parametrize("is_held", [True, False])
+def test_a_fraction_of_a_dead_cycle_lies_between_the_whole_ones(*, is_held: bool) -> None:
+    """The more is dead, the smaller the gain; at the limit the phase of the loop is -180 degrees.
+
+    Held: -w n - w/2 - 90 with 2 sin(w/2) = K T; interpolated: -w n - w - 90 with 2 tan(w/2) = K T.
+    """
+    found = [gain_limit(dead, is_held=is_held) for dead in (0.0, 0.5, 1.0, 1.5, 2.0)]
+    assert found == sorted(found, reverse=True)
+    for dead, gain in zip((0.0, 0.5, 1.0, 1.5, 2.0), found, strict=True):
+        w = 2.0 * (math.asin(gain / 2.0) if is_held else math.atan(gain / 2.0))
+        phase = w * dead + (w / 2.0 if is_held else w) + math.pi / 2.0
+        assert phase == pytest.approx(math.pi)
+
+
+@pytest.mark.parametrize(("share", "lag_mm"), [(0.0, 0.5), (0.25, 0.375), (1.0, 0.0), (1.2, -0.1)])
+def test_a_feed_forward_takes_its_share_of_the_lag(share: float, lag_mm: float) -> None:
+    """More than the whole leads the axis ahead; 10 mm/s at 20/s, either way."""
+    assert ramp_lag_mm(10.0, 20.0, share) == pytest.approx(lag_mm)
+    assert ramp_lag_mm(-10.0, 20.0, share) == pytest.approx(-lag_mm)
