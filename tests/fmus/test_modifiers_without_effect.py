@@ -36,6 +36,7 @@ HEIR = "model Heir\n  extends Base;\nend Heir;\n"
         ("Base b(redeclare model P = Part(k = 5));", OF_CLASS),
         ("Base b(redeclare final replaceable block P = Lib.Part(k = 5));", OF_CLASS),
         ("replaceable model P = Part constrainedby Any(k = 6);", OF_CLASS),
+        ("replaceable model P = Part(k = 6) constrainedby Any(k = 6);", OF_CLASS),
         ("replaceable Part p constrainedby Any(k = 6);", OF_CLASS),
         ("replaceable Part p(g = 6) constrainedby Any(k = 6);", OF_CLASS),
         ("replaceable Part p(k = 6) constrainedby Any(k = 6, g = 2);", OF_CLASS),
