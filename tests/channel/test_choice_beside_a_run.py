@@ -63,6 +63,22 @@ def test_a_choice_does_not_wait_where_nothing_measures(
     assert chosen_ns - bench.channel.start_ns <= 25 * MS
 
 
+@pytest.mark.parametrize("choice", CHOICES)
+def test_a_choice_right_behind_the_block_waits_although_nothing_is_armed_yet(
+    channel_bench: Make, words: Any, choice: str
+) -> None:
+    """The run would arm its probe as the next block has it."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z", start_mm=START_MM), plane_mm=PLANE_MM)
+    beside = canon.IndependentMove(block(1), "Z", 110.0, feed_mm_min=1800.0, measuring_type=1)
+    message = words.message(4, "chosen", synchronous=True)
+    bench.run([beside, CHOICES[choice], message, words.end()])
+    (record,) = bench.channel.records
+    ((chosen_ns, _),) = bench.messages
+    assert record.end_ns is not None
+    assert chosen_ns >= record.end_ns
+    assert record.latched_mm["Z"] == pytest.approx(PLANE_MM, abs=1e-4)
+
+
 def test_without_a_choice_a_program_goes_on_beside_a_run(channel_bench: Make, words: Any) -> None:
     bench = run(channel_bench, words, armed=True)
     ((shown_ns, _),) = bench.messages

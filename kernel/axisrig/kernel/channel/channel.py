@@ -136,6 +136,10 @@ class Channel(ChannelView):
         """Return whether a run of an axis is under way."""
         return self.single.measuring_state(axis) is not None
 
+    def _may_choose(self) -> bool:
+        """Whether no probe is armed, and no axis beside the path will arm one."""
+        return self.measurement.may_choose() and not self.single.independent.is_measuring
+
     def _assign(self) -> None:
         """Say who carries out which command."""
         known, path, measurement = self.execution, self.path, self.measurement
@@ -147,10 +151,8 @@ class Channel(ChannelView):
         path.programmed.assign(known)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
-        known.register(canon.ProbeSettings, measurement.choose, ready=measurement.may_choose)
-        known.register(
-            canon.DefaultProbes, measurement.choose_default, ready=measurement.may_choose
-        )
+        known.register(canon.ProbeSettings, measurement.choose, ready=self._may_choose)
+        known.register(canon.DefaultProbes, measurement.choose_default, ready=self._may_choose)
         known.register(canon.PrepareProbe, measurement.prepare)
         known.register(canon.DriveWrite, self._write_function)
         known.register(canon.DriveRead, self.functions.begin)

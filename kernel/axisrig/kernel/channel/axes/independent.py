@@ -107,6 +107,11 @@ class IndependentAxes:
         """Whether any axis is under way or measures."""
         return bool(self._movers)
 
+    @property
+    def is_measuring(self) -> bool:
+        """Whether the run of any axis is under way, or waits for its rest."""
+        return any(mover.waits or mover.run is not None for mover in self._movers.values())
+
     def are_moving(self, axes: Iterable[str]) -> bool:
         """Whether any of these axes is under way or measures."""
         return any(axis in self._movers for axis in axes)
