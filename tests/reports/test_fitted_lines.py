@@ -99,3 +99,21 @@ def test_more_pictures_than_a_page_holds_are_counted(count: int) -> None:
     assert text.count("<svg") == PICTURES_MAX
     assert ("2 more metrics with lines are not drawn" in text) is (count > PICTURES_MAX)
     assert ("more metrics" in text) is (count > PICTURES_MAX)
+
+
+def test_lines_of_several_axes_are_in_one_picture_with_their_own_points() -> None:
+    """The metric is the same; each case has the values of the axis that it asks for."""
+    values = {"X": (4.0, 0.5), "Z": (-7.0, -0.25)}
+    runs = []
+    for axis, (_, slope) in values.items():
+        over = f"(latch_error_um:{axis}; plc:V.E.FEED)"
+        asked = [row(f"slope{over}", f"{slope}"), row(f"intercept{over}", "1")]
+        every = [row(f"latch_error_um:{name}", f"{one}") for name, (one, _) in values.items()]
+        runs += [
+            run(f"r{axis}", every, case=axis, feed="300"),
+            run(f"p-{axis}", asked, case=axis, is_statistic=True),
+        ]
+    (one,) = lines(folder(*runs))
+    assert (one.metric, one.column) == ("latch_error_um", "plc:V.E.FEED")
+    found = [(each.name, each.slope, [(p.x, p.y) for p in each.points]) for each in one.fitted]
+    assert found == [("X", 0.5, [(300.0, 4.0)]), ("Z", -0.25, [(300.0, -7.0)])]

@@ -133,3 +133,16 @@ def test_names_are_in_the_order_of_the_ends_that_they_are_at(is_mirrored: bool, 
     leads = numbers(LEAD, text)
     assert [lead[1] for lead in leads] == ends
     assert [lead[3] for lead in leads] == pytest.approx(ends, abs=0.11)
+
+
+@pytest.mark.parametrize("level", [3.0, -3.0])
+def test_a_spread_is_in_the_picture_up_and_down(level: float) -> None:
+    """5 up and down of points that are 1 apart: both ends are within the frame."""
+    places = {1.0: level, 2.0: level + 1.0}
+    text = drawing([fitted("a", 1.0, level - 1.0, places, 5.0)], "t", "", "")
+    ((x, y, width, height),) = numbers(
+        r'class="ax-field" x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)"', text
+    )
+    for at, low, high in numbers(BAR, text):
+        assert x < at < x + width
+        assert y < high < low < y + height
