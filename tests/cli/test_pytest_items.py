@@ -243,7 +243,7 @@ def test_each_row_is_an_item_and_statistics_share_what_runs_have_given(
         )  # fmt: skip
     runs = [SimpleNamespace(run=f"p-a-{n}", runs=()) for n in (1, 2)]
     whole = SimpleNamespace(run="p-a", runs=("p-a-1", "p-a-2"))
-    plan = SimpleNamespace(cases=runs, rows=[*runs, whole])
+    plan = SimpleNamespace(cases=runs, rows=[*runs, whole], with_cases=lambda _: plan)
     monkeypatch.setattr(pytest_plugin, "read_plan", lambda _: plan)
     list(PlanFile.collect(SimpleNamespace(path=tmp_path)))  # type: ignore[arg-type]
     assert [(cls, given["name"]) for cls, given in made] == [

@@ -1,14 +1,18 @@
 """What was tested: from a rig and from the command line to cases.csv, JUnit and heading."""
 
+import csv
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
+from axisrig.bench.campaign.pytest_plugin import CaseItem, Outcome, PlanFile
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.cli.pytest_results import ResultsOfPytest
 from axisrig.bench.plan.info import info_of, parse_info, with_info
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
@@ -69,3 +73,29 @@ def test_a_case_without_it_stays_as_it_is() -> None:
     assert with_info(case, {}) is case  # type: ignore[arg-type, comparison-overlap]
     run = SimpleNamespace(case={"info:a": "", "info:b": "1", "note:c": "2"})
     assert info_of(run.case) == {"b": "1"}
+
+
+def test_rows_that_pytest_runs_say_what_their_rig_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in `axisrig run`, which goes on with their results; each row with its own rig."""
+    (tmp_path / "p.nc").write_text("N10 M30\n", encoding="utf-8")
+    for name in ("x", "y"):
+        rig = f'[machine]\n[info]\ndevice = "{name}"\n'
+        (tmp_path / f"{name}.toml").write_text(rig, encoding="utf-8")
+    text = "case,program,rig,check:alarms\na,p.nc,x.toml,none\nb,p.nc,y.toml,none\n"
+    (tmp_path / "plan.csv").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(
+        CaseItem, "from_parent", classmethod(lambda _, __, **given: SimpleNamespace(**given))
+    )
+    file: Any = SimpleNamespace(path=tmp_path / "plan.csv")
+    cases = [item.case for item in PlanFile.collect(file)]
+    assert [case.notes for case in cases] == [{"info:device": "x"}, {"info:device": "y"}]
+
+    found = ResultsOfPytest(SimpleNamespace(rootpath=tmp_path), tmp_path / "out")  # type: ignore[arg-type]
+    found.pytest_xdist_node_collection_finished(["plan.csv::plan-a", "plan.csv::plan-b"])
+    for case in cases:
+        packed = Outcome(tmp_path, CaseResult(case, Verdict.PASS, []), {}).packed()
+        found.pytest_runtest_logreport(SimpleNamespace(axisrig_outcome=packed))  # type: ignore[arg-type]
+    rows = csv.DictReader((tmp_path / "out" / "cases.csv").read_text(encoding="utf-8").splitlines())
+    assert [row["info:device"] for row in rows] == ["x", "y"]

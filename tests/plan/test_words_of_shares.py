@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import typer
 
 from axisrig.bench.campaign.results.stored import StoredRun
 from axisrig.bench.campaign.sharing import (
@@ -16,6 +17,7 @@ from axisrig.bench.campaign.sharing import (
     _runs,
     _select,
 )
+from axisrig.bench.cli.main import app
 from axisrig.kernel.errors import UserError
 
 
@@ -31,11 +33,36 @@ from axisrig.kernel.errors import UserError
         ("run a.csv --set Z.kp=1 --set=Z.tv=2", "--set Z.kp=1 --set=Z.tv=2"),
         ("run a.csv --force", "--force"),
         ("run -k first a.csv -o out b.csv", "-k first"),
+        # Values count of whatever decides, or says what is tested
+        ("run a.csv --info serial=4 --info=order=5", "--info serial=4 --info=order=5"),
+        ("run --bus-log asc a.csv --bitrate 250000", "--bus-log asc --bitrate 250000"),
+        ("run a.csv --channel can1 --segment x", "--channel can1 --segment x"),
+        # How it is shown, and whether it goes on or asks, counts as little as time and place
+        ("run -q a.csv -v -x -y --strict --yes", ""),
+        ("run a.csv --quiet --verbose --exitfirst", ""),
+        ("run -xq a.csv -vxy", ""),
+        ("run --timeout 5 a.csv --call-timeout=7 -k b", "-k b"),
+        ("run --engine dask a.csv --scheduler tcp://h:8786 --jobs 2 --force", "--force"),
+        ("run --live a.csv --live-terminal --isolate --failed --as-canopen", "--as-canopen"),
     ],
 )
 def test_words_that_decide_on_results_are_kept(words: str, kept: str) -> None:
     """However an option is written; plans are compared by their content."""
     assert _kept_words(words.split()) == kept.split()
+
+
+def test_each_option_of_a_run_decides_on_results_or_is_beside_them() -> None:
+    """Of each that a value follows the value goes with it, whatever it looks like."""
+    run = typer.main.get_command(app).commands["run"]  # type: ignore[attr-defined]
+    deciding = {"-k", "--set", "--info", "--force", "--as-canopen", "--bus-log", "--bitrate",
+                "--interface", "--channel", "--option", "--segment"}  # fmt: skip
+    options = [one for one in run.params if one.param_type_name == "option" and one.name != "help"]
+    assert deciding <= {name for option in options for name in option.opts}
+    for option in options:
+        for name in option.opts:
+            words = [name] if option.is_flag else [name, "-v"]
+            kept = words if deciding & {*option.opts} else []
+            assert _kept_words(["run", "a.csv", *words, "b.csv"]) == kept, name
 
 
 def test_plans_are_kept_where_the_command_is_written_anew() -> None:
@@ -46,7 +73,7 @@ def test_plans_are_kept_where_the_command_is_written_anew() -> None:
 @pytest.mark.parametrize(
     ("words", "select"),
     [(["-k", "a or b"], "a or b"), (["-ka or b"], "a or b"), ([], None), (["--set", "x=-k"], None),
-     (["-o", "out", "-k", "-a"], "-a")],
+     (["-o", "out", "-k", "-a"], "-a"), (["-k", "--set", "-x"], "--set")],
 )  # fmt: skip
 def test_what_a_share_was_selected_by(words: list[str], select: str | None) -> None:
     part: Any = SimpleNamespace(manifest={"command": ["axisrig", "run", "p.csv", *words]})

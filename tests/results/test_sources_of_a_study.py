@@ -85,3 +85,37 @@ def test_a_line_of_another_metric_or_over_another_column_is_none(
               line(point("a", 1.0, 1.0), column="plc:V.E.FEED")]  # fmt: skip
     with pytest.raises(UserError, match="no case has slope and intercept of latch_error_um"):
         source_rows(results(monkeypatch, *others))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("bound", "delay", "found"),
+    [
+        ("0.0", "0.5000", "0.5030"),  # no spread at all: one digit more, and no bound
+        ("0.0009", "0.5000", "0.5030"),
+        ("0.001", "0.500", "0.503 ± 0.001"),
+    ],
+)
+def test_a_delay_has_the_digits_that_its_bound_leaves(
+    monkeypatch: pytest.MonkeyPatch, bound: str, delay: str, found: str
+) -> None:
+    made = line(point("a", 10.0, 8.0, 0.0))
+    made.rows[0][0].uncertainty = bound
+    text = sources_table(results(monkeypatch, made, ranges={"a": 0.0}))
+    assert text.splitlines()[2] == (
+        f"| `PLC` | `case` | {delay} | {found} | 600 | 0.000 | 0.000 | 0.000 |"
+    )
+
+
+@pytest.mark.interpreted
+def test_several_signals_are_named_once_each_and_every_line_is_a_row(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The line of a fixed stop beside that of a latch, each in its own unit."""
+    stop = line(point("b", 1.0, 100.25), metric=OF_STOP, intercept="100 +- 1")
+    both = results(monkeypatch, line(point("a", 10.0, 9.0)), stop)
+    both.runs[0].case = {"set:Z.kenngr.measure.signal": "PLC", "set:X.kenngr.measure.signal": "CNC",
+                         "set:Y.kenngr.measure.signal": "PLC"}  # fmt: skip
+    first, second = source_rows(both)
+    assert (first.source, second.source) == ("CNC, PLC", "PLC")
+    assert (first.off_um, second.off_um) == (1.0, 250.0)

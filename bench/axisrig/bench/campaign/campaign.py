@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, nullcontext, suppress
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 
 from axisrig.bench.campaign.cluster import run_on_cluster
@@ -33,16 +33,16 @@ from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_ca
 from axisrig.bench.campaign.sharing import Shard
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.campaign.talk import Manner, Talk
+from axisrig.bench.campaign.tested import with_tested
 from axisrig.bench.campaign.verdict_table import counts_line, show_verdicts
 from axisrig.bench.files import in_words
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
-from axisrig.bench.plan.info import parse_info, with_info
+from axisrig.bench.plan.info import parse_info
 from axisrig.bench.plan.plan import Plan, counted, read_plan, selected
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.rig.reading.foreign import foreign_rigs
-from axisrig.bench.rig.reading.sources import info_of_rig
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
@@ -388,11 +388,7 @@ def _read(
         plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
         for plan in plans
     ]
-    of_rig = cache(info_of_rig)
-    return [
-        plan.with_cases(lambda case: with_info(case, {**of_rig(case.rig), **info}))
-        for plan in meant
-    ]
+    return [with_tested(plan, info) for plan in meant]
 
 
 def show_campaign(campaign: Campaign, talk: Talk = Talk.SHORT) -> None:

@@ -22,6 +22,7 @@ from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Limits, Stopwatch, no_stopwatch, run_cases
 from axisrig.bench.campaign.statistics import judged_row
+from axisrig.bench.campaign.tested import with_tested
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.checks import CheckResult, value_text
@@ -99,7 +100,7 @@ class PlanFile(pytest.File):
     def collect(self) -> Iterator["RowItem"]:
         """Yield the rows; a plan that cannot be read is a collection error with its message."""
         try:
-            plan = read_plan(self.path)
+            plan = with_tested(read_plan(self.path))
         except UserError as error:
             raise self.CollectError(str(error)) from error
         by_run = {case.run: case for case in plan.cases}

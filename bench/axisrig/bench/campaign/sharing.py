@@ -15,20 +15,28 @@ from axisrig.bench.campaign.results.sums import BUS_LOG_SUM
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.resuming import LIVE, depends_sha256, own_plan
 from axisrig.bench.campaign.statistics import CaseStatistics
+from axisrig.bench.campaign.tested import with_tested
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.info import parse_info
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.select import chosen
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
 _FORM = re.compile(r"([1-9]\d{0,5})/([1-9]\d{0,5})")
-# Options of `axisrig run` that change no result -> whether a value follows
+_DECIDING = ("-k", "--set", "--info", "--bus-log", "--bitrate",
+             "--interface", "--channel", "--option", "--segment")  # fmt: skip
+"""Options of `axisrig run` with a value that decides on results, or on what they are of."""
 _BESIDE = {
     **dict.fromkeys(("--shard", "-o", "--out", "-j", "--jobs", "--engine", "--scheduler"), True),
     **dict.fromkeys(("--timeout", "--call-timeout"), True),
     **dict.fromkeys(("--fresh", "--resume", "--failed", "--full", "--isolate", *LIVE), False),
+    **dict.fromkeys(("--strict", "-x", "--exitfirst", "-q", "--quiet", "-v", "--verbose"), False),
+    **dict.fromkeys(("-y", "--yes"), False),
 }
+"""Its options that change no result -> whether a value follows."""
+_LETTERS = re.compile(r"-[qvxy]{2,}")  # several of these in one word
 _FLAGS = {"--force": FORCED, "--as-canopen": AS_CANOPEN}
 
 
@@ -170,25 +178,32 @@ def _kept_words(command: Sequence[str], *, has_plans: bool = False) -> list[str]
         if name in _BESIDE:
             if _BESIDE[name] and "=" not in word:
                 next(rest, None)
-        elif word[:2] in ("-o", "-j"):
+        elif word[:2] in ("-o", "-j") or _LETTERS.fullmatch(word):
             continue  # with its value in the same word
-        elif word.startswith("-k") and word != "-k":
+        elif word in _DECIDING:
+            words += [word, *([value] if (value := next(rest, None)) is not None else [])]
+        elif word.startswith("-k"):
             words += ["-k", word[2:]]
-        elif has_plans or word.startswith("-") or words[-1:] in (["-k"], ["--set"]):
+        elif has_plans or word.startswith("-"):
             words.append(word)
     return words
 
 
 def _plans(part: StoredResults) -> list[Plan]:
-    """Read the plans of a folder with the inputs of its command."""
+    """Read the plans of a folder with the inputs of its command, and with what is tested."""
     words = part.manifest["command"]
-    texts = [value for word, value in pairwise(words) if word == "--set"]
-    texts += [word.partition("=")[2] for word in words if word.startswith("--set=")]
-    texts += [_FLAGS[word] for word in words if word in _FLAGS]
+    texts = [*_values(words, "--set"), *(_FLAGS[word] for word in words if word in _FLAGS)]
+    said = parse_info(_values(words, "--info"))
     changes = [parse_assignment(text) for text in texts]
     paths = [own_plan(part.folder, plan["path"]) for plan in part.manifest["plans"]]
     plans = [read_plan(path) for path in paths]
-    return [plan.with_inputs(changes, _select(part)) for plan in plans]
+    return [with_tested(plan.with_inputs(changes, _select(part)), said) for plan in plans]
+
+
+def _values(words: Sequence[str], option: str) -> list[str]:
+    """The values of an option that may come several times, in their order."""
+    found = [value for word, value in pairwise(words) if word == option]
+    return found + [word.partition("=")[2] for word in words if word.startswith(f"{option}=")]
 
 
 def _selected(plan: Plan, part: StoredResults) -> Sequence[Case]:

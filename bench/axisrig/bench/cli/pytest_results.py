@@ -22,6 +22,7 @@ from axisrig.bench.campaign.results.layout import logs_beside
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
+from axisrig.bench.campaign.tested import with_tested
 from axisrig.bench.cli.outside import time_of_day
 from axisrig.bench.files import in_words
 from axisrig.bench.plan.plan import Plan, read_plan
@@ -114,7 +115,7 @@ class ResultsOfPytest:
         if not runs:
             return
         try:
-            plans = [read_plan(path) for path in runs]
+            plans = [with_tested(read_plan(path)) for path in runs]
             manifest = build_manifest(
                 _chosen(plans, runs),
                 command=["pytest", *sys.argv[1:]],

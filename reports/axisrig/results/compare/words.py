@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from axisrig.results.compare.pairs import Comparison, Frames
+from axisrig.results.compare.pairs import Comparison, Frames, MetricPair
 from axisrig.results.compare.trend import Trend
 
 _SHOWN_MAX = 40
@@ -21,33 +21,25 @@ def diff_lines(
         yield f"changed: {what}"
         yield from (f"  {key}" for key in keys)
     worse = comparison.worse()
-    yield from (f"worse: {line}" for line in worse[:_SHOWN_MAX])
-    if len(worse) > _SHOWN_MAX:
-        yield f"worse: {len(worse) - _SHOWN_MAX} more"
+    yield from _first("worse", worse)
     better = [pair for pair in comparison.pairs if pair.after.verdict < pair.before.verdict]
-    for pair in better[:_SHOWN_MAX]:
-        yield f"better: {pair.name}: {pair.before.verdict.word} -> {pair.after.verdict.word}"
+    yield from _first(
+        "better",
+        [f"{one.name}: {one.before.verdict.word} -> {one.after.verdict.word}" for one in better],
+    )
     shifted = [m for pair in comparison.pairs for m in pair.metrics if m.is_significant]
     shifted.sort(key=lambda metric: -metric.en)
-    for metric in shifted[:_SHOWN_MAX]:
-        unit = f" {metric.unit}" if metric.unit else ""
-        yield (
-            f"shifted: {metric.run}: {metric.metric} {metric.before:.7g} -> {metric.after:.7g}"
-            f"{unit} (En {metric.en:.3g})"
-        )
-    if len(shifted) > _SHOWN_MAX:
-        yield f"shifted: {len(shifted) - _SHOWN_MAX} more"
+    yield from _first("shifted", [_shift_words(metric) for metric in shifted])
     for shift in comparison.shifts:
         if shift.p_value < _LEVEL:
             yield (
                 f"case: {shift.case}: mean of {shift.metric} {shift.means[0]:.7g} ->"
-                f" {shift.means[1]:.7g} {shift.unit} (n {shift.n[0]} and {shift.n[1]},"
-                f" p {shift.p_value:.2g})"
+                f" {shift.means[1]:.7g}{_after_space(shift.unit)} (n {shift.n[0]} and"
+                f" {shift.n[1]}, p {shift.p_value:.2g})"
             )
     by_inputs = [pair.name for pair in comparison.pairs if pair.is_by_inputs]
-    for name in by_inputs[:_SHOWN_MAX]:
-        yield f"matched by equal inputs: {name}"
-    yield from (f"new: {run.run} ({run.verdict.word})" for run in comparison.new[:_SHOWN_MAX])
+    yield from _first("matched by equal inputs", by_inputs)
+    yield from _first("new", [f"{run.run} ({run.verdict.word})" for run in comparison.new])
     frames = Counter(pair.frames for pair in comparison.pairs)
     counts = ", ".join(f"{frames[kind]} {kind.value}" for kind in Frames if frames[kind])
     yield (
@@ -55,6 +47,24 @@ def diff_lines(
         f" equal inputs), {len(comparison.new)} new, {len(comparison.lost)} missing;"
         f" frames: {counts or 'none'}; {len(worse)} worse"
     )
+
+
+def _first(kind: str, found: Sequence[str]) -> Iterator[str]:
+    """Write the first lines of a kind, and how many more there are."""
+    yield from (f"{kind}: {line}" for line in found[:_SHOWN_MAX])
+    if len(found) > _SHOWN_MAX:
+        yield f"{kind}: {len(found) - _SHOWN_MAX} more"
+
+
+def _shift_words(metric: MetricPair) -> str:
+    return (
+        f"{metric.run}: {metric.metric} {metric.before:.7g} -> {metric.after:.7g}"
+        f"{_after_space(metric.unit)} (En {metric.en:.3g})"
+    )
+
+
+def _after_space(unit: str) -> str:
+    return f" {unit}" if unit else ""
 
 
 def trend_lines(trend: Trend) -> Iterator[str]:

@@ -1,0 +1,226 @@
+"""What a joined folder has: rows of statistics, probes, `[info]`; and which folders are refused."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from results_setup import PlanWriter, rows, run_case
+
+from axisrig.bench.campaign import resuming
+from axisrig.bench.campaign.results.layout import MANIFEST
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.stored import DEPENDS, read_results
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.campaign.resuming import depends_sha256
+from axisrig.bench.campaign.searching import run_search
+from axisrig.bench.campaign.sharing import Merged, merge
+from axisrig.bench.campaign.tested import with_tested
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.kernel.errors import UserError
+
+TEXT = """\
+case,program,rig,repeats,set:Z.edge,check:lag_mm_max:Z,check:mean(lag_mm_max:Z)
+z,probe.nc,machine.toml,2,NEG,<= 2,<= 2
+a,probe.nc,machine.toml,2,POS,<= 2,<= 2
+m,probe.nc,machine.toml,,POS,<= 2,
+"""
+ALL = ("z-001", "z-002", "a-001", "a-002", "m")
+SEARCHES = """\
+case,program,rig,search:plc:V.E.FEED,check:lag_mm_max:Z,check:search_good
+s,probe.nc,machine.toml,100 .. 900 to 400,<= 2,
+"""
+
+
+@pytest.fixture(autouse=True)
+def of_two_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run depends on its program and its rig, which here has no axes."""
+    monkeypatch.setattr(resuming, "files_of_case", lambda case: [case.program, case.rig])
+
+
+@pytest.fixture
+def plan(write_plan: PlanWriter) -> Plan:
+    return read_plan(write_plan(TEXT))
+
+
+def share(
+    folder: Path, plan: Plan, runs: Sequence[str], options: Sequence[str] = ()
+) -> Path:  # fmt: skip
+    """A results folder with runs that were never run, by their ids without that of the plan."""
+    command = ["axisrig", "run", str(plan.path), "-o", str(folder), *options]
+    made = build_manifest([plan], command=command, started="now", output=str(folder))
+    with ResultsWriter(folder, [plan], made) as writer:
+        for case in plan.cases:
+            if case.run.removeprefix("probing-") not in runs:
+                continue
+            if case.search is None:
+                file = writer.files_of(case.run).trace
+                result = run_case(case, file=file)
+            else:
+                result = searched(case, writer)
+            result.depends_sha256 = depends_sha256(case)
+            writer.add(result)
+    return folder
+
+
+def searched(case: Case, writer: ResultsWriter) -> CaseResult:
+    """A search whose probes all pass."""
+    places = iter(writer.files_of(case.run).probes)
+    return run_search(case, lambda probe: run_case(probe, file=next(places).trace))
+
+
+def joined(into: Path, *folders: Path, **how: Any) -> Merged:
+    return merge(folders, into, started="later", **how)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ([], {"info:serial": "7", "info:device": "drill"}),
+        (["--info", "serial=9"], {"info:serial": "9", "info:device": "drill"}),
+        (
+            ["--info=serial=9", "--info", "order=A = 5"],
+            {"info:serial": "9", "info:device": "drill", "info:order": "A = 5"},
+        ),
+    ],
+)
+def test_shares_that_say_what_is_tested_are_joined(
+    plan: Plan, tmp_path: Path, options: list[str], told: dict[str, str]
+) -> None:
+    """`[info]` of the rig, and over it `--info`: in each row, those of statistics too."""
+    rig = "[machine]\n[info]\nserial = 7\ndevice = 'drill'\n"
+    (tmp_path / "machine.toml").write_text(rig, encoding="utf-8")
+    plan = with_tested(plan, {name.removeprefix("info:"): text for name, text in told.items()})
+    one = share(tmp_path / "one", plan, ALL[:3], options)
+    other = share(tmp_path / "other", plan, ALL[3:], options)
+    done = joined(tmp_path / "all", one, other)
+    assert (done.runs, done.statistics, done.missing) == (5, 2, [])
+    for row in rows(tmp_path / "all" / "cases.csv"):
+        assert {name: row[name] for name in row if name.startswith("info:")} == told
+
+
+@pytest.mark.parametrize("file", ["probe.nc", "machine.toml"])
+def test_a_share_whose_files_are_others_now_is_refused(
+    plan: Plan, tmp_path: Path, file: str
+) -> None:
+    one = share(tmp_path / "one", plan, ALL)
+    (tmp_path / file).write_text("[machine]\n\n", encoding="utf-8")
+    with pytest.raises(UserError, match="depends on is not what it was run with") as refused:
+        joined(tmp_path / "all", one)
+    assert (refused.value.file, refused.value.value) == (str(one), "probing-z-001")
+    assert not (tmp_path / "all").exists()
+
+
+def test_a_run_that_the_plan_has_no_more_is_left_out(plan: Plan, tmp_path: Path) -> None:
+    """It is neither joined nor counted."""
+    one = share(tmp_path / "one", plan, ALL)
+    plan.path.write_text(TEXT.rpartition("m,probe.nc")[0], encoding="utf-8")
+    done = joined(tmp_path / "all", one)
+    assert (done.runs, done.missing, done.bare) == (4, [], [])
+    assert [run.run for run in read_results(tmp_path / "all").runs][-1] == "probing-a"
+
+
+def test_statistics_are_over_whole_cases_and_kept_by_what_they_depend_on(
+    plan: Plan, tmp_path: Path
+) -> None:
+    """Of case z all runs are there, of case a one: `--resume` runs the other one."""
+    one = share(tmp_path / "one", plan, ["z-001", "m"])
+    other = share(tmp_path / "other", plan, ["z-002", "a-002"])
+    done = joined(tmp_path / "all", one, other)
+    assert (done.runs, done.statistics, done.missing) == (4, 1, ["probing-a-001"])
+    found = {run.run: run for run in read_results(tmp_path / "all").runs}
+    assert list(found) == [f"probing-{name}" for name in ("z-001", "z-002", "z", "a-002", "m")]
+    of_z, _ = plan.statistics
+    assert found["probing-z"].case[DEPENDS] == depends_sha256(of_z) != ""
+    assert found["probing-z"].case["runs"] == "2"
+
+
+def test_what_is_missing_is_named_in_the_order_of_the_plan(plan: Plan, tmp_path: Path) -> None:
+    done = joined(tmp_path / "all", share(tmp_path / "one", plan, ["a-001"]))
+    assert done.missing == [f"probing-{name}" for name in ALL if name != "a-001"]
+    assert (done.runs, done.statistics) == (1, 0)
+
+
+def test_probes_of_a_search_come_with_it(write_plan: PlanWriter, tmp_path: Path) -> None:
+    """100, 900: both hold, so there are two of them, each with its row and its trace."""
+    one = share(tmp_path / "one", read_plan(write_plan(SEARCHES)), ["s"])
+    done = joined(tmp_path / "all", one)
+    assert (done.runs, done.missing, done.bare) == (1, [], [])
+    ids = [run.run for run in read_results(one).runs]
+    assert len(ids) == 3
+    assert [run.run for run in read_results(tmp_path / "all").runs] == ids
+    traces = sorted(path.name for path in (one / "traces").iterdir())
+    assert sorted(path.name for path in (tmp_path / "all" / "traces").iterdir()) == traces
+    assert len(traces) == 2
+
+
+def test_the_joined_folder_may_be_made_anew_but_is_none_of_its_parts(
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However the folder is written. Without --fresh what was there stays."""
+    one = share(tmp_path / "one", plan, ["m"])
+    monkeypatch.chdir(tmp_path)
+    for name in (one, Path("one"), Path("all/../one")):
+        (tmp_path / "all").mkdir(exist_ok=True)
+        with pytest.raises(UserError, match="one of those to join"):
+            joined(name, one)
+    share(tmp_path / "all", plan, ["z-001"])
+    for is_fresh, names in ((False, ["z-001", "m"]), (True, ["m"])):
+        joined(tmp_path / "all", one, is_fresh=is_fresh)
+        found = [run.run for run in read_results(tmp_path / "all").runs]
+        assert found == [f"probing-{name}" for name in names]
+
+
+def test_the_manifest_names_the_parts_and_a_command_that_goes_on(
+    plan: Plan, tmp_path: Path
+) -> None:
+    """The words of a share that change no result are not those of the whole."""
+    words = ["--shard", "1/2", "-x", "--force"], ["--shard=2/2", "-qv", "--force", "--yes"]
+    parts = [share(tmp_path / name, plan, [], of) for name, of in zip("ab", words, strict=True)]
+    done = joined(tmp_path / "all", *parts)
+    assert done.report is None
+    made = json.loads((tmp_path / "all" / MANIFEST).read_text(encoding="utf-8"))
+    assert made["merged"] == [str(part) for part in parts]
+    assert made["command"] == [
+        "axisrig", "run", str(plan.path), "--force", "-o", str(tmp_path / "all"),
+    ]  # fmt: skip
+    report = joined(tmp_path / "all", *parts, is_fresh=True, build_report=lambda of: of / "r.html")
+    assert report.report == tmp_path / "all" / "r.html"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"command": ["axisrig", "judge", "one"]}, "does not come from `axisrig run`"),
+        ({"command": []}, "does not come from `axisrig run`"),
+        ({"sources_sha256": ""}, "the manifest has no sources_sha256"),
+        ({"plans": []}, "the manifest has no plans"),
+        ({"sources_sha256": "0" * 64}, "other axisrig than"),
+    ],
+)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_folder_of_something_else_is_refused(
+    plan: Plan, tmp_path: Path, changes: dict[str, Any], words: str, place: int
+) -> None:
+    parts = [share(tmp_path / name, plan, []) for name in ("one", "other")]
+    file = parts[place] / MANIFEST
+    known = json.loads(file.read_text(encoding="utf-8"))
+    file.write_text(json.dumps(known | changes), encoding="utf-8")
+    with pytest.raises(UserError, match=words):
+        joined(tmp_path / "all", *parts)
+    assert not (tmp_path / "all").exists()
+
+
+def test_other_plans_are_named_with_those_of_the_first_folder(
+    write_plan: PlanWriter, plan: Plan, tmp_path: Path
+) -> None:
+    one = share(tmp_path / "one", plan, [])
+    other = read_plan(write_plan(TEXT.replace("NEG", "POS"), "other.csv"))
+    two = share(tmp_path / "two", other, [])
+    with pytest.raises(UserError, match="not of one campaign: other plans than") as refused:
+        joined(tmp_path / "all", one, two)
+    assert refused.value.file == str(two)
+    assert str(refused.value.value).startswith("other (")
+    assert str(refused.value.allowed).startswith("probing (")
