@@ -94,3 +94,39 @@ def test_homing_takes_the_software_limits_along(fake_axis: Any, habit: Any, side
     word = [one.cycle(target_position=far) for _ in range(3)][-1]
     assert word & LIMITED
     assert _reached(one) == pytest.approx(0.023 if side else 0.016, abs=1e-8)
+
+
+NONE = 65535  # 6072, 60E0 and 60E1 at power on: no limit
+
+
+@pytest.mark.parametrize("mode", [1, 8, 10])
+@pytest.mark.parametrize(
+    ("objects", "limits"),
+    [
+        ({"negative_torque_limit": 90, "positive_torque_limit": 60}, (NONE, 90, 60)),
+        ({"negative_torque_limit": 60, "positive_torque_limit": 90}, (NONE, 60, 90)),
+        ({"negative_torque_limit": 60}, (NONE, 60, NONE)),
+        ({"positive_torque_limit": 60}, (NONE, NONE, 60)),
+        ({"max_torque": 50}, (50, NONE, NONE)),
+        (
+            {"max_torque": 70, "negative_torque_limit": 60, "positive_torque_limit": 90},
+            (70, 60, 90),
+        ),
+    ],
+)
+def test_what_is_recorded_of_torque_limits_acts_in_the_same_direction(
+    fake_axis: Any, objects: dict[str, int], limits: tuple[int, int, int], mode: int
+) -> None:
+    """6072, then 60E1 and 60E0; the least of 6072 and that of a direction acts there."""
+    axis = fake_axis(motion=lambda _: 0.0)
+    one = ServoAlone(axis, mode)
+    assert one.servo.torque_limits == (NONE, NONE, NONE)
+    one.write(**objects)
+    one.cycle()
+    assert one.servo.torque_limits == limits
+    most, negative, positive = limits
+    acting = [min(most, each) * RATED_N / 1000 for each in (negative, positive)]
+    assert list(axis.limits[-1]) == pytest.approx(acting)
+    one.servo.reset(one.now_ns)
+    assert one.servo.torque_limits == (NONE, NONE, NONE)
+    assert list(axis.limits[-1]) == pytest.approx([NONE * RATED_N / 1000] * 2)

@@ -11,6 +11,8 @@ from tests.drive_node.servo_alone import ServoAlone
 from axisrig.kernel.profiles.control_kind import ControlKind
 from axisrig.kernel.time.clock import MS, US
 
+RATES_OF_PROFILES = {"profile_acceleration": PER_M, "profile_deceleration": PER_M}
+
 
 def test_an_unknown_mode_is_refused_by_sdo_and_not_followed_from_a_pdo(
     drive_bench: Callable[..., Any],
@@ -132,3 +134,53 @@ def test_a_mode_of_positions_begins_when_the_axis_has_stood_for_6070(
     shown = [one.cycle(mode=8) and one.image.mode_display for _ in range(80)]
     assert shown == sorted(shown, reverse=True)
     assert 10 + still_ms <= shown.count(9) <= 12 + still_ms
+
+
+@pytest.mark.parametrize("speed_um_s", [50_000, -50_000, 900, -900])
+@pytest.mark.parametrize("mode", [1, 3, 6])
+def test_a_profile_begins_at_rest_where_an_axis_rolls_without_power(
+    fake_axis: Any, mode: int, speed_um_s: int
+) -> None:
+    """No position was led: the first demand is the place of the axis, and stays there."""
+    speed_m_s = speed_um_s * 1e-6
+    axis = fake_axis(motion=lambda time_s: speed_m_s * time_s)
+    one = ServoAlone(axis, mode, **RATES_OF_PROFILES)
+    begun = next(command for command in axis.commands if command.enabled)
+    place_m = speed_m_s * begun.time_ns * 1e-9
+    for _ in range(3):
+        one.cycle()
+        for command in axis.commands[axis.commands.index(begun) :]:
+            assert command.kind is ControlKind.POSITION
+            assert command.position_m == pytest.approx(place_m, abs=1e-12)
+            assert command.velocity_m_s == 0.0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("mode", [1, 3, 6])
+@pytest.mark.parametrize("before", [9, 10])
+def test_after_velocity_or_torque_a_profile_begins_at_rest_where_the_axis_is(
+    fake_axis: Any, before: int, mode: int, sign: int
+) -> None:
+    """It creeps with 0.5 mm/s, less than the 1 mm/s that 606F takes for standing."""
+    speed_m_s = sign * 0.5e-3
+    axis = fake_axis(motion=lambda time_s: speed_m_s * time_s)
+    one = ServoAlone(
+        axis, before, target_velocity=speed_m_s * PER_M, velocity_threshold=1e-3 * PER_M,
+        velocity_threshold_ms=0, **RATES_OF_PROFILES,
+    )  # fmt: skip
+    for _ in range(3):
+        one.cycle()
+    last = axis.commands[-1].kind
+    assert last is (ControlKind.VELOCITY if before == 9 else ControlKind.FORCE)
+    count = len(axis.commands)
+    for _ in range(40):
+        one.cycle(mode=mode, target_velocity=0)
+        if axis.commands[-1].kind is ControlKind.POSITION:
+            break
+    begun = next(c for c in axis.commands[count:] if c.kind is ControlKind.POSITION)
+    place_m = speed_m_s * begun.time_ns * 1e-9
+    for _ in range(3):
+        one.cycle()
+    for command in axis.commands[axis.commands.index(begun) :]:
+        assert command.position_m == pytest.approx(place_m, abs=1e-12)
+        assert command.velocity_m_s == 0.0

@@ -3,7 +3,7 @@
 import struct
 
 import pytest
-from tests.ethercat.line import OP, Line, frame, physical
+from tests.ethercat.line import OP, Line, answers, frame, physical
 
 from axisrig.bench.bus.ethercat.frame import datagrams, is_ethercat, time_on_wire_ns
 from axisrig.bench.bus.ethercat.segment import Link, Passage
@@ -210,6 +210,31 @@ def test_events_show_in_each_datagram_that_the_mask_lets_through() -> None:
     assert line.one(BRD, 0, 0, 1).events == 0x0008
     line.read(0x0130, 2)
     assert line.one(BRD, 0, 0, 1).events == 0
+
+
+@pytest.mark.parametrize("sent", [0x0000, 0x0010, 0x8000, 0x0F08])
+@pytest.mark.parametrize("changed", [(), (0,), (1,), (2,), (0, 2)])
+def test_events_of_all_slaves_and_what_the_frame_has_of_them_are_ored(
+    changed: tuple[int, ...], sent: int
+) -> None:
+    """Both bytes, in each datagram; a slave without events takes none away."""
+    line = Line(3)
+    for position in range(3):
+        line.write(0x0200, 0x0008, 2, position)
+    for position in changed:
+        line.write(0x0120, 4, 2, position)  # refused: its AL status has changed
+    line.wait(1)
+    request = bytearray(frame(physical(BRD, 0, 0, 1), physical(BRD, 0, 0, 2)))
+    for at in (16 + 8, 16 + 10 + 1 + 2 + 8):  # behind the length of each datagram
+        struct.pack_into("<H", request, at, sent)
+    line.segment.send(bytes(request))
+    line.wait(100 * US)
+    expected = sent | (0x0008 if changed else 0)
+    assert [one.events for one in answers(line.back[-1][1])] == [expected] * 2
+    for position in changed:
+        line.read(0x0130, 2, position)
+        left = 0x0008 if position != changed[-1] else 0
+        assert line.one(BRD, 0, 0, 1).events == left
 
 
 def test_a_frame_that_breaks_is_none_for_the_slave_there_and_those_behind() -> None:

@@ -6,7 +6,10 @@ import pytest
 from pydantic import ValidationError
 
 from axisrig.bench.drive.cia402.dictionary.profiles import habits, make_profile
+from axisrig.bench.rig.conventional.keys import DriveTable as ConventionalTable
+from axisrig.bench.rig.encoder_terminal.keys import DriveTable as TerminalTable
 from axisrig.bench.rig.habit_keys import number
+from axisrig.bench.rig.lightbus.keys import DriveTable as LightbusTable
 from axisrig.bench.rig.profidrive.keys import DriveTable as ProfidriveTable
 from axisrig.bench.rig.sercos.keys import HABITS
 from axisrig.bench.rig.sercos.keys import DriveTable as SercosTable
@@ -29,17 +32,19 @@ def test_a_cell_is_a_number_in_any_form_or_stays_a_text(read: Any, text: str, va
 NUMBERS = [key for key in HABITS if habits()[key].low is not None]
 
 
-def table(family: Any, **keys: Any) -> Any:
-    name = "sercos" if family is SercosTable else "profidrive"
-    return family.model_validate({"family": name, **keys})
+TABLES = {
+    "sercos": SercosTable, "profidrive": ProfidriveTable, "conventional": ConventionalTable,
+    "encoder_terminal": TerminalTable, "lightbus": LightbusTable,
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("family", [SercosTable, ProfidriveTable])
+@pytest.mark.parametrize("name", TABLES)
 @pytest.mark.parametrize("key", NUMBERS)
 def test_a_key_takes_its_lowest_and_its_highest_value_and_nothing_beyond(
-    family: Any, key: str
+    name: str, key: str
 ) -> None:
     """As the table of habits has them."""
+    family: Any = TABLES[name]
     if key not in family.model_fields:
         return
     habit = habits()[key]
@@ -47,10 +52,10 @@ def test_a_key_takes_its_lowest_and_its_highest_value_and_nothing_beyond(
     assert habit.high is not None
     kind, step = (int, 1) if habit.type == "whole" else (float, 1e-3)
     for value in (kind(habit.low), kind(habit.high)):
-        assert getattr(table(family, **{key: value}), key) == value
+        assert getattr(family.model_validate({"family": name, key: value}), key) == value
     for value in (kind(habit.low) - step, kind(habit.high) + step):
         with pytest.raises(ValidationError):
-            table(family, **{key: value})
+            family.model_validate({"family": name, key: value})
 
 
 LENGTHS_AND_TIMES = [

@@ -98,6 +98,41 @@ def test_a_list_of_tools_is_shown_in_mm_where_it_is_not_in_inch(tmp_path: Path) 
     assert lines[-1].startswith("note: tools: wz[4].laenge 5 (tools.lst:6): the list has no")
 
 
+@pytest.mark.parametrize(
+    ("lines", "shown"),
+    [
+        # The index of an axis is no number of a tool
+        (["wz[2].mass_einheit 1", "wz[5].ax_versatz[2] 70"], [None, "0.007 mm"]),
+        (["wz[2].mass_einheit 1", "wz[2].ax_versatz[5] 70"], [None, None]),
+        (["wz[2].mass_einheit 1", "wz[2].ax_versatz[2] 70"], [None, None]),
+        (["wz[0].mass_einheit 1", "wz[3].ax_versatz[0] -70"], [None, "-0.007 mm"]),
+        # The unit of a tool may be after its values, and 0 is 0.1 um
+        (["wz[4].radius 20000", "wz[4].mass_einheit 1"], [None, None]),
+        (["wz[4].radius 20000", "wz[4].mass_einheit 0"], ["2 mm", None]),
+        (["wz[4].radius 20000", "wz[4].laenge -5", "wz[4].mass_einheit 0"],
+         ["2 mm", "-0.0005 mm", None]),
+        (["wz[1].mass_einheit 1", "wz[1].laenge 1", "wz[2].laenge 2", "wz[3].mass_einheit 1",
+          "wz[3].radius 3"], [None, None, "0.0002 mm", None, None]),
+        # What is no length has no unit
+        (["wz[4].gueltig 1", "wz[4].param[1] 5.5", "wz[4].vb_max 9"], [None, None, None]),
+        # Zero offsets know no inches
+        (["np_grp[1].achse[2].versch 1234567", "np_grp[1].achse[2].inaktiv 1"],
+         ["123.457 mm", None]),
+        (["default_index 3", "np_grp[96].achse[31].versch -10"], [None, "-0.001 mm"]),
+    ],
+)  # fmt: skip
+def test_a_length_of_0_1_um_is_shown_in_mm_and_one_in_inch_is_not(
+    tmp_path: Path, lines: list[str], shown: list[str | None]
+) -> None:
+    path = tmp_path / "own.lst"
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    name, *rows = contents_text(path).split("\n\n")[0].splitlines()
+    assert name == ("tools" if lines[0].startswith("wz") else "zero offsets")
+    for number, (row, line, in_mm) in enumerate(zip(rows, lines, shown, strict=True), 1):
+        unit = "" if in_mm is None else f" x 0.1 um = {in_mm}"
+        assert row == f"  {line}{unit}  own.lst:{number}"
+
+
 def test_values_of_a_rig_are_chosen_by_all_words_or_by_one_parameter() -> None:
     settings = contents.settings_of(RIGS / "probe-z.toml", ["set:Z.getriebe[0].vb_eilgang=77000"])
     parts = contents.parts_of(settings, None)
