@@ -16,7 +16,7 @@ SOURCES = Path(__file__).parent
 BEHAVIOURS = (
     "plain", "discards long steps", "discards half way", "discards all", "tells no progress",
     "ends", "fails", "warns", "returns early", "returns at once", "crashes", "not a number",
-    "stands still", "loses its time", "waits", "ends without a time",
+    "stands still", "loses its time", "waits", "ends without a time", "hesitates", "creeps",
 )  # fmt: skip
 BEHAVIOUR, LEVEL, TIME, TEXT, MOOD = 100, 101, 102, 103, 104
 UNITS = (

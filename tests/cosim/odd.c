@@ -21,7 +21,9 @@ enum {
     STANDS_STILL,          /* from 5 ms on: ok, and nothing is done */
     LOSES_ITS_TIME,        /* from 5 ms on: ok, and its time is no number */
     WAITS,                 /* goes on in whole milliseconds only */
-    ENDS_WITHOUT_A_TIME    /* asks for the end at 5 ms and does not say how far it came */
+    ENDS_WITHOUT_A_TIME,   /* asks for the end at 5 ms and does not say how far it came */
+    HESITATES,             /* FMI 3: returns early `scale` times without progress, then goes on */
+    CREEPS                 /* a microsecond a step: early return or discard */
 };
 
 static void defaults(Instance *odd) { odd->real[LIMIT] = odd->real[SCALE] = 1.0; }
@@ -108,6 +110,21 @@ static int step(Instance *odd, double begin, double size, bool *early) {
         odd->last = odd->own;
         return OK;
     }
+    case HESITATES:
+        if (odd->own < odd->real[SCALE]) {
+            odd->own += 1;
+            *early = true;
+            return OK;
+        }
+        odd->own = 0;
+        break;
+    case CREEPS:
+        if (size > 1e-6 * (1 + 1e-9)) {
+            move(odd, 1e-6);
+            *early = true;
+            return FMI == 2 ? DISCARD : OK;
+        }
+        break;
     case NOT_A_NUMBER:
         move(odd, size);
         odd->real[X] = NAN;

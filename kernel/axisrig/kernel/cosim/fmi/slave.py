@@ -127,6 +127,7 @@ class FmuSlave(ABC):
         self._stands_ns: TimeNs = 0  # on a grid: the last point that the FMU has reached
         self._can_terminate, self._is_fatal = False, False
         self._states: list[FmuState] = []
+        self._retried: FmuState | None = None  # where a discarded step began
         self._is_final = True  # no state was saved yet that could be restored
         self._alone = (folder, str(description.coSimulation.modelIdentifier))
         self._functions: dict[tuple[str, tuple[Any, ...]], Any] = {}
@@ -372,7 +373,8 @@ class FmuSlave(ABC):
             self._fail(f"doStep: discard without progress, and the FMU cannot {missing[0]}")
         if step_ns < 1:
             self._fail("doStep: the FMU discards every step down to 1 ns")
-        self.restore_state(self.save_state())
+        self._retried = self.save_state(self._retried)  # one for all: a run may have many of them
+        self.restore_state(self._retried)
 
     def _stand_at(self, time_s: float, end_ns: TimeNs) -> TimeNs:
         self.time_ns = min(seconds_to_ns(time_s), end_ns)

@@ -105,10 +105,15 @@ class EdsFile:
             if key.lower() in section.entries:
                 self.note("is empty and counts as missing", section, key)
             return None
-        found = whole_number(text)
+        found = whole_number(plain(text))
         if found is None:
             raise self.refused("no number", section, key, "decimal, 0x hexadecimal, 0 octal")
         return found
+
+
+def plain(text: str) -> str:
+    """Return a number or a word without a comment that follows it at once."""
+    return text.partition(";")[0].strip()
 
 
 def whole_number(text: str) -> int | None:

@@ -15,6 +15,7 @@ from axisrig.kernel.drives.canopen.eds_file import (
     EdsFile,
     Section,
     object_of,
+    plain,
     table_of,
     whole_number,
 )
@@ -87,7 +88,7 @@ def _device(file: EdsFile) -> Iterator[str]:
     else:
         keys: Keys = [(key, device.text(key)) for key in _TEXTS if device.text(key)]
         for key in _NUMBERS:
-            number = whole_number(_plain(device.text(key)))
+            number = whole_number(plain(device.text(key)))
             if number is not None:
                 keys.append((key, number))
             elif key.lower() in device.entries:
@@ -107,16 +108,11 @@ def _dummy(code: int) -> str:
     return f"Dummy{code:04d}"
 
 
-def _plain(text: str) -> str:
-    """Return a number without a comment that follows it at once."""
-    return text.partition(";")[0].strip()
-
-
 def _comments(file: EdsFile) -> str:
     section = file.sections.get("comments")
     if section is None:
         return ""
-    said = whole_number(_plain(section.text("Lines")))
+    said = whole_number(plain(section.text("Lines")))
     numbers = sorted(
         int(key.removeprefix("line")) for key in section.entries if re.fullmatch(r"line\d+", key)
     )
@@ -180,7 +176,7 @@ def _object(
 def _structure(index: int, members: Mapping[int, Section]) -> Iterator[str]:
     """Yield a structure of the maker: canopen wants the type that its sub-index 1 names."""
     section = members.get(1)
-    number = whole_number(section.text("DefaultValue")) if section is not None else None
+    number = whole_number(plain(section.text("DefaultValue"))) if section is not None else None
     if number is not None:
         yield _written(f"{index:X}sub1", [("DefaultValue", number)])
 
@@ -207,7 +203,7 @@ def _name(file: EdsFile, section: Section, usual: str) -> str:
 def _variable(file: EdsFile, section: Section, *, is_domain: bool) -> Keys:
     """Return type, access, limits and values of a variable as canopen takes them."""
     data_type = file.number(section, "DataType")
-    access = _plain(section.text("AccessType")).lower()
+    access = plain(section.text("AccessType")).lower()
     if is_domain:
         data_type, access = data_type or _DOMAIN_TYPE, access or "rw"
     if data_type is None:
@@ -238,16 +234,16 @@ def _variable(file: EdsFile, section: Section, *, is_domain: bool) -> Keys:
 def _has_structure(file: EdsFile, data_type: int) -> bool:
     """Whether the file has the structure that a data type names (objects below 1000)."""
     section = next((s for s in file.sections.values() if object_of(s.name) == (data_type, 1)), None)
-    return section is not None and whole_number(section.text("DefaultValue")) is not None
+    return section is not None and whole_number(plain(section.text("DefaultValue"))) is not None
 
 
 def _value(text: str, data_type: int) -> str | None:
     """Return a limit or value; None for what is no number where one is wanted."""
     if data_type not in (*datatypes.INTEGER_TYPES, datatypes.BOOLEAN):
         return text
-    plain = _plain(text)
-    rest = _NODE_ID.sub("", plain) if "$" in plain else plain
-    is_relative = rest != plain
+    whole = plain(text)
+    rest = _NODE_ID.sub("", whole) if "$" in whole else whole
+    is_relative = rest != whole
     number = whole_number(rest) if rest else 0
     if number is None:
         return None
@@ -280,6 +276,6 @@ def _compare_lists(file: EdsFile, objects: Mapping[int, Section]) -> None:
     for name in _LISTS:
         section = file.sections.get(name.lower())
         for key, entry in section.entries.items() if section is not None else ():
-            number = whole_number(_plain(entry.value)) if key.isdigit() else None
+            number = whole_number(plain(entry.value)) if key.isdigit() else None
             if number is not None and number not in objects:
                 file.note(f"names 0x{number:04X}, which has no section", section, key)

@@ -8,6 +8,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import axes, kinematics, systems
 from axisrig.kernel.nc.decoder import variables as variables_
+from axisrig.kernel.nc.decoder.base.cells import whole_index
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Reader, Writer
 from axisrig.kernel.nc.decoder.base.walk import read_by
@@ -52,8 +53,6 @@ TOPICS = tuple(
         variables_,
     )
 )
-# How far from a whole number an index may be: the rounding of a computation, no more
-INDEX_ROUNDING = 1e-6
 
 
 def _together(tables: Iterable[Mapping[Key, Item]]) -> Mapping[Key, Item]:
@@ -147,13 +146,13 @@ def _indices(context: Context, block: Block, variable: Variable) -> list[int]:
     found = []
     for expression in variable.indices:
         value = context.value(block, expression)
-        index = round(value)
-        if index < 0 or abs(value - index) > INDEX_ROUNDING:
+        index = whole_index(value)
+        if index is None:
             raise context.alarm(
                 20403,
                 block,
                 name=variable.name,
-                value=f"{value:g}",
+                value=f"{value:.10g}",
                 lower=0,
                 upper="the last element",
             )

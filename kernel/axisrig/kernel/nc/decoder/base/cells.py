@@ -18,6 +18,8 @@ RANGES: Mapping[str, tuple[int, int]] = {
     "UNS32": (0, 2**32 - 1),
 }
 KINDS = (*RANGES, "REAL32", REAL, STRING)
+# How far from a whole number an index or a size may be: the rounding of a computation, no more
+INDEX_ROUNDING = 1e-6
 
 
 @dataclass
@@ -34,3 +36,9 @@ class Cell:
 
 
 Store = MutableMapping[str, Cell]
+
+
+def whole_index(value: float) -> int | None:
+    """Return the index or size that a computed value means; None for what is no whole number."""
+    index = round(value)
+    return index if index >= 0 and abs(value - index) <= INDEX_ROUNDING else None

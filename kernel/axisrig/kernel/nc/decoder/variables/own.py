@@ -15,7 +15,7 @@ from typing import NoReturn
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
-from axisrig.kernel.nc.decoder.base.cells import RANGES, STRING, Cell, Store
+from axisrig.kernel.nc.decoder.base.cells import RANGES, STRING, Cell, Store, whole_index
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.subprograms import Unit, reachable
 from axisrig.kernel.nc.decoder.base.topic import Reader, Topic, Writer, silent
@@ -93,7 +93,7 @@ def nearest_with_value(names: Sequence[str]) -> str:
     )
 
 
-def spelled(name: str, indices: tuple[int, ...]) -> str:
+def spelled(name: str, indices: Sequence[int | str]) -> str:
     """Write a variable as a program does: `P[]` with 7 is P7, `V.P.A[]` with 2 is V.P.A[2]."""
     if name in (PARAMETER, *OF_CYCLES):
         return f"{name.removesuffix('[]')}{indices[0]}"
@@ -144,9 +144,7 @@ def _declare(context: Context, block: Block, declared: Declare) -> Iterator[cano
     name = declared.target.name
     if name.startswith("V.E.") or name in (PARAMETER, *OF_CYCLES):
         raise context.alarm(900121, block, name=name)
-    sizes = tuple(int(context.value(block, size)) for size in declared.target.indices)
-    if not all(sizes) or math.prod(sizes) > ELEMENTS_MAX:
-        raise context.alarm(900123, block, name=spelled(name, sizes), maximum=ELEMENTS_MAX)
+    sizes = _sizes(context, block, declared)
     values = [context.any_value(block, value) for value in declared.values]
     places = list(itertools.product(*(range(size) for size in sizes)))
     if len(values) > len(places):
@@ -162,6 +160,16 @@ def _declare(context: Context, block: Block, declared: Declare) -> Iterator[cano
     for place, value in zip(places, values, strict=False):
         cell.values[place] = _fitting(context, block, spelled(name, place), kind, value)
     yield from ()
+
+
+def _sizes(context: Context, block: Block, declared: Declare) -> tuple[int, ...]:
+    """Return the size of each dimension; raises Alarm 900123 for one that no array can have."""
+    given = [context.value(block, size) for size in declared.target.indices]
+    sizes = tuple(whole_index(size) or 0 for size in given)
+    if not all(sizes) or math.prod(sizes) > ELEMENTS_MAX:
+        shown = spelled(declared.target.name, tuple(f"{size:.10g}" for size in given))
+        raise context.alarm(900123, block, name=shown, maximum=ELEMENTS_MAX)
+    return sizes
 
 
 def _assign(context: Context, block: Block, assign: Assign) -> Iterator[canon.Command]:
