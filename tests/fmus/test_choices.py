@@ -3,6 +3,7 @@
 import re
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -99,6 +100,109 @@ def test_choice_inside_a_branch() -> None:
     rows = [row(1), *inner, *chain(30, 40, end=25), choice(50, 1, 40, 1)]
     found = indices(lazy_rows(rows, [leaf(50)]))
     assert found == [1, (50, [(25, [*range(10, 21)], []), *range(30, 41)], [])]
+
+
+SIDES = pytest.mark.parametrize("is_first", [True, False])
+
+
+def chosen(index: int, condition: int, branch: int, other: int, is_first: bool) -> Assignment:
+    """A choice with `branch` as the first or as the second one."""
+    return choice(index, condition, *((branch, other) if is_first else (other, branch)))
+
+
+def branch_of(lazy: Any, is_first: bool) -> tuple[Any, Any]:
+    """The rows of a branch and of the other one."""
+    _, first, second = lazy
+    return (first, second) if is_first else (second, first)
+
+
+@SIDES
+@pytest.mark.parametrize("needed", [10, 15, 17])
+def test_what_the_condition_needs_is_computed_before_it(is_first: bool, needed: int) -> None:
+    """Also where a branch needs it too: nobody knows yet which branch it will be."""
+    rows = [row(1), *chain(10, 30), chosen(50, needed, 30, 1, is_first)]
+    *outside, lazy = indices(lazy_rows(rows, [leaf(50)]))
+    assert outside == [*range(10, needed + 1)]
+    assert branch_of(lazy, is_first) == ([*range(needed + 1, 31)], [1])
+
+
+@SIDES
+def test_what_the_condition_needs_by_way_of_other_equations_is_before_it(is_first: bool) -> None:
+    rows = [row(1), *chain(10, 30), row(40, 14), row(41, 40), chosen(50, 41, 30, 1, is_first)]
+    *outside, lazy = indices(lazy_rows(rows, [leaf(50)]))
+    assert outside == [*range(10, 15), 40, 41]
+    assert branch_of(lazy, is_first) == ([*range(15, 31)], [1])
+
+
+def test_what_both_branches_need_is_computed_before_them() -> None:
+    rows = [row(1), *chain(10, 13), *chain(20, 25, end=13), *chain(30, 35, end=12)]
+    rows = [*rows, choice(50, 1, 25, 35)]
+    *outside, lazy = indices(lazy_rows(rows, [leaf(50)]))
+    # 13 is of the first branch alone: the second one begins at 12
+    assert outside == [1, 10, 11, 12]
+    assert lazy == (50, [13, *range(20, 26)], [*range(30, 36)])
+
+
+@SIDES
+def test_a_branch_that_is_the_other_one_too_has_nothing_of_its_own(is_first: bool) -> None:
+    rows = [row(1), *chain(10, 30), chosen(50, 1, 30, 30, is_first)]
+    assert indices(lazy_rows(rows, [leaf(50)])) == [each.index for each in rows]
+
+
+@SIDES
+@pytest.mark.parametrize("count", [branches.ROWS_MIN - 1, branches.ROWS_MIN])
+def test_as_many_equations_as_the_least_are_enough(is_first: bool, count: int) -> None:
+    last = 9 + count
+    rows = [row(1), *chain(10, last), chosen(50, 1, last, 1, is_first)]
+    found = indices(lazy_rows(rows, [leaf(50)]))
+    if count < branches.ROWS_MIN:
+        assert found == [each.index for each in rows]
+    else:
+        assert branch_of(found[-1], is_first) == ([*range(10, last + 1)], [])
+
+
+@pytest.mark.parametrize(("first", "second"), [(4, 4), (1, 7), (7, 1), (3, 4)])
+def test_equations_of_both_branches_count_together(first: int, second: int) -> None:
+    rows = [row(1), *chain(10, 9 + first), *chain(30, 29 + second)]
+    rows = [*rows, choice(50, 1, 9 + first, 29 + second)]
+    found = indices(lazy_rows(rows, [leaf(50)]))
+    if first + second < branches.ROWS_MIN:
+        assert found == [each.index for each in rows]
+    else:
+        assert found == [1, (50, [*range(10, 10 + first)], [*range(30, 30 + second)])]
+
+
+@SIDES
+def test_a_choice_inside_either_branch_has_its_own(is_first: bool) -> None:
+    inner = [*chain(10, 20), chosen(25, 1, 20, 1, is_first)]
+    rows = [row(1), *inner, *chain(30, 40, end=25), chosen(50, 1, 40, 1, is_first)]
+    *outside, lazy = indices(lazy_rows(rows, [leaf(50)]))
+    own, other = branch_of(lazy, is_first)
+    assert (outside, other, own[1:]) == ([1], [], [*range(30, 41)])
+    assert branch_of(own[0], is_first) == ([*range(10, 21)], [])
+
+
+def test_two_choices_have_what_each_alone_needs() -> None:
+    """12 is needed by both: it is computed before the first of them."""
+    rows = [row(1), *chain(10, 12), *chain(20, 29, end=12), choice(40, 1, 29, 1)]
+    rows = [*rows, *chain(50, 59, end=12), choice(70, 1, 1, 59)]
+    found = indices(lazy_rows(rows, [leaf(40), leaf(70)]))
+    assert found == [1, 10, 11, 12, (40, [*range(20, 30)], []), (70, [], [*range(50, 60)])]
+
+
+@SIDES
+def test_a_later_choice_that_needs_a_row_leaves_it_outside_of_the_former(is_first: bool) -> None:
+    """In its condition or in a branch."""
+    for later in (choice(70, 25, 1, 1), chosen(70, 1, 25, 1, is_first)):
+        rows = [row(1), *chain(20, 34), choice(40, 1, 34, 1), later]
+        found = indices(lazy_rows(rows, [leaf(40), leaf(70)]))
+        assert found == [1, *range(20, 26), (40, [*range(26, 35)], []), 70]
+
+
+def test_rows_without_a_choice_stay_as_they_are() -> None:
+    rows = chain(1, 20)
+    assert lazy_rows(rows, [leaf(20)]) == rows
+    assert lazy_rows([], []) == []
 
 
 def run(path: Path) -> list[float]:

@@ -98,7 +98,8 @@ def variable(name: str, slot: int, *, at: int = FIVE, own: int = 0, **given: Any
 def shared(*variables: Any, variability: str = "constant", source: int = 1) -> list[Any]:
     expressions, bindings, kept = [], {}, []
     for number, each in enumerate(variables):
-        span = {"source": source, "start": each["at"], "end": each["at"] + 1}
+        file = each.get("source", source)
+        span = {"source": file, "start": each["at"], "end": each["at"] + 1}
         expressions.append({"provenance": {"span": span}, "variability": variability})
         for place, name in enumerate(each["scalar_names"]):
             vector = each.get("vector", "P")
@@ -156,3 +157,36 @@ def test_a_number_in_the_declaration_of_a_parameter_is_its_own(own: int, is_shar
         assert len(shared(first, second)) == 1
     else:
         assert shared(first, second) == []
+
+
+def test_the_same_place_of_two_files_is_two_places() -> None:
+    """Each parameter follows the one around it whose number is in the same file."""
+    names = ("a.k", "a.b.k", "a.b.c.k", "a.b.c.d.k")
+
+    def found(*files: int) -> list[Any]:
+        """The parameters with their numbers in these files, declared in none of them."""
+        made = [variable(name, slot, declaration={}) for slot, name in enumerate(names)]
+        return sorted(shared(*({**m, "source": f} for m, f in zip(made, files, strict=False))))
+
+    assert found(1, 2) == found(2, 1) == []
+    assert found(2, 2) == [(1, 0, "F2.mo:1")]
+    assert found(1, 2, 1, 2) == [(2, 0, "F1.mo:2"), (3, 1, "F2.mo:1")]
+
+
+def test_a_parameter_of_the_model_itself_is_around_all_others() -> None:
+    """Of `extends Base(k = 5)` the number is that of k, and of `A a(k = k)` in Base."""
+    assert shared(variable("k", 2), variable("a.k", 4)) == [(4, 2, "F1.mo:2")]
+    both = shared(variable("a.b.k", 6), variable("k", 2), variable("c.k", 8))
+    assert sorted(both) == [(6, 2, "F1.mo:2"), (8, 2, "F1.mo:2")]
+
+
+@pytest.mark.parametrize(("own", "other"), [([2, 3], [3, 2]), ([6], [2, 3]), ([6], [1, 6])])
+def test_as_many_elements_in_another_shape_follow_nothing(own: Any, other: Any) -> None:
+    pair = [
+        variable(name, slot, value_type={"dimensions": shape},
+                 elements=[f"{name}[{k}]" for k in range(6)])
+        for name, slot, shape in (("a.k", 10, own), ("a.b.k", 20, other))
+    ]  # fmt: skip
+    assert shared(*pair) == []
+    same = [{**one, "value_type": {"dimensions": own}} for one in pair]
+    assert [(a, b) for a, b, _ in shared(*same)] == [(20 + k, 10 + k) for k in range(6)]

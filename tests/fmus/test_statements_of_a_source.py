@@ -26,7 +26,7 @@ def test_a_list_is_divided_outside_its_brackets_alone(text: str, parts: list[str
 
 
 SOURCE = """model M
-  Real u = f(1); // \u00e4
+  Real u = f(1); // \u00e4\u00e4\u00e4\u00e4\u00e4\u00e4\u00e4\u00e4\u00e4\u00e4\u00e4\u00e4
 equation
   x = {g(i) for i in 1:3}; y = h(2);
   for i in 1:2 loop
