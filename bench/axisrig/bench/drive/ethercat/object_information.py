@@ -10,7 +10,7 @@ from typing import Final
 from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.drive.cia402.dictionary.aborts import AbortCode, abort
-from axisrig.bench.drive.cia402.dictionary.objects import ObjectRow
+from axisrig.bench.drive.cia402.dictionary.objects import VARIABLE, ObjectRow
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.cia402.dictionary.storage import is_stored
 from axisrig.bench.drive.ethercat.objects import Described, type_of
@@ -100,9 +100,14 @@ class ObjectInformation:
 
     def _type(self, known: Described) -> int:
         """Return the data type of a variable or of the members of an array, 0 of a record."""
-        if known.code == _ARRAY:
-            return type_of(known.rows[1], self._profile).code
-        return type_of(known.rows[0], self._profile).code if 1 not in known.rows else 0
+        if known.code == VARIABLE:
+            return type_of(known.rows[0], self._profile).code
+        members = [
+            row for sub, row in known.rows.items() if sub
+        ]  # the profile may lack any of them
+        if known.code != _ARRAY or not members:
+            return 0
+        return type_of(members[0], self._profile).code
 
     def _entry(self, index: int, sub: int, values: int) -> bytes:
         known = self._described(index)

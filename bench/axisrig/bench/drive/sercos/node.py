@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
+from axisrig.bench.drive.axis.switches import HOME
 from axisrig.bench.drive.ethercat.description import Description
 from axisrig.bench.drive.ethercat.mailbox import MailboxService
 from axisrig.bench.drive.ethercat.node import EthercatDrive, SlaveSettings
@@ -108,7 +109,7 @@ class SercosDrive(EthercatDrive):
     # Values
 
     def _live(self) -> dict[str, Callable[[], int]]:
-        front, probing = self.front, self.probing
+        front, probing, switches = self.front, self.probing, self.servo.switches
         found: dict[str, Callable[[], int]] = {
             "c1d": front.class_1,
             "c2d": lambda: 0,
@@ -118,7 +119,7 @@ class SercosDrive(EthercatDrive):
             "status": self._status,
             "diagnosis": lambda: (front.error or NO_ERROR).number,
             "latched": probing.latches,
-            "home_switch": lambda: 0,
+            "home_switch": lambda: int(switches.is_on(HOME)),
             "probe_1": lambda: probing.level(0),
             "probe_2": lambda: probing.level(1),
             "latched_0": lambda: probing.latched(0),
