@@ -153,3 +153,29 @@ def test_no_contact_where_the_gap_stays_open_or_was_closed_before() -> None:
         assert first_contact(times, position, velocity, stop, 1e5) is None
     deep = penetrations(StopPath.at_rest(-50.0, 1, len(times)), position)
     assert np.all(deep > 0.0)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_gap_that_closes_before_the_motion_of_before_would_close_it(direction: int) -> None:
+    """10 mm/s would close 0.012 mm in 1.2 ms; it is closed after 1 ms: 0.2 ms in doubt."""
+    gap = np.array([0.042, 0.032, 0.022, 0.012, -0.001])
+    times = (np.arange(5) * 1_000_000).astype(np.int64)
+    stop = StopPath.at_rest(5.0, direction, 5)
+    velocity = np.full(5, direction * 10.0)
+    found = first_contact(times, 5.0 - direction * gap, velocity, stop, None)
+    assert found is not None
+    assert (found.row, found.speed_mm_s) == (3, 10.0)
+    assert found.time_ns == pytest.approx(4e6, abs=1.0)
+    assert found.uncertainty_ns == pytest.approx(0.2e6, abs=5.0)
+
+
+def test_a_way_that_would_take_more_than_two_rows_says_nothing_of_the_instant() -> None:
+    """At 10 mm/s 0.0201 mm take 2.01 ms and 0.0199 mm 1.99 ms, but they were gone in 1 ms."""
+    times = (np.arange(5) * 1_000_000).astype(np.int64)
+    stop, velocity = StopPath.at_rest(0.0, 1, 5), np.full(5, 10.0)
+    for way_mm, doubt_ms in ((0.0201, 1.0), (0.0199, 0.99)):
+        gap = np.array([way_mm + 0.03, way_mm + 0.02, way_mm + 0.01, way_mm, 0.0])
+        found = first_contact(times, -gap, velocity, stop, None)
+        assert found is not None
+        assert found.time_ns == pytest.approx(4e6, abs=1.0)
+        assert found.uncertainty_ns == pytest.approx(doubt_ms * 1e6, abs=5.0)
