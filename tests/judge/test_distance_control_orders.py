@@ -31,6 +31,18 @@ def test_an_instant_belongs_to_the_row_of_its_cycle() -> None:
         assert row_of(OBSERVED, time_ns) == row
 
 
+@pytest.mark.parametrize("late_ns", [0, 48 * US, 2 * MS - 1])
+def test_a_sync_that_comes_late_in_its_cycle_has_the_orders_of_the_whole_cycle(
+    late_ns: int,
+) -> None:
+    """Those before the SYNC too: they were given in the cycle that it belongs to."""
+    observed: Any = SimpleNamespace(
+        facts=OBSERVED.facts, index_at=lambda time_ns: max((time_ns - late_ns) // (2 * MS), 0)
+    )
+    for time_ns, row in ((0, 0), (2 * MS - 1, 0), (2 * MS, 1), (4 * MS - 1, 1), (4 * MS, 2)):
+        assert row_of(observed, time_ns) == row
+
+
 def test_orders_have_the_row_of_their_cycle_and_their_words() -> None:
     asked = (
         DistanceOrder(4 * MS, "PLC", "ON", is_dry_run=True, words={"kp": 0.3}),
