@@ -135,7 +135,8 @@ def _fitting(context: Context, block: Block, shown: str, kind: str | None, value
     lower, upper = RANGES[kind]
     whole = math.trunc(value)
     if not lower <= whole <= upper:
-        raise context.alarm(20847, block, name=shown, value=f"{value:g}", lower=lower, upper=upper)
+        text = f"{value:.12g}"
+        raise context.alarm(20847, block, name=shown, value=text, lower=lower, upper=upper)
     return float(whole)
 
 
