@@ -136,11 +136,13 @@ class PacedScheduler(Scheduler):
         with self._advancing:
             while condition():
                 event = self._next(end_ns)
-                if event is None and end_ns is not None:
-                    self.now_ns = end_ns
-                    return False
                 if event is not None:
                     self._run(event)
+                elif end_ns is None:
+                    self.now_ns += LISTEN_NS  # nothing is planned: time passes all the same
+                else:
+                    self.now_ns = end_ns
+                    return False
         return True
 
     def _run(self, event: Event) -> None:

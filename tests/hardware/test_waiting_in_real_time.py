@@ -1,0 +1,100 @@
+"""Waits for a condition in real time: what ends them, when, and what a late computer changes."""
+
+from typing import Any
+
+import pytest
+
+from axisrig.kernel.time.clock import Phase
+
+US, MS = 1_000, 1_000_000
+LATE_NS = 20 * US  # asking the clock of these tests costs 1 us
+
+
+def plan(bench: Any, *times_ns: int) -> list[int]:
+    seen: list[int] = []
+    for time_ns in times_ns:
+        bench.scheduler.call_at(time_ns, Phase.APPLICATION, lambda at=time_ns: seen.append(at))
+    return seen
+
+
+def test_a_wait_ends_with_the_event_that_it_waits_for(make_bench: Any) -> None:
+    """At its instant of real time; what is planned after it has not happened."""
+    bench = make_bench()
+    seen, begin_ns = plan(bench, MS, 2 * MS, 2 * MS, 3 * MS), bench.wall.now_ns
+    assert bench.scheduler.run_while(lambda: len(seen) < 2, 10 * MS)
+    assert (seen, bench.scheduler.now_ns) == ([MS, 2 * MS], 2 * MS)
+    assert 2 * MS <= bench.wall.now_ns - begin_ns <= 2 * MS + LATE_NS
+    bench.scheduler.run_until(4 * MS)
+    assert seen == [MS, 2 * MS, 2 * MS, 3 * MS]
+
+
+@pytest.mark.parametrize("start_ms", [0, 3])
+@pytest.mark.parametrize("event_ms", [None, 5, 1000])
+def test_a_wait_ends_after_its_time_counted_from_its_begin(
+    make_bench: Any, start_ms: int, event_ms: int | None
+) -> None:
+    bench = make_bench()
+    bench.scheduler.run_until(start_ms * MS)
+    seen = plan(bench, *([] if event_ms is None else [event_ms * MS]))
+    begin_ns = bench.wall.now_ns
+    assert not bench.scheduler.run_while(lambda: True, 10 * MS)
+    assert bench.scheduler.now_ns == (start_ms + 10) * MS
+    assert 10 * MS - LATE_NS <= bench.wall.now_ns - begin_ns <= 10 * MS + LATE_NS
+    assert seen == ([5 * MS] if event_ms == 5 else [])
+
+
+@pytest.mark.parametrize(("at_ns", "is_met"), [(10 * MS, True), (10 * MS + 1, False)])
+def test_an_event_at_the_very_end_of_a_wait_still_counts(
+    make_bench: Any, at_ns: int, is_met: bool
+) -> None:
+    bench = make_bench()
+    seen = plan(bench, at_ns)
+    assert bench.scheduler.run_while(lambda: not seen, 10 * MS) is is_met
+
+
+def test_a_wait_for_what_is_there_takes_no_time(make_bench: Any) -> None:
+    bench = make_bench()
+    seen, begin_ns = plan(bench, 0), bench.wall.now_ns
+    for limit_ns in (0, 10 * MS, None):
+        assert bench.scheduler.run_while(lambda: False, limit_ns)
+    assert (seen, bench.scheduler.now_ns) == ([], 0)
+    assert bench.wall.now_ns - begin_ns <= LATE_NS
+
+
+@pytest.mark.parametrize("limit_ns", [None, 50 * MS])
+@pytest.mark.parametrize("after_ms", [2, 4, 5, 6, 12, 31])
+def test_a_frame_from_outside_ends_a_wait_at_the_instant_it_came(
+    make_bench: Any, make_frame: Any, limit_ns: int | None, after_ms: int
+) -> None:
+    """Also where the wait has no limit, and nothing else is planned; the next event is on time."""
+    bench = make_bench()
+    bench.scheduler.run_until(MS)
+    begin_ns = bench.wall.now_ns
+    seen: list[int] = []
+    bench.segment.observe(lambda _t, _name, frame, _e: seen.append(frame.arbitration_id))
+    bench.adapter.coming.append((begin_ns + after_ms * MS, make_frame(0x123)))
+    assert bench.scheduler.run_while(lambda: not seen, limit_ns)
+    assert seen == [0x123]
+    now_ns = bench.scheduler.now_ns
+    assert abs(now_ns - (1 + after_ms) * MS) <= LATE_NS
+    bench.scheduler.run_until(now_ns + MS)
+    assert abs(bench.wall.now_ns - begin_ns - (after_ms + 1) * MS) <= 2 * LATE_NS
+    assert bench.deadlines.slips == 0
+
+
+def test_waiting_inside_an_event_is_refused(make_bench: Any) -> None:
+    bench = make_bench()
+    scheduler = bench.scheduler
+    scheduler.call_at(MS, Phase.APPLICATION, lambda: scheduler.run_while(lambda: False, 0))
+    with pytest.raises(RuntimeError, match="already advancing"):
+        scheduler.run_while(lambda: True, 2 * MS)
+    assert not scheduler.run_while(lambda: True, MS)  # it goes on afterwards
+
+
+def test_time_does_not_go_back(make_bench: Any) -> None:
+    bench = make_bench()
+    bench.scheduler.run_until(2 * MS)
+    with pytest.raises(ValueError, match="before now"):
+        bench.scheduler.run_until(2 * MS - 1)
+    bench.scheduler.run_until(2 * MS)
+    assert bench.scheduler.now_ns == 2 * MS
