@@ -19,6 +19,27 @@ def test_commands_of_the_controlword(controlword: int, words: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("masked", "free", "words"),
+    [
+        (0x00, 0x20, "not ready to switch on"), (0x40, 0x20, "switch on disabled"),
+        (0x21, 0x00, "ready to switch on"), (0x23, 0x00, "switched on"),
+        (0x27, 0x00, "operation enabled"), (0x07, 0x00, "quick stop active"),
+        (0x0F, 0x20, "fault reaction active"), (0x08, 0x20, "fault"),
+    ],
+)  # fmt: skip
+def test_states_of_the_statusword(masked: int, free: int, words: str) -> None:
+    """CiA 402-2: bits 0 to 3, 5 and 6, of which some states leave bit 5 free; bit 4 is voltage."""
+    for value in (masked, masked | 0x10, masked | free, masked | free | 0x10):
+        assert bits_words(0x6041, value) == words
+
+
+@pytest.mark.parametrize("value", [0x01, 0x02, 0x03, 0x06, 0x0B, 0x22, 0x24, 0x48, 0x61, 0x67])
+def test_bits_that_are_no_state_are_so_in_words(value: int) -> None:
+    assert bits_words(0x6041, value) == "no state"
+    assert bits_words(0x6041, value | 0x80) == "no state, warning"
+
+
+@pytest.mark.parametrize(
     ("index", "value", "words"),
     [
         (0x6041, 0x0237, "operation enabled"),

@@ -214,6 +214,37 @@ def test_numbers_of_an_sdo_have_the_bytes_that_its_command_says(three: LineNames
         assert one.text == f"WKC 1  {shown}", (hex(command), one.text)
 
 
+@pytest.mark.parametrize(("count", "unused"), [(7 - n, n) for n in range(7)])
+@pytest.mark.parametrize("is_last", [False, True])
+def test_a_short_part_of_an_sdo_has_the_bytes_that_its_command_leaves(
+    count: int, unused: int, is_last: bool, three: LineNames
+) -> None:
+    """CiA 301: bits 1 to 3 have how many of 7 bytes are none, bit 0 marks the last part."""
+    end = ", the last one" if is_last else ""
+    for toggle in (0, 0x10):
+        command = bytes([toggle | unused << 1 | is_last])
+        for service, words in ((2, "SDO write"), (3, "SDO answer")):
+            data = box(3, coe(service, command, bytes(7)))
+            (one,) = three.describe("ec1", frame((FPRD, 1002, 0x1080, data, 1)))
+            assert one.text == f"WKC 1  {words}, a part of {count} bytes{end}"
+
+
+def test_a_long_part_of_an_sdo_has_all_its_bytes(three: LineNames) -> None:
+    """ETG.1000: those bits are of a part that is filled up to 7 bytes."""
+    for length in (8, 20, 100):
+        data = box(3, coe(3, b"\x0f", bytes(length)))
+        (one,) = three.describe("ec1", frame((FPRD, 1002, 0x1080, data, 1)))
+        assert one.text == f"WKC 1  SDO answer, a part of {length} bytes, the last one"
+
+
+@pytest.mark.parametrize(("sub", "shown"), [(0, "0"), (9, "9"), (10, "a"), (0x1F, "1f")])
+def test_a_subindex_is_asked_for_as_it_is_shown(sub: int, shown: str, three: LineNames) -> None:
+    data = box(3, coe(2, struct.pack("<BHB4x", 0x40, 0x3999, sub)))
+    (one,) = three.describe("ec1", frame((FPWR, 1001, 0x1000, data, 1)))
+    assert {"3999", f"3999:{shown}"} < one.tags
+    assert one.text == f"WKC 1  SDO read 0x3999:{shown.upper()}"
+
+
 def test_several_datagrams_of_a_frame_are_shown_in_their_order(three: LineNames) -> None:
     found = lines(
         three, (FPRD, 1003, 0x0130, b"\x08\0\0\0\0\0", 1), image_of_three(9),
