@@ -186,6 +186,28 @@ def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -
     assert said(axisrig, "diff", str(other), str(other)) == "no difference\n"
 
 
+def test_differences_of_a_rotary_axis_are_in_its_units(axisrig: Call, tmp_path: Path) -> None:
+    """0.1 um of a linear axis are 0.0001 deg, 1 um/s is 0.001 deg/s."""
+    shown = []
+    for kind in ("ACHSTYP_TRANSLATOR", "ACHSTYP_ROTATOR"):
+        paths = tmp_path / "one.lst", tmp_path / "other.lst"
+        for path, deviation, speed in zip(paths, (10_000, 25_000), (2000, 500), strict=True):
+            path.write_text(
+                f"kopf.achs_nr 1\nkenngr.achs_typ {kind}\n"
+                f"kenngr.dist_ctrl[0].max_deviation {deviation}\n"
+                f"kenngr.dist_ctrl[0].v_max {speed}\n",
+                encoding="utf-8",
+            )
+        lines = said(axisrig, "diff", *map(str, paths), code=1).splitlines()[2:]
+        shown.append([line.split(": ", 2)[-1] for line in lines])
+    assert shown == [
+        ["10000 x 0.1 um = 1 mm -> 25000 x 0.1 um = 2.5 mm",
+         "2000 um/s = 2 mm/s -> 500 um/s = 0.5 mm/s"],
+        ["10000 x 0.0001 deg = 1 deg -> 25000 x 0.0001 deg = 2.5 deg",
+         "2000 x 0.001 deg/s = 2 deg/s -> 500 x 0.001 deg/s = 0.5 deg/s"],
+    ]  # fmt: skip
+
+
 def test_differences_count_in_effective_values(axisrig: Call, tmp_path: Path) -> None:
     first, second = tmp_path / "a.lst", tmp_path / "b.lst"
     first.write_text("kenngr.mess_neg_flanke 1\n")

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.tools.rig_export import package
 from axisrig.bench.tools.rig_export.package import (
     _as_text,
@@ -147,6 +148,25 @@ def test_keys_of_rig_and_row_are_variables_each_once() -> None:
     table: Any = SimpleNamespace(start={"position_start_mm": 1, "kv": 40, "way_mm": 3})
     slave: Any = Slave("position_start", "kv", "way_mm")
     assert _set_keys(whole, "z", table, slave) == ["position_start", "kv", "way_mm"]
+
+
+def test_a_variable_that_a_row_alone_sets_is_in_the_package_too() -> None:
+    """Behind those of the rig, in the order of the row; those of other plants are not."""
+    whole = settings()
+    texts = ("plant:z.friction.stribeck_mm_s=6", "plant:z.kv=30", "plant:z.seed=2")
+    whole.start = {
+        "z": [(parse_assignment(text), None) for text in texts],
+        "x": [(parse_assignment("plant:x.noise_um=1"), None)],
+    }
+    slave: Any = Slave("kv", "seed", "noise", "friction.stribeck")
+    for start, expected in (
+        ({}, ["friction.stribeck", "kv", "seed"]),
+        ({"seed": 1, "kv": 40}, ["seed", "kv", "friction.stribeck"]),
+    ):
+        table: Any = SimpleNamespace(start=start)
+        assert _set_keys(whole, "z", table, slave) == expected
+    assert _set_keys(whole, "x", SimpleNamespace(start={}), slave) == ["noise"]  # type: ignore[arg-type]
+    assert _set_keys(whole, "y", SimpleNamespace(start={}), slave) == []  # type: ignore[arg-type]
 
 
 def test_the_bytes_depend_on_the_content_alone(tmp_path: Path) -> None:
