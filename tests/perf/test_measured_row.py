@@ -261,6 +261,66 @@ def test_a_profile_is_for_each_cycle_the_longest_first(
     assert len(profile.profile_row(PLAN, "f600", clock, lambda: made).splitlines()) == 4  # type: ignore[arg-type]
 
 
+def own_code(name: str, file: str) -> Any:
+    return compile(f"class C:\n def {name}(self): pass", file, "exec").co_consts[0].co_consts[1]
+
+
+def test_a_profile_is_of_a_warm_bench_and_its_shares_are_of_all_functions(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two of three functions are shown, 30 and 20 of 100 us; the first run is under no profile."""
+    ran: list[str] = []
+    before = perf.run_case
+
+    def noted(word: str) -> Any:
+        return lambda *given: ran.append(word) or before(*given)
+
+    monkeypatch.setattr(perf, "run_case", noted("plain"))
+    monkeypatch.setattr(profile, "run_case", noted("profiled"))
+    monkeypatch.setattr(profile, "SHOWN", 2)
+    stats = [SimpleNamespace(code=f"<{name}>", inlinetime=us * 4e-6, callcount=4)
+             for name, us in (("b", 20), *((f"c{number}", 10) for number in range(5)), ("a", 30))]  # fmt: skip
+    made: Any = SimpleNamespace(
+        runcall=lambda function, *given: function(*given), getstats=lambda: stats
+    )
+    lines = profile.profile_row(PLAN, "f600", clock, lambda: made).splitlines()  # type: ignore[arg-type]
+    assert ran == ["plain", "profiled"]
+    assert "4 cycles, 100.0 us each" in lines[0]
+    assert [line.split() for line in lines[2:-1]] == [
+        ["30.00", "30.0", "%", "1.00", "a"], ["20.00", "20.0", "%", "1.00", "b"],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("series", [None, SimpleNamespace(column=lambda _: ())])
+def test_a_profile_of_a_run_without_cycles_is_for_the_whole_run(
+    series: Any, clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where no function has taken any time."""
+    monkeypatch.setattr(profile, "run_case", lambda *_: SimpleNamespace(series=series))
+    for own_s, us, share in ((3e-6, "3.00", "100.0"), (0.0, "0.00", "0.0")):
+        stats = [SimpleNamespace(code="<len>", inlinetime=own_s, callcount=7)]
+        made: Any = SimpleNamespace(
+            runcall=lambda function, *given: function(*given), getstats=lambda s=stats: s
+        )
+        lines = profile.profile_row(PLAN, "f600", clock, lambda m=made: m).splitlines()  # type: ignore[arg-type]
+        assert lines[0].startswith("latch_accuracy-f600: 1 cycles, ")
+        assert lines[2].split() == [us, share, "%", "7.00", "len"]
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("/x/axisrig/kernel/channel/a.py", "kernel.channel.a.C.f"),
+        ("/home/axisrig/bench/axisrig/bench/rig/b.py", "bench.rig.b.C.f"),  # a checkout
+        ("/lib/python3/json/decoder.py", "json.decoder.C.f"),
+        ("/one.py", "/.one.C.f"),
+    ],
+)
+def test_a_function_is_named_by_its_module_below_the_package(file: str, name: str) -> None:
+    assert profile._name(own_code("f", file)) == name
+    assert profile._name("<built-in method len>") == "built-in method len"
+
+
 def test_walls_are_of_the_middle_the_shortest_and_the_longest_run(
     clock: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -219,6 +219,30 @@ def test_the_way_of_the_cycles_is_shared_out() -> None:
     assert combined_um == [pytest.approx(-50.0)]
 
 
+@pytest.mark.parametrize("between_um", [0.5, -0.5])
+def test_what_the_cycles_cost_has_its_setting_and_a_mean_where_causes_are_combined(
+    between_um: float,
+) -> None:
+    """A cubic between SYNCs may be off either way; where nothing was combined there is no mean."""
+    rig: Any = SimpleNamespace(
+        rig=SimpleNamespace(cycle=SimpleNamespace(period_us=2000, cycle_offset_us=300))
+    )
+    for given, settings in (
+        ({}, ["period 2000 us, SYNC 300 us before the cycle"]),
+        ({"between_um": between_um}, ["positions every 2000 us"]),
+        (
+            {"between_um": between_um, "sampled_ms": 2.0},
+            ["SYNC every 2000 us", "positions every 2000 us"],
+        ),
+    ):
+        for is_combined in (False, True):
+            found = _of_cycles(rig, seen(value_ms=5.0, **given), is_combined)
+            assert [each.setting for each in found] == settings
+            for each in found:
+                assert each.combined_um == (each.in_turn_um if is_combined else None)
+                assert (each.expected_um, each.bound_um) == (None, None)
+
+
 @pytest.mark.parametrize(("error_um", "left_um"), [(-5.3, -0.3), (-4.6, 0.4), (0.0, 5.0)])
 def test_the_rounding_is_what_a_latch_has_beside_the_way_until_it(
     error_um: float, left_um: float
