@@ -193,9 +193,12 @@ def test_a_measurement_is_shown_with_shares_of_a_cycle() -> None:
     assert lines[0].startswith("p-a: 2.000 s simulated in 0.500 s (min 0.400, max 0.700, 3 runs")
     assert lines[1] == "real time factor 4.0"
     assert "CPU time 0.250 s: 8.0 times real time" in lines[2]
+    assert lines[2].endswith("a next run takes 12.5 ms beyond its simulation")
+    assert lines[3] == "report.html 1.250 s"
+    assert "(2000 cycles; " in lines[5]
     assert "read the shares" in lines[5]
     assert lines[6:8] == ["  kernel        30.0    75 %", "  rest          10.0    25 %"]
-    assert lines[-1] == "axisrig interpreted, sources cd"
+    assert lines[8:] == ["", "frame_log_sha256 ab", "axisrig interpreted, sources cd"]
     compiled = show({**result, "compiled": True}, False).splitlines()
     assert "only on interpreted modules" in compiled[5]
     assert compiled[-1].startswith("axisrig compiled")
@@ -278,8 +281,11 @@ def test_a_profile_is_of_a_warm_bench_and_its_shares_are_of_all_functions(
     monkeypatch.setattr(perf, "run_case", noted("plain"))
     monkeypatch.setattr(profile, "run_case", noted("profiled"))
     monkeypatch.setattr(profile, "SHOWN", 2)
-    stats = [SimpleNamespace(code=f"<{name}>", inlinetime=us * 4e-6, callcount=4)
-             for name, us in (("b", 20), *((f"c{number}", 10) for number in range(5)), ("a", 30))]  # fmt: skip
+    own_us = {"b": 20, "c": 10, "d": 10, "e": 10, "f": 10, "g": 10, "a": 30}
+    stats = [
+        SimpleNamespace(code=f"<{name}>", inlinetime=us * 4e-6, callcount=4)
+        for name, us in own_us.items()
+    ]
     made: Any = SimpleNamespace(
         runcall=lambda function, *given: function(*given), getstats=lambda: stats
     )

@@ -276,6 +276,8 @@ def test_braking_is_a_cause_of_each_motion_and_the_run_up_where_speed_is_gained(
             assert [each.cause.cause for each in only] == ["braking"]
             assert [each.cause.cause for each in both] == ["run-up", "braking"]
             assert both[0].off == without_run_up(settings)
+            assert both[0].setting == run_up_words(settings, "Z")
+            assert only[0].setting == braking_words(settings, "Z") != both[0].setting
             assert both[1] == only[0]
             stop = only[0].off["set:Z.getriebe[0].lslope_profil.a_feedh"]
             # 0.5 s from the speed of the contact, either sign; else 1 mm/s2, or at once
