@@ -1,6 +1,7 @@
 """`axisrig errors`: the list, its filters, and everything about one alarm."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -100,3 +101,49 @@ def test_a_word_that_is_like_nothing_gets_no_guesses() -> None:
         alarm_listing("foo")
     assert "did you mean" not in str(caught.value)
     assert "axisrig errors lists all" in str(caught.value)
+
+
+def guess(word: str, **given: Any) -> str:
+    """What is offered for a word that no alarm has."""
+    with pytest.raises(UserError, match="no alarm fits") as caught:
+        alarm_listing(word, **given)
+    assert caught.value.value == word
+    return str(caught.value.allowed or "")
+
+
+@pytest.mark.parametrize(
+    ("word", "like"),
+    [
+        ("probee", "probe"), ("PROBEE", "probe"), ("plsc", "plc"), ("toleranse", "tolerance"),
+        ("P-CHAN-0153", "p-chan-00153"),  # it is there in brackets alone
+        ("greatre", "greater"),  # before a full stop alone
+        ("xyz", ""), ("lqg", ""),  # three letters are like many
+        ("qqqqqq", ""),
+    ],
+)  # fmt: skip
+def test_a_word_that_is_nearly_there_is_offered_without_the_signs_around_it(
+    word: str, like: str
+) -> None:
+    offered = guess(word).split(", ")
+    assert like in offered
+    assert [one for one in offered if one.strip(".,:;(){}") != one] == []
+
+
+def test_a_word_of_other_classes_or_areas_is_not_offered_for_itself() -> None:
+    """Alarms of probes are no warnings of the drives: what is offered is there, and another."""
+    texts = {entry.id: f"{entry.text} {entry.remedy} {entry.source} {entry.area} {entry.reaction}"
+             for entry in catalogue().values()}  # fmt: skip
+    for given in ({"area": "edge banding"}, {"area": "drives", "reaction_class": 1}):
+        inside = [
+            texts[entry.id].casefold() for entry in catalogue().values()
+            if entry.area == given["area"]
+            and entry.reaction_class == given.get("reaction_class", entry.reaction_class)
+        ]  # fmt: skip
+        outside = {word for text in texts.values() for word in text.casefold().split()}
+        outside = {word for word in outside if word.isalpha() and len(word) > 5}
+        absent = sorted(word for word in outside if not any(word in text for text in inside))
+        assert len(absent) > 50
+        for word in absent[:: len(absent) // 12]:
+            offered = guess(word, **given).split(", ")
+            assert word not in offered
+            assert all(any(one in text for text in inside) for one in offered)

@@ -41,15 +41,15 @@ def alarm_listing(
     areas = sorted({entry.area for entry in catalogue().values()})
     if area is not None and area not in areas:
         raise UserError("no area of alarms", value=area, allowed=nearest(area, areas) or areas)
-    found = [
+    asked = [
         entry
         for entry in catalogue().values()
         if (reaction_class is None or entry.reaction_class == reaction_class)
         and (area is None or entry.area == area)
-        and (word is None or word.casefold() in _searched(entry))
     ]
+    found = [entry for entry in asked if word is None or word.casefold() in _searched(entry)]
     if not found:
-        words = {part for entry in catalogue().values() for part in _searched(entry).split()}
+        words = {part for entry in asked for part in _searched(entry).split()}
         raise UserError(
             "no alarm fits",
             value=word or reaction_class,
