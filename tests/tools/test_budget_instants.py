@@ -20,6 +20,7 @@ from axisrig.bench.record.measuring import PlcTaskRecord
 from axisrig.bench.record.series import Series
 from axisrig.bench.record.signal_sources import HELD, STAMPED
 from axisrig.bench.rig.canopen.keys import DriveTable
+from axisrig.bench.tools.budget import observed_run
 from axisrig.bench.tools.budget.encoder import (
     between_um,
     history_end_ns,
@@ -286,16 +287,71 @@ class Ramp(Track):
 
 def whole_of(speed_mm_s: float, acceleration_mm_s2: float, **more: Any) -> Seen:
     """What a run shows of a touch 3 ms after the begin, whose drive latches 2 ms later."""
+    return whole_of_track(Ramp(speed_mm_s, acceleration_mm_s2), speed_mm_s, **more)
+
+
+def whole_of_track(
+    observed: Track, speed_mm_s: float, latch_ms: float | None = 2.0, **more: Any
+) -> Seen:
     settings = plc(None, None)
+    settings.rig.plant["z"].start = more.get("start", {})
     settings.rig.axis["Z"].probe_1 = "probe"
     settings.rig.axis["X"] = SimpleNamespace(plant="x")
     settings.rig.plant["probe"] = SimpleNamespace(start={}, wire={"z": "z"})
-    run = SimpleNamespace(sources={"Z": SIGNAL}, signal_ns=more.get("signal_ns"))
+    sources = observed.facts.runs[-1].sources
+    run = SimpleNamespace(sources=sources, signal_ns=more.get("signal_ns"))
     contact = SimpleNamespace(time_ns=3 * MS + SYNC_NS)
     touch: Any = SimpleNamespace(run=run, contact=contact, edge_ns=contact.time_ns)
-    track: Any = Ramp(speed_mm_s, acceleration_mm_s2)
-    plain = Seen(-1.0, speed_mm_s, 2.0, None, None)
-    return _whole(track, touch, "Z", settings, plain)
+    track: Any = observed
+    return _whole(track, touch, "Z", settings, Seen(-1.0, speed_mm_s, latch_ms, None, None))
+
+
+class RunUp(Ramp):
+    """Gains speed until 4.2 ms, and goes on with what it has then."""
+
+    def at(self, time_ns: int) -> tuple[float, float]:
+        (v, a), t = self._motion, time_ns / MS / 1e3
+        run_up_s = min(t, 4.2e-3)
+        speed_mm_s = v + a * run_up_s
+        return v * run_up_s + a * run_up_s**2 / 2 + speed_mm_s * (t - run_up_s), speed_mm_s
+
+
+def test_speed_is_gained_at_the_contact_whatever_comes_until_the_value() -> None:
+    """The contact is at 3 ms, the latch at 5 ms: there the speed is steady again."""
+    assert whole_of_track(RunUp(10.0, 5000.0), 30.0).gains_speed
+    assert whole_of_track(RunUp(-10.0, -5000.0), -30.0).gains_speed
+    assert not whole_of_track(RunUp(30.0, 0.0), 30.0).gains_speed
+
+
+@pytest.mark.parametrize(("signal_ms", "is_after"), [(6.9, True), (7.0, False), (4.9, True)])
+def test_a_stamp_is_of_after_the_signal_where_one_of_its_positions_is(
+    signal_ms: float, is_after: bool
+) -> None:
+    """A cubic through SYNCs 4 to 7, in place of the one until SYNC 5."""
+    signal_ns = round(signal_ms * MS) + SYNC_NS
+    stamped = whole_of_track(Ramp(-10.0, 0.0, source=STAMPED), -10.0, signal_ns=signal_ns)
+    assert stamped.is_after_signal is is_after
+    assert stamped.source == STAMPED
+    latched = whole_of(-10.0, 0.0, signal_ns=signal_ns)
+    assert latched.is_after_signal is (signal_ms < 5)
+
+
+@pytest.mark.interpreted
+def test_noise_of_a_value_of_a_plc_is_that_of_its_instant_whatever_the_edge(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A drive that latches has a cubic between fine steps; a PLC takes the position as it is."""
+    value_ns = 5 * MS + SYNC_NS + 260 * US  # 5.308 ms: number 53 of 100 us each
+    sampled_ns = 4 * MS + SYNC_NS
+    monkeypatch.setattr(observed_run, "instants_at_plc", lambda *_: Instants(value_ns, sampled_ns))
+    noise = {"noise_um": 0.1}
+    found = whole_of_track(Ramp(-10.0, 0.0), -10.0, None, start=noise)
+    assert found.noise == normal_number(53, 1)
+    assert (found.value_ms, found.sampled_ms) == (pytest.approx(2.26), pytest.approx(1.0))
+    latched = whole_of_track(Ramp(-10.0, 0.0), -10.0, 2.26, start=noise)
+    share = 10 / 50
+    first, last = normal_number(52, 1), normal_number(53, 1)
+    assert latched.noise == pytest.approx(first + (last - first) * (3 * share**2 - 2 * share**3))
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

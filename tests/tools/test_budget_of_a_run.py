@@ -89,6 +89,22 @@ def test_the_motion_is_kept_from_50_syncs_before_the_contact_on() -> None:
     assert seen.per_length == -1.0
 
 
+@pytest.mark.parametrize("end_ns", [20 * MS, 200_000])
+def test_the_motion_of_a_touch_soon_after_the_begin_is_kept_from_the_begin_on(end_ns: int) -> None:
+    """Where there are no 50 SYNCs before the contact: at 20 ms, or within the first one."""
+    left = recorded()
+    first = MeasurementRun(("Z",), begin_ns=0, end_ns=30 * MS, inputs={"Z": 1})
+    probe = ProbeRecord(
+        True, 1.0, contacts=(Contact(end_ns, {"z": 10.0}),), edges=(Edge(end_ns + 50_000, True),)
+    )
+    early = facts(**{**vars(left), "runs": (first,), "probes": {"probe": probe}})
+    track = see(result(early, **LATCHED), "Z", settings()).track
+    assert track is not None
+    assert list(track.times_ns) == [row * MS for row in range(ROWS)]
+    assert (track.contact_ns, track.touches) == (end_ns, 1)
+    assert track.edge_ms == pytest.approx(0.05)
+
+
 def test_an_edge_that_nobody_saw_is_at_the_contact() -> None:
     seen = see(result(recorded(None), **LATCHED), "Z", settings())
     assert seen.track is not None
