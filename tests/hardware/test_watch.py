@@ -199,28 +199,32 @@ def test_a_terminal_has_a_line_for_each_stamp_with_the_contact_before_it() -> No
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize("order", [1, -1])
-@pytest.mark.parametrize(
-    ("edge_ms", "contact_ms"), [(3, None), (4, 4), (8, 4), (9, 9), (12, 9), (15, 15), (99, 15)]
-)
-def test_the_contact_of_a_stamp_is_the_last_one_until_its_edge(
-    edge_ms: int, contact_ms: int | None, order: int
-) -> None:
-    """Of three touches of its own probe, in whatever order they are kept; at the instant counts."""
-    _, plant = machine(touch=(4 * MS, 9 * MS, 15 * MS)[::order], other=(1 * MS, 5 * MS, 14 * MS))
-    terminal: Any = SimpleNamespace(
-        states=SimpleNamespace(state=AlState.OP, code=0), latches=SimpleNamespace(stamped=[])
-    )
-    texts: list[str] = []
-    watch = TerminalWatcher(
-        terminal, {1: "touch", 2: "other"}, plant, lambda *words: texts.append(words[3])
-    )
+def test_a_terminal_goes_from_state_to_state_and_a_stamp_has_the_last_contact_before_it() -> None:
+    """Each change is from what was shown before; a second contact is the one of later edges."""
+    _, plant = machine(touch=(4 * MS, 9 * MS), other=())
+    states = SimpleNamespace(state=AlState.INIT, code=0)
+    terminal: Any = SimpleNamespace(states=states, latches=SimpleNamespace(stamped=[]))
+    rows: list[tuple[Any, ...]] = []
+    watch = TerminalWatcher(terminal, {2: "touch"}, plant, lambda *words: rows.append(words))
+    way = (AlState.PREOP, AlState.SAFEOP, AlState.PREOP, AlState.PREOP, AlState.INIT)
+    for ms, state in enumerate(way, 1):
+        states.state = state
+        watch.look(ms * MS)
+    assert [(at_ns, text) for at_ns, _, _, text in rows] == [
+        (1 * MS, "INIT -> PREOP"), (2 * MS, "PREOP -> SAFEOP"), (3 * MS, "SAFEOP -> PREOP"),
+        (5 * MS, "PREOP -> INIT"),
+    ]  # fmt: skip
+    rows.clear()
     (stamp,) = terminal.latches.stamped
-    for level in (True, False):
-        stamp(0, level, edge_ms * MS, 7)
-    watch.look(100 * MS)
-    place = "" if contact_ms is None else touched(contact_ms)
-    assert texts == [f"input 1 {way}, stamp 7 ns{place}" for way in ("up", "down")]
+    for number, ms in ((1, 3), (1, 8), (1, 9), (1, 12), (0, 12)):
+        stamp(number, True, ms * MS, -ms)
+    watch.look(20 * MS)
+    assert [(at_ns, text) for at_ns, _, _, text in rows] == [
+        (3 * MS, "input 2 up, stamp -3 ns"), (8 * MS, f"input 2 up, stamp -8 ns{touched(4)}"),
+        (9 * MS, f"input 2 up, stamp -9 ns{touched(9)}"),
+        (12 * MS, f"input 2 up, stamp -12 ns{touched(9)}"),
+        (12 * MS, "input 1 up, stamp -12 ns"),  # no probe is at it
+    ]  # fmt: skip
 
 
 def touched(ms: int) -> str:

@@ -6,7 +6,8 @@ import re
 
 import pytest
 
-from axisrig.bench.tools.listings.oracles import oracle_listing, oracles
+from axisrig.bench.tools.listings import oracles as closed_forms
+from axisrig.bench.tools.listings.oracles import Oracle, oracle_listing, oracles
 from axisrig.kernel.errors import UserError
 
 
@@ -55,3 +56,63 @@ def test_a_word_shows_what_fits_whole() -> None:
         assert oracle_listing(word) == oracle_listing(word.upper()) == oracle_listing(word.lower())
     with pytest.raises(UserError, match="no closed form has this word"):
         oracle_listing("nothing of this kind")
+
+
+OWN = [
+    Oracle("stop", "way_mm", "v t.\n\nMore of it.", "ISO 1"),
+    Oracle("stop", "time_s", "v over a, in\ntwo lines.", "ISO 1"),
+    Oracle("stop", "way", "Way alone.", "ISO 2"),
+    Oracle("stop.late", "way_mm", "Late. ISO 3 has it.", "ISO 3"),
+]
+
+
+@pytest.mark.interpreted
+def test_each_module_has_its_forms_and_each_origin_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A module below a folder of the same name has its own part."""
+    monkeypatch.setattr(closed_forms, "oracles", lambda: OWN)
+    assert oracle_listing().splitlines()[1:] == [
+        "", "stop",
+        f"  {'way_mm':<28} v t.", f"  {'time_s':<28} v over a, in two lines.",
+        f"  {'way':<28} Way alone.", "  ISO 1", "  ISO 2",
+        "", "stop.late", f"  {'way_mm':<28} Late. ISO 3 has it.", "  ISO 3",
+    ]  # fmt: skip
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("word", "shown"),
+    [
+        ("way", ["stop.way"]),  # by its whole name, though others have it in theirs
+        ("WAY_mm", ["stop.way_mm", "stop.late.way_mm"]),
+        ("stop.way_mm", ["stop.way_mm"]),
+        ("stop.late", ["stop.late.way_mm"]),
+        ("late", ["stop.late.way_mm"]),
+        ("iso 1", ["stop.way_mm", "stop.time_s"]),
+        ("more of", ["stop.way_mm"]),
+    ],
+)
+def test_a_name_comes_before_words_in_texts(
+    word: str, shown: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(closed_forms, "oracles", lambda: OWN)
+    blocks = oracle_listing(word).split("\n\nstop.")
+    assert [block.splitlines()[0].removeprefix("stop.") for block in blocks] == [
+        name.removeprefix("stop.") for name in shown
+    ]
+
+
+@pytest.mark.interpreted
+def test_a_wrong_name_of_a_form_has_near_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(closed_forms, "oracles", lambda: OWN)
+    with pytest.raises(UserError, match="no closed form has this word") as caught:
+        oracle_listing("tmie_s")
+    assert (caught.value.value, str(caught.value.allowed)) == ("tmie_s", "time_s")
+
+
+def test_an_origin_ends_with_its_paragraph() -> None:
+    """What comes below an empty line is no part of it."""
+    assert [one.name for one in oracles() if "\n" in one.origin] == []
+    for one in oracles():
+        tail = one.text.partition("Source:")[2].partition("\n\n")[2].split()
+        if len(tail) > 5:
+            assert not one.origin.endswith(" ".join(tail)), one.name

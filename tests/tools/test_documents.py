@@ -35,6 +35,51 @@ def test_the_notebook_is_copied_and_overwrites_nothing(tmp_path: Path) -> None:
         documents.copy_notebook(path)
 
 
+@pytest.mark.interpreted
+def test_pages_are_listed_in_alphabetical_order_below_their_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Titles begin in one column, behind the longest name; a page without one has none."""
+    for name, text in (
+        ("rigs", "# Rigs and all that\n\n# Another\n"), ("a-long-name", "words\n# Long\n"),
+        ("bare", "no title\n"), ("index", "# Here\n"),
+    ):  # fmt: skip
+        (tmp_path / f"{name}.md").write_text(text, encoding="utf-8")
+    (tmp_path / "notes.txt").write_text("# No page\n", encoding="utf-8")
+    monkeypatch.setattr(documents, "folder", lambda: tmp_path)
+    assert [line.rstrip() for line in documents.listing().splitlines()] == [
+        str(tmp_path), "a-long-name  Long", "bare", "index        Here",
+        "rigs         Rigs and all that",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["planz", "planz.md"])
+def test_only_near_pages_are_offered_for_a_wrong_name(name: str) -> None:
+    with pytest.raises(UserError, match="no such page") as error:
+        documents.page(name)
+    offered = str(error.value.allowed).split(", ")
+    assert "plans" in offered
+    assert len(offered) < 5 < len(documents.pages())
+    assert error.value.value == name
+    with pytest.raises(UserError, match="no such page") as error:
+        documents.page("qqqqqqqqqqqq")
+    assert error.value.allowed is None
+    assert error.value.hint == "`axisrig docs` lists the pages"
+
+
+def test_the_notebook_goes_into_a_folder_or_a_file_of_its_own_name(tmp_path: Path) -> None:
+    """What is there already is named, in a folder too, and stays as it is."""
+    own = tmp_path / "own.ipynb"
+    assert documents.copy_notebook(own) == own
+    assert documents.copy_notebook(tmp_path) == tmp_path / "results.ipynb"
+    for into, there in ((tmp_path, tmp_path / "results.ipynb"), (own, own)):
+        there.write_text("mine", encoding="utf-8")
+        with pytest.raises(UserError, match="there already") as error:
+            documents.copy_notebook(into)
+        assert error.value.file == str(there)
+        assert there.read_text(encoding="utf-8") == "mine"
+
+
 def test_a_wheel_has_them_inside_the_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
