@@ -199,6 +199,31 @@ def test_a_terminal_has_a_line_for_each_stamp_with_the_contact_before_it() -> No
 
 
 @pytest.mark.interpreted
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize(
+    ("edge_ms", "contact_ms"), [(3, None), (4, 4), (8, 4), (9, 9), (12, 9), (15, 15), (99, 15)]
+)
+def test_the_contact_of_a_stamp_is_the_last_one_until_its_edge(
+    edge_ms: int, contact_ms: int | None, order: int
+) -> None:
+    """Of three touches of its own probe, in whatever order they are kept; at the instant counts."""
+    _, plant = machine(touch=(4 * MS, 9 * MS, 15 * MS)[::order], other=(1 * MS, 5 * MS, 14 * MS))
+    terminal: Any = SimpleNamespace(
+        states=SimpleNamespace(state=AlState.OP, code=0), latches=SimpleNamespace(stamped=[])
+    )
+    texts: list[str] = []
+    watch = TerminalWatcher(
+        terminal, {1: "touch", 2: "other"}, plant, lambda *words: texts.append(words[3])
+    )
+    (stamp,) = terminal.latches.stamped
+    for level in (True, False):
+        stamp(0, level, edge_ms * MS, 7)
+    watch.look(100 * MS)
+    place = "" if contact_ms is None else touched(contact_ms)
+    assert texts == [f"input 1 {way}, stamp 7 ns{place}" for way in ("up", "down")]
+
+
+@pytest.mark.interpreted
 def test_a_terminal_goes_from_state_to_state_and_a_stamp_has_the_last_contact_before_it() -> None:
     """Each change is from what was shown before; a second contact is the one of later edges."""
     _, plant = machine(touch=(4 * MS, 9 * MS), other=())
