@@ -85,6 +85,25 @@ def test_window(written: dict[str, int], window_mm: float | None) -> None:
         ({"m_start_distance": 25_000, "m_start_distance_per_mille": 200}, 2.0),
         ({"m_start_distance": 0, "m_start_distance_per_mille": 200}, 0.0),
         ({"m_start_distance": -1, "m_start_distance_per_mille": 200}, 2.0),
+        # the default of P-AXIS-00776 is 0, no negative one: P-AXIS-00771 is not asked
+        ({"a_start_distance": 2_000}, 0.0),
+        ({"m_start_distance": -1, "a_start_distance": 0}, 0.0),
+        ({"m_start_distance": -1, "a_start_distance": -1}, 0.0),
+        # a share of 0 is one: only negative ones are not set
+        ({"m_start_distance_per_mille": 0}, 0.0),
+        ({"m_start_distance": 15_000, "m_start_distance_per_mille": 0}, 0.0),
+        ({"m_start_distance": 15_000, "a_start_distance_per_mille": 0}, 0.0),
+        ({"m_start_distance_per_mille": 0, "a_start_distance_per_mille": 300}, 0.0),
+        ({"m_start_distance": 15_000, "m_start_distance_per_mille": 1000}, 1.5),
+        ({"m_start_distance_per_mille": 1000}, 10.0),
+        (
+            {
+                "m_start_distance": 15_000,
+                "m_start_distance_per_mille": -1,
+                "a_start_distance_per_mille": -7,
+            },
+            1.5,
+        ),
     ],
 )
 def test_arming_path_of_a_block_of_10_mm(written: dict[str, int], way_mm: float) -> None:
@@ -98,39 +117,35 @@ def test_over_all_axes_the_smallest_path_counts() -> None:
     assert arming_mm([*axes, Limits()], None) == 0.0, "at once whatever the others say"
 
 
-@pytest.mark.parametrize(
-    ("limits", "way_mm"),
-    [
-        (Limits(), 0.0),
-        (Limits(start_distance_mm=1.5), 1.5),
-        (Limits(per_mille=200.0), None),
-        (Limits(start_distance_mm=1.5, per_mille=200.0), None),
-        (Limits(start_distance_mm=0.0, per_mille=200.0), 0.0),  # no share is less
-    ],
-)
-def test_arming_path_of_a_block_whose_length_is_not_known(
-    limits: Limits, way_mm: float | None
+def test_a_share_of_zero_arms_at_once_whatever_other_axes_say() -> None:
+    axes = [Limits(start_distance_mm=3.0), Limits(per_mille=0.0), Limits(per_mille=500.0)]
+    assert [arming_mm(axes[:n], 10.0) for n in (1, 2, 3)] == [3.0, 0.0, 0.0]
+
+
+def test_a_path_that_is_zero_needs_no_length_of_the_block() -> None:
+    assert Limits(start_distance_mm=0.0, per_mille=100.0).arming_mm(None) == 0.0
+    assert Limits(start_distance_mm=3.0, per_mille=100.0).arming_mm(None) is None
+    assert Limits(start_distance_mm=3.0).arming_mm(None) == 3.0
+    assert Limits().arming_mm(None) == 0.0
+
+
+def test_any_criterion_detects_also_a_window_of_zero() -> None:
+    assert not Limits().detects
+    assert not Limits(min_time_ns=5, start_distance_mm=1.0, per_mille=3.0).detects
+    assert Limits(lag_limit_mm=0.1).detects
+    assert Limits(window_mm=0.0).detects
+
+
+@pytest.mark.parametrize(("written", "cycles"), [(None, 4), (0, 1), (1, 1), (2, 2), (10, 10)])
+def test_cycles_of_the_lag_are_four_when_not_set_and_one_at_least(
+    written: int | None, cycles: int
 ) -> None:
-    assert limits.arming_mm(None) == way_mm
-    assert arming_mm([limits], None) == way_mm
+    """P-AXIS-00191; docs/ambiguities.md: 0 counts as 1."""
+    given = {} if written is None else {"antr.nbr_delay_cycles": written}
+    assert delay_cycles(given) == cycles
 
 
-@pytest.mark.parametrize(("written", "cycles"), [(None, 4), (0, 1), (1, 1), (2, 2), (7, 7)])
-def test_delay_of_the_set_value_in_cycles(written: int | None, cycles: int) -> None:
-    """P-AXIS-00191, docs/ambiguities.md: without it 4, and 0 counts as 1."""
-    listed = {} if written is None else {"antr.nbr_delay_cycles": written}
-    assert delay_cycles(listed) == cycles
-
-
-@pytest.mark.parametrize(
-    ("limits", "detects"),
-    [
-        (Limits(), False),
-        (Limits(min_time_ns=1, start_distance_mm=1.0), False),
-        (Limits(lag_limit_mm=0.1), True),
-        (Limits(window_mm=0.1), True),
-        (Limits(window_mm=0.0), True),
-    ],
-)
-def test_a_criterion_is_a_limit_of_the_lag_or_a_window(limits: Limits, detects: bool) -> None:
-    assert limits.detects is detects
+@pytest.mark.parametrize("period_ns", [1_000_000, 4_000_000])
+def test_cycles_of_the_old_time_are_those_of_the_position_control(period_ns: int) -> None:
+    assert limits_as_written({OLD_CYCLES: 3}, period_ns).min_time_ns == 3 * period_ns
+    assert limits_as_written({M + "min_time": 3}, period_ns).min_time_ns == 3000
