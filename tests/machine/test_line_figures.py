@@ -1,5 +1,6 @@
 """What EtherCAT lines of a run have carried: load in closed form, working counters, AL states."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -7,10 +8,12 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.ethercat.frame import time_on_wire_ns
+from axisrig.bench.machine.ethercat.family import EthercatLines
 from axisrig.bench.machine.ethercat.line_meter import LineMeter
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.record.bus import LineFigures
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.nc.text.parser import read_program
@@ -21,6 +24,7 @@ RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 SHORTEST = 60
 """Bytes of a frame that has the wire for 84 bytes of 80 ns: 6.72 us."""
 INDEX = 17
+FIGURES = LineFigures(1000.0, 6.72, 20, 20, 3, 0, 0, ())
 
 
 class Meant:
@@ -139,3 +143,32 @@ def test_a_run_leaves_the_figures_of_each_carrier(tmp_path: Path) -> None:
         axes = [axis for axis, table in settings.rig.axis.items() if table.segment == name]
         assert line.counter == 3 * len(axes)
         assert line.slaves == tuple((axis, "OP") for axis in axes)
+
+
+@pytest.mark.interpreted
+def test_a_live_view_has_the_load_and_the_losses_of_each_line_now(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """10 frames in the first 10 ms, and 5 in the last of 200 ms: the view has the last 100 ms."""
+    lines = {name: Meant() for name in ("ec1", "ec2")}
+    lines["ec1"].cyclic(*[True] * 10)
+    for line, count in zip(lines.values(), (5, 1), strict=True):
+        line.now_ns = 190 * MS
+        line.cyclic(*[True] * count)
+    segments = {"ec1": SimpleNamespace(frames=15, lost=2), "ec2": SimpleNamespace(frames=1, lost=0)}
+    monkeypatch.setattr(
+        EthercatLines, "_line_figures", lambda _, name: replace(FIGURES, counter=len(name))
+    )
+    family: Any = object.__new__(EthercatLines)
+    family.lines = {name: SimpleNamespace(segment=each) for name, each in segments.items()}
+    family._meters = {name: line.meter for name, line in lines.items()}
+    family._bench = SimpleNamespace(scheduler=SimpleNamespace(now_ns=200 * MS))
+    first, second = family.shown()
+    assert [one["segment"] for one in (first, second)] == ["ec1", "ec2"]
+    assert [one["load_pct"] for one in (first, second)] == pytest.approx(
+        [100 * count * 6720 / (100 * MS) for count in (5, 1)]
+    )
+    assert [(one["frames"], one["error_frames"]) for one in (first, second)] == [(15, 2), (1, 0)]
+    assert first["bitrate"] == 100_000_000
+    assert (first["is_outside"], first["lost"], first["counters"]) == (False, None, [])
+    assert first["line"]["counter"] == 3

@@ -15,6 +15,7 @@ from axisrig.bench.rig.reading.file import MapTable, PlantTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.fmi.fmu import load_fmu
 from axisrig.kernel.cosim.fmi.roles import FLAG_THRESHOLD, Source, map_roles
+from axisrig.kernel.errors import UserError
 
 # --- steps
 
@@ -172,3 +173,55 @@ def test_roles_are_found_once_for_each_table_of_an_instance() -> None:
     finally:
         other.close()
         kept_fmus.close_fmus([slave])
+
+
+# --- an axis beside another one on its FMU
+
+
+def roles_on(slave: Any, kind: str = "axis", **bound: str) -> Any:
+    variables = {role: SimpleNamespace(variable=name) for role, name in bound.items()}
+    return SimpleNamespace(slave=slave, kind=kind, bound=variables)
+
+
+def fmu_with(*inputs: str) -> Any:
+    return SimpleNamespace(names=lambda causality: inputs if causality == "input" else ())
+
+
+@pytest.mark.interpreted
+def test_two_axes_of_one_fmu_have_inputs_of_their_own_and_may_share_its_outputs() -> None:
+    """Another FMU of the same model has inputs of the same names: these are other ones."""
+    beam, other = fmu_with("force_1", "force_2"), fmu_with("force_1", "force_2")
+    added: list[Any] = []
+
+    def named(slave: Any, force: str) -> Any:
+        return SimpleNamespace(slave=slave, roles=roles_on(slave, force=force, position="middle"))
+
+    plant: Any = SimpleNamespace(
+        axes={"x": named(beam, "force_1"), "y": named(other, "force_2")},
+        add_axis_beside=lambda *words: added.append(words),
+    )
+    settings = settings_of("gantry-pair.toml")
+    second = roles_on(beam, force="force_2", position="middle")
+    plants._add_beside(settings, plant, "x2", "x", second, "second")
+    assert added == [("x2", "x", second, "second")]
+    with pytest.raises(UserError, match="plant x2 writes the same input as x") as refused:
+        plants._add_beside(settings, plant, "x2", "x", roles_on(beam, force="force_1"), None)
+    assert refused.value.value == "force_1"
+    with pytest.raises(UserError, match="shares an FMU and is no axis") as refused:
+        plants._add_beside(settings, plant, "x2", "x", roles_on(beam, kind="sensor"), None)
+    assert (refused.value.value, refused.value.allowed) == ("sensor", "axis")
+    assert len(added) == 1
+
+
+@pytest.mark.interpreted
+def test_what_an_fmu_refuses_of_a_second_axis_has_the_place_of_its_key() -> None:
+    def refuse(*_: Any) -> None:
+        raise UserError("it has no second axis", value="x2")
+
+    plant: Any = SimpleNamespace(axes={}, add_axis_beside=refuse)
+    with pytest.raises(UserError, match="it has no second axis") as refused:
+        plants._add_beside(
+            settings_of("gantry-pair.toml"), plant, "x2", "x", roles_on(fmu_with()), None
+        )
+    assert str(refused.value.file).endswith("gantry-pair.toml")
+    assert refused.value.line is not None

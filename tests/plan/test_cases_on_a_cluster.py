@@ -260,3 +260,31 @@ def test_names_are_replaced_wherever_a_text_has_them(case: Case) -> None:
     value = {"k": ["see /there/a.nc:3", ("/there/a.nc", 5, None)], "n": 1.5}
     assert cluster._renamed(value, here) == {"k": ["see here.nc:3", ("here.nc", 5, None)], "n": 1.5}
     assert cluster._renamed(case, {"p-a": "other"}) is case
+
+
+@pytest.mark.parametrize("has_logs", [True, False])
+def test_logs_of_each_kind_and_segment_go_to_the_places_of_their_run(
+    case: Case, tmp_path: Path, has_logs: bool
+) -> None:
+    """Also of a probe; of a run without logs, or a trace without a place, nothing is written."""
+    found = CaseResult(case, Verdict.PASS, [])
+    found.probes = [CaseResult(replace(case, run="p-a-s01"), Verdict.PASS, [])]
+    names = ["p-a.blf", "p-a.asc", "p-a@ec1.pcapng", "p-a@ec2.pcapng", "p-a-s01.blf",
+             "p-a-s01@ec1.pcapng"]  # fmt: skip
+    files = {name: name.encode() for name in [*names, "p-a.parquet", "p-b@ec1.pcapng"]}
+    out = tmp_path / "out"
+    out.mkdir()
+    logs = [out / "p-a.blf", out / "p-a.asc"] if has_logs else []
+    of_probe = [out / "p-a-s01.blf"] if has_logs else []
+    places = RunFiles(logs, None, [RunFiles(of_probe, out / "p-a-s01.parquet")])
+    content = pickle.dumps(cluster._Returned(found, files))
+    result = cluster._unpacked(case, content, lambda run: {"p-a": places}[run])
+    left = {path.name: path.read_bytes().decode() for path in out.iterdir()}
+    assert left == ({name: name for name in names} if has_logs else {})
+    assert [one.series for one in (result, *result.probes)] == [None, None]
+
+
+def test_a_run_that_a_worker_could_not_make_is_an_error_with_its_reason(case: Case) -> None:
+    content = pickle.dumps(cluster._Returned(None, {}, "the rig of there is odd"))
+    lost = cluster._unpacked(case, content, lambda _: RunFiles())
+    assert (lost.case, lost.verdict, lost.error) == (case, Verdict.ERROR, "the rig of there is odd")

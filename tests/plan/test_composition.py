@@ -308,3 +308,45 @@ def test_the_examples_of_the_page_are_plans(tmp_path: Path) -> None:
         ["page-fastest"],
         ["page-slow", "page-fast", "page-rising"],
     ]
+
+
+def test_cells_of_a_parquet_file_that_have_no_value_are_empty(tmp_path: Path) -> None:
+    """Of any type; a text is without its blanks, all else as Python writes it."""
+    path = tmp_path / "cells.parquet"
+    frame = pd.DataFrame(
+        {
+            "case": [" a ", None],
+            "seed": pd.array([7, None], dtype="Int64"),
+            "x": [0.5, None],
+            "note:is": pd.array([True, None], dtype="boolean"),
+            "note:at": pd.to_datetime(["2024-02-03 04:05:06", None]),
+        }
+    )
+    frame.to_parquet(path)
+    assert read_parquet(path) == [
+        ["case", "seed", "x", "note:is", "note:at"],
+        ["a", "7", "0.5", "True", "2024-02-03 04:05:06"],
+        ["", "", "", "", ""],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("word", "other"), [("plc:V.E.B", "plc"), ("check:latch_mm:Z", "chekc:latch_mm:Z"),
+                        ("program", "progam")],
+)  # fmt: skip
+def test_a_mistake_of_a_table_is_the_same_wherever_it_is_included(
+    tmp_path: Path, word: str, other: str
+) -> None:
+    """Its place, what was found, what is allowed and what to do are those of the table alone."""
+    path, sub = _include(tmp_path), tmp_path / "parts" / "slow.csv"
+    text = "case,program,rig,plc:V.E.B,check:latch_mm:Z\nx,nc/touch.nc,../machine.toml,5,<= 3\n"
+    sub.write_text(text.replace(word, other), encoding="utf-8")
+    with pytest.raises(UserError) as alone:
+        read_plan(sub)
+    with pytest.raises(UserError) as included:
+        read_plan(path)
+    own, of_row = alone.value, included.value
+    assert of_row.message == f"{own.message} (included by main.csv:3)"
+    for name in ("file", "line", "column", "value", "allowed", "hint"):
+        assert getattr(of_row, name) == getattr(own, name), name
+    assert own.line == 1

@@ -14,6 +14,8 @@ from axisrig.bench.campaign.results import case_files, manifest
 from axisrig.bench.campaign.results.build_info import hash_of_sources
 from axisrig.bench.campaign.results.case_files import content_hash, own_metrics, started_programs
 
+RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml"
+
 
 def test_sources_count_by_name_and_content_and_what_was_made_of_them_does_not(
     tmp_path: Path,
@@ -113,3 +115,28 @@ def test_a_file_is_hashed_anew_when_it_was_written_or_replaced(tmp_path: Path) -
     assert content_hash(path) == hashlib.sha256(b"G1 Z3").hexdigest()
     path.unlink()
     assert content_hash(path) == ""
+
+
+def test_subprograms_are_those_of_every_program_of_a_run_each_once(tmp_path: Path) -> None:
+    """Of the program and of one that the PLC starts; a program that another calls is no sub."""
+    texts = {
+        "part.nc": "%part\nN10 L one.nc\nN20 L both.nc\nN30 M30\n",
+        "started.nc": "%started\nN10 L both.nc\nN20 L two.nc\nN30 M30\n",
+        "one.nc": "%one\nN10 L deep.nc\nN20 M17\n",
+        **{f"{name}.nc": f"%{name}\nN10 M17\n" for name in ("two", "both", "deep")},
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    rig = tmp_path / "rig.toml"
+    rig.write_text(RIG.read_text(encoding="utf-8"), encoding="utf-8")
+    case = case_of("a", rig, program=tmp_path / "part.nc",
+                   inputs={"plc:program_start": "at=motion file=started.nc"})  # fmt: skip
+    found = [path.name for path in case_files.subprograms_of(case)]
+    assert sorted(found) == ["both.nc", "deep.nc", "one.nc", "two.nc"]
+    assert [path.name for path in case_files.files_of_case(case)][:2] == ["part.nc", "started.nc"]
+    plain = replace(case, inputs={})
+    assert sorted(path.name for path in case_files.subprograms_of(plain)) == [
+        "both.nc", "deep.nc", "one.nc",
+    ]  # fmt: skip
+    (tmp_path / "part.nc").write_text("%part\nN10 L none.nc\nN20 M30\n", encoding="utf-8")
+    assert case_files.readable_subprograms(case) == []

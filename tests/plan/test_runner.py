@@ -4,6 +4,9 @@ Also the garbage collector, which is off in a run.
 """
 
 import gc
+import json
+import os
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +16,8 @@ from tests.plan.cases import OTHER, RIG, case_of
 from axisrig.bench.campaign import runner
 from axisrig.bench.campaign.collector import without_collector
 from axisrig.bench.campaign.runner import Limits, run_case, run_cases
+from axisrig.bench.machine.live import states
+from axisrig.bench.machine.live.pipe import Inlet
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.verdict import Verdict
 
@@ -152,3 +157,34 @@ def test_the_garbage_collector_is_after_a_run_as_it_was_before(
         now = gc.isenabled()
         (gc.enable if before else gc.disable)()
     assert now is was_enabled
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes")
+@pytest.mark.interpreted
+def test_a_live_state_says_which_row_of_which_plan_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files are named as in the plan, from its folder."""
+    monkeypatch.setattr(states, "state_of", lambda _: {"time_ns": 5})
+    plans = tmp_path / "plans"
+    case = case_of(
+        "a", line=7, title="short way", folder=plans, file=plans / "below.csv",
+        program=plans / "nc" / "part.nc",
+    )  # fmt: skip
+    inlet = Inlet(tmp_path / "pipe")
+    try:
+        about = {"run": "p-a", "rig": "rigs/z.toml"}
+        onlooker = runner._live(case, tmp_path / "pipe", about)
+        machine: Any = None
+        onlooker(machine)
+        assert inlet.take() is None  # nobody has asked
+        inlet.ask()
+        onlooker(machine)
+        sent = inlet.take()
+    finally:
+        inlet.close()
+    assert sent is not None
+    assert json.loads(sent) == {
+        **about, "plan": "p", "row": "below.csv:7", "title": "short way", "program": "nc/part.nc",
+        "time_ns": 5,
+    }  # fmt: skip

@@ -3,6 +3,7 @@
 import hashlib
 import itertools
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -211,3 +212,32 @@ def test_a_damaged_table_gives_no_order(tmp_path: Path) -> None:
     folder_of(tmp_path, "axisrig", "run")
     (tmp_path / "cases.csv").write_text("nothing,of,this\n1\n", encoding="utf-8")
     assert longest_first([B, A, C], tmp_path) == [B, A, C]
+
+
+def test_none_of_the_plans_of_a_folder_may_lie_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of several, whichever it is."""
+    monkeypatch.chdir(tmp_path)
+    folder = folder_of(Path("out"), "axisrig", "run", "p.csv", "q.csv", plan="p.csv")
+    file = folder / "manifest.json"
+    manifest = json.loads(file.read_text(encoding="utf-8"))
+    for paths, is_refused in ((("p.csv", "q.csv"), False), (("p.csv", "out/q.csv"), True),
+                              (("out/p.csv", "q.csv"), True)):  # fmt: skip
+        manifest["plans"] = [{"name": "p", "path": path, "sha256": "0" * 64} for path in paths]
+        file.write_text(json.dumps(manifest), encoding="utf-8")
+        if not is_refused:
+            assert stored_arguments(folder, (), ()) == ["p.csv", "q.csv"]
+            continue
+        with pytest.raises(UserError, match="names a plan inside itself"):
+            stored_arguments(folder, (), ())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links")
+def test_a_folder_whose_files_are_links_is_not_gone_on_with(tmp_path: Path) -> None:
+    """A file of results leads nowhere else."""
+    folder = folder_of(tmp_path / "out", "axisrig", "run", "p.csv")
+    (tmp_path / "elsewhere.csv").write_text("run\n", encoding="utf-8")
+    (folder / "cases.csv").symlink_to(tmp_path / "elsewhere.csv")
+    with pytest.raises(UserError):
+        stored_arguments(folder, (), ())

@@ -242,3 +242,83 @@ def test_a_search_may_take_forty_runs(write_plan: PlanWriter, wider: int) -> Non
     assert case.search is not None
     _, tried = searched(case.search, lambda value: value < 1)
     assert len(tried) == case.search.probes_max == PROBES_MAX
+
+
+# What a row that searches says
+
+
+def reached(case: Case, holds: Callable[[float], bool], column: str = "plc:V.E.FEED") -> CaseResult:
+    def probe(one: Case) -> CaseResult:
+        value = float(one.inputs[column])
+        return CaseResult(one, Verdict.PASS if holds(value) else Verdict.FAIL, [])
+
+    return run_search(case, probe)
+
+
+def test_each_value_names_the_probe_that_tried_it(write_plan: PlanWriter) -> None:
+    """Tried are 200, 3000, 1600, 900, 1250, 1425: the limit 1400 is between the last two."""
+    result = reached(read_plan(write_plan(SEARCHES)).cases[0], lambda value: value <= 1400)
+    assert [probe.case.run for probe in result.probes] == [
+        f"probing-a-s{number:02}" for number in range(1, len(result.probes) + 1)
+    ]
+    tried = [probe.case.inputs["plc:V.E.FEED"] for probe in result.probes]
+    assert tried == ["200", "3000", "1600", "900", "1250", "1425"]
+    assert [(check.check.name, check.value, check.note) for check in result.checks] == [
+        ("search_good", 1250.0, "pass in probing-a-s05"),
+        ("search_bad", 1425.0, "fail in probing-a-s06"),
+    ]
+    assert (result.case.run, result.verdict) == ("probing-a", Verdict.PASS)
+
+
+@pytest.mark.parametrize("holds", [True, False])
+def test_without_a_limit_both_values_say_why_there_is_none(
+    write_plan: PlanWriter, holds: bool
+) -> None:
+    """Two values were to be delivered and were not: the row fails."""
+    result = reached(read_plan(write_plan(SEARCHES)).cases[0], lambda _: holds)
+    words = "both ends of the search hold" if holds else "neither end of the search holds"
+    assert [(check.value, check.note) for check in result.checks] == [
+        (None, f"{words}: plc:V.E.FEED = 200 .. 3000 to 200")
+    ] * 2
+    assert (result.verdict, len(result.probes)) == (Verdict.FAIL, 2)
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "expect", "verdict"),
+    [
+        (">= 1000", "<= 2000", "", Verdict.PASS),
+        (">= 2000", "<= 2000", "", Verdict.FAIL),
+        (">= 1000", "<= 1000", "", Verdict.FAIL),
+        (">= 2000", "<= 2000", "fail:search_good", Verdict.PASS),
+        (">= 1000", "<= 2000", "fail:search_good", Verdict.FAIL),
+        (">= 2000", "<= 1000", "fail:search_good", Verdict.FAIL),
+        (">= 2000", "<= 1000", "fail:search_good fail:search_bad", Verdict.PASS),
+    ],
+)
+def test_the_row_has_the_worst_verdict_of_its_two_values_or_what_it_expects(
+    write_plan: PlanWriter, good: str, bad: str, expect: str, verdict: Verdict
+) -> None:
+    """The limit is between 1250 and 1425."""
+    head = f"{HEAD},check:search_good,check:search_bad,expect"
+    row = f"{ROW.format('200 .. 3000 to 200')},{good},{bad},{expect}"
+    result = reached(read_plan(write_plan(f"{head}\n{row}\n")).cases[0], lambda at: at <= 1400)
+    assert result.verdict is verdict
+
+
+@pytest.mark.parametrize(("error", "why"), [("the FMU has crashed", "the FMU has crashed"),
+                                            (None, "aborted")])  # fmt: skip
+def test_a_probe_that_says_nothing_is_named_with_its_value_and_its_reason(
+    write_plan: PlanWriter, error: str | None, why: str
+) -> None:
+    """The second one: the probe before it stays with the row."""
+    (case,) = read_plan(write_plan(SEARCHES)).cases
+
+    def probe(one: Case) -> CaseResult:
+        if one.inputs["plc:V.E.FEED"] == "200":
+            return CaseResult(one, Verdict.PASS, [])
+        return CaseResult(one, Verdict.ABORTED, [], error=error)
+
+    result = run_search(case, probe)
+    assert result.error == f"the probe probing-a-s02 with plc:V.E.FEED = 3000: {why}"
+    assert [one.verdict for one in result.probes] == [Verdict.PASS, Verdict.ABORTED]
+    assert [check.value for check in result.checks] == [None, None]

@@ -6,7 +6,7 @@ import pytest
 
 from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.checks import judge, parse_check, value_text
-from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
+from axisrig.bench.plan.sentences import alike_sentence, check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
 
 
@@ -164,3 +164,41 @@ def test_numbers_stay_short_and_plain() -> None:
     assert [short_number(x, 3) for x in (0.0186, 1e-6, 4.44e-13, 123456.0, 0.0)] == [
         "0.0186", "0.000001", "4.44e-13", "123000", "0",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("condition", "values", "u", "said"),
+    [
+        (">= 1.0", (0.9, 0.7), 0.0, "latch_error_um is below its lower limit 1.0 um"),
+        ("<= 1.0", (1.2, 1.7), 0.0, "latch_error_um is above its upper limit 1.0 um"),
+        ("-1 .. 1", (-1.5, -9.0), 0.0, "latch_error_um is below its lower limit -1.0 um"),
+        ("-1 .. 1", (1.5, 9.0), 0.0, "latch_error_um is above its upper limit 1.0 um"),
+        ("<= 1.0", (1.01, 0.99), 0.1,
+         "latch_error_um is within its uncertainty of its upper limit 1.0 um"),
+        (">= 1.0", (1.01, 0.99), 0.1,
+         "latch_error_um is within its uncertainty of its lower limit 1.0 um"),
+    ],
+)  # fmt: skip
+def test_runs_that_fail_alike_have_a_sentence_without_their_values(
+    condition: str, values: tuple[float, ...], u: float, said: str
+) -> None:
+    rows = [CheckRow.read(row("latch_error_um", condition, value, u)) for value in values]
+    assert alike_sentence(rows) == said
+    assert alike_sentence(rows[::-1]) == said
+
+
+def test_runs_with_limits_of_their_own_fail_alike_at_none_that_has_a_number() -> None:
+    rows = [CheckRow.read(row("lag_mm_max", f"<= {limit}", 5.0)) for limit in (1.0, 2.0)]
+    assert alike_sentence(rows) == "lag_mm_max is above its upper limit"
+    rows = [CheckRow.read(row("lag_mm_max", f"<= {limit}", limit, 0.1)) for limit in (1.0, 2.0)]
+    assert alike_sentence(rows) == "lag_mm_max is within its uncertainty of its upper limit"
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_where_one_of_them_has_no_number_the_first_one_speaks_for_all(place: int) -> None:
+    rows = [CheckRow.read(row("lag_mm_max", "<= 1", value)) for value in (5.0, 7.0)]
+    lacking = CheckRow.read(row("lag_mm_max", "<= 1", None, note="no trace"))
+    rows.insert(place, lacking)
+    assert alike_sentence(rows) == check_sentence(rows[0])
+    words = [CheckRow.read(row("msg:N30", "== TRUE", "FALSE"))] * 2
+    assert alike_sentence(words) == "msg:N30 is FALSE, not TRUE"

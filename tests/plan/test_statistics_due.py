@@ -1,8 +1,10 @@
 """Which rows of statistics a call writes: what the folder has counts only where it still fits."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -11,6 +13,7 @@ from axisrig.bench.campaign.results.stored import DEPENDS, StoredRun
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.verdict import Verdict
 
@@ -127,3 +130,66 @@ def test_a_row_of_statistics_has_the_inputs_that_all_its_runs_share(tmp_path: Pa
     plan = read_plan(tmp_path / "p.csv")
     assert [len(row.runs) for row in plan.statistics] == [2, 3]
     assert [dict(row.inputs) for row in plan.statistics] == [{"plc:V.E.WAY": "5"}] * 2
+
+
+@pytest.mark.parametrize(
+    ("altered", "facts", "trace", "counts"),
+    [
+        ((), "facts", "t.parquet", True),
+        (("trace",), "facts", "t.parquet", False),
+        ((), None, "t.parquet", False),
+        ((), "facts", None, False),
+    ],
+)
+@pytest.mark.interpreted
+def test_a_stored_run_counts_by_what_it_has_written_and_nothing_else(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch, altered: tuple[str, ...], facts: str | None,
+    trace: str | None, counts: bool,
+) -> None:  # fmt: skip
+    """A file that was written to since is no recording; the verdict stays that of the run."""
+    monkeypatch.setattr(statistics, "Series", lambda path: f"series of {path}")
+    monkeypatch.setattr(statistics, "Observed", lambda *what: what)
+    monkeypatch.setattr(statistics, "sampled", lambda *what, module: {"of": (*what, module)})
+    case = replace(plan.cases[0], module="own")  # type: ignore[arg-type]
+    run: Any = SimpleNamespace(
+        altered=altered, judged_facts=facts, trace=trace, verdict=Verdict.MARGINAL
+    )
+    found = statistics._of_stored(run, case)
+    assert (found.case, found.verdict, found.checks) == (case, Verdict.MARGINAL, [])
+    seen = {"of": (("facts", "series of t.parquet"), case.sampled, "own")}
+    assert (found.samples, found.facts) == ((seen, "facts") if counts else ({}, None))
+
+
+@pytest.mark.parametrize(
+    ("verdict", "has_values", "words"),
+    [
+        (Verdict.ERROR, True, "is in error"),
+        (Verdict.ERROR, False, "is in error"),
+        (Verdict.ABORTED, True, "is aborted"),
+        (Verdict.FAIL, False, "has no recording"),
+        (Verdict.FAIL, True, ""),
+        (Verdict.INCONCLUSIVE, True, ""),
+    ],
+)
+def test_a_run_without_a_verdict_or_a_recording_gives_a_statistic_its_reason(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch, verdict: Verdict, has_values: bool, words: str
+) -> None:
+    """A run that failed has its value all the same."""
+    asked: list[Any] = []
+
+    def judged(check: Any, samples: Any) -> Any:
+        asked.extend(samples)
+        return judge(check, 1.0)
+
+    monkeypatch.setattr(statistics, "judge_statistic", judged)
+    first, second, *_ = plan.cases
+    of_a, _ = plan.statistics
+    samples = {of_a.checks[0].metric: [5.0]} if has_values else {}
+    result = CaseResult(first, verdict, [], samples=samples)  # type: ignore[arg-type]
+    assert statistics.judged_row(of_a, [first, second], {first.run: result}).case is of_a
+    one, lacking = asked
+    assert (one.run, one.missing, one.readings) == (
+        first.run, words, (5.0,) if has_values else (),
+    )  # fmt: skip
+    assert one.inputs == {"plc:V.E.FEED": "600"}
+    assert (lacking.run, bool(lacking.missing), lacking.readings) == (second.run, True, ())
