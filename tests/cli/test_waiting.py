@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
@@ -211,6 +212,26 @@ def test_of_few_runs_and_with_v_each_one_is_shown(
         out = capsys.readouterr().out
         assert all(f"{result.case.run} " in out for result in shown)
         assert "more" not in out
+
+
+@pytest.mark.parametrize(("count", "options", "is_each"),
+                         [(30, (), False), (30, ("-v",), True), (30, ("--verbose",), True),
+                          (20, (), True), (20, ("-v",), True), (21, (), False)])  # fmt: skip
+def test_a_judged_folder_shows_each_of_few_runs_and_with_v_each_of_many(
+    count: int, options: tuple[str, ...], is_each: bool, tmp_path: Path, axisrig: Call,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Twenty are few. Without -v nine of many passed, and one row stands for all others."""
+    results = _results(tmp_path, count)
+    done = SimpleNamespace(results=results, left=(), report=Path("r.html"), exit_code=1)
+    monkeypatch.setattr("axisrig.bench.campaign.rejudge.rejudge", lambda *_, **__: done)
+    code, out, err = axisrig("judge", "out", "--plan", "p.csv", *options)
+    rows = [run for result in results if f" {(run := result.case.run)} " in out]
+    assert len(rows) == (count if is_each else 1)
+    assert ("9 more passed; -v shows each one" in out) is not is_each
+    assert out.splitlines()[-1] == "r.html"
+    assert err.partition(" in ")[0].endswith(f"9 pass, {count - 9} fail")
+    assert code == 1
 
 
 def test_ids_of_runs_never_break(

@@ -91,6 +91,21 @@ def test_a_check_has_its_sentence(cells: dict[str, str], words: str) -> None:
         ("50059 50055 50055", "one of 50059 50052",
          "alarms 50055 and 50055 came up, expected was 50059 or 50052"),
         ("", "one of 50059 50052", "no alarm came up, expected was 50059 or 50052"),
+        # Each that is allowed may come any number of times, by either ID of its family
+        ("50059 50059 50055", "one of 50059 50052",
+         "alarm 50055 came up, expected was 50059 or 50052"),
+        ("50055 50059 50052 50059 50052", "one of 50059 50052",
+         "alarm 50055 came up, expected was 50059 or 50052"),
+        ("70331 310017 70331 50055", "one of 310017 50052",
+         "alarm 50055 came up, expected was 310017 or 50052"),
+        ("50059 50059 50055", "one of none 50059",
+         "alarm 50055 came up, expected was none or 50059"),
+        # Where each is asked for as often as it is written, every one more is too many
+        ("50059 50059 50055", "50059", "alarms 50059 and 50055 came up, not expected"),
+        ("70331 310017", "310017", "alarm 310017 came up, not expected"),
+        ("50059 50059", "50059 50059 50059", "alarm 50059 did not come up"),
+        ("50059 50055", "contains 50059 50059", "alarm 50059 did not come up"),
+        ("70331 50055", "contains 310017 50052", "alarm 50052 did not come up"),
         ("50059", "about", "alarm 50059 came up"),
     ],
 )  # fmt: skip
