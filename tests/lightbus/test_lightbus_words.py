@@ -92,6 +92,21 @@ def test_what_the_drive_does(state: of_unit.ReadState, asked: of_unit.ReadInput)
     assert bool(status & POS) is (of_unit.TABLE[state, asked] is U.STORED)
 
 
+@pytest.mark.parametrize(
+    ("keys", "edges"),
+    [({}, 0), ({"in2mode": 0}, 0), ({"in2mode": 26}, 2), ({"latch_variable": "LATCH16"}, 0)],
+)
+def test_a_drive_latches_both_edges_only_where_its_table_says_so(
+    keys: dict[str, object], edges: int
+) -> None:
+    """A table without in2mode has an input of no function; LATCH32 where nothing else is asked."""
+    table = DriveTable.model_validate({"family": "lightbus", **keys})
+    unit = LightbusUnit(table.make(), table.in2mode, is_in_turn=table.is_in_turn)
+    assert len(unit.edges()) == edges
+    variable, mode = keys.get("latch_variable", "LATCH32"), keys.get("in2mode", 0)
+    assert table.in_words.endswith(f"latched in {variable}, IN2MODE {mode}")
+
+
 @pytest.mark.parametrize("in2mode", [0, 25, 27, 50])
 def test_an_input_with_another_function_latches_nothing(in2mode: int) -> None:
     assert LightbusUnit(TABLE.make(), in2mode, is_in_turn=False).edges() == ()

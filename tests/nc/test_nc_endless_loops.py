@@ -120,6 +120,8 @@ def decoded(body, count):
         "G4 0", "#TIME 0", "M1", "M8", "G60", "#FLUSH", "G261", "T3", "H4", "G92 X1", "G54",
         "P1=1-P1", "X0", "#MEAS PREPARE[AX=X]", "#MEAS[AX=X INPUT=2]", "#SLOPE[TYPE=TRAPEZ]",
         "G131 = 70", '#MSG["again"]', "#CS ON[0,0,1]\n#CS OFF",
+        "P1=V.A.ACT_POS.X", "P1=V.A.MERF.X", "P1=V.A.ACT_POS.X+V.A.ACT_POS.Y", "#FLUSH WAIT",
+        "#CHANNEL INIT[ACTPOS AX=X]", "$IF V.A.ACT_POS.X > 5\nP1=1\n$ENDIF",
     ],
 )  # fmt: skip
 def test_a_loop_that_gives_the_machine_nothing_to_do_ends_with_900120(monkeypatch, body):
@@ -135,6 +137,8 @@ def test_a_loop_that_gives_the_machine_nothing_to_do_ends_with_900120(monkeypatc
     [
         "G4 0.1", "#TIME 0.1", "M0", "X1\nX0", "G0 X1\nX0", "G2 X10 I5", "G100 X1\nX0", "G74 X1",
         "X[INDP_ASYN POS=1 G01 FEED=100]\nX[INDP_ASYN POS=0 G01 FEED=100]", "P1=V.E.READY",
+        "P1=V.A.ACT_POS.X+V.E.READY", "P1=V.E.READY+V.A.ACT_POS.X", "$IF V.E.READY > 1\n$ENDIF",
+        "#WAIT FOR V.E.READY > 1",
         "#DRIVE RD[AX=X KEY=A P=P1]", "#DRIVE WAIT SYN[AX=X]",
     ],
 )  # fmt: skip

@@ -67,3 +67,56 @@ def test_axes_without_an_order_follow_as_they_are_numbered() -> None:
     assert Lists(written, {}).of(0, 91).order() == [0, 1, 2, 3]
     written |= {f"trafo[0].chain[{k}]": place for k, place in enumerate((3, 0, 1, 2))}
     assert Lists(written, {}).of(0, 91).order() == [3, 0, 1, 2]
+
+
+# A robot of 400 + 500 mm on slides along X and Y: straight down its TCP is 500 mm in X
+SLIDES = {
+    "trafo[0].id": 210, "trafo[0].group[0].chain[0]": 91, "trafo[0].group[0].chain[1]": 45,
+    "trafo[1].id": 91, "trafo[1].zero_orientation[2]": 1,
+    "trafo[1].axis[0].type": 1, "trafo[1].axis[0].orientation[0]": 1,
+    "trafo[1].axis[1].type": 1, "trafo[1].axis[1].orientation[1]": 1,
+    "trafo[2].id": 45, "trafo[2].param[7]": 4000000, "trafo[2].param[8]": 5000000,
+}  # fmt: skip
+DOWN = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+
+
+def on_slides(count: int, priority: tuple[int, ...], locked: tuple[int, ...] = ()) -> Chain:
+    """The first of priority takes a motion; locked: places of lock_dof."""
+    written: dict[str, object] = SLIDES | {"trafo[1].number_of_axes": count}
+    written |= {f"trafo[0].group[0].move_prio[{k}]": name for k, name in enumerate(priority)}
+    written |= {f"trafo[0].lock_dof[{place}]": 1 for place in locked}
+    return Chain((210,), written, {}, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("priority", "locked", "x_mm", "y_mm"),
+    [
+        ((91, 45), (), -500, 0),
+        ((91, 45), (6,), 30, 0),
+        ((91, 45), (7,), -500, -40),
+        ((91, 45), (6, 7), 30, -40),
+        ((45, 91), (), 30, -40),
+        ((45, 91), (6, 7), 30, -40),
+        ((), (), 30, -40),
+    ],
+)
+def test_a_slide_that_leads_has_its_position_less_that_of_the_tool_and_a_locked_one_its_own(
+    priority: tuple[int, ...], locked: tuple[int, ...], x_mm: float, y_mm: float
+) -> None:
+    """At 30 and -40 mm the TCP is at X 530, Y -40; each lock holds its own slide."""
+    tool = on_slides(2, priority, locked).tool([[*DOWN, 30.0, -40.0]])[0]
+    assert tool[:2] == pytest.approx((530, -40), abs=1e-9)
+    assert tool[6:] == pytest.approx((x_mm, y_mm), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("priority", "locked", "by_mm"),
+    [((91, 45), (), 0), ((91, 45), (6,), 100), ((45, 91), (), 100), ((), (6,), 100)],
+)
+def test_the_coordinate_of_a_slide_stays_where_it_goes_with_the_tool(
+    priority: tuple[int, ...], locked: tuple[int, ...], by_mm: float
+) -> None:
+    """The one slide goes 100 mm with the tool above it, in a pose away from singular ones."""
+    pose = (10.0, 20.0, 30.0, -15.0, 40.0, 25.0)
+    before, after = on_slides(1, priority, locked).tool([[*pose, 30.0], [*pose, 130.0]])
+    assert after - before == pytest.approx((100, 0, 0, 0, 0, 0, by_mm), abs=1e-9)

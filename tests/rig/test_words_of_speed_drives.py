@@ -5,6 +5,7 @@ The limit of an integrator with d dead cycles under a held speed is 2 sin(pi/(2 
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,7 @@ from axisrig.bench.rig.encoder_terminal.checks import describe_encoder_terminal
 from axisrig.bench.rig.lightbus.checks import describe_lightbus
 from axisrig.bench.rig.settings import Settings
 
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 RigAbove = Callable[..., Settings]
 ANALOGUE = ("drive:servo.rpm_at_10v=1500", "drive:servo.output_bits=12",
             "drive:servo.output_offset=-100")  # fmt: skip
@@ -85,3 +87,18 @@ def test_an_input_that_latches_nothing_is_warned_of_where_an_axis_measures_with_
     assert warned == ([] if mode is None else [
         f"warning: axis Z: in2mode of its drive is {mode} and not 26: its input 2 latches nothing"
     ])  # fmt: skip
+
+
+def test_a_drive_without_in2mode_is_warned_of(
+    tmp_path: Path, settings_of: Callable[..., Settings]
+) -> None:
+    """The rig without the key: nothing says that input 2 latches."""
+    text = (RIGS / "probe-z-lightbus.toml").read_text(encoding="utf-8")
+    assert text.count("in2mode = 26\n") == 1
+    text = text.replace("in2mode = 26\n", "").replace('"lists/', f'"{RIGS.as_posix()}/lists/')
+    rig = tmp_path / "rig.toml"
+    rig.write_text(text, encoding="utf-8")
+    found = describe_lightbus(settings_of(rig), "Z", 1_000_000)
+    assert [line for line in found if "latches nothing" in line] == [
+        "warning: axis Z: in2mode of its drive is 0 and not 26: its input 2 latches nothing"
+    ]
