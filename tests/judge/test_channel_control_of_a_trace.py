@@ -187,7 +187,8 @@ def test_columns_are_of_every_axis_in_the_order_of_the_rig() -> None:
         (ON, 500.0, 0.5e6),
         (OFF - 1, 500.0, 0.5e6),
         (OFF, 500.0, 0.5e6),  # it runs out
-        (OFF + 5, 0.0, 0.0),
+        (OFF + 5, 500.0, 0.0),  # its last step comes in the row that is off
+        (OFF + 6, 0.0, 0.0),
     ],
 )
 def test_what_is_superposed_has_its_speed_in_every_row_with_the_control_on(
