@@ -5,12 +5,12 @@
 # to 0.6 s behind the first line, whatever the frame (Vector, ASC, timestamps relative). What comes: 0.1, 0.2, 0.1, 0.3, 0.4, 0.2: the differences are added up by
 # kind of frame, so that each kind lacks the time before the other, and the order is lost. The same lines with absolute times are right, and so is a relative log of classic frames alone.
 #
-# The tool is the one of Debian 12; its package is unpacked and not installed. Where there is no such package, nothing is tried.
+# The tool is the one of Debian 12; its package is unpacked and not installed. Where there is no such package, the script fails and changes nothing.
 set -euo pipefail
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-apt-get download -q can-utils=2020.11.0-1 >log 2>&1 || { echo "no package of can-utils 2020.11.0 here"; exit 0; }
+apt-get download -q can-utils=2020.11.0-1 >log 2>&1 || { echo "no package of can-utils 2020.11.0 here"; exit 2; }
 dpkg -x can-utils_*.deb .
 cat >try.py <<'PYTHON'
 import subprocess

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import can
 import pytest
 
+from axisrig.bench.bus.can.faults import ErrorAtBit, FaultAction
 from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
@@ -33,6 +34,13 @@ def wire_bits(can_id: int, data: bytes, extended: bool, remote: bool, dlc: int) 
             run = "1" if bit == "0" else "0"
             sent += run
     return sent
+
+
+def fails(attempts: int, bit: int = 20, **details: object) -> Callable[..., FaultAction | None]:
+    """Destroy the first `attempts` attempts of every frame."""
+    return lambda frame, port, attempt: (
+        ErrorAtBit(bit, **details) if attempt < attempts else None  # type: ignore[arg-type]
+    )
 
 
 class _Watcher(can.Listener):

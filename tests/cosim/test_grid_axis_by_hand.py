@@ -52,7 +52,7 @@ def grid_axis(grid_ms: int = 4, **outputs: Any) -> tuple[Fmu, GridAxis]:
 def test_the_fmu_is_at_the_next_point_of_its_grid_and_no_further(
     grid_ms: int, step_ms: int
 ) -> None:
-    """At a point of the grid it stands there itself; several points in one step are all taken."""
+    """At a point of the grid its time is that point; a step may go over several points."""
     fmu, axis = grid_axis(grid_ms)
     for end_ms in range(step_ms, 40, step_ms):
         axis.step_to(end_ms * MS)

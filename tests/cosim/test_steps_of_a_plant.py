@@ -72,14 +72,16 @@ def plant_of(*fmus: Any, **probes: Any) -> Plant:
 
 
 @pytest.mark.parametrize(
-    "tells", [(True,), (False,), (True, True), (True, False), (False, True), (False, False),
+    "has_velocity", [(True,), (False,), (True, True), (True, False), (False, True), (False, False),
               (True, False, True)],
 )  # fmt: skip
-def test_any_axis_that_reports_no_velocity_makes_all_steps_fine(tells: tuple[bool, ...]) -> None:
+def test_any_axis_that_reports_no_velocity_makes_all_steps_fine(
+    has_velocity: tuple[bool, ...],
+) -> None:
     """Its speed is a numeric derivative: no base to reckon ahead from."""
-    fmus = [axis_fmu(f"axis_{n}", velocity=each) for n, each in enumerate(tells)]
+    fmus = [axis_fmu(f"axis_{n}", velocity=each) for n, each in enumerate(has_velocity)]
     plant_of(*fmus).advance_to(MS)
-    steps = [MS] if all(tells) else [n * FINE_NS for n in range(1, 21)]
+    steps = [MS] if all(has_velocity) else [n * FINE_NS for n in range(1, 21)]
     assert [fmu.steps for fmu in fmus] == [steps] * len(fmus)
 
 

@@ -85,7 +85,7 @@ def test_a_value_of_a_list_of_values_is_one_of_them() -> None:
 
 
 ABOVE_0 = {
-    # path: what 0 becomes, the largest value, what is said of the range
+    # path: what 0 becomes, the largest value, the range in words
     ("axis", "kenngr.dist_ctrl[i].kp"): (0.001, 2.0, "above 0.0, up to 2.0"),
     ("channel", "dist_ctrl[i].kp"): (0.001, 2.0, "above 0.0, up to 2.0"),
 }

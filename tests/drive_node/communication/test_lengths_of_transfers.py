@@ -1,4 +1,4 @@
-"""SDO transfers of every length: how many frames, which is the last, what of it is unused.
+"""SDO transfers of every length: number of frames, the last one, and its bytes without data.
 
 CiA 301: a segment has 7 bytes; n says how many of the last one hold no data, c that it is the last.
 """

@@ -20,7 +20,7 @@ SAMPLES = {
 }  # fmt: skip
 WRONG = "this does not belong here"
 
-# (text, column, what is wrong there, all that may stand there)
+# (text, column, what is wrong there, all that is allowed there)
 PLACES = [
     ("$ELSE 1", 7, "1", (END,)),
     ("$ENDIF G0", 8, "G0", (END,)),

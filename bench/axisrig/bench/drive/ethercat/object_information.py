@@ -102,9 +102,7 @@ class ObjectInformation:
         """Return the data type of a variable or of the members of an array, 0 of a record."""
         if known.code == VARIABLE:
             return type_of(known.rows[0], self._profile).code
-        members = [
-            row for sub, row in known.rows.items() if sub
-        ]  # the profile may lack any of them
+        members = [row for sub, row in known.rows.items() if sub]  # the drive may lack some
         if known.code != _ARRAY or not members:
             return 0
         return type_of(members[0], self._profile).code
