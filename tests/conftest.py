@@ -12,6 +12,9 @@ and the words of the language that do not act yet.
 What the stages `--stage quick` and `--stage rest` run: `stages.py`; `conftest.py` of the checkout
 has the option, for `pytest testplans/` too.
 
+A segment that a test opens is closed at its end: the names of open segments are of the process, so
+one that stays open would refuse its name to any later test, or to none, by the order of tests.
+
 Tests with random inputs (hypothesis) draw the same ones in every run; other ones with
 `--hypothesis-profile random`.
 """
@@ -26,6 +29,7 @@ import pytest
 from hypothesis import settings
 from tests import both_writers
 
+from axisrig.bench.bus.can import registry
 from axisrig.bench.campaign.results.build_info import is_compiled
 from axisrig.kernel.channel.reactions import Reactions
 from axisrig.kernel.errors import Alarm, catalogue
@@ -34,6 +38,9 @@ from axisrig.kernel.nc.text.words import not_acting
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("random", derandomize=False, deadline=None)
 settings.load_profile("same")  # here: what `@settings` does not name is that of the import
+
+_OF_FIXTURES = pytest.StashKey[set[str]]()
+"""The segments that are open when the test itself begins: those of its fixtures."""
 
 _MARK = re.compile(r"mark\.provokes\(\s*(\d+)")
 
@@ -64,9 +71,27 @@ def pytest_configure(config: pytest.Config) -> None:
     )
 
 
-def pytest_runtest_setup(item: pytest.Item) -> None:
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, object, object]:
     if item.get_closest_marker("interpreted") and is_compiled():
         pytest.skip("replaces what compiled classes have, or passes stand-ins to them")
+    result = yield
+    item.stash[_OF_FIXTURES] = set(registry.names())
+    return result
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(
+    item: pytest.Item, nextitem: pytest.Item | None
+) -> Generator[None, object, object]:
+    result = yield
+    is_last = nextitem is None or nextitem.path != item.path
+    kept = set[str]() if is_last else item.stash.get(_OF_FIXTURES, set(registry.names()))
+    left = {name: registry.find(name) for name in registry.names() if name not in kept}
+    for segment in left.values():
+        segment.close()  # type: ignore[union-attr]
+    assert not left, f"close() the segments that stay open: {', '.join(left)}"
+    return result
 
 
 @pytest.fixture(scope="session")

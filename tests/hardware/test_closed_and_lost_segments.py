@@ -196,3 +196,4 @@ def test_a_lost_bus_that_cannot_be_opened_stays_lost_and_keeps_its_reason(make_b
     is_there, bench.adapter.broken = True, None
     assert (segment.reopen(), segment.lost) == (True, None)
     assert openings == [True, False, False, True]
+    segment.close()
