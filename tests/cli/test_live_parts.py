@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from rich.console import Console
-from tests.live_states import AXIS, DISTANCE, LINE, SEGMENT, state
+from tests.live_states import AXIS, DISTANCE, LINE, REAL_TIME, SEGMENT, state
 
 from axisrig.bench.cli.beside import server, showing, terminal, ticking
 from axisrig.bench.cli.beside.feed import Feed as LiveFeed
@@ -203,6 +203,26 @@ def test_probes_and_buses_have_a_line_each() -> None:
         "bus z 41.2 %, 12345 frames, 3 error frames, working counter 6, wrong in 2;"
         " X OP, Z SAFEOP, 0x001B, x",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("late", "looked_at", "worst_us", "words"),
+    [
+        (0, 500, 12.4, "0 of the last 500 SYNCs late, 12 us at most"),
+        (0, 1, 0.0, "0 of the last 1 SYNCs late, 0 us at most"),
+        (7, 500, 812.6, "7 of the last 500 SYNCs late, 813 us at most"),
+        (500, 500, 2e6, "500 of the last 500 SYNCs late, 2000000 us at most"),
+    ],
+)
+def test_how_real_time_is_kept_is_shown_as_long_as_there_is_any(
+    late: int, looked_at: int, worst_us: float, words: str
+) -> None:
+    """The worst delay is of interest while none is too late; it comes before the axes."""
+    kept = {**REAL_TIME, "late": late, "looked_at": looked_at, "worst_us": worst_us}
+    lines = drawn(look(real_time=kept))
+    assert lines[3] == f"real time: {words}"
+    assert lines[4].startswith("axis ")
+    assert [line for line in lines if line != lines[3]] == drawn(look(real_time=None))
 
 
 # What is open

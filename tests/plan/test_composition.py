@@ -110,6 +110,67 @@ def test_assignments_that_are_wrong_name_the_cell(
     assert "column 'inputs'" in str(caught.value)
 
 
+A_SECOND_TIME = [
+    ("set:Z.a,inputs", "1,set:Z.a=2", "set:Z.a", (2, 5, "2"), "column 'set:Z.a'"),
+    ("inputs,set:Z.a", "set:Z.a=1,2", "set:Z.a", (2, 5, "2"), "column 'inputs', 'set:Z.a'"),
+    ("inputs", "set:Z.a=1 ;; set:Z.a=2", "set:Z.a", (2, 4, "2"), "column 'inputs', 'set:Z.a'"),
+    ("check:alarms,checks", "none,alarms=50059", "check:alarms", (2, 5, "50059"),
+     "column 'check:alarms'"),
+    ("checks,check:alarms", "alarms=50059,none", "check:alarms", (2, 5, "none"),
+     "column 'checks', 'check:alarms'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("head", "cells", "name", "at", "other"), A_SECOND_TIME)
+def test_what_a_row_gives_twice_names_both_places(
+    write_plan: PlanWriter, head: str, cells: str, name: str, at: tuple[int, int, str], other: str
+) -> None:
+    """The mistake is at the second one, its hint has the first one."""
+    with pytest.raises(UserError, match=f"^[^:]*:2:{at[1]}: {name} is given twice") as caught:
+        read_plan(write_plan(f"{HEAD},{head}\na,{ROW},{cells}\n"))
+    error = caught.value
+    assert (error.line, error.column, error.value) == at
+    assert (error.hint, error.further) == (f"the other one is in {other}", ())
+    of_defaults = f"{HEAD},{head}\n*,{ROW},{cells}\na,,,{',' * head.count(',')}\n"
+    with pytest.raises(UserError) as again:
+        read_plan(write_plan(of_defaults))
+    assert (str(again.value), again.value.further) == (str(error), ())
+
+
+def test_what_an_included_row_gives_twice_names_the_row_that_includes_it(tmp_path: Path) -> None:
+    path, sub = _include(tmp_path), tmp_path / "parts" / "slow.csv"
+    sub.write_text(
+        "case,program,set:Z.b,inputs\nx,nc/touch.nc,1,set:Z.b=2 ;; set:Z.a=3\n", encoding="utf-8"
+    )
+    with pytest.raises(UserError, match=r"set:Z\.b is given twice") as caught:
+        read_plan(path)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (str(sub), 2, 4)
+    assert caught.value.hint == "the other one is in column 'set:Z.b', included by main.csv:3"
+
+
+def test_a_table_that_a_table_includes_names_all_rows_on_the_way(tmp_path: Path) -> None:
+    """The innermost first; a doubled file is one that is open, not one that was read before."""
+    path = _include(tmp_path)
+    parts = tmp_path / "parts"
+    (parts / "inner.csv").write_text("case,program,seed\ny,nc/touch.nc,-1\n", encoding="utf-8")
+    (parts / "slow.csv").write_text(
+        "case,program,seed\nx,nc/touch.nc,\ninclude,inner.csv,\n", encoding="utf-8"
+    )
+    with pytest.raises(UserError, match="not an integer in the range") as caught:
+        read_plan(path)
+    assert (caught.value.file, caught.value.line) == (str(parts / "inner.csv"), 2)
+    assert "(column 'seed', included by slow.csv:3, included by main.csv:3)" in str(caught.value)
+    (parts / "inner.csv").write_text("case,program\nin,nc/touch.nc\n", encoding="utf-8")
+    assert [case.case for case in read_plan(path).cases] == ["first", "x", "in", "last"]
+    twice = path.read_text(encoding="utf-8") + "include,parts/inner.csv,machine.toml,,\n"
+    path.write_text(twice, encoding="utf-8")
+    with pytest.raises(
+        UserError, match=r"same run as line 2 \(.*included by main.csv:5\)"
+    ) as again:
+        read_plan(path)
+    assert (again.value.file, again.value.line) == (str(parts / "inner.csv"), 2)
+
+
 @pytest.mark.parametrize(
     ("text", "condition"),
     [

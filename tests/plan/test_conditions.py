@@ -264,6 +264,26 @@ def test_a_word_that_a_metric_never_says_is_refused(condition: str, close: str) 
     assert close in str(shown.value)
 
 
+WORDED = {name: metric for name, metric in known_metrics().items() if metric.words}
+
+
+@pytest.mark.parametrize("name", sorted(WORDED))
+def test_each_word_of_a_metric_is_taken_whole_and_alone(name: str) -> None:
+    """No part of a word, no two of them, none with more behind it."""
+    words = WORDED[name].words.split()
+    assert len(words) == len(set(words)) > 1
+    for word in words:
+        for condition in (word, f"== {word}", f"!= {word}"):
+            assert parse_check(name, condition, "").condition.expected == (word,)
+    others = [words[0][:-1], words[0][1:], f"{words[0]}s", " ".join(words[:2]), WORDED[name].words]
+    for other in (*others, words[0].swapcase()):
+        assert other not in words
+        for condition in (other, f"== {other}", f"!= {other}"):
+            with pytest.raises(UserError, match="never says this") as shown:
+                parse_check(name, condition, "")
+            assert (shown.value.value, shown.value.allowed) == (other, ", ".join(words))
+
+
 @pytest.mark.parametrize("condition", ["== lag", "window", "!= none"])
 def test_the_words_of_a_metric_are_taken(condition: str) -> None:
     assert parse_check("detection_criterion", condition, "").condition.text == condition

@@ -4,12 +4,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from axisrig.bench.campaign import processes
 from axisrig.bench.campaign.channel import ChannelError
-from axisrig.bench.campaign.processes import Died, _Crew, _no_answer, _Worker
+from axisrig.bench.campaign.processes import (
+    Died,
+    _Crew,
+    _no_answer,
+    _Worker,
+    run_apart,
+    run_as_they_end,
+)
 from axisrig.bench.campaign.worker import Answer, Line
 from axisrig.kernel.cosim.fmi.journal import LastCall
 from axisrig.kernel.errors import UserError
@@ -113,6 +121,36 @@ def test_who_was_sent_away_is_waited_for_once_and_only_when_gone() -> None:
     assert [hand.waited for hand in (first, second, third)] == [1, 0, 0]
     of.dismiss()
     assert [(hand.ended, hand.waited) for hand in Hand.made] == [(1, 1)] * 4
+
+
+@pytest.mark.parametrize("jobs", [1, 2, 3, 5])
+def test_every_process_ends_with_its_crew_at_work_or_not(jobs: int) -> None:
+    of, _ = crew(jobs, jobs=jobs)
+    of.look()
+    assert [hand.tasks for hand in Hand.made] == [[number] for number in range(jobs)]
+    of.dismiss()
+    assert [(hand.ended, hand.waited) for hand in Hand.made] == [(1, 1)] * jobs
+
+
+@pytest.mark.parametrize(("in_order", "first", "answer"), [(True, 0, "a"), (False, 3, (3, "a"))])
+def test_who_wants_no_more_answers_leaves_no_process(
+    in_order: bool, first: int, answer: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of five tasks one has ended, the others are under way."""
+    tasks = [[number] for number in range(5)]
+    answers: Any
+    if in_order:
+        answers = run_apart(abs, tasks, jobs=5, is_fresh=False)
+    else:
+        answers = run_as_they_end(
+            abs, tasks, jobs=5, is_fresh=[False] * 5, timeout_s=None, call_limit_s=60.0
+        )
+    monkeypatch.setattr(
+        processes, "wait", lambda *_: Hand.made[first].sends.append(Answer("a")) or []
+    )
+    assert next(answers) == answer
+    answers.close()
+    assert [(hand.ended, hand.waited) for hand in Hand.made] == [(1, 1)] * 5
 
 
 @pytest.mark.parametrize(

@@ -137,6 +137,62 @@ def test_statistics_are_over_whole_cases_and_kept_by_what_they_depend_on(
     assert found["probing-z"].case["runs"] == "2"
 
 
+@pytest.mark.parametrize(
+    ("select", "runs", "statistics"),
+    [
+        ("z-001", ["z-001"], []),
+        ("z-001 or m", ["z-001", "m"], []),
+        ("z-0", ["z-001", "z-002"], ["z"]),
+        ("not z-001", ["z-002", "a-001", "a-002", "m"], ["a"]),
+        ("z-0 or a-0", ["z-001", "z-002", "a-001", "a-002"], ["z", "a"]),
+    ],
+)
+def test_statistics_of_a_choice_are_those_whose_runs_are_all_chosen(
+    plan: Plan, tmp_path: Path, select: str, runs: list[str], statistics: list[str]
+) -> None:
+    """A row of which a run was not asked for is neither judged nor missing: all is there."""
+    words = ["-k", select]
+    parts = [share(tmp_path / f"{n}", plan, runs[n::2], words) for n in range(2)]
+    done = joined(tmp_path / "all", *parts)
+    assert (done.runs, done.statistics, done.missing) == (len(runs), len(statistics), [])
+    found = read_results(tmp_path / "all")
+    assert {run.run.removeprefix("probing-") for run in found.runs} == {*runs, *statistics}
+    assert (found.missing, found.manifest["finished"]) == (0, True)
+    assert found.runs_planned == len(runs) + len(statistics)
+
+
+def test_a_row_that_the_joined_folder_completes_is_judged_with_what_it_has(
+    plan: Plan, tmp_path: Path
+) -> None:
+    """The one run of case z comes with the first call, the other one with the second."""
+    for name, statistics in (("z-001", 0), ("m", 0), ("z-002", 1)):
+        one = share(tmp_path / name, plan, [name], ["-k", f"probing-{name}"])
+        assert joined(tmp_path / "all", one).statistics == statistics
+    found = read_results(tmp_path / "all")
+    assert [run.run for run in found.runs] == [
+        f"probing-{name}" for name in ("z-001", "z-002", "z", "m")
+    ]
+    assert (found.missing, found.manifest["finished"]) == (0, True)
+    assert joined(tmp_path / "all", one, is_fresh=True).statistics == 0
+
+
+@pytest.mark.parametrize("is_fresh", [False, True])
+def test_shares_that_are_joined_once_more_give_the_same_folder(
+    plan: Plan, tmp_path: Path, is_fresh: bool
+) -> None:
+    parts = [share(tmp_path / name, plan, ALL[n::2]) for n, name in enumerate("ab")]
+    first = joined(tmp_path / "all", *parts)
+    before = [rows(tmp_path / "all" / name) for name in ("cases.csv", "results.csv")]
+    again = joined(tmp_path / "all", *parts, is_fresh=is_fresh)
+    assert (again.runs, again.statistics, again.missing) == (5, 2, []) == (
+        first.runs, first.statistics, first.missing,
+    )  # fmt: skip
+    assert [rows(tmp_path / "all" / name) for name in ("cases.csv", "results.csv")] == before
+    found = read_results(tmp_path / "all")
+    assert (found.runs_planned, found.manifest["finished"]) == (7, True)
+    assert "earlier" not in found.manifest
+
+
 def test_what_is_missing_is_named_in_the_order_of_the_plan(plan: Plan, tmp_path: Path) -> None:
     done = joined(tmp_path / "all", share(tmp_path / "one", plan, ["a-001"]))
     assert done.missing == [f"probing-{name}" for name in ALL if name != "a-001"]

@@ -16,6 +16,7 @@ from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.campaign.resuming import CHANGED
 from axisrig.bench.campaign.sharing import Shard
 from axisrig.bench.plan import plan as plan_module
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
@@ -120,6 +121,77 @@ def test_a_call_runs_what_fits_and_a_share_of_it(monkeypatch: pytest.MonkeyPatch
     ):  # fmt: skip
         with pytest.raises(UserError, match=message):
             found(choice)
+
+
+FED = """\
+case,program,rig,plc:V.E.FEED,search:plc:V.E.STEP,check:duration_s
+swept,a.nc,r.toml,[600 | 900],,<= 1
+single,a.nc,r.toml,500,,<= 1
+other,a.nc,r.toml,,,<= 1
+tried,a.nc,r.toml,700,10 .. 90 to 20,<= 1
+"""
+
+
+@pytest.fixture
+def fed(tmp_path: Path) -> Path:
+    (tmp_path / "a.nc").write_text("N10 M30\n", encoding="utf-8")
+    (tmp_path / "r.toml").write_text("[machine]\n[info]\ndevice = 'drill'\n", encoding="utf-8")
+    (tmp_path / "fed.csv").write_text(FED, encoding="utf-8")
+    return tmp_path / "fed.csv"
+
+
+@pytest.mark.parametrize(
+    ("text", "select", "refused"),
+    [
+        ("plc:V.E.FEED=800", "single or other or tried", None),
+        ("plc:V.E.FEED=800", "not swept", None),
+        ("plc:V.E.FEED=800", None, "swept"),
+        ("plc:V.E.FEED=800", "fed-swept-900", "swept"),
+        ("plc:V.E.FEED=800", "single or swept", "swept"),
+        ("plc:V.E.STEP=20", "swept or single", None),
+        ("plc:V.E.STEP=20", None, "tried"),
+        ("plc:V.E.STEP=20", "tried", "tried"),
+        ("plc:V.E.NEW=1", None, None),
+    ],
+)
+def test_an_input_of_the_call_is_refused_only_by_a_chosen_row_that_has_several_values(
+    fed: Path, text: str, select: str | None, refused: str | None
+) -> None:
+    """A list, or a search; the row that -k leaves out keeps its own."""
+    column, _, value = text.partition("=")
+    if refused is not None:
+        with pytest.raises(UserError, match=f"gives this column several values.*'{refused}'"):
+            campaign._read([fed], [text], select, None, {})
+        return
+    (plan,) = campaign._read([fed], [text], select, None, {})
+    found = {case.run.removeprefix("fed-"): case.inputs.get(column) for case in plan.cases}
+    assert list(found) == ["swept-600", "swept-900", "single", "other", "tried"]
+    own = {"swept-600": "600", "swept-900": "900"} if column == "plc:V.E.FEED" else {}
+    own |= {"tried": None} if column == "plc:V.E.STEP" else {}
+    assert found == {run: own.get(run, value) if run in own else value for run in found}
+
+
+def test_every_plan_of_a_call_has_its_inputs_its_interface_and_what_is_tested(fed: Path) -> None:
+    """What the call says of an interface comes after its inputs; its words win over the rig."""
+    other = fed.with_name("more.csv")
+    other.write_text("case,program,rig\nalone,a.nc,r.toml\n", encoding="utf-8")
+    asked: list[str] = []
+
+    def changes_of(plan: Any) -> list[Any]:
+        asked.append(plan.name)
+        return [parse_assignment(f"plc:V.E.OF={plan.name}")]
+
+    outside: Any = SimpleNamespace(changes_of=changes_of)
+    plans = campaign._read(
+        [fed.parent], ["plc:V.E.A=1", "plc:V.E.OF=x"], None, outside, {"serial": "7"}
+    )
+    assert [plan.name for plan in plans] == asked == ["fed", "more"]
+    for plan in plans:
+        for case in plan.cases:
+            assert (case.inputs["plc:V.E.A"], case.inputs["plc:V.E.OF"]) == ("1", plan.name)
+            assert case.notes == {"info:device": "drill", "info:serial": "7"}
+    (plain,) = campaign._read([other], [], None, None, {"device": "saw"})
+    assert plain.cases[0].notes == {"info:device": "saw"}
 
 
 def test_a_row_of_statistics_comes_after_the_last_of_its_runs() -> None:

@@ -112,20 +112,20 @@ def merge(
                 hint="run the share again with --resume, or merge where the files are as they were",
             )
     manifest = _manifest(parts, plans, started, into)
-    with ResultsWriter(into, plans, manifest, runs=[*cases, *rows], is_fresh=is_fresh) as writer:
-        for run in cases:
-            if run in found:
-                _take(writer, *found[run])
-        judged = list(CaseStatistics(plans, (), into, hashes, is_fresh=False).kept())
-        for row in judged:
+    taken = [case for run, case in cases.items() if run in found]
+    due = CaseStatistics(plans, taken, into, hashes, is_fresh=is_fresh).due
+    runs = dict.fromkeys([*cases, *rows, *(row.run for row in due)])
+    with ResultsWriter(into, plans, manifest, runs=runs, is_fresh=is_fresh) as writer:
+        for case in taken:
+            _take(writer, *found[case.run])
+        statistics = CaseStatistics(plans, (), into, hashes, is_fresh=False)
+        for row in map(statistics.judged, due):
             row.depends_sha256 = hashes[row.case.run]
             writer.add(row)
     report = build_report(into) if build_report else None
     missing = [run for run in cases if run not in found]
-    taken = [found[run][1] for run in cases if run in found]
-    bare = [one.run for one in taken if _is_bare(one)]
-    found_runs = len(cases) - len(missing)
-    return Merged(into, found_runs, len(judged), missing, doubled, bare, report)
+    bare = [case.run for case in taken if _is_bare(found[case.run][1])]
+    return Merged(into, len(taken), len(due), missing, doubled, bare, report)
 
 
 def _is_bare(run: StoredRun) -> bool:

@@ -93,7 +93,7 @@ class CaseStatistics:
         """Yield the rows all of whose runs the folder has."""
         for row in self.due:
             if not self._left[row.run]:
-                yield self._judged(row)
+                yield self.judged(row)
 
     def after(self, result: CaseResult) -> Iterator[CaseResult]:
         """Yield the row that a result completes, if it does."""
@@ -102,9 +102,10 @@ class CaseStatistics:
             self._samples[result.case.run] = result
             self._left[row.run] -= 1
             if not self._left[row.run]:
-                yield self._judged(row)
+                yield self.judged(row)
 
-    def _judged(self, row: Case) -> CaseResult:
+    def judged(self, row: Case) -> CaseResult:
+        """Judge a row with the runs that have ended, and those that the folder has."""
         samples = {}
         for run in row.runs:
             if run in self._samples:

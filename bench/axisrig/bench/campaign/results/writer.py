@@ -261,10 +261,8 @@ class ResultsWriter:
 
     def files_of(self, run: str) -> RunFiles:
         """Return where bus logs and series of a run, and of its probes, are to be written."""
-        files = self._files_of(run)
-        if run not in self._searching:
-            return files
-        return RunFiles(files.bus_logs, files.trace, [self._files_of(probe) for probe in _ids(run)])
+        ids = _ids(run) if run in self._searching else []
+        return replace(self._files_of(run), probes=[self._files_of(probe) for probe in ids])
 
     def _files_of(self, run: str) -> RunFiles:
         logs = [self._rows.path_of("bus", run, LOG_SUFFIXES[kind]) for kind in self._bus_logs]
@@ -310,6 +308,8 @@ class ResultsWriter:
         self._rows.put(run, case, checks)
         if not case.get(PROBE):
             self._written.add(run)
+            if self._history.replaced(run):
+                self._write_manifest()
 
     def _put(self, result: CaseResult) -> None:
         """Write the files and the rows of one run."""
