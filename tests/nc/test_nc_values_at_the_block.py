@@ -13,7 +13,7 @@ SHOW = '#MSG ["%g", P1]'
 
 
 def messages(text: str) -> list[str]:
-    """V.E.N is 1 until the axes have moved, then 2."""
+    """V.E.N is 1 until a block waits for the next cycle, then 2."""
     machine = PlaneMachine(dict.fromkeys(AXES, 0.0), None)
     external = {"N": 1.0}
     program = parse_program(f"G1 X1 F100\n{text}", file="at.nc", axes=AXES)
@@ -23,7 +23,8 @@ def messages(text: str) -> list[str]:
         machine.queue.append(command)
         if isinstance(command, Wait):
             machine.execute()
-            external["N"] = 2.0
+            if command.for_cycle:
+                external["N"] = 2.0
     return [each.text for each in commands if isinstance(each, Message)]
 
 
@@ -66,3 +67,42 @@ def test_a_position_waits_whatever_else_its_block_reads(other: str) -> None:
 def test_a_value_of_the_plc_side_beside_a_position_waits_for_the_cycle_too(names: str) -> None:
     found = messages(f'G1 X5 F100\n#MSG ["%g %g", {names}]')
     assert found == ["5 2" if names.startswith("V.A") else "2 5"]
+
+
+MACHINE = ["V.A.MESS.X", "V.A.MEAS.ACS.VALUE.X", "V.A.MEAS.PCS.VALUE.X", "V.A.MOFFS.X",
+           "V.A.MERF.X", "V.A.ACT_POS.X"]  # fmt: skip
+NOTHING = ["P1", "V.A.PROG.X", "V.A.ABS.Y", "V.A.MEIN.X", "V.A.ACS.ABS.X", "V.A.BZP.X",
+           "V.G.MEAS_TYPE", "V.G.T_AKT", "V.G.WZ_AKT.L", "V.G.NP[1].V.X", "V.G.FEEDRATE",
+           "V.G.SELECTED_CS.TRANS.X"]  # fmt: skip
+
+
+def waits(*names: str) -> list[bool]:
+    """Whether each wait of a block that reads these variables is for the next cycle."""
+    machine = PlaneMachine(dict.fromkeys(AXES, 0.0), ("X", 5.0))
+    text = f'P1 = 1\nG100 X9 F100\n#MSG ["{"%g " * len(names)}", {", ".join(names)}]'
+    program = parse_program(text, file="at.nc", axes=AXES)
+    found = []
+    for command in Interpreter(program, AXES, machine, external={"N": 1.0}).commands():
+        machine.queue.append(command)
+        if isinstance(command, Wait):
+            machine.execute()
+            found.append(command.for_cycle)
+    return found[1:]  # the first one is that of the run
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_what_the_decoder_knows_waits_for_nothing(name: str) -> None:
+    assert waits(name) == []
+
+
+@pytest.mark.parametrize("name", MACHINE)
+def test_what_the_machine_knows_waits_until_everything_before_is_executed(name: str) -> None:
+    assert waits(name) == [False]
+    assert waits(name, "P1", name) == [False]
+
+
+@pytest.mark.parametrize("name", [*MACHINE, *NOTHING])
+def test_a_block_waits_once_for_the_next_cycle_wherever_it_asks_the_plc_side(name: str) -> None:
+    """Before, after and between; the longer wait counts, whichever is asked for first."""
+    for names in ((name, "V.E.N"), ("V.E.N", name), (name, "V.E.N", name), ("V.E.N", name, "P1")):
+        assert waits(*names) == [True], names

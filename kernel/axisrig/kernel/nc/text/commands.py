@@ -14,6 +14,7 @@ from axisrig.kernel.nc.text.values import ExpressionBuilder
 from axisrig.kernel.nc.text.words import commands
 
 _AXIS = "<axis>"
+_CALL = "L CYCLE"
 
 
 def hash_command(builder: ExpressionBuilder, raw: nodes.RawCommand) -> Command:
@@ -103,9 +104,9 @@ def cycle_call(builder: ExpressionBuilder, call: nodes.Call) -> SubprogramCall:
     scope = "local" if call.local else "global"
     if call.bracket is None:
         return SubprogramCall(call.name, scope)
-    form = Form(builder, "CYCLE", "L CYCLE", commands()["L CYCLE"], call.offset)
+    form = Form(builder, "CYCLE", _CALL, commands()[_CALL], call.offset)
     if not form.own.acts:
-        builder.note("L CYCLE", form.own.meaning, call.offset)
+        builder.note(_CALL, form.own.meaning, call.offset)
     read(form, call.bracket.elements)
     name = next(value for keyword, value in form.options if keyword == "NAME")
     assert isinstance(name, Name)
@@ -116,24 +117,32 @@ def cycle_call(builder: ExpressionBuilder, call: nodes.Call) -> SubprogramCall:
 # ---- names
 
 
+def _hash_names() -> list[str]:
+    """List the commands that are written with #."""
+    return [name for name in commands() if name != _CALL and not name.startswith(_AXIS)]
+
+
 def _split_name(words: Sequence[str]) -> tuple[str | None, int]:
-    """Find the longest command that the words begin with; how many words it has."""
+    """Find the longest # command that the words begin with; how many words it has."""
     for count in range(len(words), 0, -1):
         name = " ".join(words[:count])
-        if name in commands():
+        if name in commands() and name != _CALL:
             return name, count
     return None, 0
 
 
 def _nearest(name: str) -> Guess:
-    names = [other for other in commands() if not other.startswith((_AXIS, "L "))]
+    names = _hash_names()
     names += [word[1:] for word in published() if word[0] == "#"]
     return nearest(name, names)
 
 
 def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> UserError:
+    if f"{name} ".startswith(f"{_CALL} "):
+        form = f"a call of a cycle has no #: {_CALL} [NAME=..]"
+        return builder.source.error("unknown # command", offset, value=f"#{name}", hint=form)
     first = name.partition(" ")[0]
-    same = [f"#{other}" for other in commands() if other.partition(" ")[0] == first]
+    same = [f"#{other}" for other in _hash_names() if other.partition(" ")[0] == first]
     close = [] if same and name == first else _nearest(name)
     hint = f"nearest: {', '.join('#' + other for other in close)}" if close else None
     return builder.source.error(
