@@ -288,7 +288,10 @@ def section(found: ControlFindings, *events: Event) -> dict[str, Any]:
     ("at_ms", "kind", "is_warning", "ends"),
     [
         (50, "alarm", False, True),
-        (98, "alarm", False, True),  # within two cycles of its end
+        (98, "alarm", False, True),
+        (100, "alarm", False, True),
+        (101, "alarm", False, True),  # in the cycle after it fell off
+        (102, "alarm", False, True),
         (103, "alarm", False, False),
         (8, "alarm", False, True),
         (7, "alarm", False, False),
@@ -304,6 +307,20 @@ def test_an_alarm_ends_a_control_that_is_on(
     shown = section(found, Event(at_ms * MS, kind, "ID 7", is_warning=is_warning))
     assert (shown["state"] == "ended") is ends
     assert ("ID 7" in [words for _, words in shown["happened"]]) is ends
+
+
+@pytest.mark.parametrize("period_ms", [0.5, 1.0, 4.0])
+@pytest.mark.parametrize(("cycles", "ends"), [(-2, True), (0, True), (2, True), (2.25, False)])
+@pytest.mark.parametrize("end_ms", [20, 100])
+def test_an_alarm_may_come_two_cycles_after_the_control_fell_off(
+    period_ms: float, cycles: float, ends: bool, end_ms: int
+) -> None:
+    """On from 10 to 20 and from 90 to 100 ms; cycles of the channel, and each time that it ends."""
+    on = [part(10, 20, ACTIVE), part(90, 100, "FREEZE")]
+    found = replace(control(*on), period_ms=period_ms)
+    at_ns = round((end_ms + cycles * period_ms) * MS)
+    shown = section(found, Event(at_ns, "alarm", "ID 7"))
+    assert (shown["state"] == "ended") is ends
 
 
 @pytest.mark.parametrize("kp_limit", [0.5, None])

@@ -127,6 +127,62 @@ def test_cells_of_the_plan_are_counted(tmp_path: Path) -> None:
     ]
 
 
+def table(place: Path, rows: Sequence[dict[str, str]]) -> Path:
+    """A folder whose runs have these cells beside their names; all rows have the same columns."""
+    folder(place, {})
+    known = {"plan": "p", "case": "c", "verdict": "pass", "sim_s": "1", "wall_s": "1"}
+    known = dict.fromkeys(HEAD.split(",")[:-1], "") | known
+    cells = [known | {"run": f"r{number}"} | row for number, row in enumerate(rows)]
+    lines = [",".join(cells[0]), *(",".join(row.values()) for row in cells), ""]
+    (place / "cases.csv").write_text("\n".join(lines), encoding="utf-8")
+    return place
+
+
+@pytest.mark.parametrize("column", ["plc:V.E.N", "fault:probe", "set:Z.a", "info:device", "rig"])
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ({}, {"?": "5"}, "(empty) -> 5"),
+        ({"?": "5"}, {}, "5 -> (empty)"),
+        ({"?": ""}, {"?": "5"}, "(empty) -> 5"),
+        ({"?": "4"}, {"?": "5"}, "4 -> 5"),
+        ({}, {"?": ""}, ""),
+        ({"?": "5"}, {"?": "5"}, ""),
+    ],
+)
+def test_a_column_that_one_plan_has_is_named_whichever_it_is(
+    tmp_path: Path, column: str, before: dict[str, str], after: dict[str, str], words: str
+) -> None:
+    """A plan without it, and one with an empty cell, say the same."""
+    places = [
+        table(tmp_path / name, [dict.fromkeys([column] if row else [], row.get("?", ""))])
+        for name, row in (("a", before), ("b", after))
+    ]
+    expected = ["changed: the plan", f"  {column} {words}"] if words else []
+    assert found(*places) == expected
+
+
+@pytest.mark.parametrize(
+    "column", ["title", "tags", "note:x", "search:plc:V.E.N", "verdict", "alarms"]
+)
+def test_a_column_that_decides_nothing_is_not_named(tmp_path: Path, column: str) -> None:
+    places = [table(tmp_path / value, [{column: value}]) for value in ("pass", "error")]
+    assert not any(line.startswith(f"  {column}") for line in found(*places))
+
+
+def test_cells_are_in_the_order_of_how_many_runs_they_are_in(tmp_path: Path) -> None:
+    """Three changes: in one, in three and in two of three runs; of a row that differs in two."""
+    before = [{"plc:V.E.A": "1", "set:Z.b": "1", "seed": "1"}] * 3
+    after = [{"plc:V.E.A": "2", "set:Z.b": "2", "seed": "2"}, {"plc:V.E.A": "1", "set:Z.b": "2",
+             "seed": "2"}, {"plc:V.E.A": "1", "set:Z.b": "2", "seed": "1"}]  # fmt: skip
+    assert found(table(tmp_path / "a", before), table(tmp_path / "b", after)) == [
+        "changed: the plan",
+        "  set:Z.b 1 -> 2 in 3 runs",
+        "  seed 1 -> 2 in 2 runs",
+        "  plc:V.E.A 1 -> 2",
+    ]
+
+
 def test_nothing_changed_says_nothing_and_long_lists_are_cut(tmp_path: Path) -> None:
     same = folder(tmp_path / "a", {"r.toml": RIG}), folder(tmp_path / "b", {"r.toml": RIG})
     assert found(*same) == []
