@@ -20,6 +20,8 @@ from axisrig.kernel.errors import catalogue
 
 _BEFORE = ("NOT_READY_TO_SWITCH_ON", "SWITCH_ON_DISABLED")
 """A recording begins after these two: transition 1 is automatic (CiA 402-2, state machine)."""
+ANY = "*"
+"""Of a table, in place of a state: the change comes from any of them (DS402, transition 13)."""
 STEPS = ("begun", "moving", "signal seen", "ended", "fixed stop found")
 """What a measurement run goes through, as far as its recording says it."""
 
@@ -65,8 +67,11 @@ class Coverage:
             if states:
                 begin = _BEFORE if states[0] != _BEFORE[1] else _BEFORE[:1]
                 self.drives.update(set(pairwise([*begin, *states])))
-        for record in facts.distance.values():
-            states = [change.state for change in record.changes]
+        controls = [record.changes for record in facts.distance.values()]
+        if facts.distance_3d is not None:
+            controls.append(facts.distance_3d.changes)
+        for changes in controls:
+            states = [change.state for change in changes]
             self.distance.update({pair for pair in pairwise(states) if pair[0] != pair[1]})
         for one in facts.runs:
             stop = one.fixed_stop
@@ -130,7 +135,11 @@ def _table(package: str, name: str) -> Iterable[Mapping[str, str]]:
     return csv.DictReader(text.splitlines())
 
 
-def _transitions(title: str, known: Sequence[Transition], counts: Mapping[Transition, int]) -> str:
+def _transitions(title: str, known: Sequence[Transition], found: Mapping[Transition, int]) -> str:
+    counts: Counter[Transition] = Counter()
+    for pair, count in found.items():
+        from_any = (ANY, pair[1])
+        counts[from_any if pair not in known and from_any in known else pair] += count
     seen = [pair for pair in known if counts.get(pair)]
     others = [pair for pair in counts if pair not in known]
     visited = [f"{_words(pair)}: {counts[pair]}" for pair in seen]
