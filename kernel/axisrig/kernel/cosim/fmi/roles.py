@@ -368,11 +368,15 @@ def _fits(slave: FmuSlave, name: str, role: Role) -> bool:
 
 
 def guess_kind(slave: FmuSlave, sources: Mapping[str, Source | None]) -> str | None:
-    """Return the kind of a plant by the mapped roles, else by its variables; None: unclear."""
+    """Return the kind of a plant by the mapped roles, else by its variables; None: unclear.
+
+    A role that is left out is none of its kind.
+    """
+    names = {name for name, source in sources.items() if source is not None}
     mapped = [
         kind
         for kind in KINDS
-        if sources.keys() & roles_of(kind, coordinates_of(slave, kind, sources)).keys()
+        if names & roles_of(kind, coordinates_of(slave, kind, sources)).keys()
     ]
     if len(mapped) == 1:
         return mapped[0]
@@ -399,12 +403,17 @@ def guess_kind(slave: FmuSlave, sources: Mapping[str, Source | None]) -> str | N
 def coordinates_of(
     slave: FmuSlave, kind: str, sources: Mapping[str, Source | None] = {}
 ) -> list[str]:
-    """Return the coordinates that a sensor reads, by the names of its inputs and mapped roles."""
+    """Return the coordinates that a sensor reads, by the names of its inputs and mapped roles.
+
+    What is a role of an axis (`reference_end`) names no coordinate.
+    """
     found: dict[str, None] = {}
+    of_axes = roles_of("axis", ())
+    names = [name for name in (*slave.names("input"), *sources) if name not in of_axes]
     for role in role_table():
         if role.kind == kind and role.need == "path" and role.role.startswith("<g>"):
             ending = role.role.removeprefix("<g>")
-            for name in [*slave.names("input"), *sources]:
+            for name in names:
                 if name.endswith(ending) and not name.endswith(f"_rate{ending}"):
                     found[name.removesuffix(ending)] = None
     return list(found)
