@@ -179,3 +179,83 @@ def test_a_way_that_would_take_more_than_two_rows_says_nothing_of_the_instant() 
         assert found is not None
         assert found.time_ns == pytest.approx(4e6, abs=1.0)
         assert found.uncertainty_ns == pytest.approx(doubt_ms * 1e6, abs=5.0)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("contact_s", [0.0161, 0.0165, 0.0169])
+def test_the_speed_of_a_contact_is_that_of_the_row_before_the_stop_brakes_the_axis(
+    contact_s: float, direction: int
+) -> None:
+    """The spring has taken some of 30 mm/s in the row after the contact, and more in the next."""
+    speed_mm_s, k_over_m = 30.0, 5e5
+    times, position, velocity = rows(contact_s, speed_mm_s, k_over_m)
+    assert velocity[18] < velocity[17] < velocity[16] == speed_mm_s
+    stop = StopPath.at_rest(-40.0, direction, len(times))
+    places, speeds = -40.0 + direction * position, direction * velocity
+    for stiffness in (k_over_m, None):
+        found = first_contact(times, places, speeds, stop, stiffness)
+        assert found is not None
+        assert (found.row, found.speed_mm_s, found.position_mm) == (16, speed_mm_s, -40.0)
+
+
+def test_an_axis_that_gains_speed_meets_its_stop_with_the_speed_of_the_row_before() -> None:
+    """4000 mm/s2 from rest at 10 ms: 24 mm/s in the row at 16 ms, 28 mm/s one later."""
+    times = (ROWS * 1_000_000).astype(np.int64)
+    since = np.maximum(ROWS * STEP_S - 0.010, 0.0)
+    place, speed = 2000.0 * since**2, 4000.0 * since
+    for direction in (1, -1):
+        stop = StopPath.at_rest(direction * 0.08, direction, len(times))
+        found = first_contact(times, direction * place, direction * speed, stop, None)
+        assert found is not None
+        assert found.row == 16
+        assert found.speed_mm_s == pytest.approx(24.0)
+        # 0.08 mm after 6.325 ms; 24 mm/s would take 0.333 ms for what is left, 28 less
+        assert abs(found.time_ns - (10e6 + 1e9 * math.sqrt(0.08 / 2000.0))) <= found.uncertainty_ns
+
+
+def test_what_the_acceleration_before_the_contact_leaves_in_doubt() -> None:
+    """Two accelerations a, a brake first: the larger size counts, 2 g/(v + sqrt(v^2 - 2 a g)).
+
+    The gap is 0.005 mm at 10 mm/s; the rows before lost 2 and gained 1 mm/s in a millisecond.
+    """
+    times = (np.arange(6) * 1_000_000).astype(np.int64)
+    speeds = np.array([11.0, 11.0, 11.0, 9.0, 10.0, 10.0])
+    gaps = np.array([0.045, 0.034, 0.023, 0.013, 0.005, -0.004])
+    for direction in (1, -1):
+        stop = StopPath.at_rest(0.0, direction, 6)
+        found = first_contact(times, -direction * gaps, direction * speeds, stop, None)
+        assert found is not None
+        assert found.row == 4
+        assert found.time_ns == pytest.approx(4e6 + 0.5e6)
+        late_s = 2 * 0.005 / (10.0 + math.sqrt(100.0 - 2 * 2000.0 * 0.005)) - 0.005 / 10.0
+        assert found.uncertainty_ns == pytest.approx(late_s * 1e9 + 1.0)
+
+
+@pytest.mark.parametrize(("brake_mm_s2", "is_known"), [(6249.0, True), (6251.0, False)])
+@pytest.mark.parametrize("gains", [1.0, -1.0])
+def test_an_acceleration_that_could_stop_the_axis_before_its_stop_leaves_the_whole_row_in_doubt(
+    brake_mm_s2: float, is_known: bool, gains: float
+) -> None:
+    """10 mm/s come to rest in 0.008 mm with v^2/2s = 6250 mm/s2; either sign was there."""
+    times = (np.arange(5) * 1_000_000).astype(np.int64)
+    speeds = np.array([10.0, 10.0, 10.0 + gains * brake_mm_s2 * 1e-3, 10.0, 10.0])
+    gaps = np.array([0.038, 0.028, 0.018, 0.008, -0.002])
+    found = first_contact(times, -gaps, speeds, StopPath.at_rest(0.0, 1, 5), None)
+    assert found is not None
+    assert found.time_ns == pytest.approx(3.8e6)
+    assert found.uncertainty_ns < 0.8e6 if is_known else found.uncertainty_ns == 1e6 + 1.0
+
+
+def test_a_stiff_stop_leaves_a_bend_in_doubt_by_its_jerk() -> None:
+    """Its force begins with J = k v (1 + a v)/m, a v below 1: at v a time of 2 k/m h^3/192."""
+    times, position, velocity = rows(0.0165, 10.0, 1e6)
+    begin = slice(16, None)  # no rows before: the free motion knows nothing
+    stop = StopPath.at_rest(0.0, 1, len(times[begin]))
+    found = first_contact(times[begin], position[begin], velocity[begin], stop, 1e6)
+    assert found is not None
+    assert found.row == 0
+    assert found.uncertainty_ns == pytest.approx(2 * 1e6 * 1e-9 / 192 * 1e9 + 1.0)
+    assert abs(found.time_ns - 0.0165e9) <= found.uncertainty_ns
+    soft = first_contact(times[begin], position[begin], velocity[begin], stop, 1e9)
+    assert soft is not None
+    assert soft.uncertainty_ns == pytest.approx(1e6 + 1.0), "never more than the row"

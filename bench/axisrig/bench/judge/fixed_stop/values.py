@@ -126,7 +126,7 @@ def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
     if truth.stop_force_n is None or peak_n is None or pressing is None or contact is None:
         return []
     end_n = float(truth.stop_force_n[run.row_at(run.end_ns)])
-    if truth.stop_path is not None and np.any(truth.stop_path.velocity_mm_s[run.rows]):
+    if truth.stop_path is not None and np.ptp(truth.stop_path.position_mm[run.rows]) > 0.0:
         return []  # a stop that moves works on the axis
     speed_mm_s = _speed_at_end(run, truth, pressing)
     restless = "the axis was not at rest at the end: no bound" if speed_mm_s > REST_MM_S else ""
