@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,6 +20,7 @@ from cli_plan import write_plan
 from axisrig.bench.campaign import resuming
 from axisrig.bench.campaign.results.stored import DEPENDS, StoredRun
 from axisrig.bench.campaign.resuming import GoingOn, choose, depends_sha256
+from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
 
@@ -219,6 +221,26 @@ def test_a_run_is_kept_by_what_the_statistics_over_it_ask_of_it(place: Path) -> 
         assert all(hashes)
         assert len(set(hashes)) == len(found)
     assert of_runs() == found[0]
+
+
+def test_metrics_of_another_entry_point_are_others_and_a_file_counts_by_its_content(
+    place: Path,
+) -> None:
+    """Two installed modules may have metrics of one name; a file may be moved or renamed."""
+    (place / "plan.csv").write_text("case,program,rig\na,part.nc,rig.toml\n", encoding="utf-8")
+    (case,) = read_plan(place / "plan.csv").cases
+    for name, text in (("one.py", "x"), ("same.py", "x"), ("other.py", "y")):
+        (place / name).write_text(text, encoding="utf-8")
+
+    def depends(name: str) -> str:
+        path = place / name if name.endswith(".py") else None
+        return depends_sha256(replace(case, module=OwnModule(name, path, {})))
+
+    names = ("one", "two", "one.py", "same.py", "other.py")
+    found = {"": depends_sha256(case), **{name: depends(name) for name in names}}
+    assert all(found.values())
+    assert found["one.py"] == found.pop("same.py")
+    assert len(set(found.values())) == len(found)
 
 
 @pytest.mark.parametrize("verdict", list(Verdict))

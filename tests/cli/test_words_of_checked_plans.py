@@ -84,6 +84,35 @@ def test_rows_that_ask_for_nothing_are_named_once() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("select", "head", "rows"),
+    [
+        (None, "5 runs and 2 rows of statistics", ["p-a", "p-b"]),
+        ("p-a-001", "1 run", []),
+        ("p-a", "2 runs and 1 row of statistics", ["p-a"]),
+        ("not p-a-002", "4 runs and 1 row of statistics", ["p-b"]),
+        ("c", "1 run", []),
+    ],
+)
+def test_statistics_of_a_choice_are_those_that_it_can_have(
+    place: Path, monkeypatch: pytest.MonkeyPatch, select: str | None, head: str, rows: list[str]
+) -> None:
+    """Those of whose runs none is left out."""
+    text = "case,program,rig,repeats,check:mean(latch_error_um)\n"
+    text += "".join(f"{name},part.nc,rig.toml,{n},{c}\n" for name, n, c in
+                    (("a", "2", "<= 1"), ("b", "2", "<= 2"), ("c", "", "")))  # fmt: skip
+    (place / "p.csv").write_text(text, encoding="utf-8")
+    prepared: Any = SimpleNamespace()
+    monkeypatch.setattr(checking, "prepare", lambda _: prepared)
+    monkeypatch.setattr(checking.CellWarnings, "look", lambda *_: None)
+    shown: list[str] = []
+    check_files([Path("p.csv")], [], (False, None), shown.append, select=select)
+    lines = shown[0].splitlines()
+    assert lines[0] == f"p.csv: {head}"
+    found = [line.split()[0] for line in lines if "statistics over 2 runs: mean(" in line]
+    assert found == rows
+
+
 # Which file is what
 
 

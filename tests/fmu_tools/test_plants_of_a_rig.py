@@ -82,6 +82,42 @@ def test_a_real_mistake_beside_a_model_is_blamed_on_its_own_file(models: Path) -
     assert (caught.value.file, caught.value.line) == (str(models / "Slope.mo"), 4)
 
 
+def test_a_model_of_the_user_is_looked_at_again_for_every_machine(
+    models: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It, or one that it uses, may have another content by then; a mistake may be mended."""
+    asked: list[Path] = []
+
+    def ensure(source: Path) -> Path:
+        asked.append(source)
+        text = source.read_text(encoding="utf-8")
+        if "mistake" in text:
+            raise BuildError(None, 1, "odd")
+        return Path(f"{source.stem}-{len(text)}.fmu")
+
+    monkeypatch.setattr(fmu_files, "ensure_own_built", ensure)
+    ramp, slope = models / "Ramp.mo", models / "Slope.mo"
+    settings = settings_of(RIG, [])
+
+    def found(source: Path) -> str:
+        return str(plant_path(settings, "z", PlantTable(fmu=str(source))))
+
+    assert [found(ramp), found(slope), found(ramp)] == [
+        "Ramp-15.fmu",
+        "Slope-15.fmu",
+        "Ramp-15.fmu",
+    ]
+    ramp.write_text("model M\nReal x;\nend M;\n", encoding="utf-8")
+    assert [found(ramp), found(slope)] == ["Ramp-23.fmu", "Slope-15.fmu"]
+    ramp.write_text("a mistake", encoding="utf-8")
+    for _ in range(2):
+        with pytest.raises(UserError, match="cannot be built: odd"):
+            found(ramp)
+    ramp.write_text("model M\nend M;\n", encoding="utf-8")
+    assert found(ramp) == "Ramp-15.fmu"
+    assert "".join(path.stem[0] for path in asked) == "RSRRSRRR"
+
+
 def test_where_the_fmu_of_a_plant_comes_from(models: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fmu_files, "own_fmu", lambda path: Path(f"own {path}"))
     monkeypatch.setattr(fmu_files, "library_fmu", lambda name: Path(f"library {name}"))

@@ -133,6 +133,51 @@ def test_truth_is_of_the_first_sync_and_what_a_drive_has_sampled_of_its_own(
     assert sorted(values.tolist() for values in late.values()) == [[0, 0], [300 * US] * 2]
 
 
+class Remembering(Plant):
+    """Gives what it keeps, as the axes of a plant do: nobody may write into it."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, "force stop_force stop_face")
+        self.past: dict[int, list[float]] = {}
+
+    def motion_at(self, time_ns: int) -> list[float]:
+        return self.past.setdefault(time_ns, super().motion_at(time_ns))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("late_us", [0, 1, 300])
+def test_what_an_axis_has_kept_of_its_motion_stays_as_it_is(late_us: int) -> None:
+    """The row of the first SYNC has motor and demand of the later one; the axis has each its own.
+
+    In the second cycle the plant stands at the first SYNC still: its motion is the present one.
+    """
+    first, later = Remembering("X"), Remembering("C")
+    servos: Any = [SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK) for _ in "XC"]
+    axes: Any = [
+        RecordedAxis("X", first, servos[0]),  # type: ignore[arg-type]
+        RecordedAxis("C", later, servos[1]),  # type: ignore[arg-type]
+    ]
+    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    made = Recorder(whole, axes, {}, (), SeriesWriter(None), segments=2)
+    for number, is_ahead in ((1, True), (2, False)):
+        at_ns = number * MS
+        servos[0].sync_ns, servos[1].sync_ns = at_ns, at_ns + late_us * US
+        whole.now_ns = at_ns + (late_us + 1) * US if is_ahead else at_ns
+        for plant in (first, later):
+            plant.motion = plant.motion_at(whole.now_ns)  # type: ignore[attr-defined]
+        cycle = Cycle(number)
+        cycle.links = cycle.links[:2]
+        made(cycle)  # type: ignore[arg-type]
+    for plant, name in ((first, "X"), (later, "C")):
+        assert {MS, 2 * MS} <= plant.past.keys()
+        for time_ns, motion in plant.past.items():
+            assert motion == Plant(name, "").motion_at(time_ns), (name, time_ns)
+    table = made.table()
+    lag_mm = table["C.drive_lag_mm"].to_numpy()
+    assert lag_mm == pytest.approx([2.0, 2.0])
+    assert table["C.truth_mm"].to_numpy() == pytest.approx([11.001, 11.002])
+
+
 @pytest.mark.interpreted
 @pytest.mark.parametrize("lost", ["X", "C"])
 def test_a_drive_that_got_no_sync_leaves_the_rows_where_they_are(lost: str) -> None:

@@ -15,6 +15,8 @@ from axisrig.bench.campaign import cluster
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Limits, no_stopwatch
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.own_metrics import OwnModule
+from axisrig.bench.plan.table import Place
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 
@@ -109,6 +111,88 @@ def test_a_worker_has_the_files_and_what_it_says_names_those_here(
     assert not (out / "p-a.asc").exists()  # none was written
     assert (out / "p-a.parquet").read_bytes() == b"trace"
     assert result.series is not None
+
+
+def test_a_file_that_a_cell_names_is_that_of_the_tree(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the table of the cell, here or in another folder; other cells stay as they are."""
+    here = tmp_path / "here"
+    names = {
+        "drive:D.eds": "maps/d.eds",
+        "drive:D.pdo_map": "../lists/map.csv",
+        "drive:E.pdo_map": str(here / "lists" / "e.csv"),
+        "plc:V.E.A": "maps/d.eds",
+    }
+    places = {
+        "drive:D.eds": Place(here / "plans" / "p.csv", 2, 4, "drive:D.eds"),
+        "drive:D.pdo_map": Place(here / "parts" / "q.csv", 3, 5, "drive:D.pdo_map"),
+    }
+    for name in ("plans/maps/d.eds", "lists/map.csv", "lists/e.csv"):
+        (here / name).parent.mkdir(parents=True, exist_ok=True)
+        (here / name).write_text(name, encoding="utf-8")
+    named = replace(case, inputs=names, places=places)
+    files = [item.value for item in named.assignments() if item.names_file]
+    monkeypatch.setattr(
+        cluster, "files_of_case", lambda _: [*(here / name for name in FILES), *map(Path, files)]
+    )
+    parcel, contents = packed(named, tmp_path)
+    _, order = worked(parcel, contents, monkeypatch)
+    tree = order.case.program.parents[1]
+    found = {item.column: item.value for item in order.case.assignments()}
+    assert found.pop("plc:V.E.A") == "maps/d.eds"
+    inside = {column: Path(value).relative_to(tree) for column, value in found.items()}
+    assert inside == {
+        "drive:D.eds": Path("plans/maps/d.eds"),
+        "drive:D.pdo_map": Path("lists/map.csv"),
+        "drive:E.pdo_map": Path("lists/e.csv"),
+    }
+    for value in found.values():
+        assert Path(value).read_text(encoding="utf-8") == Path(value).relative_to(tree).as_posix()
+
+
+@pytest.mark.parametrize("is_file", [True, False])
+def test_probes_come_back_with_the_cells_and_the_metrics_of_here(
+    case: Case, tmp_path: Path, is_file: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each has its own value of what is searched; a file of metrics travels, an entry point not."""
+    here = tmp_path / "here"
+    for name in ("plans/own.py", "plans/maps/d.eds"):
+        (here / name).parent.mkdir(parents=True, exist_ok=True)
+        (here / name).touch()
+    module = OwnModule("own", here / "plans" / "own.py" if is_file else None, {})
+    cells = {"drive:D.eds": "maps/d.eds", "plc:V.E.A": "1"}
+    searched = replace(case, inputs=cells, module=module)
+    files = [*(here / name for name in FILES), here / "plans" / "maps" / "d.eds"]
+    monkeypatch.setattr(
+        cluster, "files_of_case", lambda _: [*files, *([module.path] if module.path else [])]
+    )
+    parcel, contents = packed(searched, tmp_path, probes=2)
+
+    def run(order: Any) -> CaseResult:
+        there = order.case
+        assert there.module.name == "own"
+        assert (there.module.path is None) != is_file
+        assert there.module.path is None or here not in there.module.path.parents
+        result = CaseResult(there, Verdict.PASS, [])
+        result.probes = tuple(
+            CaseResult(
+                replace(there, run=f"p-a-s0{n}", inputs={**there.inputs, "plc:V.E.B": f"{n}"}),
+                Verdict.PASS,
+                [],
+            )
+            for n in (1, 2)
+        )
+        return result
+
+    monkeypatch.setattr(cluster, "_run", run)
+    content = cluster._work(pickle.dumps(parcel), contents)
+    result = cluster._unpacked(searched, content, lambda _: RunFiles(probes=[RunFiles()] * 2))
+    assert result.case is searched
+    for number, probe in enumerate(result.probes, 1):
+        assert probe.case == replace(
+            searched, run=f"p-a-s0{number}", inputs={**cells, "plc:V.E.B": f"{number}"}
+        )
 
 
 def test_a_tree_is_made_once_and_for_each_content(

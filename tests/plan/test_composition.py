@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.sheets import read_parquet
 from axisrig.kernel.errors import UserError
@@ -280,6 +281,27 @@ def test_comments_and_notes(write_plan: PlanWriter) -> None:
     assert (case.line, case.title, case.notes) == (4, "#1 of two", {"note:serial number": "P-17"})
     moved = "title,case,program,rig\n,# no case,,\n#,a,,\nx,a,probe.nc,machine.toml\n"
     assert [case.line for case in read_plan(write_plan(moved)).cases] == [4]
+
+
+def test_notes_and_words_of_a_row_stay_what_they_are_when_it_is_expanded(
+    write_plan: PlanWriter,
+) -> None:
+    """A bracket is doubled only where it would begin a list."""
+    plan = read_plan(
+        write_plan(
+            f"{HEAD},note:part,title,requirement,plc:V.E.A,check:msg:N10\n"
+            f"a,{ROW},[P-17] [[x,[t],[R],[[v],== [[w]\n"
+            f'b,{ROW},"[a | b]",,,[1 | 2],\n'
+        )
+    )
+    again = read_plan(write_plan(expanded_text(plan)))
+    for case, other in zip(plan.cases, again.cases, strict=True):
+        for name in ("run", "notes", "title", "requirement", "inputs", "seed"):
+            assert getattr(other, name) == getattr(case, name), name
+        assert _checks(other) == _checks(case)
+    assert plan.cases[0].notes == {"note:part": "[P-17] [[x"}
+    assert plan.cases[0].inputs == {"plc:V.E.A": "[v]"}
+    assert [case.notes["note:part"] for case in again.cases[1:]] == ["[a | b]"] * 2
 
 
 def test_a_parquet_file_reads_like_the_csv(write_plan: PlanWriter, tmp_path: Path) -> None:

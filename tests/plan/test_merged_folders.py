@@ -17,8 +17,10 @@ from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.campaign.sharing import Merged, merge
 from axisrig.bench.campaign.tested import with_tested
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
 TEXT = """\
@@ -99,6 +101,37 @@ def test_shares_that_say_what_is_tested_are_joined(
     assert (done.runs, done.statistics, done.missing) == (5, 2, [])
     for row in rows(tmp_path / "all" / "cases.csv"):
         assert {name: row[name] for name in row if name.startswith("info:")} == told
+
+
+@pytest.mark.parametrize(
+    ("options", "texts"),
+    [
+        (["--force"], [FORCED]),
+        (["--as-canopen"], [AS_CANOPEN]),
+        (["--as-canopen", "-j", "2", "--force"], [AS_CANOPEN, FORCED]),
+        (["--set", "plc:V.E.FEED=7", "--force"], ["plc:V.E.FEED=7", FORCED]),
+        (
+            ["--set=plc:V.E.FEED=7", "--set", "plc:V.E.STEP=2"],
+            ["plc:V.E.STEP=2", "plc:V.E.FEED=7"],
+        ),
+    ],
+)
+def test_runs_of_a_call_are_joined_with_all_that_it_has_set(
+    plan: Plan, tmp_path: Path, options: list[str], texts: list[str]
+) -> None:
+    """What a run depends on has each of these; a plan without one asks for another run."""
+    given = plan.with_inputs([parse_assignment(text) for text in texts])
+    parts = [share(tmp_path / f"{n}", given, ALL[n::2], options) for n in range(2)]
+    assert (done := joined(tmp_path / "all", *parts)).runs == 5
+    assert (done.statistics, done.missing) == (2, [])
+    found = rows(tmp_path / "all" / "cases.csv")
+    for column, _, value in (text.partition("=") for text in texts):
+        assert {row[column] for row in found} == {value}
+    for missing in texts:
+        less = plan.with_inputs([parse_assignment(text) for text in texts if text != missing])
+        other = share(tmp_path / "less", less, ["m"], options)
+        with pytest.raises(UserError, match="is not what it was run with"):
+            joined(tmp_path / "none", other)
 
 
 @pytest.mark.parametrize("file", ["probe.nc", "machine.toml"])

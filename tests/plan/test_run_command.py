@@ -263,6 +263,26 @@ def test_rigs_that_are_foreign_run_apart_and_notes_of_plans_are_warnings(
     assert set(apart) == {Path("r.toml"), Path("f.toml")}
 
 
+def test_rows_that_are_not_chosen_may_use_a_default_in_every_plan(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: dict[str, Any] = {}
+    monkeypatch.setattr(campaign, "prepare_all", lambda cases, **given: asked.update(given) or [])
+    monkeypatch.setattr(campaign, "foreign_rigs", lambda _: set())
+    plans: list[Any] = [
+        SimpleNamespace(
+            path=Path(f"{name}.csv"), notes=[], cases=[case_of(f"{name}{n}") for n in "12"]
+        )
+        for name in "pqr"
+    ]
+    chosen = [plans[0].cases[1], plans[2].cases[0]]
+    campaign._prepared(plans, chosen, False, 5.0, 1)
+    assert [case.run for case in asked["beside"]] == ["p1", "q1", "q2", "r2"]
+    said: list[str] = []
+    campaign._prepared(plans, chosen, False, 5.0, 1, campaign.Manner(say=said.append))
+    assert said == ["checking 2 runs"]
+
+
 # What comes of them
 
 

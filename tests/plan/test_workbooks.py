@@ -181,6 +181,23 @@ def test_further_sheets_with_cases_are_an_error_others_a_note(place: Path) -> No
         read_plan(path)
 
 
+@pytest.mark.parametrize("kind", ["xlsx", "ods"])
+def test_sheets_of_an_included_workbook_are_named_with_it(place: Path, kind: str) -> None:
+    """Each of them, after those of the plan, in the order in which the tables are read."""
+    line, book = (row, xlsx) if kind == "xlsx" else (ods_row, ods)
+    inner = line(*HEAD[:2]) + line("b", "probe.nc")
+    more = book(place / f"more.{kind}", ("rows", inner), ("legend", line("x")), ("sum", line("y")))
+    plan = line(*HEAD[:3]) + line(*CASE) + line("include", more.name, "machine.toml")
+    path = book(place / f"p.{kind}", ("plan", plan), ("words", line("z")))
+    read = read_plan(path)
+    assert [case.case for case in read.cases] == ["a", "b"]
+    assert read.notes == (
+        "the sheet 'words' is not read",
+        f"{more}: the sheet 'legend' is not read",
+        f"{more}: the sheet 'sum' is not read",
+    )
+
+
 def test_check_notes_sheets_that_are_not_read(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checking, "prepare", lambda case: None)
     monkeypatch.setattr(cell_warnings, "look_at", lambda case, prepared: [])

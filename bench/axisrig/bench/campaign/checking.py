@@ -120,7 +120,9 @@ def check_file(
             warnings.look(case, (prepare if place in first else read_case)(case))
     mistakes.refuse(path)
     lines = [f"  {text}" for text in _described(plan.cases, is_verbose=is_verbose)]
-    for row in plan.statistics:
+    runs = {case.run for case in plan.cases}
+    statistics = [row for row in plan.statistics if runs >= {*row.runs}]  # with -k not all of them
+    for row in statistics:
         asked = ", ".join(check.metric for check in row.checks)
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
     if is_strict:
@@ -130,7 +132,7 @@ def check_file(
     if others := len(plan.cases) - len(first):
         built = f"{len(first)} rows was built, of the other {others} as they run"
         lines.append(f"note: the machine of {built}")
-    return "\n".join([f"{path}: {counted(len(plan.cases), len(plan.statistics))}", *lines])
+    return "\n".join([f"{path}: {counted(len(plan.cases), len(statistics))}", *lines])
 
 
 @contextmanager

@@ -179,8 +179,14 @@ def _moved(case: Case, base: str, into: str = "") -> Case:
     module = case.module
     if module is not None and module.path is not None:
         module = dataclasses.replace(module, path=moved(module.path))
+    named = {  # a cell names its file from its table, which does not travel
+        item.column: str(moved(Path(case.inputs[item.column] if into else item.value)))
+        for item in case.assignments()
+        if item.names_file
+    }
     return dataclasses.replace(
         case,
+        inputs={**case.inputs, **named},
         program=moved(case.program),
         rig=moved(case.rig),
         folder=moved(case.folder),
@@ -337,7 +343,13 @@ def _unpacked(case: Case, content: bytes | str, files_of: Callable[[str], RunFil
                     one.series = Series(path)
         if one is not result:  # the probes of the case as it is here
             one.case = dataclasses.replace(
-                one.case, program=case.program, rig=case.rig, folder=case.folder, file=case.file
+                one.case,
+                inputs={c: case.inputs.get(c, text) for c, text in one.case.inputs.items()},
+                program=case.program,
+                rig=case.rig,
+                folder=case.folder,
+                file=case.file,
+                module=case.module,
             )
     result.case = case
     return result

@@ -76,6 +76,8 @@ def _row(case: Case) -> list[str]:
         *case.expected,
         *case.runs,
         *([] if case.search is None else [f"{HEAD}{case.search.column}={case.search.text}"]),
+        # A file counts by its content
+        *([] if case.module is None or case.module.path else [f"module={case.module.name}"]),
     ]
 
 

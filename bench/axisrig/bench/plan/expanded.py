@@ -39,7 +39,7 @@ def _expanded(plan: Plan) -> str:
     text = io.StringIO(newline="")
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*columns, *notes, *inputs, *checks])
-    of_row = (*notes, *inputs, *checks)
+    of_row = (*inputs, *checks)
     for case in plan.cases:
         conditions = {f"check:{check.metric}": check.condition.text for check in every[case.run]}
         own = [
@@ -52,9 +52,10 @@ def _expanded(plan: Plan) -> str:
             f"fail:{' '.join(case.expected)}" if case.expected else "",
             "" if case.module is None else case.module.text_in(case.folder),
         ]
-        cells = {**case.notes, **case.inputs, **searched.get(case.run, {}), **conditions}
+        noted = [case.notes.get(column, "") for column in notes]  # whatever they are, they stay
+        cells = {**case.inputs, **searched.get(case.run, {}), **conditions}
         # A value as a cell that stands for nothing else
-        table.writerow([*own, *[cells.get(c, "").replace("[", "[[") for c in of_row]])
+        table.writerow([*own, *noted, *[cells.get(c, "").replace("[", "[[") for c in of_row]])
     return text.getvalue()
 
 
