@@ -5,9 +5,11 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from axisrig.bench.cli import pytest_plans
 from axisrig.kernel.cosim.fmi import session
 
 DAY_S = 86_400
@@ -26,6 +28,7 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder for temporary files, and a process that has none of its own yet."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(session, "_SESSION", [])
+    monkeypatch.setattr(session, "_OWN", {})
     return tmp_path
 
 
@@ -96,3 +99,29 @@ def test_a_forked_child_leaves_the_folder_to_the_process_that_made_it(tmp_path: 
     )  # fmt: skip
     folder, is_there = done.stdout.split()
     assert (is_there, Path(folder).exists()) == ("True", False)
+
+
+def test_the_folder_of_this_process_can_go_before_its_end(temporary: Path) -> None:
+    """Its own one alone, not that of another process that it shares; the next one is another."""
+    shared = _left(temporary, "shared")
+    session.share_session_folder(shared)
+    session.remove_session_folder()
+    assert shared.is_dir()
+    session._SESSION.clear()
+    own = session.session_folder()
+    assert own.is_dir()
+    session.remove_session_folder()
+    assert not own.exists()
+    session.remove_session_folder()
+
+
+@pytest.mark.parametrize("is_worker", [True, False])
+def test_a_worker_of_pytest_removes_it_at_the_end_of_its_session(
+    temporary: Path, is_worker: bool
+) -> None:
+    """A worker of pytest-xdist is interrupted as it exits; other processes keep it until then."""
+    own = session.session_folder()
+    config = SimpleNamespace(workerinput={}) if is_worker else SimpleNamespace()
+    pytest_plans.pytest_sessionfinish(SimpleNamespace(config=config))
+    assert own.is_dir() is not is_worker
+    session.remove_session_folder()

@@ -96,6 +96,14 @@ def pytest_collection_modifyitems(
         config.option.keyword = keyword
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Remove the unpacked FMUs of a worker of pytest-xdist, which is interrupted while it exits."""
+    plugin = sys.modules.get("axisrig.kernel.cosim.fmi.session")
+    if plugin is not None and hasattr(session.config, "workerinput"):
+        plugin.remove_session_folder()
+
+
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
     """Name what an older axisrig has left on the search path, where plans were collected."""
     plugin = sys.modules.get("axisrig.bench.campaign.pytest_plugin")

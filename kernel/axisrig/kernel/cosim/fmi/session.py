@@ -18,6 +18,9 @@ _KEPT_NS = 7 * 86_400 * 10**9
 
 _SESSION: list[Path] = []
 
+_OWN: dict[Path, tuple[int, int]] = {}
+"""Of each folder that this process made: the process, and the descriptor of its lock."""
+
 if sys.platform == "win32":
 
     def _try_lock(_descriptor: int) -> bool:
@@ -42,24 +45,35 @@ def session_folder() -> Path:
     Made before children are started and handed to them, it outlives their crash.
     """
     if not _SESSION:
-        folder, owner = Path(tempfile.mkdtemp(prefix=_PREFIX)), os.getpid()
-        descriptor = _owned(folder)
-
-        def remove() -> None:
-            if os.getpid() == owner:  # a forked child must not take its siblings' files away
-                with suppress(OSError):
-                    os.close(descriptor)
-                shutil.rmtree(folder, ignore_errors=True)
-
-        atexit.register(remove)
+        folder = Path(tempfile.mkdtemp(prefix=_PREFIX))
+        _OWN[folder] = os.getpid(), _owned(folder)
+        atexit.register(_remove, folder)
         _SESSION.append(folder)
         _remove_dead(folder)
     return _SESSION[0]
 
 
+def remove_session_folder() -> None:
+    """Remove the folder that this process made, before its end; no FMU may be opened after it.
+
+    For a process that has little time once it is asked to end.
+    """
+    for folder in list(_OWN):
+        _remove(folder)
+
+
 def share_session_folder(folder: Path) -> None:
     """Unpack into the folder of the process that started this one."""
     _SESSION[:] = [folder]
+
+
+def _remove(folder: Path) -> None:
+    process, descriptor = _OWN.get(folder, (0, -1))
+    if process == os.getpid():  # a forked child must not take its siblings' files away
+        del _OWN[folder]
+        with suppress(OSError):
+            os.close(descriptor)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _owned(folder: Path) -> int:
