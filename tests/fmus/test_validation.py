@@ -136,6 +136,13 @@ def test_model_is_within_its_tolerances(model, validation):
     assert not outside, "\n".join(outside[:20])
 
 
+@pytest.mark.parametrize("model", [model for model in MODELS if model not in LARGE])
+def test_model_without_optimisation_is_within_its_tolerances(model, validation):
+    """In a hundredth of the time: these builds are there for the other tests."""
+    outside = [found for found in validation(model).deviations() if not found[2] <= 1]
+    assert not outside, outside[:3]
+
+
 TRUTH = {"true": 1.0, "false": 0.0}
 
 
