@@ -113,6 +113,42 @@ def test_recv_is_refused_when_callbacks_take_the_frames(segment: Segment) -> Non
         port.recv(0)
 
 
+@pytest.mark.parametrize("way", ["recv", "attach"])
+@pytest.mark.parametrize("disturbed", [False, True])
+def test_own_frames_that_a_port_asks_for_say_that_it_has_sent_them(
+    segment: Segment, way: str, disturbed: bool
+) -> None:
+    """`is_rx` of python-can: False for those, True for what others send, there and everywhere."""
+    own = segment.port("own", receive_own_messages=True)
+    other, third = segment.port("other"), segment.port("third")
+    if disturbed:
+        segment.add_fault(lambda _frame, _port, _attempt: None)
+    heard: list[can.Message] = []
+    if way == "attach":
+        own.attach(heard.append)
+    for remote in (False, True):
+        for port, can_id in ((own, 0x100), (other, 0x200)):
+            port.send(
+                can.Message(
+                    arbitration_id=can_id + remote, is_remote_frame=remote, is_extended_id=False
+                )
+            )
+    segment.scheduler.run_until(MS)
+    while (message := own.recv(0) if way == "recv" else None) is not None:
+        heard.append(message)
+    found = [(message.arbitration_id, message.is_rx) for message in heard]
+    assert found == [(0x100, False), (0x101, False), (0x200, True), (0x201, True)]
+    assert len({id(message) for message in heard}) == 4
+    for can_id in (0x100, 0x101, 0x200, 0x201):
+        message = third.recv(0)
+        assert message is not None
+        assert (message.arbitration_id, message.is_rx) == (can_id, True)
+    assert [message.arbitration_id for message in iter(lambda: other.recv(0), None)] == [
+        0x100,
+        0x101,
+    ]
+
+
 def test_foreign_threads_are_refused(scheduler: Scheduler, segment: Segment) -> None:
     port = segment.port("only")
     errors: list[str] = []

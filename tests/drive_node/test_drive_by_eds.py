@@ -357,6 +357,36 @@ def test_a_fifth_pdo_with_an_identifier_of_its_own(bench: Any) -> None:
     assert len(bench.frames(0x1D0)) == 1
 
 
+@pytest.mark.parametrize("index", [0x1400, 0x1401, 0x1402, 0x1403, 0x1800, 0x1801, 0x1802, 0x1803])
+def test_a_pdo_that_the_file_does_not_have_is_off_and_the_others_stay(
+    tmp_path: Path, index: int
+) -> None:
+    """By bit 31 of its COB-ID (CiA 301, 1400 and 1800), of RPDOs and TPDOs alike."""
+    path = tmp_path / "foreign.eds"
+    values = []
+    text = eds_text(DriveProfile())
+    for shown in (text, without(without(text, f"{index:04X}"), f"{index + 0x200:04X}")):
+        path.write_text(shown, encoding="ascii")
+        values.append(foreign_table(DriveProfile(), read_eds(str(path), NODE)).defaults(NODE))
+    whole, less = values
+    assert less[index, 1] == whole[index, 1] | OFF
+    own = {index, index + 0x200}
+    assert {key: value for key, value in less.items() if key[0] not in own} == {
+        key: value for key, value in whole.items() if key[0] not in own
+    }
+
+
+def test_a_drive_sends_no_telegram_that_its_file_does_not_have(
+    drive_bench: Make, tmp_path: Path
+) -> None:
+    path = tmp_path / "foreign.eds"
+    path.write_text(without(eds_text(DriveProfile()), "1800"), encoding="ascii")
+    bench = drive_bench(document=Document(read_eds(str(path), NODE), path.read_bytes()))
+    bench.operational()
+    bench.sync_at_ms(5)
+    assert (len(bench.frames(0x183)), len(bench.frames(0x283))) == (0, 1)
+
+
 def test_the_drive_runs_with_it(bench: Any) -> None:
     bench.operational()
     bench.enable(5)

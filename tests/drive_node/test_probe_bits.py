@@ -203,6 +203,34 @@ def test_the_zero_pulse_comes_once_in_a_revolution() -> None:
     assert bench.counters[0] == 5
 
 
+@pytest.mark.parametrize("shift", [0, 8])
+@pytest.mark.parametrize("source", [5, 6])
+def test_the_zero_pulse_is_looked_for_while_a_probe_is_armed_and_in_that_time_alone(
+    shift: int, source: int
+) -> None:
+    """Of the past a plant keeps a part only. Armed, switched off and armed again."""
+    asked: list[int] = []
+
+    def place_m(time_ns: int) -> float:
+        asked.append(time_ns)
+        return time_ns * 1e-6
+
+    image = ProcessImage()
+    encoders = Encoders(LatchPosition(PROFILE, lambda time_ns: time_ns))
+    pulses = {source: IndexPulse(PROFILE, place_m, 90.0)}
+    probe = TouchProbe((None, None), PROFILE, encoders, image, pulses)
+    image.source_1 = image.source_2 = source
+    for begun_ns in (3000, 23_000):
+        probe.take_edges(begun_ns)
+        assert asked == []
+        probe.set_function(0x19 << shift, begun_ns)
+        for later_ns in (500, 2000):
+            probe.take_edges(begun_ns + later_ns)
+        assert (min(asked), max(asked)) == (begun_ns, begun_ns + 2000)
+        probe.set_function(0, begun_ns + 2000)
+        asked.clear()
+
+
 # Time stamps
 
 

@@ -162,12 +162,29 @@ def test_a_value_counts_when_it_was_read_and_two_telegrams_have_it(latch: ReadLa
     assert (latch.value, latch.place, latch.travel) == (5, 100, -4)
 
 
-def test_the_place_is_that_of_the_first_telegram_with_the_edge(latch: ReadLatch) -> None:
-    """The axis has moved on until the value is read."""
-    for number, telegram in enumerate(("latched", "latched", 5, 5)):
+@pytest.mark.parametrize("telegrams", [2, 3, 6])
+def test_the_place_is_that_of_the_first_telegram_with_the_edge(
+    latch: ReadLatch, telegrams: int
+) -> None:
+    """The axis has moved on until the value is read, however many telegrams that takes."""
+    for number, telegram in enumerate(("latched",) * telegrams + (5, 5)):
         shown = telegram if isinstance(telegram, int) else None
         latch.take(shown is None, shown, 100 + number, number)
     assert (latch.value, latch.place, latch.travel) == (5, 100, 0)
+
+
+def test_each_run_has_the_place_of_its_own_edge(latch: ReadLatch) -> None:
+    for turn, place in enumerate((100, 250)):
+        for later, telegram in enumerate(("latched", "latched", 5 + turn, 5 + turn)):
+            shown = telegram if isinstance(telegram, int) else None
+            latch.take(shown is None, shown, place + 10 * later, -place - later)
+        assert (latch.value, latch.place, latch.travel) == (5 + turn, place, -place)
+        latch.disarm()
+        show(latch, 5 + turn, "low", "low")
+        assert latch.is_clear
+        latch.arm()
+        show(latch, 5 + turn, 5 + turn, 5 + turn, "low", "low")
+        assert latch.is_armed
 
 
 def test_a_value_that_changes_or_goes_is_none(latch: ReadLatch) -> None:

@@ -98,6 +98,18 @@ def test_gear_and_feed_of_a_dcf_count_together(
         check_rig(settings)
 
 
+@pytest.mark.parametrize("zero", ["6091sub1", "6091sub2", "6092sub1", "6092sub2", "608Fsub2"])
+def test_a_0_of_a_dcf_is_its_value_and_not_the_default(
+    with_eds: Callable[..., Settings], zero: str
+) -> None:
+    """Nothing can be said of such a scaling on paper; the start-up compares what the drive says."""
+    text = changed(EDS, "608Fsub1", ParameterValue="4096")
+    with pytest.raises(UserError, match="scales the position otherwise"):
+        check_rig(with_eds(text, suffix="dcf"))
+    zeros = changed(text, zero, ParameterValue="0", LowLimit="0")
+    check_rig(with_eds(zeros, suffix="dcf"))
+
+
 POLARITY = """
 [607E]
 ParameterName=Polarity

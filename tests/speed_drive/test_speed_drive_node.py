@@ -144,3 +144,50 @@ def test_a_reset_counts_before_the_enable(family: str, with_enable: int) -> None
     assert (one.node.state.name, found["DRIVE"]) == ("SWITCH_ON_DISABLED", words.READY)
     one.operate()
     assert one.cycle(DRIVE=words.ENABLE)["DRIVE"] == words.READY | words.OPERATES
+
+
+@pytest.mark.parametrize("is_sent", [False, True])
+def test_with_power_again_a_drive_waits_for_an_enable_of_its_own(
+    family: str, is_sent: bool
+) -> None:
+    """What it was asked before counts no more, neither without an image nor with one of 0."""
+    one = Node(family, FakeAxis())
+    one.operate(SPEED=8192)
+    one.node.power_off()
+    assert one.cycle(DRIVE=words.ENABLE, SPEED=8192).get("DRIVE", 0) == 0
+    one.node.power_on()
+    for _ in range(6):
+        found = one.cycle(is_sent=is_sent)
+        assert one.node.state is State.SWITCH_ON_DISABLED
+        assert not one.axis.commands[-1].enabled
+    assert found["DRIVE"] == words.READY
+    one.operate(SPEED=-8192)
+    wanted = one.full_m_s * -8192 / 32767
+    assert one.axis.demand_velocity_m_s() == pytest.approx(wanted)
+
+
+def test_after_the_watch_over_images_an_enable_is_asked_for_anew(family: str) -> None:
+    """Images that come again with the enable lead it back into operation, with 0 they do not."""
+    one = Node(family, FakeAxis(), watchdog_cycles=1)
+    one.operate()
+    for _ in range(200):
+        one.cycle(is_sent=False)
+    assert one.node.state.name == "READY_TO_SWITCH_ON"
+    for _ in range(5):
+        one.cycle()
+    assert one.node.state.name == "READY_TO_SWITCH_ON"
+    one.operate(SPEED=100)
+    assert one.axis.demand_velocity_m_s() > 0.0
+
+
+@pytest.mark.parametrize("has_power", [True, False])
+def test_a_drive_without_power_takes_no_command_and_shows_none(
+    family: str, has_power: bool
+) -> None:
+    one = Node(family, FakeAxis())
+    if not has_power:
+        one.node.power_off()
+    for _ in range(5):
+        one.cycle(DRIVE=words.ENABLE, SPEED=8192)
+    assert one.node.is_on is has_power
+    assert one.axis.commands[-1].enabled is has_power

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -102,6 +103,43 @@ def test_limits_of_the_tables_are_in_the_eds_also_where_they_are_0() -> None:
                 ), (title, entry)
                 given[column] += row[column] == "0"
     assert min(given.values()) > 0, "no limit of 0 in the tables"
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_the_head_of_an_eds_counts_what_follows_it(name: str) -> None:
+    """PDOs by their communication parameters (CiA 306-1: NrOfRXPDO, NrOfTXPDO), lists, sub-indices.
+
+    CiA 301: 1400 to 15FF receive, 1800 to 19FF transmit.
+    """
+    text = eds_text(named_profile(name), "as-named.eds")
+    eds = ConfigParser()
+    eds.optionxform = str  # type: ignore[assignment, method-assign]
+    eds.read_string(text)
+    objects = [int(section, 16) for section in eds if re.fullmatch("[0-9A-F]{4}", section)]
+    device = eds["DeviceInfo"]
+    assert eds["FileInfo"]["FileName"] == "as-named.eds"
+    for key, low, high in (("NrOfRXPDO", 0x1400, 0x15FF), ("NrOfTXPDO", 0x1800, 0x19FF)):
+        assert int(device[key]) == sum(low <= index <= high for index in objects) > 0
+    identity = {"VendorNumber": 1, "ProductNumber": 2, "RevisionNumber": 3}
+    for key, sub in identity.items():
+        assert int(device[key], 0) == int(eds[f"1018sub{sub}"]["DefaultValue"], 0)
+    listed: list[int] = []
+    for title, is_of in (
+        ("MandatoryObjects", lambda index: index in (0x1000, 0x1001, 0x1018)),
+        ("OptionalObjects", lambda index: index not in (0x1000, 0x1001, 0x1018)),
+        ("ManufacturerObjects", lambda index: 0x2000 <= index < 0x6000),
+    ):
+        section = dict(eds[title])
+        count = int(section.pop("SupportedObjects"))
+        assert list(section) == [str(number) for number in range(1, count + 1)]
+        indices = [int(value, 16) for value in section.values()]
+        assert all(is_of(index) for index in indices)
+        listed += indices
+    assert sorted(listed) == sorted(objects)
+    for index in objects:
+        section_of = eds[f"{index:04X}"]
+        subs = sum(re.fullmatch(f"{index:04X}sub[0-9A-F]+", other) is not None for other in eds)
+        assert int(section_of.get("SubNumber", "0")) == subs
 
 
 @pytest.mark.long

@@ -85,3 +85,34 @@ def test_each_homing_may_turn_round_once_at_a_limit_switch() -> None:
     bench.home(27)
     assert bench.bits == ATTAINED | REACHED
     assert min(bench.axis.past) < 5e-3
+
+
+@pytest.mark.parametrize("other", [8, 1, 3])
+def test_an_error_of_homing_is_gone_with_its_mode(other: int) -> None:
+    """Back in mode 6 nothing has been started yet: neither an error nor a reference (CiA 402-2)."""
+    bench = Bench(7.0)
+    failed(bench, 17)
+    bench.write(controlword=0x0F)
+    assert bench.bits & ERROR
+    bench.write(mode=other, target_position=bench.image.position_actual)
+    assert bench.bits & ERROR == 0
+    bench.run_ms(2)
+    bench.write(mode=6)
+    bench.run_ms(200)
+    assert bench.bits == REACHED
+    bench.home(37)
+    assert bench.bits == ATTAINED | REACHED
+
+
+def test_a_reference_stays_when_the_mode_is_left_and_an_error_does_not_take_its_bit_back() -> None:
+    bench = Bench(7.0)
+    bench.home(37)
+    bench.write(controlword=0x0F)
+    bench.write(mode=8, target_position=bench.image.position_actual)
+    bench.run_ms(2)
+    bench.write(mode=6)
+    bench.run_ms(200)
+    assert bench.bits == ATTAINED | REACHED
+    bench.write(homing_method=17, controlword=0x1F)
+    bench.run_ms(200)
+    assert bench.bits == ERROR | REACHED
