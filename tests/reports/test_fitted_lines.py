@@ -1,5 +1,6 @@
 """Lines of the report: which runs are points, which rows a line, and the words beside them."""
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,8 +17,8 @@ def row(metric: str, value: str, verdict: str = "pass", unit: str = "um") -> dic
 
 
 def run(name: str, checks: list[dict[str, str]], *, case: str = "a", feed: str = "",
-        is_statistic: bool = False) -> Any:  # fmt: skip
-    cells = {"plan": "p", "case": case, "plc:V.E.FEED": feed}
+        is_statistic: bool = False, plan: str = "p") -> Any:  # fmt: skip
+    cells = {"plan": plan, "case": case, "plc:V.E.FEED": feed}
     read = [CheckRow.read(row) for row in checks]
     return SimpleNamespace(run=name, case=cells, checks=read, is_statistic=is_statistic,
                            verdict=Verdict.PASS)  # fmt: skip
@@ -117,3 +118,54 @@ def test_lines_of_several_axes_are_in_one_picture_with_their_own_points() -> Non
     assert (one.metric, one.column) == ("latch_error_um", "plc:V.E.FEED")
     found = [(each.name, each.slope, [(p.x, p.y) for p in each.points]) for each in one.fitted]
     assert found == [("X", 0.5, [(300.0, 4.0)]), ("Z", -0.25, [(300.0, -7.0)])]
+
+
+def test_plans_have_pictures_of_their_own_with_their_own_points() -> None:
+    """Cases of one name in two plans are two, whichever came first."""
+    runs = []
+    for plan, value in (("p", "3"), ("q", "7")):
+        runs += [run(f"{plan}-x", [row("latch_error_um", value)], feed="300", plan=plan),
+                 run(f"{plan}-a", ASKED, is_statistic=True, plan=plan)]  # fmt: skip
+    for turn in (1, -1):
+        found = {one.plan: one.fitted for one in lines(folder(*runs[::turn]))}
+        assert list(found) == ["p", "q"][::turn]
+        assert {plan: [(p.run, p.y) for p in line.points] for plan, (line,) in found.items()} == {
+            "p": [("p-x", 3.0)], "q": [("q-x", 7.0)],
+        }  # fmt: skip
+
+
+def test_metrics_and_columns_have_pictures_of_their_own() -> None:
+    """Two metrics over one column, and one of them over another column: three pictures."""
+    pairs = [("latch_error_um", "plc:V.E.FEED"), ("reaction_ms", "plc:V.E.FEED"),
+             ("latch_error_um", "contact_velocity_mm_s")]  # fmt: skip
+    asked = [row(f"{end}({metric}; {column})", "1") for metric, column in pairs
+             for end in ("slope", "intercept")]  # fmt: skip
+    found = lines(folder(*POINTS, run("p-a", asked, is_statistic=True)))
+    assert [(one.metric, one.column) for one in found] == pairs
+
+
+def test_a_row_without_a_case_is_named_by_its_run() -> None:
+    (one,) = lines(folder(run("p-7", [row("latch_error_um", "4")], case="", feed="1"),
+                          run("p-a", ASKED, case="", is_statistic=True)))  # fmt: skip
+    (fitted,) = one.fitted
+    assert fitted.name == "p-a"
+    assert [point.run for point in fitted.points] == ["p-7"]
+    assert '<a href="#p-a">p-a</a>' in lines_section(folder(run("p-a", ASKED, case="",
+                                                                is_statistic=True)))  # fmt: skip
+
+
+def test_a_line_without_points_is_drawn_and_its_rows_are_in_the_table() -> None:
+    text = lines_section(folder(run("p-a", ASKED, is_statistic=True)))
+    assert text.count("<svg") == 1
+    assert text.count('class="ln-line"') == 1
+    assert " -2 ± 0.25</td>" in text
+
+
+@pytest.mark.parametrize("verdicts", [("pass", "fail"), ("fail", "pass"), ("error", "marginal")])
+def test_slope_and_intercept_have_their_own_verdicts_in_the_table(
+    verdicts: tuple[str, str],
+) -> None:
+    asked = [{**end, "verdict": verdict} for end, verdict in zip(ASKED, verdicts, strict=True)]
+    text = lines_section(folder(*POINTS, run("p-a", asked, is_statistic=True)))
+    cells = re.findall(r'<td class="word v-(\w+)">.*?</span>.*?</span> ([-\d.]+) ±', text)
+    assert cells == [(verdicts[0], "0.5"), (verdicts[1], "-2")]

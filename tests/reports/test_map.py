@@ -44,6 +44,36 @@ def test_of_several_checks_of_a_metric_the_worst_counts() -> None:
     assert found["plans"][0]["runs"] == [["p-a", "33"]]
 
 
+@pytest.mark.parametrize(
+    ("verdict", "checks", "cells"),
+    [
+        ("error", {"m": "pass"}, "50"),
+        ("aborted", {}, "4-"),
+        ("pass", {"m": "fail"}, "03"),  # a check that had to fail
+        ("inconclusive", {"m": "marginal"}, "21"),
+        ("fail", {"m": "fail"}, "33"),
+    ],
+)
+def test_the_first_character_is_the_verdict_of_the_run_itself(
+    verdict: str, checks: dict[str, str], cells: str
+) -> None:
+    """Whatever its checks have: a run may end with an error after all of them passed."""
+    (plan,) = data(run("p-a", verdict, **checks), run("p-z", "pass", m="pass"))["plans"]
+    assert plan["runs"] == [["p-a", cells], ["p-z", "00"]]
+
+
+@pytest.mark.parametrize("count", [METRICS_MAX - 1, METRICS_MAX, METRICS_MAX + 1])
+def test_so_many_metrics_of_a_plan_are_drawn_and_the_others_counted(count: int) -> None:
+    """Of plans each for itself; runs without a metric have no check in its place."""
+    checks = {f"m{n}": "pass" for n in range(count)}
+    first, second = data(run("p-a", "pass", **checks), run("p-b", "pass", m0="marginal"),
+                         run("q-a", "pass", plan="q", m9="pass"))["plans"]  # fmt: skip
+    drawn = min(count, METRICS_MAX)
+    assert (len(first["metrics"]), first["left_out"]) == (drawn, count - drawn)
+    assert first["runs"] == [["p-a", "0" * (drawn + 1)], ["p-b", "01" + "-" * (drawn - 1)]]
+    assert (second["metrics"], second["left_out"]) == (["m9"], 0)
+
+
 def test_of_many_metrics_the_worst_are_kept_in_their_order() -> None:
     verdicts = {f"m{n}": "pass" for n in range(METRICS_MAX + 5)}
     verdicts[f"m{METRICS_MAX + 3}"] = "fail"

@@ -52,8 +52,8 @@ def axis(*states: str) -> AxisRecord:
     return AxisRecord("c", 1, 1.0, states=tuple(DriveState(n, s) for n, s in enumerate(states)))
 
 
-AXES = {"axes": {"Z": axis("SWITCH_ON_DISABLED", "READY_TO_SWITCH_ON")}}
-ALARM = {"alarms": (AlarmRecord(1, RAISED[0], 4, True, ""),)}
+AXES: dict[str, Any] = {"axes": {"Z": axis("SWITCH_ON_DISABLED", "READY_TO_SWITCH_ON")}}
+ALARM: dict[str, Any] = {"alarms": (AlarmRecord(1, RAISED[0], 4, True, ""),)}
 DRIVES = "Transitions of the drives (DS402)"
 
 

@@ -146,3 +146,24 @@ def test_a_spread_is_in_the_picture_up_and_down(level: float) -> None:
     for at, low, high in numbers(BAR, text):
         assert x < at < x + width
         assert y < high < low < y + height
+
+
+@pytest.mark.parametrize("x", [4.0, -4.0, 0.0, 1e-3])
+def test_a_single_point_is_within_the_picture_on_its_line(x: float) -> None:
+    """Its value may be far from 0 or at it: the line goes through it, to both sides."""
+    text = drawing([fitted("a", 2.0, 1.0, {x: 2.0 * x + 1.0})], "t", "", "")
+    ((x0, y0, x1, y1),) = numbers(LINE, text)
+    ((at, height),) = numbers(SIGN, text)
+    assert x0 <= at <= x1
+    assert x1 - x0 > 100
+    share = (at - x0) / (x1 - x0)
+    assert height == pytest.approx(y0 + share * (y1 - y0), abs=0.11)
+
+
+@pytest.mark.parametrize("x", [4.0, -4.0, 0.0])
+def test_0_is_in_the_picture_of_a_single_point(x: float) -> None:
+    """It is as wide as its value is far from 0."""
+    text = drawing([fitted("a", 0.0, 1.0, {x: 1.0})], "t", "", "")
+    ticks = [float(word) for word in re.findall(r'text-anchor="middle">(-?[\d.]+)</text>', text)]
+    assert 0.0 in ticks
+    assert min(ticks) <= x <= max(ticks)

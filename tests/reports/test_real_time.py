@@ -52,6 +52,33 @@ def test_figures_have_their_units_and_shares() -> None:
     assert without["rows"] == found["rows"][:-1]
 
 
+def test_numbers_of_a_sentence_are_its_own() -> None:
+    """Times that the plan moved and that cycles waited are two, both in ms."""
+    found = real_time(replace(FIGURES, slips=3, slipped_ms=7.25, waits=5, waited_ms=1234.5,
+                              send_errors=9))  # fmt: skip
+    assert found is not None
+    _, slipped, waited, refused = found["words"]
+    assert (
+        "its plan 3 times by more than a quarter of the period; the plan then moved, 7.2 ms in"
+        in (slipped)
+    )
+    assert waited.startswith("5 cycles waited for the answers of the drives, 1234.5 ms in all")
+    assert refused == "The interface did not take 9 frames."
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.4, "0 µs"), (0.6, "1 µs"), (9999.0, "9999 µs"), (1e4, "10.0 ms"), (1.5e6, "1500.0 ms")],
+)  # fmt: skip
+def test_a_time_is_in_ms_from_10_ms_on(value: float, text: str) -> None:
+    """The period, and what was asked for, in the same units as what came."""
+    found = real_time(
+        replace(FIGURES, period_us=value, interval_us=Spread(value, value, value, value))
+    )
+    assert found is not None
+    assert found["rows"][-1] == (f"SYNC interval, asked for {text}", f"{text} to {text}")
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

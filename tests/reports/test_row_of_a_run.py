@@ -3,6 +3,7 @@
 import pytest
 
 from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.bench.plan.check_row import CheckRow
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
@@ -19,6 +20,7 @@ from axisrig.reports.run import (
     _program_address,
     _sentence,
     _short,
+    event_rows,
     probe_rows,
     readable,
 )
@@ -222,3 +224,28 @@ def test_a_part_that_cannot_be_read_is_named(error: Exception, words: str) -> No
     assert "second" not in message
     with pytest.raises(OSError, match="disk"), readable(run(), "distance"):
         raise OSError("disk")
+
+
+@pytest.mark.parametrize(
+    ("events", "since"),
+    [
+        ("mark@1 contact@2 edge@3 latch@4", ["", "0", "1", "2"]),
+        ("edge@2 latch@3 edge@5 alarm@6", ["0", "1", "3", "4"]),  # without a contact the first edge
+        ("edge@1 contact@2 latch@4", ["0", "0", "2"]),
+        ("contact@2 contact@5 edge@6", ["0", "0", "1"]),  # of each touch its own
+        ("mark@1 latch@3 alarm@9", ["", "", ""]),
+    ],
+)
+def test_events_count_from_the_contact_before_them(events: str, since: list[str]) -> None:
+    """Else from the first edge; both times are in ms with nanoseconds."""
+    pairs = [event.split("@") for event in events.split()]
+    made = [Event(int(at) * 1_000_000, kind, f"{kind} here", "Z" if kind == "latch" else None)
+            for kind, at in pairs]  # fmt: skip
+    found = event_rows(made)
+    assert [row["since"] for row in found] == [each and f"{each}.000000" for each in since]
+    assert [row["time"] for row in found] == [f"{at}.000000" for _, at in pairs]
+    assert [(row["kind"], row["label"], row["axis"]) for row in found] == [
+        (kind, f"{kind} here", "Z" if kind == "latch" else "") for kind, _ in pairs
+    ]
+    (exact,) = event_rows([Event(1_234_567_891, "contact", "x")])
+    assert exact["time"] == "1234.567891"

@@ -97,3 +97,32 @@ def test_a_budget_of_other_frames_is_not_drawn(tmp_path: Path, frames: str, is_s
         names = re.findall(r'text-anchor="end">([^<]*)<', text)
         assert names == ["left", "a", "b", "published value"]
         assert "published value +1.5000 um" in text
+
+
+@pytest.mark.parametrize("frames", [("ab", "cd"), ("cd", "ab"), ("cd", "cd"), ()])
+def test_a_budget_is_of_one_run_in_all_its_rows(tmp_path: Path, frames: tuple[str, ...]) -> None:
+    """A row of other frames, wherever it is, and a table without rows: made again."""
+    run = StoredRun({"run": "r", "frame_log_sha256": "ab"}, [], None, None)
+    path = budget_path(tmp_path, "r")
+    path.parent.mkdir()
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        table.writerows(
+            {"run": "r", "axis": "Z", "frame_log_sha256": sha, **row()} for sha in frames
+        )
+    text = budget_section(tmp_path, run)
+    assert "made of other frames" in text
+    assert "<svg" not in text
+
+
+def test_a_run_that_was_taken_over_has_the_budget_of_its_recording(tmp_path: Path) -> None:
+    """The table is named as the run whose recording it is."""
+    run = StoredRun({"run": "new", "recording": "old", "frame_log_sha256": "ab"}, [], None, None)
+    path = budget_path(tmp_path, run.recorded)
+    path.parent.mkdir()
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        table.writerow({"run": "old", "axis": "Y", "frame_log_sha256": "ab", **row()})
+    assert "Budget of the measured value, axis Y" in budget_section(tmp_path, run)

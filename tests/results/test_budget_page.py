@@ -155,3 +155,19 @@ def test_a_budget_of_another_ending_is_refused(name: str, tmp_path: Path) -> Non
     assert (refused.value.message, refused.value.allowed) == ("no kind of a budget", ".csv, .html")
     assert list(tmp_path.iterdir()) == []
     assert write_budget(tmp_path / "B.CSV", BUDGET).is_file()
+
+
+def test_what_a_cause_has_no_number_for_is_an_empty_cell(tmp_path: Path) -> None:
+    """In the page as in the file: 0 would be a number."""
+    rows = re.findall(r"<tr><th scope=\"row\">(.*?)</th>(.*?)</tr>", page_of(tmp_path), re.DOTALL)
+    cells = {name: re.findall(r"<td[^>]*>(.*?)</td>", row) for name, row in rows}
+    # alone, in turn, mean, closed form
+    assert cells[THIRD.cause][2:6] == ["-1.0000", "-1.0000", "", "-1.0000"]
+    assert cells[FIRST.cause][2:6] == ["+8.0000", "+5.0000", "+6.5000", ""]
+    left = [row for name, row in cells.items() if name not in (FIRST.cause, SECOND.cause,
+                                                               THIRD.cause)]  # fmt: skip
+    assert [row[2:6] for row in left] == [["", "+0.5000", "", ""]]
+    with write_budget(tmp_path / "b.csv", BUDGET).open(encoding="utf-8") as file:
+        stored = list(csv.DictReader(file))
+    assert [row["closed_form_um"] for row in stored] == ["", "", "-1.0", ""]
+    assert [row["combined_um"] for row in stored] == ["6.5", "3.5", "", ""]
