@@ -90,3 +90,30 @@ def test_each_change_is_reported_to_those_who_follow() -> None:
     states.machine.reset()
     assert reported == [("OP", 0), ("SAFEOP", al_status_codes()["WATCHDOG"])]
     assert (states.machine.state, states.machine.code) == (AlState.INIT, 0)
+
+
+@pytest.mark.parametrize("code", ["", "NO_SYNC"])
+def test_power_ends_a_wait_and_takes_an_error(code: str) -> None:
+    """All begins in INIT, and OP is waited for anew."""
+    states = States()
+    states.behaviour.answers[AlState.OP] = WAITS
+    for _ in range(2):
+        states.machine.control(AlState.OP)
+        assert states.machine.is_waiting
+        if code:
+            states.machine.refuse(code)
+        states.machine.reset()
+        machine = states.machine
+        assert (machine.state, machine.code, machine.is_waiting) == (AlState.INIT, 0, False)
+        for state in (AlState.PREOP, AlState.SAFEOP):
+            machine.control(state)
+            assert states.shown == (state, 0)
+
+
+def test_two_refusals_one_after_the_other_have_a_code_each() -> None:
+    states = States()
+    states.machine.control(AlState.INIT)
+    states.machine.control(AlState.OP)  # there is no such way
+    assert states.shown == (1 | 0x10, al_status_codes()["INVALID_STATE_CHANGE"])
+    states.machine.control(0x10 | 5)
+    assert states.shown == (1 | 0x10, al_status_codes()["UNKNOWN_STATE"])

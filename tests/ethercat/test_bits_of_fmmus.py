@@ -6,6 +6,7 @@ the slave in part sets its other bits to 0 (docs/ethercat.md).
 
 import struct
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -105,6 +106,40 @@ def test_what_memory_refuses_is_neither_read_nor_written() -> None:
         frame, before = bytearray(b"\x12\x34"), bytes(memory.held)
         assert mapping.exchange(frame, 0, LOGICAL, 2, True, True) == (False, False)
         assert (bytes(frame), bytes(memory.held)) == (b"\x12\x34", before)
+
+
+@pytest.mark.parametrize("kind", [1, 2, 3])
+@pytest.mark.parametrize("bits", [(0, 7, 0), (2, 5, 1)])
+@pytest.mark.parametrize(
+    "places", [(0, MEMORY), (MEMORY, 0), (0, 4), (MEMORY, 0, MEMORY), (4, MEMORY, MEMORY),
+               (MEMORY, MEMORY)]
+)  # fmt: skip
+def test_one_fmmu_that_was_served_is_enough_to_count(
+    places: tuple[int, ...], bits: tuple[int, int, int], kind: int
+) -> None:
+    """Whatever its place among those that memory refuses (docs/ethercat.md)."""
+    first, last, there = bits
+    mapping = Mapping(Memory())
+    mapping.fmmus = [
+        Fmmu(LOGICAL + number, 1, first, last, place, there, kind)
+        for number, place in enumerate(places)
+    ]
+    is_served = any(place < MEMORY for place in places)
+    for reads, writes in ((True, True), (True, False), (False, True)):
+        found = mapping.exchange(bytearray(8), 2, LOGICAL, len(places), reads, writes)
+        assert found == (
+            reads and is_served and kind != 2, writes and is_served and kind != 1
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1, 3])
+def test_an_fmmu_whose_last_bit_is_before_its_first_one_has_no_bit(size: int) -> None:
+    memory = Memory()
+    mapping = Mapping(memory)
+    mapping.fmmus = [Fmmu(LOGICAL, 1, 5, 4, 0, 0, 3)]
+    frame, before = bytearray(b"\x12\x34\x56"), bytes(memory.held)
+    assert mapping.exchange(frame, 0, LOGICAL, size, True, True) == (False, False)
+    assert (bytes(frame), bytes(memory.held)) == (b"\x12\x34\x56", before)
 
 
 def test_active_ones_are_read_from_their_registers() -> None:

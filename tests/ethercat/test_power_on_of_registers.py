@@ -7,7 +7,11 @@ ports with MII, a clock of 64 bits. The others are the ones from which a master 
 import struct
 
 import pytest
-from tests.ethercat.line import OP, PREOP, Line
+from tests.ethercat.line import ACK, INIT, OP, PREOP, SAFEOP, Line
+from tests.ethercat.sync_signals import start_sync
+
+from axisrig.bench.drive.ethercat.eeprom import check_sum
+from axisrig.kernel.time.clock import MS, S
 
 APRD, APWR, FPRD, LRD = 1, 2, 4, 10
 
@@ -130,3 +134,51 @@ def test_al_events_come_once_for_each_change_of_state() -> None:
     line.write(0x0120, 0x10 | 1, 2)  # acknowledged
     line.wait(1000)
     assert line.one(APRD, 0, 0x0000, 1).events == 1 << 3
+
+
+@pytest.mark.parametrize("bits", [32, 64])
+def test_power_takes_the_difference_and_brings_the_alias_of_the_eeprom(bits: int) -> None:
+    line = Line()
+    line.wait(1000)
+    for alias in (0x2002, 0x1234, 0):
+        content = line.drive.eeprom.content
+        content[8:10] = alias.to_bytes(2, "little")
+        content[14] = check_sum(content)
+        assert line.one(APWR, 0, 0x0910, bytes(bits // 8)).wkc == 1  # a time of the reference
+        assert line.read(0x092C, 4) > 1 << 31
+        line.drive.power_off()
+        line.drive.power_on()
+        assert line.read(0x092C, 4) == 0
+        assert line.read(0x0012, 2) == alias
+
+
+@pytest.mark.parametrize("is_off", [False, True])
+def test_a_drive_that_waited_for_sync0_has_forgotten_it_after_power(is_off: bool) -> None:
+    """The second after which it says NO_SYNC (0x2D) ends with the power."""
+    line = Line()
+    line.preop()
+    line.map_image()
+    line.wait(10 * MS)
+    start_sync(line, MS, after_ns=-5 * MS)  # has passed: it never comes
+    assert line.ask(SAFEOP) == (SAFEOP, 0)
+    line.cycle()
+    line.write(0x0120, OP, 2)
+    line.wait(S // 2)
+    if is_off:
+        line.drive.power_off()
+        line.drive.power_on()
+    line.wait(S)
+    assert line.al() == ((INIT, 0) if is_off else (SAFEOP | ACK, 0x2D))
+
+
+def test_a_refusal_after_a_refusal_shows_its_own_code() -> None:
+    """AL status is the same; the code (0134) is not, and it is an event for the master."""
+    line = Line()
+    line.wait(1000)
+    line.write(0x0200, 1 << 3, 2)
+    for asked, code in ((OP, 0x11), (ACK | 5, 0x12), (ACK | 3, 0x13), (ACK | PREOP, 0x16)):
+        assert line.one(APRD, 0, 0x0000, 1).events == 0
+        line.write(0x0120, asked, 2)
+        line.wait(1000)
+        assert line.one(APRD, 0, 0x0000, 1).events == 1 << 3
+        assert line.al() == (INIT | ACK, code)
