@@ -8,6 +8,7 @@ from axisrig.kernel.profiles.ethercat.layouts import (
     SM_FULL,
     SM_MAILBOX,
     SM_MASTER_WRITES,
+    SM_REPEAT,
     SYNC_MANAGER,
 )
 
@@ -91,3 +92,43 @@ def test_an_access_is_in_an_area_beside_all_of_them_or_refused(
     assert managers.write(address, b"z" * length, ram) is (is_inside is None)
     assert (bytes(ram) != before) is (is_inside is None)
     assert managers[1].latest == b"ABCDEFGH"
+
+
+@pytest.mark.parametrize(
+    ("control", "activations", "asked"),
+    [
+        (READ, [SM_ENABLE | SM_REPEAT, SM_ENABLE], [1, 0]),
+        (READ, [SM_ENABLE, SM_ENABLE], [0, 0]),
+        (WRITTEN, [SM_ENABLE | SM_REPEAT, SM_ENABLE | SM_REPEAT], [1, 1]),
+        (0, [SM_ENABLE | SM_REPEAT, SM_ENABLE], [0, 0]),  # three buffers repeat nothing
+        (READ, [SM_REPEAT, SM_REPEAT], [0, 0]),  # switched off
+    ],
+)
+def test_a_mailbox_is_asked_to_repeat_while_its_bit_differs_from_the_answer(
+    control: int, activations: list[int], asked: list[int]
+) -> None:
+    repeats: list[int] = []
+    managers = SyncManagers(lambda _: None, lambda _: None, repeats.append, lambda: None)
+    off = bytes(SYNC_MANAGER.size)
+    for activation, count in zip(activations, asked, strict=True):
+        repeats.clear()
+        managers.configure(2 * off + registers(0x1100, 4, control, activation) + 5 * off)
+        assert repeats == [2] * count
+
+
+def test_the_status_of_a_mailbox_and_what_the_slave_answers_are_at_its_registers() -> None:
+    """05: full or not; 07: what was acknowledged. Others keep theirs."""
+    managers = SyncManagers(lambda _: None, lambda _: None, lambda _: None, lambda: None)
+    both = registers(0x1080, 4, READ) + registers(0x1100, 4, 0)
+    managers.configure(bytes(8) + both + bytes(40))
+    for number in (1, 2):
+        managers[number].put(b"abcd")
+        managers[number].acknowledge = SM_REPEAT
+    memory = bytearray(64)
+    managers.show(memory, 0, 0, 64)
+    assert [memory[8 * number + 5] for number in range(8)] == [0, SM_FULL, *[0] * 6]
+    assert [memory[8 * number + 7] for number in range(8)] == [0, SM_REPEAT, SM_REPEAT, *[0] * 5]
+    memory = bytearray(64)
+    managers.show(memory, 0, 16, 24)  # of the third alone
+    assert bytes(memory[:16]) == bytes(16)
+    assert memory[23] == SM_REPEAT

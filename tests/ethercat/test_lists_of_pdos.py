@@ -5,6 +5,7 @@ from importlib import resources
 
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
+from tests.ethercat.line import SAFEOP, Line
 from tests.ethercat.test_assigned_pdos import CONTROL, TARGET, Started
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -61,3 +62,53 @@ def test_a_list_that_is_refused_leaves_the_one_of_before() -> None:
     data = b"\x01\x00" + TARGET.to_bytes(4, "little")
     access.download(0x1600, 0, data, complete=True)
     assert [store.value(0x1600, sub) for sub in range(2)] == [1, TARGET]
+
+
+STATUS, PLACE = 0x60410010, 0x60640020
+SELDOM = {
+    # Values of a drive that few inputs carry: 6062, 6063, 60FC, 6077, 6078
+    0x60620020: "position_demand",
+    0x60630020: "position_internal",
+    0x60FC0020: "position_demand_internal",
+    0x60770010: "torque_actual",
+    0x60780010: "current_actual",
+}
+
+
+def _with_inputs(line: Line, *entries: int) -> None:
+    """Map them in PREOP as the only PDO of the inputs."""
+    line.preop()
+    writes = [(0x1C13, 0, 0, 1), (0x1A00, 0, 0, 1)]
+    writes += [(0x1A00, sub, entry, 4) for sub, entry in enumerate(entries, 1)]
+    writes += [(0x1A00, 0, len(entries), 1), (0x1C13, 1, 0x1A00, 2), (0x1C13, 0, 1, 1)]
+    for index, sub, value, size in writes:
+        assert line.sdo_write(index, sub, value, size) == 0
+
+
+@pytest.mark.parametrize("entry", SELDOM)
+def test_what_the_inputs_carry_is_what_the_drive_has_to_sample(entry: int) -> None:
+    """Inputs count, whatever the outputs are."""
+    line = Line()
+    _with_inputs(line, STATUS, entry)
+    data = line.drive.process_data
+    assert data.compile() == {"statusword", SELDOM[entry]}
+    assert data.inputs.codec.size == 2 + (entry & 0xFF) // 8
+    assert "target_position" in data.outputs.fields
+
+
+def test_an_internal_position_in_the_inputs_is_that_of_each_cycle() -> None:
+    """The axis goes 20 mm/s; 6063 is in increments as 6064 is here."""
+    line = Line(motion=lambda time_s: 0.02 * time_s)
+    _with_inputs(line, PLACE, 0x60630020)
+    line.map_image(inputs=8)
+    assert line.ask(SAFEOP) == (SAFEOP, 0)
+    line.cycle()
+    line.write(0x0120, 8, 2)
+    found = []
+    for _ in range(4):
+        data = line.exchange((12, 0, bytes(16)))[0].data
+        found.append((int.from_bytes(data[8:12], "little"), int.from_bytes(data[12:], "little")))
+        line.wait(2_000_000)
+    places = [place for place, _ in found]
+    assert places == sorted(set(places))
+    assert [inner for _, inner in found] == places

@@ -8,9 +8,11 @@ import pytest
 from tests.profidrive.test_profidrive_machine import SHORT, ids, settings_of
 
 from axisrig.bench.machine.machine import Machine
+from axisrig.bench.rig import contents
 from axisrig.bench.rig.profidrive.expected import expected_parameters
 from axisrig.kernel.nc.text.parser import read_program
 
+RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z-profidrive.toml"
 CHECK = "drive:servo.parameter_check=true"
 Run = Callable[..., Machine]
 
@@ -109,3 +111,18 @@ def test_what_is_compared_follows_from_list_and_rig() -> None:
     ]  # fmt: skip
     plain = settings_of(CHECK, "set:Z.kenngr.messachse=0", "set:Z.antr.profibus.p1043=11")
     assert [each.number for each in expected_parameters(plain, "Z")] == [922, 880, 1042, 1043]
+
+
+@pytest.mark.parametrize("bits", [0, 1, 24])
+def test_each_number_of_fine_bits_is_compared_and_0_is_one(bits: int) -> None:
+    """-1 is the one that says nothing of P-AXIS-00316 and 00317."""
+    keys = [f"set:Z.antr.profibus.{key}={bits}" for key in ("p1042", "p1043", "feinaufloesung")]
+    for changes, found in (
+        (keys[:1], [(1042, bits, "P-AXIS-00316")]),
+        (keys[1:2], [(1042, 11, "P-AXIS-00065"), (1043, bits, "P-AXIS-00317")]),
+        (keys[2:], [(1042, bits, "P-AXIS-00065")]),
+        (keys, [(1042, bits, "P-AXIS-00316"), (1043, bits, "P-AXIS-00317")]),
+    ):
+        expected = expected_parameters(contents.settings_of(RIG, [CHECK, *changes]), "Z")
+        fine = [each for each in expected if each.number in (1042, 1043)]
+        assert [(each.number, each.value, each.source) for each in fine] == found

@@ -21,10 +21,11 @@ def settings_of(
     base: str = RIG_NAMES[0],
     of_list: str = "channel-5axis",
     limiter: str = "slope",
+    more: str = "",
 ) -> Settings:
     """A shipped rig with other keys of its variable, and other lines in its channel list."""
     table = f'[plc]\n"V.E.SENSOR" = {{ {keys} }}\n' if keys else ""
-    table += f'[distance]\nlimiter = "{limiter}"\n'
+    table += f'[distance]\nlimiter = "{limiter}"\n{more}'
     if lines:
         text = (RIGS / "lists" / f"{of_list}.lst").read_text(encoding="utf-8")
         names = [line.split()[0] for line in lines]
@@ -126,6 +127,20 @@ def test_the_limit_over_an_inclined_surface_of_a_sensor_along_the_tool(
     (slope,) = re.findall(r"stable up to p -([\d.]+) deg", text)
     left = 1 - math.tan(math.radians(float(slope))) * math.tan(math.radians(85))
     assert limit * left == pytest.approx(0.2, rel=5e-3)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_one_axis_with_a_loop_of_its_own_is_enough_for_at_best(tmp_path: Path, axis: str) -> None:
+    """The others follow without a lag."""
+    plain = settings_of(tmp_path, "")
+    assert "at best" not in describe_channel(plain)[0]
+    servo = f'[plant.{axis}]\nfmu = "AxisRig.Drives.ServoAxis"\nstart = {{ kv = 40 }}\n'
+    (text,) = describe_channel(settings_of(tmp_path, "", more=servo))
+    assert "  drives       what else their loops add is not counted" in text
+    assert "at best all of what follows" in text
+    assert re.search(r"at best below kp [\d.]+ +CONST_DIST: not known as listed", text)
+    (text,) = describe_channel(settings_of(tmp_path, "", more=servo), {axis.upper(): 0.02})
+    assert "the slowest lags by 20 ms" in text
 
 
 def test_that_of_a_sensor_of_the_orthogonal_distance(tmp_path: Path) -> None:

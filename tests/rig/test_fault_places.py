@@ -1,11 +1,13 @@
 """Where a fault of a rig can be, its keys, and the table of faults."""
 
+import csv
 from pathlib import Path
 
 import pytest
 
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.faults import open_targets
 from axisrig.bench.rig.reading.faults import (
     TERMINAL_TELEGRAMS,
     fault_keys,
@@ -100,3 +102,113 @@ def test_the_table_of_faults_has_every_kind_with_its_targets_and_keys() -> None:
         assert lines[at + 1] == f"    {kind.meaning}"
     for name in (*fault_keys(), *fault_moments()):
         assert any(line.startswith(f"  {name}  ") for line in lines), name
+
+
+BUSES = Path(__file__).parents[2] / "bench" / "axisrig" / "bench" / "bus"
+
+
+def _reactions(kind: str) -> list[dict[str, str]]:
+    """Read what the tables of the carriers have of a kind: CAN, EtherCAT, cyclic segments."""
+    found = []
+    for carrier in ("can", "ethercat", "cyclic"):
+        text = (BUSES / carrier / "fault_reactions.csv").read_text(encoding="utf-8")
+        found += [row for row in csv.DictReader(text.splitlines()) if row["kind"] == kind]
+    return found
+
+
+@pytest.mark.parametrize("kind", fault_kinds())
+def test_of_one_kind_each_example_has_all_that_follows_from_it(kind: str) -> None:
+    """In the order of the table: what happens on the wire first, the measured value last."""
+    head, *blocks = faults_table(kind).split("\n\n")
+    assert head == f"{kind}: {fault_kinds()[kind].meaning}"
+    rows = _reactions(kind)
+    assert len(blocks) == len(rows)
+    for block, row in zip(blocks, rows, strict=True):
+        title, *lines = block.splitlines()
+        assert title == f"fault:{kind} = {row['example']}"
+        assert [line.split(maxsplit=1) for line in lines] == [
+            [name, text] for name, text in row.items() if name not in ("kind", "example")
+        ]
+
+
+def _targets(rig: str, kind: str, *changes: str) -> list[str]:
+    assigned = [(parse_assignment(change), as_written) for change in changes]
+    return open_targets(fault_kinds()[kind], read_settings(*read_rig(RIGS / rig), assigned))
+
+
+@pytest.mark.parametrize(
+    ("kind", "targets"),
+    [
+        ("power_loss", ["X", "Y", "Z"]),  # of any drive
+        ("reset", ["X", "Y"]),  # there is no NMT on EtherCAT
+        ("bus_off", ["X", "Y"]),
+        ("babble", ["can1", "can2"]),
+        ("sync_jitter", ["can1", "can2"]),
+        ("sync_loss", ["can1", "can2", "X", "Y"]),
+        ("line_lost", ["ec1"]),
+        ("slave_falls", ["Z"]),
+        ("clock_jump", ["Z"]),
+        ("soe_silent", []),
+        ("image_lost", []),
+        ("crossed", ["X", "Y", "Z"]),  # wires are anywhere
+        ("probe_stick", ["probe"]),
+        ("plc_lost", []),
+    ],
+)
+def test_a_kind_is_open_for_targets_on_a_carrier_that_has_it(kind: str, targets: list[str]) -> None:
+    """X and Y are on CAN, Z is on a line."""
+    assert sorted(_targets("probe-xyz-mixed.toml", kind)) == sorted(targets)
+    telegrams = _targets("probe-xyz-mixed.toml", "drop")
+    assert {name.partition(".")[0] for name in telegrams} == {"X", "Y", "can1", "can2"}
+
+
+@pytest.mark.parametrize(
+    ("rig", "kind", "targets"),
+    [
+        ("probe-z-profidrive.toml", "image_lost", ["Z"]),
+        ("probe-z-profidrive.toml", "life_stuck", ["Z"]),
+        ("probe-z-lightbus.toml", "life_stuck", []),  # it has no such interface
+        ("probe-z-lightbus.toml", "image_late", ["Z"]),
+        ("probe-z-profidrive.toml", "power_loss", ["Z"]),
+        ("probe-z-profidrive.toml", "slave_falls", []),
+        ("probe-z-sercos.toml", "bit_stuck", ["Z"]),
+        ("probe-z-sercos.toml", "line_corrupt", ["Z"]),
+        ("probe-z-sercos.toml", "reset", []),
+    ],
+)
+def test_a_kind_is_open_for_the_drives_that_have_what_it_is_about(
+    rig: str, kind: str, targets: list[str]
+) -> None:
+    assert _targets(rig, kind) == targets
+
+
+def test_heartbeats_are_lost_of_drives_that_send_them() -> None:
+    change = "drive:servo.heartbeat_ms=20"
+    assert _targets("probe-xyz.toml", "heartbeat_loss") == []
+    assert _targets("probe-xyz.toml", "heartbeat_loss", change) == ["X", "Y", "Z"]
+
+
+@pytest.mark.parametrize(
+    ("rig", "fault", "place", "allowed", "hint"),
+    [
+        ("probe-xyz-mixed.toml", "drop=Z.TPDO1", "[axis.Z]", "can1, can2", "on ec1 there are "),
+        ("probe-xyz-mixed.toml", "babble=ec1", "[segment.ec1]", "can1, can2", "on ec1 there are "),
+        ("probe-z-ethercat.toml", "reset=Z", "[axis.Z]", "none", "on ec1 there are "),
+        ("probe-z-profidrive.toml", "reset=Z", "[axis.Z]", "none", "on bus there are "),
+    ],
+)
+def test_a_refused_fault_names_its_place_and_the_segments_that_have_it(
+    rig: str, fault: str, place: str, allowed: str, hint: str
+) -> None:
+    path = RIGS / rig
+    with pytest.raises(UserError) as caught:
+        check_rig(
+            read_settings(*read_rig(path), [(parse_assignment(f"fault:{fault}"), as_written)])
+        )
+    error = caught.value
+    assert error.allowed == allowed
+    kinds = str(error.hint).partition(hint)[2].partition(";")[0].split(", ")
+    rooms = ("lines", "drives", "idents") if " ec1 " in hint else ("images", "drives")
+    assert kinds == [kind.name for kind in fault_kinds().values() if kind.room in rooms]
+    assert f"fault:{fault}" in str(error)
+    assert place.strip("[]").partition(".")[2] in str(error)

@@ -225,6 +225,57 @@ def test_a_line_says_when_its_values_act() -> None:
     assert shown[at + 1].startswith(f"  what an NC cycle sends is seen {2 + more} cycles later")
 
 
+@pytest.mark.parametrize(
+    ("shift_us", "sample_us", "at_us"),
+    [(20, -30, 990), (20, -20, 0), (980, 20, 0), (980, 19.5, 999.5), (980, 60, 40)],
+)
+def test_a_sample_of_a_line_is_within_the_cycle(
+    shift_us: float, sample_us: float, at_us: float
+) -> None:
+    changes = (f"bus:ec1.shift_us={shift_us}", f"bus:ec1.sample_us={sample_us}")
+    settings = settings_of("probe-z-ethercat.toml", *changes)
+    assert phases_of(settings, "Z").sample_ns == at_us * US
+    words = f"SYNC0 at {shift_us:g} us, positions sampled at {at_us:g} us of the cycle"
+    assert any(line.endswith(words) for line in LINES.describe(settings))
+
+
+@pytest.mark.parametrize(("input_us", "at_us"), [(0, 0), (1, 999), (799, 201)])
+def test_a_sample_of_a_cyclic_segment_is_within_the_cycle(input_us: int, at_us: int) -> None:
+    changes = (f"bus:bus.input_us={input_us}", "bus:bus.bus_us=200", "bus:bus.output_us=300")
+    found = cyclic_phases(settings_of("probe-z-profidrive.toml", *changes), "Z")
+    assert found.sample_ns == at_us * US
+
+
+LATE = ("bus:ec1.frame_us=620", "bus:ec1.shift_us=650")
+
+
+@pytest.mark.parametrize(
+    ("changes", "later"),
+    [
+        # Sent at 620, acts at 650; sampled at 1010 by a frame of 1620 that is back before 2600 us
+        ((*LATE, "bus:ec1.sample_us=-640"), "2 cycles later, as on CAN"),
+        # Sampled at 1650 by the frame of 2620
+        (LATE, "3 cycles later, 1 cycle more than on CAN"),
+        # That is back 2 x 490 us later, after the NC cycle of 3600 us
+        ((*LATE, "bus:ec1.wire_ns=490000", "bus:ec1.overload=run", "bus:ec1.sample_us=500"),
+         "4 cycles later, 2 cycles more than on CAN"),
+    ],
+)  # fmt: skip
+def test_a_line_says_by_how_many_cycles_it_is_later_than_can(
+    changes: tuple[str, ...], later: str
+) -> None:
+    settings = settings_of("probe-z-ethercat.toml", *changes)
+    assert f"  what an NC cycle sends is seen {later}" in LINES.describe(settings)
+
+
+def test_without_clocks_the_outputs_are_named_as_what_set_values_wait_for() -> None:
+    """A frame of 101 - 2 x 16 bytes has passed after (69 + 12) x 80 ns, and a wire of 50 ns."""
+    changes = ("bus:ec1.frame_us=10", "bus:ec1.dc=false")
+    shown = LINES.describe(settings_of("probe-z-ethercat.toml", *changes))
+    words = "axis Z: frame at 10 us, the outputs at 16.53 us, positions sampled at 16.53 us"
+    assert any(line.startswith(words) for line in shown)
+
+
 # --- answers on CAN
 
 

@@ -207,3 +207,63 @@ def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path
             assert list(contents.read_parts(path)) == [kind]
     with pytest.raises(UserError, match=r"gone\.lst"):
         contents.read_parts(tmp_path / "gone.lst")
+
+
+AS_AXIS, AS_CHANNEL = "unknown axis parameter", "unknown channel parameter"
+
+
+@pytest.mark.parametrize(
+    ("lines", "read_as"),
+    [
+        # One name is of the axis and one of the channel: what has fewer errors counts
+        (["kenngr.messachse 1", "messtyp 99"], AS_AXIS),
+        (["messtyp 99", "kenngr.messachse 1"], AS_AXIS),
+        (["kenngr.messachse 7", "messtyp 1"], AS_CHANNEL),
+        (["messtyp 1", "kenngr.messachse 7"], AS_CHANNEL),
+        # As many errors: the first kind
+        (["kenngr.messachse 1", "messtyp 1"], AS_AXIS),
+        (["kenngr.messachse 7", "messtyp 99"], AS_AXIS),
+        # Most of the names count before any error
+        (["kenngr.messachse 7", "kenngr.measure.edge UP", "messtyp 1"], AS_AXIS),
+        (["kenngr.messachse 1", "messtyp 98", "messtyp 99"], AS_CHANNEL),
+        # Two of each: one error more is enough
+        (["kenngr.messachse 7", "kenngr.measure.edge NEG", "messtyp 1", "mittelpkt_diff 5"],
+         AS_CHANNEL),
+        (["kenngr.messachse 7", "kenngr.measure.edge NEG", "messtyp 98", "mittelpkt_diff x"],
+         AS_AXIS),
+    ],
+)  # fmt: skip
+def test_a_list_that_fits_no_kind_is_read_as_what_it_most_looks_like(
+    tmp_path: Path, lines: list[str], read_as: str
+) -> None:
+    path = tmp_path / "own.lst"
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    with pytest.raises(UserError) as caught:
+        contents.read_parts(path)
+    found = [caught.value, *caught.value.further]
+    assert next(one.message for one in found if "unknown" in one.message) == read_as
+
+
+@pytest.mark.parametrize("wrong", [["X"], ["Y"], ["Z"], ["X", "Z"], []])
+def test_each_axis_of_a_list_has_its_notes(tmp_path: Path, wrong: list[str]) -> None:
+    """An acceleration of a stage above P-AXIS-00008 is taken as it is."""
+    path = tmp_path / "own.lst"
+    path.write_text(
+        "".join(
+            f"kopf.achs_nr {number}\nkopf.log_achs_name {axis}\ngetriebe[0].dynamik.a_max 500\n"
+            f"getriebe[0].lslope_profil.a_stufe_1 {501 if axis in wrong else 500}\n"
+            for number, axis in enumerate("XYZ", 1)
+        ),
+        encoding="utf-8",
+    )
+    assert list(contents.read_parts(path)) == ["X", "Y", "Z"]
+    text = contents_text(path)
+    notes = [line for line in text.splitlines() if line.startswith("note: ")]
+    assert len([note for note in notes if "taken as it is" in note]) == len(wrong)
+
+
+def test_axes_without_a_name_are_counted_from_1(tmp_path: Path) -> None:
+    path = tmp_path / "own.lst"
+    path.write_text("getriebe[0].vb_eilgang 5\n", encoding="utf-8")
+    assert list(contents.read_parts(path)) == ["#1"]
+    assert contents_text(path).splitlines()[0] == "axis #1"

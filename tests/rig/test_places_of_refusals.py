@@ -20,7 +20,11 @@ OF_ANY: list[Case] = [
     ("probe-z", "[cycle]\ncycle_offset_us = 1000 # here", "must start within the period", 1000),
     ("plc-radio", '[plc]\nprogram = "none.py" # here', "the PLC program is no file", ...),
     ("probe-z-ethercat", '[axis.Z]\nsegment = "c7" # here\n[segment.c7]\ncarrier = "cyclic"',
-     "segment c7 (carrier cyclic) does not carry drives of the family canopen", "cyclic"),
+     "segment c7 (carrier cyclic) does not carry drives of the family canopen, which drive servo"
+     " is as it names no family", "cyclic"),
+    ("probe-z-profidrive", '[axis.Z]\nsegment = "e7" # here\n[segment.e7]\ncarrier = "ethercat"',
+     "segment e7 (carrier ethercat) does not carry drives of the family profidrive; found",
+     "ethercat"),
     ("probe-xyz", '[axis.X]\nplant = "y" # here', "two axes cannot drive one plant", "y"),
     ("probe-z", '[axis.S] # here\nlist = "lists/s.lst"\nsegment = "can1"\nnode = 9\n'
      'drive = "servo"\nplant = "s"\n[plant.s]\nfmu = "AxisRig.Drives.ServoAxis"',

@@ -78,6 +78,16 @@ def test_programs_that_are_started_lie_beside_that_of_the_run(tmp_path: Path) ->
         None: "first",
         "second.nc": "second",
     }
+    several = "at=program_end file=second.nc; at=reset file=first.nc; at=M50 file=second.nc"
+    found = programs_of(settings(f"plc:program_start={several}"), first)
+    assert list(found) == [None, "second.nc", "first.nc"]  # in the order of their cells
+    assert list(programs_of(settings(), first)) == [None]
+    (tmp_path / "third.nc").write_text("%third\nN10 X[\nN20 M30\n", encoding="utf-8")
+    with pytest.raises(UserError) as caught:
+        programs_of(settings("plc:program_start=at=reset file=third.nc"), first)
+    assert (caught.value.file, caught.value.line) == (str(tmp_path / "third.nc"), 2)
+    assert "plc:program_start" not in str(caught.value)
+    (tmp_path / "third.nc").unlink()
     missing = settings("plc:program_start=at=program_end file=third.nc")
     with pytest.raises(UserError, match=r"plc:program_start.*third.nc"):
         Machine(missing, first)

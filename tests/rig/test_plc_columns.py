@@ -110,6 +110,11 @@ def test_the_last_of_two_assignments_of_one_column_counts() -> None:
         ("plc:Z.torque_limit=100 at=V.E.", "V.E.", "V.E.<name>"),
         ("plc:Z.torque_limit=100 at=V.E.GO=x", "'x'", ""),
         ("plc:Z.torque_limit=100 at=V.E.GO", "V.E.GO", "plc:V.E.GO=0"),
+        ("plc:Z.torque_limit=100 at=M50; 200 at=V.E.GO", "V.E.GO", "plc:V.E.GO=0"),
+        ("plc:feedhold=at=V.E.GO for=1s", "V.E.GO", "plc:V.E.GO=0"),
+        ("plc:feedhold=at=M50 until=V.E.GO", "V.E.GO", "plc:V.E.GO=0"),
+        ("plc:feedhold=at=M50 for=1s; at=M51 until=V.E.GO=1", "V.E.GO", "plc:V.E.GO=0"),
+        ("plc:Z.torque_limit=100 at=M1000", "M1000", "M and H from 0 to 999"),
         ("plc:Z.torque_limit=100 nth=2", "'2'", "1: it comes once"),
         ("plc:Z.torque_limit=100 at=M50 nth=0", "'0'", "1 to 999"),
         ("plc:feedhold=at=50ms", "how long", "for=300ms"),
@@ -130,6 +135,20 @@ def test_a_cell_that_cannot_be_is_told_with_what_is_allowed(
     assert said.startswith(f"--set {text}: ")
     assert found in said
     assert allowed in said
+
+
+def test_a_moment_of_a_variable_that_the_run_has_is_taken_whatever_its_letters() -> None:
+    found = settings(
+        "plc:V.E.Go=0; 1 at=M50", "plc:feedhold=at=M51 until=V.E.GO=1", "plc:override=5 at=V.E.go"
+    ).plc
+    moments = [(rule.moment.word, rule.until and rule.until.word) for rule in found]
+    assert moments == [("M50", None), ("M51", "V.E.GO"), ("V.E.GO", None)]
+
+
+@pytest.mark.parametrize("word", ["M6", "M999", "H0", "H999", "T0", "T999", "T1000", "T123456789"])
+def test_a_tool_has_any_number_and_other_functions_have_three_digits(word: str) -> None:
+    (rule,) = rules(f"plc:Z.torque_limit=100 at={word}+5ms")
+    assert rule.moment == Moment(word, None, 5 * MS)
 
 
 def test_a_cell_of_a_plan_is_told_with_line_and_column(tmp_path: Path) -> None:

@@ -55,6 +55,9 @@ def test_without_a_kernel_every_drive_is_simulated(make: Make) -> None:
     settings = make(REAL)
     settings.has_kernel = False
     assert (outside_axes(settings), len(simulated_plants(settings))) == (frozenset(), 4)
+    own = make("[axis.Y]\noutside = true")
+    own.has_kernel = False
+    check_outside(own)  # what the rig says of the drive is for a kernel
 
 
 @pytest.mark.parametrize(

@@ -172,6 +172,23 @@ def test_the_output_of_the_list_is_that_of_the_drive_to_a_count(
 
 
 @pytest.mark.parametrize(
+    ("counts", "turns", "is_good"),
+    [(32_766, 30, False), (327_661, 300, True), (327_679, 300, True), (32_768, 30, False)],
+)
+def test_one_count_of_the_output_is_one_too_much(
+    check: Check, counts: int, turns: int, is_good: bool, tmp_path: Path
+) -> None:
+    """30 m/min at the full output: 32767 counts by the rig."""
+    own = (RIGS / "lists" / "axis-z-conventional.lst").read_text("utf-8").splitlines()
+    lines = [line for line in own if "multi_gain" not in line]
+    lines += [f"getriebe[0].multi_gain_z {counts}", f"getriebe[0].multi_gain_n {turns}", ""]
+    (tmp_path / "z.lst").write_text("\n".join(lines), "utf-8")
+    found = check("probe-z-conventional", text='[axis.Z]\nlist = "z.lst"')
+    assert ("to less than one" in found) is not is_good
+    assert (found == "") is is_good
+
+
+@pytest.mark.parametrize(
     ("lines", "missing", "is_good"),
     [(40_959, 3, True), (40_960, 3, False), (81_919, 1, True), (81_920, 1, False)],
 )
@@ -236,7 +253,15 @@ def test_a_segment_has_what_its_carrier_needs(
     [
         ("probe-z-lightbus", ("in2mode=25",), "in2mode of its drive is 25 and not 26"),
         ("probe-z-profidrive", ("p0660=0",), "p0660 of its drive is 0 and not 80"),
+        ("probe-z-profidrive", ("p0660=81",), "p0660 of its drive is 81 and not 80"),
+        ("probe-z-lightbus", ("in2mode=0",), "in2mode of its drive is 0 and not 26"),
         ("probe-z-sercos", ("idents=S-0-0307=S-0-0409",), "no real-time bit has S-0-0401"),
+        # A bit that the control sends (S-0-0301, S-0-0303) says nothing of the drive
+        (
+            "probe-z-sercos",
+            ("idents=S-0-0307=S-0-0409 S-0-0301=S-0-0401 S-0-0303=S-0-0401",),
+            "no real-time bit has S-0-0401",
+        ),
         ("probe-z-sercos", ("latch_check=false",), "S-0-0130; nothing proves it"),
         ("probe-z-profidrive", ("p1043=10", "position_check=true"), "has other fine bits (p1043)"),
     ],
@@ -250,6 +275,30 @@ def test_what_makes_a_measurement_doubtful_is_reported(
 
     assert words in lines(*changes)
     assert words not in lines()
+
+
+@pytest.mark.parametrize(
+    ("base", "change", "words"),
+    [
+        ("probe-z-lightbus", "in2mode=0", "in2mode"),
+        ("probe-z-profidrive", "p0660=0", "p0660"),
+        ("probe-z-sercos", "idents=S-0-0307=S-0-0409", "no real-time bit"),
+        ("probe-z-sercos", "latch_check=false", "nothing proves it"),
+        ("probe-z-ethercat", "latch_check=false", "latches are unproved"),
+    ],
+)
+def test_an_axis_that_does_not_measure_is_not_warned_of(base: str, change: str, words: str) -> None:
+    """Or that measures with what is wired to the PLC."""
+    for further, is_warned in (
+        ([], True),
+        (["set:Z.kenngr.messachse=0"], False),
+        (["set:Z.kenngr.measure.signal=PLC"], False),
+    ):
+        if "ethercat" in base and "signal" in "".join(further):
+            continue  # its latch is kept ready all the same
+        settings = settings_of(RIGS / f"{base}.toml", [f"drive:servo.{change}", *further])
+        found = "\n".join(family_of(settings, "Z").describe(settings))
+        assert (words in found) is is_warned, further
 
 
 @pytest.mark.parametrize(

@@ -73,6 +73,7 @@ OTHER = '[plant.{0}]\nfmu = "AxisRig.Sensors.TouchProbe"\nwire = {{ z = "z" }}\n
         ("plc-signal.toml", '[plc.terminal]\ninput_1 = "{0}"'),
         ("plc-signal.toml", '[plc.terminal]\ninput_2 = "{0}"'),
         ("plc-io-node.toml", '[plc.terminal]\ninput_2 = "{0}"'),
+        ("probe-z.toml", '[plc]\n"V.E.OWN" = {{ sensor = "{0}" }}'),
     ],
 )
 def test_each_reader_of_a_sensor_counts_alone(make: Make, base: str, reader: str) -> None:

@@ -113,6 +113,12 @@ def test_a_number_a_path_and_an_older_path_mean_one_row() -> None:
     assert named(one.path) is one
     assert all(named(path) is one for path in one.old_paths)
     assert named("00759") is one
+    # P-AXIS-00016 and P-CHAN-00016 are two
+    assert named("00016") is None
+    of_axis, of_channel = named("P-AXIS-00016"), named("P-CHAN-00016")
+    assert of_axis is not None
+    assert of_channel is not None
+    assert (of_axis.kind, of_channel.kind) == ("axis", "channel")
     assert named("00000") is None
     assert named("kp") is None
 
