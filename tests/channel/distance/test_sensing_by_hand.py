@@ -283,3 +283,19 @@ def test_the_weights_of_the_way_down_are_permitted_above_a_whole_too(
         expected_mm += way * min(0.01 * a * cycle, 0.04 * v)
         assert bench.cycle(way * 50_000) == pytest.approx(expected_mm)
     assert bench.axis.control.state is DistanceState.ACTIVE
+
+
+@pytest.mark.parametrize(
+    ("variable", "word"),
+    [
+        ("HEIGHT", "V.E.HEIGHT"), ("V.E.HEIGHT", "V.E.HEIGHT"), ("HEAD.GAP", "V.E.HEAD.GAP"),
+        ("V.E.HEAD.GAP", "V.E.HEAD.GAP"), ("V.P.GAP", "V.P.GAP"), ("V.E.VALUE[2]", "V.E.VALUE[2]"),
+    ],
+)  # fmt: skip
+def test_a_variable_is_named_as_a_program_writes_it(variable: str, word: str) -> None:
+    bench = Bench()
+    alarm = alarm_of(bench.axis.choose, VARIABLE, variable) if "HEIGHT" not in variable else None
+    bench.values[word.removeprefix("V.E.")] = 5.0
+    bench.axis.choose(VARIABLE, variable)
+    assert source_word(bench.axis.sensor) == f"VARIABLE {word}"
+    assert alarm is None or alarm.values["source"] == f"VARIABLE {word}"
