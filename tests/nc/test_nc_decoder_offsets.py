@@ -225,3 +225,43 @@ def test_tool_and_zero_offset_of_a_program(decode):
     found = [next(iter(move.target_mm.values())) for move in moves]
     # X1 after V.G.NP[1] = 8 is still 7 + 1, which is where G54 X0 stands then
     assert found == [81.0, 81.5, 11.0, 7.0, 8.0, 100.0, 8.0]
+
+
+def test_the_data_of_a_tool_may_be_used_while_they_are_valid(decode):
+    """V.G.WZ[].OK on, off and on again; off it is no tool for D."""
+    data, zero = assign("V.G.WZ[].L", 3, value=10), words("G0", Z=0)
+    on, off = (assign("V.G.WZ[].OK", 3, value=value) for value in (1, 0))
+    take = words("", D=3, Z=0)
+    assert decode(data, on, off, on, zero, take)[-1].target_mm == {"Z": 10.0}
+    for blocks in ((data, take), (data, on, off, take)):
+        with pytest.raises(Alarm) as caught:
+            decode(zero, *blocks)
+        assert (caught.value.id, caught.value.values) == (900154, {"word": "D3"})
+
+
+@pytest.mark.parametrize(("g", "given"), [("G162", {"I": 10}), ("G161", {"I": 15, "J": 7})])
+def test_g164_takes_no_wrong_centre_however_it_is_given(decode, g, given):
+    """From X5 Y7 the centre is X15 Y7, and X25.1 is 0.1 mm beside the circle; G165 moves it."""
+    start = words("G0", X=5, Y=7)
+    with pytest.raises(Alarm) as caught:
+        decode(start, words(f"G2 G164 {g}", X=25.1, F=1, **given))
+    assert (caught.value.id, caught.value.values["difference_mm"]) == (21758, "0.1000")
+    for correcting in ("G165", ""):
+        arc = decode(start, words(f"G2 {correcting} {g}", X=25.1, F=1, **given))[-1]
+        assert arc.centre_mm == pytest.approx({"X": 15.05, "Y": 7.0})
+
+
+@pytest.mark.parametrize(
+    ("block", "name", "upper"),
+    [
+        (words("G159", G159=97), "G159", 96),
+        (assign("V.G.NP[].V.X", 97, value=1), "V.G.NP[]", 96),
+        (assign("V.G.WZ[].L", 201, value=1), "V.G.WZ[]", 200),
+        (assign("V.G.NP[].V[]", 1, 3, value=1), "V[]", 2),
+    ],
+)
+def test_20403_names_what_has_the_index_and_the_last_one(decode, block, name, upper):
+    with pytest.raises(Alarm) as caught:
+        decode(block)
+    assert caught.value.id == 20403
+    assert (caught.value.values["name"], caught.value.values["upper"]) == (name, upper)

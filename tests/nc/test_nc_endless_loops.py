@@ -145,3 +145,28 @@ def test_a_loop_that_gives_the_machine_nothing_to_do_ends_with_900120(monkeypatc
 def test_a_loop_in_which_time_passes_may_go_on_for_ever(monkeypatch, body):
     monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 50)
     assert len(decoded(body, 300)) == 300
+
+
+LOOPS = {
+    "$WHILE P1<5": ("P1=0\n$WHILE P1<5\nP1=P1+1\n$ENDWHILE", 5),
+    "$DO": ("P1=0\n$DO\nP1=P1+1\n$ENDDO P1<5", 4),
+    "$REPEAT": ("P1=0\n$REPEAT\nP1=P1+1\n$UNTIL P1>4", 4),
+    "$FOR P1=1,5,1": ("$FOR P1=1,5,1\n$ENDFOR", 4),
+}
+"""Each goes through its body five times; how often it jumps back meanwhile."""
+
+
+@pytest.mark.parametrize("begin", LOOPS)
+@pytest.mark.parametrize("entries", [1, 2, 3])
+def test_the_turns_of_a_loop_count_from_its_entry_on(begin, entries):
+    """An outer loop begins it anew; two loops behind one another have their own turns."""
+    body, turns = LOOPS[begin]
+    text = f"$FOR P2=1,{entries},1\n{body}\n$ENDFOR\n$WHILE P3<2\nP3=P3+1\n$ENDWHILE"
+    machine = PlaneMachine(dict.fromkeys(XYZ, 0.0), None)
+    program = parse_program(f"P3=0\n{text}", axes=XYZ)
+    interpreter = Interpreter(program, XYZ, machine, external={})
+    assert interpreter.busiest_loop() is None
+    list(interpreter.commands())
+    busiest = interpreter.busiest_loop()
+    assert busiest is not None
+    assert (busiest[0].text, busiest[1]) == (begin, turns)

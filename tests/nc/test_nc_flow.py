@@ -56,6 +56,20 @@ def test_a_case_is_equal_below_a_thousandth_and_falls_through_without_break(run,
     assert path(run, text) == expected
 
 
+@pytest.mark.parametrize(
+    ("value", "case", "is_same"),
+    [
+        ("0.001", "0", False), ("-0.001", "0", False),
+        ("0", "0.001", False), ("0", "-0.001", False),
+        ("0.000999", "0", True), ("-0.000999", "0", True), ("0", "0.000999", True),
+    ],
+)  # fmt: skip
+def test_a_thousandth_apart_is_another_case(run, value, case, is_same):
+    """Equal below it, on either side. Programming manual 206908427."""
+    text = f"$SWITCH {value}\n$CASE {case}\nX1\n$BREAK\n$DEFAULT\nX9\n$ENDSWITCH"
+    assert path(run, text) == ([1] if is_same else [9])
+
+
 def test_a_switch_without_a_fitting_case_does_nothing(run):
     assert path(run, "$SWITCH 7\n$CASE 1\nX1\n$BREAK\n$ENDSWITCH\nX2") == [2]
 

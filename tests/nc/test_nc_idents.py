@@ -126,3 +126,14 @@ def test_a_wait_is_for_the_axis_that_it_names_or_for_all(
         assert {(c.commands, c.key) for c in commands} == {
             (True, "S-0-0148") if more else (False, "")
         }
+
+
+@pytest.mark.parametrize("name", ["S-0-0148", "s-0-0148"])
+def test_the_ident_of_a_command_is_the_same_in_either_case(
+    run: Callable[..., list[Any]], name: str
+) -> None:
+    """The wait finds what was started, however either is spelled."""
+    text = f"#COMMAND WR SYN [AX=X ID={name} SERC]\n#COMMAND WAIT SYN [AX=X ID={name} SERC]"
+    start, wait = _commands(run, text)
+    assert (start.key, start.value, start.is_command) == ("S-0-0148", 3, True)
+    assert (wait.key, wait.commands) == ("S-0-0148", True)

@@ -236,3 +236,68 @@ def test_a_search_that_measures_in_a_loop_until_it_meets_something(run, plane_ma
     assert _texts(run(text, machine)) == ["4 34"]
     machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
     assert _texts(run(text, machine)) == ["nothing"]
+
+
+# Which axis, which word, which unit
+
+
+@pytest.mark.parametrize("sercos", ["X", "Y", "XY"])
+def test_one_sercos_axis_is_enough_for_type_6(run, plane_machine, sercos: str) -> None:
+    """FCT-C4 section 3: as type 5 with at least one SERCOS axis, at whatever place it is."""
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    machine.is_sercos = lambda axis: axis in sercos
+    (found,) = _runs(run("#MEAS MODE[6]\nG310 X5 Y6 F100", machine))
+    assert (found.measuring_type, found.measuring_axes) == (6, ("X", "Y"))
+    assert _alarm(run, "#MEAS MODE[6]\nG310 Z5 F100", machine=machine).id == 900221
+
+
+@pytest.mark.parametrize(
+    ("type_", "block", "word"),
+    [
+        (1, "G100 X5", "G100"), (3, "G100 X5 G106", "G100"), (4, "G100 X5", "G100"),
+        (7, "G100 X5", "G100"), (5, "G310 X5", "G310"), (5, "G210 X5", "G310"), (1, "X5", "G1"),
+    ],
+)  # fmt: skip
+def test_20008_names_the_word_that_needs_the_feed(run, type_: int, block: str, word: str) -> None:
+    alarm = _alarm(run, f"#MEAS MODE[{type_}]\n{block}")
+    assert (alarm.id, alarm.values) == (20008, {"word": word})
+
+
+@pytest.mark.parametrize(("block", "axis"), [("X1 A4 B5", "A"), ("B5 X1 A4", "B"), ("A4", "A")])
+def test_900220_names_the_first_axis_of_the_block_that_is_none(run, block: str, axis: str) -> None:
+    alarm = _alarm(run, f"#MEAS MODE[4]\nG100 {block} F100", axes=("X", "Y", "Z", "A", "B"))
+    assert (alarm.id, alarm.values["axis"]) == (900220, axis)
+
+
+@pytest.mark.parametrize("default", [1, 2, 4, 7])
+@pytest.mark.parametrize("back", ["#MEAS MODE", "#MEAS MODE[]", "#MEAS DEFAULT"])
+def test_without_a_type_that_of_the_channel_counts_again(run, default: int, back: str) -> None:
+    text = f'#MEAS MODE[3]\n#MSG["%d", V.G.MEAS_TYPE]\n{back}\n#MSG["%d", V.G.MEAS_TYPE]'
+    assert _texts(run(text, default_measuring_type=default)) == ["3", str(default)]
+
+
+OFFSETS = '#MSG["%g %g %g", V.A.MEIN.X, V.A.MEIN.Y, V.A.MEIN.B]\n'
+
+
+@pytest.mark.parametrize(
+    ("drops", "left"),
+    [("G102", "0 0 0"), ("G102 X1", "0 -5 -5"), ("G102 Y1 B1", "-5 0 0"), ("G102 B1", "-5 -5 0")],
+)
+def test_g102_drops_the_offsets_of_its_axes_or_of_all(
+    run, plane_machine, drops: str, left: str
+) -> None:
+    """Programmed to 9, 4 and 3 and met half-way: 5 short in X, and so on for each."""
+    axes = ("X", "Y", "Z", "A", "B")
+    machine = plane_machine(dict.fromkeys(axes, 0.0), ("X", 5.0))
+    text = f"G100 X10 Y10 B10 F100\nG101 X1 Y1 B1\n{OFFSETS}{drops}\n{OFFSETS}"
+    assert _texts(run(text, machine, axes=axes)) == ["-5 -5 -5", left]
+
+
+@pytest.mark.parametrize(("unit", "shown"), [("G70", "-0.5"), ("G71", "-12.7")])
+def test_the_measurement_offset_has_the_unit_of_the_program(
+    run, plane_machine, unit: str, shown: str
+) -> None:
+    """Programmed to 25.4 mm and met at 12.7: half an inch."""
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 12.7))
+    text = f'G100 X25.4 F100\nG101 X1\n{unit}\n#MSG["%g", V.A.MEIN.X]\n#MSG["%g", V.A.MOFFS.X]'
+    assert _texts(run(text, machine)) == [shown, shown]

@@ -59,6 +59,19 @@ def test_900125_warns_of_m30_in_a_subprogram_which_ends_the_program(run):
     assert (warning.id, warning.ends_program) == (900125, False)
 
 
+@pytest.mark.parametrize(
+    ("block", "word"),
+    [("M30", "M30"), ("M2", "M2"), ("M10 M30", "M30"), ("M30 M10", "M30"), ("M10 M2", "M2")],
+)
+def test_900125_names_the_word_that_ends_the_program_and_the_subprogram(run, block, word):
+    """Other M functions of the block do not; nor is a warned word one of the main program."""
+    commands = run(f"%L INNER\n{block}\n%L OUTER\nLL INNER\nX9\n%MAIN\nG0\nLL OUTER\nX8")
+    (warning,) = (c.alarm for c in commands if isinstance(c, Warn))
+    assert (warning.id, warning.values) == (900125, {"word": word, "name": "INNER"})
+    assert moves_of(commands) == []
+    assert [c for c in run(f"G0 X1\n{block}") if isinstance(c, Warn)] == []
+
+
 def test_modal_words_go_on_behind_the_return(run):
     assert path(run, "%L SUB\nG91\n%MAIN\nG0 X1\nLL SUB\nX1") == [1, 2]
 

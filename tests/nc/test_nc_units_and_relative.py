@@ -132,3 +132,19 @@ def test_a_centre_in_a_block_that_makes_no_arc(run, program):
         run(program)
     assert alarm.value.id == 900153
     assert program.split()[0] in str(alarm.value)
+
+
+@pytest.mark.parametrize(
+    ("block", "word", "where"),
+    [
+        ("G0 X1 I5", "I", "with G0"), ("G1 X1 J5 F100", "J", "with G1"),
+        ("X1 K5 F100", "K", "with G1"),
+        ("G100 X1 I5 J6 F100", "I", "with G100"), ("G92 X1 J3", "J", "with G92"),
+        ("G18 G2 X1 J5 F100", "J", "in plane G18"), ("G19 G3 Y1 I5 F100", "I", "in plane G19"),
+        ("G17 G2 X1 I1 K5 F100", "K", "in plane G17"),
+    ],
+)  # fmt: skip
+def test_900153_names_the_letter_and_what_it_does_not_go_with(run, block, word, where):
+    with pytest.raises(Alarm) as alarm:
+        run(block)
+    assert (alarm.value.id, alarm.value.values) == (900153, {"word": word, "where": where})

@@ -7,6 +7,7 @@ import pytest
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import ParameterSet, start_up
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES
+from axisrig.kernel.parameters.signal_sources import SOURCES
 from axisrig.kernel.parameters.start_up import OPTIMISED, equal_schedule
 
 Listed = Callable[..., ParameterSet]
@@ -77,3 +78,65 @@ def test_70212_takes_the_optimised_access_from_all_where_one_lacks_it(
         assert [found[0].values["axes"], found[0].values["others"]] == warned
     after = {name: axis.flag(OPTIMISED) for name, axis in axes.items()}
     assert after == (dict.fromkeys(having, False) if warned else having)
+
+
+@EVERY_TYPE
+@pytest.mark.parametrize("signal", SOURCES)
+def test_a_source_that_the_type_does_not_have_is_named_and_becomes_the_plc(
+    listed: Listed, number: int, signal: str
+) -> None:
+    """FCT-C4 8.2.2; warning 110586 has what was set, and a default is never warned of."""
+    kind = DRIVE_TYPES[number]
+    axis = listed(f"kenngr.antr_typ {number}\nkenngr.measure.signal {signal}\n")
+    found = [alarm for alarm in start_up(axis, "Z") if alarm.id == 110586]
+    wanted = {"axis": "Z", "drive_type": kind.name, "wrong": signal, "corrected": "PLC"}
+    has_it = kind.offers(signal)
+    assert [alarm.values for alarm in found] == ([] if has_it else [wanted])
+    assert axis.word("kenngr.measure.signal") == (signal if has_it else "PLC")
+    assert 110586 not in ids(listed(f"kenngr.antr_typ {number}\n"))
+
+
+@EVERY_TYPE
+def test_drive_functions_without_access_are_all_named(listed: Listed, number: int) -> None:
+    names = ["antr.function[0].id", "antr.function[2].id", "antr.function[2].rd_ident"]
+    text = "".join(f"{name} 1\n" for name in names)
+    found = start_up(listed(f"kenngr.antr_typ {number}\n{text}"), "Z")
+    named = [alarm.values["names"] for alarm in found if alarm.id == 900742]
+    assert named == ([] if DRIVE_TYPES[number].access else [", ".join(names)])
+
+
+@pytest.mark.parametrize(
+    "axis_type", ["ACHSTYP_TRANSLATOR", "ACHSTYP_ROTATOR", "ACHSTYP_SPINDEL", "1", "2", "0x0004"]
+)
+def test_110511_names_the_type_of_the_axis_as_its_list_has_it(
+    listed: Listed, axis_type: str
+) -> None:
+    mode = "OPEN_POSITION_LOOP_MODE"
+    axis = listed(f"kenngr.achs_typ {axis_type}\nantr.operation_mode {mode}\n")
+    (alarm,) = start_up(axis, "Z")
+    assert (alarm.id, alarm.values["axis_type"], alarm.values["wrong"]) == (110511, axis_type, mode)
+
+
+@pytest.mark.parametrize("wrong", [1, 2, 200])
+def test_110614_names_the_input_that_was_set(listed: Listed, wrong: int) -> None:
+    (alarm,) = start_up(listed(f"kenngr.measure.input_edge_banding {wrong}\n"), "Z")
+    assert (alarm.id, alarm.values["wrong"]) == (110614, wrong)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("kenngr.measure.input 2", (0, 2, 1)),
+        ("kenngr.measure.probe[0].input 2", (0, 2, 1)),
+        ("kenngr.measure.probe[1].input 7", (1, 7, 1)),
+        ("antr.probing_input_nbr 2\nkenngr.measure.probe[1].input 9", (1, 9, 2)),
+    ],
+)
+def test_110622_names_probe_and_input_and_what_then_counts(
+    listed: Listed, text: str, values: tuple[int, int, int]
+) -> None:
+    """Of a drive with one input, and of one with two where a fallback decides."""
+    number = 8 if "antr" in text else 1
+    alarm = start_up(listed(f"kenngr.antr_typ {number}\n{text}\n"), "Z")[0]
+    found = (alarm.values["probe"], alarm.values["wrong"], alarm.values["corrected"])
+    assert (alarm.id, found) == (110622, values)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.kernel.parameters import ParameterSet, start_up
+from axisrig.kernel.parameters import Origin, ParameterSet, start_up
 from axisrig.kernel.parameters.relations import AT_MOST, noted, relations
 
 VB_MAX, A_MAX = "getriebe[0].dynamik.vb_max", "getriebe[0].dynamik.a_max"
@@ -68,3 +68,22 @@ def test_one_line_for_each_limit():
     (line,) = noted(axis(**{f"{ramp}1": 900, f"{ramp}2": 800, A_MAX: 500}))
     assert "P-AXIS-00011) = 900 mm/s2, " in line
     assert "P-AXIS-00012) = 800 mm/s2: to be at most" in line
+
+
+def test_900522_has_the_place_of_the_setting():
+    """File and line of a list; what a plan has set has no line, and is named whole."""
+    for origin, place in (
+        (Origin("/lists/z.lst", 7, 3), "z.lst:7"),
+        (Origin("set:Z.kenngr.vb_messen"), "set:Z.kenngr.vb_messen"),
+        (Origin("plans/a.csv: set:Z"), "plans/a.csv: set:Z"),
+    ):
+        parameters = ParameterSet("axis")
+        parameters.set(VB_MAX, "500000", "list")
+        parameters.set("kenngr.vb_messen", "600000", origin)
+        (warning,) = start_up(parameters, "Z")
+        assert (warning.id, warning.place) == (900522, place)
+
+
+@pytest.mark.parametrize("kind", ["channel", "external", "startup"])
+def test_other_lists_have_no_relations(kind):
+    assert noted(ParameterSet(kind)) == []

@@ -8,7 +8,7 @@ from axis_statements import Machine, alone, decode, kinds, path, single
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.syntax import Number, Words
+from axisrig.kernel.nc.syntax import Number, Variable, Words
 
 Run = Callable[..., list[canon.Command]]
 AXES = ("X", "Y", "Z", "C", "X2")
@@ -233,3 +233,17 @@ def test_both_encoders_are_switched_on_and_off(
     commands = run(f"%t\n{axis}[DIST_CTRL ON BOTH_ENCODER={value}]\nM30\n")
     (command,) = orders(commands, canon.DistanceCommand)
     assert (command.axis, command.parameters) == (axis, {"both_encoders": expected})
+
+
+# Names of several letters
+
+
+def test_asking_for_a_run_of_an_axis_with_a_long_name_takes_a_cycle() -> None:
+    """X2 measures beside the program; X, whose name begins alike, does not."""
+    run_of_x2 = single(alone("X2", "G100", "G90", POS=9, FEED=100, name="INDP_ASYN"))
+    for axis, cycles in (("X2", [True]), ("X", [False])):
+        machine = Machine()
+        machine.measuring = {"X2"}
+        ask = Words(axes=(("C", Variable(f"V.A.MERF.{axis}")),), addresses=(("F", Number(60.0)),))
+        commands = decode(run_of_x2, ask, machine=machine)
+        assert [c.for_cycle for c in orders(commands, canon.Wait)] == cycles
