@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from axisrig.bench.cli import data_commands, list_commands
 from axisrig.bench.cli.given import Given, given_options
+from axisrig.bench.cli.main import app
 from axisrig.bench.cli.nc_check import check_file
 from axisrig.bench.tools.listings.language import language_listing
 from axisrig.kernel.errors import UserError
@@ -138,6 +139,30 @@ def test_what_a_call_was_given_is_told_from_defaults() -> None:
     assert not whole.options & {"-o", "--out", "--set"}
     words = whole.words[whole.words.index("a.csv") + 1 :]
     assert words == ["-j", "3", "--fresh", "--set", "a=1", "--set", "b=2"]
+
+
+@pytest.mark.parametrize("words", [
+    "-j auto", "--jobs auto", "-j 3", "-o out", "--out out", "-k words", "--timeout 5", "--isolate",
+    "--call-timeout 7.5", "--set a=1 --set b=2", "--info serial=1", "--force", "--as-canopen",
+    "--interface slcan", "--channel /dev/x", "--option a=1 --option b=2", "--bitrate 500000",
+    "--segment can1", "-y", "--yes", "--bus-log asc,blf", "--fresh", "--full", "--resume",
+    "--failed", "--shard 1/2", "--engine dask", "--scheduler tcp://h:1", "--live",
+    "--live-terminal", "--strict", "-x", "-q", "-v",
+])  # fmt: skip
+def test_an_option_of_a_call_that_goes_on_means_the_same_again(words: str) -> None:
+    """`axisrig run --resume -o DIR` calls itself with the words of this call."""
+    run = typer.main.get_command(app).commands["run"]  # type: ignore[attr-defined]
+    context = run.make_context("run", words.split())
+    given = given_options(context)
+    again = run.make_context("run", given.words)
+    assert again.params == context.params
+    (changed,) = [option for option in run.params if {*option.opts} & {*words.split()}]
+    named = [
+        option.name
+        for option in run.params
+        if again.get_parameter_source(option.name).name == "COMMANDLINE"
+    ]
+    assert named == [changed.name]
 
 
 Check = Callable[[str], tuple[bool, str, str]]

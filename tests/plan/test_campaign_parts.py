@@ -361,3 +361,27 @@ def test_a_run_has_its_place_in_the_plan_and_its_time(tmp_path: Path) -> None:
         ["other.csv", "2", "2026-11-29T02:00:05"],
         ["plans/p.csv", None, "2026-11-29T02:00:09"],
     ]
+
+
+@pytest.mark.parametrize(
+    ("plan", "table", "file"),
+    [
+        ("plans/all.csv", "all.csv", "plans/all.csv"),
+        ("all.csv", "all.csv", "all.csv"),
+        ("plans\\all.csv", "all.csv", "plans/all.csv"),
+        # An included table whose name is the end of that of the plan
+        ("plans/all_edges.csv", "edges.csv", "edges.csv"),
+        ("plans/all-p.csv", "p.csv", "p.csv"),
+        ("plans/edges.csv", "all_edges.csv", "all_edges.csv"),
+    ],
+)
+def test_a_row_is_of_the_table_that_its_checks_name(
+    tmp_path: Path, plan: str, table: str, file: str
+) -> None:
+    manifest = {"plans": [{"name": "p", "path": plan, "sha256": "0" * 64}]}
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    run = stored("p-a", Verdict.PASS)
+    run.checks[0] = replace(run.checks[0], reference=f"{table}:4")
+    (suite,) = ElementTree.parse(write_junit(tmp_path, [run])).getroot()
+    (one,) = suite.findall("testcase")
+    assert (one.get("file"), one.get("line")) == (file, "4")

@@ -115,6 +115,28 @@ def test_each_kind_of_input_is_that_of_the_recording(
     assert dict(case.inputs) == {f"{kind}:x": "7"}
 
 
+@pytest.mark.parametrize(
+    ("recorded", "seed"), [({"seed": "7"}, 7), ({"seed": "0"}, 0), ({"seed": ""}, 1), ({}, 1)]
+)
+@pytest.mark.parametrize("probe", ["", "p-a"])
+def test_the_seed_is_that_of_the_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recorded: dict[str, str], seed: int, probe: str
+) -> None:
+    """The frames follow from it; the cell of the plan may be another one by now."""
+    (tmp_path / "p.csv").touch()
+    run = "p-a-s01" if probe else "p-a"
+    listed = {"plans": [{"name": "p", "path": str(tmp_path / "p.csv")}]}
+    then = stored_run(run, probe=probe, **recorded)
+    monkeypatch.setattr(
+        replay, "read_results", lambda _: SimpleNamespace(runs=[then], manifest=listed)
+    )
+    search = SimpleNamespace(checks=("asked",)) if probe else None
+    plan = SimpleNamespace(cases=(case_of("a", seed=1, search=search),))
+    monkeypatch.setattr(replay, "read_plan", lambda _: plan)
+    case, _ = replay.recorded_case(tmp_path / "out", run)
+    assert (case.run, case.seed) == (run, seed)
+
+
 def test_a_replay_is_the_same_by_its_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
 

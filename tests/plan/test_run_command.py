@@ -176,9 +176,11 @@ def test_every_plan_of_a_call_has_its_inputs_its_interface_and_what_is_tested(fe
     other = fed.with_name("more.csv")
     other.write_text("case,program,rig\nalone,a.nc,r.toml\n", encoding="utf-8")
     asked: list[str] = []
+    chosen: list[list[str]] = []
 
     def changes_of(plan: Any) -> list[Any]:
         asked.append(plan.name)
+        chosen.append([case.case for case in plan.cases])
         return [parse_assignment(f"plc:V.E.OF={plan.name}")]
 
     outside: Any = SimpleNamespace(changes_of=changes_of)
@@ -190,6 +192,10 @@ def test_every_plan_of_a_call_has_its_inputs_its_interface_and_what_is_tested(fe
         for case in plan.cases:
             assert (case.inputs["plc:V.E.A"], case.inputs["plc:V.E.OF"]) == ("1", plan.name)
             assert case.notes == {"info:device": "drill", "info:serial": "7"}
+    assert [len(cases) for cases in chosen] == [5, 1]
+    chosen.clear()
+    campaign._read([fed.parent], [], "single", outside, {})
+    assert chosen == [["single"], []]  # the rigs of other rows say nothing about the interface
     (plain,) = campaign._read([other], [], None, None, {"device": "saw"})
     assert plain.cases[0].notes == {"info:device": "saw"}
 

@@ -162,6 +162,40 @@ def test_the_same_in_opendocument(place: Path, cell: str) -> None:
     assert (caught.value.line, caught.value.column) == (2, 4)
 
 
+COMMENT = "<office:annotation><text:p>a word about it</text:p></office:annotation>"
+
+
+@pytest.mark.parametrize(
+    ("cell", "title"),
+    [
+        ("{}<text:p>probe 7</text:p>", "probe 7"),
+        ("<text:p>probe 7</text:p>{}", "probe 7"),
+        ("<text:p>probe 7</text:p>", "probe 7"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["", ' table:formula="of:=[.E1]"'])
+def test_a_comment_is_no_part_of_the_value_of_its_cell(
+    place: Path, cell: str, title: str, kind: str
+) -> None:
+    """In OpenDocument it lies inside the cell, before its text."""
+    inside = cell.format(COMMENT)
+    whole = f'<table:table-cell{kind} office:value-type="string">{inside}</table:table-cell>'
+    head = ods_row(*HEAD[:3], "note:part", "requirement")
+    path = ods(place / "p.ods", ("plan", head + ods_row(*CASE, whole, "R-1")))
+    (case,) = read_plan(path).cases
+    assert (case.notes, case.requirement) == ({"note:part": title}, "R-1")
+
+
+def test_a_comment_at_an_error_does_not_hide_which_it_is(place: Path) -> None:
+    cell = (
+        '<table:table-cell table:formula="of:=1/0" office:value-type="string"'
+        f' calcext:value-type="error">{COMMENT}<text:p>#DIV/0!</text:p></table:table-cell>'
+    )
+    path = ods(place / "p.ods", ("plan", ods_row(*HEAD) + ods_row(*CASE, cell)))
+    with pytest.raises(UserError, match="cell D2 of sheet 'plan' holds the error #DIV/0!"):
+        read_plan(path)
+
+
 def test_further_sheets_with_cases_are_an_error_others_a_note(place: Path) -> None:
     plan = row(*HEAD) + row(*CASE, "&lt;= 1")
     legend = row("column", "meaning") + row("case", "the name")

@@ -383,11 +383,12 @@ def _read(
 ) -> list[Plan]:
     """Read plans with the inputs of the command line, and with what is tested."""
     changes = [parse_assignment(text) for text in assignments]
-    plans = [read_plan(path, settings_of) for path in with_plans_in(paths)]
-    meant = [
-        plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
-        for plan in plans
-    ]
+    meant = []
+    for path in with_plans_in(paths):
+        plan = read_plan(path, settings_of)
+        part = selected(plan, select, may_be_none=True)
+        given = [*changes, *(outside.changes_of(part) if outside else ())]
+        meant.append(plan.with_inputs(given, select))
     return [with_tested(plan, info) for plan in meant]
 
 

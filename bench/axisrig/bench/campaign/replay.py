@@ -33,7 +33,7 @@ def replay(case: Case, row: Mapping[str, str], bus_logs: Sequence[Path]) -> Repl
 
 
 def recorded_case(folder: Path, run: str) -> tuple[Case, Mapping[str, str]]:
-    """Return the case of a run with the inputs that were recorded for it, and its row.
+    """Return the case of a run with inputs and seed that were recorded for it, and its row.
 
     Raises UserError when the folder, the run or its plan cannot be found.
     """
@@ -44,7 +44,9 @@ def recorded_case(folder: Path, run: str) -> tuple[Case, Mapping[str, str]]:
         for column, value in row.items()
         if value and ":" in column and column.partition(":")[0] in INPUT_KINDS
     }
-    return _find(plan.cases, run, row.get(PROBE, ""), inputs), row
+    case = _find(plan.cases, run, row.get(PROBE, ""), inputs)
+    seed = row.get("seed", "")
+    return (replace(case, seed=int(seed)) if seed.isdecimal() else case), row
 
 
 def altered_words(folder: Path, run: str) -> str:

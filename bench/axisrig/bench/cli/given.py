@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import typer
 
+from axisrig.bench.cli.options import jobs_text
+
 
 @dataclass(frozen=True)
 class Given:
@@ -31,5 +33,6 @@ def given_options(context: typer.Context) -> Given:
             words += [word for one in value for word in (first, str(one))]
             continue
         given |= {*option.opts}
-        words += [first] if is_flag else [first, str(value)]
+        text = jobs_text(value) if name == "jobs" else str(value)
+        words += [first] if is_flag else [first, text]
     return Given(frozenset(given), words, frozenset(valued))

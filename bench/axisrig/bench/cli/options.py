@@ -99,6 +99,11 @@ def _jobs(text: str | int) -> int:
     return jobs
 
 
+def jobs_text(jobs: int) -> str:
+    """Write a number of processes as `-j` reads it."""
+    return "auto" if jobs == JOBS_AUTO else str(jobs)
+
+
 TimeoutOption = Annotated[
     float | None, typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes.")
 ]

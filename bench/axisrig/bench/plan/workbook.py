@@ -332,7 +332,7 @@ class _OdsSheets(_Reader):
             self._has_value = True
 
     def text(self, text: str) -> None:
-        self._text += text if self._depth == 1 else ""
+        self._text += text if self._depth == 1 and not self._is_comment else ""
 
     def end(self, name: str) -> None:
         if name == "table":

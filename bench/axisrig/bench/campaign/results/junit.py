@@ -63,7 +63,7 @@ def _places(manifest: Mapping[str, Any]) -> Place:
         for check in run.checks:
             name, _, line = check.reference.rpartition(":")
             if name and line.isdecimal():
-                return {"file": path if path.endswith(name) else name, "line": line}
+                return {"file": path if path.rpartition("/")[2] == name else name, "line": line}
         return {"file": path} if path else {}
 
     return place
