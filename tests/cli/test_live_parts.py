@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import socket
 import sys
 import threading
@@ -173,6 +174,27 @@ def test_what_is_not_known_is_left_out() -> None:
 def test_a_state_has_the_colour_of_what_it_means(word: str, style: str) -> None:
     found = terminal._word(word)
     assert (found.plain, found.style) == (word, style)
+
+
+def test_states_have_their_colours_where_they_are_drawn() -> None:
+    """Of drives, of distance controls, and the texts of alarms; messages have none."""
+    good = {**AXIS, "axis": "X"}
+    bad = {**AXIS, "axis": "Z", "drive": "fault"}
+    controls = [{**DISTANCE, "state": word} for word in ("active const dist", "error", "inactive")]
+    text = io.StringIO()
+    console = Console(file=text, width=150, force_terminal=True, color_system="standard")
+    shown = look(axes=[good, bad], distance=controls, alarms=["alarm 50052"], messages=["hello"])
+    console.print(drawing(shown))
+    words = ("operation enabled", "fault", "active const dist", "error", "alarm 50052", "inactive")
+    colours = {
+        word: re.findall(rf"\x1b\[([0-9;]*)m *{word}", text.getvalue())
+        for word in (*words, "hello")
+    }
+    assert colours == {
+        "operation enabled": ["32"], "fault": ["31"], "active const dist": ["32"],
+        "error": ["2", "31"],  # the head of a column, and the state
+        "alarm 50052": ["1;31"], "inactive": [], "hello": [],
+    }  # fmt: skip
 
 
 def test_numbers_are_right_and_words_left() -> None:

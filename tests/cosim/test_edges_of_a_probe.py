@@ -67,7 +67,7 @@ class Locating(Fmu):
 def probe_of(fmu: Locating) -> LocatingProbe:
     axis: Any = SimpleNamespace(
         motion=[0.0] * 8, tick=(1.0, 2.0, 3.0, 4.0), tells_velocity=True,
-        slave=SimpleNamespace(name="axis_z"),
+        name="axis_z",
     )  # fmt: skip
     probe = make_probe(fmu.roles, {"z": axis})
     assert isinstance(probe, LocatingProbe)
@@ -132,3 +132,21 @@ def test_edges_of_before_the_begin_are_none() -> None:
     assert probe.step(0, 100 * US) == 0
     probe.accept(100 * US)
     assert (probe.signal.edges, probe.contacts) == ([], [])
+
+
+def test_a_contact_has_the_place_of_each_axis_also_of_two_on_one_fmu() -> None:
+    """As the FMU of the probe reports them, by the names of the axes in the rig."""
+    fmu = Locating((30,), touched=(30,))
+    fmu.outputs |= {"contact_x": lambda _ns: 0.25, "contact_z": lambda _ns: -0.5}
+    of_both = SimpleNamespace(name="table")
+    axes: Any = {
+        group: SimpleNamespace(motion=[0.0] * 8, tick=(0.0, 0.0, 0.0, 0.0), tells_velocity=True,
+                               slave=of_both, name=name)
+        for group, name in (("x", "table"), ("z", "table2"))
+    }  # fmt: skip
+    probe = make_probe(fmu.roles, axes)
+    probe.start(0)
+    probe.step(0, 100 * US)
+    probe.accept(100 * US)
+    (contact,) = probe.contacts
+    assert contact.position_mm == {"table": 250.0, "table2": -500.0}

@@ -69,7 +69,7 @@ class Rig:
         self.axes: list[Any] = [
             SimpleNamespace(
                 motion=[0.0] * 8, tick=(0.0,) * 4, tells_velocity=tells_velocity,
-                slave=SimpleNamespace(name=axis),
+                name=axis,
             )
             for axis in axes
         ]  # fmt: skip

@@ -55,6 +55,14 @@ def pair(
     return first, second
 
 
+def test_each_axis_has_its_own_name_and_both_the_fmu(plant: Callable[[], Plant]) -> None:
+    whole = plant()
+    first, second = pair(whole, "none")
+    assert (first.name, second.name) == ("x", "x2")
+    assert first.slave is second.slave
+    assert whole.axes == {"x": first, "x2": second}
+
+
 @pytest.mark.parametrize("stop_of", SUFFIXES)
 @pytest.mark.parametrize("is_in_rows", [False, True])
 def test_the_stop_of_either_side_is_met_in_fine_steps(

@@ -43,9 +43,7 @@ class Bench:
     """Axes x and z with a probe, moved by hand in cycles of 1 ms; positions in mm."""
 
     def __init__(self, wiring: Wiring = WIRED, task: Any = None, **keys: Any) -> None:
-        self.axes = [
-            SimpleNamespace(motion=[0.0, 0.0], slave=SimpleNamespace(name=name)) for name in "xz"
-        ]
+        self.axes = [SimpleNamespace(motion=[0.0, 0.0], name=name) for name in "xz"]
         roles = SimpleNamespace(has_group=lambda group: group == "contact")
         self.probe: Any = SimpleNamespace(sources=self.axes, contacts=[], roles=roles)
         self.plant: Any = SimpleNamespace(probes={"tip": self.probe}, now_ns=0)

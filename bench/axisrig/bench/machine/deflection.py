@@ -97,7 +97,7 @@ class _Follower:
         """
         begin = self.deflections[-1].contact.position_mm
         ways = [
-            place_m * 1e3 - begin[axis.slave.name]
+            place_m * 1e3 - begin[axis.name]
             for place_m, axis in zip(places_m, self._moving, strict=True)
         ]
         if self._direction is None:
@@ -152,7 +152,7 @@ class DeflectionLog:
                 name,
                 probe,
                 settings.rig.plant[name],
-                [names.get(axis.slave.name, axis.slave.name) for axis in moving(probe)]
+                [names.get(axis.name, axis.name) for axis in moving(probe)]
                 if name in measuring
                 else None,
             )

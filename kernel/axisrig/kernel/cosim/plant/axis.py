@@ -60,6 +60,7 @@ class PlantAxis:
         second_encoder: Callable[[], float] | None = None,
     ) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
+        self.name = roles.slave.name  # a further axis of an FMU gets its own
         self._samples = None if roles.has_group("ramp") else SampledDemand(roles)
         self._demand: Ramp | SampledDemand = self._samples or Ramp(roles)
         self._control, self._second_encoder = Control(roles), second_encoder

@@ -159,7 +159,7 @@ class LocatingProbe(PlantProbe):
         if self._places is not None and new[2]:
             self._places.read()
             where = {
-                axis.slave.name: value * 1e3
+                axis.name: value * 1e3
                 for axis, value in zip(self.sources, self._places.values, strict=True)
             }
             self.contacts.append(Contact(times_ns[2], where))

@@ -101,8 +101,9 @@ class Plant:
                 value=name,
             )
         second = self._reader(second_encoder)
-        self.axes[name] = PlantAxis(roles, self.advance_to, beside, second)
-        return self.axes[name]
+        axis = self.axes[name] = PlantAxis(roles, self.advance_to, beside, second)
+        axis.name = name
+        return axis
 
     def _reader(self, name: str | None) -> Callable[[], float] | None:
         """Return what reads an encoder at the load of an axis, or at a sensor."""

@@ -203,7 +203,7 @@ class PlantProbe(ABC):
             self._bound_is_broken(now_ns)
 
     def _bound_is_broken(self, now_ns: TimeNs) -> None:
-        names = ", ".join(axis.slave.name for axis in self.sources)
+        names = ", ".join(axis.name for axis in self.sources)
         raise EdgeMayBeLostError(
             self.slave.name,
             now_ns,
