@@ -93,6 +93,32 @@ def test_table_shows_every_frame_and_the_sums() -> None:
     assert lines[9].startswith("last TPDO delivered    577.0 of 570.0 us")
 
 
+@pytest.mark.parametrize("offset", [100, 190, 600])
+def test_frames_may_be_given_in_any_order(offset: int) -> None:
+    """Their identifiers say which is the last; the table has each request by identifier."""
+    events = [PlannedFrame("heartbeat", 0x701, 1), PlannedFrame("EMCY", 0x81, 8)]
+    given = tpdos(2), rpdos(2), events
+    found = cycle_arithmetic(RATE, MS, offset * US, *given)
+    for turned in (
+        [each[::-1] for each in given],
+        [each[1:] + each[:1] for each in given],
+    ):
+        assert cycle_arithmetic(RATE, MS, offset * US, *turned) == found
+    # The last RPDO is that with the highest identifier: it alone waits for what is before it
+    late = PlannedFrame("RPDO2", 0x301, 8)
+    between = PlannedFrame("TPDO of another", 0x2F0, 8)
+    for rpdos_given in ([*rpdos(1), late], [late, *rpdos(1)]):
+        one = cycle_arithmetic(RATE, MS, 600 * US, tpdos(1), rpdos_given, [between])
+        assert one.last_rpdo_ns == (600 + 135 + 135 + 135 - 3) * US
+    shown = [(request, frame.can_id) for request, frame in found.frames]
+    assert shown == [
+        ("0", 0x80),
+        *(("SYNC", can_id) for can_id in (0x181, 0x182, 0x281, 0x282)),
+        *(("offset", can_id) for can_id in (0x201, 0x202)),
+        *(("event", can_id) for can_id in (0x81, 0x701)),
+    ]
+
+
 def test_limits_that_are_just_met_are_met() -> None:
     """Two drives: 512 us for the TPDOs, 270 us for the RPDOs, 785 us in all; 1 ns less does not."""
     found = cycle_arithmetic(RATE, 785 * US, 515 * US, tpdos(2), rpdos(2))

@@ -186,6 +186,26 @@ def test_frames_of_several_ports_that_are_held_back_wait_each_for_its_own_port(
     assert [can_id for _, can_id, _ in on_bus] == [0x282, 0x182, 0x281, 0x181]
 
 
+def test_a_port_without_power_takes_along_what_is_held_back_of_it_alone(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    on_bus = watch(segment)
+    segment.add_fault(
+        lambda frame, _, attempt: Swap() if frame[0] in (0x181, 0x182) and not attempt else None
+    )
+    x, y = segment.port("x"), segment.port("y")
+    segment.port("listener")
+    x.send_raw(0x181, b"")
+    y.send_raw(0x182, b"")
+    scheduler.run_until(MS)
+    x.power_off()
+    x.power_on()
+    for port, can_id in ((x, 0x281), (y, 0x282)):
+        port.send_raw(can_id, b"")
+    scheduler.run_until(2 * MS)
+    assert [can_id for _, can_id, _ in on_bus] == [0x281, 0x282, 0x182]
+
+
 @pytest.mark.parametrize("is_each_attempt", [False, True])
 def test_a_fault_counts_frames_or_each_attempt_to_send_them(
     scheduler: Scheduler, segment: Segment, watch: Watch, is_each_attempt: bool

@@ -2,6 +2,7 @@
 
 import pytest
 
+from axisrig.bench.bus.can.frame import Frame
 from axisrig.bench.bus.can.load import LoadMeter
 from axisrig.kernel.time.clock import MS
 
@@ -29,3 +30,41 @@ def test_an_even_load_is_the_same_in_every_window() -> None:
         meter.occupy(ms * MS, ms * MS + 300_000, 300)
     load = meter.figures(150 * MS)
     assert load.worst_100ms_share == pytest.approx(load.busy_share) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(
+    ("until_ms", "span_ms", "share"),
+    [(4, 10, 0.5), (4, 4, 0.5), (4, 2, 0.0), (4, 3, 1 / 3), (2, 1, 1.0), (0, 10, 0.0), (4, 0, 0.0)],
+)
+def test_the_load_of_now_is_of_the_time_that_has_been(
+    until_ms: int, span_ms: int, share: float
+) -> None:
+    """Busy for the first 2 ms of 4; a longer span than the run is the whole run."""
+    meter = LoadMeter(1_000_000)
+    meter.occupy(0, 2 * MS, 2000)
+    meter.occupy(4 * MS, 5 * MS, 1000)
+    assert meter.now(until_ms * MS, span_ms * MS).busy_share == pytest.approx(share)
+    assert meter.now(until_ms * MS + MS - 1, span_ms * MS).busy_share == pytest.approx(share)
+
+
+@pytest.mark.parametrize("extended", [False, True])
+def test_frames_and_delays_are_of_an_identifier_with_its_kind(extended: bool) -> None:
+    """Bit 31 for 29-bit ones, as in SocketCAN, of what was sent and of what still waits."""
+    meter = LoadMeter(1_000_000)
+    mark = 0x8000_0000 if extended else 0
+    meter.count_frame(0x123, extended, 700)
+    meter.count_frame(0x123, extended, 300)
+    meter.count_frame(0x123, not extended, 100)
+    meter.count_error()
+    waiting = [
+        (Frame(0x080, b"", extended, False, 0), 400),
+        (Frame(0x123, b"", extended, False, 0), 900),
+    ]
+    load = meter.figures(1000, waiting)
+    assert load.worst_delay_ns == {
+        0x080 | mark: 600,
+        0x123 | mark: 700,
+        0x123 | mark ^ 0x8000_0000: 100,
+    }
+    assert list(load.worst_delay_ns) == sorted(load.worst_delay_ns)
+    assert (load.frames, load.error_frames) == (3, 1)

@@ -185,3 +185,29 @@ def test_one_error_active_sender_that_sees_its_bit_error_destroys_the_frame_of_a
         assert near is not None
         assert bytes(near.data) == b"\x00"
         assert [port.tec for port in senders] == [max(before[0] - 1, 0), 128 + 8, 128 + 8]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_passive_senders_fall_out_one_after_the_other(
+    segment: Segment, order: tuple[int, int, int]
+) -> None:
+    """0x200 with data 00, 01 and 02 at once: of 02 and 00 the bit before that of 01 and 00 differs.
+
+    Nobody disturbs the frame with 00; each of the others gets none of it, counts 8 and sends after
+    it, where 01 wins against 02 in the same way.
+    """
+    senders = [segment.port(f"data {number}") for number in range(3)]
+    near = segment.port("near")
+    _passive(*senders)
+    heard: list[list[bytes]] = [[] for _ in senders]
+    for port, own in zip(senders, heard, strict=True):
+        port.attach(lambda m, own=own: own.append(bytes(m.data)))
+    for number in order:
+        senders[number].send_raw(0x200, bytes((number,)))
+    segment.scheduler.run_until(2 * MS)
+    found = [near.recv(0) for _ in range(4)]
+    assert [bytes(m.data) for m in found if m is not None] == [b"\0", b"\1", b"\2"]
+    assert heard == [[b"\1", b"\2"], [b"\2"], []]
+    # 128 at first; each failure 8 more, each frame that got through or came 1 less of its count
+    assert [port.tec for port in senders] == [127, 128 + 8 - 1, 128 + 16 - 1]
+    assert segment.load().error_frames == 0

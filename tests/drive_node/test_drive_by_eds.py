@@ -357,6 +357,30 @@ def test_a_fifth_pdo_with_an_identifier_of_its_own(bench: Any) -> None:
     assert len(bench.frames(0x1D0)) == 1
 
 
+def test_a_fifth_pdo_that_is_received_changes_while_the_node_runs(
+    drive_bench: Make, tmp_path: Path
+) -> None:
+    """Another identifier for RPDO 5 leaves RPDO 1 as it is; both take the target 607A."""
+    path = tmp_path / "foreign.eds"
+    fifth = FIFTH.replace("1804", "1404").replace("1A04", "1604").replace("TPDO", "RPDO")
+    fifth = fifth.replace("0x1C0", "0x240").replace("0x60410010", "0x607A0020")
+    path.write_text(eds_text(DriveProfile()) + fifth, encoding="ascii")
+    bench = drive_bench(document=Document(read_eds(str(path), NODE), path.read_bytes()))
+    bench.operational()
+    bench.remote.sdo.download(0x1404, 1, struct.pack("<I", OFF | 0x240 + NODE))
+    bench.remote.sdo.download(0x1404, 1, struct.pack("<I", 0x250))
+    now_ms = round(bench.scheduler.now_ns / 1e6) + 1
+    for step, (can_id, target, found) in enumerate(
+        ((0x250, 5, 5), (0x240 + NODE, 6, 5), (0x250, 7, 7))
+    ):
+        bench.master.send_message(can_id, struct.pack("<i", target))
+        bench.sync_at_ms(now_ms + step)
+        assert bench.node.image.target_position == found
+    bench.set_values(6, 8)
+    bench.sync_at_ms(now_ms + 4)
+    assert bench.node.image.target_position == 8
+
+
 @pytest.mark.parametrize("index", [0x1400, 0x1401, 0x1402, 0x1403, 0x1800, 0x1801, 0x1802, 0x1803])
 def test_a_pdo_that_the_file_does_not_have_is_off_and_the_others_stay(
     tmp_path: Path, index: int

@@ -102,6 +102,33 @@ def test_the_time_without_a_heartbeat_begins_with_each_of_them() -> None:
     assert node.hear(OPERATIONAL) is None
 
 
+@pytest.mark.parametrize(("settings", "limit_ms"), [(HEARTBEAT, 40), (GUARDING, 30)])
+@pytest.mark.parametrize("more_ms", [1, 35, 1000])
+def test_an_alarm_says_how_long_the_node_has_been_silent(
+    settings: WatchSettings, limit_ms: int, more_ms: int
+) -> None:
+    """Since it was heard last, not since the watch began; whole milliseconds."""
+    node = Node(settings)
+    node.wait(7 * MS)
+    node.hear(OPERATIONAL)
+    found = node.wait((limit_ms + more_ms) * MS + 999_999)
+    assert found is not None
+    assert (found.values["axis"], found.values["node"]) == ("Z", 3)
+    assert found.values["ms"] == limit_ms + more_ms
+
+
+def test_an_answer_that_stands_still_is_an_alarm_with_its_own_time() -> None:
+    """The node is not silent then: its answers came 0 and 4 ms before."""
+    node = Node(GUARDING)
+    node.hear(OPERATIONAL)
+    found = node.hear(OPERATIONAL)
+    later = node.wait(4 * MS)
+    assert found is not None
+    assert later is not None
+    assert [alarm.values["ms"] for alarm in (found, later)] == [0, 4]
+    assert [alarm.values["what"] for alarm in (found, later)] == ["node guarding"] * 2
+
+
 @pytest.mark.parametrize("data", [b"", b"\x05\x00"])
 def test_a_telegram_of_another_length_is_no_heartbeat(data: bytes) -> None:
     node = Node(HEARTBEAT)

@@ -75,6 +75,37 @@ def test_what_the_control_takes_for_a_value(
         assert after in (S.IDLE, S.CLEAR, S.CLEARING)
 
 
+@pytest.mark.parametrize("state", S)
+def test_what_a_state_of_the_control_does_with_each_telegram(state: of_control.ReadState) -> None:
+    """Of OLD nothing; a value that nobody has ordered is read away, and one that nobody reads
+    makes an edge before it uncertain.
+    """
+    after = {asked: of_control.TABLE[state, asked] for asked in E}
+    assert after[E.OLD] is state
+    if state in (S.IDLE, S.CLEAR):
+        assert (after[E.LOW], after[E.LATCHED]) == (S.CLEAR, S.CLEARING)
+        assert (after[E.NEW], after[E.SAME]) == (S.IDLE, S.IDLE)
+        assert after[E.ARM] is (S.ARMING if state is S.CLEAR else S.IDLE)
+    if state is S.CLEARING:
+        assert {after[asked] for asked in (E.ARM, E.DISARM, E.LOW, E.LATCHED)} == {S.CLEARING}
+        assert (after[E.NEW], after[E.SAME]) == (S.IDLE, S.IDLE)
+    if state not in (S.IDLE, S.CLEAR, S.CLEARING):
+        assert (after[E.ARM], after[E.DISARM]) == (state, S.IDLE)
+    if state is S.ARMING:
+        assert (after[E.LOW], after[E.LATCHED]) == (S.ARMING, S.ARMING)
+    if state is S.RELEASING:
+        assert (after[E.LOW], after[E.LATCHED]) == (S.ARMED, S.READING)
+    if state is S.ARMED:
+        assert (after[E.LOW], after[E.NEW], after[E.SAME]) == (S.ARMED, S.LOST, S.LOST)
+    if state is S.READING:
+        assert (after[E.LOW], after[E.LATCHED], after[E.NEW]) == (S.LOST, S.READING, S.READING)
+    if state is S.VALUE:
+        assert (after[E.LOW], after[E.LATCHED], after[E.NEW]) == (S.LOST, S.LOST, S.LOST)
+        assert after[E.SAME] is S.VALUE
+    if state is S.LOST:
+        assert {after[asked] for asked in (E.LOW, E.LATCHED, E.NEW, E.SAME)} == {S.LOST}
+
+
 @pytest.mark.parametrize("state", U)
 @pytest.mark.parametrize("asked", V)
 def test_what_the_drive_does(state: of_unit.ReadState, asked: of_unit.ReadInput) -> None:

@@ -150,6 +150,45 @@ def test_it_is_not_enabled_while_a_bit_is_high(armed: LatchControl) -> None:
     assert armed.is_clear
 
 
+@pytest.mark.parametrize("values", [(5,), (5, 5), (5, 6)])
+def test_a_value_that_comes_when_nobody_waits_is_not_clear(values: tuple[int, ...]) -> None:
+    """So the next run does not take it for its own: it begins when the valid bit is low again."""
+    latch = LatchControl(echo_cycles=2)
+    show(latch, None, None, None)
+    assert latch.is_clear
+    show(latch, *values)
+    assert not latch.is_clear
+    latch.arm()
+    show(latch, values[-1], values[-1], values[-1])
+    assert (latch.is_ordered, latch.has_latched, latch.value) == (False, False, None)
+    show(latch, None)
+    assert latch.is_clear
+    latch.arm()
+    show(latch, None, None)
+    assert latch.is_armed
+
+
+@pytest.mark.parametrize("state", S)
+def test_what_a_state_of_the_control_does_with_each_telegram(state: of_control.LatchState) -> None:
+    """Of OLD nothing; without an order LOW alone is clear; an order is taken back at once."""
+    after = {asked: of_control.TABLE[state, asked] for asked in E}
+    assert after[E.OLD] is state
+    if state in (S.IDLE, S.CLEAR):
+        assert (after[E.LOW], after[E.NEW], after[E.SAME]) == (S.CLEAR, S.IDLE, S.IDLE)
+        assert after[E.ARM] is (S.ARMING if state is S.CLEAR else S.IDLE)
+    else:
+        assert after[E.ARM] is state
+        assert after[E.DISARM] is S.IDLE
+    if state in (S.ARMING, S.ARMED):
+        assert (after[E.LOW], after[E.NEW], after[E.SAME]) == (S.ARMED, S.STORED, S.STORED)
+    if state is S.STORED:
+        assert (after[E.NEW], after[E.SAME]) == (S.STORED, S.VALUE)
+    if state is S.VALUE:
+        assert (after[E.NEW], after[E.SAME]) == (S.LOST, S.VALUE)
+    if state is S.LOST:
+        assert {after[asked] for asked in (E.LOW, E.NEW, E.SAME)} == {S.LOST}
+
+
 def test_a_latched_value_has_increments_of_its_own_on_lightbus() -> None:
     """LATCH32 counts um, LATCH16 divides a turn of 10 mm; the others latch their counter."""
     latched = {name: family.table.facts().latch_per_mm for name, family in FAMILIES.items()}

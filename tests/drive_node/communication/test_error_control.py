@@ -258,3 +258,60 @@ def test_canopen_guards_the_drive(drive_bench: Make) -> None:
     nmt.stop_node_guarding()
     bench.run_to_ms(bench.scheduler.now_ns / 1e6 + 50)
     assert bench.frames(0x083) == [bytes.fromhex(GUARD_LOST[1])]
+
+
+@pytest.mark.parametrize("data", ["", "0500", "0000", "0505050505050505"])
+def test_a_frame_of_another_length_is_neither_a_heartbeat_nor_a_boot_up(
+    stranger: Make, data: str
+) -> None:
+    """CiA 301: a heartbeat has one byte. The watched node is lost when its time is over."""
+    drive = stranger()
+    assert drive.write(0x1016, 1, 5 << 16 | 20, 4) == 0
+    drive.after(0x705, data)
+    drive.run_ms(100)
+    assert drive.frames(0x083) == []  # nobody has been heard yet
+    drive.after(0x705, "05", wait_ms=15)
+    drive.after(0x705, data, wait_ms=3)
+    assert drive.frames(0x083) == []
+    drive.run_ms(4)
+    assert drive.frames(0x083) == [LOST[1]]
+    drive.after(0x705, data)
+    assert drive.frames(0x083) == [LOST[1]]
+    drive.after(0x705, "05")
+    assert drive.frames(0x083) == [LOST[1], GONE[1]]
+
+
+@pytest.mark.parametrize(("index", "size"), [(0x100C, 2), (0x100D, 1)])
+def test_a_life_time_taken_back_in_time_is_watched_no_more(
+    stranger: Make, index: int, size: int
+) -> None:
+    """Guard time or life time factor 0; with both again the next request begins it anew."""
+    drive = stranger()
+    drive.write(0x100C, 0, 10, 2)
+    drive.write(0x100D, 0, 2, 1)
+    drive.after(0x703, remote=True)
+    drive.write(index, 0, 0, size)
+    drive.run_ms(100)
+    assert drive.frames(0x083) == []
+    drive.write(index, 0, {0x100C: 10, 0x100D: 2}[index], size)
+    drive.run_ms(100)
+    assert drive.frames(0x083) == []
+    drive.after(0x703, remote=True)
+    drive.run_ms(18)
+    assert drive.frames(0x083) == []
+    drive.run_ms(3)
+    assert drive.frames(0x083) == [GUARD_LOST[1]]
+
+
+@pytest.mark.parametrize(("node", "heard"), [(0, 0), (128, 0), (133, 5), (255, 127)])
+def test_a_number_that_no_node_has_is_watched_by_no_entry(
+    stranger: Make, node: int, heard: int
+) -> None:
+    """CiA 301, 1016: 1 to 127 are watched; two entries with another number do not disturb."""
+    drive = stranger()
+    for entry in (1, 2):
+        assert drive.write(0x1016, entry, node << 16 | 20, 4) == 0
+    drive.after(0x700 + heard, "05")
+    drive.run_ms(100)
+    drive.after(0x700 + heard, "00")
+    assert drive.frames(0x083) == []

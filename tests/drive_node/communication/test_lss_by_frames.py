@@ -210,3 +210,69 @@ def test_a_bus_of_one_bit_rate_refuses_another() -> None:
     assert slave.ask(0x15, 10, 0) == []
     slave.clock.run_until(100 * MS)
     assert slave.settings.stored_bit_rate is None
+
+
+def _select(slave: Slave, *numbers: tuple[int, int]) -> list[str]:
+    """Send numbers of an identity by their place; return every answer."""
+    return [
+        found
+        for place, number in numbers
+        for found in slave.ask(0x40 + place, *struct.pack("<I", number))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "by"), [(1, "number"), (2, "number"), (3, "number"), (2, "place"), (3, "place")]
+)
+def test_after_a_mismatch_a_selection_begins_with_the_vendor(wrong: int, by: str) -> None:
+    """CiA 305, switch state selective: the right numbers behind it do not make up for it."""
+    slave, right = Slave(), list(enumerate(IDENTITY))
+    odd = (wrong, IDENTITY[wrong] + 1) if by == "number" else right[wrong - 1]
+    assert _select(slave, *right[:wrong], odd, *right[wrong:]) == []
+    assert not slave.is_configuring
+    assert _select(slave, *right) == ["4400000000000000"]
+    assert slave.is_configuring
+
+
+@pytest.mark.parametrize("before", [1, 2, 3])
+def test_a_reset_ends_a_selection(before: int) -> None:
+    slave, right = Slave(), list(enumerate(IDENTITY))
+    _select(slave, *right[:before])
+    slave.lss.reset()
+    assert _select(slave, *right[before:]) == []
+    assert not slave.is_configuring
+
+
+@pytest.mark.parametrize(
+    ("node_id", "error"), [(0, 1), (1, 0), (127, 0), (128, 1), (254, 1), (255, 0)]
+)
+def test_node_numbers_that_can_be_set(node_id: int, error: int) -> None:
+    """CiA 305, configure node-ID: 1 to 127, and 255 for none; another one leaves what there is."""
+    slave = Slave(active=9, pending=9)
+    slave.ask(0x04, 1)
+    assert slave.ask(0x11, node_id) == [f"11{error:02x}000000000000"]
+    assert slave.settings.node_id == (9 if error else node_id)
+    assert slave.ask(0x5E) == ["5e09000000000000"]  # the present one, until a reset
+    assert slave.settings.stored_node_id == 9
+    assert slave.ask(0x17) == ["1700000000000000"]
+    assert slave.settings.stored_node_id == slave.settings.node_id
+
+
+@pytest.mark.parametrize(
+    ("table", "entry", "bit_s"),
+    [
+        (0, 0, 1_000_000), (0, 1, 800_000), (0, 2, 500_000), (0, 3, 250_000), (0, 4, 125_000),
+        (0, 5, None), (0, 6, 50_000), (0, 7, 20_000), (0, 8, 10_000), (0, 9, None), (0, 255, None),
+        (1, 2, None), (255, 2, None),
+    ],
+)  # fmt: skip
+def test_bit_rates_of_the_standard_table(table: int, entry: int, bit_s: int | None) -> None:
+    """CiA 305, table of bit timing parameters: 5 is reserved, 9 asks the slave to detect it."""
+    slave = Slave()
+    slave.ask(0x04, 1)
+    error = 0 if bit_s else 1
+    assert slave.ask(0x13, table, entry) == [f"13{error:02x}000000000000"]
+    assert slave.settings.bit_rate == bit_s
+    slave.ask(0x17)
+    assert slave.settings.stored_bit_rate == bit_s
+    assert slave.rates == []  # only an activation changes it

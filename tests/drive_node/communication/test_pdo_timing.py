@@ -193,7 +193,74 @@ def test_other_types_answer_too(stranger: Make, kind: int) -> None:
     assert ask(drive) == ["5002"]
 
 
+def test_what_is_asked_for_again_while_an_answer_waits_is_answered_once(stranger: Make) -> None:
+    """Inhibit time 8 ms from the start on: three requests in it give one message at its end."""
+    drive = stranger()
+    tpdo4(drive, 255, remote=True, inhibit=80)
+    begin = drive.bench.scheduler.now_ns
+    drive.nmt(1)
+    for _ in range(3):
+        assert ask(drive) == []
+    drive.write(0x6040, 0, 6, 2)
+    drive.run_ms(50)
+    assert drive.frames(0x483) == ["5002", "3102"]
+    assert [int(t) for t in drive.times_ms(0x483, begin)] == [0, 8]
+
+
+@pytest.mark.parametrize("command", [128, 2, 129, 130])
+def test_what_waits_for_its_inhibit_time_is_gone_with_operational(
+    stranger: Make, command: int
+) -> None:
+    drive = stranger()
+    tpdo4(drive, 255, inhibit=200)
+    drive.nmt(1)
+    drive.write(0x6040, 0, 6, 2)
+    assert len(drive.frames(0x483)) == 1
+    drive.nmt(command)
+    drive.run_ms(50)
+    assert len(drive.frames(0x483)) == 1
+
+
+def test_an_event_timer_samples_when_it_sends(stranger: Make, fake_axis: Any) -> None:
+    """6064 of an axis at 0.1 m/s, 10485.76 units in 1 ms, every 20 ms without any SYNC."""
+    drive = stranger(axis=fake_axis(motion=lambda time_s: 0.1 * time_s))
+    tpdo4(drive, 255, event=20)
+    drive.write(0x1803, 1, 0xC000_0483, 4)
+    for sub, value, size in ((0, 0, 1), (1, 0x60640020, 4), (0, 1, 1)):
+        assert drive.write(0x1A03, sub, value, size) == 0
+    drive.write(0x1803, 1, 0x4000_0483, 4)
+    drive.nmt(1)
+    drive.run_ms(65)
+    places = [int.from_bytes(bytes.fromhex(data), "little") for data in drive.frames(0x483)]
+    late_ms = [
+        at - place / 10_485.76 for at, place in zip(drive.times_ms(0x483), places, strict=True)
+    ]
+    assert len(late_ms) == 4
+    assert all(0.0 <= late < 0.2 for late in late_ms)  # its own way on the bus
+
+
 # What comes in
+
+
+@pytest.mark.parametrize("kind", [1, 255])
+def test_an_rpdo_counts_once_whatever_is_written_after_it(stranger: Make, kind: int) -> None:
+    """SDO writes the target after the SYNC that took the RPDO: later ones do not bring it back."""
+    drive = stranger()
+    drive.write(0x1400, 1, 0x8000_0203, 4)
+    drive.write(0x1400, 2, kind, 1)
+    drive.write(0x1400, 1, 0x203, 4)
+    drive.nmt(1)
+    drive.after(0x203, "0600110000000000")
+    drive.after(0x80)
+    assert drive.node.image.target_position == 0x11
+    assert drive.write(0x607A, 0, 0x22, 4) == 0
+    for _ in range(2):
+        drive.after(0x80)
+        assert drive.node.image.target_position == 0x22
+    drive.after(0x203, "0600330000000000")
+    drive.after(0x203, "0600440000000000")
+    drive.after(0x80)
+    assert drive.node.image.target_position == 0x44
 
 
 @pytest.mark.parametrize(

@@ -118,3 +118,29 @@ def test_inputs_are_8_bits_and_0_from_a_reset_to_the_next_sync(bus: Bus) -> None
     bus.after(0x80)
     assert len(bus.asked_ns) == asked
     assert node.node_id == NODE
+
+
+def test_a_node_with_inputs_beats_before_it_answers_and_then_in_its_time(bus: Bus) -> None:
+    """1017 written: the heartbeat, the answer, and the next heartbeat a period later; 0 ends it."""
+    IoNode(NODE, bus.network, bus.clock, bus.level)
+    bus.clock.run_until(MS)
+    answer = (0x585, "6017100000000000")
+    assert bus.after(0x605, "2b17100005000000", 4.5) == [PRE_OPERATIONAL, answer]
+    bus.clock.run_until(bus.clock.now_ns + 10 * MS)
+    assert bus.heard[-3:] == [answer, PRE_OPERATIONAL, PRE_OPERATIONAL]
+    assert bus.after(0x605, "2b17100000000000", 20)[0] == answer
+    assert bus.heard[-1] == answer
+
+
+def test_a_node_with_inputs_has_no_emergencies_to_send(bus: Bus) -> None:
+    """It has no 1014 (CiA 301: emergency object is optional); 1001 shows the error all the same."""
+    IoNode(NODE, bus.network, bus.clock, bus.level)
+    bus.clock.run_until(MS)
+    bus.after(0, "0105")
+    read = "4001100000000000"
+    assert bus.after(0x605, read) == [(0x585, "4f01100000000000")]
+    assert bus.after(0x80, "01") == []  # a SYNC with data
+    assert bus.after(0x605, read) == [(0x585, "4f01100011000000")]
+    assert bus.after(0x80) == [(0x185, "00")]
+    assert bus.after(0x605, read) == [(0x585, "4f01100000000000")]
+    assert bus.after(0x605, "4014100000000000") == [(0x585, "8014100000000206")]
