@@ -44,6 +44,69 @@ def test_what_was_meant_is_told_once(text, words):
     assert words in str(error)
 
 
+CONDITIONS = {
+    "$IF": "$IF {}\n$ENDIF",
+    "$IF with a jump": "$IF {} $GOTO [A]\n[A] X1",
+    "$ELSEIF": "$IF 1\n$ELSEIF {}\n$ENDIF",
+    "$WHILE": "$WHILE {}\n$ENDWHILE",
+    "$ENDDO": "$DO\n$ENDDO {}",
+    "$UNTIL": "$REPEAT\n$UNTIL {}",
+}
+
+
+COMPARISONS = {
+    "=": "equal is written ==",
+    "=>": "at least is written >=",
+    "=<": "at most is written <=",
+    "<>": "not equal is written !=",
+}
+
+
+@pytest.mark.parametrize("head", ["", "N10 ", "/3 N10 ", "/ "])
+@pytest.mark.parametrize("word", CONDITIONS)
+def test_every_condition_knows_the_comparisons_of_other_languages(word, head):
+    """Wherever it is in its block, with and without blanks, also in small letters."""
+    lines = CONDITIONS[word].split("\n")
+    at = next(place for place, line in enumerate(lines) if "{}" in line)
+    for written, right in COMPARISONS.items():
+        for condition in (f"P1 {written} 2", f"P1{written}2", f"[P1+1] {written} [2]"):
+            block = head + lines[at].format(condition)
+            for spelled in (block, block.lower()):
+                found = errors("\n".join([*lines[:at], spelled, *lines[at + 1 :]]))
+                assert [(error.line, error.hint) for error in found] == [(at + 1, right)], spelled
+
+
+@pytest.mark.parametrize("word", ["$SWITCH {}\n$CASE 1", "$SWITCH 1\n$CASE {}"])
+def test_what_chooses_by_a_value_compares_nothing(word):
+    for condition in ("P1 = 2", "P1 => 2", "P1 <> 2"):
+        (error,) = errors(f"{word.format(condition)}\n$ENDSWITCH")
+        assert error.hint is None
+
+
+@pytest.mark.parametrize("head", ["", "N10 ", "/3 N10 "])
+@pytest.mark.parametrize("values", ["", " P1", " P1=1", " P1=1,5", " P1=1,5,1,2", " P1=0,5,1,5,1"])
+def test_a_loop_with_too_few_or_too_many_values_shows_its_form(head, values):
+    """A comma between two digits separates values here: it is no decimal comma."""
+    (error,) = errors(f"{head}$FOR{values}\n$ENDFOR")
+    assert (error.line, error.hint) == (1, "$FOR P1 = first, last, step")
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "hint"),
+    [
+        ("v.p.x: REAL64", 6, "a variable gets its type between #VAR and #ENDVAR"),
+        ("V.P.X : UNS32", 7, "a variable gets its type between #VAR and #ENDVAR"),
+        ("G1 X1:Y2", 6, None), ("$IF P1 : 2\n$ENDIF", 8, None),
+        ("$IF $ELSE\n$ENDIF", 5, None),
+        ("G1 XO", 4, "X0 meant? It has a letter O"), ("xo5", 1, "x05 meant? It has a letter O"),
+        ("G1 X1 YOO1", 7, "Y001 meant? It has a letter O"),
+    ],
+)  # fmt: skip
+def test_a_slip_is_that_of_its_own_place(text, column, hint):
+    error = errors(text)[0]
+    assert (error.column, error.hint) == (column, hint)
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -42,7 +42,8 @@ _INSIDE = {
 }
 _BEGINNING = re.compile(
     r"(?:/[0-9]*[ \t]*)?(?:N[ \t]*(?P<number>[0-9]{1,9})[ \t]*:|\[(?P<name>[^\]]*)\]"
-    r"|(?:N[ \t]*[0-9]+[ \t]*)?\$?(?P<word>[A-Z]+)(?![A-Z0-9_]|[ \t]*(?:=(?!=)|\[)))",
+    r"|(?:N[ \t]*[0-9]+[ \t]*)?(?:\$(?P<control>[A-Z]+)(?![A-Z0-9_])"
+    r"|(?P<word>[A-Z]+)(?![A-Z0-9_]|[ \t]*(?:=(?!=)|\[))))",
     re.IGNORECASE,
 )
 _LOOPS = ("$FOR", "$WHILE", "$DO", "$REPEAT")
@@ -96,8 +97,8 @@ class Structure:
         begins = _BEGINNING.match(code)
         if begins is None:
             return
-        if begins["word"]:
-            self._assume_word(f"${begins['word'].upper()}", code, offset)
+        if word := begins["control"] or begins["word"]:
+            self._assume_word(f"${word.upper()}", code, offset)
         elif begins["number"]:
             self._labels.setdefault(f"N{int(begins['number'])}", offset)
         elif begins["name"]:

@@ -22,7 +22,10 @@ def meant_at(source: Source, begin: int, end: int, offset: int) -> str | None:
     """Give a hint for the place of an error in the block from begin to end; None without one."""
     code = source.code
     before, after = code[offset - 1 : offset], code[offset + 1 : offset + 2]
-    if code[offset : offset + 1] == "," and before.isdigit() and after.isdigit():
+    opening = _OPENING.match(code, begin, end)
+    control = None if opening is None else opening["word"].upper()
+    is_decimal = before.isdigit() and after.isdigit() and control != "$FOR"
+    if code[offset : offset + 1] == "," and is_decimal:
         return "the decimal sign is a point: 1.5"
     if code[offset : offset + 1] == ":" and code[begin : begin + 2].upper() == "V.":
         return "a variable gets its type between #VAR and #ENDVAR"
@@ -34,12 +37,11 @@ def meant_at(source: Source, begin: int, end: int, offset: int) -> str | None:
         return f"${word.upper()} meant?"
     if _LETTER_O.fullmatch(word):
         return f"{word[0] + word[1:].upper().replace('O', '0')} meant? It has a letter O"
-    opening = _OPENING.match(code, begin, end)
-    return None if opening is None else _of_control(opening["word"].upper(), code, end, offset)
+    return None if control is None else _of_control(control, code, end, offset)
 
 
 def _of_control(word: str, code: str, end: int, offset: int) -> str | None:
-    if word == "$FOR" and offset >= end:
+    if word == "$FOR" and (offset >= end or code[offset] == ","):
         return "$FOR P1 = first, last, step"
     if word not in _CONDITIONS or offset >= end:
         return None
