@@ -86,3 +86,41 @@ def test_words_at_both_ends_stay_in_the_drawing() -> None:
         (text,) = [part for part in field.named([(value, word)]) if part.startswith("<text")]
         x = float(text.split('x="')[1].split('"')[0])
         assert x == pytest.approx(middle, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("values", "ends"),
+    [
+        # 0.06 of what they span
+        ([0.0, 100.0], (-6.0, 106.0)), ([-100.0, -50.0], (-103.0, -47.0)),
+        ([3.0, -1.0, 2.0], (-1.24, 3.24)),
+        # A thousandth of a value that is alone, on either side of 0; at 0 the least
+        ([2000.0, 2000.0], (1998.0, 2002.0)), ([-2000.0], (-2002.0, -1998.0)),
+        ([0.0], (-1e-9, 1e-9)), ([1e-9], (0.0, 2e-9)),
+    ],
+)  # fmt: skip
+def test_room_is_a_share_of_what_values_span(
+    values: list[float], ends: tuple[float, float]
+) -> None:
+    assert with_room(values) == pytest.approx(ends, rel=1e-12, abs=1e-15)
+
+
+def test_the_least_room_and_the_share_may_be_others() -> None:
+    assert with_room([0.0], 0.5) == (-0.5, 0.5)
+    assert with_room([0.0, 10.0], share=0.1) == (-1.0, 11.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([-0.2, -0.1, -0.0], ["-0.2", "-0.1", "0.0"]),  # nothing has no sign
+        ([-1e-17, 0.1, 0.2], ["0.0", "0.1", "0.2"]),
+        ([-2e7, -1e7, 0.0], ["-2e+07", "-1e+07", "0"]),
+        ([1e7, 2e7], ["1e+07", "2e+07"]),
+        ([9_999_990.0, 10_000_000.0], ["9999990", "1e+07"]),
+        ([-500.0, 0.0, 500.0], ["-500", "0", "500"]),
+        ([-5e-5, 0.0, 5e-5], ["-5e-05", "0", "5e-05"]),
+    ],
+)
+def test_words_of_ticks_on_both_sides_of_0(values: list[float], words: list[str]) -> None:
+    assert tick_words(values) == words

@@ -1,5 +1,6 @@
 """Drawings of samples: what they show, and that they stay small."""
 
+import dataclasses
 import math
 import re
 from statistics import NormalDist, stdev
@@ -169,3 +170,61 @@ def test_all_that_is_drawn_of_a_sample_is_in_its_field(
             places += [(x, y), (x + width, y + height)]
         assert all(left - 0.2 <= x <= right + 0.2 for x, _ in places)
         assert all(top - 0.2 <= y <= foot + 0.2 for _, y in places)
+
+
+@pytest.mark.parametrize(
+    ("count", "named"),
+    [
+        (3, [1, 2, 3]),
+        (7, [1, 2, 3, 4, 5, 6, 7]),
+        (10, [1, 2, 4, 6, 8, 10]),
+        (11, [1, 2, 4, 6, 8, 10, 11]),
+        (12, [1, 2, 4, 6, 8, 10, 12]),
+        (101, [1, 20, 40, 60, 80, 101]),  # 100 would cover 101
+        (109, [1, 22, 44, 66, 88, 109]),
+        (111, [1, 22, 44, 66, 88, 111]),  # 110 is nearer to the last than half a step
+    ],
+)
+def test_about_five_numbers_are_named_beside_the_first_and_the_last(
+    count: int, named: list[int]
+) -> None:
+    """None nearer to the last one than half of what the others are apart."""
+    order, *_ = drawn(tuple(float(n % 7) for n in range(count)))
+    lines_of = [path for path in order.iter("path") if path.get("class") == "ax-grid"]
+    upright = [path for path in lines_of if "V" in path.get("d", "")]
+    assert len(upright) == len(named)
+    words = [w.text for w in order.iter("text") if w.get("text-anchor") == "middle"]
+    assert set(words) <= {str(number) for number in named}
+    assert {"1", str(count)} <= set(words) or count > 100
+
+
+@pytest.mark.parametrize(("p_value", "words"), [(0.0, ", p 0"), (0.0312, ", p 0.031"), (None, "")])
+def test_a_normal_plot_names_its_p_value(p_value: float | None, words: str) -> None:
+    """0 is one: that no normal sample would look so."""
+    found = dataclasses.replace(describe(list("abcdef"), VALUES, None, None), normality_p=p_value)
+    text = drawings(found, "m")[2]
+    assert f">normal plot{words}</text>" in text
+
+
+def test_a_statistic_of_each_run_has_no_sample_of_its_own() -> None:
+    """`each` asks for the touches of one run: it is a value of the run, and none over runs."""
+    runs = tuple(
+        MeasurementRun(("Z",), inputs={"Z": 1}, end_ns=MS, latched_mm={"Z": v}) for v in (1.0, 2.0)
+    )
+    columns = {"time_ns": np.arange(3) * MS, "Z.truth_mm": np.zeros(3)}
+
+    def asked(metric: str) -> Any:
+        return SimpleNamespace(metric=metric, asked="<= 9", reference="here", lower="", upper="")
+
+    def views(*metrics: str) -> list[Any]:
+        one: Any = SimpleNamespace(
+            run="a", case={"plan": "p", "case": "c", "frame_log_sha256": "a"}, is_statistic=False,
+            checks=[asked(metric) for metric in metrics], trace=pa.table(columns),
+            judged_facts=facts(axes={"Z": AxisRecord("can1", 1, 1.0)}, runs=runs),
+        )  # fmt: skip
+        return list(statistics_views(SimpleNamespace(planned=[one])))  # type: ignore[arg-type]
+
+    assert views("mean(latch_mm:Z; each)", "spread(latch_mm:Z; each)") == []
+    (view,) = views("mean(latch_mm:Z; each)", "mean(latch_mm:Z)", "no_metric(x)")
+    assert [row.metric for row in view.checks] == ["mean(latch_mm:Z)"]
+    assert [value for _, value in view.found.values] == [1.0, 2.0]
