@@ -170,6 +170,45 @@ def test_each_file_is_checked_also_after_one_that_is_rejected(
     ]
 
 
+@pytest.mark.parametrize(
+    ("select", "shown", "wrong"),
+    [
+        (None, ["p.csv", "q.csv", "rig.toml"], []),
+        ("first", ["p.csv", "rig.toml"], []),
+        ("first or second", ["p.csv", "q.csv", "rig.toml"], []),
+        ("second", ["q.csv", "rig.toml"], []),
+        ("third", ["rig.toml"], ["no case fits; found 'third'"]),
+        ("(", ["rig.toml"], ["-k '(' cannot be read"]),
+    ],
+)
+def test_of_several_plans_those_without_a_chosen_case_are_passed_over(
+    monkeypatch: pytest.MonkeyPatch, place: Path, select: str | None, shown: list[str],
+    wrong: list[str],
+) -> None:  # fmt: skip
+    """As `axisrig run -k` does; where no plan has one that is a mistake, once."""
+    for name, case in (("p", "first"), ("q", "second")):
+        (place / f"{name}.csv").write_text(
+            f"case,program,rig\n{case},part.nc,rig.toml\n", encoding="utf-8"
+        )
+    asked: list[str] = []
+
+    def do(_what: Any, path: Path, *_: Any, **named: Any) -> str:
+        assert named["file"] == path
+        return path.name
+
+    monkeypatch.setattr(checking, "do_apart", do)
+    files = [Path(name) for name in ("p.csv", "q.csv", "rig.toml")]
+    if not wrong:
+        check_files(files, [], (False, None), asked.append, select=select)
+    else:
+        with pytest.raises(UserError) as caught:
+            check_files(files, [], (False, None), asked.append, select=select)
+        found = [str(error) for error in (caught.value, *caught.value.further)]
+        assert len(found) == len(wrong)
+        assert all(words in text for words, text in zip(wrong, found, strict=True))
+    assert asked == shown
+
+
 def test_inputs_are_looked_at_once_for_each_row_and_each_value_of_a_list(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1,7 +1,9 @@
 """What a joined folder has: rows of statistics, probes, `[info]`; and which folders are refused."""
 
 import json
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,7 @@ from axisrig.bench.campaign.tested import with_tested
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
@@ -48,8 +51,12 @@ def plan(write_plan: PlanWriter) -> Plan:
 
 
 def share(
-    folder: Path, plan: Plan, runs: Sequence[str], options: Sequence[str] = ()
-) -> Path:  # fmt: skip
+    folder: Path,
+    plan: Plan,
+    runs: Sequence[str],
+    options: Sequence[str] = (),
+    limit: float = math.inf,
+) -> Path:
     """A results folder with runs that were never run, by their ids without that of the plan."""
     command = ["axisrig", "run", str(plan.path), "-o", str(folder), *options]
     made = build_manifest([plan], command=command, started="now", output=str(folder))
@@ -61,16 +68,22 @@ def share(
                 file = writer.files_of(case.run).trace
                 result = run_case(case, file=file)
             else:
-                result = searched(case, writer)
+                result = searched(case, writer, limit)
             result.depends_sha256 = depends_sha256(case)
             writer.add(result)
     return folder
 
 
-def searched(case: Case, writer: ResultsWriter) -> CaseResult:
-    """A search whose probes all pass."""
+def searched(case: Case, writer: ResultsWriter, limit: float) -> CaseResult:
+    """A search whose probes pass up to a limit."""
     places = iter(writer.files_of(case.run).probes)
-    return run_search(case, lambda probe: run_case(probe, file=next(places).trace))
+
+    def probe(one: Case) -> CaseResult:
+        found = run_case(one, file=next(places).trace)
+        passes = float(one.inputs["plc:V.E.FEED"]) <= limit
+        return replace(found, verdict=Verdict.PASS if passes else Verdict.FAIL)
+
+    return run_search(case, probe)
 
 
 def joined(into: Path, *folders: Path, **how: Any) -> Merged:
@@ -243,6 +256,27 @@ def test_probes_of_a_search_come_with_it(write_plan: PlanWriter, tmp_path: Path)
     traces = sorted(path.name for path in (one / "traces").iterdir())
     assert sorted(path.name for path in (tmp_path / "all" / "traces").iterdir()) == traces
     assert len(traces) == 2
+
+
+def test_probes_of_a_joined_search_are_those_of_its_last_call(
+    write_plan: PlanWriter, tmp_path: Path
+) -> None:
+    """Two in place of the four that were joined before; those of another search stay."""
+    finer = (
+        SEARCHES.replace("to 400", "to 200") + "t,probe.nc,machine.toml,100 .. 900 to 400,<= 2,\n"
+    )
+    plan = read_plan(write_plan(finer))
+    joined(tmp_path / "all", share(tmp_path / "one", plan, ["s", "t"], limit=600.0))
+    ids = {run.run.removeprefix("probing-") for run in read_results(tmp_path / "all").runs}
+    assert ids == {
+        *("s", "s-s01", "s-s02", "s-s03", "s-s04"),  # 100, 900, 500, 700
+        *("t", "t-s01", "t-s02", "t-s03"),  # 100, 900, 500
+    }
+    joined(tmp_path / "all", share(tmp_path / "two", plan, ["s"]))
+    ids = {run.run.removeprefix("probing-") for run in read_results(tmp_path / "all").runs}
+    assert ids == {"s", "s-s01", "s-s02", "t", "t-s01", "t-s02", "t-s03"}
+    traces = {path.stem for path in (tmp_path / "all" / "traces").iterdir()}
+    assert traces == {f"probing-{run}" for run in ids if len(run) > 1}
 
 
 def test_the_joined_folder_may_be_made_anew_but_is_none_of_its_parts(

@@ -58,6 +58,26 @@ def test_a_recorded_case_comes_with_the_inputs_of_its_recording(
             replay.recorded_case(tmp_path, run)
 
 
+def test_a_probe_is_replayed_by_its_own_checks_and_expects_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is expected to fail is a value that the search finds, none of a probe."""
+    (tmp_path / "p.csv").touch()
+    runs = [stored_run("p-s", runs="2"), stored_run("p-s-s01", probe="p-s"), stored_run("p-a")]
+    listed = {"plans": [{"name": "p", "path": str(tmp_path / "p.csv")}]}
+    monkeypatch.setattr(
+        replay, "read_results", lambda _: SimpleNamespace(runs=runs, manifest=listed)
+    )
+    search = SimpleNamespace(checks=("asked",))
+    cases = (case_of("s", search=search, expected=("search_good",)),
+             case_of("a", expected=("lag_mm_max",)))  # fmt: skip
+    monkeypatch.setattr(replay, "read_plan", lambda _: SimpleNamespace(cases=cases))
+    probe, _ = replay.recorded_case(tmp_path / "out", "p-s-s01")
+    assert (probe.checks, probe.expected) == (("asked",), ())
+    plain, _ = replay.recorded_case(tmp_path / "out", "p-a")
+    assert plain.expected == ("lag_mm_max",)
+
+
 HEAD = "case,program,rig"
 
 

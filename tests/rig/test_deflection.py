@@ -125,6 +125,23 @@ def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:
     assert words == "tip: deflected by 0.4000 mm, more than its stroke of 0.3 mm"
 
 
+@pytest.mark.provokes(900072, 4, probe="tip", deflection_mm="0.4000", stroke_mm="0.3")
+def test_a_probe_that_bore_a_touch_breaks_at_a_later_one() -> None:
+    """Twice within its stroke, then beyond it; broken it is once."""
+    bench = Bench(stroke_mm=STROKE_MM, breaks=True)
+    for down_mm in (-0.1, -0.3, -0.4, -0.6):
+        bench.cycle(0.0, 0.2)
+        bench.cycle(0.0, 0.1)
+        bench.cycle(0.0, down_mm, contact_mm=(0.0, 0.0))
+    assert bench.ways_mm == pytest.approx([0.1, 0.3, 0.4, 0.6])
+    assert [each.beyond_ns for each, _ in bench.log.of("tip")] == [None, None, 9 * MS, 12 * MS]
+    (alarm,) = bench.alarms
+    assert (alarm.id, alarm.values["deflection_mm"]) == (900072, "0.4000")
+    words = [words for _, words in bench.log.of("tip")]
+    assert words[:2] == ["", ""]
+    assert words[2] == ("tip: deflected by 0.4000 mm, more than its stroke of 0.3 mm; it is broken")
+
+
 def test_the_stroke_itself_is_borne() -> None:
     bench = Bench(stroke_mm=0.5, breaks=True)
     bench.approach()

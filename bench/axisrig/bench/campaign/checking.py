@@ -71,17 +71,25 @@ def check_files(
     is_strict: a warning rejects a file too. is_verbose: name each run. Raises UserError with all
     that is wrong with any file.
     """
-    mistakes = Mistakes()
+    mistakes, lacking, fits = Mistakes(), list[Plan](), False
     for file in files:
         with mistakes.kept():
             plan = plan_of(file)
-            plan = None if plan is None else selected(plan, select)
+            if plan is not None and select is not None:
+                plan = selected(plan, select, may_be_none=True)
+                if not plan.cases:
+                    lacking.append(plan)
+                    continue
+                fits = True
             what = (
                 partial(check_file, is_strict=is_strict, is_verbose=is_verbose, plan=plan),
                 file,
                 assignments,
             )
             show(do_apart(*what, rigs=rigs_of(file, plan), file=file, limits=limits))
+    for plan in lacking[:1] if not fits else ():
+        with mistakes.kept():
+            selected(plan, select)
     mistakes.refuse(files[0])
 
 

@@ -89,5 +89,5 @@ def _find(cases: Sequence[Case], run: str, searching: str, inputs: Mapping[str, 
     if found is None or bool(searching) != (found.search is not None):
         raise UserError("the plan has no such run any more", value=run)
     if found.search is not None:
-        found = replace(found, run=run, checks=found.search.checks, search=None)
+        found = replace(found, run=run, checks=found.search.checks, search=None, expected=())
     return replace(found, inputs=inputs)

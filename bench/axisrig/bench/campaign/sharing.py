@@ -250,7 +250,7 @@ def _take(writer: ResultsWriter, part: StoredResults, run: StoredRun) -> None:
             for kind in FOLDERS
             for path in _files(part.folder / kind, one.run)
         }
-        writer.take(one.case, one.rows, files)
+        writer.take(one.case, one.rows, files, [probe.run for probe in probes])
 
 
 def _files(folder: Path, run: str) -> Iterator[Path]:

@@ -282,12 +282,14 @@ class ResultsWriter:
             probe.timestamp = result.timestamp
             self._put(probe)
         self._put(result)
-        if case.search is not None:
-            of_search = [run for run, row in self._rows.cases.items() if row.get(PROBE) == case.run]
-            kept = {probe.case.run for probe in result.probes}
-            self._rows.remove([run for run in of_search if run not in kept])
-        self._written.add(case.run)
-        if self._history.replaced(case.run):
+        self._is_whole(case.run, {probe.case.run for probe in result.probes})
+
+    def _is_whole(self, run: str, probes: Collection[str]) -> None:
+        """Count a row that is written with its probes; more of these may be of an earlier call."""
+        rows = self._rows.cases.items() if run in self._searching else ()
+        self._rows.remove([of for of, row in rows if row.get(PROBE) == run and of not in probes])
+        self._written.add(run)
+        if self._history.replaced(run):
             self._write_manifest()
 
     def take(
@@ -295,10 +297,11 @@ class ResultsWriter:
         case: Mapping[str, str],
         checks: Sequence[Mapping[str, str]],
         files: Mapping[tuple[str, str], Path],
+        probes: Collection[str] = (),
     ) -> None:
         """Put in a run of another folder. case, checks: its rows; files: by folder and suffix.
 
-        Raises OSError with the name of the file that cannot be written.
+        probes: of a search, put in before. Raises OSError with the file that cannot be written.
         """
         run = case["run"]
         for (kind, suffix), source in files.items():
@@ -307,9 +310,7 @@ class ResultsWriter:
                 shutil.copyfile(source, path)
         self._rows.put(run, case, checks)
         if not case.get(PROBE):
-            self._written.add(run)
-            if self._history.replaced(run):
-                self._write_manifest()
+            self._is_whole(run, probes)
 
     def _put(self, result: CaseResult) -> None:
         """Write the files and the rows of one run."""
@@ -422,10 +423,9 @@ class ResultsWriter:
 
     def _write_manifest(self) -> None:
         cases = self._rows.cases
-        found = {run: row.get("drive_substituted", "") for run, row in cases.items()}
-        substituted = {run: text for run, text in found.items() if text}
         manifest = self._history.manifest(cases, self._written)
-        manifest |= {"drive_substituted": substituted}
+        found = ((run, row.get("drive_substituted")) for run, row in cases.items())
+        manifest |= {"drive_substituted": {run: text for run, text in found if text}}
         text = json_text(manifest)
         if text != self._manifest_text:
             write_whole(self.folder / MANIFEST, text)
