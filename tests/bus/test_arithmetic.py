@@ -106,10 +106,10 @@ def test_frames_may_be_given_in_any_order(offset: int) -> None:
         assert cycle_arithmetic(RATE, MS, offset * US, *turned) == found
     # The last RPDO is that with the highest identifier: it alone waits for what is before it
     late = PlannedFrame("RPDO2", 0x301, 8)
-    between = PlannedFrame("TPDO of another", 0x2F0, 8)
+    between = [PlannedFrame(f"TPDO of {n}", 0x2F0 + n, 8) for n in (1, 2)]
     for rpdos_given in ([*rpdos(1), late], [late, *rpdos(1)]):
-        one = cycle_arithmetic(RATE, MS, 600 * US, tpdos(1), rpdos_given, [between])
-        assert one.last_rpdo_ns == (600 + 135 + 135 + 135 - 3) * US
+        one = cycle_arithmetic(RATE, MS, 600 * US, tpdos(1), rpdos_given, between)
+        assert one.last_rpdo_ns == (600 + 4 * 135 - 3) * US
     shown = [(request, frame.can_id) for request, frame in found.frames]
     assert shown == [
         ("0", 0x80),

@@ -6,7 +6,7 @@ Source: ISO 11898-1; Bosch CAN 2.0 part A, section 8.
 import pytest
 
 from axisrig.bench.bus.can.confinement import ErrorCounters, ErrorState
-from axisrig.bench.bus.can.faults import ErrorAtBit
+from axisrig.bench.bus.can.faults import Delay, ErrorAtBit
 from axisrig.bench.bus.can.segment import Segment
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
@@ -100,6 +100,7 @@ def test_requests_are_lost_with_the_power_each_counted_once() -> None:
         sender.send_raw(0x200, b"")
         assert sender.discarded == 4
         scheduler.run_until(MS)
+        assert (sender.discarded, sender.tec) == (4, 0)  # nothing is counted without power
         sender.power_on()
         assert (sender.tec, sender.rec, len(sender.pending)) == (0, 0, 0)
         sender.send_raw(0x300, b"")
@@ -108,3 +109,21 @@ def test_requests_are_lost_with_the_power_each_counted_once() -> None:
         assert received is not None
         assert received.arbitration_id == 0x300
         assert near.recv(0) is None
+
+
+def test_a_request_that_a_fault_delays_is_lost_when_its_controller_has_gone() -> None:
+    """Back in its queue after 2 ms it meets a controller without power, or one that has it."""
+    scheduler = new_scheduler()
+    with Segment("counted", 1_000_000, scheduler) as segment:
+        sender, other, near = (segment.port(name) for name in ("sender", "other", "near"))
+        segment.add_fault(lambda _frame, _port, attempt: None if attempt else Delay(2 * MS))
+        for port, can_id in ((sender, 0x100), (other, 0x200)):
+            port.send_raw(can_id, b"")
+        scheduler.run_until(MS)
+        sender.power_off()
+        assert sender.discarded == 0
+        scheduler.run_until(3 * MS)
+        assert (sender.discarded, other.discarded) == (1, 0)
+        received = near.recv(0)
+        assert received is not None
+        assert received.arbitration_id == 0x200

@@ -66,3 +66,19 @@ def test_each_fault_counts_the_images_of_its_drive_by_itself() -> None:
     assert line.nodes["X"].taken == expected
     assert line.nodes["Z"].taken == [bytes([100 + k]) for k in range(10)]
     assert line.came["X"] == [*SENT[:8], b"", SENT[9]]
+
+
+def test_a_fault_counts_the_images_that_are_lost_for_another_reason() -> None:
+    """Of the first three exchanges each image is lost anyway; the fault has its third one then."""
+    clock = new_scheduler()
+    nodes = {"X": Counting(), "Z": Counting()}
+    segment = CyclicSegment(clock, nodes, Instants(MS), lambda _axis, _inputs: None)
+    segment.loses = lambda axis: axis == "X" and segment.exchanges <= 3
+    for axis in nodes:
+        segment.lost[axis].append(Hits(skip=2, count=3).falls)
+    for k in range(8):
+        segment.begin({axis: bytes([k]) for axis in nodes})
+        clock.run_until((k + 1) * MS)
+    lost = {"X": {0, 1, 2, 3, 4}, "Z": {2, 3, 4}}
+    for axis, node in nodes.items():
+        assert node.taken == [None if k in lost[axis] else bytes([k]) for k in range(8)]

@@ -32,6 +32,18 @@ def test_an_even_load_is_the_same_in_every_window() -> None:
     assert load.worst_100ms_share == pytest.approx(load.busy_share) == pytest.approx(0.3)
 
 
+@pytest.mark.parametrize("busy_ms", [0, 1, 99, 100, 250, 299])
+def test_the_worst_window_is_found_wherever_it_is(busy_ms: int) -> None:
+    """2 ms of load there, the first and the last window included, and 1 ms far from it."""
+    meter = LoadMeter(1_000_000)
+    far_ms = (busy_ms + 150) % 300
+    for begin_ms, length_us in sorted(((busy_ms, 1000), (far_ms, 500), (299, 1))):
+        meter.occupy(begin_ms * MS, begin_ms * MS + length_us * 1000, length_us)
+    load = meter.figures(300 * MS)
+    assert load.worst_100ms_bits - (busy_ms in (250, 299)) == 1000
+    assert load.worst_1ms_bits - (busy_ms == 299) == 1000
+
+
 @pytest.mark.parametrize(
     ("until_ms", "span_ms", "share"),
     [(4, 10, 0.5), (4, 4, 0.5), (4, 2, 0.0), (4, 3, 1 / 3), (2, 1, 1.0), (0, 10, 0.0), (4, 0, 0.0)],

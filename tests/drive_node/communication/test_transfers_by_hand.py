@@ -163,7 +163,10 @@ def test_a_lost_segment_is_asked_for_again_with_all_behind_it(lost: int) -> None
     assert transfer.received == data
 
 
-@pytest.mark.parametrize(("announced", "size", "code"), [(8, 7, LENGTH), (8, 15, TOO_LONG)])
+@pytest.mark.parametrize(
+    ("announced", "size", "code"),
+    [(8, 7, LENGTH), (8, 15, TOO_LONG), (14, 13, LENGTH), (14, 15, TOO_LONG), (13, 14, LENGTH)],
+)
 def test_blocks_have_to_bring_what_was_announced(announced: int, size: int, code: int) -> None:
     data = bytes(size)
     transfer = BlockDownload(announced, has_crc=False)
