@@ -266,6 +266,21 @@ def test_limits_and_access_are_those_of_the_file(bench: Any) -> None:
     assert aborted(lambda: sdo.upload(0x2002, 0)) == WRITE_ONLY
 
 
+def test_a_limit_of_0_and_the_most_bytes_are_limits(drive_bench: Make, tmp_path: Path) -> None:
+    """LowLimit = 0 of a signed object (CiA 306-1); a DOMAIN takes 65536 bytes and no more."""
+    path = tmp_path / "foreign.eds"
+    text = changed(changed(foreign(), "2000", LowLimit="0"), "2000", DefaultValue="7")
+    path.write_text(text, encoding="ascii")
+    bench = drive_bench(document=Document(read_eds(str(path), NODE), path.read_bytes()))
+    objects = bench.node.slave.objects
+    assert aborted(lambda: objects.download(0x2000, 0, struct.pack("<h", -1))) == TOO_LOW
+    for value in (0, 100):
+        objects.download(0x2000, 0, struct.pack("<h", value))
+        assert objects.upload(0x2000, 0) == struct.pack("<h", value)
+    objects.download(0x2002, 0, bytes(1 << 16))
+    assert aborted(lambda: objects.download(0x2002, 0, bytes((1 << 16) + 1))) == TOO_LONG
+
+
 def test_objects_of_the_maker_are_memory_until_a_reset(bench: Any) -> None:
     sdo = bench.remote.sdo
     for index, sub, data in (

@@ -199,3 +199,36 @@ def test_a_fault_while_a_transition_brakes_ends_in_fault(
     one.run_ms(200)
     assert one.servo.state.name == "FAULT"
     assert not one.axis.commands[-1].enabled
+
+
+@pytest.mark.parametrize(
+    ("words", "state"),
+    [
+        ((0x07,), "SWITCHED_ON"),
+        ((0x06,), "READY_TO_SWITCH_ON"),
+        ((0x07, 0x06), "READY_TO_SWITCH_ON"),
+        ((0x06, 0x07), "SWITCHED_ON"),
+        ((0x06, 0x07, 0x06), "READY_TO_SWITCH_ON"),
+        ((0x07, 0x8F), "SWITCHED_ON"),  # bit 7 is a fault reset, whatever the others are
+        ((0x07, 0x0F), "OPERATION_ENABLED"),
+        ((0x06, 0x0F, 0x07), "SWITCHED_ON"),
+    ],
+)
+def test_the_last_word_while_a_transition_brakes_says_where_it_ends(
+    fake_axis: Any, words: tuple[int, ...], state: str
+) -> None:
+    """605B = 605C = 1: both 5 and 8 brake, from 0.1 m/s with 2 m/s2 in 50 ms."""
+    one = ServoAlone(
+        fake_axis(), 9, target_velocity=0.1 * PER_M, profile_deceleration=2 * PER_M,
+        disable_option=1, shutdown_option=1,
+    )  # fmt: skip
+    one.cycle()
+    one.cycle()
+    for word in words:
+        one.write(controlword=word)
+        assert one.servo.state is State.OPERATION_ENABLED
+        one.run_ms(2)
+    assert (one.servo.machine.waiting is None) is (state == "OPERATION_ENABLED")
+    one.run_ms(200)
+    assert one.servo.state.name == state
+    assert one.axis.commands[-1].enabled is (state == "OPERATION_ENABLED")

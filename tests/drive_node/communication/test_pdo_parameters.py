@@ -93,6 +93,7 @@ def test_predefined_connection_set(stranger: Make) -> None:
         (0x1601, 1, 0x00070020, 4, 0),
         (0x1601, 1, 0x00070010, 4, NOT_MAPPABLE),
         (0x1601, 1, 0x00010001, 4, NOT_MAPPABLE),
+        (0x1601, 1, 0x00050108, 4, NOT_MAPPABLE),  # a data type has no sub-index
         (0x1601, 1, 0x00080020, 4, NO_OBJECT),
         (0x1A03, 1, 0x00050008, 4, NOT_MAPPABLE),
     ],

@@ -100,6 +100,38 @@ def test_stored_mapping_is_in_force_after_the_reset(stranger: Make) -> None:
     assert [can_id for can_id, _ in drive.after(0x80)] == [0x183, 0x283, 0x483]
 
 
+def test_an_identifier_that_was_stored_as_its_default_follows_the_node_number(
+    stranger: Make,
+) -> None:
+    """LSS gives the drive number 9 after 1010: 1800:1 is that of 9 then, 1801:1 as it was set."""
+    drive = stranger()
+    assert drive.write(0x1801, 1, 0x8000_0283, 4) == 0
+    assert drive.write(0x1801, 1, 0x4000_0283 + 0x10, 4) == 0
+    assert drive.write(0x1010, 1, SAVE, 4) == 0
+    drive.after(0x7E5, "0401000000000000")
+    drive.after(0x7E5, "1109000000000000")
+    drive.nmt(129)
+    objects = drive.node.slave.objects
+    assert drive.node.node_id == 9
+    assert objects.value(0x1800, 1) & 0x7FF == 0x180 + 9
+    assert objects.value(0x1801, 1) & 0x7FF == 0x280 + 3 + 0x10
+
+
+def test_what_an_earlier_life_has_stored_counts_as_far_as_the_drive_stores_it(
+    stranger: Make,
+) -> None:
+    """From the next reset on; objects that it has not, and process data, are left out."""
+    drive = stranger()
+    kept = {(0x6065, 0): 2500, (0x1017, 0): 20}
+    other = {(0x2000, 0): 1, (0x6040, 0): 15, (0x1003, 0): 0, (0x1018, 1): 5, (0x6065, 1): 9}
+    drive.node.slave.storage.load(kept | other)
+    assert drive.node.slave.storage.stored == kept
+    assert drive.read(0x6065) == 0xFFFF_FFFF
+    drive.nmt(129, wait_ms=2)
+    assert (drive.read(0x6065), drive.read(0x1017)) == (2500, 20)
+    assert (drive.read(0x6040), drive.read(0x1018, 1)) == (0, 0)
+
+
 def test_verification_is_lost_with_a_change(stranger: Make) -> None:
     """1020: the master's date and time of its configuration, until something is changed."""
     drive = stranger()
