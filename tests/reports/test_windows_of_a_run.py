@@ -209,3 +209,22 @@ def test_plots_are_in_the_order_of_the_table_and_unknown_ones_last() -> None:
     long = _plots({"a" * 40: {}})
     assert long[0]["height"] == 360
     assert _plots({"a": {}})[0]["height"] == 120
+
+
+@pytest.mark.parametrize(
+    ("at_ms", "shown"),
+    [
+        (500, []),  # ended before the run that is shown begins
+        (996, []),
+        (997, [(1000, 1001)]),
+        (1003, [(1000, 1007)]),
+        (1500, [(1494, 1504)]),
+        (1999, [(1993, 2000)]),
+        (2005, [(1999, 2000)]),
+        (2006, []),
+    ],
+)
+def test_a_stretch_is_cut_at_the_ends_of_the_run(at_ms: int, shown: list[tuple[int, int]]) -> None:
+    """A standstill has 6 ms before it and 4 after; of 1000 to 2000 ms. Outside there is none."""
+    found = windows([event(at_ms, "standstill")], 1000 * MS, 2000 * MS)
+    assert [(each["start_ns"] / MS, each["end_ns"] / MS) for each in found] == shown
