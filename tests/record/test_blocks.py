@@ -84,11 +84,37 @@ def test_blocks_are_written_and_read(tmp_path: Path) -> None:
         {"lines": LINES[:1]},
         {"kinds": ("feed",)},
         {"packed": ""},
+        {"count": 0},
     ],
 )
 def test_damaged_rows_are_refused(changes: dict[str, object]) -> None:
     with pytest.raises(UserError, match="the recording is damaged: blocks"):
         replace(trace(loop(2)), **changes).rows()  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("row", [0, 1])
+@pytest.mark.parametrize(("column", "size"), [(0, len(LINES)), (1, 2), (5, len(STATES))])
+def test_a_row_names_a_line_a_kind_and_a_state_that_are_there(
+    column: int, size: int, row: int
+) -> None:
+    """From 0 to the last one; neither before nor after them."""
+    for place, is_there in ((0, True), (size - 1, True), (size, False), (-1, False)):
+        columns = loop(1)
+        columns[column, row] = place
+        if is_there:
+            assert trace(columns).rows()[column][row] == place
+            continue
+        with pytest.raises(UserError, match="a row names what is not there") as caught:
+            trace(columns).rows()
+        assert caught.value.hint == "run the case again with this version"
+
+
+def test_whole_numbers_are_the_nearest_ones_on_either_side_of_0() -> None:
+    """A time of 0.1 ms as a float is not always whole; before 0 it is as near as after."""
+    columns = loop(2)
+    columns[2] = [-2.0000001, -1.9999999, 2.0000001, 2.9999999]
+    rows = trace(columns).rows()
+    assert rows.due_ns.tolist() == [-2, -2, 2, 3]
 
 
 def test_every_kind_has_a_group_and_a_meaning() -> None:
@@ -104,3 +130,18 @@ def test_states_are_words_of_their_own() -> None:
 def test_feedholds_within_an_interval_are_summed() -> None:
     assert held_ns(((0, 10), (20, 30)), 5, 25) == 10
     assert held_ns((), 5, 25) == 0
+
+
+@pytest.mark.parametrize(
+    ("begin_ns", "end_ns", "held"),
+    [
+        (0, 40, 20), (10, 20, 0), (12, 18, 0), (0, 5, 5), (25, 26, 1), (30, 40, 0), (31, 90, 0),
+        (9, 21, 2), (10, 10, 0), (5, 5, 0),
+    ],
+)  # fmt: skip
+def test_a_feedhold_counts_by_what_of_it_is_in_the_interval(
+    begin_ns: int, end_ns: int, held: int
+) -> None:
+    """Of two, 0 to 10 and 20 to 30; one that is before or after takes nothing off."""
+    assert held_ns(((0, 10), (20, 30)), begin_ns, end_ns) == held
+    assert held_ns(((20, 30), (0, 10)), begin_ns, end_ns) == held

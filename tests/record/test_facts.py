@@ -162,6 +162,22 @@ def test_a_damaged_recording_is_one_message_with_file_and_key(
     assert message.count("the recording is damaged") == 1
 
 
+def test_of_several_damages_the_first_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "plan-a.json"
+
+    def change(content: Any) -> None:
+        for damage in (wrong, foreign, wanting):
+            damage(content)
+
+    path.write_text(edited(change), encoding="utf-8")
+    with pytest.raises(UserError) as caught:
+        read_run(path)
+    message = str(caught.value)
+    assert "the recording is damaged: facts.timing.period_ns is missing" in message
+    assert "colour" not in message
+    assert "node" not in message
+
+
 @pytest.mark.parametrize("version", READABLE)
 def test_a_damaged_recording_of_a_version_that_is_read_is_no_other_version(
     tmp_path: Path, version: int

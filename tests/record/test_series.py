@@ -25,8 +25,10 @@ from axisrig.bench.record.series import (
     SECOND,
     TARGET,
     TIME,
+    MissingSignalError,
     Series,
     SeriesWriter,
+    _readable,
     column_of,
     units_of,
     values_of,
@@ -170,6 +172,50 @@ def test_a_column_that_was_not_recorded_is_a_key_error(tmp_path: Path, is_kept: 
         series.column("Z.truth_mm")
 
 
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_of_several_columns_that_were_not_recorded_the_first_by_name_is_named(
+    tmp_path: Path, is_kept: bool
+) -> None:
+    """In whatever order they are asked for, and beside some that are there."""
+    series = write(tmp_path / "a.parquet" if is_kept else None, [3])
+    for names in (["Z.b", "Z.a", "time_ns"], ["time_ns", "Z.a", "Z.b"]):
+        with pytest.raises(MissingSignalError) as caught:
+            series.table(names)
+        assert str(caught.value) == "the recording has no signal Z.a"
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_a_series_without_rows_has_no_block_and_one_with_rows_in_memory_has_one(
+    tmp_path: Path, is_kept: bool
+) -> None:
+    path = tmp_path / "a.parquet" if is_kept else None
+    for sizes, blocks in (([0], []), ([0, 0], []), ([5], [(0, 5)])):
+        series = write(path, sizes)
+        assert [(rows.start, rows.stop) for rows in series.blocks] == blocks
+        assert len(series.column("time_ns")) == sum(sizes)
+    several = write(path, [2, 0, 3]).blocks
+    parts = [(0, 2), (2, 5)] if is_kept else [(0, 5)]
+    assert [(rows.start, rows.stop) for rows in several] == parts
+
+
+def test_a_trace_may_lie_in_folders_that_are_not_there_yet(tmp_path: Path) -> None:
+    path = tmp_path / "results" / "of" / "traces" / "a.parquet"
+    assert write(path, [2]).source == path
+    assert Series(path).column("time_ns").tolist() == [0, MS]
+
+
+def test_a_damaged_trace_is_one_line(tmp_path: Path) -> None:
+    """Whatever the library says of it in several."""
+    path = tmp_path / "a.parquet"
+    with pytest.raises(UserError) as caught, _readable(path):
+        raise pa.ArrowInvalid("  Couldn't read it\nIn file parquet.cc, line 7\n")
+    assert str(caught.value).splitlines()[0].endswith("the trace is damaged: Couldn't read it")
+    assert "line 7" not in str(caught.value)
+    with pytest.raises(OSError, match="denied") as refused, _readable(path):
+        raise PermissionError(13, "denied")
+    assert refused.value.errno == 13
+
+
 def test_a_file_that_was_broken_off_is_named(tmp_path: Path) -> None:
     path = tmp_path / "plan-a.parquet"
     series = write(path, [40])
@@ -255,6 +301,7 @@ def test_a_block_without_instants_is_a_defect(tmp_path: Path) -> None:
         np.array([2**62, -1], dtype=np.int64),
         np.array([1, 0, -7], dtype=np.int8),
         np.array([0, 3, 5], dtype=np.int32),
+        np.array([1.5, math.nan, 0.0], dtype=np.float32),
     ],
     ids=lambda values: f"{values.dtype}{len(values)}",
 )
