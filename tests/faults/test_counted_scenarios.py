@@ -8,7 +8,14 @@ import pytest
 
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.tools.scenarios import campaign
-from axisrig.bench.tools.scenarios.campaign import Tally, defect_lines, repeated, run_scenarios
+from axisrig.bench.tools.scenarios.campaign import (
+    REPEATS,
+    Tally,
+    compared,
+    defect_lines,
+    repeated,
+    run_scenarios,
+)
 from axisrig.bench.tools.scenarios.left import StatesSeen
 from axisrig.bench.tools.scenarios.machines import ONE_AXIS, machines
 from axisrig.bench.tools.scenarios.oracle import Judgement, Result
@@ -56,6 +63,33 @@ def test_a_defect_has_lines_that_make_it_again() -> None:
         "  plc:V.E.A=1",
         "  fault:drop=a",
     ]
+
+
+def test_a_table_lists_every_defect_after_the_counts() -> None:
+    tally = Tally()
+    for number, result in ((4, Result.HANG), (9, Result.GOOD), (11, Result.EXCEPTION)):
+        tally.add(Scenario(number, 0, ("fault:drop=a",)), judged(result))
+    lines = tally.table().splitlines()
+    heads = [line for line in lines if line.startswith("scenario ")]
+    assert heads == [f"scenario 4: {Result.HANG}: why", f"scenario 11: {Result.EXCEPTION}: why"]
+    assert lines.index(heads[0]) > lines.index("       3  fault:drop")
+    assert [lines[lines.index(head) - 1] for head in heads] == ["", ""]
+
+
+@pytest.mark.parametrize("broken", [(), ("rest",), ("rest", "stop")])
+@pytest.mark.parametrize("result", [Result.GOOD, Result.ALARM, Result.BROKEN])
+def test_other_frames_in_another_process_are_one_more_invariant_that_does_not_hold(
+    result: Result, broken: tuple[str, ...]
+) -> None:
+    first = Judgement(result, [7], 2, "why", broken, "0123456789")
+    assert compared(first, Judgement(result, frames="0123456789")) is first
+    found = compared(first, Judgement(result, [8], 1, "", (), "abcdefghij"))
+    assert (found.result, found.broken) == (Result.BROKEN, (*broken, REPEATS))
+    assert (found.alarms, found.right, found.frames) == ([7], 2, "0123456789")
+    words = f"{REPEATS}: other frames in another process: "
+    assert found.note == f"{words}{result}, abcdefgh for 01234567"
+    died = compared(first, Judgement(Result.HANG, note="no end"))
+    assert died.note == f"{words}no end, no for 01234567"
 
 
 @pytest.mark.interpreted

@@ -6,7 +6,14 @@ from importlib import resources
 import pytest
 
 from axisrig.bench.tools.scenarios import machines as rows
-from axisrig.bench.tools.scenarios.machines import machines, path_of, program_of, rig_of
+from axisrig.bench.tools.scenarios.machines import (
+    ALL,
+    machines,
+    machines_named,
+    path_of,
+    program_of,
+    rig_of,
+)
 from axisrig.kernel.errors import UserError
 
 
@@ -65,3 +72,17 @@ def test_files_are_beside_the_table_or_in_a_checkout(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(rows, "FOLDER", folder / "programs")
     with pytest.raises(UserError, match="is not there"):
         path_of("probe.toml")
+
+
+def test_a_machine_is_asked_for_by_its_name_or_all_of_them_are() -> None:
+    names = list(machines())
+    assert [row.name for row in machines_named("gantry")] == ["gantry"]
+    assert [row.name for row in machines_named(ALL)] == names
+    with pytest.raises(UserError, match="no such machine of the scenarios") as near:
+        machines_named("gantri")
+    assert "gantry" in str(near.value.allowed)
+    assert names[0] not in str(near.value.allowed)
+    with pytest.raises(UserError, match="no such machine of the scenarios") as far:
+        machines_named("0123456789")
+    assert [name for name in (*names, ALL) if name not in str(far.value.allowed)] == []
+    assert far.value.value == "0123456789"

@@ -5,7 +5,14 @@ from collections.abc import Sequence
 import pytest
 
 from axisrig.bench.rig.reading.faults import fault_kinds
-from axisrig.bench.tools.scenarios.minimise import _shorter, _smaller
+from axisrig.bench.tools.scenarios.minimise import (
+    _shorter,
+    _smaller,
+    faults_of,
+    is_same,
+    minimised,
+)
+from axisrig.bench.tools.scenarios.oracle import Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario
 
 
@@ -48,3 +55,68 @@ def test_what_is_tried_is_first_without_a_fault_and_then_with_a_shorter_one() ->
     ]
     assert {(one.number, one.seed) for one in _smaller(given)} == {(3, 1)}
     assert list(_smaller(Scenario(3, 1, ("plc:V.E.X=1",)))) == []
+
+
+BROKEN, ALARM, HANG, DIED = Result.BROKEN, Result.ALARM, Result.HANG, Result.EXCEPTION
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "same"),
+    [
+        (Judgement(BROKEN, broken=("rest",)), Judgement(BROKEN, broken=("rest",)), True),
+        (Judgement(BROKEN, broken=("rest",)), Judgement(BROKEN, broken=("stop",)), False),
+        (Judgement(BROKEN, broken=("rest", "stop")), Judgement(BROKEN, broken=("rest",)), False),
+        (Judgement(BROKEN, broken=("rest",)), Judgement(ALARM, broken=("rest",)), False),
+        (
+            Judgement(BROKEN, note="rest: Z 2 mm", broken=("rest",)),
+            Judgement(BROKEN, note="other: X", broken=("rest",), alarms=[7], right=2, frames="f"),
+            True,
+        ),
+        (Judgement(HANG, note="1 s: at N10"), Judgement(HANG, note="2 s: at N30"), True),
+        (Judgement(HANG), Judgement(DIED), False),
+        (Judgement(DIED, note="KeyError: 3"), Judgement(DIED, note="KeyError: 4"), True),
+        (Judgement(DIED, note="KeyError: 3"), Judgement(DIED, note="TypeError: 3"), False),
+    ],
+)
+def test_a_finding_is_the_same_by_result_and_invariants_and_by_the_type_of_an_exception(
+    first: Judgement, second: Judgement, same: bool
+) -> None:
+    assert is_same(first, second) is same
+    assert is_same(second, first) is same
+
+
+def test_the_faults_of_a_scenario_have_their_kinds_in_their_order() -> None:
+    texts = ("plc:V.E.X=1", "fault:delay=A for=2ms; B by=1ms", "fault:drop=C")
+    assert faults_of(Scenario(3, 1, texts)) == [
+        ("delay", "A for=2ms"), ("delay", "B by=1ms"), ("drop", "C"),
+    ]  # fmt: skip
+    assert faults_of(Scenario(3, 1, texts[:1])) == []
+
+
+def test_a_scenario_is_made_as_small_as_still_shows_its_finding() -> None:
+    """It needs B, and a window of A of 3 ms: 8 ms are halved once, C is left out."""
+    tried: list[tuple[str, ...]] = []
+
+    def run(one: Scenario) -> Judgement:
+        tried.append(one.faults)
+        cells = dict(reversed(fault) for fault in faults_of(one))
+        windows = [cell for cell in cells if cell.startswith("A for=")]
+        long = windows and float(windows[0].removeprefix("A for=").rstrip("usm")) >= 3000
+        shows = bool(long) and any(cell.startswith("B") for cell in cells)
+        return (
+            Judgement(BROKEN, broken=("stop",), frames=str(len(tried)), note=" ".join(cells))
+            if (shows)
+            else Judgement(ALARM)
+        )
+
+    whole = Scenario(3, 1, ("plc:V.E.X=1", "fault:delay=A for=8000us; B for=1us", "fault:drop=C"))
+    best, judgement = minimised(whole, Judgement(BROKEN, broken=("stop",), note="first"), run)
+    assert best.assignments == ("plc:V.E.X=1", "fault:delay=A for=4000us; B for=1us")
+    assert judgement.note == "A for=4000us B for=1us"
+    assert tried[-1] == ("fault:delay=A for=2000us; B for=1us",), "the next one, which shows none"
+
+
+def test_a_scenario_that_no_smaller_one_shows_stays_with_its_judgement() -> None:
+    whole = Scenario(3, 1, ("fault:drop=C",))
+    judgement = Judgement(BROKEN, broken=("stop",), note="first")
+    assert minimised(whole, judgement, lambda _: Judgement(ALARM)) == (whole, judgement)

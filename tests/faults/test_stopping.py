@@ -144,6 +144,31 @@ def test_the_axis_that_takes_longest_decides_by_its_speed_at_the_alarm() -> None
     assert only_z == pytest.approx((60.0 + 5.0) * MS)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("alarm_ms", "speed_mm_s"),
+    [
+        (18.5, 0.0),
+        (19.0, 60.0),
+        (19.5, 60.0),
+        (20.0, 60.0),
+        (20.5, 60.0),
+        (21.0, 60.0),
+        (22.0, 0.0),
+    ],
+)
+def test_the_faster_one_of_the_steps_before_and_after_an_alarm_counts(
+    alarm_ms: float, speed_mm_s: float, side: float
+) -> None:
+    """One step of 0.06 mm, from row 19 to row 20 and again to row 21; 60 mm/s by 1000 mm/s2."""
+    places = side * np.clip((np.arange(40.0) - 19.0) * 0.06, 0.0, 0.12)
+    made = left(alarms=(alarm(20),))
+    axis = replace(made.facts.axes["Z"], written={})
+    facts = replace(made.facts, axes={"Z": axis}, channel={})
+    took = stop_ns(facts, round(alarm_ms * MS), {"Z": (np.arange(40.0) * MS, places)})
+    assert took == pytest.approx((speed_mm_s + 3.0) * MS)
+
+
 def with_offset(a_mm_s2: float, column: str, offset_mm_s: float) -> Left:
     """Z brakes from 60 mm/s after an alarm at row 30, until which an offset moves; then it stays.
 

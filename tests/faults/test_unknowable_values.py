@@ -209,6 +209,82 @@ def test_after_homing_telegrams_count_from_the_reference() -> None:
         assert judge(replace(made, received=received(brought))).result is result
 
 
+@pytest.mark.parametrize(
+    ("first_us", "result"), [(0, Result.UNKNOWABLE), (100, Result.UNKNOWABLE),
+                             (200, Result.UNKNOWABLE), (201, Result.BROKEN)],
+)  # fmt: skip
+def test_what_comes_before_it_can_answer_its_sync_brings_nothing(
+    first_us: int, result: Result
+) -> None:
+    """The telegrams end 200 us after their SYNCs; none can that needs longer."""
+    made = touched(WRONG_MM, {AT_EDGE: [ALTERED]})
+    assert made.received is not None
+    made.received.first_ns["Z"] = first_us * US
+    assert judge(made).result is result
+
+
+def test_a_telegram_too_early_to_be_an_answer_is_none_beside_the_right_one() -> None:
+    """Two that differ say nothing; one of them alone says what it says."""
+    early, late = (30, TRUE_MM[AT_EDGE]), ALTERED
+    for first_us, result in ((0, Result.BROKEN), (50, Result.UNKNOWABLE)):
+        made = touched(WRONG_MM, {AT_EDGE: [early, late]})
+        assert made.received is not None
+        made.received.first_ns["Z"] = first_us * US
+        assert judge(made).result is result
+
+
+def test_without_homing_telegrams_count_from_where_the_drive_does() -> None:
+    """The drive counts from 3 mm of the plant, and the control with it: nothing was set anew."""
+    made = touched(WRONG_MM, {AT_EDGE: [ALTERED]})
+    axes = {"Z": replace(made.facts.axes["Z"], origin_mm=3.0)}
+    assert judge(replace(made, facts=replace(made.facts, axes=axes))).result is Result.UNKNOWABLE
+
+
+def levels(made: Left, highs: Sequence[range], **of_record: object) -> Left:
+    """The run with a node whose level is up in some rows."""
+    task = PlcTaskRecord(MS, 550_000, 0, MS, 0, probes=("probe",), terminal_late_ns=200 * US)
+    probe = ProbeRecord(True, 0.0, edges=(Edge((AT_EDGE - 1) * MS + 7, True),))
+    runs = tuple(replace(each, **of_record) for each in made.facts.runs)  # type: ignore[arg-type]
+    facts = replace(made.facts, plc_task=task, probes={"probe": probe}, runs=runs)
+    assert made.received is not None
+    made.received.inputs += [
+        (row * MS + 200 * US, bytes([any(row in up for up in highs)])) for row in range(ROWS)
+    ]
+    return replace(made, facts=facts)
+
+
+@pytest.mark.parametrize(
+    ("highs", "result"),
+    [
+        ([range(36, ROWS)], Result.UNKNOWABLE),
+        ([range(10, 15), range(36, ROWS)], Result.UNKNOWABLE),  # before the run: 20 to 40 ms
+        ([range(22, 24), range(36, ROWS)], Result.BROKEN),  # the first one within it
+        ([range(5), range(36, ROWS)], Result.UNKNOWABLE),  # up as it begins
+        ([range(41, ROWS)], Result.BROKEN),  # after the run
+        ([], Result.BROKEN),
+    ],
+)
+def test_the_level_that_counts_is_the_first_edge_within_its_run(
+    highs: list[range], result: Result
+) -> None:
+    assert judge(levels(touched(TRUE_MM[36]), highs)).result is result
+
+
+@pytest.mark.parametrize(("edge", "result"), [("POS", Result.UNKNOWABLE), ("NEG", Result.BROKEN)])
+def test_the_level_has_the_edge_that_the_list_of_the_axis_wants(edge: str, result: Result) -> None:
+    """Up in row 36, down again in row 38: P-AXIS-00518 says which of both counts."""
+    made = levels(touched(TRUE_MM[36]), [range(36, 38)])
+    record = made.facts.axes["Z"]
+    axes = {"Z": replace(record, written={**record.written, "kenngr.measure.edge": edge})}
+    probe = ProbeRecord(True, 0.0, edges=(Edge((AT_EDGE - 1) * MS + 7, edge == "POS"),))
+    facts = replace(made.facts, axes=axes, probes={"probe": probe})
+    assert judge(replace(made, facts=facts)).result is result
+    falling = levels(touched(TRUE_MM[38]), [range(36, 38)])
+    facts = replace(falling.facts, axes=axes, probes={"probe": probe})
+    at_38 = Result.UNKNOWABLE if edge == "NEG" else Result.BROKEN
+    assert judge(replace(falling, facts=facts)).result is at_38
+
+
 KINK_MM = 0.0005
 COURSE_MM = [*TRUE_MM[:31], *(TRUE_MM[row] + KINK_MM * (row - 30) for row in range(31, ROWS))]
 AT_HALF_MM = float(np.array([-1, 9, 9, -1]) @ COURSE_MM[29:33]) / 16
