@@ -8,6 +8,7 @@ from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.case_files import rig_parts
 from axisrig.bench.plan.assignment import MAP_KEYS, parse_assignment
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.errors import UserError
 
@@ -54,6 +55,21 @@ def test_a_file_is_named_from_the_folder_of_the_table_that_names_it(plans: Path)
     }
     assert files_of(own) == {COLUMN: str(plans / "parts" / "maps" / "a.csv")}
     assert files_of(default) == {COLUMN: str(plans / "d.csv")}
+
+
+def test_the_expanded_plan_names_the_same_files(plans: Path) -> None:
+    """A row of an included table has a row of the plan there, which is in another folder."""
+    plan = read_plan(plans / "main.csv")
+    text = expanded_text(plan)
+    (plans / "whole.csv").write_text(text, encoding="utf-8")
+    again = read_plan(plans / "whole.csv")
+    assert [files_of(case) for case in again.cases] == [files_of(case) for case in plan.cases]
+    cells = [case.inputs[COLUMN] for case in again.cases]
+    assert cells == ["../maps/b.csv", "parts/maps/a.csv", "d.csv"]
+    moved = plan.with_inputs([parse_assignment(f"{COLUMN}=e.csv")])
+    (plans / "whole.csv").write_text(expanded_text(moved), encoding="utf-8")
+    given = str(plans.parent / "elsewhere" / "e.csv")
+    assert [files_of(case)[COLUMN] for case in read_plan(plans / "whole.csv").cases] == [given] * 3
 
 
 def test_what_a_plan_writes_stays_what_results_show(plans: Path) -> None:

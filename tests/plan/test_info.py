@@ -12,7 +12,9 @@ from axisrig.bench.campaign.pytest_plugin import CaseItem, Outcome, PlanFile
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.campaign.tested import with_tested
 from axisrig.bench.cli.pytest_results import ResultsOfPytest
+from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.info import info_of, parse_info, with_info
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
@@ -66,6 +68,21 @@ def test_it_is_in_every_result(tmp_path: Path) -> None:
     page = build_report(tmp_path / "out").read_text(encoding="utf-8")
     assert "device: X<br>" in page
     assert "serial: 1 (1 run), 2 (1 run)<br>" in page
+
+
+def test_a_plan_that_is_written_out_says_nothing_of_what_its_rigs_say(tmp_path: Path) -> None:
+    """It is a plan again, with the same runs; the rig has the rest when it is run."""
+    (tmp_path / "p.nc").write_text("N10 M30\n", encoding="utf-8")
+    (tmp_path / "r.toml").write_text("[info]\ndevice = 'drill'\n", encoding="utf-8")
+    text = "case,program,rig,note:part,check:alarms\na,p.nc,r.toml,17,none\n"
+    (tmp_path / "plan.csv").write_text(text, encoding="utf-8")
+    plan = with_tested(read_plan(tmp_path / "plan.csv"), {"serial": "7"})
+    (case,) = plan.cases
+    assert case.notes == {"note:part": "17", "info:device": "drill", "info:serial": "7"}
+    (tmp_path / "again.csv").write_text(expanded_text(plan), encoding="utf-8")
+    (again,) = with_tested(read_plan(tmp_path / "again.csv")).cases
+    assert again.notes == {"note:part": "17", "info:device": "drill"}
+    assert (again.case, again.seed, again.inputs) == (case.case, case.seed, case.inputs)
 
 
 def test_a_case_without_it_stays_as_it_is() -> None:

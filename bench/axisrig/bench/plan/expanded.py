@@ -5,8 +5,10 @@ import io
 from functools import lru_cache
 from pathlib import Path
 
+from axisrig.bench.plan.assignment import parse_column
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import Check
+from axisrig.bench.plan.info import INFO
 from axisrig.bench.plan.plan import Plan
 from axisrig.bench.plan.searching import HEAD
 
@@ -26,7 +28,9 @@ _EXPANDED = "expanded"
 
 def _expanded(plan: Plan) -> str:
     inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
-    notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
+    noted = dict.fromkeys(column for case in plan.cases for column in case.notes)
+    notes = [column for column in noted if not column.startswith(INFO)]  # of rigs and the call
+    has_files = any(parse_column(column, "").names_file for column in inputs)
     every = {case.run: (*case.checks, *_probed(case)) for case in plan.cases}
     checks = list(dict.fromkeys(f"check:{c.metric}" for of in every.values() for c in of))
     searched = {
@@ -52,11 +56,22 @@ def _expanded(plan: Plan) -> str:
             f"fail:{' '.join(case.expected)}" if case.expected else "",
             "" if case.module is None else case.module.text_in(case.folder),
         ]
-        noted = [case.notes.get(column, "") for column in notes]  # whatever they are, they stay
-        cells = {**case.inputs, **searched.get(case.run, {}), **conditions}
+        texts = [case.notes.get(column, "") for column in notes]  # whatever they are, they stay
+        of_case = {**case.inputs, **(_files(case) if has_files else {})}
+        cells = {**of_case, **searched.get(case.run, {}), **conditions}
         # A value as a cell that stands for nothing else
-        table.writerow([*own, *noted, *[cells.get(c, "").replace("[", "[[") for c in of_row]])
+        table.writerow([*own, *texts, *[cells.get(c, "").replace("[", "[[") for c in of_row]])
     return text.getvalue()
+
+
+def _files(case: Case) -> dict[str, str]:
+    """Return the cells of an included table that name a file, as the plan would name it."""
+    folder, found = case.folder.resolve(), {}
+    for item in case.assignments():
+        place = case.places.get(item.column)
+        if item.names_file and place is not None and place.file.parent != case.folder:
+            found[item.column] = path_from(folder, Path(item.value))
+    return found
 
 
 def _probed(case: Case) -> tuple[Check, ...]:
