@@ -231,12 +231,37 @@ def test_a_slave_that_is_not_in_op_or_silent_is_noted_with_each_frame(
     ("boxes", "full"),
     [
         ((0, 0), []), ((FULL, 0), ["X"]), ((0, FULL | 0x41), ["Y"]), ((FULL, FULL), ["X", "Y"]),
+        ((0xFF & ~FULL, 1), []), ((0x30, FULL), ["Y"]),  # other bits say nothing of a message
     ],
 )  # fmt: skip
 def test_a_full_mailbox_is_that_of_its_drive(boxes: tuple[int, int], full: list[str]) -> None:
     line = Line()
     line.back(line.cycle(), image=bytes(6) + bytes(boxes))
     assert line.full == full
+
+
+@pytest.mark.parametrize(
+    ("counter", "missing", "is_there"),
+    [(6, 0, True), (5, 0, False), (7, 0, False), (0, 0, False), (6, 1, False), (6, 40, False),
+     (6, -4, True)],
+)  # fmt: skip
+def test_who_reads_along_finds_the_image_of_a_whole_frame_with_the_right_counter(
+    counter: int, missing: int, is_there: bool
+) -> None:
+    """Behind both datagrams of the time, or first of all; a frame may be padded at its end."""
+    line = Line()
+    frame = bytearray(line.cycle())
+    (_, at, size) = parts(bytes(frame))[2]
+    struct.pack_into("<H", frame, at + size, counter)
+    read = bytes(frame[:-missing]) if missing > 0 else bytes(frame) + bytes(-missing)
+    assert line.master.image_in(read) == (at if is_there else None)
+    begun = Line(has_clocks=False)
+    begun.master.prepare(None)
+    other = bytearray(begun.cycle())
+    (command, at, size) = parts(bytes(other))[0]
+    assert command == LRW
+    struct.pack_into("<H", other, at + size, 6)
+    assert begun.master.image_in(bytes(other)) == at
 
 
 def test_a_terminal_behind_the_drives_has_its_part_and_counts_one_more() -> None:

@@ -17,7 +17,7 @@ from axisrig.kernel.drives.ethercat.eeprom import (
 )
 from axisrig.kernel.drives.ethercat.frames import Answer
 from axisrig.kernel.drives.ethercat.line_start import LineStart, Starting
-from axisrig.kernel.drives.ethercat.settings import LineSettings, SlaveSettings
+from axisrig.kernel.drives.ethercat.settings import LineSettings, RegisterInputs, SlaveSettings
 from axisrig.kernel.drives.ethercat.steps import Pause, Steps
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS
@@ -220,3 +220,38 @@ def test_a_drive_without_process_data_in_its_eeprom_is_an_alarm() -> None:
     assert (caught.value.id, str(caught.value.values["reason"])) == (
         900702, "it describes 3 SyncManagers",
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("sub", [1, 2, 3, 4])
+@pytest.mark.parametrize("has_box", [True, False])
+def test_an_identity_of_0_is_one_too(sub: int, has_box: bool) -> None:
+    """The vendor of our own slaves is 0: another slave in their place is found by it."""
+    line, slave = starting(identity={sub: 0})
+    if not has_box:
+        slave = Starting(
+            RegisterInputs(axis="T", node_id=1, first=0, size=1, identity={sub: 0}), None, None
+        )
+    registers = Slave(words())
+    registers._state = 1
+    with pytest.raises(Alarm) as caught:
+        registers.run(line._to_preop(slave))
+    values = caught.value.values
+    assert (caught.value.id, values["what"], values["expected"]) == (
+        900703, f"0x1018:{sub}", "0x0"
+    )  # fmt: skip
+    assert values["axis"] == ("Z" if has_box else "T")
+
+
+@pytest.mark.parametrize("count", [0, 2, 4])
+def test_a_terminal_without_a_mailbox_may_describe_any_number_of_managers(count: int) -> None:
+    """It goes to PREOP, and no SyncManager is written."""
+    line, _ = starting()
+    terminal = Starting(
+        RegisterInputs(axis="T", node_id=1, first=0, size=1, identity={1: IDENTITY[0]}), None, None
+    )
+    registers = Slave(words(MANAGERS[:count]))
+    registers._state = 1
+    registers.run(line._to_preop(terminal))
+    assert (AL_CONTROL, b"\2\0") in registers.log
+    assert all(register != SYNC_MANAGER for register, _ in registers.log)
+    assert terminal.described == Described(IDENTITY, BOX, MANAGERS[:count])

@@ -11,7 +11,7 @@ from tests.drives.test_drive_functions import PRINTED, _read
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.canopen.idents import drive_idents
 from axisrig.kernel.drives.functions import DriveFunction, type_range
-from axisrig.kernel.errors import Alarm
+from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
 
 CYCLIC = replace(LIMIT, key="CYCLIC", communication="CYCLIC", mask=None, factor=1.0)
@@ -75,6 +75,72 @@ def test_places_of_a_list_may_be_free_and_a_factor_counts_with_linear_only(tmp_p
     assert (torque.index, torque.read_index, torque.read_sub, torque.startup) == (
         0x6072, 0x6077, 2, 16,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("first", ["limit", "LIMIT", "Limit"])
+@pytest.mark.parametrize("second", ["limit", "LIMIT", "lImIt"])
+def test_two_functions_have_two_names_whatever_their_letters(
+    tmp_path: Any, first: str, second: str
+) -> None:
+    """A program has both in capitals; the name that is shown is the one of the list."""
+    text = PRINTED.replace("MON_WINDOW", first)
+    with pytest.raises(UserError, match="two drive functions have one name") as caught:
+        _read(tmp_path, text.replace("TORQUE_LIMIT", second))
+    assert str(caught.value.value).endswith(second)
+    functions, _ = _read(tmp_path, text.replace("TORQUE_LIMIT", f"{second}_2"))
+    assert [(key, one.key) for key, one in functions.items()] == [
+        ("LIMIT", first), ("LIMIT_2", f"{second}_2")
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("place", "is_read"), [(0, True), (1, True), (8, True), (9, True), (10, False)]
+)
+def test_a_list_has_ten_functions(tmp_path: Any, place: int, is_read: bool) -> None:
+    text = PRINTED.replace("function[1]", f"function[{place}]")
+    if place == 0:
+        text = "\n".join(text.splitlines()[8:])
+    if not is_read:
+        with pytest.raises(UserError):
+            _read(tmp_path, text)
+        return
+    assert "TORQUE_LIMIT" in _read(tmp_path, text)[0]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "kept", "warned"),
+    [
+        # UNS16 by a factor of 10: 0 to 6553.5
+        ("2", "300", (2.0, 300.0), []),
+        ("0", "6553.5", (0.0, 6553.5), []),
+        ("-0.1", "6553.6", (0.0, 6553.5), [70384, 70383]),
+        ("-1", "5", (0.0, 5.0), [70384]),
+        ("5", "7000", (5.0, 6553.5), [70383]),
+        ("300", "2", (2.0, 300.0), [70385]),
+        ("7000", "-1", (0.0, 6553.5), [70385, 70384, 70383]),
+    ],
+)
+def test_limits_are_corrected_to_what_the_type_can_hold(
+    tmp_path: Any, low: str, high: str, kept: tuple[float, float], warned: list[int]
+) -> None:
+    """Swapped ones first (P-AXIS-00408, 00409)."""
+    text = PRINTED + f"antr.function[1].min_limit {low}\nantr.function[1].max_limit {high}\n"
+    functions, warnings = _read(tmp_path, text)
+    torque = functions["TORQUE_LIMIT"]
+    assert (torque.low, torque.high) == kept
+    assert [warning.id for warning in warnings] == warned
+    assert {warning.values["key"] for warning in warnings} <= {"TORQUE_LIMIT"}
+
+
+def test_a_negative_factor_turns_the_limits_of_the_type_around(tmp_path: Any) -> None:
+    """SGN16 by -2: -16383.5 to 16384."""
+    text = PRINTED.replace("scaling_factor 10.0", "scaling_factor -2.0").replace("UNS16", "SGN16")
+    text += "antr.function[1].min_limit -20000\nantr.function[1].max_limit 20000\n"
+    functions, warnings = _read(tmp_path, text)
+    torque = functions["TORQUE_LIMIT"]
+    assert (torque.low, torque.high) == (-16383.5, 16384.0)
+    assert [warning.values["corrected"] for warning in warnings] == ["-16383.5", "16384"]
+    assert torque.raw(3, "Z") == -6
 
 
 @pytest.mark.parametrize(("mask", "value"), [("NOT_USED", None), ("0x00F0", 0xF0), ("15", 15)])

@@ -112,6 +112,28 @@ def test_nothing_is_written_to_a_drive_that_has_it_all() -> None:
     assert started.writes == before
 
 
+def test_a_list_counts_by_its_own_bits_whatever_is_behind_them() -> None:
+    """An answer without its size has four bytes (CiA 301): an assignment takes two of them."""
+    listed = {(0x1C12, 0): 1, (0x1C12, 1): 0x1600, (0x1C13, 0): 1, (0x1C13, 1): 0x1A00,
+              (0x1600, 0): 2, (0x1600, 1): CONTROL, (0x1600, 2): TARGET,
+              (0x1A00, 0): 2, (0x1A00, 1): STATUS, (0x1A00, 2): PLACE}  # fmt: skip
+    settings = SlaveSettings(axis="Z", node_id=1, increments_per_mm=1.0, lag_delay_cycles=0,
+                             outputs=[pdo(0x1600, CONTROL, TARGET)], inputs=INPUTS)  # fmt: skip
+    start_up: Any = type("Objects", (), {"begin": lambda _, ended: ended(None)})()
+    access: Any = None
+    steps, answer, asked = CoeSteps(settings, access, start_up).in_preop(), None, 0
+    while True:
+        try:
+            step = steps.send(answer)
+        except StopIteration:
+            break
+        assert isinstance(step, ReadObject), step  # it has it all: nothing is written
+        value, asked = listed[step.index, step.sub], asked + 1
+        is_assigned = step.index in (0x1C12, 0x1C13) and step.sub > 0
+        answer = (value | 0xBEEF_0000 if is_assigned else value).to_bytes(4, "little")
+    assert asked == len(listed)
+
+
 def test_what_the_drive_refuses_is_named_with_its_value() -> None:
     started = Started(outputs=[0x1600], inputs=[0x1A00])
     with pytest.raises(Alarm) as raised:

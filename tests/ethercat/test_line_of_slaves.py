@@ -289,6 +289,26 @@ def test_a_line_breaks_cyclic_frames_before_the_slave_of_an_axis(axis: str, brok
     assert counted == [(0, 0)] * broken + [(2, 0)] + [(0, 2)] * (2 - broken)
 
 
+@pytest.mark.parametrize("axis", "XYZ")
+def test_each_cyclic_frame_is_asked_for_once_and_passes_whole_or_not_at_all(axis: str) -> None:
+    """Every second one breaks: which one is decided before that slave and nowhere else."""
+    line, asked = Line(3), list[bool]()
+    faults = LineFaults(line.segment, dict(zip("XYZ", line.drives, strict=True)))
+
+    def falls() -> bool:
+        asked.append(len(asked) % 2 == 1)
+        return asked[-1]
+
+    faults.breaks(axis, falls)
+    for number in range(1, 7):
+        line.segment.send(of_cycle(0x80 + number))
+        line.segment.send(of_cycle(number))  # no cyclic one
+        line.wait(100 * US)
+        assert len(asked) == number
+        assert (len(line.back), line.segment.lost) == (2 * number - number // 2, number // 2)
+    assert asked == [False, True] * 3
+
+
 @pytest.mark.parametrize("by_ns", [5 * MS, -2 * MS])
 def test_the_clock_of_the_slave_of_an_axis_jumps_alone(by_ns: int) -> None:
     """0910, read by one frame before and one after: each other clock has gone on as time has."""

@@ -182,6 +182,19 @@ def test_what_has_ended_is_neither_written_nor_asked_for_nor_silent(
     assert (made.port.waits, made.silences) == (False, 0)
 
 
+@pytest.mark.parametrize(("waited_ns", "is_silent"), [(-1, False), (0, True), (1, True)])
+def test_a_message_has_its_time_and_no_more(made: Port, waited_ns: int, is_silent: bool) -> None:
+    """10 ms from its begin on, whether its frames are lost or the slave does not take it."""
+    for unheard in (made.line.lost, made.line.refused):
+        before = made.silences
+        made.send(b"one")
+        made.clock.run_until(made.clock.now_ns + TIMEOUT_NS + waited_ns)
+        unheard()
+        assert made.silences - before == is_silent
+        made.port.end()
+        made.wait(1)
+
+
 def test_the_time_of_the_next_message_is_its_own(made: Port) -> None:
     """It begins with its own first frame."""
     made.send(b"one")
@@ -253,6 +266,37 @@ def test_a_service_channel_gives_up_what_a_silent_slave_was_asked_and_asks_the_n
     assert isinstance(last, SoeError)
     assert [(error.ident, error.code) for error in (silent, last)] == [(51, None), (130, None)]
     assert not service.channel.is_busy
+
+
+@pytest.mark.parametrize("is_awaited", [True, False])
+def test_an_error_of_the_mailbox_is_the_answer_to_what_waits_for_one(is_awaited: bool) -> None:
+    """One that comes while a request is still to be written is about a message before it."""
+    line, clock = Questions(), Scheduler()
+    service = ServiceMailbox(line, clock, STATION, TIMEOUT_NS)  # type: ignore[arg-type]
+    service.port.places = PLACES
+    values: list[bytes | SoeError] = []
+    service.channel.read(0, 51, Element.VALUE, values.append)
+    request = line.asked.pop()
+    if is_awaited:
+        line.asked.append(request)
+        line.taken()
+        line.asked.clear()
+    service.port.note_full()
+    body = bytes((1, 0, 2, 0))  # 1, unsupported protocol (ETG.1000.6)
+    line.taken(MAILBOX.pack(len(body), 0, 0, MailboxType.ERROR | 1 << 4) + body)
+    if is_awaited:
+        (error,) = values
+        assert isinstance(error, SoeError)
+        assert (error.ident, error.code, service.port.waits) == (51, None, False)
+        return
+    assert (values, service.channel.is_busy) == ([], True)
+    line.asked.append(request)
+    line.taken()
+    line.asked.clear()
+    service.port.note_full()
+    body = Header(Operation.READ_ANSWER, 0, Element.VALUE, 51).pack() + b"\7\0\0\0"
+    line.taken(MAILBOX.pack(len(body), 0, 0, MailboxType.SOE | 2 << 4) + body)
+    assert values == [b"\7\0\0\0"]
 
 
 def test_a_message_without_an_answer_is_written_once_and_waits_for_nothing(made: Port) -> None:

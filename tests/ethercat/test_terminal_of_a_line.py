@@ -12,10 +12,14 @@ from axisrig.bench.machine.ethercat.line_terminal import (
     inputs_of,
     register_inputs,
 )
+from axisrig.bench.machine.ethercat.slaves import slave_of as drive_of_line
+from axisrig.bench.machine.ethercat.slaves import terminal_slave
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.plc_task import TerminalTable
-from axisrig.bench.rig.settings import read_settings
-from axisrig.kernel.time.clock import MS
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.time.clock import MS, S
+from axisrig.kernel.time.scheduler import new_scheduler
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "plc-timestamp-ethercat.toml"
 RISEN, FALLEN, LEVEL = 1, 2, 4
@@ -88,3 +92,53 @@ def test_the_master_reads_its_registers_and_writes_which_edge_counts(
     assert (found.first, found.size, found.node_id) == (0x09AE, 34, 2)
     assert [*found.writes] == [("LATCH0_CONTROL", mode), ("LATCH1_CONTROL", mode)]
     assert dict(found.identity) == {1: 0, 2: 401}
+
+
+def slave_of(rig: str, *changes: str) -> tuple[Any, Any]:
+    """The slave of the terminal of a shipped rig, with the clock that it runs on."""
+    assigned = [(parse_assignment(change), as_written) for change in changes]
+    settings = read_settings(*read_rig(RIG.parent / rig), assigned)
+    clock, beside = new_scheduler(), SimpleNamespace(signals={"probe": None})
+    made: Any = beside
+    return terminal_slave(settings, "ec1", clock, made, lambda _: None, 7), clock
+
+
+@pytest.mark.parametrize(("start_us", "drift_ppm"), [(0, 0.0), (25, -40.0), (-3, 100.0)])
+def test_its_clock_is_that_of_its_slave_controller(start_us: int, drift_ppm: float) -> None:
+    """Of the keys of the line the part of `terminal`; others belong to drives."""
+    slave, _ = slave_of(
+        "plc-timestamp-line.toml",
+        f"bus:ec1.clock_start_us=terminal={start_us} Z=99",
+        f"bus:ec1.drift_ppm=terminal={drift_ppm} Z=77",
+    )
+    local = slave.time.local
+    assert local.at(0) == start_us * 1000
+    assert local.at(S) == start_us * 1000 + S + round(drift_ppm * 1000)
+    assert (slave.description.serial, slave.description.product) == (7, 401)
+
+
+def test_it_falls_silent_when_its_rig_says_so_and_else_never() -> None:
+    slave, clock = slave_of("plc-timestamp-line.toml", "plc:terminal.silent_from_ms=30")
+    for time_ns, is_on in ((30 * MS - 1, True), (30 * MS, False), (S, False)):
+        clock.run_until(time_ns)
+        assert slave.is_on is is_on
+    plain, clock = slave_of("plc-timestamp-line.toml")
+    clock.run_until(S)
+    assert plain.is_on
+    assert slave_of("probe-z-ethercat.toml")[0] is None
+
+
+def test_each_drive_of_a_line_has_its_own_clock_and_samples_when_it_does() -> None:
+    """What the control assumes of that is no matter of the slave; on CAN the line says nothing."""
+    keys = ("clock_start_us=X=4 Z=-2", "drift_ppm=Y=7.5", "sample_us=X=11 Z=-20",
+            "assumed_sample_us=X=1 Y=2 Z=3")  # fmt: skip
+    rig = read_rig(RIG.parent / "probe-xyz-ethercat.toml")
+    assigned = [(parse_assignment(f"bus:ec1.{key}"), as_written) for key in keys]
+    settings = read_settings(*rig, assigned)
+    found = [drive_of_line(settings, axis, serial) for serial, axis in enumerate("XYZ", 5)]
+    assert [(one.serial, one.start_ns, one.drift_ppm, one.sample_ns) for one in found] == [
+        (5, 4000, 0.0, 11_000), (6, 0, 7.5, 0), (7, -2000, 0.0, -20_000)
+    ]  # fmt: skip
+    on_can = read_settings(*read_rig(RIG.parent / "probe-z.toml"), [])
+    one = drive_of_line(on_can, "Z", 3)
+    assert (one.serial, one.start_ns, one.drift_ppm, one.sample_ns) == (3, 0, 0.0, 0)

@@ -46,6 +46,19 @@ def test_a_short_value_comes_with_the_answer(command: str, size: int) -> None:
     assert made.result == bytes.fromhex("11223344")[:size]
 
 
+@pytest.mark.parametrize("unused", [0, 3, 7])
+def test_unused_bytes_count_in_a_segment_of_seven_alone(unused: int) -> None:
+    """Bits 1 to 3 of its command; a longer one is as long as its message."""
+    made = read()
+    made.take(bytes.fromhex("41 0810 02") + (40).to_bytes(4, "little") + NAME[:16])
+    assert made.take(bytes((unused << 1 | 1,)) + NAME[16:]) is None
+    assert made.result == NAME
+    short = read()
+    short.take(bytes.fromhex("41 0810 02") + (16 + 7 - unused).to_bytes(4, "little") + NAME[:16])
+    assert short.take(bytes((unused << 1 | 1,)) + NAME[16:23]) is None
+    assert short.result == NAME[: 16 + 7 - unused]
+
+
 def test_a_long_value_comes_in_segments_whose_toggle_alternates() -> None:
     """16 bytes with the answer, 20 in a segment, and 4 of 7 in the last one."""
     made = read()

@@ -14,6 +14,8 @@ from axisrig.bench.machine.cyclic import family as cyclic
 from axisrig.bench.machine.ethercat import family as ethercat
 from axisrig.bench.machine.ethercat.family import EthercatLines
 from axisrig.bench.machine.ethercat.line_terminal import inputs_of
+from axisrig.bench.record.axes import DriveState
+from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.ethercat.tables import AlState
 from axisrig.kernel.time.clock import MS
 
@@ -229,6 +231,23 @@ def test_cyclic_segments_have_the_warnings_of_every_drive_in_their_order() -> No
     warned = {"X": [], "Y": ["first", "second"], "Z": (), "W": ["third"]}
     part.ends = {axis: SimpleNamespace(warnings=found) for axis, found in warned.items()}
     assert part.warnings == ["first", "second", "third"]
+
+
+@pytest.mark.parametrize("kind", [can.CanBuses, EthercatLines, cyclic.CyclicSegments])
+@pytest.mark.parametrize("state", State)
+def test_each_state_of_a_drive_is_noted_and_what_is_trouble_is_marked(
+    kind: Any, state: State
+) -> None:
+    """CiA 402: a quick stop, the reaction to a fault and the fault are no usual way."""
+    part = part_of(kind, {})
+    part.states = {axis: [] for axis in "XY"}
+    for now_ns in (3, 250 * MS):
+        part._bench.scheduler.now_ns = now_ns
+        part._note_state("Y", state)
+    is_trouble = state.name in ("QUICK_STOP_ACTIVE", "FAULT_REACTION_ACTIVE", "FAULT")
+    assert part.states == {
+        "X": [], "Y": [DriveState(at_ns, state.name, is_trouble) for at_ns in (3, 250 * MS)]
+    }  # fmt: skip
 
 
 def test_a_log_of_a_line_has_its_name_whatever_kinds_of_logs_are_asked_for() -> None:

@@ -7,21 +7,27 @@ those of the lists (docs/parameters.md): P-AXIS-00212 um/s, P-AXIS-00099 0.01/s.
 from collections.abc import Callable
 from math import inf
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from tests.machine import made_rigs
 from tests.machine.made_rigs import above
 
+from axisrig.bench.bus.ethercat.segment import Link
 from axisrig.bench.machine.canopen.links import build_links
 from axisrig.bench.machine.cyclic.profidrive_drive import profidrive_settings
 from axisrig.bench.machine.cyclic.speed_drive import speed_drive_settings
+from axisrig.bench.machine.ethercat import cia402_slave, line, sercos_slave
 from axisrig.bench.machine.ethercat.cia402_slave import slave_settings
 from axisrig.bench.machine.ethercat.sercos_slave import sercos_settings
+from axisrig.bench.rig.ethercat.keys import SegmentTable
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.ethercat.link import make_data
 from axisrig.kernel.drives.interface import Drive
+from axisrig.kernel.drives.sercos.data import TelegramData
 from axisrig.kernel.measuring.latest_edge import StampClock
-from axisrig.kernel.time.clock import S
+from axisrig.kernel.time.clock import MS, S
 from axisrig.kernel.time.scheduler import new_scheduler
 
 
@@ -226,6 +232,31 @@ def test_real_time_bits_are_those_of_the_list(changes: tuple[str, ...], tmp_path
     assert (bits.enable, bits.latched, bits.actuated, bits.command) == BITS[changes]
 
 
+def test_probe_2_has_a_start_bit_of_its_own_and_the_other_bits_of_probe_1(tmp_path: Path) -> None:
+    """P-AXIS-00675 to 00680 are of probe 1, 00681 and 00682 the start bit of probe 2."""
+    bits = {"start_probing": 3, "value_latched": 4, "probe_actuated": 5}
+    changes = [f"{PROBE.format(1)}.{name}.bit_nr={bit}" for name, bit in bits.items()]
+    changes += [f"{PROBE.format(2)}.start_probing.bit_nr=2"]
+    for probe, enable in ((1, 1 << 3), (2, 1 << 2)):
+        probing = f"set:Z.kenngr.measure.input={probe}"
+        settings = settings_of(tmp_path, "probe-z-sercos.toml", "", probing, *changes)
+        found = sercos_settings(settings, "Z")
+        assert found.probe_input == probe
+        assert (found.bits.enable, found.bits.latched, found.bits.actuated) == (
+            enable, 1 << 4, 1 << 5
+        )  # fmt: skip
+
+
+def test_a_slave_takes_its_time_both_ways(tmp_path: Path) -> None:
+    """slave_ns is that of each way, and wire_ns of the wire before it."""
+    keys = ("bus:ec1.wire_ns=X=10 Z=40", "bus:ec1.slave_ns=X=100 Y=900")
+    table = settings_of(tmp_path, "probe-xyz-ethercat.toml", "", *keys).segment["ec1"]
+    assert isinstance(table, SegmentTable)
+    assert [line._link(table, axis) for axis in "XYZ"] == [
+        Link(10, 100, 100), Link(50, 900, 900), Link(40, 300, 300)
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("change", "field", "value"),
     [
@@ -255,6 +286,40 @@ def test_stamps_of_a_line_count_from_the_instant_of_its_clocks(tmp_path: Path) -
     ):  # fmt: skip
         settings = settings_of(tmp_path, "probe-z-ethercat-stamps.toml", "", f"bus:ec1.{key}")
         assert slave_settings(settings, "Z").stamps == expected, key
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(("timeout_ms", "attempts"), [(70, 5), (1500, 1)])
+def test_a_mailbox_waits_and_asks_as_the_keys_of_its_drive_say(
+    timeout_ms: int, attempts: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SDO: sdo_timeout_ms and sdo_attempts; the service channel: soe_timeout_ms."""
+    made: list[tuple[Any, ...]] = []
+
+    def mailbox(*words: Any) -> Any:
+        made.append(words)
+        return SimpleNamespace(port="port", channel=SimpleNamespace(read=None))
+
+    monkeypatch.setattr(cia402_slave, "Mailbox", mailbox)
+    monkeypatch.setattr(sercos_slave, "ServiceMailbox", mailbox)
+    transactions, clock = cast("Any", "transactions"), new_scheduler()
+    keys = (f"sdo_timeout_ms={timeout_ms}", f"sdo_attempts={attempts}")
+    for base, kind, of_drive, given in (
+        ("probe-z-ethercat.toml", cia402_slave.Cia402Ends, keys, (timeout_ms * MS, attempts)),
+        ("probe-z-sercos.toml", sercos_slave.SercosEnds, (f"soe_timeout_ms={timeout_ms}",),
+         (timeout_ms * MS,)),
+    ):  # fmt: skip
+        settings = settings_of(tmp_path, base, "", *(f"drive:servo.{key}" for key in of_drive))
+        ends: Any = kind.__new__(kind)
+        ends._settings, ends._table = settings, settings.rig.drive["servo"]
+        if kind is cia402_slave.Cia402Ends:
+            ends.settings = slave_settings(settings, "Z")
+            ends.data = make_data(ends.settings)
+        else:
+            ends.settings = sercos_settings(settings, "Z")
+            ends.data = TelegramData(ends.settings, 130)
+        assert ends.connect(transactions, clock).port == "port"
+        assert made.pop() == ("transactions", clock, 1001, *given)
 
 
 @pytest.mark.parametrize(

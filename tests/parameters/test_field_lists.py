@@ -227,6 +227,38 @@ def test_a_feed_constant_and_a_gearbox_are_the_encoder_of_the_rig(
     assert float(allowed.rpartition(" ")[2]) == pytest.approx(listed, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("name", "index"),
+    [
+        ("getriebe[0].lose", None), ("getriebe[1].lose", 1), ("getriebe[3].lose", 3),
+        ("lr_param.ssfk", None), ("lr_hw[0].vz_stellgr", None), ("lr_hw[1].vz_stellgr", 1),
+    ],
+)  # fmt: skip
+def test_an_element_behind_the_first_is_named_with_its_index(
+    with_list: Callable[..., Settings], name: str, index: int | None
+) -> None:
+    """One number stands for all of them."""
+    _, value = _odd(name.replace("[0]", "[i]").replace("[1]", "[i]").replace("[3]", "[i]"))
+    with pytest.raises(UserError) as error:
+        with_list(f"{name} {value}")
+    (number,) = [word for word in error.value.message.split() if word.startswith("(P-AXIS-")]
+    of = "" if index is None else f" (index {index})"
+    assert error.value.message.startswith(f"{name} {number}{of} does not act here: ")
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("TRANSLATOR", "mm"), ("ROTATOR", "degree")])
+def test_a_wrong_resolution_counts_in_mm_or_in_degrees(
+    with_list: Callable[..., Settings], kind: str, unit: str
+) -> None:
+    """10 mm are 10 degrees of an axis that turns."""
+    lines = "getriebe[0].wegaufz 1048576\ngetriebe[0].wegaufn 50000"
+    with pytest.raises(UserError) as error:
+        with_list(f"kenngr.achs_typ ACHSTYP_{kind}\n{lines}")
+    assert str(error.value.allowed) == (
+        f"104857.6 increments per {unit}, those of the drive; the list has 209715.2"
+    )
+
+
 def test_a_resolution_in_both_ways_is_refused(with_list: Callable[..., Settings]) -> None:
     """The page of P-AXIS-00234 wants P-AXIS-00362 and 00363 at 1 then."""
     lines = "getriebe[0].wegaufz 1048576\ngetriebe[0].wegaufn 100000\n"

@@ -109,6 +109,22 @@ def test_an_error_is_acknowledged_before_the_next_run(armed: EncoderControl) -> 
     assert armed.is_clear
 
 
+@pytest.mark.parametrize("is_active", [True, False])
+def test_a_run_that_the_drive_refuses_waits_for_nothing(is_active: bool) -> None:
+    """It is armed with the error, which the watch names; without any word it is not."""
+    control = EncoderControl(POS, ECHO)
+    cycles(control, (0, 0), (0, 0))
+    control.arm()
+    cycles(control, (0, 0), (0, 0))
+    if is_active:
+        cycles(control, (POS, 0))
+    assert control.is_armed is is_active
+    cycles(control, (words.ENCODER_ERROR, 3))
+    assert (control.error, control.is_armed, control.has_latched) == (3, True, False)
+    control.disarm()
+    assert not control.is_armed
+
+
 def test_an_absolute_position_is_asked_for_between_runs(armed: EncoderControl) -> None:
     found: list[int | str] = []
     assert not armed.ask_absolute(found.append)

@@ -120,3 +120,49 @@ def test_a_refusal_points_to_its_key(
     (line,) = [n for n, each in enumerate(path.read_text().splitlines(), 1) if "# here" in each]
     assert (error.file, error.line) == (str(path), line)
     assert value is ... or error.value == value
+
+
+AXIS = """[axis.{0}]
+list = "lists/s.lst"
+segment = "{1}"
+drive = "servo"
+plant = "{2}"
+[plant.{2}]
+fmu = "AxisRig.Drives.ServoAxis"
+"""
+
+
+@pytest.mark.parametrize(
+    ("base", "text", "words", "line"),
+    [
+        # Behind axes that have what they need, and behind others that are wrong too
+        ("probe-xyz", AXIS.format("W", "can1", "w"), "the rig lacks the key axis.W.node", 2),
+        (
+            "probe-xyz",
+            AXIS.format("V", "can2", "v") + AXIS.format("W", "can1", "w"),
+            "the rig lacks the key axis.V.node",
+            2,
+        ),
+        ("probe-xyz-mixed", AXIS.format("W", "can1", "w"), "the rig lacks the key axis.W.node", 2),
+        (
+            "probe-xyz-mixed",
+            "[axis.Z]\nnode = 9",
+            "axis Z: on segment ec1 (ethercat) there are no nodes; found 9",
+            3,
+        ),
+        ("probe-xyz-ethercat", "[axis.Y]\nnode = 9", "axis Y: on segment ec1 (ethercat)", 3),
+        ("probe-z-profidrive", "[axis.Z]\nnode = 9", "axis Z: on segment bus (cyclic)", 3),
+    ],
+)
+def test_a_node_that_is_missing_or_too_much_is_found_on_any_axis(
+    rig_above: Callable[..., Settings],
+    tmp_path: Path,
+    base: str,
+    text: str,
+    words: str,
+    line: int,
+) -> None:
+    with pytest.raises(UserError) as caught:
+        rig_above(f"{base}.toml", text)
+    assert words in str(caught.value)
+    assert (caught.value.file, caught.value.line) == (str(tmp_path / "rig.toml"), line)

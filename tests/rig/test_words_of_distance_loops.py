@@ -5,10 +5,13 @@ FCT-M3 9: kp is P-AXIS-00759, Tn and Tv are times in s; 12.8 has the same for th
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
+from axisrig.bench.rig.distance.check import drive_lags_s
 from axisrig.bench.rig.distance.loops import (
     control_lines,
     cycles_line,
@@ -146,3 +149,43 @@ def test_cycles_of_a_real_control_are_those_of_every_axis(
 )
 def test_a_gain_at_its_limit_rings_for_ever(share: float, beyond: bool) -> None:
     assert is_beyond(0.25 * share, 0.25) is beyond
+
+
+class Slave:
+    """An FMU with these variables."""
+
+    def __init__(self, **values: float) -> None:
+        self.values = values
+
+    def has(self, name: str) -> bool:
+        return name in self.values
+
+    def get(self, name: str) -> float:
+        return self.values[name]
+
+
+@pytest.mark.parametrize(
+    ("slave", "lag_s"),
+    [
+        (Slave(kv=40.0, feed_forward=0.0), 0.025),
+        (Slave(kv=40.0, feed_forward=1.0), 0.0),
+        (Slave(kv=20.0, feed_forward=0.4), 0.03),
+        (Slave(kv=0.0, feed_forward=0.0), 0.0),  # without a loop there is no lag
+        (Slave(kv=40.0), None),
+        (Slave(feed_forward=0.5), None),
+        (None, None),
+    ],
+)
+def test_a_drive_lags_by_what_its_gain_and_its_feed_forward_leave(
+    slave: Slave | None, lag_s: float | None, rig_above: Read
+) -> None:
+    """At a steady speed v the lag is (1 - f) v/Kv: a time of (1 - f)/Kv."""
+    settings = rig_above("distance-xz.toml")
+    other = Slave(kv=100.0, feed_forward=0.5)
+    axes: dict[str, Any] = {"x": SimpleNamespace(slave=other)}
+    if slave is not None:
+        axes["z"] = SimpleNamespace(slave=slave)
+    plant: Any = SimpleNamespace(axes=axes)
+    found = drive_lags_s(settings, plant)
+    assert found.pop("X") == pytest.approx(0.005)
+    assert found == ({} if lag_s is None else {"Z": pytest.approx(lag_s)})

@@ -78,6 +78,26 @@ def test_what_was_started_by_another_axis_or_without_commands_is_not_waited_for(
     assert not program.accesses.is_waiting
 
 
+@pytest.mark.parametrize("key", [FIRST, THIRD])
+def test_a_value_that_is_written_is_no_command_that_was_started(key: str) -> None:
+    """#IDENT WR of the ident of a procedure command, before and behind a command."""
+    program = Program()
+    for keys in ((), (SECOND,), (SECOND, SECOND)):
+        program.starts(*keys)
+        program.accesses.begin(DriveWrite(BLOCK, "Z", key, 3.0, False, 2))
+        program.channel.answer(COMMAND)
+        assert program.asked()[-1] == (ident_number(key), START)
+        program.channel.answer()
+        program.accesses.begin(DriveWait(BLOCK, "Z", commands=True))
+        assert program.asked() == states(*keys)
+        for _ in keys:
+            program.channel.answer(DONE)
+        program.asked()
+        for _ in keys:
+            program.channel.answer()
+        assert not program.accesses.is_waiting
+
+
 def test_a_command_that_has_failed_is_cancelled_and_is_an_alarm() -> None:
     program = Program()
     program.starts(FIRST, SECOND)
