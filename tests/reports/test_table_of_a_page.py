@@ -102,3 +102,32 @@ def test_contents_name_what_the_page_has(tmp_path: Path, is_bad: bool) -> None:
     assert places == [*first, "summary_title", "coverage_title", "glossary_title"]
     for place in places:
         assert f'id="{place}"' in text
+
+
+@pytest.mark.parametrize(
+    ("rows", "facts"),
+    [
+        ([{"sim_s": "2"}, {"sim_s": "0.5"}], "2.500 s in 2 runs"),
+        # A row about several runs has the time of these; a probe has run by itself
+        ([{"sim_s": "2"}, {"sim_s": "8", "runs": "2"}], "2.000 s in 1 run"),
+        ([{"sim_s": "8", "runs": "2", "search:plc:V.E.A": "1 .. 2"},
+          {"sim_s": "3", "probe": "p-r0", "plc:V.E.A": "1"},
+          {"sim_s": "4", "probe": "p-r0", "plc:V.E.A": "2"}], "7.000 s in 2 runs"),
+    ],
+)  # fmt: skip
+def test_simulated_time_is_that_of_all_that_ran(
+    tmp_path: Path, rows: list[dict[str, str]], facts: str
+) -> None:
+    text = page(tmp_path, rows)
+    assert re.findall(r"<dt>simulated</dt><dd>([^<]*)</dd>", text) == [facts]
+    assert "<dt>on a real bus</dt>" not in text
+
+
+@pytest.mark.parametrize("word", ["pass", "fail"])
+def test_a_map_has_rows_and_no_probes(tmp_path: Path, word: str) -> None:
+    """The row that searches has the verdict of its probes."""
+    rows = [{"verdict": word, "runs": "1", "search:plc:V.E.A": "1 .. 2"},
+            {"probe": "p-r0", "plc:V.E.A": "1"}]  # fmt: skip
+    text = page(tmp_path, rows)
+    (cells,) = re.findall(r'"runs":(\[\[.*?\]\])', text)
+    assert [run for run, _ in json.loads(cells)] == ["p-r0"]

@@ -140,6 +140,42 @@ def test_diagnosis_data_have_their_heads_and_instants(tmp_path: Path) -> None:
     ]
 
 
+class Different(Stored):
+    """Runs that each have a table and a decoder of their own."""
+
+    def signals(self, run: str) -> pd.DataFrame:
+        table = pd.DataFrame({"time_ns": [0], f"{run}.set_mm": [float(run[1:])]})
+        table.attrs.update(units={f"{run}.set_mm": run}, run=run)
+        return table
+
+    def diagnosis(self, run: str) -> pd.DataFrame:
+        table = pd.DataFrame({"time_ns": [0], "zstd": [f"state of {run}"]})
+        table.attrs["decoder"] = {f"of_{run}": run}
+        return table
+
+
+@pytest.mark.parametrize("runs", [(), ("r1", "r2"), ("r2", "r1"), ("r2",)])
+def test_a_file_has_what_its_own_run_left_and_nothing_of_the_others(
+    tmp_path: Path, runs: tuple[str, ...]
+) -> None:
+    """However many are written, in whichever order."""
+    results: Any = Different()
+    for path in export(results, runs, tmp_path, "csv"):
+        run = path.stem
+        assert path.read_text(encoding="utf-8").splitlines() == [
+            f"time_ns,{run}.set_mm", f",{run}", f"0,{float(run[1:])}",
+        ]  # fmt: skip
+    for path in export_diagnosis(results, runs, tmp_path):
+        run = path.name.partition(".")[0]
+        assert path.read_text(encoding="utf-8").splitlines() == [
+            "DECODER : CONFIGURATION CHANNEL-NO.: 1",
+            f"  {f'of_{run}':<44}{run}",
+            "# SYNC 0 ms",
+            "Distance Control:",
+            f"  {'zstd:':<24}state of {run}",
+        ]
+
+
 def test_truth_values_are_signals_and_texts_are_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
