@@ -272,8 +272,8 @@ def _unknown_keyword(form: Form, word: str, offset: int, *, has_value: bool = Fa
             hint="0 meant?" if word.upper() == "O" else None,
         )
     hint, close = None, nearest(word.upper(), known)
-    if not (has_value and close) and (name := _name_before(form)) is not None:
-        hint = f"names have no blanks: {name}_{word}?"
+    if not (has_value and close) and (name := _name_with(form, word)) is not None:
+        hint = f"names have no blanks: {name}?"
     elif close:
         hint = f"nearest: {', '.join(close)}"
     return form.wrong(
@@ -281,12 +281,18 @@ def _unknown_keyword(form: Form, word: str, offset: int, *, has_value: bool = Fa
     )
 
 
-def _name_before(form: Form) -> str | None:
-    """Give the name that stands before the word at hand; an axis goes on with no word."""
+def _name_with(form: Form, word: str) -> str | None:
+    """Give the name that the word at hand goes on with; None where it can be none.
+
+    An axis goes on with no word, and one of several names only with what makes another of them.
+    """
     keyword, value = form.options[-1] if form.options else ("", None)
     row = _row(form, keyword)
-    is_axis = row is not None and row.kind == "axis"
-    return value.value if isinstance(value, Name) and not is_axis else None
+    if not isinstance(value, Name) or (row is not None and row.kind == "axis"):
+        return None
+    name = f"{value.value}_{word}"
+    names = row.allowed.split() if row is not None else []
+    return name if not names or name.upper() in names else None
 
 
 def _check_number(form: Form) -> None:

@@ -70,10 +70,10 @@ def link(program: Program) -> Unit:
 
 
 def reachable(main: Unit) -> list[Unit]:
-    """Give the unit itself and those of all global subprograms it can reach."""
+    """Give the unit itself and those of all global subprograms it can reach, each once."""
     found = [main]
     for unit in found:
-        found += [other for other in unit.called.values() if other not in found]
+        found += [other for other in dict.fromkeys(unit.called.values()) if other not in found]
     return found
 
 
