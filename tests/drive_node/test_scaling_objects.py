@@ -105,3 +105,43 @@ def test_torque_and_current_are_per_mille_of_the_rated_ones(
     one.axis.command_force(one.now_ns, share * DriveProfile().rated_force_n)
     one.servo.refresh(one.now_ns)
     assert (one.image.torque_actual, one.image.current_actual) == (shown, shown)
+
+
+@pytest.mark.parametrize("mode", [8, 9])
+def test_internal_values_are_increments_of_the_encoder_and_the_others_position_units(
+    fake_axis: Any, mode: int
+) -> None:
+    """6063 and 60FC against 6064 and 6062, with half a unit to an increment (CiA 402-2)."""
+    one = ServoAlone(fake_axis(start_m=0.02), mode)
+    one.axis.motion = lambda time_s: 0.02
+    one.write(feed=one.image.feed // 2)
+    one.cycle(target_position=0.0201 * PER_M / 2)
+    one.cycle()
+    image = one.image
+    demand_m = 0.0201 if mode == 8 else 0.02
+    assert image.position_demand_internal == pytest.approx(demand_m * PER_M, abs=1)
+    assert image.position_demand == pytest.approx(demand_m * PER_M / 2, abs=1)
+    assert image.position_internal == pytest.approx(0.02 * PER_M, abs=1)
+    assert image.position_actual == pytest.approx(0.02 * PER_M / 2, abs=1)
+    assert image.following_error == image.position_demand - image.position_actual
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_is_too_large_for_32_bits_is_shown_as_the_largest(fake_axis: Any, sign: int) -> None:
+    """Velocity and lag end at the range of INTEGER32, a position goes round (CiA 402-2)."""
+    units, _ = _units()
+    assert units.velocity_units_s(sign * 1e5) == (0x7FFF_FFFF if sign > 0 else -0x8000_0000)
+    assert units.deviation_units(sign * 1e5) == (0x7FFF_FFFF if sign > 0 else -0x8000_0000)
+    assert units.velocity_units_s(sign * 0.25) == sign * 250_000
+    assert units.position_units(sign * 2147.483648) == -0x8000_0000
+
+
+def test_cst_begins_without_force_whatever_pushes_an_axis_without_power(fake_axis: Any) -> None:
+    """A clamp or a weight presses on an axis that nobody holds: that is no demand of the drive."""
+    axis = fake_axis(motion=lambda _: 0.0)
+    axis.force_n = lambda: 123.0
+    one = ServoAlone(axis, 10)
+    first = next(command for command in axis.commands[2:] if command.kind.name == "FORCE")
+    assert first.force_n == 0.0
+    one.cycle(target_torque=100)
+    assert axis.commands[-1].force_n == pytest.approx(0.1 * DriveProfile().rated_force_n)

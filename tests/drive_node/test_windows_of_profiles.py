@@ -157,3 +157,23 @@ def test_the_shape_of_a_ramp_changes_in_the_middle_of_it(fake_axis: Any) -> None
     assert one.axis.demand_velocity_m_s() < 0.098
     one.run_ms(3)
     assert one.axis.demand_velocity_m_s() == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("by", ["mode", "halt"])
+def test_the_time_of_a_velocity_window_begins_anew_with_the_mode_and_after_a_halt(
+    fake_axis: Any, by: str
+) -> None:
+    """606E = 10 ms: a target of 0 is near all the time, and reached 10 ms after each begin."""
+    one = ServoAlone(fake_axis(), 3, velocity_window=5, velocity_window_ms=10)
+    for _ in range(2):
+        assert _cycles_until(one, REACHED) in (9, 10, 11)
+        if by == "mode":
+            one.cycle(mode=8, target_position=one.image.position_actual)
+            for _ in range(20):
+                one.cycle()
+            assert one.cycle(mode=3) & REACHED == 0
+        else:
+            one.cycle(controlword=ON | 1 << 8)
+            for _ in range(20):
+                one.cycle()
+            assert one.cycle(controlword=ON) & REACHED == 0

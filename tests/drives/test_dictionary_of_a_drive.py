@@ -179,6 +179,7 @@ FUNCTION_CASES: list[tuple[dict[str, Any], str | None]] = [
     ({"index": 0x2005}, "has no such object"),
     ({"bits": 32}, "another data type"), ({"is_signed": True}, "another data type"),
     ({"read_index": 0x2005}, "no such object to read"), ({"read_index": 0x2004}, None),
+    ({"read_sub": 1}, "no such object to read"),
 ]  # fmt: skip
 
 

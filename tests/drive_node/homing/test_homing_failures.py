@@ -116,3 +116,31 @@ def test_a_reference_stays_when_the_mode_is_left_and_an_error_does_not_take_its_
     bench.write(homing_method=17, controlword=0x1F)
     bench.run_ms(200)
     assert bench.bits == ERROR | REACHED
+
+
+@pytest.mark.parametrize("is_home", [False, True])
+def test_a_homing_that_is_broken_off_has_attained_nothing(is_home: bool) -> None:
+    """Bit 4 is taken back on the way to the switch at 50 mm; a home of before does not count."""
+    bench = Bench(0.0, {"home": Switch(50.0, 60.0)})
+    if is_home:
+        bench.home(37)
+        bench.write(controlword=0x0F)
+        assert bench.bits & ATTAINED
+    bench.write(homing_method=19, controlword=0x1F)
+    bench.run_ms(100)
+    assert bench.bits == 0
+    bench.write(controlword=0x0F)
+    bench.run_ms(300)
+    assert bench.bits == REACHED
+    assert 0.0 < bench.place_mm < 50.0
+
+
+@pytest.mark.parametrize("late_ms", [1, 500])
+def test_a_start_bit_that_falls_when_home_is_found_takes_nothing_away(late_ms: float) -> None:
+    """Method 37 has its home at once; coming to rest and resting there are no search any more."""
+    bench = Bench(7.0)
+    bench.write(homing_method=37, controlword=0x1F)
+    bench.run_ms(late_ms)
+    bench.write(controlword=0x0F)
+    bench.run_ms(300)
+    assert bench.bits == ATTAINED | REACHED

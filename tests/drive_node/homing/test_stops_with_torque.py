@@ -81,3 +81,19 @@ def test_a_stop_that_gives_way_too_early_is_none(bench: Any, side: int) -> None:
     made.axis.force_n = lambda: side * 0.46 * RATED_N
     made.run_ms(100)
     assert made.bits & (ATTAINED | ERROR) == ATTAINED
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("most", "felt"), [(300, 300), (499, 499), (501, 500), (1000, 500)])
+def test_the_largest_torque_of_the_drive_limits_that_of_homing_too(
+    bench: Any, side: int, most: int, felt: int
+) -> None:
+    """The least of 6072 and the homing torque (500) on the way to the stop; afterwards 6072."""
+    made = bench(max_torque=most)
+    made.write(homing_method=METHODS[side], controlword=0x1F)
+    made.run_ms(10)
+    for limit_n in made.axis.limits_n[-1]:
+        assert limit_n == pytest.approx(felt / 1000 * RATED_N)
+    made.write(controlword=0x0F)
+    for limit_n in made.axis.limits_n[-1]:
+        assert limit_n == pytest.approx(most / 1000 * RATED_N)
