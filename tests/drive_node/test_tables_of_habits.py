@@ -109,3 +109,17 @@ def test_sources_of_a_profile_are_words_of_its_text() -> None:
     found = [profile.has_object(*key) for key in asked]
     assert found == [False, False, False, True, True, True]
     assert not profile.has_object(0x1018)  # sub-index 0 alone
+
+
+def test_times_and_lengths_of_a_rig_are_whole_in_the_unit_of_the_profile() -> None:
+    """us become ns and mm become um, to the nearest one: 0.57 us are 570 ns, 1.001 mm 1001 um."""
+    found = {
+        habit.field[-3:]: habit for habit in habits().values() if habit.field[-3:] in ("_ns", "_um")
+    }
+    assert set(found) == {"_ns", "_um"}
+    for habit in found.values():
+        for thousandths in range(1, 20_000):
+            assert habit.in_profile(thousandths / 1000) == thousandths
+        assert habit.in_profile(4) == 4000
+    others = [habit for habit in habits().values() if habit.field[-3:] not in ("_ns", "_um")]
+    assert all(habit.in_profile(7) == 7 for habit in others)

@@ -177,3 +177,46 @@ def test_the_time_of_a_velocity_window_begins_anew_with_the_mode_and_after_a_hal
             for _ in range(20):
                 one.cycle()
             assert one.cycle(controlword=ON) & REACHED == 0
+
+
+@pytest.mark.parametrize("is_high", [True, False])
+def test_a_mode_that_begins_anew_has_acknowledged_nothing(fake_axis: Any, is_high: bool) -> None:
+    """Bit 4 held high through another mode is no new set-point, and bit 12 none of the old one."""
+    one = ServoAlone(fake_axis(), 1, **TO_POINT)
+    one.cycle(controlword=ON | NEW, target_position=0.005 * PER_M)
+    assert one.image.statusword & TAKEN
+    one.cycle(mode=8)
+    one.cycle(mode=1, controlword=ON | NEW * is_high)
+    assert one.image.statusword & TAKEN == 0
+    here_m = one.axis.motor_position_m()
+    one.cycle(controlword=ON)
+    one.cycle(controlword=ON | NEW, target_position=0.010 * PER_M)
+    assert one.image.statusword & TAKEN
+    one.run_ms(150)
+    assert one.axis.motor_position_m() == pytest.approx(0.010)
+    assert here_m < 0.010
+
+
+def test_a_set_point_without_a_speed_leaves_the_axis_where_it_is(fake_axis: Any) -> None:
+    """6081 = 0; the next one with a speed goes on from there."""
+    one = ServoAlone(fake_axis(start_m=0.001), 1, **{**TO_POINT, "profile_velocity": 0})
+    _go(one, 0.005)
+    one.run_ms(100)
+    assert one.axis.motor_position_m() == pytest.approx(0.001)
+    one.write(profile_velocity=0.1 * PER_M)
+    _go(one, 0.005, AT_ONCE)
+    one.run_ms(100)
+    assert one.axis.motor_position_m() == pytest.approx(0.005)
+
+
+def test_the_time_of_a_position_window_begins_with_each_set_point(fake_axis: Any) -> None:
+    """6068 = 20 ms, also where the axis stands on its new target already."""
+    place_m = 100_000 / PER_M
+    one = ServoAlone(fake_axis(start_m=place_m), 1, position_window_ms=20, **TO_POINT)
+    for _ in range(2):
+        one.cycle(controlword=ON | NEW, target_position=100_000)
+        assert one.image.statusword & REACHED == 0
+        one.cycle(controlword=ON)
+        assert _cycles_until(one, REACHED) == 19
+        for _ in range(5):
+            assert one.cycle() & REACHED

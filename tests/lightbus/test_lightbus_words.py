@@ -218,6 +218,16 @@ def test_each_run_has_the_place_of_its_own_edge(latch: ReadLatch) -> None:
         assert latch.is_armed
 
 
+def test_a_value_from_before_the_bit_to_read_is_not_the_first_of_two(latch: ReadLatch) -> None:
+    """The telegram after the edge is older than the bit: it shows the value of an earlier read."""
+    show(latch, "latched", 5)
+    assert (latch.reads, latch.value) == (True, None)
+    show(latch, 5)
+    assert latch.value is None
+    show(latch, 5)
+    assert latch.value == 5
+
+
 def test_a_value_that_changes_or_goes_is_none(latch: ReadLatch) -> None:
     show(latch, "latched", "latched", 5, 5, 6)
     assert (latch.value, latch.has_latched) == (None, False)

@@ -315,3 +315,37 @@ def test_a_number_that_no_node_has_is_watched_by_no_entry(
     drive.run_ms(100)
     drive.after(0x700 + heard, "00")
     assert drive.frames(0x083) == []
+
+
+@pytest.mark.parametrize("by", [129, 130, "power"])
+def test_who_is_guarded_is_watched_and_answers_anew_after_a_reset(
+    stranger: Make, by: int | str
+) -> None:
+    """The life time of before ends with it, and one request gets one answer."""
+    drive = stranger()
+    for turn in range(2):
+        drive.write(0x100C, 0, 10, 2)
+        drive.write(0x100D, 0, 2, 1)
+        assert drive.after(0x703, remote=True) == [(0x703, "7f")]
+        if by == "power":
+            drive.node.restart()
+            drive.run_ms(2)
+        else:
+            drive.nmt(by, wait_ms=2)
+        drive.run_ms(100)
+        assert drive.frames(0x083) == []
+        assert drive.frames(0x703).count("00") == 1 + turn
+
+
+@pytest.mark.parametrize("by", [2, 129, 130])
+def test_a_heartbeat_that_was_watched_before_a_reset_is_missed_no_more(
+    stranger: Make, by: int
+) -> None:
+    """Stopped does not end the watch: its emergency waits there (CiA 301, NMT states)."""
+    drive = stranger()
+    assert drive.write(0x1016, 1, 5 << 16 | 20, 4) == 0
+    drive.after(0x705, "05")
+    drive.nmt(by, wait_ms=2)
+    drive.run_ms(100)
+    drive.nmt(128)
+    assert drive.frames(0x083) == ([LOST[1]] if by == 2 else [])
