@@ -161,7 +161,40 @@ def test_a_latch_that_the_status_never_shows() -> None:
     assert alarm_of(armed(7), *[(1, 1001, 8)] * 9) == 900063
 
 
+def test_a_count_that_is_ahead_may_come_and_go() -> None:
+    """Four cycles in a row each, with a late telegram between them; the fifth is one too many."""
+    latch = armed(7)
+    for _ in range(2):
+        for _ in range(4):
+            latch.take(ENABLED, 500, 8, 1000)
+        latch.take(ENABLED, 500, 7, 1000)
+    assert alarm_of(latch, *[(ENABLED, 500, 8)] * 5) == 900063
+
+
 # By repetition
+
+
+def test_without_a_position_of_before_nothing_is_new() -> None:
+    """The drive has not been asked at rest: its first position may be that of an older run."""
+    latch = watch()
+    latch.arm()
+    for cycle in range(SAME_VALUE_CYCLES):
+        assert latch.increments is None, cycle
+        latch.take(3, 1001, None, 1000)
+    assert latch.increments == 1001
+
+
+def test_each_of_the_last_positions_at_rest_is_an_old_one() -> None:
+    """A late telegram may bring that of any run before; the ninth one back is forgotten."""
+    for old, is_new in ((1001, False), (1004, False), (1008, False), (1000, True)):
+        latch = watch()
+        for value in range(1000, 1009):
+            latch.take(0, value, None, 1000)
+        latch.arm()
+        latch.take(ENABLED, 1008, None, 1000)
+        for _ in range(REPEATED_CYCLES):
+            latch.take(3, old, None, 1000)
+        assert (latch.increments is not None) is is_new, old
 
 
 def test_a_new_position_needs_two_syncs_in_a_row() -> None:

@@ -294,6 +294,22 @@ def test_a_value_stays_until_the_next_one_and_is_news_once(sparse: Sparse) -> No
     assert sparse.data.values == {"second": -5, "inputs": 0x80000001}
 
 
+def test_a_value_that_is_not_the_first_of_its_telegram(tmp_path: Path) -> None:
+    """Two objects without a field before it and one behind it."""
+    table = tmp_path / "places.csv"
+    places = "".join(
+        f"TPDO3,2,0,0x{index:04X},0,{bits},no,{field}\n"
+        for index, bits, field in ((0x2000, 8, ""), (0x2001, 16, ""), (0x60FD, 32, "inputs"),
+                                   (0x2002, 8, ""))
+    )  # fmt: skip
+    table.write_text(COLUMNS + SENT + RECEIVED.format(a=1) + places)
+    wire = Wire()
+    network: Any = wire
+    data = SparseData(telegrams(0x60BA, str(table)).values(), 3, network, lambda _found: None)
+    wire._bring(0x383, struct.pack("<BHIB", 1, 2, 0x30001, 4))
+    assert (data.values, data.news) == ({"inputs": 0x30001}, {"inputs"})
+
+
 def test_a_telegram_of_another_length_has_not_come(sparse: Sparse) -> None:
     for _ in range(3):
         sparse.wire._bring(0x383, b"\1\2\3")
