@@ -84,6 +84,23 @@ def test_a_part_is_disturbed_by_its_own_set_value_and_by_a_hold(mode: str) -> No
     ]
 
 
+@pytest.mark.parametrize("row", range(1, 6))
+@pytest.mark.parametrize("mode", ["SET_POS", "CONST_DIST"])
+def test_every_change_of_a_set_value_but_that_of_the_begin_disturbs(mode: str, row: int) -> None:
+    """What changes with the first step of a part, the part has begun with."""
+
+    class Part:
+        def wanted_mm(self, _column: str) -> Any:
+            return np.where(np.arange(6) >= row, 1.0, 0.0)
+
+        def __getitem__(self, _column: str) -> Any:
+            return np.zeros(6)
+
+    truth: Any = SimpleNamespace(gathered=lambda made, rows: made(Part())[rows])
+    found = is_disturbed(truth, Stretch(0, 6, mode, None)).tolist()  # type: ignore[arg-type]
+    assert found == [row > 1 and place == row - 1 for place in range(5)]
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("turn", [1, -1])
 def test_a_steady_part_is_where_the_surface_moves_up_or_down_however_long_it_rests(

@@ -28,6 +28,8 @@ def up(*times: tuple[int, int]) -> Any:
 
 
 MOVED = np.where(K >= 400, 0.5, 0.0)
+TWICE = np.where(K >= 250, 0.5, 0.0) + np.where(K >= 600, 0.25, 0.0)
+BACK = np.where((K >= 250) & (K < 600), 0.5, 0.0)
 DISTANCE = {"set_dist_mm": SET_DIST_MM + MOVED}
 PLACE = {"set_pos_mm": -SET_DIST_MM - MOVED}
 LED = {"set_mm": MOVED}
@@ -37,6 +39,12 @@ EVENTS: dict[str, tuple[dict[str, Any], int]] = {
     "its own distance": ({"columns": DISTANCE}, 400),
     "the place of the other mode is none": ({"columns": PLACE}, 100),
     "the program in a distance": ({"columns": LED}, 400),
+    "the second jump of a surface": ({"surface_mm": TWICE}, 600),
+    "a surface that jumps back": ({"surface_mm": BACK}, 600),
+    "the second distance": ({"columns": {"set_dist_mm": SET_DIST_MM + TWICE}}, 600),
+    "the first distance again": ({"columns": {"set_dist_mm": SET_DIST_MM + BACK}}, 600),
+    "the second way of the program": ({"columns": {"set_mm": TWICE}}, 600),
+    "the program back again": ({"columns": {"set_mm": BACK}}, 600),
     "the end of a hold": ({"columns": {"distance_held": up((300, 450))}}, 450),
     "of the last of two holds": ({"columns": {"distance_held": up((200, 300), (500, 520))}}, 520),
     "of one that was there before": ({"columns": {"distance_held": up((50, 130))}}, 130),
@@ -51,6 +59,8 @@ EVENTS: dict[str, tuple[dict[str, Any], int]] = {
 }  # fmt: skip
 IN_SET_POS: dict[str, tuple[dict[str, Any], int]] = {
     "its own place": ({"columns": PLACE}, 400),
+    "the second place": ({"columns": {"set_pos_mm": -SET_DIST_MM - TWICE}}, 600),
+    "the first place again": ({"columns": {"set_pos_mm": -SET_DIST_MM - BACK}}, 600),
     "the distance of the other mode is none": ({"columns": DISTANCE}, 100),
     "the program is none": ({"columns": LED}, 100),
     "the program with an older sensor value": ({"columns": LED, "second_delay_cycles": 1}, 400),
