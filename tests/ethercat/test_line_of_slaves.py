@@ -289,6 +289,24 @@ def test_a_line_breaks_cyclic_frames_before_the_slave_of_an_axis(axis: str, brok
     assert counted == [(0, 0)] * broken + [(2, 0)] + [(0, 2)] * (2 - broken)
 
 
+@pytest.mark.parametrize(
+    ("place", "value", "acts"),
+    [(15, 0x10, True), (15, 0x40, False), (15, 0x50, False), (15, 0x00, False),
+     (12, 0x08, False), (13, 0xA5, False)],
+)  # fmt: skip
+def test_slaves_act_on_datagrams_of_ethercat_alone(place: int, value: int, acts: bool) -> None:
+    """ETG.1000.4: type 1 in bits 12 to 15 of the head; 4 and 5 are others. Ethertype 88A4."""
+    line, sent = Line(2), bytearray(frame(physical(BRW, 0, 0x0F80, b"\x07")))
+    assert sent[12:14] == b"\x88\xa4"
+    assert sent[15] >> 4 == 1
+    sent[place] = value if place != 15 else sent[15] & 0x0F | value
+    line.segment.send(bytes(sent))
+    line.wait(100 * US)
+    ((_, back),) = line.back
+    assert (back[16:] != sent[16:]) is acts
+    assert [line.read(0x0F80, 1, n) for n in range(2)] == [7 if acts else 0] * 2
+
+
 @pytest.mark.parametrize("axis", "XYZ")
 def test_each_cyclic_frame_is_asked_for_once_and_passes_whole_or_not_at_all(axis: str) -> None:
     """Every second one breaks: which one is decided before that slave and nowhere else."""

@@ -302,6 +302,16 @@ def test_telegrams_may_stay_out_so_often_in_a_row(missing_cycles: int) -> None:
     assert (caught.value.id, caught.value.values["cycles"]) == (900730, missing_cycles + 1)
 
 
+def test_telegrams_that_stayed_out_before_the_begin_do_not_count() -> None:
+    bench = Bench(missing_cycles=2)
+    for _ in range(3):
+        for _ in range(2):
+            bench.data.forget()
+            bench.drive.take()
+        bench.drive.begin()
+    bench.cycle(OPERATES)
+
+
 def test_missing_telegrams_leave_more_way_before_a_position_has_jumped() -> None:
     """1 mm a cycle: 3 mm after two that stayed out."""
     for place, jumps in ((3000, False), (3001, True), (-3000, False), (-3001, True)):

@@ -119,3 +119,20 @@ def test_why_inputs_are_missing_is_that_of_the_last_cycle() -> None:
         (900730, "Z", 1), (900731, "Z", 2, 4, 6), (900733, "Y", 2, 3, 1, 3), (900730, "Z", 4),
         (900733, "Y", 2, 5, 1, 3), (900731, "Z", 1, 4, 6), (0, 0),
     ]  # fmt: skip
+
+
+def test_with_begin_nothing_is_missing_and_nothing_has_come() -> None:
+    """What stayed out or came while the slaves were started is not of the exchange."""
+    made = data()
+    for frames in ((None, None, None), (7,), (None, 7, None)):
+        for place in frames:
+            made.forget()
+            if place is not None:
+                made.arrived(telegram(place))
+            else:
+                made.take()
+        made.begin()
+        assert (made.missing[0], made.is_disturbed) == (0, False)
+        assert taken(made) == {}
+        assert made.missing_alarm("Z", 0).values["cycles"] == 1
+        made.begin()
