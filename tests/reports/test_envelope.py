@@ -2,6 +2,7 @@
 
 import numpy as np
 import pyarrow as pa
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -64,6 +65,33 @@ def test_a_stretch_that_is_too_long_is_reduced_and_a_later_one_stays() -> None:
     time_ns = column(envelope(trace(values), [long, short]), "time_ns")
     assert len(time_ns[time_ns <= long[1]]) < 2 * BINS
     assert set(range(15_000, 15_011)) <= set((time_ns // MS).tolist())
+
+
+@pytest.mark.parametrize(("count", "stays"), [(KEPT_ROWS, True), (KEPT_ROWS + 1, False)])
+def test_a_stretch_may_have_all_the_rows_that_are_kept(count: int, stays: bool) -> None:
+    """400 of them; of one more the rows are taken together like the rest."""
+    values = np.random.default_rng(4).normal(size=20_000)
+    begin = 7_003
+    reduced = envelope(trace(values), [(begin * MS, (begin + count - 1) * MS)])
+    time_ns = column(reduced, "time_ns") // MS
+    inside = time_ns[(time_ns >= begin) & (time_ns < begin + count)]
+    assert (len(inside) == count) is stays
+
+
+def test_stretches_share_the_rows_that_are_kept() -> None:
+    """The first has 300, the second would have 200: it is taken together, a third of 90 stays.
+
+    Rows that two stretches have count once.
+    """
+    values = np.random.default_rng(5).normal(size=20_000)
+
+    def kept(*spans: tuple[int, int]) -> list[bool]:
+        given = [(begin * MS, (begin + count - 1) * MS) for begin, count in spans]
+        times = set((column(envelope(trace(values), given), "time_ns") // MS).tolist())
+        return [set(range(begin, begin + count)) <= times for begin, count in spans]
+
+    assert kept((1_003, 300), (5_003, 200), (9_003, 90)) == [True, False, True]
+    assert kept((1_003, 300), (1_203, 200)) == [True, True]
 
 
 def test_samples_without_a_value_stay_gaps_where_a_bin_has_none() -> None:

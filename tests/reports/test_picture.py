@@ -175,3 +175,24 @@ def test_the_window_that_opens_is_drawn_with_what_happened_in_it() -> None:
         assert re.findall(r'class="pic-mark k-(\w+)"', svg) == kinds
         assert ("limit 1.5 and 2.5" in svg) is ("limits" in chart_has)
         assert len(limit_places(svg)) == (2 if "limits" in chart_has else 0)
+
+
+@pytest.mark.parametrize(
+    ("plots", "height"),
+    [
+        (("lag", "position"), 6.0),  # the first that is there
+        (("position", "lag"), 2.0),
+        (("torque", "position"), 2.0),
+        (("position", "torque"), 2.0),
+        (("torque", "force"), None),
+    ],
+)
+def test_a_check_with_limits_in_several_plots_is_drawn_in_the_first(
+    plots: tuple[str, ...], height: float | None
+) -> None:
+    limits = [{"plot": plot, "label": "latch_mm:Z", "value": 9.0} for plot in plots]
+    svg = picture(*by_hand(limits=limits), "latch_mm:Z")
+    if height is None:
+        assert svg == ""
+    else:
+        assert height_of(svg) == height

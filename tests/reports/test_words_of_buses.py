@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.bench.record.bus import BusFigures, LineFigures
+from axisrig.bench.record.bus import BusFigures, LineFigures, Waiting
 from axisrig.reports.parts.buses import bus_row, line_facts
 from axisrig.reports.parts.words import counted_of, metric_words, shown_unit
 
@@ -22,10 +22,28 @@ def test_a_bit_rate_of_can_is_in_kbit_and_a_faster_one_in_mbit(bits_s: int, word
     assert shown["counters"] == [{"port": "Z", "tec": 8, "rec": 0, "state": "x"}]
 
 
+def test_frames_that_waited_have_their_name_identifier_and_time() -> None:
+    """In hexadecimal, 11 bits in three digits, 29 bits in eight; in us with a tenth.
+
+    Bit 31 of a recording marks 29 bits: it is no part of the identifier.
+    """
+    waiting = (Waiting("Z.TPDO1", "Z", 0x181, 120.04), Waiting("SYNC", "", 0x80, 0.06),
+               Waiting("X", "X", 1 << 31 | 0x1800_0181, 7.0),
+               Waiting("Y", "", 1 << 31 | 0x181, 7.0))  # fmt: skip
+    shown = bus_row(BusFigures("can1", 500_000, 1.0, 2.0, 3.0, 7, 0, "", (), waiting))
+    assert shown["waiting"] == [
+        {"name": "Z.TPDO1", "id": "181", "us": "120.0"},
+        {"name": "SYNC", "id": "080", "us": "0.1"},
+        {"name": "X", "id": "18000181", "us": "7.0"},
+        {"name": "Y", "id": "00000181", "us": "7.0"},
+    ]
+
+
 @pytest.mark.parametrize(
     ("back", "wrong", "in_a_row", "expected"),
     [
         (100, 0, 0, ["100, not back 0", "6, another one in 0 frames"]),
+        (99, 1, 0, ["100, not back 1", "6, another one in 1 frames"]),
         (98, 1, 1, ["100, not back 2", "6, another one in 1 frames"]),
         (100, 3, 2, ["100, not back 0", "6, another one in 3 frames, 2 in a row"]),
     ],

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from axisrig.bench.bus.can.frame import EXTENDED_ID_MAX
 from axisrig.bench.record.bus import BusFigures, LineFigures
 
 MBIT_S = 1_000_000
@@ -23,11 +24,17 @@ def bus_row(bus: BusFigures) -> dict[str, Any]:
             for port, tec, rec, state in bus.counters
         ],
         "waiting": [
-            {"name": wait.name, "id": f"{wait.can_id:03X}", "us": f"{wait.worst_us:.1f}"}
+            {"name": wait.name, "id": _identifier(wait.can_id), "us": f"{wait.worst_us:.1f}"}
             for wait in bus.waiting
         ],
         "line": line_facts(bus.line) if bus.line else [],
     }
+
+
+def _identifier(can_id: int) -> str:
+    """The identifier in hexadecimal; of 29 bits, which bit 31 marks, in eight digits."""
+    is_extended = can_id > EXTENDED_ID_MAX
+    return f"{can_id & EXTENDED_ID_MAX:08X}" if is_extended else f"{can_id:03X}"
 
 
 def _bit_rate(bits_s: int) -> str:
