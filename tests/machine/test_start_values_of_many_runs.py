@@ -22,6 +22,8 @@ VARIABLES = {
         ModelVariable("reach", type="Float64", unit="m"),
         ModelVariable("share", type="Float64", unit="1"),
         ModelVariable("count", type="Int32"),
+        ModelVariable("gap_mm", type="Float64", unit="m"),
+        ModelVariable("rate_s", type="Float64", unit="1"),
     )
 }
 
@@ -116,3 +118,36 @@ def test_a_column_that_names_no_unit_is_noted_where_it_could_have_had_several(
         unit, columns = settings.bare["plant:p.reach"]
         assert unit == "m"
         assert {"plant:p.reach_mm", "plant:p.reach_um"} <= {*columns}
+
+
+@pytest.mark.parametrize(
+    ("cell", "values", "columns"),
+    [
+        # The name is that of the variable: 2 counts in m, whatever it looks like
+        ("gap_mm=2", [("gap_mm", 2.0)], ["plant:p.gap_mm_m", "plant:p.gap_mm_mm"]),
+        ("gap_mm=-0.5", [("gap_mm", -0.5)], ["plant:p.gap_mm_m", "plant:p.gap_mm_mm"]),
+        ("gap_mm=0", [("gap_mm", 0.0)], None),
+        ("gap_mm_mm=2", [("gap_mm", 0.002)], None),
+        ("rate_s=2", [("rate_s", 2.0)], None),  # it has no unit
+    ],
+)
+def test_a_variable_that_ends_in_a_unit_counts_in_its_own_and_is_noted(
+    cell: str, values: list[tuple[str, float]], columns: list[str] | None
+) -> None:
+    """From the rig as from the row, each in its own list."""
+    name, _, text = cell.partition("=")
+    of_row, of_rig = settings_with(False, p=[cell]), settings_with(False)
+    assert given(of_row, "p") == values
+    assert given(of_rig, "p", **{name: float(text)}) == values
+    for noted, other in ((of_row.bare, of_row.bare_in_rig), (of_rig.bare_in_rig, of_rig.bare)):
+        assert other == {}
+        assert [*noted] == ([] if columns is None else ["plant:p.gap_mm"])
+        for unit, known in noted.values():
+            assert unit == "m"
+            assert {*(columns or ())} <= {*known}
+
+
+def test_values_of_rig_and_row_for_one_variable_are_noted_in_both() -> None:
+    settings = settings_with(True, p=["reach=3"])
+    assert given(settings, "p", reach=2) == [("reach", 2.0), ("reach", 3.0)]
+    assert ([*settings.bare_in_rig], [*settings.bare]) == (["plant:p.reach"], ["plant:p.reach"])

@@ -73,3 +73,23 @@ def test_what_is_wired_is_of_its_kind(
     if "plc" not in words and "V.E." not in words:
         monkeypatch.setattr(plants, "outside_axes", lambda _: frozenset({"Z"}))
         check_plants(settings, PLANT)  # nothing of an axis outside is simulated
+
+
+@pytest.mark.parametrize("outside", [{"X"}, {"Y"}, {"X", "Y"}, {"Z"}, set()])
+@pytest.mark.parametrize("wrong", ["X", "Y", "Z"])
+def test_each_axis_that_is_simulated_is_checked_wherever_it_stands(
+    tmp_path: Path, outside: set[str], wrong: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An axis on real hardware before it, or behind it, says nothing about it."""
+    monkeypatch.setattr(plants, "check_strokes", lambda *_: None)
+    monkeypatch.setattr(plants, "outside_axes", lambda _: frozenset(outside))
+    settings = rig(tmp_path)
+    settings.rig.axis = {
+        name: SimpleNamespace(plant="p" if name == wrong else "z", signals={}, encoder_2=None)
+        for name in "XYZ"
+    }
+    if wrong in outside:
+        check_plants(settings, PLANT)
+        return
+    with pytest.raises(UserError, match=f": axis {wrong}: plant must name an axis plant"):
+        check_plants(settings, PLANT)

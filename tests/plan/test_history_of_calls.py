@@ -66,6 +66,23 @@ def test_missing_runs_are_in_the_order_of_their_plans(tmp_path: Path) -> None:
     assert list(missing) == ["q", "p"]
 
 
+@pytest.mark.parametrize("runs", [["a"], ["c"], ["a", "c"], []])
+def test_a_call_asks_for_its_own_runs_and_for_no_others_of_the_plan(
+    tmp_path: Path, runs: list[str]
+) -> None:
+    """What `-k` leaves out is not missing."""
+    made = history(tmp_path, [plan("p", "a", "b", "c"), plan("q", "d")], runs)
+    assert set(made.asked) == set(runs)
+    before = made.manifest({}, [])
+    assert (before["runs_planned"], before.get("missing", {})) == (
+        len(runs), {"p": runs} if runs else {},
+    )  # fmt: skip
+    after = made.manifest({run: row(run) for run in runs}, runs)
+    assert (after["runs_planned"], after["finished"], "missing" in after) == (
+        len(runs), True, False,
+    )  # fmt: skip
+
+
 def test_what_earlier_calls_asked_for_stays_asked_for(tmp_path: Path) -> None:
     """c is missing since then; d is a row that the folder has, its probe was not asked for."""
     old = {"plans": [entry("p")], "missing": {"p": ["c"]}, "started": "then"}

@@ -130,3 +130,29 @@ def test_a_header_comes_after_comments_and_is_named_by_its_own_line(
     assert places(path) == [("unknown column", 3, 3)]
     path = write_plan("# one\ncase,program\na,probe.nc\n")
     assert places(path) == [("column 'rig' is missing", 2, None)]
+
+
+@pytest.mark.parametrize(
+    ("metric", "cell", "messages"),
+    [
+        (
+            "latch_eror_um",
+            "1 .. 0",
+            ["unknown metric", "the lower limit of the condition is above"],
+        ),
+        ("latch_eror_um", "<= 1", ["unknown metric"]),
+        ("nothing_like_it", "<= 1e999", ["unknown metric", "the limit of the condition is too"]),
+        ("latch_error_um", "1 .. 0", ["the lower limit of the condition is above"]),
+    ],
+)
+def test_all_that_is_wrong_with_a_check_is_named_at_its_cell(
+    write_plan: PlanWriter, metric: str, cell: str, messages: list[str]
+) -> None:
+    """The metric of the header, and the condition."""
+    found = mistakes(
+        write_plan(f"case,program,rig,title,check:{metric}\na,probe.nc,machine.toml,t,{cell}\n")
+    )
+    assert [(one.line, one.column) for one in found] == [(2, 5)] * len(messages)
+    assert len(found) == len(messages)
+    assert all(one.message.startswith(words) for one, words in zip(found, messages, strict=True))
+    assert all(f"(column 'check:{metric}')" in one.message for one in found)
