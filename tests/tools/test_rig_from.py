@@ -192,6 +192,48 @@ def test_each_axis_has_a_bus_a_node_a_drive_and_a_plant_of_its_own(
 
 
 @pytest.mark.parametrize(
+    ("number", "name"),
+    [
+        (1, "conventional"), (2, "SERCOS"), (3, "PROFIDRIVE MC"), (4, "simulation"),
+        (5, "Lightbus"), (6, "terminal"), (7, "RT-Ethernet"), (16, "virtual"), (32, "CAN"), (8, ""),
+    ],
+)  # fmt: skip
+def test_a_drive_of_another_type_is_a_canopen_drive_in_its_place(
+    number: int, name: str, listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """P-AXIS-00020, FCT-C4 6: whichever it is, the rig says so and counts it as assumed."""
+    rig = tmp_path / "rig.toml"
+    assumed = rig_from(listed(z=axis("Z", 1, f"kenngr.antr_typ {number}")), None, rig)
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    words = f"axis Z: a CANopen drive in place of {name} (P-AXIS-00020)"
+    assert table["drive"]["z"].get("as_canopen", False) is bool(name)
+    assert [text for text in assumed if "in place of" in text] == ([words] if name else [])
+    assert table["assumed"] == assumed
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "start_mm"),
+    [
+        (1_299_999, 1_300_001, 130.0),  # 30 mm above the surface at 100 mm, inside of the limits
+        (1_300_000, 1_400_000, 135.0),
+        (1_200_000, 1_300_000, 125.0),
+        (-500_000, 100_000, -20.0),
+        (2_000_000, 3_000_000, 250.0),
+    ],
+)
+def test_an_axis_begins_clear_of_the_surface_or_in_the_middle_of_its_limits(
+    low: int, high: int, start_mm: float, listed: Callable[..., list[Path]], tmp_path: Path
+) -> None:
+    """Limits of a list are in 0.1 um; one that is reached is none to begin at."""
+    rig = tmp_path / "rig.toml"
+    limits = (f"kenngr.swe_neg {low}", f"kenngr.swe_pos {high}")
+    assumed = rig_from(listed(z=axis("Z", 1, *limits)), None, rig)
+    table = tomllib.loads(rig.read_text(encoding="utf-8"))
+    assert table["plant"]["z"]["start"] == {"position_start_mm": start_mm}
+    assert any(text.endswith(f"ServoAxis; it begins at {start_mm:g} mm") for text in assumed)
+
+
+@pytest.mark.parametrize(
     ("measuring", "wire"),
     [("", None), ("X", {"z": "x"}), ("XY", {"x": "x", "y": "y"})],
 )
