@@ -153,6 +153,25 @@ def test_an_edge_is_known_to_the_longest_step_that_may_hide_it(
     assert rig.probe.edge_uncertainty_ns == pytest.approx(expected_us * US, abs=1e-9)
 
 
+@pytest.mark.parametrize("first_by_time", [True, False])
+def test_of_several_edges_the_one_that_is_known_worst_counts(first_by_time: bool) -> None:
+    """One that time alone brings is known to the 40 us of its step, the other one to 1 ns."""
+    by_time_us, by_place_us = (50, 110) if first_by_time else (110, 50)
+
+    def level(ns: int, x: list[float]) -> bool:
+        return (ns >= by_time_us * US) is not (x[0] >= by_place_us * 1e-7)
+
+    rig = Rig(Switch("z", level), "z")
+    rig.place((0.0, 0.1))
+    known = []
+    for end_us in (40, 80, 120, 160):
+        rig.step(end_us * US, (end_us * 1e-7, 0.1))
+        known.append(rig.probe.edge_uncertainty_ns)
+    assert [at / US for at, _ in rig.probe.signal.edges] == pytest.approx([50, 110], abs=2e-3)
+    after = 40_000.0 if first_by_time else 1.0
+    assert known == [1.0, after, 40_000.0, 40_000.0]
+
+
 def test_an_axis_that_tells_no_velocity_is_known_to_its_step() -> None:
     rig = Rig(Switch("z", lambda _ns, x: x[0] >= 5e-6), "z", tells_velocity=False)
     rig.place((0.0, 0.1))

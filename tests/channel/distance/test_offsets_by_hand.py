@@ -264,6 +264,8 @@ def test_an_axis_that_is_held_holds_the_control_of_the_channel_that_moves_it(
     ("state", "has_offset", "outlives", "offset_mm", "taken", "warned"),
     [
         (DistanceState.INACTIVE, True, True, 2.0, [("Z", 3.0), ("X", 3.0)], [900560]),
+        (DistanceState.INACTIVE, True, True, -2.0, [("Z", 3.0), ("X", 3.0)], [900560]),
+        (DistanceState.INACTIVE, True, True, 0.0004, [("Z", 3.0), ("X", 3.0)], []),
         (DistanceState.INACTIVE, True, True, 0.0, [("Z", 3.0), ("X", 3.0)], []),
         (DistanceState.INACTIVE, True, False, 2.0, [], []),
         (DistanceState.INACTIVE, False, True, 2.0, [], []),
