@@ -237,3 +237,25 @@ def test_the_lag_is_looked_at_at_the_ticks_between_two_rows() -> None:
     for tick_ns, top in ((500 * US, 0.25), (250 * US, 0.25), (400 * US, 0.24), (MS, 0.0)):
         found = largest_lag(times, (demand, motor, velocity), tick_ns)
         assert found.tolist() == pytest.approx([0.0, top])
+
+
+@pytest.mark.parametrize("tick_us", [100, 250, 300, 400, 500, 600, 900, 999, 1000])
+def test_the_last_tick_before_a_row_counts_whether_ticks_fit_between_rows_or_not(
+    tick_us: int,
+) -> None:
+    """x = u (1 - u) (0.1 (1 - u) + u): slope 0.1 at the begin, -1 at the end, more at the end."""
+    times = np.array([0, MS], dtype=np.int64)
+    velocity = np.array([0.1, -1.0]) / 1e-3
+    found = largest_lag(times, (np.zeros(2), np.zeros(2), velocity), tick_us * US)
+    ticks = [tick / 1000 for tick in range(tick_us, 1000, tick_us)]
+    expected = max((u * (1 - u) * (0.1 * (1 - u) + u) for u in ticks), default=0.0)
+    assert found.tolist() == pytest.approx([0.0, expected])
+
+
+def test_rows_of_different_distances_have_their_own_ticks() -> None:
+    """Behind 1 ms come 0.4 ms: of these the ticks beyond are none."""
+    times = np.array([0, MS, MS + 400 * US], dtype=np.int64)
+    behind_m, velocity = np.array([0.0, 3e-6, -5e-6]), np.zeros(3)
+    found = largest_lag(times, (behind_m, np.zeros(3), velocity), 250 * US)
+    # The demand is straight and the motor at rest: the largest is at the row itself
+    assert found.tolist() == pytest.approx([0.0, 3e-6, 5e-6])
