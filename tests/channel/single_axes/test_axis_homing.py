@@ -113,6 +113,23 @@ def test_a_reference_of_before_is_not_taken_for_the_new_one() -> None:
     assert axis.phase is Phase.SEARCHING
 
 
+@pytest.mark.parametrize("word", [ATTAINED | AT_REST, FAILED])
+def test_bits_of_before_count_for_nothing_in_the_first_16_cycles_of_each_search(word: int) -> None:
+    """They may be those of an earlier homing; in the 17th cycle they are of this one."""
+    drive = Drive()
+    for _ in range(2):
+        drive.statusword = word
+        axis, _ = homing(drive)
+        while axis.phase is not Phase.SEARCHING:
+            axis.step()
+        cycles(axis, 16 - 1)
+        assert axis.phase is Phase.SEARCHING
+        axis.step()
+        assert axis.phase is (Phase.EXPLAINING if word == FAILED else Phase.PROVING)
+        axis.abort()
+        cycles(axis, 20 * SDO_CYCLES)
+
+
 @pytest.mark.provokes(900190, 4, axis="Z", method=17, error="0x7305", statusword="0x2000")
 def test_bit_13_is_an_alarm_with_what_the_drive_tells() -> None:
     drive = Drive()
