@@ -86,3 +86,17 @@ def test_3d_control_has_the_tool_and_what_is_superposed_on_each_axis() -> None:
     plain = DistanceTrace()
     plain.note(channel(Z=sensing(1.0)))
     assert not any("superposed" in name or CHANNEL in name for name in columns(plain))
+
+
+def test_states_are_whole_numbers_and_all_else_is_none() -> None:
+    """In every block alike, also in one without a row: the blocks of a run are one file."""
+    trace = DistanceTrace({"A"})
+    trace.note(channel(sensing(10.0), Z=sensing(30.0, is_held=True), A=sensing(5.0)))
+    for rows in (1, 0):
+        found = trace.take_columns()
+        kinds = {name: str(column.type) for name, column in found.items()}
+        assert {len(column) for column in found.values()} == {rows}
+        whole = {name for name, kind in kinds.items() if kind == "int8"}
+        heads = ("Z", "A", CHANNEL)
+        assert whole == {f"{of}.distance_{word}" for of in heads for word in ("state", "held")}
+        assert {kind for name, kind in kinds.items() if name not in whole} == {"double"}
