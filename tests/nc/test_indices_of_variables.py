@@ -5,6 +5,7 @@ import pytest
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc.canon import Message
 from axisrig.kernel.nc.decoder.base.cells import whole_index
+from axisrig.kernel.nc.decoder.variables import own
 
 FOUR = "#VAR\nV.P.A[4] = [10,11,12,13]\nV.L.A[4] = [20,21,22,23]\nV.S.A[4] = [30,31,32,33]\n#ENDVAR"
 ARRAYS = {"V.P.A": 10, "V.L.A": 20, "V.S.A": 30}
@@ -119,3 +120,19 @@ def test_a_millionth_is_rounding_and_more_is_not():
             assert whole_index(whole + part) is None
             assert whole_index(whole - part) is None
     assert whole_index(-1.0) is None
+
+
+@pytest.mark.parametrize(
+    ("sizes", "fits"),
+    [("[6]", True), ("[7]", False), ("[2][3]", True), ("[3][3]", False), ("[1][7]", False)],
+)
+def test_an_array_has_so_many_elements_in_all_and_no_more(
+    run, monkeypatch: pytest.MonkeyPatch, sizes: str, fits: bool
+) -> None:
+    monkeypatch.setattr(own, "ELEMENTS_MAX", 6)
+    text = f"#VAR\nV.P.A{sizes}\n#ENDVAR"
+    if fits:
+        run(text)
+    else:
+        alarm = alarm_of(run, text)
+        assert (alarm.id, alarm.values) == (900123, {"name": f"V.P.A{sizes}", "maximum": 6})

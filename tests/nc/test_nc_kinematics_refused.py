@@ -5,7 +5,7 @@ from tests.nc.conftest import run_text
 from tests.nc.five_axes import ON, run5
 
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.kernel.nc.canon import Warn
+from axisrig.kernel.nc.canon import KinematicChoice, Warn
 from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools
 from axisrig.kernel.nc.text.parser import parse_program
 
@@ -143,3 +143,22 @@ def test_an_axis_of_the_kinematic_neither_follows_another_nor_is_away(
     with pytest.raises(Alarm) as alarm:
         run5(program)
     assert alarm.value.id == alarm_id
+
+
+@pytest.mark.parametrize(
+    ("written", "named"),
+    [
+        ({"X": 0.0}, None), ({"X": 0.0, "A": 0.0}, None), ({"X": 3.0}, "X"), ({"A": -1.0}, "A"),
+        ({"X": 0.0, "Y": 2.0, "C": 1.0}, "Y C"),
+    ],
+)  # fmt: skip
+def test_offsets_of_0_are_none_and_the_others_are_all_named(
+    written: dict[str, float], named: str | None
+) -> None:
+    text = "".join(f"V.G.WZ_AKT.V.{axis} = {value}\n" for axis, value in written.items())
+    if named is None:
+        assert any(isinstance(c, KinematicChoice) for c in run5(f"{text}{ON}"))
+        return
+    with pytest.raises(Alarm) as caught:
+        run5(f"{text}{ON}")
+    assert (caught.value.id, caught.value.values) == (900480, {"axes": named})

@@ -322,3 +322,30 @@ def test_a_probe_with_length_measures_the_workpiece(run, plane_machine):
 def test_shifts_of_a_system_are_lengths_and_its_angles_are_none(run, unit, mm, angles, expected):
     commands = run(f"{unit} G0\n#CS ON[1,2,3,{angles}]\nX0 Y1 Z0")
     assert last_target(commands) == pytest.approx([at * mm for at in expected], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "is_right"),
+    [
+        ("A", True), ("ABCDEFG", True), ("ABCDEFGH", True), ("ABCDEFGHI", False), ("7", True),
+        ("ACS", False), ("MCS", False), ("IMCS", False), ("acs", False), ("ACS1", True),
+    ],
+)  # fmt: skip
+def test_the_name_of_a_linked_system_has_eight_signs_and_is_not_reserved(run, name, is_right):
+    """TF5200 programming manual 1037259147. It is on by its name then."""
+    text = f"#CS ADD [{name}] [5,0,0]\n"
+    if is_right:
+        assert last_target(run(f"{text}#CS SELECT [{name}]\nG0 X1")) == (6.0, 0.0, 0.0)
+        return
+    with pytest.raises(Alarm) as caught:
+        run(text)
+    assert (caught.value.id, caught.value.values) == (21599, {"name": name.upper()})
+
+
+@pytest.mark.parametrize("systems", [0, 1, 2])
+def test_the_offset_of_a_tool_on_an_axis_beside_the_systems_counts_once(run, systems):
+    """Zero offset 10 is carried into each system; the tool, 3 against the axis, is on top."""
+    on = "#CS ON[1,0,0,0,0,30]\n" * systems
+    text = f"V.G.NP[1].V.A = 10\nV.G.WZ_AKT.V.A = 3\nG54\n{on}G0 A1"
+    (move,) = [c for c in run(text, axes=(*XYZ, "A")) if isinstance(c, LinearMove)]
+    assert move.target_mm == {"A": 1.0 + 10.0 - 3.0}

@@ -5,6 +5,7 @@ import pytest
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.canon import ExternalWrite, LinearMove, Message, Wait
 from axisrig.kernel.nc.decoder import Interpreter, interpreter
+from axisrig.kernel.nc.decoder.base.context import ChannelControl
 from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
@@ -221,3 +222,17 @@ def test_the_feed_in_force_is_a_variable(run):
     assert value_of(run, "V.G.FEEDRATE") == 0
     assert value_of(run, "V.G.FEEDRATE", "F250") == 250
     assert value_of(run, "V.G.FEEDRATE", "G70 F10") == 10  # in the unit of the program
+
+
+@pytest.mark.parametrize("name", ["TOOL_TILT", "TOOL_LENGTH"])
+def test_what_the_channel_shows_of_the_tool_is_written_by_it_alone(run, plane_machine, name):
+    """Under 3D distance control; without one it is a variable as any other."""
+    text, external = f"V.E.{name} = 5", {name: 0.0, "OTHER": 0.0}
+    (write,) = [c for c in run(text, external=external) if isinstance(c, ExternalWrite)]
+    assert (write.name, write.value) == (name, 5.0)
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    machine.channel_distance = ChannelControl
+    with pytest.raises(Alarm) as caught:
+        run(text, machine, external=external)
+    assert (caught.value.id, caught.value.values) == (900121, {"name": f"V.E.{name}"})
+    assert next(type(c) for c in run("V.E.OTHER = 5", machine, external=external)) is ExternalWrite

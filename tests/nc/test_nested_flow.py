@@ -1,7 +1,7 @@
 """Structures inside structures: a branch, a case or a loop that ends touches nothing around it."""
 
 import pytest
-from tests.nc.test_nc_flow import path
+from tests.nc.test_nc_flow import path, refused
 
 
 @pytest.mark.parametrize(
@@ -82,3 +82,31 @@ def test_the_bounds_of_a_counting_loop_are_those_of_its_begin(run) -> None:
     """Programming manual 206929163: last value and step are computed once, each time anew."""
     text = "P2=3\nP3=1\n$FOR P1=1,P2,P3\nX=P1\nP2=9\nP3=2\n$ENDFOR"
     assert path(run, f"{text}\n{text}") == [1, 2, 3, 1, 2, 3]
+
+
+SWITCH = "$SWITCH 1\n$CASE 1\n[A] X1\n$BREAK\n$ENDSWITCH"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"$GOTO [A]\n{SWITCH}",
+        f"$IF 1\n$GOTO [A]\n$ENDIF\n{SWITCH}",
+        f"$SWITCH 2\n$CASE 2\n$GOTO [A]\n$ENDSWITCH\n{SWITCH}",
+        f"$WHILE P1<1\n$GOTO [A]\n$ENDWHILE\n{SWITCH}",
+        f"$IF 1\n{SWITCH}\n$GOTO [A]\n$ENDIF",
+    ],
+)
+def test_a_jump_into_a_choice_comes_from_inside_it(run, text: str) -> None:
+    """Whatever other structure it comes out of."""
+    error = refused(run, f"P1=0\n{text}")
+    begin = next(n for n, line in enumerate(text.split("\n"), 2) if line == "$SWITCH 1")
+    assert error.message == f"$GOTO leads into $SWITCH of line {begin} from outside"
+    assert error.value == "[A]"
+
+
+@pytest.mark.parametrize("inner", ["{}", "$IF 1\n{}\n$ENDIF"])
+def test_inside_a_choice_a_jump_may_lead_from_case_to_case(run, inner: str) -> None:
+    jump = inner.format("$GOTO [A]")
+    text = f"$SWITCH 2\n$CASE 1\n[A] X1\n$BREAK\n$CASE 2\nX2\n{jump}\nX3\n$ENDSWITCH\nX9"
+    assert path(run, text) == [2, 1, 9]

@@ -247,3 +247,18 @@ def test_asking_for_a_run_of_an_axis_with_a_long_name_takes_a_cycle() -> None:
         ask = Words(axes=(("C", Variable(f"V.A.MERF.{axis}")),), addresses=(("F", Number(60.0)),))
         commands = decode(run_of_x2, ask, machine=machine)
         assert [c.for_cycle for c in orders(commands, canon.Wait)] == cycles
+
+
+@pytest.mark.parametrize(
+    ("variable", "waits"), [("V.E.F[1]", []), ("V.E.F[P1]", []), ("V.E.F[V.E.N]", [True])]
+)
+def test_the_index_of_a_sensor_is_read_and_the_sensor_is_not(
+    run: Run, variable: str, waits: list[bool]
+) -> None:
+    """Which variable it is the program says when it gets there; its value is for the control."""
+    external = {"F[0]": 0.0, "F[1]": 0.0, "N": 1.0}
+    text = f"%t\nP1=1\nZ[DIST_CTRL ON SENSOR_VAR={variable}]\nM30\n"
+    commands = run(text, external=external)
+    (command,) = orders(commands, canon.DistanceCommand)
+    assert command.sensor_variable == "F[1]"
+    assert [c.for_cycle for c in orders(commands, canon.Wait)] == waits
