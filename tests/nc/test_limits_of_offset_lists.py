@@ -185,3 +185,25 @@ def test_a_name_is_twice_only_with_the_same_indices(tmp_path):
     with pytest.raises(UserError, match="it is in line 2 already") as caught:
         places(tmp_path, TOOLS, f"{text}wz[1].ax_versatz [1] 2\n")
     assert (caught.value.line, caught.value.value) == (4, "wz[1].ax_versatz [1]")
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "allowed"),
+    [
+        (ZERO_OFFSETS, "np_grp[96].achse[31].versch", None),
+        (ZERO_OFFSETS, "np_grp[97].achse[0].versch", "0 .. 96"),
+        (ZERO_OFFSETS, "np_grp[1].achse[32].versch", "0 .. 31"),
+        (ZERO_OFFSETS, "np_grp[1].achse[32].inaktiv", "0 .. 31"),
+        (TOOLS, "wz[200].param[69]", None),
+        (TOOLS, "wz[201].param[0]", "0 .. 200"), (TOOLS, "wz[3].param[70]", "0 .. 69"),
+        (TOOLS, "wz[201].param[70]", "0 .. 200"),
+    ],
+)  # fmt: skip
+def test_each_index_has_its_own_last_one(name: str, path: str, allowed: str | None) -> None:
+    """97 groups of 32 axes, 201 tools of 70 parameters."""
+    if allowed is None:
+        assert read_entry(name, path, "1", HERE).written == f"{path} {1.0 if 'wz' in path else 1}"
+        return
+    with pytest.raises(UserError, match="index too large") as caught:
+        read_entry(name, path, "1", HERE)
+    assert (caught.value.value, caught.value.allowed) == (path, allowed)

@@ -323,3 +323,17 @@ def test_switching_off_all_systems_needs_none(run):
         {"X": 1.0},
         {"X": 2.0},
     ]
+
+
+@pytest.mark.parametrize(
+    ("expression", "dividend"),
+    [
+        ("1/P1", "1"), ("-2.5/P1", "-2.5"), ("P1/P1", "0"), ("7 MOD P1", "7"), ("P1**-1", "1"),
+        ("P1**-2", "1"), ("3+4/P1", "4"),
+    ],
+)  # fmt: skip
+def test_20396_names_what_was_to_be_divided(run, expression, dividend):
+    """A power below 0 of nothing divides 1 by it."""
+    with pytest.raises(Alarm) as caught:
+        run(f"P1=0\nX=[{expression}]")
+    assert (caught.value.id, caught.value.values) == (20396, {"value": dividend})

@@ -214,3 +214,15 @@ def test_axes_that_measure_on_their_own_have_directions_of_their_own():
     coordinates.aim({"Y": -100.0}, absolute=True)
     values = coordinates.measured({"X": 50.0, "Y": -50.0}, ball_radius_mm=2.0)
     assert (values["X"].pcs_mm, values["Y"].pcs_mm) == (52.0, -52.0)
+
+
+@pytest.mark.parametrize(
+    ("axes", "places"),
+    [
+        (("X", "X2"), ("X", "X2", None)), (("X2", "X"), ("X2", "X", None)),
+        (("Z", "Z2"), ("Z2", None, "Z")), (("Y1", "Y2"), ("Y2", "Y1", None)),
+    ],
+)  # fmt: skip
+def test_of_two_axes_of_one_letter_the_first_has_its_place(axes, places):
+    """The other one follows where there is room; none is lost."""
+    assert main_places(axes) == places
