@@ -229,6 +229,12 @@ def test_a_second_encoder_that_is_the_sensor_sees_what_comes_of_it() -> None:
     bench.clock.now_ns = 1 * S
     assert wire.second_encoder_m() == pytest.approx(0.101 + 1e-3)
     assert wire.motor_position_m() == 0.100
+    # A latch is looked up later: what counts is its own instant
+    bench.clock.now_ns = 2 * S
+    act.end()
+    bench.clock.now_ns = 3 * S
+    for at_s, drift_m in ((0, 0.0), (0.5, 0.5e-3), (1.5, 1.5e-3), (2, 0.0), (3, 0.0)):
+        assert wire.second_encoder_m_at(round(at_s * S)) == pytest.approx(0.102 + drift_m)
 
 
 def test_each_axis_that_reads_a_sensor_sees_what_comes_of_it(tmp_path: Path) -> None:

@@ -87,5 +87,7 @@ def test_the_frames_do_not_depend_on_the_exchange_step(run_nc: RunNc) -> None:
 def test_what_cannot_be_shared_is_refused(
     run_nc: RunNc, rig: str, assignment: tuple[str, ...], message: str
 ) -> None:
-    with pytest.raises(UserError, match=message):
+    with pytest.raises(UserError, match=message) as caught:
         run_nc("N10 G4 X1", rig, *assignment, base=PAIR)
+    if "start values" in message or "belong to" in message:
+        assert caught.value.hint == "plant x2 shares the FMU of x: set it there"

@@ -189,6 +189,8 @@ def test_of_elements_of_a_list_the_acting_one_comes_first(
         return [key for key in keys if INDEX.sub("[i]", key) == row.path]
 
     assert (shown([row.number]), shown([])) == (with_words, without)
+    # An element as a list writes it means its parameter too
+    assert all(shown([path]) == with_words for path in [*loaded, with_words[-1]])
 
 
 def test_a_list_has_the_kind_of_most_of_its_names_then_of_fewest_errors(tmp_path: Path) -> None:
