@@ -3,8 +3,6 @@
 import base64
 import gzip
 import json
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from tests.page_scripts import needs_node, value_in_node
 from tests.reports.pages import opened
 
 from axisrig.reports.build import build_report
@@ -104,23 +103,29 @@ def test_the_page_holds_every_sample_of_the_trace(campaign: Path) -> None:
     assert offset == len(octets)
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
-def test_the_script_of_the_page_decodes_what_python_encodes(tmp_path: Path) -> None:
-    """Runs the page's own `unpack` and `column` in node."""
+@needs_node
+def test_the_script_of_the_page_decodes_what_python_encodes() -> None:
+    """All signals of a run one after the other, and their time in ms."""
     values = np.array([0.0, 4000.000001, -4000.0, np.nan, -1e-6, 12.345678])
-    head, octets = encode_signal(values, 6)
+    columns = {"time_ns": (np.arange(6.0) * 2e6 - 1e6, 0), "x": (values, 6), "y": (values[::-1], 1)}
+    heads, octets = zip(*(encode_signal(*one) for one in columns.values()), strict=True)
+    chart = {
+        "rows": len(values),
+        "columns": [
+            {"name": name, "start": head.start, "planes": head.planes, "digits": digits,
+             "gaps": head.gaps}
+            for (name, (_, digits)), head in zip(columns.items(), heads, strict=True)
+        ],
+    }  # fmt: skip
     folder = Path(build_report.__code__.co_filename).parent
-    library = folder / "vendor" / "pako" / "pako_inflate.min.js"
-    script = (folder / "plots.js").read_text("utf-8")
-    functions = script[script.index("function unpack") : script.index("/* The signals of a run")]
-    heads = json.dumps({"start": head.start, "planes": head.planes, "digits": 6, "gaps": head.gaps})
-    (tmp_path / "decode.cjs").write_text(
-        f"const pako = require({json.dumps(str(library))});\n{functions}\n"
-        f"console.log(JSON.stringify(column(unpack({json.dumps(pack([octets]))}), 0,"
-        f" {len(values)}, {heads})));\n",
-        encoding="utf-8",
-    )
-    out = subprocess.run(
-        ["node", str(tmp_path / "decode.cjs")], capture_output=True, text=True, check=True
-    )
-    assert json.loads(out.stdout) == [0, 4000.000001, -4000, None, -1e-6, 12.345678]
+    scripts = [folder / "vendor" / "pako" / "pako_inflate.min.js", folder / "plots.js"]
+    found = value_in_node(
+        f"axisrigPlots.decode({json.dumps(chart)}, {json.dumps(pack(list(octets)))})", scripts,
+        "globalThis.exports = undefined;",
+    )  # fmt: skip
+    assert found == {
+        "time_ns": [-1e6, 1e6, 3e6, 5e6, 7e6, 9e6],
+        "x": [0, 4000.000001, -4000, None, -1e-6, 12.345678],
+        "y": [12.3, 0, None, -4000, 4000, 0],
+        "time_ms": [-1, 1, 3, 5, 7, 9],
+    }

@@ -5,15 +5,13 @@ from 10, 20 px on.
 """
 
 import json
-import shutil
-import subprocess
 from pathlib import Path
 
-import pytest
+from tests.page_scripts import needs_node, value_in_node
 
 from axisrig.reports import build
 
-pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+pytestmark = needs_node
 
 SCRIPT = Path(build.__file__).with_name("points.js")
 PAGE = """
@@ -63,12 +61,7 @@ function at([page, x, y]) {
 
 def shown(*moves: tuple[int | None, float, float], also: str = "null") -> list[list[str]]:
     """Words after each move: which drawing, and where in its units. A dot that is near has them."""
-    text = f"{PAGE}\n{SCRIPT.read_text('utf-8')}\n"
-    text += f"console.log(JSON.stringify([{json.dumps(moves)}.map(at), {also}]));"
-    out = subprocess.run(
-        ["node", "-"], input=text, capture_output=True, text=True, check=True, encoding="utf-8"
-    )
-    found, more = json.loads(out.stdout)
+    found, more = value_in_node(f"[{json.dumps(moves)}.map(at), {also}]", [SCRIPT], PAGE)
     assert all(words == near for words, near in found)
     return [words for words, _ in found] + ([] if also == "null" else [more])
 

@@ -4,16 +4,14 @@ The script runs in node, with a canvas that writes down what is drawn: 1 px is 1
 """
 
 import json
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
-import pytest
+from tests.page_scripts import needs_node, value_in_node
 
 from axisrig.reports.blocks import section
 
-pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+pytestmark = needs_node
 
 SCRIPT = Path(section.__file__).with_name("lane.js")
 MS = 1_000_000
@@ -38,11 +36,7 @@ function canvas(box = BOX) {
 
 def node(script: str) -> Any:
     """The value of an expression after the script of the lane."""
-    text = f"{PAGE}\n{SCRIPT.read_text('utf-8')}\nconsole.log(JSON.stringify({script}));"
-    out = subprocess.run(
-        ["node", "-"], input=text, capture_output=True, text=True, check=True, encoding="utf-8"
-    )
-    return json.loads(out.stdout)
+    return value_in_node(script, [SCRIPT], PAGE)
 
 
 def row(at: int, due: float, begin: float, end: float, number: int = 0, group: str = "motion",
