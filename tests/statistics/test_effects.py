@@ -79,6 +79,27 @@ def test_the_change_of_words_is_between_the_lowest_and_the_highest() -> None:
     assert of_numbers.change.value == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1.0, 1e6])
+def test_an_effect_of_small_and_large_units_has_the_same_share(unit: float) -> None:
+    """Means 5 and 2, squares within 2.5, in all 4 * 1.5^2 + 2.5 = 11.5: in mm, m or nm."""
+    values = [4.0 * unit, 6.0 * unit, 1.5 * unit, 2.5 * unit]
+    for settings in ([2.0, 2.0, 1.0, 1.0], ["new", "new", "old", "old"]):
+        (found,) = effects(values, [settings])
+        assert found.change.value == pytest.approx(3.0 * unit)
+        assert found.r_squared == pytest.approx(9.0 / 11.5)
+    whole = line([2.0, 2.0, 1.0, 1.0], values)
+    assert whole.slope.value == pytest.approx(3.0 * unit)
+    assert whole.r_squared == pytest.approx(9.0 / 11.5)
+
+
+def test_values_that_no_setting_moves_have_no_effect() -> None:
+    """Neither their change nor their share."""
+    for settings in ([1.0, 1.0, 2.0, 2.0], ["b", "b", "a", "a"]):
+        (found,) = effects([7.0, 7.0, 7.0, 7.0], [settings])
+        assert found.r_squared == 0.0
+        assert found.change.value == pytest.approx(0.0, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("values", "settings", "message"),
     [
