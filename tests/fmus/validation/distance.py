@@ -148,7 +148,7 @@ def distance_sensor(time_s: Vector) -> Mapping[str, Vector]:
     """
     radius, full, span, parts = 2e-3, 8e-3, 0.5, 1000
     feed, hole, level = 0.16, 3e-3, 0.4e-3
-    z = cubic(4.2e-3, -2e-3, 1.2e-3, -2e-3, span)
+    z = cubic(4.2e-3, -2e-3, 1.2e-3, -3e-3, span)
     rise = ramp_between(1.5e-3, 5e-3, 20e-3, 0.2)
     ring = radius * np.sqrt(2 / 3) * np.exp(1j * np.pi / 3 * np.arange(6))
     points = [(0.0, 0.0, 1 / 4), *((p.real, p.imag, 1 / 8) for p in ring)]

@@ -100,7 +100,7 @@ def head_touch_probe(time_s: Vector) -> Mapping[str, Vector]:
     span = 0.4
     axes = [
         cubic(0.01, 0.02, 0.012, -0.01, span),
-        cubic(-0.02, 0.0, -0.021, 0.0, span),
+        cubic(-0.02, 2e-3, -0.021, -1e-3, span),
         cubic(0.2311, -0.05, 0.2311, 0.05, span),
         cubic(0.3, 0.1, 0.33, 0.05, span),
         cubic(-0.4, -0.05, -0.42, -0.02, span),
@@ -169,8 +169,8 @@ def hertz_approach(normal: Vector, seat: tuple[float, ...], radius: float, modul
 def workpiece_probe(time_s: Vector) -> Mapping[str, Vector]:
     """A ball of 3 mm on a wavy inclined plane: distance from the foot of the normal."""
     span, radius = 0.4, 3e-3
-    x = cubic(0.01, 0.02, 0.018, 0.02, span)
-    y = cubic(-0.02, 0.01, -0.016, 0.01, span)
+    x = cubic(0.01, 0.02, 0.018, 0.03, span)
+    y = cubic(-0.02, 0.01, -0.016, 0.015, span)
     z = cubic(6.5e-3, -0.05, 7.5e-3, 0.05, span)
     parts = [inclined(0.2, 1e-3, 0.3), waves([0.3e-3], [0.05], [0.4], 0.1)]
 

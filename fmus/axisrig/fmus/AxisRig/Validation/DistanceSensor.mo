@@ -40,7 +40,7 @@ equation
   sensor.z_start = 4.2e-3;
   sensor.z_rate_start = -2e-3;
   sensor.z_end = 1.2e-3;
-  sensor.z_rate_end = -2e-3;
+  sensor.z_rate_end = -3e-3;
   distance = sensor.distance;
   distance_true = sensor.distance_true;
   valid = sensor.valid;

@@ -55,7 +55,7 @@ equation
   sensor.x_start = 0;
   sensor.x_rate_start = 0.1;
   sensor.x_end = 0.05;
-  sensor.x_rate_end = 0.1;
+  sensor.x_rate_end = 0.15;
   sensor.y_start = 0.01;
   sensor.y_rate_start = -0.05;
   sensor.y_end = -0.02;

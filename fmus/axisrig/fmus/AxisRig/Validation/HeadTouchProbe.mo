@@ -53,9 +53,9 @@ equation
   tool.x_end = 0.012;
   tool.x_rate_end = -0.01;
   tool.y_start = -0.02;
-  tool.y_rate_start = 0;
+  tool.y_rate_start = 2e-3;
   tool.y_end = -0.021;
-  tool.y_rate_end = 0;
+  tool.y_rate_end = -1e-3;
   tool.z_start = 0.2311;
   tool.z_rate_start = -0.05;
   tool.z_end = 0.2311;

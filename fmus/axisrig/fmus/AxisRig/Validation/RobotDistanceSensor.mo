@@ -35,7 +35,7 @@ equation
   sensor.j1_start = 0;
   sensor.j1_rate_start = 1;
   sensor.j1_end = 0.3;
-  sensor.j1_rate_end = 1;
+  sensor.j1_rate_end = 1.2;
   sensor.j2_start = 0;
   sensor.j2_rate_start = 0.3;
   sensor.j2_end = 0.05;
@@ -47,15 +47,15 @@ equation
   sensor.j4_start = 0.02;
   sensor.j4_rate_start = 1;
   sensor.j4_end = 0.2;
-  sensor.j4_rate_end = 1;
+  sensor.j4_rate_end = 0.8;
   sensor.j5_start = 1.4;
   sensor.j5_rate_start = 0.5;
   sensor.j5_end = 1.5;
-  sensor.j5_rate_end = 0.5;
+  sensor.j5_rate_end = 0.4;
   sensor.j6_start = 0;
   sensor.j6_rate_start = 1;
   sensor.j6_end = 0.4;
-  sensor.j6_rate_end = 1;
+  sensor.j6_rate_end = 1.1;
   distance = sensor.distance;
   distance_true = sensor.distance_true;
   distance_along = sensor.distance_along;

@@ -43,11 +43,11 @@ equation
   probe.x_start = 0.01;
   probe.x_rate_start = 0.02;
   probe.x_end = 0.018;
-  probe.x_rate_end = 0.02;
+  probe.x_rate_end = 0.03;
   probe.y_start = -0.02;
   probe.y_rate_start = 0.01;
   probe.y_end = -0.016;
-  probe.y_rate_end = 0.01;
+  probe.y_rate_end = 0.015;
   probe.z_start = 6.5e-3;
   probe.z_rate_start = -0.05;
   probe.z_end = 7.5e-3;
