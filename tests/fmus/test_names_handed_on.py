@@ -3,7 +3,7 @@
 A model that hands `a = b` to a part, both being its own names, or shows `a = part.b` where the part
 has an `a` too, has most likely mixed up two of a kind: force and stop force, rising and falling.
 Names that say more are the same ones: `mass = effective_mass`, `stop_force = stop.force`; the
-output of a block is `y`.
+output of a block is `y`. And a part `stop_2` is given what ends in `_2`, where both are there.
 """
 
 import re
@@ -68,3 +68,29 @@ def test_what_has_another_name_on_purpose_is_there() -> None:
     found = {(file.stem, text) for file in FILES for text in renamed(file)}
     assert found == set(OTHERS)
     assert all(OTHERS.values())
+
+
+def crossed(file: Path) -> list[str]:
+    """Where one of a pair of parts has to do with a variable of the other one."""
+    text, own = code(file), members(file.stem)
+    found = []
+
+    def look(part: str, value: str) -> None:
+        base, _, suffix = value.rpartition("_")
+        wanted = part.rpartition("_")[2]
+        if len(suffix) == len(wanted) == 1 and suffix != wanted and f"{base}_{wanted}" in own:
+            found.append(f"{part}: {value}")
+
+    for part, given in re.findall(r"[A-Z]\w+\s+([a-z]\w*_\w+)\(((?:[^()]|\([^()]*\))*)\)", text):
+        for value in re.findall(NAME, given):
+            look(part, value)
+    for name, part in re.findall(rf"({NAME})\s*=\s*([a-z]\w*_\w+)\.\w+\s*;", text):
+        look(part, name)
+    for part, value in re.findall(rf"([a-z]\w*_\w+)\.\w+\s*=\s*({NAME})\s*;", text):
+        look(part, value)
+    return found
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda path: f"{path.parent.name}.{path.stem}")
+def test_each_of_two_parts_has_to_do_with_its_own_variables(file: Path) -> None:
+    assert crossed(file) == []
