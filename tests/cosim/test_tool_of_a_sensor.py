@@ -29,8 +29,9 @@ def test_the_place_of_the_tool_is_that_of_its_instant() -> None:
         (2 * MS, 2), (3 * MS - 1, 2), (3 * MS, 3), (5 * MS - 1, 3), (5 * MS, 5), (9 * MS, 5),
     ):  # fmt: skip
         assert sensor.tool_at(at_ns) == [n + looked_ms for n in range(len(TOOL))]
-    with pytest.raises(PlantError, match="no place of the tool is kept"):
-        sensor.tool_at(2 * MS - 1)
+    for ask in (sensor.tool_at, sensor.reported_at):
+        with pytest.raises(PlantError, match=r"axis_x at t = 1\.999999 ms: no .* is kept"):
+            ask(2 * MS - 1)
 
 
 def test_a_sensor_without_a_tool_says_nothing_of_it() -> None:

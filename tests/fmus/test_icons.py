@@ -87,3 +87,41 @@ def test_a_class_that_draws_nothing_is_a_box() -> None:
         True
     ] * 4
     assert at(0, 90) is None
+
+
+def test_a_base_class_is_drawn_below_what_extends_it_and_its_own_base_lowest() -> None:
+    def box(half: int, colour: str) -> str:
+        extent = f"{{{{-{half}, {half}}}, {{{half}, -{half}}}}}"
+        return (
+            f"annotation(Icon(graphics={{Rectangle(extent = {extent}, fillColor = {{{colour}}},"
+            " fillPattern = FillPattern.Solid, pattern = LinePattern.None)}));"
+        )
+
+    text = f"""
+model M
+  extends B;
+  {box(20, "255, 0, 0")}
+end M;
+model B
+  extends C;
+  {box(50, "0, 255, 0")}
+end B;
+model C
+  {box(80, "0, 0, 255")}
+end C;
+"""
+    found, _ = texts(text, "M.mo")
+    rows = pixels(draw(found, "M"))
+    middle = [rows[SIZE // 2][4 * column : 4 * column + 4] for column in range(SIZE)]
+    at = [tuple(middle[int((x + 100) * SIZE / 200)]) for x in (0, 35, 65, 95)]
+    assert at[:3] == [(255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 255, 255)]
+    assert at[3][3] == 0
+
+
+def test_a_shape_without_a_colour_is_white_with_a_black_line() -> None:
+    solid = "fillPattern = FillPattern.Solid, pattern = LinePattern.None"
+    at = drawn(f"Rectangle(extent = {FRAME}, {solid})", "Line(points = {{-90, 80}, {90, 80}})")
+    assert at(0, 0) == (255, 255, 255)
+    assert [at(x, 80) for x in (-80, 0, 80)] == [(0, 0, 0)] * 3
+    assert (at(0, 70), at(0, 90)) == (None, None)
+    assert drawn(f"Rectangle(extent = {FRAME})")(-80, 0) == (0, 0, 0)
