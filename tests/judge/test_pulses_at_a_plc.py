@@ -1,7 +1,9 @@
 """Short pulses of a probe at a PLC: a value is known where each way of the edges has a signal."""
 
+from dataclasses import replace
+
 import pytest
-from tests.judge.test_signal_at_plc import CYCLE_NS, SYNC_NS, found, left
+from tests.judge.test_signal_at_plc import CYCLE_NS, SYNC_NS, TASK, found, left
 
 from axisrig.bench.judge.latch.sources import UNSEEN
 from axisrig.kernel.time.clock import MS, US
@@ -29,3 +31,29 @@ def test_a_pulse_gives_a_value_where_it_is_at_an_exchange_however_its_edges_are(
             assert one.uncertainty == 0.0
         else:
             assert (one.value, one.note) == (None, UNSEEN)
+
+
+@pytest.mark.parametrize(
+    ("source", "jitter_um"),
+    [
+        ("PLC", 0.0),  # the SYNC of a cycle does not jitter
+        ("PLC_FIRST_EVENT", 0.0),
+        ("PLC_EXT_LATCH_CONTROL", 0.0),
+        ("PLC_TIMESTAMP", 20.0),  # 10 mm/s in 2 ms
+    ],
+)
+def test_the_jitter_of_a_stamp_is_in_doubt_where_the_stamp_gives_the_value(
+    source: str, jitter_um: float
+) -> None:
+    edges = [(10_400 * US, True)]
+    sure, unsure = (
+        found(
+            left(edges, 12 * MS + CYCLE_NS, 12 * MS + SYNC_NS, source=source,
+                 task=replace(TASK, stamp_jitter_ns=jitter_ns))
+        )[1]
+        for jitter_ns in (0, 2 * MS)
+    )  # fmt: skip
+    assert unsure.value == sure.value
+    assert unsure.uncertainty - sure.uncertainty == pytest.approx(jitter_um, rel=1e-6)
+    assert ("jitter of the stamp" in unsure.note) is bool(jitter_um)
+    assert "jitter" not in sure.note

@@ -169,3 +169,19 @@ def test_the_open_loop_of_the_chosen_mode_ends_at_half_the_cycles_a_second() -> 
         assert drawn.get_xscale() == "log"
     assert (gain.get_yscale(), phase.get_yscale()) == ("log", "linear")
     assert phase.get_ylim() == (-450.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "is_shown"),
+    [
+        (Law(0.2), True),
+        (Law(0.2, tv_s=0.002), False),
+        (Law(0.2, tn_s=0.1), False),
+        (Law(0.2, 0.1, 0.002), False),
+    ],
+)
+def test_a_closed_form_is_that_of_a_law_without_i_and_d_part(law: Law, is_shown: bool) -> None:
+    known = replace(mode(CONST_DIST, 1.0), closed_limit=0.98)
+    assert ("; closed form 0.98" in text_of(found(law, modes=(known,)))) is is_shown
+    unknown = replace(known, closed_limit=None)
+    assert "closed form" not in text_of(found(law, modes=(unknown,)))
