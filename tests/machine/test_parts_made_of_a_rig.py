@@ -198,6 +198,10 @@ def test_without_a_key_the_wait_for_answers_is_that_of_the_interface(
     times: Any = SimpleNamespace(monotonic_ns=lambda: 0, pause=lambda _: None)
     clock = master_scheduler(settings_of(above(tmp_path, "probe-z.toml", text)), Hardware(times))
     assert clock.pacing.wait_ns == wait_ms * MS  # interfaces.csv
+    for own_ms in (0, 7):  # 0 is a key too: nobody is waited for
+        own = f"{text}\n[realtime]\nwait_ms = {own_ms}"
+        settings = settings_of(above(tmp_path, "probe-z.toml", own))
+        assert master_scheduler(settings, Hardware(times)).pacing.wait_ns == own_ms * MS
 
 
 # --- who watches an edge

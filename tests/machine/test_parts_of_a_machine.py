@@ -35,11 +35,13 @@ from axisrig.kernel.time.scheduler import new_scheduler
 class Rests:
     """Plants of two axes, X and Z, asked at an instant with the speeds of their motors."""
 
-    def __init__(self, *, waits: bool = True) -> None:
+    def __init__(self, *, waits: bool = True, after_end_ms: int = 0) -> None:
         self.clock = SimpleNamespace(now_ns=0)
         self.axes = {name: SimpleNamespace(motion=[0.0] * 16) for name in "XZ"}
         plant: Any = SimpleNamespace(axes=self.axes)
-        self.mechanics = PlantMechanics(self.clock, plant, waits=waits)  # type: ignore[arg-type]
+        clock: Any = self.clock
+        after_ns = after_end_ms * MS
+        self.mechanics = PlantMechanics(clock, plant, waits=waits, after_end_ns=after_ns)
 
     def at(self, time_ms: float, x: float = 0.0, z: float = 0.0) -> bool:
         self.clock.now_ns = round(time_ms * MS)
@@ -75,6 +77,26 @@ def test_an_axis_that_does_not_rest_is_waited_for_half_a_second() -> None:
     assert not rests.at(1499.999, z=0.5)
     assert rests.at(1500, z=0.5)
     assert Rests(waits=False).at(0, z=5.0)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("waits", "after_end_ms", "z", "over_ms"),
+    [
+        # Whatever takes longest: the time after the end, 20 ms of rest, 500 ms for who never rests
+        (False, 30, 5.0, 30), (False, 0, 5.0, 0), (True, 0, 0.0, 20), (True, 10, 0.0, 20),
+        (True, 100, 0.0, 100), (True, 100, 0.5, 500), (True, 600, 0.5, 600), (True, 600, 0.0, 600),
+    ],
+)  # fmt: skip
+def test_a_run_goes_on_after_its_end_for_its_time_at_least(
+    waits: bool, after_end_ms: int, z: float, over_ms: int
+) -> None:
+    rests = Rests(waits=waits, after_end_ms=after_end_ms)
+    assert rests.mechanics.goes_on is (after_end_ms > 0)
+    if over_ms:
+        assert not rests.at(1000, z=z)
+        assert not rests.at(1000 + over_ms - 0.001, z=z)
+    assert rests.at(1000 + over_ms, z=z)
 
 
 # --- lag between two rows
