@@ -20,6 +20,7 @@ from axisrig.bench.tools.params.effective import difference_text, written_lists
 from axisrig.bench.tools.perf.gains import gain, gains, gains_table, read_result, show_gains
 from axisrig.bench.tools.project.new import new_project
 from axisrig.kernel.errors import UserError, catalogue
+from axisrig.kernel.nc.text.published import published
 from axisrig.kernel.nc.text.words import commands, examples
 
 # Metrics
@@ -66,6 +67,7 @@ def test_each_metric_has_its_form_its_unit_and_which_run_it_judges() -> None:
 def test_a_word_by_its_name_comes_alone_with_its_keywords_and_its_example() -> None:
     """`#MEAS MODE` has it in its name too."""
     lines = language_listing("meas").splitlines()
+    assert language_listing("#Meas").splitlines() == lines
     assert lines[0].startswith("#MEAS  ")
     own = [line.split()[0].partition("=")[0] for line in lines[1:]]
     table = {key: row for key, row in commands()["MEAS"].items() if key}
@@ -108,6 +110,30 @@ def test_the_example_of_a_word_with_two_rows_comes_once(monkeypatch: pytest.Monk
     with pytest.raises(UserError) as caught:
         language_listing("G41")
     assert "G4" in str(caught.value.allowed)
+
+
+def test_a_published_word_says_whether_it_may_be_passed_over() -> None:
+    lines = language_listing().splitlines()
+    for name, known in published().items():
+        end = "; may be passed over" if known.passed_over else ""
+        assert f"{name:<32} (-) {known.meaning}{end}" in lines
+        assert language_listing(name).splitlines()[0] in lines
+    assert {bool(known.passed_over) for known in published().values()} == {True, False}
+
+
+def test_a_keyword_is_shown_with_its_choices_its_kind_or_alone() -> None:
+    kinds = set()
+    for name, table in commands().items():
+        shown = name if name.startswith("L ") else f"#{name}"
+        if name.startswith("<axis>"):
+            shown = f"<axis>[{name[6:]}]"
+        own = [row for keyword, row in table.items() if keyword]
+        lines = [line[4:].split()[0] for line in language_listing(shown).splitlines()[1:]]
+        for row, line in zip(own, lines, strict=False):
+            what = "|".join(row.allowed.split()) if row.kind == "name" and row.allowed else row.kind
+            assert line == (row.keyword if row.kind == "flag" else f"{row.keyword}={what}")
+            kinds.add(row.kind)
+    assert {"flag", "name"} < kinds
 
 
 # Closed forms
@@ -160,6 +186,14 @@ def test_of_ids_beside_one_the_two_nearest_are_named(monkeypatch: pytest.MonkeyP
     assert list(alarms._near(10_005)) == ["10004 (says 10004)", "10006 (says 10006)"]
     assert list(alarms._near(50_001)) == ["50000 (says 50000)"]  # the other one is far away
     assert list(alarms._near(90_000)) == []
+    assert list(alarms._near(9_500)) == ["10000 (says 10000)"]  # 500 are near, 501 are not
+    assert list(alarms._near(9_499)) == []
+    # Those that look alike come first, four at most, each once
+    alike = ["50000", "10000", "10006"]
+    monkeypatch.setattr(alarms, "nearest", lambda *_: alike)
+    assert [text.split()[0] for text in alarms._near(10_005)] == [*alike, "10004"]
+    alike.insert(0, "10003")
+    assert [text.split()[0] for text in alarms._near(10_005)] == alike
 
 
 def test_a_legend_counts_what_is_listed() -> None:

@@ -107,6 +107,11 @@ def test_error_frames_and_frames_of_others() -> None:
     watched.frame(5, "can1", 0x83, emergency[:-3])
     watched.frame(6, "can1", 0x583, "60 60 60 00 00 00 00 00")  # an answer that is no abort
     watched.frame(7, "can1", 0x603, "80 60 60 00 01 00 00 0F")  # a question
+    for short in ("", "80", "80 60 60 00 30 00 09"):  # no such message is that short
+        watched.frame(7, "can1", 0x583, short)
+    for wrong in ("", "01", "01 03 00"):
+        watched.frame(7, "can1", 0x000, wrong)
+    watched.frame(7, "can1", 0x083)
     assert watched.lines == []
     watched.frame(8, "can2", 0x80, is_error=True)
     assert watched.lines == ["bus error frame on can2"]

@@ -85,6 +85,7 @@ def test_each_module_has_its_forms_and_each_origin_once(monkeypatch: pytest.Monk
         ("way", ["stop.way"]),  # by its whole name, though others have it in theirs
         ("WAY_mm", ["stop.way_mm", "stop.late.way_mm"]),
         ("stop.way_mm", ["stop.way_mm"]),
+        ("Stop.Way", ["stop.way"]),  # with its module; that of way_mm begins so too
         ("stop.late", ["stop.late.way_mm"]),
         ("late", ["stop.late.way_mm"]),
         ("iso 1", ["stop.way_mm", "stop.time_s"]),
@@ -116,3 +117,44 @@ def test_an_origin_ends_with_its_paragraph() -> None:
         tail = one.text.partition("Source:")[2].partition("\n\n")[2].split()
         if len(tail) > 5:
             assert not one.origin.endswith(" ".join(tail)), one.name
+
+
+MODULE = '''"""About the module.
+
+Sources: ISO 9, 4,
+and more."""
+def first():
+    """First.
+
+    Derivation: F = m a,
+    of Newton.
+
+    More of it.
+    """
+def second():
+    """Second. Definition: as ISO 2."""
+def third():
+    """Third, without."""
+def _own():
+    """None of it. Source: nobody."""
+class Kept:
+    """Source: no function."""
+    def way(self):
+        """A method."""
+def fourth(): pass
+'''
+
+
+@pytest.mark.interpreted
+def test_an_origin_is_the_paragraph_that_begins_with_its_word(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sources = [("own", MODULE), ("plain", '"""All\nof it."""\ndef way():\n    """Way."""\n')]
+    monkeypatch.setattr(closed_forms, "_modules", lambda *_: sources)
+    assert [(one.place, one.name, one.origin) for one in oracles()] == [
+        ("own", "first", "Derivation: F = m a, of Newton."),
+        ("own", "second", "Definition: as ISO 2."),
+        ("own", "third", "Sources: ISO 9, 4, and more."),
+        ("own", "fourth", "Sources: ISO 9, 4, and more."),
+        ("plain", "way", "All of it."),
+    ]
