@@ -409,6 +409,8 @@ def test_a_pdo_that_the_file_does_not_have_is_off_and_the_others_stay(
         values.append(foreign_table(DriveProfile(), read_eds(str(path), NODE)).defaults(NODE))
     whole, less = values
     assert less[index, 1] == whole[index, 1] | OFF
+    others = [key for key in whole if key[0] == index and key[1] != 1]
+    assert [less[key] for key in others] == [whole[key] for key in others]
     own = {index, index + 0x200}
     assert {key: value for key, value in less.items() if key[0] not in own} == {
         key: value for key, value in whole.items() if key[0] not in own

@@ -52,6 +52,25 @@ def test_limits_are_those_of_the_file_where_they_are_a_range(
     assert (rows[0x60C2, 2].low, rows[0x60C2, 2].high) == expected
 
 
+@pytest.mark.parametrize(
+    ("kind", "low", "high"),
+    [
+        (datatypes.UNSIGNED8, 0, 255), (datatypes.INTEGER8, -128, 127),
+        (datatypes.UNSIGNED16, 0, 65_535), (datatypes.INTEGER32, -(2**31), 2**31 - 1),
+        (datatypes.UNSIGNED64, 0, 2**64 - 1),
+    ],
+)  # fmt: skip
+def test_a_default_that_its_type_cannot_hold_is_0(kind: int, low: int, high: int) -> None:
+    od: Any = ObjectDictionary()
+    one: Any = ODVariable("own", 0x2000)
+    one.data_type, one.access_type = kind, "rw"
+    od.add_object(one)
+    table = foreign_table(DriveProfile(), od)
+    for value, begins in ((low, low), (high, high), (low - 1, 0), (high + 1, 0), (1, 1)):
+        one.default = value
+        assert table.defaults(NODE)[0x2000, 0] == begins
+
+
 @pytest.mark.parametrize(("mapping", "count"), [(0x1600, 1), (0x1A00, 0)])
 def test_a_dummy_fills_a_place_of_an_rpdo_alone(tmp_path: Path, mapping: int, count: int) -> None:
     path, text = tmp_path / "foreign.eds", foreign()
