@@ -374,3 +374,37 @@ def test_a_cycle_is_taken_apart_on_a_run_of_its_own_and_what_is_left_is_the_rest
     assert found["cycle_us"] == pytest.approx(parts)
     assert Own.cycle is own
     assert found["cpu_s"] == pytest.approx(11.7)
+
+
+def test_the_first_row_is_timed_where_none_is_named(
+    clock: Clock, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also the first of the runs that a row of several values is; a named one wherever it is."""
+    (tmp_path / "part.nc").write_text("N10 M30\n", encoding="utf-8")
+    (tmp_path / "rig.toml").write_text("[machine]\n", encoding="utf-8")
+    plan = tmp_path / "own.csv"
+    cells = "part.nc,rig.toml"
+    plan.write_text(
+        "case,program,rig,plc:V.E.FEED,check:alarms\n"
+        f"slow,{cells},[60 | 70 | 80],none\nfast,{cells},600,none\nlast,{cells},900,none\n",
+        encoding="utf-8",
+    )
+    ran: list[Any] = []
+    before = perf.run_case
+
+    def run_case(case: Any, *rest: Any) -> Any:
+        ran.append(case)
+        return before(case, *rest)
+
+    monkeypatch.setattr(perf, "run_case", run_case)
+    runs = [case.run for case in perf.read_plan(plan).cases]
+    assert len(runs) == 5
+    for name, place in ((None, 0), ("slow", 0), ("fast", 3), ("last", 4)):
+        found = measure(plan, name, 1, clock, lambda _: None)  # type: ignore[arg-type, return-value]
+        assert (found["case"], {case.run for case in ran}) == (runs[place], {runs[place]})
+        assert len(ran) == 2  # timed, and taken apart
+        ran.clear()
+    with pytest.raises(UserError, match="no such case") as caught:
+        Row(plan, "fas", tmp_path, clock)  # type: ignore[arg-type]
+    assert caught.value.value == "fas"
+    assert str(caught.value.allowed).endswith("slow, fast, last")

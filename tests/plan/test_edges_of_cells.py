@@ -161,7 +161,25 @@ def test_a_number_has_plain_digits_and_an_end(text: str) -> None:
         ("plant:p.a", "5 mm/s²", "", "write 5; the unit ends the header: plant:p.a_mm_s2"),
         ("plant:p.gain", "5 %", "", "write 5; the unit ends the header: plant:p.gain_<unit>"),
         ("plant:p.stroke_mm", "5 um", "mm", "write 5, in the unit of the header (mm)"),
+        ("plant:p.stroke_mm", "5 MM", "mm", "write 5, in the unit of the header (mm)"),
+        ("plant:p.stroke_mm", "5 N", "mm", "write 5, in the unit of the header (mm)"),
         ("drive:d.key", "5 um", "", "write 5 without a unit"),
+        ("distance:max_mm", "5 MM", "", "write 5 without a unit"),
+        (
+            "plant:p.stroke",
+            "-1.5e3UM",
+            "",
+            "write -1.5e3; the unit ends the header: plant:p.stroke_um",
+        ),
+        ("plant:p.stroke", "+.5 Mm.", "", "write +.5; the unit ends the header: plant:p.stroke_mm"),
+        (
+            "plant:p.stroke",
+            "5 INCH",
+            "",
+            "write 5; the unit ends the header: plant:p.stroke_<unit>",
+        ),
+        ("plant:p.stroke", "-0,5", "", "a decimal point, not a comma: -0.5"),
+        ("plant:p.stroke", "0,5 mm", "", None),
         ("plant:p.stroke", "fast", "", None),
     ],
 )
@@ -169,6 +187,24 @@ def test_a_number_that_is_none_says_how_to_write_it(
     column: str, text: str, unit: str, hint: str | None
 ) -> None:
     assert refused(number, column, text, unit).hint == hint
+
+
+@pytest.mark.parametrize(
+    ("unit", "suffix"),
+    [
+        ("m", "m"), ("mm", "mm"), ("um", "um"), ("nm", "nm"), ("m/s", "m_s"), ("mm/s", "mm_s"),
+        ("m/min", "m_min"), ("mm/min", "mm_min"), ("m/s²", "m_s2"), ("mm/s2", "mm_s2"), ("s", "s"),
+        ("ms", "ms"), ("us", "us"), ("ns", "ns"), ("N", "n"), ("kN", "kn"), ("N/m", "n_m"),
+        ("N/um", "n_um"), ("N.s/m", "n_s_m"), ("kg", "kg"), ("Hz", "hz"), ("rad", "rad"),
+        ("deg", "deg"), ("percent", "percent"),
+    ],
+)  # fmt: skip
+def test_a_unit_of_a_cell_belongs_to_the_header_in_whatever_letters(unit: str, suffix: str) -> None:
+    """As the unit is written, in small letters and in capitals."""
+    for written in (unit, unit.lower(), unit.upper()):
+        error = refused(number, "plant:p.x", f"20 {written}")
+        assert error.hint == f"write 20; the unit ends the header: plant:p.x_{suffix}"
+        assert parse_column(f"plant:p.x_{suffix}", "20").unit == suffix
 
 
 def test_suffixes_are_those_of_a_unit_and_a_single_one_scales_nothing() -> None:

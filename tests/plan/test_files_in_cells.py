@@ -10,6 +10,7 @@ from axisrig.bench.plan.assignment import MAP_KEYS, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.rig import contents
 from axisrig.kernel.errors import UserError
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml"
@@ -106,3 +107,47 @@ def test_a_cell_that_names_no_file_is_refused_with_its_place(tmp_path: Path, key
         settings_of(case)
     assert (caught.value.file, caught.value.line, caught.value.column) == (str(plan), 2, 4)
     assert "near it: near.csv" in str(caught.value)
+
+
+@pytest.mark.parametrize("key", MAP_KEYS)
+@pytest.mark.parametrize("target", ["servo", "all"])
+def test_a_folder_is_no_file_of_a_drive(tmp_path: Path, key: str, target: str) -> None:
+    """Neither in a cell nor on the command line; a file of the same name with an end is near it."""
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps.csv").write_text("", encoding="utf-8")
+    (tmp_path / "part.nc").write_text("M30\n", encoding="utf-8")
+    column = f"drive:{target}.{key}"
+    plan = tmp_path / "plan.csv"
+    plan.write_text(
+        f"case,program,rig,{column},check:alarms\na,part.nc,{RIG},maps,none\n", encoding="utf-8"
+    )
+    (case,) = read_plan(plan).cases
+    with pytest.raises(UserError, match=f"{key} names no file") as caught:
+        settings_of(case)
+    error = caught.value
+    assert (error.file, error.line, error.column) == (str(plan), 2, 4)
+    assert error.value == str(tmp_path / "maps")
+    assert "maps.csv" in str(error.hint)
+    for named in (tmp_path / "maps", tmp_path):
+        with pytest.raises(UserError, match=f"--set {column}=.*: {key} names no file"):
+            contents.settings_of(RIG, [f"{column}={named}"])
+
+
+@pytest.mark.parametrize(
+    ("named", "hint"),
+    [
+        ("maps\\a.csv", "folders are separated by /: {0}/maps/a.csv"),
+        ("maps/b.csv", "near it: a.csv"),
+        ("maps/QQQQ", "looked in {0}/maps"),
+        ("nowhere/a.csv", "looked in {0}/nowhere"),
+        ("maps/a.csv/x", "looked in {0}/maps/a.csv"),
+    ],
+)
+def test_a_file_of_a_drive_that_is_missing_is_looked_for_near_its_name(
+    tmp_path: Path, named: str, hint: str
+) -> None:
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "a.csv").write_text("", encoding="utf-8")
+    with pytest.raises(UserError, match="pdo_map names no file") as caught:
+        contents.settings_of(RIG, [f"{COLUMN}={tmp_path}/{named}"])
+    assert caught.value.hint == hint.format(tmp_path)

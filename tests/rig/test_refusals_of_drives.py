@@ -356,3 +356,44 @@ def test_an_output_has_its_step_and_its_offset_with_its_sign(
     found = re.findall(r"(-?[\d.]+) um", line)
     expected = [step_um_s, step_um_s / 20, offset_um_s, offset_um_s / 20]
     assert [float(one) for one in found] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("xist1", "absolute", "bits", "refused"),
+    [
+        (12, 10, {"feinaufloesung": 12}, None),
+        (12, 10, {"feinaufloesung": 12, "p1042": 12, "p1043": 10}, None),
+        (12, 10, {"feinaufloesung": 12, "p1042": -1, "p1043": -1}, None),
+        (12, 10, {"feinaufloesung": 10}, ("00065", "p1042", 10, 12, "4")),
+        (12, 10, {"feinaufloesung": 12, "p1042": 10}, ("00316", "p1042", 10, 12, "4")),
+        (12, 10, {"feinaufloesung": 12, "p1043": 12}, ("00317", "p1043", 12, 10, "0.25")),
+        (12, 10, {"feinaufloesung": 12, "p1043": 11}, ("00317", "p1043", 11, 10, "0.5")),
+        (11, 11, {"feinaufloesung": 11, "p1043": 0}, ("00317", "p1043", 0, 11, "2048")),
+        (11, 12, {"feinaufloesung": 11, "p1042": 12}, ("00316", "p1042", 12, 11, "0.5")),
+        (11, 12, {"feinaufloesung": 11, "p1042": 11, "p1043": 12}, None),
+        # The first of the three
+        (11, 12, {"feinaufloesung": 12, "p1042": 12, "p1043": 11},
+         ("00065", "p1042", 12, 11, "0.5")),
+        (11, 12, {"feinaufloesung": 11, "p1042": 12, "p1043": 11},
+         ("00316", "p1042", 12, 11, "0.5")),
+    ],
+)  # fmt: skip
+def test_fine_bits_of_each_position_are_those_that_the_drive_has_for_it(
+    check: Check,
+    xist1: int,
+    absolute: int,
+    bits: dict[str, int],
+    refused: tuple[str, str, int, int, str] | None,
+) -> None:
+    """G1_XIST1 has p1042, the absolute position p1043; a bit is a factor of 2, -1 says nothing."""
+    listed = [f"set:Z.antr.profibus.{key}={number}" for key, number in bits.items()]
+    drive = (f"drive:servo.p1042={xist1}", f"drive:servo.p1043={absolute}")
+    found = check("probe-z-profidrive", *drive, *listed)
+    if refused is None:
+        assert "fine bits" not in found
+        return
+    number, key, value, allowed, factor = refused
+    assert (
+        f"axis Z: its drive has other fine bits ({key} of the rig): positions wrong by a factor of"
+        f" {factor} (P-AXIS-{number}); found {value}; allowed: {allowed}"
+    ) in found

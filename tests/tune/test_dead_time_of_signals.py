@@ -76,3 +76,57 @@ def test_the_dead_time_is_of_the_cycles_and_of_the_frames(reaction: int, to: int
     assert _dead_time(run, path, is_encoder=False).way_ns is None
     run.sensor = SimpleNamespace(frame_ns=np.array([], dtype=np.int64))
     assert _dead_time(run, path, is_encoder=True).way_ns is None
+
+
+def way_ns(before: Any, after: Any, *, sent: int, first_ns: int = 0) -> int | None:
+    """Return the way of a step that goes out in a ms, to a sensor with these values, one a ms.
+
+    first_ns: instant of the first value of the sensor.
+    """
+    path = Path(np.eye(1, CYCLES, 3)[0], 0.0, 0.0)
+    values = np.concatenate([before, after])
+    targets = np.where(np.arange(len(values)) < sent, 0, 1000)
+    run: Any = SimpleNamespace(
+        signals=signals(1, 2, 3),
+        targets=SimpleNamespace(
+            frame_ns=np.arange(len(values)) * 1_000_000, increments=targets
+        ),
+        sensor=SimpleNamespace(
+            frame_ns=np.arange(len(values)) * 1_000_000 + first_ns, increments=values
+        ),
+    )  # fmt: skip
+    return _dead_time(run, path, is_encoder=True).way_ns
+
+
+@pytest.mark.parametrize("to", [-1, 1])
+@pytest.mark.parametrize("approach", [5000, -5000, 0])
+def test_the_place_of_rest_is_that_before_the_step_wherever_the_axis_came_from(
+    approach: int, to: int
+) -> None:
+    """It came there in 100 cycles and was at rest for as long as a rest is; 4 ms to the sensor."""
+    came = 700 + np.linspace(approach, 0, 100).astype(np.int64)
+    before = np.concatenate([came, np.full(REST_CYCLES + 4, 700)])
+    found = way_ns(before, np.full(30, 700 + 400 * to), sent=len(before) - 4)
+    assert found == 4_000_000
+
+
+@pytest.mark.parametrize("to", [-1, 1])
+def test_a_value_has_left_its_place_by_more_than_its_noise_and_an_increment(to: int) -> None:
+    """Noise of 10 and -10 is 10; six of it and one increment are 61 from the middle."""
+    rest = 700 + np.resize([10, -10], REST_CYCLES)
+    moved = np.array([61, 61, 62, 300, 300]) * to
+    assert way_ns(rest, 700 + moved, sent=REST_CYCLES - 1) == 3_000_000
+    quiet = np.full(REST_CYCLES, 700)
+    assert way_ns(quiet, 700 + np.array([1, 1, 1, 2, 9]) * to, sent=REST_CYCLES - 1) == 4_000_000
+
+
+def test_a_place_of_rest_may_be_shorter_and_a_value_before_the_step_is_no_answer() -> None:
+    """A value in the instant of the step is one before it, however far away it is."""
+    rest = np.full(20, 700)
+    rest[3] = 4700  # a standard deviation of 872: what comes is further away than six of it
+    assert way_ns(rest, np.full(9, 99_700), sent=19) == 1_000_000
+    late = np.full(REST_CYCLES + 1, 700)
+    late[-1] = 702
+    assert way_ns(late, np.full(9, 900), sent=REST_CYCLES) == 1_000_000
+    assert way_ns(late, np.full(9, 900), sent=REST_CYCLES, first_ns=1) == 1
+    assert way_ns(late, np.full(9, 900), sent=REST_CYCLES, first_ns=-1) == 999_999
