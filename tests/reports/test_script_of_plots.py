@@ -322,6 +322,15 @@ def test_a_window_may_count_its_time_from_a_contact() -> None:
     assert found == [contact, [*start, [10, 20]], contact, [*start, [0, 400]]]
 
 
+def test_a_window_with_the_same_zero_is_shown_in_the_plots_that_are_there() -> None:
+    windows = [*WINDOWS, {"label": "two", "start_ns": 30 * MS, "end_ns": 50 * MS}]
+    shown = "(press(name), [views(), pressed(), all.length])"
+    assert read(f'["whole run", "two", "one"].map((name) => {shown})', windows=windows) == [
+        [[[0, 400]] * 2, ["X", "whole run"], 2], [[[30, 50]] * 2, ["X", "two"], 2],
+        [[[10, 20]] * 2, ["X", "one"], 2],
+    ]  # fmt: skip
+
+
 def test_what_is_shown_of_one_plot_is_shown_of_all() -> None:
     """No button is pressed then but that of the axis, until a window is shown again."""
     zoom = 'all[1].setScale("x", {min: 5, max: 9}), all[1].options.hooks.setScale[0](all[1], "x")'
