@@ -200,6 +200,33 @@ def test_probes_are_on_or_off_with_their_edges() -> None:
     assert [name for name, _ in lamps] == ["lamp on", "lamp "]
 
 
+def test_the_lamp_of_a_probe_follows_its_signal_whatever_edges_it_had() -> None:
+    """Off after its first edge, on, off again; and one that is on from the beginning."""
+    shown = [(False, 0), (True, 1), (False, 2), (True, 3), (True, 0)]
+    signals = [
+        {"probes": [{"probe": "probe", "level": level, "edges": edges, "edge_ns": 1_000}]}
+        for level, edges in shown
+    ]
+    found = of('[lamps("probes"), table("probes")[0][2]]', *signals)
+    assert found == [
+        [[["lamp on", "on"] if level else ["lamp ", "off"]], str(edges)] for level, edges in shown
+    ]
+
+
+def test_of_two_probes_each_has_its_own_lamp_and_one_that_is_gone_has_none() -> None:
+    def probe(name: str, level: bool, edges: int) -> dict[str, Any]:
+        return {"probe": name, "level": level, "edges": edges, "edge_ns": None}
+
+    found = of(
+        'table("probes").map((row) => row.slice(0, 2)).concat(lamps("probes"))',
+        {"probes": [probe("a", False, 4), probe("b", True, 0)]}, {"probes": [probe("b", False, 1)]},
+    )  # fmt: skip
+    assert found == [
+        [["a", "off"], ["b", "on"], ["lamp ", "off"], ["lamp on", "on"]],
+        [["b", "off"], ["lamp ", "off"]],
+    ]
+
+
 def test_a_bus_has_its_load_its_frames_and_who_counts_errors() -> None:
     counters = [
         {"node": "cnc", "tec": 136, "rec": 0, "state": "error passive"},

@@ -13,6 +13,7 @@ from tests.reports.tilted import AXES, OFF, ON, ROWS, STEP, left
 
 from axisrig.bench.judge.distance.tool import ToolTruth, axes_of
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, TURNING_OFF
+from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
@@ -142,6 +143,39 @@ def test_dead_cycles_are_from_the_value_that_steps_to_the_one_that_shows_the_ans
     assert (found.cycles.reaction, found.cycles.way) == (reaction, way)
     assert found.seen_ns == (STEP - reaction) * MS
     assert found.shown_ns == (STEP + way) * MS
+
+
+def metric(name: str, seen: ToolTruth) -> Observation:
+    return observe(seen.observed, parse_check(name, "> -1e9", ""))
+
+
+@pytest.mark.parametrize(("reaction", "way"), [(0, 2), (1, 2), (3, 4), (2, 1), (0, 1)])
+def test_measured_dead_cycles_have_a_note_of_their_own_parts(reaction: int, way: int) -> None:
+    """n = reaction + way - 1; the rig expects the parts of its own scheduling beside them."""
+    seen = truth(stepped(STEP - reaction, STEP + way))
+    found = metric("distance_dead_cycles", seen)
+    assert (found.value, found.note) == (
+        reaction + way - 1, f"reaction {reaction}, way {way} cycles",
+    )  # fmt: skip
+    # From the SYNC that shows the step to that which shows the answer; cycles of 1 ms
+    dead_ms = metric("distance_dead_time_ms", seen)
+    assert (dead_ms.value, dead_ms.note) == (reaction + way, "ends of frames on the bus")
+
+
+@pytest.mark.parametrize(("reaction", "way"), [(0, 2), (3, 4)])
+@pytest.mark.parametrize("delay", [0, 1, 3])
+def test_expected_dead_cycles_have_the_parts_of_the_rig_whatever_is_measured(
+    reaction: int, way: int, delay: int
+) -> None:
+    """A value that is older by some cycles shows the answer by so many later."""
+    of = replace(left(), plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, delay)})
+    plain = truth().dead
+    seen = truth(stepped(STEP - reaction, STEP + way), of)
+    found = metric("distance_dead_cycles_expected", seen)
+    assert (found.value, found.note) == (
+        plain.dead + delay, f"reaction {plain.reaction}, way {plain.way + delay} cycles",
+    )  # fmt: skip
+    assert metric("distance_dead_cycles", seen).value == reaction + way - 1
 
 
 def test_a_step_before_the_control_is_on_or_without_it_shows_nothing() -> None:

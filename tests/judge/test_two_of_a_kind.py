@@ -259,6 +259,33 @@ def test_the_torque_limit_is_that_of_the_direction_and_of_the_instant(
     )
 
 
+@pytest.mark.parametrize("zero_mm", [0.0, 12.5])
+@pytest.mark.parametrize("rows", [5, 1])
+@pytest.mark.parametrize(("late", "fresh"), [(0, 0), (1, 0), (3, 1), (4, 0), (6, 0)])
+def test_the_encoder_of_a_drive_is_that_of_its_sync_and_stays_where_the_record_ends(
+    late: int, fresh: int, rows: int, zero_mm: float
+) -> None:
+    """6064 comes late less fresh cycles later: what did not come any more is the last that did.
+
+    The demand is by the lag of the drive ahead of it; a control reads the encoder as it came.
+    """
+    came_mm, lag_mm = np.array([1.0, 4.0, 9.0, 16.0, 25.0])[:rows], np.full(rows, 0.125)
+    names = ("truth_mm", "velocity_mm_s", "set_mm", "cnc_lag_mm")
+    columns = {f"Z.{name}": np.zeros(rows) for name in names}
+    columns |= {"Z.actual_mm": came_mm, "Z.drive_lag_mm": lag_mm}
+    table = pa.table({"time_ns": TIMES[:rows], **columns})
+    axis = AxisRecord("can1", 1, 1000.0, plant="z", late_cycles=late, fresh_late_cycles=fresh)
+    observed = Observed(facts(axes={"Z": axis}, plants={"z": PlantRecord({})}), Series(table))
+    course = axis_truth(observed, "Z", zero_mm).course
+    later = late - fresh
+    encoder_mm = [came_mm[min(row + later, rows - 1)] + zero_mm for row in range(rows)]
+    assert course.encoder_mm.tolist() == encoder_mm
+    assert course.demand_mm.tolist() == [place + 0.125 for place in encoder_mm]
+    read = course.read(later)
+    assert read.encoder_mm[later:].tolist() == (came_mm + zero_mm)[later:].tolist()
+    assert read.demand_mm.tolist() == course.demand_mm.tolist()
+
+
 @pytest.mark.parametrize("weight_n", [0.0, 20.0, -7.0])
 @pytest.mark.parametrize("place_m", [0.1, -0.05])
 def test_weight_and_imbalance_pull_together_where_the_stop_is(

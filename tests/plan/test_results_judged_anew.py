@@ -160,6 +160,44 @@ def test_recordings_are_those_above_a_folder_of_verdicts_only(tmp_path: Path, na
     assert len(found.runs[0].checks) == 2
 
 
+@pytest.mark.parametrize(
+    ("inside", "named"),
+    [("out/judged/1-q", "."), ("out/judged", "1-q"), ("out", "judged/1-q"),
+     ("out/runs", "../judged/1-q"), ("out/judged/1-q", "../1-q"), (".", "out/judged/1-q")],
+)  # fmt: skip
+def test_recordings_are_found_from_wherever_the_verdicts_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, inside: str, named: str
+) -> None:
+    """Also inside of their folder, where the name says nothing of what is above it."""
+    out = folder(tmp_path / "out", {"p-a": ""})
+    recorded(out, "p-a")
+    judged(out, {"q-a": "p-a"})
+    monkeypatch.chdir(tmp_path / inside)
+    found = read_results(Path(named))
+    assert found.place is not None
+    assert found.place.resolve() == out.resolve()
+    (run,) = found.runs
+    assert run.file is not None
+    assert run.trace is not None
+    assert run.file.read_text(encoding="utf-8") == "runs of p-a"
+    assert run.trace.read_text(encoding="utf-8") == "traces of p-a"
+
+
+@pytest.mark.parametrize(("inside", "named"), [("elsewhere/1-q", "."), ("elsewhere", "1-q")])
+def test_verdicts_that_were_taken_out_have_no_recordings_inside_of_their_folder_either(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, inside: str, named: str
+) -> None:
+    out = folder(tmp_path / "out", {"p-a": ""})
+    recorded(tmp_path, "p-a")  # two folders above: those of another campaign
+    (tmp_path / "elsewhere").mkdir()
+    judged(out, {"q-a": "p-a"}).rename(tmp_path / "elsewhere" / "1-q")
+    monkeypatch.chdir(tmp_path / inside)
+    found = read_results(Path(named))
+    assert found.place is None
+    assert [(run.file, run.trace, run.altered) for run in found.runs] == [(None, None, [])]
+    assert len(found.runs[0].checks) == 2
+
+
 def test_a_folder_without_that_entry_has_its_own_recordings(tmp_path: Path) -> None:
     """Also where it lies in a folder of that name."""
     out = folder(tmp_path / "out", {"p-a": ""})

@@ -162,3 +162,49 @@ def test_the_keys_of_a_profile_are_marked_where_they_differ_from_generic() -> No
         rows = profile_listing(name).splitlines()[1::2]
         marked = [row.split(" = ")[0].removeprefix("* ") for row in rows if row.startswith("* ")]
         assert marked == [key for key, value in profile_keys(name).items() if value != usual[key]]
+
+
+@pytest.mark.parametrize(
+    ("name", "rows"),
+    [
+        # a word, a number with its unit, one without
+        ("late-status", ["sampling = before_rpdo  (after_rpdo)",
+                         "status_delay_cycles = 2 SYNC  (0)", "value_delay_cycles = 1 SYNC  (0)"]),
+        ("akd-like", ["input_delay_us = 3.0 us  (4.0)",
+                      "delay_compensation_us = 136.333 us  (0.0)"]),
+        ("lenze-i950-like", ["min_pulse_us = 4.0 us  (0.0)"]),
+        # flags, and a list that generic has not
+        ("epos4-like", ["counters_cleared_on_disarm = True  (False)",
+                        'option_codes = 605A:6  ("")']),
+        # lists of both
+        ("ax8000-like", ["trigger_sources = 1 2 3 4 5 6  (1 2 5 6)", "source_1 = 3  (1)",
+                         "source_2 = 3  (2)"]),
+    ],
+)  # fmt: skip
+def test_what_generic_has_instead_is_in_brackets(name: str, rows: list[str]) -> None:
+    """The values are those of `profiles.csv`; the unit is not repeated."""
+    shown = profile_listing(name).splitlines()[1::2]
+    assert [row for row in shown if row.removeprefix("* ") in rows] == [f"* {row}" for row in rows]
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_a_key_has_its_value_its_unit_and_brackets_only_where_it_differs(name: str) -> None:
+    """Without the brackets of the others a row is as in the listing of `generic`."""
+    usual = dict(zip(habits(), profile_listing("generic").splitlines()[1::2], strict=True))
+    title, *rows = profile_listing(name).splitlines()
+    assert title == f"{name}; * = not as in generic, with what that has in brackets"
+    for (key, value), row in zip(profile_keys(name).items(), rows[::2], strict=True):
+        unit = f" {habits()[key].unit}" if habits()[key].unit else ""
+        if value == profile_keys("generic")[key]:
+            assert row == usual[key]
+            assert "(" not in row
+            continue
+        text, _, instead = row.partition("  (")
+        assert text == f"* {key} = {value}{unit}"
+        of_generic = usual[key].removeprefix(f"  {key} = ").removesuffix(unit)
+        assert instead == f"{of_generic})"
+
+
+def test_an_empty_text_of_a_profile_is_shown_as_one() -> None:
+    rows = {row.strip() for row in profile_listing("generic").splitlines()}
+    assert {'lacks = ""', 'option_codes = ""'} <= rows
