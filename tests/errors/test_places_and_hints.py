@@ -123,6 +123,9 @@ def test_a_hint_for_a_missing_file_names_what_is_near_it(tmp_path: Path) -> None
     (tmp_path / "rigs" / "probe-z.toml").touch()
     assert near_files(tmp_path, "rigs/probe-y.toml") == "near it: probe-z.toml"
     assert near_files(tmp_path, "rigs/QQQ") == f"looked in {tmp_path / 'rigs'}"
+    for folder in ("rigs", "rigs/", str(tmp_path / "rigs"), "."):
+        assert near_files(tmp_path, folder) == "it is a folder"
+    assert near_files(tmp_path, "rig") == "near it: rigs"
     assert near_files(tmp_path, "none/probe-z.toml") == f"looked in {tmp_path / 'none'}"
 
 

@@ -164,6 +164,9 @@ def test_a_number_has_plain_digits_and_an_end(text: str) -> None:
         ("plant:p.stroke_mm", "5 MM", "mm", "write 5, in the unit of the header (mm)"),
         ("plant:p.stroke_mm", "5 N", "mm", "write 5, in the unit of the header (mm)"),
         ("drive:d.key", "5 um", "", "write 5 without a unit"),
+        ("plant:p.x", "5 \u00b5m", "", "write 5; the unit ends the header: plant:p.x_um"),
+        ("plant:p.x", "5\u03bcs", "", "write 5; the unit ends the header: plant:p.x_us"),
+        ("plant:p.x", "5 N/\u00b5m", "", "write 5; the unit ends the header: plant:p.x_n_um"),
         ("distance:max_mm", "5 MM", "", "write 5 without a unit"),
         (
             "plant:p.stroke",

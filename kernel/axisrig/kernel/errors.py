@@ -126,6 +126,8 @@ def near_files(folder: Path, text: str) -> str:
     forward = text.replace("\\", "/")
     if forward != text and (folder / forward).is_file():
         return f"folders are separated by /: {forward}"
+    if text and (folder / forward).is_dir():
+        return "it is a folder"
     parent = (folder / forward).parent
     beside = [item.name for item in parent.iterdir()] if parent.is_dir() else []
     close = nearest(Path(forward).name, beside)

@@ -17,6 +17,8 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 INPUT_KINDS = ("set", "plant", "drive", "bus", "distance", "plc", "fault")
 MAP_KEYS = ("eds", "pdo_map")
 """Keys of drives that name a file."""
+# The micro sign and the Greek letter are two characters
+_AS_IN_SUFFIXES = str.maketrans({"²": "2", "\u00b5": "u", "\u03bc": "u"})
 
 _PLACES = {
     "axis": r"(?P<target>[A-Za-z]\w*)",
@@ -127,7 +129,8 @@ def _number_hint(column: str, text: str, unit: str) -> str | None:
     if unit or not column.startswith("plant:"):
         of = f", in the unit of the header ({unit})" if unit else " without a unit"
         return f"write {match[1]}{of}"
-    suffix = re.sub(r"\W+", "_", match[2].lower().replace("²", "2")).strip("_")
+    written = match[2].translate(_AS_IN_SUFFIXES).lower()
+    suffix = re.sub(r"\W+", "_", written).strip("_")
     named = f"{column}_{suffix}" if suffix in _units() else f"{column}_<unit>"
     return f"write {match[1]}; the unit ends the header: {named}"
 

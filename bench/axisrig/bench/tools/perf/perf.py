@@ -129,7 +129,7 @@ class Row:
         self.plan = read_plan(path)
         found = [case for case in self.plan.cases if name in (None, case.case)]
         if not found:
-            allowed = [case.case for case in self.plan.cases]
+            allowed = list(dict.fromkeys(case.case for case in self.plan.cases))
             raise UserError("no such case", value=name, allowed=allowed)
         self.case, self.folder, self._clocks = found[0], folder, clocks
         self._manifest = build_manifest(
