@@ -323,6 +323,33 @@ def test_unbroken_times_of_a_flag_have_both_ends() -> None:
     assert runs_of(np.zeros(3, bool)) == runs_of(np.zeros(0, bool)) == []
 
 
+@pytest.mark.parametrize("age_cycles", [0, 1, 3])
+@pytest.mark.parametrize("kp", [0.2, 0.125])
+def test_the_largest_kp_names_the_loop_that_it_is_of(age_cycles: int, kp: float) -> None:
+    """x(k+1) = x(k) - kp x(k - n) is stable below 2 cos(n pi/(2n + 1)), whatever kp acts."""
+    observed = recorded(words={"kp": kp}, second_delay_cycles=age_cycles)
+    n = N + age_cycles
+    found = seen(observed, "distance_kp_limit")
+    assert found.value == pytest.approx(2 * math.cos(n * math.pi / (2 * n + 1)), rel=1e-6)
+    assert found.note == f"CONST_DIST, {n} dead cycles, mean of 1"
+    assert seen(observed, "distance_growth_expected").note == f"kp {kp:g}, mean of 1"
+
+
+def test_the_mode_and_the_filter_of_a_loop_are_in_its_notes() -> None:
+    observed = recorded(0.0, 0.0, ACTIVE, (WITH_SET_POS,), {"n_cycles": 5, "kp": 0.05})
+    assert seen(observed, "distance_kp_limit").note == f"SET_POS, {N} dead cycles, mean of 5"
+    assert seen(observed, "distance_growth_expected").note == "kp 0.05, mean of 5"
+
+
+@pytest.mark.parametrize(
+    ("largest_mm", "band"), [(6.25, "62.5 um"), (1.0, "10 um"), (0.25, "5 um"), (0.5, "5 um")]
+)
+def test_the_band_in_which_a_step_settles_is_in_the_note(largest_mm: float, band: str) -> None:
+    """1 % of the largest error, 5 um at least."""
+    found = seen(recorded(settling({200: largest_mm, 230: 0.0})), "distance_settling_ms")
+    assert (found.value, found.note) == (30.0, f"to {band}, looked at once per cycle")
+
+
 @pytest.mark.parametrize("factor", [0.95, 0.9])
 def test_growth_is_that_of_the_steps_after_the_last_one_that_a_limit_held(factor: float) -> None:
     """Steps of 20 um where 50 were asked for, up to row 360; then they die away."""
