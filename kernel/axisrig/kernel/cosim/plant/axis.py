@@ -90,8 +90,7 @@ class PlantAxis:
         self._saved_ns: TimeNs = 0
         self._many: StepsInARow | None = None
         self._is_whole = False  # a row of `_many` is the motion of this axis
-        self._steps = beside is None
-        self._stepped = [self]
+        self._steps, self._stepped = beside is None, [self]
         if beside is not None:
             beside._stepped.append(self)
 
