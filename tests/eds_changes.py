@@ -12,3 +12,9 @@ def changed(text: str, section: str, **keys: str) -> str:
         body, count = re.subn(rf"(?m)^{key}=.*$", f"{key}={value}", body)
         body += "" if count else f"\n{key}={value}"
     return f"{text[:begin]}{body}\n\n{text[end:]}"
+
+
+def without(text: str, *indices: str) -> str:
+    """Take out objects by the begin of their index, with all their sub-indices."""
+    parts = re.split(r"(?m)^(?=\[)", text)
+    return "".join(part for part in parts if not part.startswith(tuple(f"[{i}" for i in indices)))

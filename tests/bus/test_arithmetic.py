@@ -109,6 +109,7 @@ def test_frames_may_be_given_in_any_order(offset: int) -> None:
     between = [PlannedFrame(f"TPDO of {n}", 0x2F0 + n, 8) for n in (1, 2)]
     for rpdos_given in ([*rpdos(1), late], [late, *rpdos(1)]):
         one = cycle_arithmetic(RATE, MS, 600 * US, tpdos(1), rpdos_given, between)
+        # Four frames of at most 135 bits, the last without the 3 bits of its intermission
         assert one.last_rpdo_ns == (600 + 4 * 135 - 3) * US
     shown = [(request, frame.can_id) for request, frame in found.frames]
     assert shown == [

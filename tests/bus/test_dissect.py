@@ -39,7 +39,7 @@ from axisrig.kernel.profiles.canopen.identifiers import services
         (0x583, "20 00 00 00 00 00 00 00", "SDO answer", 3, {"specifier": 1, "toggle": 0}),
         (0x603, "1C 61 00 00 00 00 00 00", "SDO request", 3,  # one byte, and more segments follow
          {"specifier": 0, "toggle": 1, "data": b"a", "is_last": 0}),
-        (0x603, "20 08 10 00 13 00 00 00", "SDO request", 3,  # in segments, of no size that is said
+        (0x603, "20 08 10 00 13 00 00 00", "SDO request", 3,  # in segments, without a size
          {"specifier": 1, "index": 0x1008, "sub": 0}),
         (0x583, "40 08 10 00 13 00 00 00", "SDO answer", 3,
          {"specifier": 2, "index": 0x1008, "sub": 0}),

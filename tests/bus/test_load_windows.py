@@ -34,7 +34,7 @@ def test_an_even_load_is_the_same_in_every_window() -> None:
 
 @pytest.mark.parametrize("busy_ms", [0, 1, 99, 100, 250, 299])
 def test_the_worst_window_is_found_wherever_it_is(busy_ms: int) -> None:
-    """2 ms of load there, the first and the last window included, and 1 ms far from it."""
+    """1000 bits there, the first and the last window included; 500 far away, 1 in the last ms."""
     meter = LoadMeter(1_000_000)
     far_ms = (busy_ms + 150) % 300
     for begin_ms, length_us in sorted(((busy_ms, 1000), (far_ms, 500), (299, 1))):

@@ -191,7 +191,7 @@ def test_one_error_active_sender_that_sees_its_bit_error_destroys_the_frame_of_a
 def test_passive_senders_fall_out_one_after_the_other(
     segment: Segment, order: tuple[int, int, int]
 ) -> None:
-    """0x200 with data 00, 01 and 02 at once: of 02 and 00 the bit before that of 01 and 00 differs.
+    """0x200 with data 00, 01 and 02 at once: 02 differs from 00 one bit before 01 does.
 
     Nobody disturbs the frame with 00; each of the others gets none of it, counts 8 and sends after
     it, where 01 wins against 02 in the same way.

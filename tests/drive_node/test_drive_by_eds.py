@@ -1,6 +1,5 @@
 """A simulated drive that has the objects of somebody else's EDS (CiA 306-1, CiA 301)."""
 
-import re
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 import pytest
 from canopen.objectdictionary import ObjectDictionary, ODRecord, ODVariable
 from canopen.sdo.exceptions import SdoAbortedError
-from tests.eds_changes import changed
+from tests.eds_changes import changed, without
 
 from axisrig.bench.drive.canopen.node import Document
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
@@ -83,11 +82,6 @@ DataType=0x0006
 AccessType=rw
 DefaultValue=5
 """
-
-
-def without(text: str, index: str) -> str:
-    """Take an object out."""
-    return re.sub(rf"(?ms)^\[{index}(sub[0-9A-F]+)?\]\n.*?(?=^\[|\Z)", "", text)
 
 
 FIFTH = """

@@ -127,7 +127,7 @@ def test_internal_values_are_increments_of_the_encoder_and_the_others_position_u
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_what_is_too_large_for_32_bits_is_shown_as_the_largest(fake_axis: Any, sign: int) -> None:
+def test_what_is_too_large_for_32_bits_is_shown_as_the_largest(sign: int) -> None:
     """Velocity and lag end at the range of INTEGER32, a position goes round (CiA 402-2)."""
     units, _ = _units()
     assert units.velocity_units_s(sign * 1e5) == (0x7FFF_FFFF if sign > 0 else -0x8000_0000)

@@ -54,7 +54,7 @@ def test_an_event_driven_telegram_of_the_drive_has_an_event_timer(
 def test_an_event_timer_is_of_event_driven_telegrams_of_the_drive_alone(
     tmp_path: Path, row: dict[str, str], transmission: str
 ) -> None:
-    """CiA 301, sub-index 5: what a drive receives has no promise of the control."""
+    """CiA 301, sub-index 5: the control promises no time for what a drive receives."""
     if row is TPDO and transmission in ("254", "255"):
         assert read(tmp_path, **row, transmission=transmission, event_ms="20").event_ms == 20
         return
@@ -67,7 +67,7 @@ def test_an_event_timer_is_of_event_driven_telegrams_of_the_drive_alone(
 @pytest.mark.parametrize("event_ms", ["", "0", "0x0"])
 @pytest.mark.parametrize("transmission", ["1", "255"])
 @pytest.mark.parametrize("row", [RPDO, TPDO], ids=["to the drive", "from the drive"])
-def test_any_telegram_may_have_none(
+def test_any_telegram_may_be_without_an_event_timer(
     tmp_path: Path, row: dict[str, str], transmission: str, event_ms: str
 ) -> None:
     assert read(tmp_path, **row, transmission=transmission, event_ms=event_ms).event_ms == 0
@@ -132,7 +132,7 @@ def test_from_the_fifth_telegram_on_it_needs_an_identifier(tmp_path: Path, pdo: 
 
 @pytest.mark.parametrize("cob_id", ["0x000", "0x080", "0x601", "0x581", "0x701", "0x7E5", "0x101"])
 def test_identifiers_that_are_restricted_are_no_telegrams(tmp_path: Path, cob_id: str) -> None:
-    """CiA 301, restricted CAN-IDs: NMT, SYNC, SDO, error control, LSS; 0 is none of its own."""
+    """CiA 301, restricted CAN-IDs: NMT, SYNC, SDO, error control, LSS; 0 leaves the usual one."""
     if not int(cob_id, 0):
         assert read(tmp_path, **RPDO, cob_id=cob_id).cob_id(5) == 0x305
         return

@@ -60,7 +60,7 @@ def test_the_drive_takes_its_sync0_by_its_clock_after_a_jump(by_us: int) -> None
     drive = line.drive
     due_ns = drive.sync.next0 - drive.time.system_ns(line.clock.now_ns)
     assert 0 < due_ns <= MS
-    line.wait(due_ns % MS - 400 * US if due_ns > 400 * US else due_ns + 600 * US)
+    line.wait((due_ns - 400 * US) % MS)  # the next pulse is due in 400 us then
     count, now_ns = drive.sync.pulses, line.clock.now_ns
     drive.jump(by_us * US)
     assert line.clock.run_while(lambda: drive.sync.pulses == count, 10 * MS)

@@ -86,6 +86,7 @@ def test_the_lists_are_counted_as_they_are() -> None:
     assert counts == tuple(len(listed(profile, kind)) for kind in range(1, 6))
     _, data = asked(DriveProfile(), "01000000", 0)
     before = struct.unpack_from("<5H", data, 2)
+    # Of all 60BA, 607D and 6040; 6040 is one that is received, 60BA one that is sent
     assert [a - b for a, b in zip(before, counts, strict=True)][:3] == [3, 1, 1]
 
 

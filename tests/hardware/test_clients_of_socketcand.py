@@ -39,11 +39,10 @@ class Client:
         """Return what comes, and its end; the server serves, and lets no time pass."""
         found = b""
         while not found.endswith(end):
-            self.server.recv(0)
-            if select.select([self.socket], [], [], 0.001)[0]:
-                part = self.socket.recv(4096)
-                assert part, "the server has closed the connection"
-                found += part
+            self._wait()
+            part = self.socket.recv(4096)
+            assert part, "the server has closed the connection"
+            found += part
         return found
 
     def ask(self, text: str) -> bytes:
@@ -53,9 +52,16 @@ class Client:
 
     def is_out(self) -> bool:
         """Wait until the server has closed the connection; whatever comes before is an error."""
-        while not select.select([self.socket], [], [], 0.001)[0]:
-            self.server.recv(0)
+        self._wait()
         return self.socket.recv(4096) == b""
+
+    def _wait(self) -> None:
+        """Let the server serve until something has come; nothing for 5 s fails the test."""
+        for _ in range(5000):
+            self.server.recv(0)
+            if select.select([self.socket], [], [], 0.001)[0]:
+                return
+        pytest.fail("nothing has come for 5 s")
 
 
 def test_a_client_settles_only_while_nobody_does_anything(server: SocketcandServer) -> None:
@@ -153,7 +159,7 @@ def test_a_command_that_does_not_end_has_its_limit(
 def test_a_connection_that_takes_no_more_gets_the_rest_in_order_when_it_reads(
     server: SocketcandServer,
 ) -> None:
-    """Others get theirs meanwhile."""
+    """Another client gets its frames meanwhile."""
     slow = socket.socket()
     slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
     slow.connect(server.address)
@@ -168,12 +174,14 @@ def test_a_connection_that_takes_no_more_gets_the_rest_in_order_when_it_reads(
         with contextlib.suppress(BlockingIOError):
             got += quick.socket.recv(1 << 16, socket.MSG_DONTWAIT)
     assert got == b"".join(texts)
-    whole, late = b"< hi >< ok >" + got, b""
+    whole, late, waits = b"< hi >< ok >" + got, b"", 0
     while len(late) < len(whole):
         try:
             late += slow.recv(1 << 16)
         except BlockingIOError:
             assert len(late) > 0
+            waits += 1
+            assert waits < 5000, "the rest has not come in 5 s"
             server.recv(0.001)
     assert late == whole
 

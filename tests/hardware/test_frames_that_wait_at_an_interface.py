@@ -143,85 +143,20 @@ def test_several_interfaces_are_listened_to_in_short_shares_and_one_for_as_long_
     assert max(alone.timeouts_ns + other.timeouts_ns) == 200 * US
 
 
-@pytest.mark.parametrize("late", [0, 1])
+@pytest.mark.parametrize("at_us", [3000, 3100, 3250, 3390])
+@pytest.mark.parametrize("which", [0, 1])
 def test_a_frame_at_either_of_two_interfaces_is_heard_within_a_share(
-    make_bench: Any, late: int
+    make_bench: Any, which: int, at_us: int
 ) -> None:
     bench = make_bench()
     second = type(bench.adapter)(bench.wall)
     segment = OutsideSegment("other", 500_000, bench.scheduler, lambda: second)
     seen: list[int] = []
-    one = (bench.segment, segment)[late]
+    one = (bench.segment, segment)[which]
     one.observe(lambda time_ns, *_: seen.append(time_ns))
-    adapter = (bench.adapter, second)[late]
-    adapter.coming.append((bench.wall.now_ns + 3 * MS, can.Message(arbitration_id=0x99)))
+    adapter = (bench.adapter, second)[which]
+    adapter.coming.append((bench.wall.now_ns + at_us * US, can.Message(arbitration_id=0x99)))
     bench.scheduler.run_until(6 * MS)
     segment.close()
-    assert 2.99 * MS <= seen[0] <= 3 * MS + 450 * US
-
-
-# The calls of a scheduler
-
-
-def test_time_does_not_go_back(make_bench: Any) -> None:
-    bench = make_bench()
-    bench.scheduler.run_until(2 * MS)
-    bench.scheduler.run_until(2 * MS)
-    with pytest.raises(ValueError, match=r"run_until\(1999999 ns\) is before now \(2000000 ns\)"):
-        bench.scheduler.run_until(2 * MS - 1)
-    assert bench.scheduler.now_ns == 2 * MS
-
-
-@pytest.mark.parametrize(("at_ns", "is_met"), [(2 * MS, True), (3 * MS, True), (3 * MS + 1, False)])
-def test_a_wait_ends_by_its_condition_or_at_its_limit(
-    make_bench: Any, at_ns: int, is_met: bool
-) -> None:
-    """An event at the limit still counts; where it is not met the time is that of the limit."""
-    bench, met = make_bench(), list[int]()
-    bench.scheduler.call_at(at_ns, Phase.APPLICATION, lambda: met.append(1))
-    assert bench.scheduler.run_while(lambda: not met, 3 * MS) is is_met
-    assert bench.scheduler.now_ns == (at_ns if is_met else 3 * MS)
-
-
-def test_a_wait_whose_condition_is_met_already_takes_no_time(make_bench: Any) -> None:
-    bench = make_bench()
-    before_ns = bench.wall.now_ns
-    assert bench.scheduler.run_while(lambda: False, None)
-    assert bench.scheduler.run_while(lambda: False, 0)
-    assert (bench.scheduler.now_ns, bench.wall.now_ns) == (0, before_ns)
-
-
-def test_a_limit_counts_from_the_instant_of_the_call(make_bench: Any) -> None:
-    bench = make_bench()
-    bench.scheduler.run_until(4 * MS)
-    assert not bench.scheduler.run_while(lambda: True, 3 * MS)
-    assert bench.scheduler.now_ns == 7 * MS
-
-
-def test_a_wait_without_a_limit_ends_by_a_frame(make_bench: Any) -> None:
-    """Nothing is planned: it listens on, here for 40 ms."""
-    bench = make_bench()
-    one = Waiting(bench)
-    one.come(1, 40 * MS)
-    assert bench.scheduler.run_while(lambda: not one.heard, None)
-    assert 40 * MS <= bench.wall.now_ns - one.begin_ns <= 41 * MS
-
-
-def test_a_cancelled_event_is_not_waited_for_and_does_not_run(make_bench: Any) -> None:
-    bench, ran = make_bench(), list[int]()
-    for at in (1, 2, 3):
-        event = bench.scheduler.call_at(at * MS, Phase.APPLICATION, partial(ran.append, at))
-        if at != 2:
-            bench.scheduler.cancel(event)
-    bench.scheduler.run_until(4 * MS)
-    assert ran == [2]
-
-
-def test_the_time_of_the_run_is_that_since_its_first_wait(make_bench: Any) -> None:
-    """What passes before it does not count."""
-    bench = make_bench()
-    bench.wall.now_ns += 900 * MS
-    bench.scheduler.run_until(5 * MS)
-    assert 5 * MS <= bench.scheduler.real_ns <= 5 * MS + 20 * US
-    bench.wall.now_ns += 2 * MS
-    assert 7 * MS <= bench.scheduler.real_ns <= 7 * MS + 20 * US
+    # The other one is listened to for 0.2 ms; asking the clock of these tests costs 1 us
+    assert at_us * US - 20 * US <= seen[0] <= at_us * US + 220 * US

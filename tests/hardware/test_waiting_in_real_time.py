@@ -1,5 +1,6 @@
-"""Waits for a condition in real time: what ends them, when, and what a late computer changes."""
+"""Waits in real time: what ends them and when, and how the time of a run is counted."""
 
+from functools import partial
 from typing import Any
 
 import pytest
@@ -50,6 +51,7 @@ def test_an_event_at_the_very_end_of_a_wait_still_counts(
     bench = make_bench()
     seen = plan(bench, at_ns)
     assert bench.scheduler.run_while(lambda: not seen, 10 * MS) is is_met
+    assert bench.scheduler.now_ns == 10 * MS
 
 
 def test_a_wait_for_what_is_there_takes_no_time(make_bench: Any) -> None:
@@ -94,7 +96,27 @@ def test_waiting_inside_an_event_is_refused(make_bench: Any) -> None:
 def test_time_does_not_go_back(make_bench: Any) -> None:
     bench = make_bench()
     bench.scheduler.run_until(2 * MS)
-    with pytest.raises(ValueError, match="before now"):
+    with pytest.raises(ValueError, match=r"run_until\(1999999 ns\) is before now \(2000000 ns\)"):
         bench.scheduler.run_until(2 * MS - 1)
     bench.scheduler.run_until(2 * MS)
     assert bench.scheduler.now_ns == 2 * MS
+
+
+def test_a_cancelled_event_is_not_waited_for_and_does_not_run(make_bench: Any) -> None:
+    bench, ran = make_bench(), list[int]()
+    for at_ms in (1, 2, 3):
+        event = bench.scheduler.call_at(at_ms * MS, Phase.APPLICATION, partial(ran.append, at_ms))
+        if at_ms != 2:
+            bench.scheduler.cancel(event)
+    bench.scheduler.run_until(4 * MS)
+    assert ran == [2]
+
+
+def test_the_time_of_the_run_is_that_since_its_first_wait(make_bench: Any) -> None:
+    """What passes before it does not count."""
+    bench = make_bench()
+    bench.wall.now_ns += 900 * MS
+    bench.scheduler.run_until(5 * MS)
+    assert 5 * MS <= bench.scheduler.real_ns <= 5 * MS + LATE_NS
+    bench.wall.now_ns += 2 * MS
+    assert 7 * MS <= bench.scheduler.real_ns <= 7 * MS + LATE_NS

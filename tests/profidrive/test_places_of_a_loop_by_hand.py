@@ -1,4 +1,4 @@
-"""Telegrams of a PROFIdrive drive that are none, and a loop in it whose encoder stands, by hand."""
+"""Unusable telegrams of a PROFIdrive drive, and its position loop while its encoder stands."""
 
 from dataclasses import replace
 

@@ -127,7 +127,7 @@ def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:
 
 @pytest.mark.provokes(900072, 4, probe="tip", deflection_mm="0.4000", stroke_mm="0.3")
 def test_a_probe_that_bore_a_touch_breaks_at_a_later_one() -> None:
-    """Twice within its stroke, then beyond it; broken it is once."""
+    """Two touches within its stroke, then two beyond it: it breaks once."""
     bench = Bench(stroke_mm=STROKE_MM, breaks=True)
     for down_mm in (-0.1, -0.3, -0.4, -0.6):
         bench.cycle(0.0, 0.2)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.eds_changes import changed
+from tests.eds_changes import changed, without
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -40,12 +40,6 @@ def test_the_eds_of_our_own_drive_is_no_reason_for_a_word(
 
 
 # Touch probe
-
-
-def without(eds: str, *indices: str) -> str:
-    """An EDS in which some objects are missing, their sections and sub-sections with them."""
-    parts = re.split(r"(?m)^(?=\[)", eds)
-    return "".join(part for part in parts if not part.startswith(tuple(f"[{i}" for i in indices)))
 
 
 @pytest.mark.parametrize("measures", [True, False])

@@ -83,8 +83,9 @@ def test_the_slope_that_a_tool_turned_away_bears_follows_from_its_kp(
     text = text_of(tmp_path, *lines)
     (slope,) = re.findall(r"stable up to p -([\d.]+) deg +MCS, ACS", text)
     tilt = math.radians(hd4 / 10_000)
+    # The slope has three digits: 0.05 deg at 60 deg and 0.005 deg at 85 deg change kp by less
     assert (1 - math.tan(math.radians(float(slope))) * math.tan(tilt)) * LIMIT == pytest.approx(
-        kp, abs=0.01 * LIMIT
+        kp, abs=0.002 * LIMIT
     )
     assert f"kp {kp:g} as listed: tool at b = {hd4 / 10_000:g} deg" in text
     assert "up to p = b - 90 deg no kp is left" in text

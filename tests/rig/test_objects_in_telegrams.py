@@ -3,12 +3,11 @@
 CiA 306-1: PDOMapping = 1. Without an EDS the profile of the rig says which ones there are.
 """
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.eds_changes import changed
+from tests.eds_changes import changed, without
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -33,7 +32,7 @@ def with_object(index: str, state: str) -> str:
     if state == NOT_MAPPED:
         return changed(EDS, index, PDOMapping="0")
     if state == MISSING:
-        return re.sub(rf"(?ms)^\[{index}\]\n.*?(?=^\[|\Z)", "", EDS)
+        return without(EDS, index)
     return EDS
 
 

@@ -126,7 +126,10 @@ def test_the_head_of_an_eds_counts_what_follows_it(name: str) -> None:
     listed: list[int] = []
     for title, is_of in (
         ("MandatoryObjects", lambda index: index in (0x1000, 0x1001, 0x1018)),
-        ("OptionalObjects", lambda index: index not in (0x1000, 0x1001, 0x1018)),
+        (
+            "OptionalObjects",
+            lambda index: index not in (0x1000, 0x1001, 0x1018) and not 0x2000 <= index < 0x6000,
+        ),
         ("ManufacturerObjects", lambda index: 0x2000 <= index < 0x6000),
     ):
         section = dict(eds[title])

@@ -321,7 +321,7 @@ def test_a_number_that_no_node_has_is_watched_by_no_entry(
 def test_who_is_guarded_is_watched_and_answers_anew_after_a_reset(
     stranger: Make, by: int | str
 ) -> None:
-    """The life time of before ends with it, and one request gets one answer."""
+    """The life time that was running ends with the reset; each request gets one answer."""
     drive = stranger()
     for turn in range(2):
         drive.write(0x100C, 0, 10, 2)

@@ -1,4 +1,4 @@
-"""In which order a node does what comes to it, and what comes after its states are left."""
+"""The order in which a node acts on what it receives, and what is left after a change of state."""
 
 from collections.abc import Callable
 from itertools import groupby
@@ -109,8 +109,8 @@ def test_an_rpdo_in_the_instant_of_leaving_operational_acts_no_more(
     assert drive.node.image.target_position == 0
 
 
-def test_an_error_of_sync_is_reported_in_each_time_anew(stranger: Make) -> None:
-    """A wrong length counts in neither stopped nor a second time, but anew after a reset."""
+def test_a_wrong_length_of_sync_is_reported_once_and_again_after_a_reset(stranger: Make) -> None:
+    """In stopped it is not reported a second time; a SYNC without data then ends the error."""
     drive = stranger()
     drive.nmt(START)
     drive.after(0x80, "01")

@@ -120,7 +120,7 @@ def test_an_identifier_that_was_stored_as_its_default_follows_the_node_number(
 def test_what_an_earlier_life_has_stored_counts_as_far_as_the_drive_stores_it(
     stranger: Make,
 ) -> None:
-    """From the next reset on; objects that it has not, and process data, are left out."""
+    """It acts from the next reset on; unknown objects and process data are left out."""
     drive = stranger()
     kept = {(0x6065, 0): 2500, (0x1017, 0): 20}
     other = {(0x2000, 0): 1, (0x6040, 0): 15, (0x1003, 0): 0, (0x1018, 1): 5, (0x6065, 1): 9}

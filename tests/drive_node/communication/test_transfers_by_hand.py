@@ -17,7 +17,7 @@ TOO_LONG, LENGTH, TOGGLE, CRC, COMMAND = (
     0x06070012, 0x06070010, 0x05030000, 0x05040004, 0x05040001,
 )  # fmt: skip
 MOST = 1 << 16
-"""A text or DOMAIN takes so many bytes."""
+"""The most bytes that a text or DOMAIN takes."""
 
 
 def segments(data: bytes) -> Iterator[bytes]:

@@ -11,7 +11,7 @@ from axisrig.kernel.time.clock import MS
 Make = Callable[..., Any]
 START, STOP, PRE_OPERATIONAL, RESET_NODE, RESET_COMMUNICATION = 1, 2, 128, 129, 130
 SAVE = int.from_bytes(b"save", "little")
-PER_M = 104_857_600
+PER_M = 104_857_600  # units of 607D in a metre
 UNITS_PER_MS = 10_485.76  # of 6064, at 0.1 m/s
 
 
@@ -91,7 +91,7 @@ def test_a_reset_of_the_communication_leaves_what_the_axis_has(stranger: Make) -
     assert servo.interpolation.period_ns() == 4 * MS
     drive.nmt(RESET_COMMUNICATION, wait_ms=2)
     assert servo.limits.low_m == pytest.approx(-0.25)
-    assert servo.interpolation.period_ns() != 4 * MS  # 1006 is of the communication
+    assert servo.interpolation.period_ns() == MS  # 1006 is 0 again, so that 60C2 counts
 
 
 # Telegrams by event
