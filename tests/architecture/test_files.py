@@ -3,6 +3,7 @@
 import ast
 import csv
 import functools
+import os
 import re
 import sys
 import tempfile
@@ -45,6 +46,17 @@ def test_no_file_names_a_folder_of_one_machine() -> None:
             if any(name in line for name in known) or HOME.search(line):
                 found.append(f"{path.relative_to(ROOT)}:{number}")
     assert found == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="files have no run bit")
+def test_a_file_that_begins_with_an_interpreter_can_be_run() -> None:
+    scripts = [
+        path
+        for path in {*_files(), *(ROOT / "findings").iterdir()}
+        if path.suffix in ("", ".sh") and path.read_bytes()[:2] == b"#!"
+    ]
+    assert len(scripts) > 1
+    assert [str(path) for path in scripts if not os.access(path, os.X_OK)] == []
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from tests.cosim.test_plant_by_hand import RAMP, Fmu
 
+from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.cosim.plant.grid import GridAxis
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS
@@ -58,3 +59,8 @@ def test_an_axis_beside_another_has_its_own_name_and_second_encoder(reads: str |
     assert first.second_encoder_m() == 0.75
     places = {None: None, "first": 0.25, "slave": 0.5, "scale": 0.75}
     assert slave.second_encoder_m() == places[reads]
+    for axis, name in ((first, "first"), (slave, "slave")):  # errors too name the axis
+        with pytest.raises(PlantError, match=f"plant {name}.*no step ended at this instant"):
+            axis.motion_at(-1)
+        with pytest.raises(PlantError, match=f"plant {name}.*no motion is recorded"):
+            axis.ends_around(-1)

@@ -365,4 +365,4 @@ def test_a_jump_names_the_axis_its_way_and_its_higher_speed(
 
 
 def axis_of(tick: tuple[float, float, float, float]) -> Any:
-    return SimpleNamespace(tick=tick, slave=SimpleNamespace(name="axis_x"))
+    return SimpleNamespace(tick=tick, name="axis_x", slave=SimpleNamespace(name="fmu"))

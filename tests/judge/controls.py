@@ -1,16 +1,19 @@
 """Recordings of distance control made of formulas: 1 ms, kp 0.2, no filter, on from row 100 on."""
 
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from tests.recordings import facts, kept
 
-from axisrig.bench.judge.distance.truth import ACTIVE_CONST_DIST, INACTIVE
+from axisrig.bench.judge.distance.times import Unbroken
+from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, INACTIVE
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
+from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import DistanceChange, DistanceOrder, DistanceRecord
@@ -78,3 +81,28 @@ def no_value(observed: Observed, metric: str) -> str:
     found = seen(observed, metric)
     assert found.value is None
     return found.note
+
+
+def truth_of_steps(steps_mm: Any) -> Any:
+    """A control that is on throughout, above a surface with these steps from row to row."""
+    still = np.zeros(len(steps_mm) + 1)
+
+    class Part:
+        surface_mm = np.concatenate([[0.0], np.cumsum(steps_mm)])
+
+        def wanted_mm(self, _column: str) -> Any:
+            return still
+
+        def __getitem__(self, _column: str) -> Any:
+            return still
+
+    law = Acting(0, "a list", False, True)  # type: ignore[arg-type]
+    return SimpleNamespace(
+        has_surface=True,
+        period_s=1e-3,
+        states=[Unbroken(0, len(still), ACTIVE)],
+        acting=[law],
+        acting_in=lambda _row: law,
+        mode_in=lambda _state, _listed: "SET_POS",
+        gathered=lambda made, rows: made(Part())[rows],
+    )

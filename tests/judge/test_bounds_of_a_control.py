@@ -5,42 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.judge.controls import ROWS, K, no_value, recorded, seen
+from tests.judge.controls import ROWS, K, no_value, recorded, seen, truth_of_steps
 
 from axisrig.bench.judge.distance.control_stretches import steady, unknown_poles
-from axisrig.bench.judge.distance.times import Unbroken
-from axisrig.bench.judge.distance.truth import ACTIVE
-from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
 from axisrig.bench.oracles.errors import NoClosedFormError
 
 SURFACE = np.where(K < 300, 0.0, 1.0)
 """It steps at row 300."""
-
-
-def truth_of_steps(steps_mm: Any) -> Any:
-    """A control that is on throughout, above a surface with these steps from row to row."""
-    still = np.zeros(len(steps_mm) + 1)
-
-    class Part:
-        surface_mm = np.concatenate([[0.0], np.cumsum(steps_mm)])
-
-        def wanted_mm(self, _column: str) -> Any:
-            return still
-
-        def __getitem__(self, _column: str) -> Any:
-            return still
-
-    law = Acting(0, "a list", False, True)  # type: ignore[arg-type]
-    return SimpleNamespace(
-        has_surface=True,
-        period_s=1e-3,
-        states=[Unbroken(0, len(still), ACTIVE)],
-        acting=[law],
-        acting_in=lambda _row: law,
-        mode_in=lambda _state, _listed: "SET_POS",
-        gathered=lambda made, rows: made(Part())[rows],
-    )
 
 
 def restless(even: int, step_mm: float = 0.0) -> Any:

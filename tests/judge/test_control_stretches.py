@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.judge.controls import ON, WITH_CONST_DIST, K, recorded
+from tests.judge.controls import ON, WITH_CONST_DIST, K, recorded, truth_of_steps
 
 from axisrig.bench.judge.distance.control_stretches import (
     Stretch,
@@ -108,28 +108,7 @@ def test_a_steady_part_is_where_the_surface_moves_up_or_down_however_long_it_res
 ) -> None:
     """Rest for 60 cycles, 0.01 mm in each of 30 after or before it: the shorter part counts."""
     steps_mm = np.concatenate([np.zeros(60), np.full(30, sign * 0.01)])[::turn]
-    still = np.zeros(len(steps_mm) + 1)
-
-    class Part:
-        surface_mm = np.concatenate([[0.0], np.cumsum(steps_mm)])
-
-        def wanted_mm(self, _column: str) -> Any:
-            return still
-
-        def __getitem__(self, _column: str) -> Any:
-            return still
-
-    laws = [Acting(0, ONE, False, True)]  # type: ignore[arg-type]
-    truth: Any = SimpleNamespace(
-        has_surface=True,
-        period_s=1e-3,
-        states=[Unbroken(0, 91, ACTIVE)],
-        acting=laws,
-        acting_in=lambda _row: laws[0],
-        mode_in=lambda _state, _listed: "SET_POS",
-        gathered=lambda made, rows: made(Part())[rows],
-    )
-    part, speed_mm_s = steady(truth)
+    part, speed_mm_s = steady(truth_of_steps(steps_mm))
     assert speed_mm_s == pytest.approx(sign * 10.0)
     assert 28 <= part.end - part.begin <= 30
 

@@ -50,6 +50,10 @@ class Hand:
             "Z", self.clock, axis, (FakeSignal(axis, edges_ns), None),
             make_profile(profile, DriveProfile(), "rotary", 1 << 20),
         )  # fmt: skip
+        self.start()
+
+    def start(self) -> None:
+        """To phase 4, with one position in either telegram."""
         self.clock.run_until(0)
         for ident, listed in (("S-0-0016", "S-0-0051"), ("S-0-0024", "S-0-0047")):
             assert self.written(ident, pack_list([ident_number(listed)], 2, 1)) is None

@@ -7,12 +7,9 @@ from tests.drive_node.conftest import FakeAxis, FakeSignal
 from tests.sercos.test_sercos_faults_by_hand import ENABLE, ON, RUN, Hand
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.drive.ethercat.sync_managers import MAILBOX_IN
 from axisrig.bench.drive.sercos.node import SercosDrive
 from axisrig.bench.drive.sercos.profiles import make_profile
 from axisrig.kernel.profiles.cia402.ds402 import State
-from axisrig.kernel.profiles.ethercat.tables import AlState
-from axisrig.kernel.profiles.sercos.service import ident_number, pack_list
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import new_scheduler
 
@@ -33,12 +30,7 @@ class Wired(Hand):
             switches={name: FakeSignal(axis, edges) for name, edges in edges_ns.items()},
             entered=self.states.append,
         )  # fmt: skip
-        self.clock.run_until(0)
-        for ident, listed in (("S-0-0016", "S-0-0051"), ("S-0-0024", "S-0-0047")):
-            assert self.written(ident, pack_list([ident_number(listed)], 2, 1)) is None
-        self.drive.telegrams.compile()
-        self.drive.managers[MAILBOX_IN].length = 128
-        self.drive.states.state = AlState.OP
+        self.start()
 
     def inputs(self, until_ms: int) -> int:
         while self.clock.now_ns < until_ms * MS:

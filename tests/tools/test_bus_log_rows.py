@@ -35,9 +35,11 @@ def shown(path: Path, *frames: can.Message, **words: object) -> list[str]:
     return [" ".join(line.split()[2:4]) for line in lines]
 
 
-def message(at_ms: float, can_id: int, data: str = "", *, is_error: bool = False) -> can.Message:
+def message(
+    at_ms: float, can_id: int, data: str = "", *, is_error: bool = False, is_extended: bool = False
+) -> can.Message:
     return can.Message(
-        timestamp=1 + at_ms / 1e3, arbitration_id=can_id, is_extended_id=False, channel=0,
+        timestamp=1 + at_ms / 1e3, arbitration_id=can_id, is_extended_id=is_extended, channel=0,
         is_error_frame=is_error, data=bytes.fromhex(data),
     )  # fmt: skip
 
@@ -76,6 +78,17 @@ def test_an_error_frame_makes_no_news_of_a_telegram_that_says_the_same(tmp_path:
     )  # fmt: skip
     found = shown(tmp_path / "x.blf", *frames)
     assert [row.split()[0] for row in found] == ["183", "error", "183", "183"]
+
+
+def test_an_identifier_of_29_bits_has_eight_digits_and_is_none_of_11_bits(tmp_path: Path) -> None:
+    """A PDO that repeats stays old when the same number comes in 29 bits in between."""
+    frames = (
+        message(0, 0x183, "0100"), message(1, 0x183, "0200", is_extended=True),
+        message(2, 0x183, "0100"), message(3, 0x1ABCDEF0, is_extended=True),
+        message(4, 0x7E, "01"),
+    )  # fmt: skip
+    found = [row.split()[0] for row in shown(tmp_path / "x.blf", *frames)]
+    assert found == ["183", "00000183", "1ABCDEF0", "07E"]
 
 
 def test_each_boot_up_is_shown_and_a_heartbeat_when_its_state_changes(tmp_path: Path) -> None:

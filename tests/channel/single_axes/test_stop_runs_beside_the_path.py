@@ -205,7 +205,7 @@ def test_the_reach_of_a_target_is_asked_for_in_both_directions(
 
 
 def test_a_target_where_the_axis_stands_needs_no_reach_and_a_refused_one_moves_nothing() -> None:
-    """An axis may stand past its switch; a run from there is refused for want of a way."""
+    """An axis may stand past its switch; a run from there has no way left and is refused."""
     bench = Stops()
     bench.go("Y", 5.0)
     with pytest.raises(Alarm):

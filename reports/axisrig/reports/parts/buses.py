@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from axisrig.bench.bus.can.frame import EXTENDED_ID_MAX
+from axisrig.bench.bus.can.frame import identifier_text
+from axisrig.bench.bus.can.load import EXTENDED_FLAG
 from axisrig.bench.record.bus import BusFigures, LineFigures
 
 MBIT_S = 1_000_000
@@ -32,9 +33,8 @@ def bus_row(bus: BusFigures) -> dict[str, Any]:
 
 
 def _identifier(can_id: int) -> str:
-    """The identifier in hexadecimal; of 29 bits, which bit 31 marks, in eight digits."""
-    is_extended = can_id > EXTENDED_ID_MAX
-    return f"{can_id & EXTENDED_ID_MAX:08X}" if is_extended else f"{can_id:03X}"
+    """The identifier of frames that waited; bit 31 marks one of 29 bits."""
+    return identifier_text(can_id & ~EXTENDED_FLAG, bool(can_id & EXTENDED_FLAG))
 
 
 def _bit_rate(bits_s: int) -> str:

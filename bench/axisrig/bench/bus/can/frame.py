@@ -48,6 +48,11 @@ FrameObserver: TypeAlias = Callable[[TimeNs, str, Frame, bool], None]
 """Called as observer(time_ns, segment, frame, is_error) at every end of frame."""
 
 
+def identifier_text(can_id: int, is_extended: bool) -> str:
+    """Write an identifier in hexadecimal: of 11 bits three digits, of 29 bits eight."""
+    return f"{can_id:08X}" if is_extended else f"{can_id:03X}"
+
+
 def data_frame(can_id: int, data: bytes) -> Frame:
     """Make a data frame; identifiers above 0x7FF are extended ones.
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import can
 
 from axisrig.bench.bus.can.dissect import Dissected, dissect
-from axisrig.bench.bus.can.frame import Frame
+from axisrig.bench.bus.can.frame import Frame, identifier_text
 from axisrig.bench.bus.can.logs import SEGMENT_MARK
 from axisrig.bench.bus.ethercat.pcapng import SUFFIX as PCAPNG
 from axisrig.bench.campaign.preparing import settings_of
@@ -189,7 +189,7 @@ def _lines(
     selection: Selection,
     wanted: frozenset[str],
 ) -> Iterator[_Line]:
-    last: dict[tuple[str, int], object] = {}
+    last: dict[tuple[str, int, bool], object] = {}
     before_ms = float("-inf")
     for time_ms, message in messages:
         segment = channels.segment(message.channel)
@@ -209,7 +209,7 @@ def _lines(
         dissected = names.follow(segment, frame, dissect(frame, is_error=message.is_error_frame))
         if not selection.from_ms <= time_ms <= selection.to_ms:
             continue
-        key = (segment, frame.arbitration_id)
+        key = (segment, frame.arbitration_id, frame.is_extended_id)
         content = _content(dissected, frame)
         is_old = _repeats(dissected) and key in last and last[key] == content
         if not message.is_error_frame:
@@ -219,7 +219,8 @@ def _lines(
         described = names.describe(segment, frame, dissected)
         if wanted and not wanted & described.tags:
             continue
-        can_id = "   " if message.is_error_frame else f"{frame.arbitration_id:03X}"
+        can_id = identifier_text(frame.arbitration_id, frame.is_extended_id)
+        can_id = "   " if message.is_error_frame else can_id
         text = f"{time_ms:10.3f}  {segment:<6} {can_id}  {described.name:<16} {described.text}"
         yield _Line(time_ms, segment, text.rstrip(), message.is_error_frame)
 

@@ -45,11 +45,10 @@ class PlantAxis:
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
     `tick` load position and velocity at both ends of the last step, `walked` the motion before the
-    last `walk` and after each of its steps. The steps of the last second are kept, 4096 at most,
-    so that the position at a latch can be looked up.
-    fine_ns: longest step where a stop can be touched, for the force of the contact alone.
-    beside: the axis on the same FMU that steps it, None = this one does. second_encoder: returns
-    what the second encoder of the drive sees, None = there is none.
+    last `walk` and after each of its steps. The steps of the last second are kept for the position
+    at a latch, 4096 at most. fine_ns: longest step where a stop can be touched, for the force of
+    its contact alone. beside: the axis on the same FMU that steps it, None = this one does.
+    second_encoder: returns what the second encoder of the drive sees. name: None = the FMU's.
     """
 
     def __init__(
@@ -58,9 +57,10 @@ class PlantAxis:
         advance_to: Callable[[TimeNs], None],
         beside: "PlantAxis | None" = None,
         second_encoder: Callable[[], float] | None = None,
+        name: str | None = None,
     ) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
-        self.name = roles.slave.name  # a further axis of an FMU gets its own
+        self.name = name or roles.slave.name
         self._samples = None if roles.has_group("ramp") else SampledDemand(roles)
         self._demand: Ramp | SampledDemand = self._samples or Ramp(roles)
         self._control, self._second_encoder = Control(roles), second_encoder
@@ -410,7 +410,7 @@ class PlantAxis:
         """
         after = bisect_right(self._times, time_ns)
         if after == 0 or self._times[after - 1] != time_ns:
-            raise PlantError(self.slave.name, time_ns, "no step ended at this instant")
+            raise PlantError(self.name, time_ns, "no step ended at this instant")
         return self._past[after - 1]
 
     def motor_position_m_at(self, time_ns: TimeNs) -> float:
@@ -443,7 +443,7 @@ class PlantAxis:
         """
         after = bisect_right(self._times, time_ns)
         if after == 0 or time_ns > self._times[-1]:
-            raise PlantError(self.slave.name, time_ns, "no motion is recorded for this instant")
+            raise PlantError(self.name, time_ns, "no motion is recorded for this instant")
         begin_ns, begin = self._times[after - 1], self._past[after - 1]
         if begin_ns == time_ns:
             return (begin_ns, begin), (begin_ns, begin)

@@ -101,9 +101,8 @@ class Plant:
                 value=name,
             )
         second = self._reader(second_encoder)
-        axis = self.axes[name] = PlantAxis(roles, self.advance_to, beside, second)
-        axis.name = name
-        return axis
+        self.axes[name] = PlantAxis(roles, self.advance_to, beside, second, name)
+        return self.axes[name]
 
     def _reader(self, name: str | None) -> Callable[[], float] | None:
         """Return what reads an encoder at the load of an axis, or at a sensor."""
@@ -306,7 +305,7 @@ def refuse_held_outputs(axis: PlantAxis, begin_ns: TimeNs, end_ns: TimeNs) -> No
     is_jump = abs(moved_m) > _JUMP * highest_m_s * span_s + _ROUNDING_M
     if is_held or is_jump:
         raise PlantError(
-            axis.slave.name,
+            axis.name,
             end_ns,
             f"its position moved by {moved_m * 1e6:.3g} um in a step of {span_s * 1e6:g} us with an"
             f" edge, at {highest_m_s * 1e3:.3g} mm/s: it steps inside more coarsely than that;"

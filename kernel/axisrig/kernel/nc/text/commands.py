@@ -4,6 +4,7 @@ What each takes is in `commands.csv`; `keywords.py` reads what is in the bracket
 """
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 
 from axisrig.kernel.errors import Guess, UserError, nearest
 from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, SubprogramCall
@@ -117,24 +118,24 @@ def cycle_call(builder: ExpressionBuilder, call: nodes.Call) -> SubprogramCall:
 # ---- names
 
 
-def _hash_names() -> list[str]:
+@cache
+def _hash_names() -> tuple[str, ...]:
     """List the commands that are written with #."""
-    return [name for name in commands() if name != _CALL and not name.startswith(_AXIS)]
+    return tuple(name for name in commands() if name != _CALL and not name.startswith(_AXIS))
 
 
 def _split_name(words: Sequence[str]) -> tuple[str | None, int]:
     """Find the longest # command that the words begin with; how many words it has."""
     for count in range(len(words), 0, -1):
         name = " ".join(words[:count])
-        if name in commands() and name != _CALL:
+        if name in _hash_names():
             return name, count
     return None, 0
 
 
 def _nearest(name: str) -> Guess:
-    names = _hash_names()
-    names += [word[1:] for word in published() if word[0] == "#"]
-    return nearest(name, names)
+    listed = (word[1:] for word in published() if word[0] == "#")
+    return nearest(name, [*_hash_names(), *listed])
 
 
 def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> UserError:
