@@ -17,7 +17,7 @@ from axisrig.kernel.time.clock import MS
 
 
 class Link(IdealLink):
-    """A drive that comes into operation when it is let."""
+    """A drive whose power the test sets; off_mm: how far it is from its set position."""
 
     def __init__(self, name: str, at_mm: float) -> None:
         super().__init__(name, at_mm)

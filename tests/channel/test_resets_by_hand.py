@@ -51,7 +51,8 @@ def test_a_reset_of_a_running_program_brakes_and_is_ready_when_the_axes_rest(wor
     begun_ns = bench.clock.now_ns
     assert (bench.state, bench.ends.found) == (State.RESETTING, [BlockEnd.RESET])
     bench.until(State.READY)
-    assert bench.clock.now_ns - begun_ns == pytest.approx(100 * MS, abs=3 * MS)
+    # 100 mm/s by 1000 mm/s², to a cycle
+    assert bench.clock.now_ns - begun_ns == pytest.approx(100 * MS, abs=MS)
     assert (bench.ids, bench.channel.program_ends_ns) == (([], []), [])
     bench.channel.plc.program = iter([to(words, X=0.0), END])
     bench.cycle()

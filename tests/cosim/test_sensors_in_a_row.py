@@ -84,7 +84,7 @@ def test_each_step_of_a_walk_has_the_motion_at_both_its_ends(
         pytest.approx([begin * 1e-9, (end - begin) * 1e-9, *WALKED[n][:2], *WALKED[n + 1][:2]])
         for n, (begin, end) in enumerate(zip(begins, ENDS_NS, strict=True))
     ]
-    fmu.outputs = {}  # what the row has said is not asked for once more
+    fmu.outputs = {}  # what the row has given is not read once more
     sensor.look()
     expected = (0.6, 1.2 if has_true else None, True, False)
     assert sensor.reported_at(600 * US) == pytest.approx(expected)
@@ -166,7 +166,7 @@ def test_a_probe_that_rests_has_the_clearance_of_now_and_not_of_its_last_step(
 
 
 def test_an_edge_while_a_probe_rests_is_an_error(rows: type[Rows], touching: Locating) -> None:
-    """Its clearance has said that none can be."""
+    """By its clearance there can be none."""
     touching.outputs["falling_count"] = lambda ns: float(ns > 10 * MS)
     probe = probe_of(touching)
     probe.step(0, 100 * US)

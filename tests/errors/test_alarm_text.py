@@ -142,8 +142,8 @@ def test_a_word_of_other_classes_or_areas_is_not_offered_for_itself() -> None:
         outside = {word for text in texts.values() for word in text.casefold().split()}
         outside = {word for word in outside if word.isalpha() and len(word) > 5}
         absent = sorted(word for word in outside if not any(word in text for text in inside))
-        assert len(absent) > 50
-        for word in absent[:: len(absent) // 12]:
-            offered = guess(word, **given).split(", ")
+        offers = {word: text.split(", ") for word in absent if (text := guess(word, **given))}
+        assert len(offers) > 5  # most of them are like nothing
+        for word, offered in offers.items():
             assert word not in offered
             assert all(any(one in text for text in inside) for one in offered)

@@ -60,7 +60,7 @@ def test_a_place_is_written_as_its_reader_finds_it(
          "wrong; found 1.5; allowed: 2; do so"),
     ],
 )  # fmt: skip
-def test_what_is_known_is_said_in_its_order(details: dict[str, object], text: str) -> None:
+def test_what_is_known_is_written_in_its_order(details: dict[str, object], text: str) -> None:
     assert str(UserError("wrong", **details)) == text  # type: ignore[arg-type]
 
 

@@ -1,6 +1,5 @@
 """What an FMU leaves in its process, and which steps it is tried with (docs/fmus.md): no FMU."""
 
-import os
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -209,11 +208,3 @@ def test_a_trial_is_freed_whatever_happens_in_it(fake: Any) -> None:
         with pytest.raises(PlantError):
             stage(FMU)
     assert freed == ["trial", "one", "trial", "trial"]
-
-
-def test_the_environment_is_that_of_the_moment(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = stages._surroundings()
-    monkeypatch.setenv("LATER_THAN_BEFORE", "1")
-    (found,) = stages._changes(before, stages._surroundings())
-    assert found.text == "it changes the environment of the process"
-    assert "LATER_THAN_BEFORE" in os.environ

@@ -55,14 +55,17 @@ EXPRESSIONS = [
 ]
 
 
-def read(*variables: Any, where: Where | None = None, computed: Any = (), **flat: Any) -> Any:
+def read(
+    *variables: Any, where: Where | None = None, computed: Any = (), source: str = SOURCE,
+    **flat: Any,
+) -> Any:  # fmt: skip
     """The variables that the FMU shows. where: vector and slot of each element, by default p."""
     names = [name for each in variables for name in each["scalar_names"]]
     places = {name: ("P", n) for n, name in enumerate(names)} if where is None else where
     bindings = {name: {vector: {"index": n}} for name, (vector, n) in places.items()}
     dae = {"variables": variables, "expressions": EXPRESSIONS}
     found = {"variable_type_names": {}, "enum_literal_ordinals": {}} | flat
-    files = {1: (Path("/lib/Lib/package.mo"), SOURCE)}
+    files = {1: (Path("/lib/Lib/package.mo"), source)}
     ir = Ir("Lib.M", {"layout": {"bindings": bindings}}, dae, found, files, Path("/lib"))
     system: Any = SimpleNamespace(
         initial=[SimpleNamespace(vector=vector, index=index) for vector, index in computed]
@@ -243,13 +246,13 @@ def test_a_unit_is_that_of_a_real_and_must_be_one() -> None:
      ("Real", "m", "")],
 )  # fmt: skip
 def test_a_declared_type_is_named_where_its_unit_is_that_of_the_variable(
-    word: str, unit: str | None, name: str, monkeypatch: pytest.MonkeyPatch
+    word: str, unit: str | None, name: str
 ) -> None:
     text = f"{SOURCE}// {word} x;\n"
-    monkeypatch.setitem(globals(), "SOURCE", text)
     start = text.index(f"{word} x;")
     span = {"source": 1, "start": start, "end": start + len(word) + 2}
-    assert one("x", unit=unit, span=span).declared == name
+    (found,) = read(declared("x", unit=unit, span=span), source=text)
+    assert found.declared == name
 
 
 def test_a_description_is_one_line() -> None:

@@ -67,12 +67,13 @@ def test_a_value_keeps_its_name_where_both_have_one_of_it(file: Path) -> None:
 def test_what_has_another_name_on_purpose_is_there() -> None:
     found = {(file.stem, text) for file in FILES for text in renamed(file)}
     assert found == set(OTHERS)
-    assert all(OTHERS.values())
 
 
-def crossed(file: Path) -> list[str]:
-    """Where one of a pair of parts has to do with a variable of the other one."""
-    text, own = code(file), members(file.stem)
+def crossed(text: str, own: frozenset[str]) -> list[str]:
+    """Where one of a pair of parts has to do with a variable of the other one.
+
+    text: of a class; own: its variables.
+    """
     found = []
 
     def look(part: str, value: str) -> None:
@@ -93,4 +94,19 @@ def crossed(file: Path) -> list[str]:
 
 @pytest.mark.parametrize("file", FILES, ids=lambda path: f"{path.parent.name}.{path.stem}")
 def test_each_of_two_parts_has_to_do_with_its_own_variables(file: Path) -> None:
-    assert crossed(file) == []
+    assert crossed(code(file), members(file.stem)) == []
+
+
+@pytest.mark.parametrize(
+    ("right", "found"),
+    [("stop_1(speed = speed_1)", "stop_1: speed_2"), ("force_1 = stop_1.force;", "stop_1: force_2"),
+     ("stop_1.place = place_1;", "stop_1: place_2")],
+)  # fmt: skip
+def test_a_variable_of_the_other_part_is_found(right: str, found: str) -> None:
+    """Given to a part, taken from it, and in an equation of it."""
+    own = frozenset(f"{name}_{n}" for name in ("speed", "force", "place") for n in "12")
+    name = found.removeprefix("stop_1: ")
+    wrong = right.replace(f"{name[:-1]}1", name)
+    prefix = "Stop " if "(" in right else ""
+    assert crossed(prefix + right, own) == []
+    assert crossed(prefix + wrong, own) == [found]

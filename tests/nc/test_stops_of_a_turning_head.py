@@ -4,6 +4,7 @@ import pytest
 from tests.nc.five_axes import ON, direction, machine, printed, run5
 
 LAG = 0.5
+"""mm of X, Y and Z, degrees of C and A."""
 TCP = '#MSG["%.9g %.9g %.9g", V.A.ABS.X, V.A.ABS.Y, V.A.ABS.Z]'
 
 

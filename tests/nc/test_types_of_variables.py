@@ -1,9 +1,8 @@
 """Types of #VAR: what each can hold, at its limits and beside them, and what is cut off."""
 
 import pytest
-
-from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import Message
+from tests.nc.test_indices_of_variables import printed
+from tests.nc.test_nc_variables import alarm_of
 
 WHOLE = {
     "BOOLEAN": (0, 1),
@@ -16,16 +15,6 @@ KINDS = pytest.mark.parametrize("name", ["V.P.A", "V.L.A", "V.S.A"])
 PLACES = pytest.mark.parametrize(
     ("declared", "used"), [("", ""), ("[3]", "[1]"), ("[2][2]", "[1][0]")]
 )
-
-
-def printed(run, text):
-    return [command.text for command in run(text) if isinstance(command, Message)]
-
-
-def alarm_of(run, text, **options):
-    with pytest.raises(Alarm) as caught:
-        run(text, **options)
-    return caught.value
 
 
 def shown(run, declaration, assignment, read):

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import pytest
+from tests.parameters.test_signal_sources import TO_A_STOP, WITHOUT_LATCH
 
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import ParameterSet, start_up
@@ -90,9 +91,10 @@ def test_a_source_that_the_type_does_not_have_is_named_and_becomes_the_plc(
     axis = listed(f"kenngr.antr_typ {number}\nkenngr.measure.signal {signal}\n")
     found = [alarm for alarm in start_up(axis, "Z") if alarm.id == 110586]
     wanted = {"axis": "Z", "drive_type": kind.name, "wrong": signal, "corrected": "PLC"}
-    has_it = kind.offers(signal)
-    assert [alarm.values for alarm in found] == ([] if has_it else [wanted])
-    assert axis.word("kenngr.measure.signal") == (signal if has_it else "PLC")
+    needs_latch, needs_stop = signal in ("DRIVE", "EXT_PROBE_WITH_DRIVE"), signal == "FIXED_STOP"
+    lacks_it = number in WITHOUT_LATCH if needs_latch else needs_stop and number not in TO_A_STOP
+    assert [alarm.values for alarm in found] == ([wanted] if lacks_it else [])
+    assert axis.word("kenngr.measure.signal") == ("PLC" if lacks_it else signal)
     assert 110586 not in ids(listed(f"kenngr.antr_typ {number}\n"))
 
 

@@ -83,7 +83,7 @@ def test_a_number_in_place_of_a_name_says_whose_it_is(
     assert (error.value, error.message) == (number, f"unknown {kind} parameter")
 
 
-def test_a_number_that_no_parameter_has_is_said(refused: Refused) -> None:
+def test_a_number_that_no_parameter_has_is_refused_as_such(refused: Refused) -> None:
     hint = "no parameter of this number is known; `axisrig params` lists them"
     assert refused("P-AXIS-99999 1\n").hint == hint
 
@@ -144,7 +144,5 @@ def test_what_does_not_act_has_its_range_in_a_cell_too(path: str, text: str) -> 
         ("axis", "kenngr.dist_ctrl[0].kp", "above 0.0, up to 2.0"),
     ],
 )
-def test_what_is_allowed_is_said_with_its_limits_and_its_unit(
-    kind: Kind, path: str, allowed: str
-) -> None:
+def test_what_is_allowed_has_its_limits_and_its_unit(kind: Kind, path: str, allowed: str) -> None:
     assert table(kind).find(path)[0].allowed == allowed

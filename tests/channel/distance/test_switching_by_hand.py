@@ -15,7 +15,7 @@ from axisrig.kernel.nc import canon
 
 ON_WORDS = ("on", "on_const")
 WORDS = [word for word, _ in ACTIONS]
-OTHERS = pytest.mark.parametrize("word", WORDS)
+EVERY_WORD = pytest.mark.parametrize("word", WORDS)
 
 
 def measuring(made: Controls, **states: str) -> None:
@@ -49,7 +49,7 @@ def say(made: Controls, word: str, axis: str | None, **more: Any) -> Alarm | Non
 
 @pytest.mark.parametrize("dry_run", [True, False])
 @pytest.mark.parametrize(("is_newer", "alarm_id"), [(True, 310005), (False, 70521)])
-@OTHERS
+@EVERY_WORD
 def test_an_axis_that_measures_is_switched_on_for_a_dry_run_only(
     monkeypatch: pytest.MonkeyPatch, word: str, is_newer: bool, alarm_id: int, dry_run: bool
 ) -> None:
@@ -68,7 +68,7 @@ def test_an_axis_that_measures_is_switched_on_for_a_dry_run_only(
 
 @pytest.mark.parametrize("dry_run", [True, False])
 @pytest.mark.parametrize("axis", ["X", "Y", "Z"])
-@OTHERS
+@EVERY_WORD
 def test_no_axis_of_the_channel_may_measure_but_beside_a_dry_run(
     monkeypatch: pytest.MonkeyPatch, word: str, axis: str, dry_run: bool
 ) -> None:
@@ -98,7 +98,7 @@ def test_an_axis_that_measures_keeps_no_other_one(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize("dry_run", [True, False])
 @pytest.mark.parametrize("is_idle", [True, False])
 @pytest.mark.parametrize("moves", [("X", "Z"), ("X", "Y")])
-@OTHERS
+@EVERY_WORD
 def test_an_axis_that_the_channel_moves_has_no_control_of_its_own_besides(
     monkeypatch: pytest.MonkeyPatch, word: str, moves: tuple[str, ...], is_idle: bool, dry_run: bool
 ) -> None:
@@ -118,7 +118,7 @@ def test_an_axis_that_the_channel_moves_has_no_control_of_its_own_besides(
 
 @pytest.mark.parametrize("is_idle", [True, False])
 @pytest.mark.parametrize("moves", [("X", "Z"), ("X", "Y")])
-@OTHERS
+@EVERY_WORD
 def test_the_channel_moves_no_axis_whose_own_control_is_on(
     monkeypatch: pytest.MonkeyPatch, word: str, moves: tuple[str, ...], is_idle: bool
 ) -> None:
@@ -140,7 +140,7 @@ def test_the_channel_moves_no_axis_whose_own_control_is_on(
 # Warnings
 
 
-@OTHERS
+@EVERY_WORD
 @pytest.mark.parametrize("has_channel", [True, False])
 def test_the_age_of_a_sensor_is_warned_of_where_it_is_switched_on(
     monkeypatch: pytest.MonkeyPatch, word: str, has_channel: bool

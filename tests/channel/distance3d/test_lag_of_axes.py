@@ -51,11 +51,11 @@ def test_with_both_encoders_the_lag_along_the_normal_is_no_distance(
     normal = INCLINED if mode == "ECS" else (0.0, 0.0, 1.0)
     along_mm = sign * float(np.dot(normal, LAG_MM))
     control = lagging(loop, [sign * mm for mm in LAG_MM])
-    assert control.distance_mm == pytest.approx(HEIGHT_MM + along_mm, abs=1e-4)
+    assert control.distance_mm == pytest.approx(HEIGHT_MM + along_mm, abs=1e-9)
     left_mm = 0.0 if both_encoders else along_mm
-    assert control.feedback_mm == pytest.approx(HEIGHT_MM + left_mm, abs=1e-4)
-    assert control.error_mm == pytest.approx(-left_mm, abs=1e-4)
-    assert control.offset_mm == pytest.approx(-0.5 * left_mm, abs=1e-4)
+    assert control.feedback_mm == pytest.approx(HEIGHT_MM + left_mm, abs=1e-9)
+    assert control.error_mm == pytest.approx(-left_mm, abs=1e-9)
+    assert control.offset_mm == pytest.approx(-0.5 * left_mm, abs=1e-9)
 
 
 @pytest.mark.parametrize("both_encoders", [False, True])
@@ -70,9 +70,9 @@ def test_the_surface_is_where_the_actual_axes_and_the_sensor_say(
     loop.on(set_pos=surface_mm)
     loop.run(3)
     control = lagging(loop, LAG_MM)
-    assert control.surface_mm == pytest.approx(surface_mm, abs=1e-4)
-    assert control.feedback_mm == pytest.approx(0.0, abs=1e-4)
-    assert control.offset_mm == pytest.approx(0.0, abs=1e-4)
+    assert control.surface_mm == pytest.approx(surface_mm, abs=1e-9)
+    assert control.feedback_mm == pytest.approx(0.0, abs=1e-9)
+    assert control.offset_mm == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("mode", ["ACS", "MCS", "ECS"])
@@ -85,7 +85,7 @@ def test_ref_takes_the_values_of_axes_that_swing_around_where_they_stand(
     for swing_mm in (0.4, -0.1, 0.3, -0.6):
         lagging(loop, (0.0, 0.0, swing_mm))
     loop.control.reference(loop.control3d.require_sensor())
-    assert loop.control.zero_mm == pytest.approx(-HEIGHT_MM, abs=1e-4)
+    assert loop.control.zero_mm == pytest.approx(-HEIGHT_MM, abs=1e-9)
 
 
 @pytest.mark.parametrize("mode", ["ACS", "MCS", "ECS"])
@@ -99,4 +99,4 @@ def test_ref_begins_anew_where_the_axes_are_sent_elsewhere(
     loop.program = lambda _cycle: ((x + normal[0], y + normal[1], z + normal[2]), c, a)
     loop.run(3)
     loop.control.reference(loop.control3d.require_sensor())
-    assert loop.control.zero_mm == pytest.approx(-HEIGHT_MM - 1.0, abs=1e-4)
+    assert loop.control.zero_mm == pytest.approx(-HEIGHT_MM - 1.0, abs=1e-9)
