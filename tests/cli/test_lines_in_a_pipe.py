@@ -1,4 +1,4 @@
-"""Where the line of a command that takes its time moves, and where it is one line after another."""
+"""The line of a slow command: on a terminal it changes in place, in a pipe it is many lines."""
 
 import sys
 from contextlib import nullcontext
@@ -22,7 +22,7 @@ class Noted:
         Noted.made.append(self)
 
     def inside(self, text: str) -> None:
-        """Take what is done within it."""
+        """Accept the text of a step, and show nothing."""
 
     def end(self) -> None:
         self.ended += 1
@@ -47,7 +47,7 @@ def test_a_line_moves_only_on_a_terminal_on_which_nobody_else_writes(
     is_terminal: bool, has_lines: bool, moves: bool, clocks: list[Any],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    """In a pipe or a log its signs of control would be in between."""
+    """In a pipe or a log its control characters would stand between the lines."""
     waiting_module.show_waiting(lambda: 5.0)
     monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: is_terminal))
     with waiting("reading", has_lines=has_lines) as line:

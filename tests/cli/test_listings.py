@@ -129,7 +129,8 @@ def test_a_keyword_is_shown_with_its_choices_its_kind_or_alone() -> None:
             shown = f"<axis>[{name[6:]}]"
         own = [row for keyword, row in table.items() if keyword]
         lines = [line[4:].split()[0] for line in language_listing(shown).splitlines()[1:]]
-        for row, line in zip(own, lines, strict=False):
+        assert len(lines) >= len(own), name
+        for row, line in zip(own, lines, strict=False):  # examples come after the keywords
             what = "|".join(row.allowed.split()) if row.kind == "name" and row.allowed else row.kind
             assert line == (row.keyword if row.kind == "flag" else f"{row.keyword}={what}")
             kinds.add(row.kind)

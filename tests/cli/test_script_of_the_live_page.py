@@ -90,7 +90,7 @@ def segment(**changes: Any) -> dict[str, Any]:
 
 
 def test_an_axis_has_its_values_with_their_units() -> None:
-    """The lag is a thousandth of them."""
+    """Positions in mm, the lag in um."""
     (card,) = of('card("axes")', {})
     assert card == {
         "title": "Z", "big": "99.7503 mm", "is_off": False, "set": "99.5000 mm",
@@ -252,7 +252,7 @@ def test_a_line_has_its_cycle_its_counter_and_the_states_of_its_slaves() -> None
     ]  # fmt: skip
 
 
-def test_a_bus_over_nine_tenths_is_full_and_its_bar_ends_at_all() -> None:
+def test_a_bus_over_nine_tenths_is_full_and_its_bar_ends_at_100_percent() -> None:
     read = '[at("bus").querySelector(".load").className, at("bus").querySelector("rect").set.width]'
     found = of(read, *(segment(load_pct=load) for load in (0, 90, 90.1, 100, 130.5)))
     assert found == [
@@ -262,7 +262,7 @@ def test_a_bus_over_nine_tenths_is_full_and_its_bar_ends_at_all() -> None:
 
 
 def test_a_campaign_has_its_counts_and_the_last_run_first() -> None:
-    """What runs is not said a second time."""
+    """The run under way is in the head of the page, and not in this line too."""
     read_ = '[text("campaign"), items("verdicts"), items("ended"), at("main").hidden]'
     at_main = "(at('main').hidden = true, 0)"
     assert read(f"{at_main} || {read_}", look(None)) == [[
@@ -310,7 +310,7 @@ def test_alarms_and_messages_are_lists_that_follow_the_state() -> None:
     assert found == [[["A1", "<b>A2</b>"], ["m1"]], [["A3"], []], [[], ["m2", "m3"]]]
 
 
-def test_a_state_that_has_not_changed_since_long_is_old_until_the_next_one() -> None:
+def test_a_state_that_has_not_changed_for_long_is_old_until_the_next_one() -> None:
     """Longer than 1.5 s; before the first state nothing is."""
     read_ = '[document.body.classList.contains("is-old"), at("notice").hidden]'
     looks = [look(state(), age_s=age) for age in (0, 1.5, 1.51, 0.1)]
@@ -319,7 +319,7 @@ def test_a_state_that_has_not_changed_since_long_is_old_until_the_next_one() -> 
     ]  # fmt: skip
 
 
-def test_a_lost_connection_is_said_until_it_is_back_and_the_end_for_good() -> None:
+def test_a_lost_connection_is_shown_until_it_is_back_and_the_end_for_good() -> None:
     read_ = '[document.body.className, text("notice").split(" ").slice(0, 3).join(" "),' \
             ' source.is_open, text("time")]'  # fmt: skip
     last = ["end", look(state(time_ns=5_000_000_000), age_s=9)[1]]

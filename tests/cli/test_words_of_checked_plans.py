@@ -97,7 +97,7 @@ def test_rows_that_ask_for_nothing_are_named_once() -> None:
 def test_statistics_of_a_choice_are_those_that_it_can_have(
     place: Path, monkeypatch: pytest.MonkeyPatch, select: str | None, head: str, rows: list[str]
 ) -> None:
-    """Those of whose runs none is left out."""
+    """Rows of statistics of which every run is chosen."""
     text = "case,program,rig,repeats,check:mean(latch_error_um)\n"
     text += "".join(f"{name},part.nc,rig.toml,{n},{c}\n" for name, n, c in
                     (("a", "2", "<= 1"), ("b", "2", "<= 2"), ("c", "", "")))  # fmt: skip

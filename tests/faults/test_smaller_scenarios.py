@@ -105,7 +105,7 @@ def test_a_scenario_is_made_as_small_as_still_shows_its_finding() -> None:
         shows = bool(long) and any(cell.startswith("B") for cell in cells)
         return (
             Judgement(BROKEN, broken=("stop",), frames=str(len(tried)), note=" ".join(cells))
-            if (shows)
+            if shows
             else Judgement(ALARM)
         )
 

@@ -213,10 +213,10 @@ def test_after_homing_telegrams_count_from_the_reference() -> None:
     ("first_us", "result"), [(0, Result.UNKNOWABLE), (100, Result.UNKNOWABLE),
                              (200, Result.UNKNOWABLE), (201, Result.BROKEN)],
 )  # fmt: skip
-def test_what_comes_before_it_can_answer_its_sync_brings_nothing(
+def test_a_telegram_that_comes_before_an_answer_is_possible_brings_nothing(
     first_us: int, result: Result
 ) -> None:
-    """The telegrams end 200 us after their SYNCs; none can that needs longer."""
+    """They end 200 us after their SYNCs; where an answer takes longer they are none."""
     made = touched(WRONG_MM, {AT_EDGE: [ALTERED]})
     assert made.received is not None
     made.received.first_ns["Z"] = first_us * US
@@ -224,7 +224,7 @@ def test_what_comes_before_it_can_answer_its_sync_brings_nothing(
 
 
 def test_a_telegram_too_early_to_be_an_answer_is_none_beside_the_right_one() -> None:
-    """Two that differ say nothing; one of them alone says what it says."""
+    """Two answers that differ prove nothing; one of them alone counts."""
     early, late = (30, TRUE_MM[AT_EDGE]), ALTERED
     for first_us, result in ((0, Result.BROKEN), (50, Result.UNKNOWABLE)):
         made = touched(WRONG_MM, {AT_EDGE: [early, late]})

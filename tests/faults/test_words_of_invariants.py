@@ -26,7 +26,7 @@ from axisrig.bench.record.distance import DistanceChange, DistanceRecord
 from axisrig.bench.record.facts import MessageRecord
 from axisrig.bench.record.measuring import FixedStop
 from axisrig.bench.tools.scenarios.invariants import broken, values_of
-from axisrig.bench.tools.scenarios.left import CALM_NS, LOOK_NS, Left, StatesSeen, crept_mm, thrown
+from axisrig.bench.tools.scenarios.left import Left, StatesSeen, crept_mm, thrown
 from axisrig.bench.tools.scenarios.machines import machines
 from axisrig.bench.tools.scenarios.states import drive_edges, wrong_steps
 from axisrig.kernel.time.clock import MS
@@ -132,7 +132,7 @@ def offset(
 
 
 STOPS_MM = [min(row, 50) * 9e-3 for row in range(100)]
-"""Stands from row 50 on, in which what ran out is switched off."""
+"""An offset that runs until row 50, in which the control is off, and then stands."""
 
 
 @pytest.mark.parametrize(("ends", "may_stop"), [(True, True), (False, False)])
@@ -245,7 +245,7 @@ def test_a_load_is_looked_at_from_the_later_end_of_plant_and_bus_on(
     )
     ways = crept_mm(machine)
     assert ways == {"Z": pytest.approx(0.0125), "X": pytest.approx(0.025), "Y": 0.0}
-    ends = [100 * MS + after_ns for after_ns in (CALM_NS, CALM_NS + LOOK_NS)]
+    ends = [(100 + after_ms) * MS for after_ms in (300, 350)]
     assert looked == [(who, end) for end in ends for who in ("bus", "plant")]
 
 

@@ -326,7 +326,10 @@ def test_unbroken_times_of_a_flag_have_both_ends() -> None:
 @pytest.mark.parametrize("age_cycles", [0, 1, 3])
 @pytest.mark.parametrize("kp", [0.2, 0.125])
 def test_the_largest_kp_names_the_loop_that_it_is_of(age_cycles: int, kp: float) -> None:
-    """x(k+1) = x(k) - kp x(k - n) is stable below 2 cos(n pi/(2n + 1)), whatever kp acts."""
+    """x(k+1) = x(k) - kp x(k - n) is stable below 2 cos(n pi/(2n + 1)), whatever kp acts.
+
+    Source: Kuruklis (J. Math. Anal. Appl. 188, 1994).
+    """
     observed = recorded(words={"kp": kp}, second_delay_cycles=age_cycles)
     n = N + age_cycles
     found = seen(observed, "distance_kp_limit")

@@ -12,8 +12,8 @@ from axisrig.bench.judge.topics import judged, sampled
 from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.axes import AxisRecord
+from axisrig.kernel.time.clock import MS
 
-MS = 1_000_000
 RUN = Observed(
     facts(axes={"Z": AxisRecord("can1", 1, 10_000.0)}),
     kept(pa.table({"time_ns": np.arange(6) * MS})),

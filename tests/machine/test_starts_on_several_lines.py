@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from tests.machine.made_rigs import above, settings_of
 
+from axisrig.bench.machine.ethercat import family
 from axisrig.bench.machine.ethercat.family import EthercatLines
 from axisrig.bench.rig.ethercat.members import (
     axes_on,
@@ -88,8 +89,6 @@ def test_a_drive_is_watched_over_the_carrier_of_its_own_line(wired: dict[str, st
 def test_the_process_data_of_an_axis_are_those_of_its_slave(
     wired: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from axisrig.bench.machine.ethercat import family  # noqa: PLC0415
-
     part = lines_of(wired)
     monkeypatch.setattr(family, "_telegram", lambda name, pdos: (name, *pdos))
     for line in part.lines.values():

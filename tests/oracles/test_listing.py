@@ -110,15 +110,6 @@ def test_a_wrong_name_of_a_form_has_near_ones(monkeypatch: pytest.MonkeyPatch) -
     assert (caught.value.value, str(caught.value.allowed)) == ("tmie_s", "time_s")
 
 
-def test_an_origin_ends_with_its_paragraph() -> None:
-    """What comes below an empty line is no part of it."""
-    assert [one.name for one in oracles() if "\n" in one.origin] == []
-    for one in oracles():
-        tail = one.text.partition("Source:")[2].partition("\n\n")[2].split()
-        if len(tail) > 5:
-            assert not one.origin.endswith(" ".join(tail)), one.name
-
-
 MODULE = '''"""About the module.
 
 Sources: ISO 9, 4,

@@ -106,7 +106,7 @@ def test_the_end_of_a_universal_kinematic_looks_where_its_list_says(
         ({"trafo[2].base[2]": -1000000}, (530, 0, 500)),  # on a slide that is 100 mm high
         ({"trafo[1].base[2]": -1000000}, (530, 0, 500)),  # the slide on a foot
         ({"trafo[2].base[0]": 200000, "trafo[2].base[1]": -300000}, (510, 30, 400)),
-        # Seen from the robot the slide is turned by 90 degrees: the robot by -90 on it
+        # The slide is turned by 90 degrees under the robot: on the slide the robot is turned by -90
         ({"trafo[2].base[5]": 900000}, (30, -500, 400)),
         ({"trafo[1].base[5]": 900000}, (0, -530, 400)),
         ({"trafo[2].base[4]": 1800000}, (-470, 0, -400)),

@@ -168,7 +168,7 @@ def test_an_input_of_the_call_is_refused_only_by_a_chosen_row_that_has_several_v
     assert list(found) == ["swept-600", "swept-900", "single", "other", "tried"]
     own = {"swept-600": "600", "swept-900": "900"} if column == "plc:V.E.FEED" else {}
     own |= {"tried": None} if column == "plc:V.E.STEP" else {}
-    assert found == {run: own.get(run, value) if run in own else value for run in found}
+    assert found == {run: own.get(run, value) for run in found}
 
 
 def test_every_plan_of_a_call_has_its_inputs_its_interface_and_what_is_tested(fed: Path) -> None:

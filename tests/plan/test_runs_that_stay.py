@@ -239,5 +239,6 @@ def test_a_folder_whose_files_are_links_is_not_gone_on_with(tmp_path: Path) -> N
     folder = folder_of(tmp_path / "out", "axisrig", "run", "p.csv")
     (tmp_path / "elsewhere.csv").write_text("run\n", encoding="utf-8")
     (folder / "cases.csv").symlink_to(tmp_path / "elsewhere.csv")
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match="a results folder has no links") as caught:
         stored_arguments(folder, (), ())
+    assert caught.value.value == "cases.csv"

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.plan.cases import case_of as made_case
 
 from axisrig.bench.campaign import cluster
 from axisrig.bench.campaign.results.build_info import sources_sha256
@@ -24,8 +25,9 @@ def case_of(place: Path, name: str, text: str = "") -> Case:
     """A case with a program and a rig of its own folder."""
     for file, content in ((f"{name}.nc", text or f"program of {name}"), ("rig.toml", "rig")):
         (place / file).write_text(content, encoding="utf-8")
-    return Case("p", name, f"p-{name}", 0, place / f"{name}.nc", place / "rig.toml", {}, (), "", (),
-                "", 1, 0, place / "p.csv", 2, {}, folder=place)  # fmt: skip
+    return made_case(
+        name, place / "rig.toml", program=place / f"{name}.nc", file=place / "p.csv", folder=place
+    )
 
 
 class Future:
@@ -43,7 +45,10 @@ class Future:
 
 
 class Cluster:
-    """A scheduler that works at once; order: in which of its runs end. dies: those that fail."""
+    """A scheduler that works at once.
+
+    order: numbers of its runs in the order in which they end. dies: numbers of those that fail.
+    """
 
     def __init__(self, order: Sequence[int] = (), dies: Sequence[int] = ()) -> None:
         self.order, self.dies = order, dies

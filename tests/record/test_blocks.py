@@ -139,7 +139,7 @@ def test_feedholds_within_an_interval_are_summed() -> None:
         (9, 21, 2), (10, 10, 0), (5, 5, 0),
     ],
 )  # fmt: skip
-def test_a_feedhold_counts_by_what_of_it_is_in_the_interval(
+def test_a_feedhold_counts_with_its_part_in_the_interval(
     begin_ns: int, end_ns: int, held: int
 ) -> None:
     """Of two, 0 to 10 and 20 to 30; one that is before or after takes nothing off."""

@@ -205,7 +205,7 @@ def test_a_trace_may_lie_in_folders_that_are_not_there_yet(tmp_path: Path) -> No
 
 
 def test_a_damaged_trace_is_one_line(tmp_path: Path) -> None:
-    """Whatever the library says of it in several."""
+    """However many lines the message of the library has."""
     path = tmp_path / "a.parquet"
     with pytest.raises(UserError) as caught, _readable(path):
         raise pa.ArrowInvalid("  Couldn't read it\nIn file parquet.cc, line 7\n")

@@ -12,13 +12,17 @@ VALUE = r'<rect class="bar-value v-\w+" x="([\d.]+)" y="[\d.]+" width="([\d.]+)"
 ARROW = r'<path class="bar-value v-\w+" d="M([\d.]+) 3 L([\d.]+) 9 L([\d.]+) 15 Z"'
 SPREAD = r'<line class="bar-spread" x1="([\d.]+)" x2="([\d.]+)"'
 EDGE = 5.0
+PLACE_PX = 0.051
+"""Half of 0.1 px: places are drawn with one digit."""
+END_PX = 0.101
+"""Twice that: the end of a band is its begin and its width, with one digit each."""
 Limit = float | None
 
 
 def band(name: str, text: str) -> list[tuple[float, ...]]:
     """Begin and end of each band of a kind."""
     found = numbers(rf'<rect class="bar-{name}" x="([\d.]+)" y="5" width="([\d.]+)"', text)
-    return [(x, pytest.approx(x + width, abs=0.11)) for x, width in found]
+    return [(x, pytest.approx(x + width, abs=END_PX)) for x, width in found]
 
 
 def drawn(value: float, u: float, lower: Limit, upper: Limit, verdict: str = "pass") -> str:
@@ -70,14 +74,14 @@ def test_the_stretch_has_the_limits_and_the_value_where_it_is_near(
 def test_what_is_allowed_goes_from_limit_to_limit_or_to_the_end(
     limits: tuple[Limit, Limit], inside: tuple[float, float]
 ) -> None:
-    """A limit of 0 is one. Each limit has a line."""
+    """A limit of 0 counts too. Each limit has a line."""
     text = drawn(1.0 if limits != (None, 0.0) else -1.0, 0.0, *limits)
     area = scale(1.0 if limits != (None, 0.0) else -1.0, 0.0, *limits)
     ((begin, end),) = band("in", text)
-    assert begin == pytest.approx(area.at(inside[0]), abs=0.06)
-    assert end == pytest.approx(area.at(inside[1]), abs=0.2)
+    assert begin == pytest.approx(area.at(inside[0]), abs=PLACE_PX)
+    assert end == pytest.approx(area.at(inside[1]), abs=END_PX)
     wanted = [area.at(limit) for limit in limits if limit is not None]
-    assert places(text) == pytest.approx(wanted, abs=0.06)
+    assert places(text) == pytest.approx(wanted, abs=PLACE_PX)
     assert band("all", text) == [(EDGE, WIDTH - EDGE)]
 
 
@@ -95,8 +99,10 @@ def test_bands_of_the_guard_are_at_each_limit_on_its_inner_side(
             unclear.append([area.at(limit - u), area.at(limit + u)])
     for name, ends in (("marginal", marginal), ("inconclusive", unclear)):
         found = numbers(rf'<rect class="bar-{name}" x="([\d.]+)" y="5" width="([\d.]+)"', text)
-        assert [x for x, _ in found] == pytest.approx([low for low, _ in ends], abs=0.06)
-        assert [x + wide for x, wide in found] == pytest.approx([high for _, high in ends], abs=0.2)
+        assert [x for x, _ in found] == pytest.approx([low for low, _ in ends], abs=PLACE_PX)
+        assert [x + wide for x, wide in found] == pytest.approx(
+            [high for _, high in ends], abs=END_PX
+        )
 
 
 def test_without_an_uncertainty_there_are_no_bands() -> None:
@@ -112,11 +118,11 @@ def test_a_value_is_at_its_place_with_its_uncertainty(value: float) -> None:
     u = 0.25
     text, area = drawn(value, u, -1.0, 1.0, "fail"), scale(value, u, -1.0, 1.0)
     ((x, width),) = numbers(VALUE, text)
-    assert x + width / 2 == pytest.approx(area.at(value), abs=0.06)
+    assert x + width / 2 == pytest.approx(area.at(value), abs=PLACE_PX)
     assert 'class="bar-value v-fail"' in text
     ((low, high),) = numbers(SPREAD, text)
     assert (low, high) == pytest.approx(
-        (max(area.at(value - u), EDGE), min(area.at(value + u), WIDTH - EDGE)), abs=0.06
+        (max(area.at(value - u), EDGE), min(area.at(value + u), WIDTH - EDGE)), abs=PLACE_PX
     )
 
 
@@ -144,7 +150,7 @@ def test_a_value_outside_of_the_drawing_is_an_arrow_at_its_end(
     assert 'class="bar-value v-error"' in text
 
 
-def test_a_bar_says_its_label_to_who_does_not_see_it() -> None:
+def test_a_bar_has_its_label_for_screen_readers() -> None:
     text = bar(0.5, 0.1, None, 1.0, "pass", '<m> is "0.5"')
     assert f'width="{WIDTH}" height="{HEIGHT}"' in text
     assert 'aria-label="&lt;m&gt; is &quot;0.5&quot;"' in text

@@ -122,6 +122,7 @@ def test_a_fault_may_come_in_any_state() -> None:
     assert f"* → {reaction}" not in left
     assert not any(reaction in each and "not in the table" in each for each in visited)
     assert f"{ready} → {enabled}: 1, not in the table" in visited
+    # Every drive has left NOT_READY_TO_SWITCH_ON too: four of the table were visited
     assert len(left) + 4 == len(drive_transitions())
 
 

@@ -157,6 +157,7 @@ def test_a_single_point_is_within_the_picture_on_its_line(x: float) -> None:
     assert x0 <= at <= x1
     assert x1 - x0 > 100
     share = (at - x0) / (x1 - x0)
+    # Both heights are drawn to 0.1 px
     assert height == pytest.approx(y0 + share * (y1 - y0), abs=0.11)
 
 

@@ -60,7 +60,7 @@ def test_numbers_of_a_sentence_are_its_own() -> None:
     _, slipped, waited, refused = found["words"]
     assert (
         "its plan 3 times by more than a quarter of the period; the plan then moved, 7.2 ms in"
-        in (slipped)
+        in slipped
     )
     assert waited.startswith("5 cycles waited for the answers of the drives, 1234.5 ms in all")
     assert refused == "The interface did not take 9 frames."

@@ -154,7 +154,7 @@ def limits(*given: tuple[str, float], others: Any = ()) -> list[Any]:
 
 
 def texts_of(found: list[Any]) -> list[Any]:
-    """Each text with its height and the classes of its element."""
+    """Each text with its height in px, and whether that is the top or the bottom of the text."""
     return [(one[1], one[4], one[6]) for one in found if one[0] == "text"]
 
 

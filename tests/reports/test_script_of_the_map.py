@@ -126,7 +126,7 @@ def pointed(*places: tuple[float, float], then: str = "words()") -> list[Any]:
     return list(read(f"{json.dumps(places)}.map(([x, y]) => {move})"))
 
 
-def test_a_pointer_means_a_cell_and_its_words_are_said() -> None:
+def test_a_pointer_means_a_cell_and_its_words_are_shown() -> None:
     """The canvas begins 2 px above the first row."""
     assert pointed((21, 2), (35.9, 16.9), (36, 2), (36, 17), (51, 17), (66, 46.9), (95.9, 40)) == [
         "r0: ✔ pass", "r0: ✔ pass", "r1: ✘ fail", "r1 · m1: ✘ fail", "r2 · m1: no such check",
@@ -178,7 +178,7 @@ def test_the_chosen_cell_has_a_frame_and_loses_it_with_the_focus() -> None:
     ]  # fmt: skip
 
 
-def test_when_the_pointer_leaves_the_chosen_cell_is_said_again() -> None:
+def test_when_the_pointer_leaves_the_words_of_the_chosen_cell_come_back() -> None:
     moves = 'canvas().fire("mousemove", {clientX: 31, clientY: 40}), canvas().fire("mouseleave")'
     assert read(f'[({moves}, words()), (key("ArrowRight", "ArrowRight"), {moves}, words()),'
                 " canvas().title]") == ["", "r1: ✘ fail", "r1: ✘ fail"]  # fmt: skip

@@ -32,7 +32,6 @@ def run(name: str, *checks: CheckRow, at: tuple[str, ...] = (), case: str = "c",
     row = {"run": name, "plan": "p", "case": case, "verdict": word, **cells}
     made = StoredRun(row | dict(zip(INPUTS, at, strict=False)), [], None, None)
     made.__dict__["checks"] = list(checks)
-    made.__dict__["error"] = None
     return made
 
 

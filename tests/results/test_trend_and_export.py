@@ -158,15 +158,18 @@ class Different(Stored):
 def test_a_file_has_what_its_own_run_left_and_nothing_of_the_others(
     tmp_path: Path, runs: tuple[str, ...]
 ) -> None:
-    """However many are written, in whichever order."""
+    """However many are written, in whichever order; without a name all of them."""
     results: Any = Different()
-    for path in export(results, runs, tmp_path, "csv"):
-        run = path.stem
+    named = list(runs) or ["r1", "r2"]
+    paths = list(export(results, runs, tmp_path, "csv"))
+    assert [path.stem for path in paths] == named
+    for path, run in zip(paths, named, strict=True):
         assert path.read_text(encoding="utf-8").splitlines() == [
             f"time_ns,{run}.set_mm", f",{run}", f"0,{float(run[1:])}",
         ]  # fmt: skip
-    for path in export_diagnosis(results, runs, tmp_path):
-        run = path.name.partition(".")[0]
+    texts = list(export_diagnosis(results, runs, tmp_path))
+    assert [path.name.partition(".")[0] for path in texts] == named
+    for path, run in zip(texts, named, strict=True):
         assert path.read_text(encoding="utf-8").splitlines() == [
             "DECODER : CONFIGURATION CHANNEL-NO.: 1",
             f"  {f'of_{run}':<44}{run}",

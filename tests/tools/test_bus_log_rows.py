@@ -126,5 +126,5 @@ def test_pcap_logs_of_several_segments_are_one_log_by_time(tmp_path: Path) -> No
 def test_a_run_that_is_named_is_not_the_log_of_the_drives_of_a_folder(tmp_path: Path) -> None:
     (tmp_path / "bus.blf").write_bytes(b"")
     assert find_log(tmp_path, None) == ([tmp_path / "bus.blf"], None)
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match="no results folder"):
         find_log(tmp_path, "row-1")
