@@ -73,7 +73,7 @@ def test_alarms_are_counted_by_runs_with_or_without_a_recording() -> None:
     assert [each.split(" ")[0] for each in visited] == [str(FIRST), str(SECOND)]
     assert [each.rpartition(": ")[2] for each in visited] == ["2 runs", "1 runs"]
     assert len(left) == len(RAISED) - 2
-    assert "2 runs have no recording: only their alarms count here." in text
+    assert "Runs without a recording: 2; of them only alarms count." in text
     assert "no recording" not in covered(recorded(alarm))
 
 
@@ -122,6 +122,9 @@ def test_a_drive_has_been_through_its_first_two_states_before_the_recording() ->
     _, visited, _ = lists(later, "Transitions of the drives")
     assert visited[:2] == [arrow, "SWITCH_ON_DISABLED → READY_TO_SWITCH_ON: 1"]
     assert "READY_TO_SWITCH_ON → SWITCHED_ON: 1" in visited
+    whole = covered(run(axes={"Z": drive("NOT_READY_TO_SWITCH_ON", "SWITCH_ON_DISABLED")}))
+    _, visited, _ = lists(whole, "Transitions of the drives")
+    assert visited == [arrow]
     silent = covered(run(axes={"Z": drive()}))
     assert "Transitions of the drives" not in silent
 

@@ -133,7 +133,7 @@ def test_a_row_about_several_runs_has_no_recording_that_lacks() -> None:
     assert "no recording" not in text
     assert f"Alarm IDs: 0 of {len(RAISED)}" in text
     lone = section(about, row(alarms=str(RAISED[0])))
-    assert "1 runs have no recording" in lone
+    assert "Runs without a recording: 1;" in lone
     assert f"Alarm IDs: 1 of {len(RAISED)}" in lone
 
 

@@ -19,7 +19,8 @@ from axisrig.bench.record.facts import Facts
 from axisrig.kernel.errors import catalogue
 
 _BEFORE = ("NOT_READY_TO_SWITCH_ON", "SWITCH_ON_DISABLED")
-"""A recording begins after these two: transition 1 is automatic (CiA 402-2, state machine)."""
+"""A drive has been through these before what is recorded of it: transition 1 is automatic
+(CiA 402-2, state machine)."""
 ANY = "*"
 """Of a table, in place of a state: the change comes from any of them (DS402, transition 13)."""
 STEPS = ("begun", "moving", "signal seen", "ended", "fixed stop found")
@@ -65,8 +66,8 @@ class Coverage:
         for axis in facts.axes.values():
             states = [state.state for state in axis.states]
             if states:
-                begin = _BEFORE if states[0] != _BEFORE[1] else _BEFORE[:1]
-                self.drives.update(set(pairwise([*begin, *states])))
+                known = _BEFORE.index(states[0]) if states[0] in _BEFORE else len(_BEFORE)
+                self.drives.update(set(pairwise([*_BEFORE[:known], *states])))
         controls = [record.changes for record in facts.distance.values()]
         if facts.distance_3d is not None:
             controls.append(facts.distance_3d.changes)
@@ -109,7 +110,7 @@ class Coverage:
             left = [step for step in STEPS if not self.measuring[step]]
             parts.append(_part("Steps of measurement runs", len(counts), len(STEPS), counts, left))
         if self.without_recording:
-            text = f"{self.without_recording} runs have no recording: only their alarms count here."
+            text = f"Runs without a recording: {self.without_recording}; of them only alarms count."
             parts.append(f'<p class="note">{text}</p>')
         return Markup(
             '<section class="coverage" aria-labelledby="coverage_title">'
