@@ -224,8 +224,9 @@ def test_a_frame_of_channel_0_of_a_blf_is_not_put_on_the_last_segment(
 ) -> None:
     """Other tools write 0 for any channel, which counts as -1 here."""
     path = place / "foreign.blf"
+    frame = can.Message(arbitration_id=0x183, is_extended_id=False, data=b"12345678", channel=-1)
     with can.BLFWriter(path) as writer:
-        writer.on_message_received(can.Message(arbitration_id=0x183, data=b"12345678", channel=-1))
+        writer.on_message_received(frame)
     code, out, _ = axisrig("bus", path, "--rig", "rig.toml")
     note, line = out.splitlines()
     assert (code, line.split()[1:3]) == (0, ["-1", "183"])

@@ -16,7 +16,7 @@ Call = Callable[..., Any]
 
 
 def axis(*tick: float) -> PlantAxis:
-    return cast("PlantAxis", SimpleNamespace(tick=tick, slave=SimpleNamespace(name="z")))
+    return cast("PlantAxis", SimpleNamespace(tick=tick, name="z"))
 
 
 @pytest.mark.parametrize(
