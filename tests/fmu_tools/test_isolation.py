@@ -110,11 +110,12 @@ def test_a_call_that_does_not_come_back_is_ended(
 def test_a_time_out_of_the_whole_case_names_the_call(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:
+    """4 s of wall time are enough to come to the step on a busy machine too."""
     bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_HOW="HANG", CRASH_AT_S=0.005)
     plan = write_plan(place, write_rig(place, "bad.toml", bad))
-    code, out, _ = axisrig("run", plan, "--timeout", "1", "-o", "results")
+    code, out, _ = axisrig("run", plan, "--timeout", "4", "-o", "results")
     assert code == 4
-    assert re.search(r"no end within 1 s of wall time: it was in fmi3DoStep at t = [5-9]\.", out)
+    assert re.search(r"no end within 4 s of wall time: it was in fmi3DoStep at t = [5-9]\.", out)
 
 
 @pytest.mark.long
