@@ -130,3 +130,20 @@ def test_what_is_recorded_of_torque_limits_acts_in_the_same_direction(
     one.servo.reset(one.now_ns)
     assert one.servo.torque_limits == (NONE, NONE, NONE)
     assert list(axis.limits[-1]) == pytest.approx([NONE * RATED_N / 1000] * 2)
+
+
+@pytest.mark.parametrize("start_mm", [0.0, 12.0, -12.0])
+@pytest.mark.parametrize("offset", [0x7FFF_FFFF, -0x8000_0000, 0x7000_0000])
+def test_target_and_offset_of_a_position_add_up_in_32_bits(
+    fake_axis: Any, start_mm: float, offset: int
+) -> None:
+    """607A is what gives the place of the axis with 60B0, a number of 32 bits in any case."""
+    one = ServoAlone(fake_axis(start_m=start_mm / 1e3), position_offset=offset)
+    place = round(start_mm * MM)
+    target = one.image.target_position
+    assert -0x8000_0000 <= target <= 0x7FFF_FFFF
+    assert (target + offset - place) % (1 << 32) == 0
+    one.cycle()
+    assert _reached(one) == pytest.approx(start_mm / 1e3, abs=1e-8)
+    one.cycle(target_position=(target + 1000 + (1 << 31)) % (1 << 32) - (1 << 31))
+    assert _reached(one) == pytest.approx(start_mm / 1e3 + 1000 / PER_M, abs=1e-8)

@@ -31,10 +31,14 @@ def abort(index: int = INDEX) -> bytes:
 
 
 class Asked:
-    """A mailbox that has asked for an object; waits: the slave has the request."""
+    """A mailbox that has asked for an object; waits: the slave has the request.
+
+    written: the messages to the slave, behind their mailbox heads.
+    """
 
     def __init__(self, *, waits: bool = True) -> None:
-        transactions: Any = SimpleNamespace(ask=lambda *_args, **_more: None)
+        self.written: list[bytes] = []
+        transactions: Any = SimpleNamespace(ask=self._note)
         self.mailbox = Mailbox(transactions, new_scheduler(), 1001, 20 * MS)
         self.mailbox.port.places = MailboxPlaces(0x1000, 64, 0x1080, 64)
         self.found: list[bytes | SdoError] = []
@@ -42,6 +46,10 @@ class Asked:
         self.mailbox.emergency = self.heard.append
         self.mailbox.read(INDEX, 0, self.found.append)
         self.mailbox.port.waits = waits
+
+    def _note(self, datagrams: Any, *_args: Any, **_more: Any) -> None:
+        data = datagrams[0].data
+        self.written.append(data[6 : 6 + int.from_bytes(data[:2], "little")])
 
     def take(self, kind: MailboxType, body: bytes) -> Any:
         """What the question has got; None while it is open."""
@@ -96,3 +104,80 @@ def test_without_a_question_no_answer_is_one() -> None:
         (MailboxType.COE, coe(RESPONSE, expedited(value=3))), (MailboxType.ERROR, bytes(4)),
     ):  # fmt: skip
         assert asked.take(kind, body) == b"\x08"
+
+
+def test_a_long_object_comes_in_segments_and_each_is_asked_for() -> None:
+    """CiA 301: 60 hex and 70 hex in turn; the size is in the first answer."""
+    value = bytes(range(30))
+    asked = Asked()
+    first = struct.pack("<BHBI", 0x41, INDEX, 0, 30) + value[:12]
+    assert asked.take(MailboxType.COE, coe(RESPONSE, first)) is None
+    assert asked.written[-1] == coe(REQUEST, b"\x60" + bytes(7))
+    asked.mailbox.port.waits = True
+    assert asked.take(MailboxType.COE, coe(RESPONSE, b"\0" + value[12:25])) is None
+    assert asked.written[-1] == coe(REQUEST, b"\x70" + bytes(7))
+    asked.mailbox.port.waits = True
+    last = bytes((0x10 | 2 << 1 | 1,)) + value[25:].ljust(7, b"\xee")
+    assert asked.take(MailboxType.COE, coe(RESPONSE, last)) == value
+    assert len(asked.written) == 3
+
+
+@pytest.mark.parametrize(
+    ("answer", "code"),
+    [
+        (b"\x10" + bytes(12), 0x05030000),  # toggle bit of the second segment
+        (b"\x20" + bytes(12), 0x05040001),  # the answer to a segment that is written
+        (b"\x01" + bytes(12), 0x06070010),  # the last one, and 6 bytes are missing
+    ],
+)
+def test_a_transfer_that_goes_wrong_is_broken_off_at_both_ends(answer: bytes, code: int) -> None:
+    """The slave gets the abort, who has asked the same code."""
+    asked = Asked()
+    first = struct.pack("<BHBI", 0x41, INDEX, 0, 30) + bytes(12)
+    asked.take(MailboxType.COE, coe(RESPONSE, first))
+    asked.mailbox.port.waits = True
+    assert asked.take(MailboxType.COE, coe(RESPONSE, answer)) == code
+    assert asked.written[-1] == coe(REQUEST, struct.pack("<BHBI", 0x80, INDEX, 0, code))
+    assert not asked.mailbox.port.waits
+
+
+def test_requests_run_in_turn_and_what_an_answer_asks_for_comes_behind_them() -> None:
+    asked = Asked()
+    mailbox, order = asked.mailbox, list[str]()
+    mailbox.read(OTHER, 0, lambda _: order.append("second"))
+
+    def first(_answer: Any) -> None:
+        order.append(f"first, {len(asked.written)} written")
+        mailbox.read(0x6041, 0, lambda _: order.append("third"))
+
+    mailbox._queue[0].done = first
+    assert len(asked.written) == 1
+    mailbox._taken(MailboxType.COE, coe(RESPONSE, expedited()))
+    assert order == ["first, 2 written"]
+    for index, done in ((OTHER, "second"), (0x6041, "third")):
+        assert asked.written[-1] == coe(REQUEST, struct.pack("<BHBI", 0x40, index, 0, 0))
+        mailbox.port.waits = True
+        mailbox._taken(MailboxType.COE, coe(RESPONSE, expedited(index)))
+        assert order[-1] == done
+    assert not mailbox.is_busy
+
+
+def test_a_silent_slave_is_asked_twice_and_then_for_the_next_object() -> None:
+    """Each request has two attempts of its own."""
+    asked = Asked()
+    mailbox = asked.mailbox
+    others: list[bytes | SdoError] = []
+    mailbox.read(OTHER, 0, others.append)
+    mailbox._silent()
+    assert (asked.found, len(asked.written)) == ([], 2)
+    assert asked.written[1] == asked.written[0]
+    mailbox._silent()
+    (error,) = asked.found
+    assert isinstance(error, SdoError)
+    assert (error.code, error.index) == (None, INDEX)
+    assert asked.written[-1] == coe(REQUEST, struct.pack("<BHBI", 0x40, OTHER, 0, 0))
+    mailbox._silent()
+    assert others == []
+    mailbox._silent()
+    assert isinstance(others[0], SdoError)
+    assert (others[0].index, len(asked.written)) == (OTHER, 4)

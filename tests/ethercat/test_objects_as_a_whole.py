@@ -103,6 +103,22 @@ def test_the_first_members_are_written_and_the_others_stay() -> None:
         assert access.upload(0x607D, 0, complete=True) == struct.pack("<Hii", 2, low, 700)
 
 
+@pytest.mark.parametrize(
+    ("index", "data"),
+    [(0x607D, "02000cfeffffbc020000"), (0x1C12, "01000016"), (0x60C2, "020002fd")],
+)
+def test_a_write_of_nothing_is_too_short_for_the_number_of_members(index: int, data: str) -> None:
+    """Whether the number can be written or not; from sub-index 1 on nothing is written."""
+    line, access = drive()
+    access.download(index, 0, bytes.fromhex(data), complete=True)
+    before = access.upload(index, 0, complete=True)
+    head = struct.pack("<BHB", 0x31, index, 0)
+    _, answer = line.coe(head + bytes(4))
+    assert (answer[0], int.from_bytes(answer[4:8], "little")) == (0x80, TOO_SHORT)
+    access.download(index, 1, b"", complete=True)
+    assert access.upload(index, 0, complete=True) == before
+
+
 # PDOs that are assigned twice
 
 

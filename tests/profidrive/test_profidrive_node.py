@@ -78,6 +78,26 @@ def test_the_set_speed_is_a_share_of_p0880_and_limited_by_the_motor(sign: int) -
 
 
 @pytest.mark.parametrize(
+    ("v_m_s", "shown"),
+    [
+        (0.75, 3 << 29),
+        (-0.75, -3 << 29),
+        (1.2, (1 << 31) - 1),
+        (-1.2, -1 << 31),
+        (4.0, (1 << 31) - 1),
+    ],
+)
+def test_an_axis_beyond_200_percent_is_shown_with_the_largest_speed(
+    v_m_s: float, shown: int
+) -> None:
+    """2^30 are P0880, 3000 rpm of 10 mm: 0.5 m/s; a word of 32 bits ends below twice that."""
+    one = Node(FakeAxis(motion=lambda time_s: v_m_s * time_s), p0880=3000)
+    one.cycle()
+    assert one.shown("NIST_B") == pytest.approx(shown, rel=1e-6)
+    assert -1 << 31 <= one.shown("NIST_B") < 1 << 31
+
+
+@pytest.mark.parametrize(
     ("v_m_s", "xerr_m"), [(0.02, 0.0004), (-0.05, 0.0004), (0.02, -0.0002), (0.02, 0.0)]
 )
 def test_dsc_adds_the_deviation_from_where_the_control_has_reckoned_it(

@@ -180,6 +180,24 @@ def test_a_sync_that_is_back_ends_its_error_whatever_the_drive_does(stranger: Ma
         assert drive.read(0x1001) == 0
 
 
+def test_a_sync_ends_the_error_of_a_missing_one_where_none_is_watched_any_more(
+    stranger: Make,
+) -> None:
+    """1006 is 0 meanwhile: nobody misses a SYNC, and the one that comes is there all the same."""
+    drive = stranger(profile=DriveProfile(sync_loss_periods=3))
+    drive.write(0x1006, 0, 1000, 4)
+    drive.enable()
+    drive.run_ms(50)
+    assert drive.write(0x6040, 0, 0x80, 2) == 0
+    assert drive.write(0x1006, 0, 0, 4) == 0
+    assert drive.read(0x1001) == 0x11
+    drive.after(0x80)
+    assert drive.frames(0x083) == ["0087110000000000", GONE[1]]
+    assert drive.read(0x1001) == 0
+    drive.run_ms(50)
+    assert len(drive.frames(0x083)) == 2
+
+
 @pytest.mark.parametrize("case", ["not enabled", "no period", "not watched"])
 def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
     periods = 0 if case == "not watched" else 3

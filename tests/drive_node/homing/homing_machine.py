@@ -37,14 +37,21 @@ class Switch:
 class Axis:
     """An axis that follows its demand exactly as far as nothing is in the way, and knows its past.
 
-    wall_mm: a stop in positive direction. force_n: None = the plant tells no force.
+    wall_mm, floor_mm: stops in positive and negative direction. force_n: None = the plant tells no
+    force.
     """
 
     kinds = frozenset({ControlKind.POSITION})
     limits_force = True
 
-    def __init__(self, start_mm: float, switches: list[Switch], wall_mm: float = 1e9) -> None:
-        self.switches, self.wall_m = switches, wall_mm * 1e-3
+    def __init__(
+        self,
+        start_mm: float,
+        switches: list[Switch],
+        wall_mm: float = 1e9,
+        floor_mm: float = -1e9,
+    ) -> None:
+        self.switches, self.wall_m, self.floor_m = switches, wall_mm * 1e-3, floor_mm * 1e-3
         self.now_ns = 0
         self.ramp = (0, start_mm * 1e-3, 0.0, 0)
         self.times, self.past = [0], [start_mm * 1e-3]
@@ -56,7 +63,7 @@ class Axis:
     def advance_to(self, time_ns: int) -> None:
         while self.now_ns < time_ns:
             self.now_ns = min(time_ns, (self.now_ns // LOOK_NS + 1) * LOOK_NS)
-            place_m = min(self.demand_position_m(), self.wall_m)
+            place_m = max(self.floor_m, min(self.demand_position_m(), self.wall_m))
             self.times.append(self.now_ns)
             self.past.append(place_m)
             for switch in self.switches:
@@ -105,11 +112,12 @@ class Bench:
         start_mm: float,
         switches: dict[str, Switch] | None = None,
         wall_mm: float = 1e9,
+        floor_mm: float = -1e9,
         **habits: object,
     ) -> None:
         switches = switches or {}
         self.scheduler = new_scheduler()
-        self.axis = Axis(start_mm, list(switches.values()), wall_mm)
+        self.axis = Axis(start_mm, list(switches.values()), wall_mm, floor_mm)
         profile = DriveProfile(index_angle_deg=90.0, **habits)  # type: ignore[arg-type]
         self.emergencies: list[int] = []
         self.servo = Servo(

@@ -107,9 +107,9 @@ class SyncConsumer(Owner):
             self._late.start(self._window_ns)
         if self._limit_ns:
             self._missing.start(self._limit_ns)
-            if self._is_lost:
-                self._is_lost = False
-                self._emergency.clear(SYNC_LOST, SYNC_ID)
+        if self._is_lost:
+            self._is_lost = False
+            self._emergency.clear(SYNC_LOST, SYNC_ID)
         self._clock.call_at(now_ns, Phase.APPLICATION, self._events.act)
 
     def _on_missing(self) -> None:

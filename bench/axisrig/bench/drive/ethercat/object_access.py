@@ -59,6 +59,8 @@ class ObjectAccess:
         self.check_size(index, sub, len(data), complete=True)
         count: int | None = None
         if sub == 0:
+            if not data:
+                abort(AbortCode.TOO_SHORT)
             count, data = data[0], data[_COUNT_BYTES:]
         if described.rows[0].access == "rw":
             self._write_list(described, count, data)

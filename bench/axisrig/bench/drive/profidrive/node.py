@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from axisrig.bench.drive.axis.ports import AxisPort, SignalPort
+from axisrig.bench.drive.cia402.functions.units import limit_i32
 from axisrig.bench.drive.cyclic.node import ImageNode
 from axisrig.bench.drive.profidrive import front
 from axisrig.bench.drive.profidrive.encoder import EncoderInterface
@@ -102,7 +103,7 @@ class ProfidriveDrive(ImageNode):
         absolute = position << shift if shift >= 0 else position >> -shift
         values = {
             "ZSW1": front.status(servo, self._control),
-            "NIST_B": round(actual),
+            "NIST_B": limit_i32(round(actual)),
             "ZSW2": self._own_life << words.LIFE_SHIFT,
             "G1_ZSW": self.encoder.status(),
             "G1_XIST1": position,

@@ -6,6 +6,7 @@ acts at once.
 
 from typing import ClassVar
 
+from axisrig.bench.drive.axis.latch_position import wrapped
 from axisrig.bench.drive.axis.motion import FORCE, POSITION, VELOCITY
 from axisrig.bench.drive.cia402.functions.limits import PER_MILLE
 from axisrig.bench.drive.cia402.modes.base import Mode
@@ -33,7 +34,8 @@ class CyclicPosition(Mode):
         end_ns = now_ns + (parts.interpolation.period_ns() if velocity else 0)
         end_m = start_m + velocity * (end_ns - now_ns) / S
         image = parts.image
-        image.target_position = parts.units.position_units(end_m) - image.position_offset
+        # Both are numbers of 32 bits, and so is their sum: it wraps as a position does
+        image.target_position = wrapped(parts.units.position_units(end_m) - image.position_offset)
         self.is_limited = False
         motion.glide(now_ns, start_m, velocity, end_ns)
 
@@ -43,7 +45,8 @@ class CyclicPosition(Mode):
         image, limits, motion = parts.image, parts.limits, parts.motion
         demand_m = motion.axis.demand_position_m()
         period_ns = parts.interpolation.period_ns()
-        target_m = parts.units.position_m(image.target_position + image.position_offset)
+        target = wrapped(image.target_position + image.position_offset)
+        target_m = parts.units.position_m(target)
         self.is_limited = False
         if not limits.low_m <= target_m <= limits.high_m:
             target_m = limits.position_m(target_m)
