@@ -48,6 +48,12 @@ def test_an_inactive_offset_does_not_act_and_others_of_its_group_do(
     assert (table.shift_mm(1, 0), table.shift_mm(1, 1)) == (1.0 if acts else 0.0, 2.0)
 
 
+def test_an_offset_is_inactive_in_its_group_alone() -> None:
+    written = [f"np_grp[{group}].achse[1].versch {group}0000" for group in (1, 2, 3)]
+    table = offsets(*written, "np_grp[2].achse[1].inaktiv 1")
+    assert [table.shift_mm(group, 1) for group in (1, 2, 3)] == [1.0, 0.0, 3.0]
+
+
 @pytest.mark.parametrize(("available", "acts"), [("0", False), ("1", True)])
 def test_group_0_acts_only_where_the_list_says_so(available: str, acts: bool) -> None:
     table = offsets(f"g53_verfuegbar {available}", "np_grp[0].achse[2].versch 30000")

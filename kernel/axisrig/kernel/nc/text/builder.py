@@ -6,7 +6,7 @@ range. A word that is known and does not act is noted; the decoder raises the al
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -415,8 +415,3 @@ def _whole_text(value: Expression) -> str | None:
     if isinstance(value, Number) and value.value == int(value.value) and value.value >= 0:
         return str(int(value.value))
     return None
-
-
-def acting(kind: str) -> Mapping[str, Word]:
-    """Give the words of a kind that act."""
-    return {name: word for name, word in words(kind).items() if word.acts}

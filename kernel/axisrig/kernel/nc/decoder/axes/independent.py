@@ -231,8 +231,6 @@ def _speed(
     if word == "FEED_MAX_WEIGHT":
         share = _percent(context, block, axis, options, word)
         assert share is not None
-        if share > 1.0:
-            raise context.alarm(50603, block, axis=axis, option=f"{word}={share * PERCENT:g}")
         return {SPEEDS[word]: share}
     value = _number(context, block, options[word])
     if value <= 0.0:

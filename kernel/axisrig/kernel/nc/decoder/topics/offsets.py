@@ -82,7 +82,8 @@ def _choose_default(
     context: Context, block: Block, rest: str, value: Value
 ) -> Iterator[canon.Command]:
     """V.G.NP_DEFAULT: for the next program of the same list, which no run has."""
-    context.zero_offsets.default_group = _group(context, block, round(context.number(block, value)))
+    index = round(context.number(block, value))
+    context.zero_offsets.default_group = _group(context, block, index, "V.G.NP_DEFAULT")
     return iter(())
 
 
