@@ -106,7 +106,7 @@ def _surroundings() -> dict[str, object]:
 def _has_plain_arithmetic() -> bool:
     """Return whether denormal numbers exist and sums round to nearest (IEEE 754)."""
     smallest, one = sys.float_info.min, float(len(sys.argv[:1]) or 1)
-    return smallest / 4.0 * one > 0.0 and one + 2.0**-53 == one and one + 2.0**-52 > one
+    return smallest / 4.0 * one > 0.0 and one + 2.0**-53 == one and one + 1.5 * 2.0**-53 > one
 
 
 def _changes(before: dict[str, object], after: dict[str, object]) -> Iterator[Finding]:

@@ -12,7 +12,17 @@ def read_trc(lines: Lines) -> Iterator[can.Message]:
 
     Raises what the reader of python-can raises for a damaged log.
     """
-    for message in can.TRCReader(lines):  # type: ignore[arg-type]
+    # That reader takes the line behind the head for a frame, also an empty one or the last of all
+    full = (line for line in lines if line.strip())
+    head: list[str] = []
+    for line in full:
+        head.append(line)
+        if not line.lstrip().startswith(";"):
+            break
+    else:
+        return
+    whole = (line for part in (head, full) for line in part)
+    for message in can.TRCReader(whole):  # type: ignore[arg-type]
         if isinstance(message.channel, int):
             message.channel -= 1
         yield message
