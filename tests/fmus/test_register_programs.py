@@ -8,7 +8,17 @@ from typing import Any
 
 import pytest
 
-from axisrig.fmus.reading.expressions import Expr, UnsupportedError, choice, parameter
+from axisrig.fmus.reading.expressions import (
+    ONE,
+    TIME,
+    ZERO,
+    Expr,
+    UnsupportedError,
+    choice,
+    const,
+    parameter,
+    variable,
+)
 from axisrig.fmus.reading.programs import read_program
 
 P = [parameter(number) for number in range(8)]
@@ -204,3 +214,117 @@ def test_two_systems_of_equations_with_one_matrix_have_their_own_right_sides() -
     first, second = (Expr("System", [*P[:4], *P[k : k + 2]], index=n) for k, n in ((4, 1), (6, 2)))
     expected = [(first, 0), (second, 0), (first, 1)]
     assert [found[k] for k in range(3)] == [Expr("Component", (s,), index=n) for s, n in expected]
+
+
+# --- leaves, and what is refused
+
+
+def test_arrays_are_loaded_from_parameters_or_variables_one_after_the_other() -> None:
+    for source, leaf in (("P", parameter), ("Y", variable)):
+        load = {"kind": "TensorLoad", "input": source, "input_start": 5, "count": 3}
+        assert read({**load, "dst_start": 30}, 3) == [leaf(5), leaf(6), leaf(7)]
+    assert read({"kind": "LoadY", "index": 4, "dst": 30}, 1) == [variable(4)]
+    assert read({"kind": "LoadTime", "dst": 30}, 1) == [TIME]
+    assert read({"kind": "Move", "src": 13, "dst": 30}, 1) == [P[3]]
+
+
+def test_filled_and_identity_arrays() -> None:
+    assert read({"kind": "TensorFill", "value_start": 12, "count": 3, "dst_start": 30}, 3) == [
+        P[2], P[2], P[2],
+    ]  # fmt: skip
+    found = read({"kind": "TensorIdentity", "size": 3, "dst_start": 30}, 9)
+    assert found == [ONE if k in (0, 4, 8) else ZERO for k in range(9)]
+
+
+def test_an_element_is_found_by_the_stride_of_its_array() -> None:
+    """Every other register: (p0 p2; p4 p6), its second row and second column."""
+    op = {"kind": "LoadIndexedRegister", "base": 10, "stride": 2, "dimensions": [2, 2], "dst": 30}
+    for row, column, number in ((1, 1, 0), (1, 2, 2), (2, 1, 4), (2, 2, 6)):
+        assert read({**op, "indices": [{"Constant": row}, {"Constant": column}]}, 1) == [P[number]]
+
+
+def test_a_system_of_three_has_nine_numbers_and_three() -> None:
+    loaded = [{"kind": "LoadP", "dst": 40 + k, "index": k} for k in range(12)]
+    places = {"matrix_start": 40, "rhs_start": 49, "n": 3}
+    solve = {"kind": "LinearSolveComponent", **places, "component": 2, "dst": 60}
+    store = {"kind": "StoreOutput", "src": 60, "output_index": 0}
+
+    def linear(matrix: Sequence[Expr], right: Sequence[Expr]) -> Expr:
+        assert list(matrix) == [parameter(k) for k in range(9)]
+        assert list(right) == [parameter(k) for k in (9, 10, 11)]
+        return Expr("System", [*matrix, *right])
+
+    (found,) = read_program([*loaded, solve, store], _unused, linear).values()
+    assert (found.kind, found.index, found.args[0].kind) == ("Component", 2, "System")
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "is_modulo"),
+    [(P[0], P[1], True), (P[0], const(2.0), True), (variable(3), P[1], False)],
+)
+def test_a_difference_to_whole_multiples_is_a_modulo_unless_it_moves(
+    a: Expr, b: Expr, is_modulo: bool
+) -> None:
+    """a - floor(a/b)*b. Where a moves, the floor is an event of its own."""
+    made = {0: a, 1: b}
+    whole = Expr("Floor", (Expr("Div", (a, b)),))
+    known = [*(_load(dst, value) for dst, value in made.items())]
+    ops = [
+        *known, {"kind": "Binary", "operator": "Div", "lhs": 0, "rhs": 1, "dst": 2},
+        {"kind": "Unary", "operator": "Floor", "arg": 2, "dst": 3},
+        {"kind": "Binary", "operator": "Mul", "lhs": 3, "rhs": 1, "dst": 4},
+        {"kind": "Binary", "operator": "Sub", "lhs": 0, "rhs": 4, "dst": 5},
+        {"kind": "StoreOutput", "src": 5, "output_index": 0},
+    ]  # fmt: skip
+    (found,) = read_program(ops, _unused, _unused).values()
+    assert found == (Expr("Mod", (a, b)) if is_modulo else Expr("Sub", (a, mul(whole, b))))
+
+
+def _load(dst: int, value: Expr) -> Op:
+    if value.kind == "const":
+        return {"kind": "Const", "value": value.value, "value_class": "finite", "dst": dst}
+    return {"kind": {"p": "LoadP", "y": "LoadY"}[value.kind], "index": value.index, "dst": dst}
+
+
+@pytest.mark.parametrize(
+    ("floor_of", "times"),
+    [((0, 2), 1), ((1, 0), 0), ((0, 1), 2), ((2, 1), 1)],  # of another quotient or divisor
+)
+def test_any_other_product_of_whole_numbers_is_taken_away_as_it_is(
+    floor_of: tuple[int, int], times: int
+) -> None:
+    ops = [
+        *LOADED,
+        {"kind": "Binary", "operator": "Div", "lhs": 10 + floor_of[0], "rhs": 10 + floor_of[1],
+         "dst": 20},
+        {"kind": "Unary", "operator": "Floor", "arg": 20, "dst": 21},
+        {"kind": "Binary", "operator": "Mul", "lhs": 21, "rhs": 10 + times, "dst": 22},
+        {"kind": "Binary", "operator": "Sub", "lhs": 10, "rhs": 22, "dst": 23},
+        {"kind": "StoreOutput", "src": 23, "output_index": 0},
+    ]  # fmt: skip
+    (found,) = read_program(ops, _unused, _unused).values()
+    whole = Expr("Floor", (Expr("Div", (P[floor_of[0]], P[floor_of[1]])),))
+    assert found == Expr("Sub", (P[0], mul(whole, P[times])))
+
+
+@pytest.mark.parametrize(
+    ("op", "words"),
+    [
+        ({"kind": "Unary", "operator": "Turn", "arg": 10}, "the operation Unary Turn of"),
+        ({"kind": "Miracle"}, "the operation Miracle of"),
+        ({"kind": "Move", "src": 10, "lanes": 2}, "the operation Move of"),
+        ({"kind": "Const", "value": 7, "value_class": "huge"}, "a number of the class huge"),
+        ({"kind": "TensorLoad", "input": "T", "input_start": 0, "count": 1}, "an array from T"),
+        ({"kind": "LoadIndexedRegister", "base": 10, "stride": 1, "dimensions": [2],
+          "indices": [{"Range": 1}]}, "an array index of the form Range"),
+        ({"kind": "TensorBinary", "operator": "Lt", "lhs_start": 10, "lhs_stride": 1,
+          "rhs_start": 12, "rhs_stride": 1, "count": 2}, "the array operation Lt"),
+    ],
+)  # fmt: skip
+def test_what_is_not_known_is_named(op: Op, words: str) -> None:
+    with pytest.raises(UnsupportedError, match=words):
+        read({**op, "dst": 30}, 1)
+
+
+def test_one_lane_is_an_operation_like_any_other() -> None:
+    assert read({"kind": "Move", "src": 12, "lanes": 1, "dst": 30}, 1) == [P[2]]

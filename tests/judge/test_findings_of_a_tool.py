@@ -1,4 +1,4 @@
-"""What the judge finds of a tool: of every kinematic, of each of its limits, of the right sensor."""
+"""What the judge finds of a tool: every kinematic, each of its limits, the right sensor."""
 
 from dataclasses import replace
 from typing import Any

@@ -34,3 +34,22 @@ def test_the_axis_that_moved_is_by_truth_or_by_its_drive_each_for_itself(
     table = pa.table({"time_ns": np.arange(11) * MS, **columns})
     observed = Observed(facts(axes=axes, runs=(run,), end_ns=10 * MS), kept(table))
     assert observed.moved_axis(run) == moved
+
+
+def test_each_run_has_the_axis_that_moved_between_its_own_ends() -> None:
+    """X goes until 5 ms, then Z, farther; of a run that never ended it is until the program did."""
+    at = np.arange(11.0)
+    columns = {"X.truth_mm": np.minimum(at, 5.0), "Z.truth_mm": 2.0 * np.maximum(at - 5.0, 0.0)}
+    axes = {name: AxisRecord("can1", 1, 1000.0) for name in "XZ"}
+    spans: tuple[tuple[int, int | None, str], ...] = (
+        (0, 5, "X"), (5, 10, "Z"), (3, 10, "Z"), (1, 6, "X"), (2, None, "Z"),
+    )  # fmt: skip
+    runs = tuple(
+        MeasurementRun(("X", "Z"), begin_ns=begin * MS, end_ns=None if end is None else end * MS)
+        for begin, end, _ in spans
+    )
+    table = pa.table({"time_ns": np.arange(11) * MS, **columns})
+    observed = Observed(facts(axes=axes, runs=runs, end_ns=10 * MS), kept(table))
+    assert [observed.moved_axis(run) for run in runs] == [moved for *_, moved in spans]
+    early = Observed(facts(axes=axes, runs=runs, end_ns=6 * MS), kept(table))
+    assert early.moved_axis(runs[-1]) == "X"

@@ -308,6 +308,32 @@ def test_without_a_place_or_a_contact_there_is_no_error_of_it() -> None:
         assert found.note.startswith(words)
 
 
+def test_a_measured_place_has_the_tool_that_was_on_as_its_run_began() -> None:
+    """C off by 0.01 degrees at the lever of the tool: of 80 mm until 320 ms, of 20 mm after it."""
+    latched = dict.fromkeys(AXES, 0.0) | {"C": 0.01}
+    at_begin = KinematicRecord(KINEMATIC * MS, (ON + 20) * MS, AXES, (9, 98), tilted.TOOL_MM)
+    later = KinematicRecord((ON + 20) * MS, None, AXES, (9, 98), 20.0)
+    lever_um = REACH_MM * math.sin(math.radians(35.0)) * 1e3
+    for on in ((at_begin, later), (at_begin,)):
+        found = seen(measured(latched, kinematics=on), "tcp_latch_error_um")
+        assert found.value == pytest.approx(lever_um * math.radians(0.01), rel=1e-6)
+    assert seen(measured(latched, kinematics=(later,)), "tcp_latch_error_um").value is None
+
+
+@pytest.mark.parametrize(
+    ("row", "speed_mm_s"), [(ON + 48, 50.0), (ON + 49, 30.0), (ON + 50, 70.0), (ON + 51, 50.0)]
+)
+def test_a_contact_is_as_uncertain_as_the_tool_is_fast_in_the_step_before_it(
+    row: int, speed_mm_s: float
+) -> None:
+    """Contact between rows 350 and 351; a row that is 0.02 mm farther along Y."""
+    exact = dict.fromkeys(AXES, 0.0)
+    facts_of = measured(exact).facts
+    observed = Observed(facts_of, kept(changed(trace(), {"Y.truth_mm": {row: 0.02}})))
+    found = seen(observed, "tcp_latch_error_um")
+    assert found.uncertainty == pytest.approx(speed_mm_s * 1e3 * (INSTANT_NS + 20.0) * 1e-9)
+
+
 # What the report shows
 
 

@@ -94,3 +94,56 @@ def test_a_tool_that_turns_about_its_point_goes_as_far_as_its_angles(name: str) 
     gone, length = way_of_tool(seen, on, np.array(curve.places), 0, target)
     assert length == pytest.approx(math.hypot(*ways), abs=1e-6)
     assert gone == pytest.approx(np.linspace(0.0, length, len(gone)), abs=1e-6)
+
+
+HEAD, TOOL_MM = {"trafo[0].id": 9}, 80.0
+INCREMENTS_MM = {"X": 0.1, "Y": 0.2, "Z": 0.4, "C": 5.0, "A": 0.01}
+
+
+def head_way(
+    rows: np.ndarray, begin: int, target: dict[str, float], **increments_mm: float
+) -> tuple[list[float], float]:
+    """A head with C and A, whose tool points down from the axes."""
+    found = {**INCREMENTS_MM, **increments_mm}
+    axes = {a: SimpleNamespace(increments_per_mm=1.0 / mm) for a, mm in found.items()}
+    seen: Any = SimpleNamespace(facts=SimpleNamespace(channel=HEAD), axes=axes)
+    gone, length = way_of_tool(seen, record((9,), "XYZCA", TOOL_MM), rows, begin, target)
+    return list(gone), length
+
+
+@pytest.mark.parametrize(("x_mm", "moves"), [(0.3, False), (0.65, False), (0.71, False),
+                                             (0.72, True), (5.0, True)])  # fmt: skip
+def test_a_tool_stays_within_an_increment_of_every_axis(x_mm: float, moves: bool) -> None:
+    """0.1 + 0.2 + 0.4 mm, nothing of C on its own axis, 0.01 degrees of A at the lever of 80 mm,
+    and the micrometre that is none: 0.715 mm together.
+    """
+    assert 0.7 + TOOL_MM * math.radians(0.01) + 1e-3 == pytest.approx(0.71496, abs=1e-5)
+    rows = np.linspace((0.0, 0.0, 200.0, 0.0, 0.0), (x_mm, 0.0, 200.0, 0.0, 0.0), 3)
+    _, length = head_way(rows, 0, {"X": x_mm, "C": 30.0})
+    assert length == pytest.approx(x_mm if moves else 30.0, abs=1e-9)
+
+
+def test_each_axis_counts_with_its_own_increment() -> None:
+    """Fine ones leave the way to the tool, whichever axis alone is coarse."""
+    rows = np.zeros((2, 5))
+    fine = dict.fromkeys(INCREMENTS_MM, 1e-6)
+    for coarse, stays in (("X", True), ("Y", True), ("Z", True), ("A", True), ("C", False)):
+        _, length = head_way(rows, 0, {"X": 0.5, "C": 30.0}, **{**fine, coarse: 1.0})
+        assert length == pytest.approx(30.0 if stays else 0.5, abs=1e-9), coarse
+    assert head_way(rows, 0, {"X": 0.5, "C": 30.0}, **fine)[1] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("begin", [0, 1, 3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_way_counts_from_the_row_in_which_its_block_begins(begin: int, sign: float) -> None:
+    """X goes 2 mm a row and C 7 degrees; rows before it are so far away too."""
+    rows = np.zeros((6, 5))
+    rows[:, 0], rows[:, 2], rows[:, 3] = sign * 2.0 * np.arange(6), 200.0, sign * 7.0 * np.arange(6)
+    place_mm, place_deg = sign * 2.0 * begin, sign * 7.0 * begin
+    gone, length = head_way(rows, begin, {"X": place_mm + sign * 50.0, "C": 90.0})
+    assert length == pytest.approx(50.0, abs=1e-9)
+    assert gone == pytest.approx([2.0 * abs(row - begin) for row in range(6)], abs=1e-9)
+    rows[:, 0] = 3.0
+    gone, length = head_way(rows, begin, {"X": 3.0, "C": place_deg - 90.0})
+    assert length == pytest.approx(90.0, abs=1e-9)
+    assert gone == pytest.approx([7.0 * abs(row - begin) for row in range(6)], abs=1e-9)

@@ -131,3 +131,46 @@ def test_each_block_has_the_tool_of_its_own_kinematic() -> None:
             moved = np.array([np.sin(c) * np.cos(a), -np.cos(c) * np.cos(a), -np.sin(a)])
             across_um = way_um * np.hypot(moved[0], moved[2])
             assert seen(observed, LINE).value == pytest.approx(across_um, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("row", "along_mm", "speed_mm_s"),
+    [
+        (302, -0.01, 60.0),  # the first step begins with it
+        (302, 0.01, 50.0),
+        (301, -0.02, 50.0),  # the step before
+        (392, 0.01, 60.0),  # the last one ends with it
+        (392, -0.01, 50.0),
+        (393, 0.02, 50.0),  # the step after
+    ],
+)
+def test_speeds_are_those_of_the_steps_in_which_the_axes_carry_a_block_out(
+    row: int, along_mm: float, speed_mm_s: float
+) -> None:
+    """One block of rows 300 to 390 is carried out from row 302 to 392 with 0.05 mm a cycle."""
+    observed = recorded({"Y.truth_mm": {row: along_mm}})
+    steps = [Step("N10 G1 Y9", "feed", 301, 301, 391)]
+    whole = Observed(replace(observed.facts, blocks=block_trace(steps)), observed.series)
+    assert seen(whole, SPEED).value == pytest.approx(speed_mm_s)
+
+
+@pytest.mark.parametrize(("begin_ms", "has_line"), [(0.5, False), (1, True), (2, True)])
+def test_a_block_begins_with_the_row_before_its_first_cycle(
+    begin_ms: float, has_line: bool
+) -> None:
+    """In the first row nothing was before it: there is no place where it started."""
+    steps = [Step("N10 G1 Y9", "feed", begin_ms, begin_ms, 30)]
+    observed = recorded({"X.truth_mm": {4: 0.02}}, kinematics=(on(0, None),))
+    whole = Observed(replace(observed.facts, blocks=block_trace(steps)), observed.series)
+    found = seen(whole, LINE).value
+    assert found == (pytest.approx(20.0, abs=1e-6) if has_line else None)
+
+
+def test_a_short_block_has_a_line_too() -> None:
+    """Of one cycle, 0.05 mm: its ends are on the line, and 30 um across it is away from it."""
+    steps = [Step("N10 G1 Y9", "feed", 341, 341, 342)]
+    for row, away_mm, line_um in ((343, 0.0, 0.0), (342, 0.03, 30.0), (343, 0.02, 20.0)):
+        observed = recorded({"X.truth_mm": {row: away_mm}})
+        whole = Observed(replace(observed.facts, blocks=block_trace(steps)), observed.series)
+        assert seen(whole, LINE).value == pytest.approx(line_um, abs=1e-6)
+        assert seen(whole, BETWEEN).value == pytest.approx(line_um, abs=1e-6)
