@@ -66,3 +66,9 @@ def test_the_data_of_deadlines_by_hand() -> None:
         "waited_ms": 0.25,
         "send_errors": 2,
     }  # fmt: skip
+
+
+def test_a_period_and_a_limit_need_not_be_whole_microseconds() -> None:
+    found = Deadlines(62_500).as_data(333_300)
+    assert (found["period_us"], found["late_us"]) == (333.3, 62.5)
+    assert (found["slips"], found["slipped_ms"], found["waits"], found["waited_ms"]) == (0, 0, 0, 0)

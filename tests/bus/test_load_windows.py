@@ -80,3 +80,44 @@ def test_frames_and_delays_are_of_an_identifier_with_its_kind(extended: bool) ->
     }
     assert list(load.worst_delay_ns) == sorted(load.worst_delay_ns)
     assert (load.frames, load.error_frames) == (3, 1)
+
+
+@pytest.mark.parametrize("past_bits", [-1, 0, 1, 2, 999, 1000, 1001, 2500])
+@pytest.mark.parametrize("is_frame", [True, False])
+def test_what_ends_past_a_border_is_shared_to_the_bit(past_bits: int, is_frame: bool) -> None:
+    """It begins 100 bits before the end of the first ms, at 1 Mbit/s."""
+    meter = LoadMeter(1_000_000)
+    bits = 100 + past_bits
+    begin_ns, end_ns = 900_000, 900_000 + bits * 1000
+    if is_frame:
+        meter.passed.append((begin_ns, end_ns, bits, 0x181, False, 0))
+    else:
+        meter.occupy(begin_ns, end_ns, bits)
+    found = meter.busy_bits(MS)
+    expected = [min(100, bits)]
+    for window in range(1, 4):
+        expected.append(min(max(past_bits - 1000 * (window - 1), 0), 1000))
+    assert found == expected[: len(found)]
+    assert sum(found) == bits
+    assert meter.figures(4 * MS).worst_1ms_bits == max(expected)
+
+
+@pytest.mark.parametrize("bits", [1, 10, 47, 131])
+@pytest.mark.parametrize("bitrate", [800_000, 750_000, 83_333, 3_000_000])
+def test_busy_bits_are_to_the_nearest_bit(bits: int, bitrate: int) -> None:
+    """A bit need not be a whole number of ns: a frame is rounded to these, at most 0.5 ns off."""
+    meter = LoadMeter(bitrate)
+    for short_ns in (0.49, -0.49):
+        meter = LoadMeter(bitrate)
+        meter.occupy(0, round(bits * 1e9 / bitrate - short_ns), bits)
+        assert sum(meter.busy_bits(4 * MS)) == bits
+        assert meter.figures(4 * MS).worst_100ms_bits == bits
+
+
+@pytest.mark.parametrize("window_ns", [0, -MS, MS - 1, MS + 1, 2 * MS - 1, 5 * MS // 2])
+def test_a_window_is_a_whole_number_of_ms(window_ns: int) -> None:
+    meter = LoadMeter(1_000_000)
+    with pytest.raises(ValueError, match=f"window of {window_ns} ns is not a multiple of 1000000"):
+        meter.busy_bits(window_ns)
+    meter.occupy(0, 5 * MS, 5000)
+    assert meter.busy_bits(2 * MS) == [2000, 2000, 1000]

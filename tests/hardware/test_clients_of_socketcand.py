@@ -3,12 +3,14 @@
 import contextlib
 import select
 import socket
+import struct
+import time
 from collections.abc import Iterator
 
 import can
 import pytest
 
-from axisrig.bench.bus.can.socketcand import LINE_MAX, SocketcandServer
+from axisrig.bench.bus.can.socketcand import LINE_MAX, SocketcandServer, _Client
 
 
 @pytest.fixture
@@ -227,3 +229,79 @@ def test_filters_are_those_of_the_server_not_of_its_clients(server: SocketcandSe
     assert received is not None
     assert received.arbitration_id == 0x100
     assert two.ask("< echo >") == b"< frame 001 0.000000  >< frame 100 0.000000  >< echo >"
+
+
+@pytest.mark.parametrize("is_reset", [False, True])
+def test_a_server_waits_again_when_a_client_has_gone(
+    server: SocketcandServer, is_reset: bool
+) -> None:
+    """Whoever asked it again and again would keep a processor busy."""
+    client = Client(server)
+    if is_reset:  # the connection breaks, without a word
+        client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.socket.close()
+    for _ in range(2):
+        server.recv(0.01)
+    begin_s = time.monotonic()
+    assert server.recv(0.05) is None
+    assert time.monotonic() - begin_s > 0.04
+
+
+def test_what_is_there_is_read_before_anything_is_waited_for(server: SocketcandServer) -> None:
+    client = Client(server)
+    client.socket.sendall(b"< send 1 0 >< send 2 0 >< send 3 0 >")
+    received = [server.recv(5.0)]
+    begin_s = time.monotonic()
+    received += [server.recv(5.0), server.recv(5.0)]
+    assert time.monotonic() - begin_s < 2.0
+    assert [msg.arbitration_id for msg in received if msg] == [1, 2, 3]
+
+
+def test_commands_in_one_piece_may_be_many(server: SocketcandServer) -> None:
+    """The limit is that of one command that does not end."""
+    client = Client(server)
+    client.socket.sendall(b"".join(b"< send %X 0 >" % n for n in range(LINE_MAX)))
+    received = [server.recv(1.0) for _ in range(LINE_MAX)]
+    assert [msg.arbitration_id for msg in received if msg] == list(range(LINE_MAX))
+
+
+def test_a_connection_says_whether_its_client_is_there() -> None:
+    here, there = socket.socketpair()
+    here.setblocking(False)
+    one = _Client(here, "one")
+    assert one.read() == []  # it has said nothing
+    there.sendall(b"<open can0>< rawmode ><send 1")
+    assert one.read() == ["open can0", "rawmode"]
+    there.sendall(b" 0 >")
+    assert one.read() == ["send 1 0"]
+    there.close()
+    assert one.read() is None
+    one.unsent = b"< ok >"
+    assert not one.flush()
+    here.close()
+    assert one.read() is None
+    assert not one.flush()
+
+
+@pytest.mark.parametrize("value", ["0", "7", "0f", "a", "ff", "0FF"])
+def test_bytes_are_hexadecimal_however_they_are_written(
+    server: SocketcandServer, value: str
+) -> None:
+    one, two = Client(server), Client(server)
+    one.socket.sendall(f"< send 010 1 {value} >".encode())
+    received = server.recv(1.0)
+    assert received is not None
+    assert (received.arbitration_id, bytes(received.data)) == (0x10, bytes([int(value, 16)]))
+    assert two.ask("< echo >") == b"< frame 010 0.000000 %02X >< echo >" % int(value, 16)
+
+
+def test_a_server_without_an_address_is_that_of_socketcand(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def taken(address: tuple[str, int]) -> socket.socket:
+        raise OSError(f"{address[0]} has {address[1]} in use")
+
+    monkeypatch.setattr(socket, "create_server", taken)
+    with pytest.raises(can.CanInitializationError) as error:
+        SocketcandServer()
+    assert str(error.value) == "127.0.0.1:29536 cannot be served: 127.0.0.1 has 29536 in use"

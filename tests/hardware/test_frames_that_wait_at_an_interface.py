@@ -160,3 +160,18 @@ def test_a_frame_at_either_of_two_interfaces_is_heard_within_a_share(
     segment.close()
     # The other one is listened to for 0.2 ms; asking the clock of these tests costs 1 us
     assert at_us * US - 20 * US <= seen[0] <= at_us * US + 220 * US
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_where_a_frame_has_come_the_other_interface_is_not_waited_for(
+    make_bench: Any, first: int
+) -> None:
+    """A frame at 1 ms: the round that has heard it ends with a look at the one after it."""
+    bench = make_bench()
+    both = [Waiting(bench), Waiting(bench)]
+    both[first].come(1, 1 * MS)
+    asked: list[int] = []
+    both[first].hear = lambda _: asked.append(bench.wall.now_ns - both[first].begin_ns)
+    bench.scheduler.run_until(3 * MS)
+    # At most the share of the one before it, 0.2 ms; none of the one after it
+    assert MS <= asked[0] <= MS + (220 * US if first else 20 * US)

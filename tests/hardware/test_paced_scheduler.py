@@ -286,3 +286,67 @@ def test_figures_of_deadlines_against_numbers_counted_by_hand() -> None:
     assert found["interval_us"] == {
         "least_us": 1002.0, "median_us": 1005.0, "p99_us": 5899.0, "most_us": 5899.0
     }  # fmt: skip
+
+
+def test_answers_are_waited_for_from_their_instant_in_the_cycle_on(
+    make_bench: Any, make_frame: Any
+) -> None:
+    """They come 2 ms after the SYNC and are due after 0.6 ms: what is planned at 0.3 ms is not
+    kept waiting, in any cycle."""
+    bench = make_bench(wait_ns=50 * MS, answer_ns=600 * US)
+    bench.segment.expect([TPDO])
+    bench.adapter.answer = lambda msg: [(2 * MS, make_frame(TPDO))] * (msg.arbitration_id == SYNC)
+    early: list[int] = []
+    for k in range(4):
+        event = lambda: early.append(bench.deadlines.waits)  # noqa: E731
+        bench.scheduler.call_at(k * MS + 300 * US, Phase.APPLICATION, event)
+    assert _cycles(bench, 4) == [1, 2, 3, 4]
+    assert early == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("early_ns", [0, 1])
+def test_what_is_planned_at_the_instant_of_the_next_sync_waits_for_it(
+    make_bench: Any, make_frame: Any, early_ns: int
+) -> None:
+    """SYNCs of a period of 1 ms that come 4 ms apart; 1 ns earlier it does not wait."""
+    bench, order = make_bench(slip_ns=100 * MS, sync_period_ns=lambda: MS), list[str]()
+    waits_ns: list[int] = []
+
+    def heard(time_ns: int, *_: Any) -> None:
+        order.append("sync")
+        if len(order) == 1:
+            waits_ns.append(bench.wall.now_ns)
+            bench.scheduler.call_at(time_ns + MS - early_ns, Phase.APPLICATION, event)
+
+    def event() -> None:
+        order.append("event")
+        waits_ns.append(bench.wall.now_ns)
+
+    bench.segment.observe(heard)
+    for at_ms in (5, 9, 13):
+        bench.adapter.coming.append((bench.wall.now_ns + at_ms * MS, make_frame(SYNC)))
+    bench.scheduler.run_until(8 * MS)
+    before = ["event", "sync"] if early_ns else ["sync", "event"]
+    assert order == ["sync", *before, "sync"]
+    waited_ms = (waits_ns[1] - waits_ns[0]) / MS
+    assert waited_ms == pytest.approx(1 if early_ns else 4, abs=0.05)
+
+
+def test_a_held_time_is_listened_through_and_not_asked_for(
+    make_bench: Any, make_frame: Any
+) -> None:
+    """The next SYNC is 50 ms late: some looks of 5 ms each, not thousands."""
+    bench = make_bench(slip_ns=100 * MS, sync_period_ns=lambda: MS)
+    looks: list[float] = []
+    receive = bench.adapter.recv
+
+    def noted(timeout: float | None = None) -> Any:
+        looks.append(timeout or 0.0)
+        return receive(timeout)
+
+    for at_ms in (5, 55):
+        bench.adapter.coming.append((bench.wall.now_ns + at_ms * MS, make_frame(SYNC)))
+    bench.adapter.recv = noted
+    bench.scheduler.run_until(6 * MS)
+    assert 10 <= len(looks) <= 60
+    assert max(looks) == pytest.approx(0.005, abs=0.001)

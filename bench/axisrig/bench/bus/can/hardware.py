@@ -169,12 +169,13 @@ def _hear_python_can() -> None:
 def _quiet() -> Iterator[None]:
     """Keep what python-can's backends log while they load out of the user's sight."""
     logger = logging.getLogger("can")
-    level, logger.level = logger.level, logging.CRITICAL
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)  # loggers remember what they let through until it is called
     try:
         with contextlib.redirect_stdout(io.StringIO()):
             yield
     finally:
-        logger.level = level
+        logger.setLevel(level)
 
 
 def usable(interface: str) -> str | None:
