@@ -1,5 +1,6 @@
 """The lock of a results folder: what it writes, and the folders that it has made."""
 
+import errno
 import json
 import os
 import platform
@@ -9,8 +10,10 @@ from pathlib import Path
 import pytest
 from results_setup import posix
 
+from axisrig.bench.campaign.results import lock
 from axisrig.bench.campaign.results.layout import LOCK
 from axisrig.bench.campaign.results.lock import FolderLock, InUseError
+from axisrig.kernel.errors import UserError
 
 
 @posix
@@ -80,3 +83,88 @@ def test_a_process_that_was_forked_holds_nothing(tmp_path: Path) -> None:
     assert (has_file, is_there) == (False, True)
     assert f"in use: process {os.getpid()} on " in words
     assert taken.startswith(f"process {own} on ")
+
+
+@posix
+def test_a_lock_whose_holder_has_just_removed_it_is_made_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file that was opened has no name any more: a lock on it would hold nobody off."""
+    path, tries = tmp_path / LOCK, [0]
+    take = lock._try_lock
+
+    def take_late(descriptor: int) -> bool:
+        tries[0] += 1
+        if tries[0] == 1:
+            path.unlink()
+        elif tries[0] == 2:
+            path.unlink()
+            path.write_text("of somebody else", encoding="utf-8")
+        return take(descriptor)
+
+    monkeypatch.setattr(lock, "_try_lock", take_late)
+    with FolderLock(tmp_path):
+        assert tries == [3]
+        assert path.read_text(encoding="utf-8").startswith(f"process {os.getpid()} on ")
+    assert not path.exists()
+
+
+@posix
+def test_a_lock_that_cannot_be_written_names_its_file_and_holds_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(descriptor: int, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        with (
+            pytest.raises(OSError, match="No space left on device") as caught,
+            FolderLock(tmp_path),
+        ):
+            pass
+    assert str(caught.value.filename) == str(tmp_path / LOCK)
+    with FolderLock(tmp_path):
+        assert (tmp_path / LOCK).is_file()
+
+
+@posix
+@pytest.mark.parametrize("text", ["process 4711 on other\n", "", "   \n"])
+def test_a_folder_that_another_process_holds_is_refused_by_its_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str
+) -> None:
+    """The file stays as it is; a holder that has not written yet is another process."""
+    (tmp_path / LOCK).write_text(text, encoding="utf-8")
+    monkeypatch.setattr(lock, "_try_lock", lambda _: False)
+    with pytest.raises(InUseError) as caught, FolderLock(tmp_path):
+        pass
+    holder = text.strip() or "another process"
+    assert caught.value.message == f"the folder is in use: {holder} writes its results there"
+    assert caught.value.file == str(tmp_path)
+    assert "-o" in str(caught.value.hint)
+    assert (tmp_path / LOCK).read_text(encoding="utf-8") == text
+    monkeypatch.undo()
+    with FolderLock(tmp_path):
+        pass
+
+
+@posix
+def test_a_lock_is_a_plain_file_of_one_name(tmp_path: Path) -> None:
+    """What has another name, or is none, is a file of somebody else and stays as it is."""
+    other, path = tmp_path / "other.txt", tmp_path / "out" / LOCK
+    other.write_text("mine", encoding="utf-8")
+    path.parent.mkdir()
+    for make, words in (
+        (lambda: path.hardlink_to(other), "has another name too"),
+        (lambda: path.symlink_to(other), "is no plain file"),
+        (lambda: path.symlink_to(tmp_path / "nowhere"), "is no plain file"),
+        (path.mkdir, "is no plain file"),
+    ):
+        make()
+        with pytest.raises(UserError, match=words) as caught, FolderLock(path.parent):
+            pass
+        assert caught.value.file == str(path)
+        assert other.read_text(encoding="utf-8") == "mine"
+        path.rmdir() if path.is_dir() else path.unlink()
+    with FolderLock(path.parent):
+        pass

@@ -1,13 +1,16 @@
-"""Progress of a campaign without a terminal: a line every 30 s, by a clock that the test sets."""
+"""Progress of a campaign by a clock that the test sets: a line every 30 s, or on a terminal."""
 
 import io
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
 from rich.console import Console
+from rich.text import Text
 
-from axisrig.bench.campaign.progress import CampaignProgress
-from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.progress import CampaignProgress, Watch, duration
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.talk import Talk
 from axisrig.bench.plan.plan import counted
 from axisrig.bench.plan.verdict import Verdict
@@ -117,3 +120,83 @@ def test_in_short_only_the_first_run_of_a_case_that_failed_in_a_way_has_a_line()
         case = SimpleNamespace(run=f"r{number}", plan=plan, case=name)
         progress.show(cast(CaseResult, SimpleNamespace(verdict=verdict, case=case)))
     assert [line.split()[-1] for line in text.getvalue().splitlines()] == ["r2", "r4", "r5", "r6"]
+
+
+class OnTerminal(Shown):
+    """The same on a terminal, whose lines are drawn over each other."""
+
+    def __init__(self, count: int) -> None:
+        self.now_s, self._text = 0.0, io.StringIO()
+        console = Console(file=self._text, force_terminal=True, width=200)
+        self.progress = CampaignProgress(count, lambda: self.now_s, console)
+
+    def drawn(self, seconds: int = 1) -> str:
+        """What has been drawn in so many more seconds."""
+        self._text.seek(0)
+        self._text.truncate()
+        self.wait(seconds)
+        return self._text.getvalue()
+
+
+def test_on_a_terminal_each_tick_draws_the_line_until_the_end() -> None:
+    shown = OnTerminal(4)
+    assert shown.drawn() == ""  # nothing before its begin
+    with shown.progress:
+        shown.progress.began("a")
+        assert "0/4 runs; running: a for 1 s" in shown.drawn()
+        shown.show("a", Verdict.FAIL)
+        # 3 s for 1 of 4 runs: 9 s for the other three
+        assert "1/4 runs, 1 fail, 0.333 runs/s, 9 s left" in shown.drawn()
+        assert "\n0/4" not in shown.drawn(60)  # and no line every 30 s
+    assert shown.drawn(60) == ""
+
+
+def test_something_is_drawn_beneath_the_line_as_long_as_it_is_wanted() -> None:
+    """Anew with each tick; then another one, and none."""
+    shown = OnTerminal(1)
+
+    def draw() -> Text:
+        return Text(f"picture of {shown.now_s:g} s")
+
+    with shown.progress:
+        assert "picture" not in shown.drawn()
+        shown.progress.show_beneath(draw)
+        text = shown.drawn()
+        assert 0 <= text.find("0/1 runs") < text.find("picture of 2 s")
+        assert "picture of 3 s" in shown.drawn()
+        shown.progress.show_beneath(lambda: "another one")
+        assert "another one" in (text := shown.drawn())
+        assert "picture" not in text
+        shown.progress.show_beneath(None)
+        assert "0/1 runs" in (text := shown.drawn())
+        assert "another one" not in text
+
+
+def test_a_time_is_written_in_its_largest_units() -> None:
+    """Seconds are rounded first: 59.6 s are a minute."""
+    times_s = (0.4, 59.4, 59.6, 60.0, 61.0, 3599.4, 3599.6, 3660.0, 36_059.0)
+    assert [duration(one) for one in times_s] == [
+        *("0 s", "59 s", "1 min 00 s", "1 min 00 s", "1 min 01 s", "59 min 59 s"),
+        *("1 h 00 min", "1 h 01 min", "10 h 00 min"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("talk", "lines"), [(Talk.ALL, ["r0", "r1"]), (Talk.NONE, []), (Talk.SHORT, ["r1"])]
+)
+def test_runs_have_their_lines_as_far_as_asked_for(talk: Talk, lines: list[str]) -> None:
+    text = io.StringIO()
+    console = Console(file=text, force_terminal=False, width=200, highlight=False, markup=False)
+    progress = CampaignProgress(99, lambda: 1.0, console, talk=talk)
+    for run, verdict in (("r0", Verdict.PASS), ("r1", Verdict.FAIL)):
+        case = SimpleNamespace(run=run, plan="p", case=run)
+        progress.show(cast(CaseResult, SimpleNamespace(verdict=verdict, case=case)))
+    assert [line.split()[-1] for line in text.getvalue().splitlines()] == lines
+
+
+def test_what_looks_on_gets_a_pipe_in_the_files_of_each_run_and_probe() -> None:
+    files = RunFiles([Path("a.blf")], Path("a.parquet"), [RunFiles([], Path("s.parquet"), [])])
+    assert Watch().files_of(lambda _: files)("a") == files
+    seen = Watch(live=Path("live")).files_of(lambda run: files)("a")
+    assert (seen.live, [probe.live for probe in seen.probes]) == (Path("live"), [Path("live")])
+    assert (seen.bus_logs, seen.trace) == (files.bus_logs, files.trace)
