@@ -145,9 +145,14 @@ def _system(
     for bracket, what in zip(raw.brackets, held, strict=False):
         if what != "shifts":
             _check_id(builder, command, bracket, what)
-        elif command.name != "CS ON" or len(raw.brackets) > 1 or len(bracket.elements) > 1:
+        elif command.name != "CS ON" or len(raw.brackets) > 1 or not _may_be_id(bracket):
             _check_values(builder, f"#{command.name}", bracket)
     return command
+
+
+def _may_be_id(bracket: nodes.Bracket) -> bool:
+    """Whether a bracket has one value, which of `#CS ON` may be the ID of a stored system."""
+    return len(bracket.elements) <= 1 and all(len(element) <= 1 for element in bracket.elements)
 
 
 def _check_id(

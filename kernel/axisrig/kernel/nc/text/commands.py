@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 
 from axisrig.kernel.errors import Guess, UserError, nearest
-from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, SubprogramCall
+from axisrig.kernel.nc.syntax import AxisCommand, Command, Expression, Name, SubprogramCall
 from axisrig.kernel.nc.text import checks, distance, nodes
 from axisrig.kernel.nc.text.keywords import Form, group, read
 from axisrig.kernel.nc.text.published import published
@@ -112,6 +112,15 @@ def cycle_call(builder: ExpressionBuilder, call: nodes.Call) -> SubprogramCall:
     name = next(value for keyword, value in form.options if keyword == "NAME")
     assert isinstance(name, Name)
     rest = tuple(option for option in form.options if option[0] != "NAME")
+    for keyword, value in rest:
+        if value is not None and not isinstance(value, Expression):
+            place = form.places[keyword]
+            raise form.wrong(
+                f"{keyword} takes a number, a text or an expression",
+                place,
+                value=builder.source.found(place),
+                allowed=f'{keyword}=10, {keyword}=P1, {keyword}="text"',
+            )
     return SubprogramCall(name.value, "cycle", rest)
 
 

@@ -127,7 +127,8 @@ def _is_function(bare: nodes.Bare) -> bool:
 def _row(form: Form, keyword: str) -> Keyword | None:
     """Find a keyword in the table; `@P*` means @P1, @P2 and so on, `M*` for M functions."""
     row = form.table.get(keyword) if keyword else None
-    return row or form.table.get(f"{keyword.rstrip('0123456789')}*")
+    stem = keyword.rstrip("0123456789")
+    return row or (form.table.get(f"{stem}*") if stem != keyword else None)
 
 
 def _option(
@@ -137,7 +138,7 @@ def _option(
     value: nodes.Value | nodes.Bare | nodes.Bracket,
     offset: int,
 ) -> None:
-    if keyword in form.places and row.required != "many":
+    if keyword in form.places and (row.required != "many" or row.keyword.endswith("*")):
         raise form.wrong("keyword twice in one command", offset, value=keyword)
     _note_option(form, row, keyword, offset)
     form.places[keyword] = value.offset
