@@ -203,3 +203,36 @@ def test_the_absolute_position_has_fine_bits_of_its_own(
     one.cycle()
     assert one.shown("G1_XIST1") == round(place_m * 1e3 * one.per_mm)
     assert one.shown("G1_XIST2") == pytest.approx(place_m * 1e3 * one.per_mm * factor, abs=1)
+
+
+@pytest.mark.parametrize("word", range(4))
+def test_zsw1_shows_off2_and_off3_as_they_were_taken(word: int) -> None:
+    """PROFIdrive: bits 4 and 5 of ZSW1 are bits 1 and 2 of STW1; by the control, bit 10, alone."""
+    one = Node(FakeAxis())
+    for given in (word, 3, word ^ 3, 0):
+        one.cycle(STW1=1 << 10 | given << 1)
+        one.cycle()
+        assert one.shown("ZSW1") >> 4 & 3 == given
+    one.cycle(STW1=1 << 10 | 3 << 1)
+    one.cycle(STW1=0)
+    one.cycle()
+    assert one.shown("ZSW1") >> 4 & 3 == 3
+    assert one.shown("ZSW1") >> 9 & 1  # control requested
+    one.node.power_off()
+    one.node.power_on()
+    for _ in range(3):
+        one.cycle(is_sent=False)
+        assert one.shown("ZSW1") >> 4 & 3 == 0
+
+
+@pytest.mark.parametrize(
+    ("gain", "kpc_per_s"),
+    [(3_999_000, 3999), (4_000_000, 4000), (4_000_001, 4000), (1 << 30, 4000)],
+)
+def test_a_gain_is_at_most_4000_per_s(gain: int, kpc_per_s: float) -> None:
+    """KPC counts 0.001 1/s; 0.02 mm away the axis gets KPC times that."""
+    one = Node(FakeAxis(motion=lambda _: 0.0))
+    one.operate()
+    for _ in range(2):
+        one.cycle(KPC=gain, XERR=0.02 * one.per_mm, NSOLL_B=0)
+    assert one.axis.commands[-1].velocity_m_s == pytest.approx(kpc_per_s * 0.02e-3, rel=1e-3)

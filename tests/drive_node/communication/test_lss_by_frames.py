@@ -276,3 +276,21 @@ def test_bit_rates_of_the_standard_table(table: int, entry: int, bit_s: int | No
     slave.ask(0x17)
     assert slave.settings.stored_bit_rate == bit_s
     assert slave.rates == []  # only an activation changes it
+
+
+@pytest.mark.parametrize("numbers", [1, 3, 5])
+def test_a_reset_ends_an_identification(numbers: int) -> None:
+    """Vendor, product, two revisions, two serial numbers: all six after the reset, or no answer."""
+    slave = Slave()
+    values = (*IDENTITY[:2], IDENTITY[2], IDENTITY[2], IDENTITY[3], IDENTITY[3])
+
+    def identify(first: int, last: int) -> list[str]:
+        found: list[str] = []
+        for place in range(first, last):
+            found += slave.ask(0x46 + place, *struct.pack("<I", values[place]))
+        return found
+
+    assert identify(0, numbers) == []
+    slave.lss.reset()
+    assert identify(numbers, 6) == []
+    assert identify(0, 6) == [IDENTIFIED]
