@@ -232,3 +232,20 @@ def test_the_last_word_while_a_transition_brakes_says_where_it_ends(
     one.run_ms(200)
     assert one.servo.state.name == state
     assert one.axis.commands[-1].enabled is (state == "OPERATION_ENABLED")
+
+
+@pytest.mark.parametrize("mode", [1, 3, 6, 9])
+def test_a_reset_shows_the_mode_of_power_on_whatever_was_there(fake_axis: Any, mode: int) -> None:
+    """6061 follows what a maker has of 6060 at power on; the mode of before is forgotten."""
+    one = ServoAlone(fake_axis(), 10)
+    assert one.image.mode_display == 10
+    one.servo.reset(one.now_ns)
+    usual = one.image.mode
+    assert one.image.mode_display == usual != 10
+    one.servo.power_on.own["mode"] = mode
+    one.servo.reset(one.now_ns)
+    assert (one.image.mode, one.image.mode_display) == (mode, mode)
+    for word in (0x06, 0x07, 0x0F):
+        one.cycle(controlword=word)
+    assert one.image.mode_display == mode
+    assert one.servo.state is State.OPERATION_ENABLED

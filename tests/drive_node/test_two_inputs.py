@@ -145,6 +145,27 @@ def test_counters_are_cleared_by_switching_off_and_not_by_switching_on(number: i
     assert probe.latches[True].count == 1
 
 
+@pytest.mark.parametrize("is_cleared", [True, False])
+@pytest.mark.parametrize("number", [0, 1])
+def test_another_source_of_a_probe_that_stays_on_leaves_its_counter(
+    number: int, is_cleared: bool
+) -> None:
+    """By 60D0 to the other input; switching off clears the counter, where a drive does so."""
+    unit, image = _unit(([1000, 1500], [5000, 6000]), counters_cleared_on_disarm=is_cleared)
+    probe, own, other = unit.probes[number], number + 1, 2 - number
+    edge_ns = {1: 1000, 2: 5000}
+    image.source_1 = image.source_2 = own
+    unit.set_function(0x19 << 8 * number, 0)
+    unit.take_edges(10_000)
+    assert (probe.latches[True].count, probe.latches[True].units) == (1, edge_ns[own])
+    image.source_1 = image.source_2 = other
+    unit.set_function(0x19 << 8 * number | 0x02 << 8 * number, 20_000)
+    assert probe.latches[True].count == 1
+    assert unit.status >> 8 * number & 0x07 == 0x01  # on, and armed anew
+    unit.set_function(0, 20_000)
+    assert probe.latches[True].count == (0 if is_cleared else 1)
+
+
 @pytest.mark.parametrize("number", [0, 1])
 @pytest.mark.parametrize("speed_m_s", [0.5, -0.5])
 @pytest.mark.parametrize("edges", ["both", "positive"])

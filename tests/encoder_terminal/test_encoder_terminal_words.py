@@ -191,3 +191,22 @@ def test_without_images_the_outputs_fall_to_0() -> None:
     with pytest.raises(Alarm) as raised:
         ends.cycle()
     assert (raised.value.id, ends.link.state_name) == (900781, "READY")
+
+
+@pytest.mark.parametrize("place", [-3, 70_000, -70_000, 0])
+@pytest.mark.parametrize("began_at", [0, 12, -40_000])
+def test_counter_and_latch_wrap_alike_in_both_directions(place: int, began_at: int) -> None:
+    """16 bits from 0 at power on; an edge that is latched there is what the counter shows there."""
+    unit = EncoderTerminal()
+    unit.reset(began_at)
+    unit.command({"CONTROL": words.EN_LAT_EXT, "SET": 0}, began_at)
+    assert unit.inputs(began_at, level=False)["COUNTER"] == 0
+    unit.pulse(True, place)
+    shown = unit.inputs(place, level=True)
+    expected = (place - began_at) & 0xFFFF
+    assert (shown["COUNTER"], shown["LATCH"]) == (expected, expected)
+    assert shown["STATUS"] == words.LAT_EXT_VAL | words.LEVEL
+    unit.command({"CONTROL": words.CNT_SET | words.EN_LAT_EXT, "SET": 100}, place)
+    unit.command({"CONTROL": words.EN_LAT_EXT, "SET": 100}, place)
+    unit.command({"CONTROL": words.CNT_SET | words.EN_LAT_EXT, "SET": 0xFFFF}, place)
+    assert unit.inputs(place + 2, level=False)["COUNTER"] == 1

@@ -85,6 +85,18 @@ def test_what_the_unit_stores(state: of_unit.LatchState, asked: of_unit.LatchInp
         assert latch.is_valid
 
 
+@pytest.mark.parametrize("state", U)
+def test_power_takes_what_the_unit_has_stored(state: of_unit.LatchState) -> None:
+    latch = EnabledLatch()
+    latch.state, latch.value = state, 7
+    latch.reset()
+    assert (latch.state, latch.value) == (U.OFF, 0)
+    assert (latch.is_armed, latch.is_valid) == (False, False)
+    latch.enable(is_enabled=True)
+    latch.pulse(9)
+    assert (latch.value, latch.is_valid) == (9, True)
+
+
 # The control's side
 
 
