@@ -1,10 +1,12 @@
 """The tables of the grammar from the cache: the same parser, whatever happened to the file."""
 
+import os
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import lark
+import platformdirs
 import pytest
 
 from axisrig.kernel.nc.text import parser
@@ -91,3 +93,43 @@ def test_other_options_have_a_file_of_their_own(tmp_path: Path) -> None:
         options = {"parser": "lalr", "propagate_positions": value}
         stored_grammar('start: "a"', options, lark.Transformer(), tmp_path)
     assert len(list(tmp_path.iterdir())) == 2
+
+
+SMALL = {"parser": "lalr"}
+
+
+def small(folder: Path) -> lark.Lark:
+    """A parser that is made in a moment."""
+    return stored_grammar('start: "a"', SMALL, lark.Transformer(), folder)
+
+
+def test_a_file_that_cannot_be_put_in_place_leaves_nothing_behind(tmp_path: Path) -> None:
+    small(tmp_path)
+    (file,) = tmp_path.iterdir()
+    file.unlink()
+    file.mkdir()  # nothing can take its name
+    assert small(tmp_path).parse("a").data == "start"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_tables_of_somebody_else_are_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are what the parser does: only a file of one's own is loaded."""
+    small(tmp_path)
+    (file,) = tmp_path.iterdir()
+    own = file.stat().st_uid
+    monkeypatch.setattr(lark, "Lark", _Closed)
+    assert small(tmp_path).parse("a").data == "start"
+    monkeypatch.setattr(os, "getuid", lambda: own + 1)
+    with pytest.raises(AssertionError, match="made again"):
+        small(tmp_path)
+
+
+def test_without_a_folder_the_tables_are_in_the_cache_of_the_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(platformdirs, "user_cache_dir", lambda name: str(tmp_path / name))
+    stored_grammar('start: "a"', SMALL, lark.Transformer())
+    (file,) = (tmp_path / "axisrig" / "grammar").iterdir()
+    assert file.suffix == ".tables"
