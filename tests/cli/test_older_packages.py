@@ -38,6 +38,22 @@ def test_an_installed_one_is_uninstalled(tmp_path: Path) -> None:
     assert "pip uninstall axisrig" in text
 
 
+@pytest.mark.parametrize("newer", ["reports", "", "bench,kernel"])
+def test_all_that_is_installed_in_a_folder_counts(tmp_path: Path, newer: str) -> None:
+    """An uninstalled version may leave its record beside that of the one installed later."""
+    for name in ("kernel", "bench", "reports"):
+        _file(tmp_path / name / "__init__.py")
+    for version, names in (("0.0.8", "kernel"), ("0.0.9", newer)):
+        info = tmp_path / f"axisrig-{version}.dist-info"
+        _file(info / "METADATA", f"Metadata-Version: 2.1\nName: axisrig\nVersion: {version}\n")
+        listed = [f"{name}/__init__.py,,\n" for name in names.split(",") if name]
+        _file(info / "RECORD", "".join(listed))
+    (text,) = leftovers([str(tmp_path)])
+    wanted = [name for name in SIGNS if name in {"kernel", *newer.split(",")}]
+    now = ", ".join(f"axisrig.{name}" for name in wanted)
+    assert text.startswith(f"{tmp_path}: {', '.join(wanted)} of an older axisrig (now {now}): run")
+
+
 def test_packages_of_others_are_no_leftovers(tmp_path: Path) -> None:
     for file in ("bench/__init__.py", "bench/cli.py", "bench/app.py", "kernel/__init__.py"):
         _file(tmp_path / file)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ from axisrig.bench.campaign.processes import Died
 from axisrig.bench.campaign.runner import prepare_all
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
 
@@ -206,3 +208,51 @@ def test_blocks_of_every_program_of_a_run_print(tmp_path: Path) -> None:
     case = replace(case_of("a"), checks=tuple(checks))
     errors = [*preparing._wrong_metrics(case, ("Z",), programs)]
     assert [error.value for error in errors] == ["N60"]
+
+
+SEARCHING = "case,program,rig,search:plant:z.x_mm,check:lag_mm_max:Z\ns,a.nc,r.toml,{},<= 1\n"
+
+
+def searching(folder: Path, text: str) -> Case:
+    for name in ("a.nc", "r.toml"):
+        (folder / name).touch()
+    (folder / "p.csv").write_text(SEARCHING.format(text), encoding="utf-8")
+    (case,) = read_plan(folder / "p.csv").cases
+    return case
+
+
+@pytest.mark.parametrize(
+    ("text", "ends"), [("300 .. 900 to 10", ["300", "900"]), ("5 .. -0.5 to 0.5", ["5.0", "-0.5"])]
+)
+@pytest.mark.parametrize("bad", ["none", "first", "last"])
+@pytest.mark.parametrize("look", [preparing.read_case, preparing.prepare])
+def test_a_search_is_looked_at_with_the_values_of_both_its_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Any, text: str, ends: list[str], bad: str
+) -> None:
+    """What only one of them brings is found too; what is made is of the first one."""
+    case = searching(tmp_path, text)
+    wrong = {"none": "", "first": ends[0], "last": ends[1]}[bad]
+    seen: list[tuple[str, str]] = []
+
+    def settings_of(probe: Case) -> Any:
+        value = probe.inputs["plant:z.x_mm"]
+        seen.append((probe.run, value))
+        if value == wrong:
+            raise UserError(f"{value} is too much")
+        rig = SimpleNamespace(axis=("Z",))
+        return SimpleNamespace(rig=rig, value=value)
+
+    monkeypatch.setattr(preparing, "settings_of", settings_of)
+    monkeypatch.setattr(preparing, "_program", lambda *_: "program")
+    monkeypatch.setattr(preparing, "programs_of", lambda *_: {})
+    monkeypatch.setattr(preparing, "_wrong_metrics", lambda *_: [])
+    monkeypatch.setattr(preparing, "_wrong_variables", lambda *_: [])
+    monkeypatch.setattr(preparing, "rig_files", lambda _: [])
+    monkeypatch.setattr(preparing, "is_paced", lambda _: True)
+    monkeypatch.setattr(preparing, "check_plant", lambda _: None)
+    if wrong:
+        with pytest.raises(UserError, match=f"^{wrong} is too much"):
+            look(case)
+        return
+    assert look(case).settings.value == ends[0]
+    assert seen == [("p-s-s01", ends[0]), ("p-s-s02", ends[1])]

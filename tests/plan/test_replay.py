@@ -169,3 +169,59 @@ def test_a_replay_is_the_same_by_its_frames(monkeypatch: pytest.MonkeyPatch) -> 
         found = replay.replay(case_of("a"), {"frame_log_sha256": sha}, [Path("x.blf")])
         assert found.is_same is is_same
     assert asked == [("p-a", [Path("x.blf")])] * 2
+
+
+@pytest.mark.parametrize(
+    ("run", "others", "allowed"),
+    [
+        ("p-t1", ["p-t1-001", "p-t1-002", "p-t10", "p-t10-001"], ["p-t1-001", "p-t1-002"]),
+        ("p-t1", ["p-t1-a-001", "q-p-t1-001", "p-t1_x"], ["p-t1-a-001"]),
+        ("p-s", ["p-s-s01", "p-s-s02", "p-sweep-s01"], ["p-s-s01", "p-s-s02"]),
+    ],
+)
+def test_a_row_over_several_runs_names_these_and_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: str, others: list[str],
+    allowed: list[str],
+) -> None:  # fmt: skip
+    runs = [stored_run(run, runs="2"), *map(stored_run, others)]
+    monkeypatch.setattr(replay, "read_results", lambda _: SimpleNamespace(runs=runs))
+    with pytest.raises(UserError, match="this row says something over several runs") as caught:
+        replay.recorded_case(tmp_path, run)
+    assert (caught.value.file, caught.value.value) == (str(tmp_path), run)
+    assert caught.value.allowed == ", ".join(allowed)
+    assert caught.value.hint == "replay one of its runs"
+
+
+@pytest.mark.parametrize(("run", "near"), [("p-edge", "p-edges"), ("zzzzzzzz", "p-edges, p-lag")])
+def test_a_run_that_is_not_there_names_what_is_near_or_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: str, near: str
+) -> None:
+    runs = [stored_run("p-edges"), stored_run("p-lag")]
+    monkeypatch.setattr(replay, "read_results", lambda _: SimpleNamespace(runs=runs))
+    with pytest.raises(UserError, match="the folder has no such run") as caught:
+        replay.recorded_case(tmp_path, run)
+    assert near in str(caught.value)
+    assert ("p-lag" in str(caught.value)) is (near != "p-edges")
+
+
+def test_what_was_changed_of_a_run_is_that_of_this_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs = [stored_run("p-a"), stored_run("p-b"), stored_run("p-c")]
+    monkeypatch.setattr(replay, "read_results", lambda _: SimpleNamespace(runs=runs))
+    assert [replay.altered_words(tmp_path, run) for run in ("p-c", "p-b", "p-a")] == [
+        "of p-c", "of p-b", "of p-a",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("has_plan", [True, False])
+def test_a_plan_that_has_gone_is_named_or_the_manifest_that_has_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, has_plan: bool
+) -> None:
+    listed = {"plans": [{"name": "p", "path": str(tmp_path / "gone.csv")}]} if has_plan else {}
+    stored = SimpleNamespace(runs=[stored_run("p-a")], manifest=listed)
+    monkeypatch.setattr(replay, "read_results", lambda _: stored)
+    monkeypatch.setattr(replay, "own_plan", lambda _folder, name: Path(name))
+    with pytest.raises(UserError, match="the plan of this run is not there any more") as caught:
+        replay.recorded_case(tmp_path, "p-a")
+    assert caught.value.file == str(tmp_path / ("gone.csv" if has_plan else "manifest.json"))

@@ -217,3 +217,23 @@ def test_the_manifest_has_what_each_substituted_run_ran_on(plan: Plan, tmp_path:
     assert made["drive_substituted"] == expected
     found = {row["case"]: row["drive_substituted"] for row in rows(out / "cases.csv")}
     assert found == of_lists
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("lag_mm_max:Z", ""), ("", "lag_mm_max:Z"), ("lag_mm_max:Z", "lag_mm_max:Z"), ("", "")],
+)
+def test_what_a_row_expects_is_a_column_where_any_row_expects_something(
+    write_plan: PlanWriter, tmp_path: Path, first: str, second: str
+) -> None:
+    cells = [f"fail:{metric}" if metric else "" for metric in (first, second)]
+    lines = [f"{n},probe.nc,machine.toml,<= 2,{cell}" for n, cell in zip("ab", cells, strict=True)]
+    head = "case,program,rig,check:lag_mm_max:Z,expect"
+    plan = read_plan(write_plan("\n".join([head, *lines, ""])))
+    with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
+        for case in plan.cases:
+            writer.add(run_case(case))
+    found = rows(tmp_path / "out" / "cases.csv")
+    assert [row.get("expected", "") for row in found] == cells
+    assert ("expected" in found[0]) is (cells != ["", ""])
+    assert "expect" not in found[0]
