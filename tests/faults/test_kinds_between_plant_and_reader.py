@@ -170,6 +170,19 @@ def test_lost_increments_are_increments_of_the_drive() -> None:
     assert wire.motor_position_m() == pytest.approx(0.100 - 1500 / 1_048_576 * 0.010, abs=1e-12)
 
 
+@pytest.mark.parametrize(("p", "low", "high"), [(0.01, 0, 7), (0.25, 30, 70), (1, 200, 200)])
+def test_so_many_values_of_a_sensor_are_spikes(p: float, low: int, high: int) -> None:
+    """Of 200: the mean, and more than three standard deviations on each side; p = 1: all."""
+    bench = Bench("distance-z.toml")
+    act = bench.do("sensor_spikes", f"gap um=30 p={p}")
+    act.begin()
+    bench.clock.now_ns = S
+    sensor = bench.beside.sensor("gap")
+    seen_um = [round(sensor.reported_at(ms * MS)[0] * 1e6) for ms in range(1, 201)]
+    assert low <= sum(um != 2000 for um in seen_um) <= high
+    assert {*seen_um} <= {1970, 2000, 2030}
+
+
 def test_an_encoder_freezes_and_passes_all_else() -> None:
     """What the drive orders reaches the plant, with the position that it means."""
     bench = Bench("probe-z.toml")

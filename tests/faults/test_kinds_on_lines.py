@@ -135,6 +135,24 @@ def test_a_slave_falls_and_its_clock_jumps_once() -> None:
     ]
 
 
+@pytest.mark.parametrize("first", [Command.LRW, Command.LRD, Command.LWR])
+def test_an_image_is_unanswered_wherever_it_is_in_its_frame(first: Command) -> None:
+    """The first datagram of a frame has number 0."""
+    frame = bytearray(bytes(12) + b"\x88\xa4" + bytes(2))
+    for number, command in enumerate((first, Command.LRW)):
+        more = 0 if number else 0x8000
+        frame += bytes((command, number, *(4 * (0,)))) + (4 | more).to_bytes(2, "little")
+        frame += bytes(2 + 4 + 2)
+    frame[14:16] = (len(frame) - 16 | 0x1000).to_bytes(2, "little")
+    line = Line("probe-z-ethercat.toml")
+    act, _ = line.do("line_unanswered", "ec1")
+    act.begin()
+    (passing,) = line.passing
+    assert passing(frame) == 0
+    left = Command.NOP if first is Command.LRW else first
+    assert [each.command for each in datagrams(frame)] == [left, Command.NOP]
+
+
 @pytest.mark.parametrize(("level", "passed"), [(0, False), (1, True)])
 def test_a_bit_keeps_its_level_and_passes_again(level: int, passed: bool) -> None:
     line = Line("probe-z-sercos.toml")

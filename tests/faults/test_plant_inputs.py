@@ -109,3 +109,48 @@ def test_a_machine_names_the_inputs_and_a_plan_gets_no_others(build: Callable[..
         build_beside(Beside(settings, plant, clock), 0)
     with pytest.raises(UserError, match="no such place of a fault"):
         build("fault:plant_input=prope.switched_on")
+
+
+def test_the_inputs_of_a_cell_have_its_value_while_the_fault_acts(
+    build: Callable[..., Built],
+) -> None:
+    """Two faults of two plants, on and off at instants of their own."""
+    cells = ("probe.switched_on value=0", "z.force_limit value=12.5")
+    settings, plant = build(
+        "plant:z.force_limit_n=700", *(f"fault:plant_input={cell}" for cell in cells)
+    )
+    clock: Any = SimpleNamespace(now_ns=0)
+    supply, limit = build_beside(Beside(settings, plant, clock), 0)
+    axis, probe = plant.axes["z"].slave, plant.probes["probe"].slave
+
+    def values(act: Callable[[], None], at_ms: int) -> tuple[float, float]:
+        clock.now_ns = at_ms * MS
+        plant.advance_to(clock.now_ns)
+        act()
+        return probe.get(SUPPLY), axis.get("force_limit")
+
+    assert (probe.get(SUPPLY), axis.get("force_limit")) == (1, 700.0)
+    assert values(supply.begin, 1) == (0, 700.0)
+    assert values(limit.begin, 2) == (0, 12.5)
+    assert values(supply.end, 3) == (1, 12.5)
+    assert values(limit.end, 4) == (1, 700.0)
+
+
+@pytest.mark.parametrize(
+    ("target", "axes"), [("probe.switched_on", ("Z",)), ("z.force_limit", ("Z",))]
+)
+def test_an_input_that_another_plant_has_is_none_of_this_one(
+    build: Callable[..., Built], target: str, axes: tuple[str, ...]
+) -> None:
+    """What is refused is named with all that could be meant."""
+    settings, plant = build()
+    machine: Any = SimpleNamespace(settings=settings, plant=plant)
+    assert points(machine)[target].axes == axes
+    other = {"probe": "z", "z": "probe"}[target.partition(".")[0]]
+    wrong = f"{other}.{target.partition('.')[2]}"
+    settings, plant = build(f"fault:plant_input={wrong} value=1")
+    clock: Any = SimpleNamespace(now_ns=0)
+    with pytest.raises(UserError) as caught:
+        build_beside(Beside(settings, plant, clock), 0)
+    assert caught.value.value == wrong
+    assert target in str(caught.value.allowed)

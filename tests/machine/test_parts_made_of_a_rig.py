@@ -73,6 +73,17 @@ def test_each_slave_has_the_clock_of_its_own_axis() -> None:
     assert slave_of(settings_of("probe-z.toml"), "Z", 3) == SlaveSettings(3)  # it is on CAN
 
 
+@pytest.mark.parametrize(
+    ("key", "field"), [("clock_start_us", "start_ns"), ("sample_us", "sample_ns")]
+)
+@pytest.mark.parametrize(("us", "ns"), [("12.5", 12_500), ("-0.75", -750), ("0.001", 1)])
+def test_times_of_a_slave_are_whole_nanoseconds(key: str, field: str, us: str, ns: int) -> None:
+    """They need not be whole microseconds."""
+    settings = settings_of("probe-xyz-ethercat.toml", f"bus:ec1.{key}=Y={us}")
+    assert getattr(slave_of(settings, "Y", 1), field) == ns
+    assert getattr(slave_of(settings, "X", 1), field) == 0
+
+
 @pytest.mark.parametrize(("edge", "mode"), [("first", b"\3"), ("last", b"\0")])
 def test_the_control_reads_the_registers_of_the_terminal(edge: Any, mode: bytes) -> None:
     """09AE to 09CF of the slave behind the drives; bits 0 and 1 of 09A8 and 09A9: single event."""

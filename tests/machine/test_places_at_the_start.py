@@ -1,6 +1,7 @@
 """Where an axis may be when a run begins, and whose value put it where it may not be."""
 
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -8,8 +9,10 @@ from typing import Any
 import pytest
 
 from axisrig.bench.machine import start_places
+from axisrig.bench.machine.plants import start_plant
 from axisrig.bench.machine.start_places import START, STOP, blamed_start, check_places
 from axisrig.bench.rig.contents import settings_of
+from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
 
 pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
@@ -155,3 +158,36 @@ def test_without_start_values_the_plant_is_blamed(tmp_path: Path, start: str) ->
     error = blamed_start(settings_of(rig, []), "z", UserError("odd"), START)
     expected = line_of(rig, "start = { position_start") if start else line_of(rig, "[plant.z]")
     assert (error.file, error.line) == (str(rig), expected)
+
+
+@pytest.mark.parametrize(
+    ("reason", "blamed"),
+    [
+        ("position_start1 is too far", "position_start1"),
+        ("assert(Kv_2 > 0)", "Kv_2"),
+        ("Kv_2 does not fit to position_start1", "Kv_2"),  # the last one of the run
+        ("Kv_22 and position_start are bad", None),  # the names of others
+        ("position_start12=3: bad", None),
+        ("bad", None),
+    ],
+)
+def test_an_fmu_that_refuses_its_begin_names_the_value_of_its_words(
+    reason: str, blamed: str | None
+) -> None:
+    """A name may have capitals and digits; without one it is the plant in the rig."""
+    settings = settings_of(RIGS / "gantry-pair.toml", ["plant:x.position_start1=5"])
+    (given,) = settings.start["x"]
+    settings.start["x"].append((replace(given[0], name="Kv_2", column="plant:x.Kv_2"), given[1]))
+
+    def refuse(_time_ns: int) -> None:
+        raise PlantError("x", 0, reason)
+
+    with pytest.raises(UserError) as caught:
+        start_plant(settings, SimpleNamespace(initialize=refuse))  # type: ignore[arg-type]
+    assert f"x: {reason}" in caught.value.message
+    if blamed is None:
+        assert caught.value.file is not None
+        assert caught.value.file.endswith("gantry-pair.toml")
+    else:
+        assert caught.value.file is None
+        assert str(caught.value).startswith(f"--set plant:x.{blamed}")

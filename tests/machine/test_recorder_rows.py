@@ -203,6 +203,43 @@ def test_a_drive_that_got_no_sync_leaves_the_rows_where_they_are(lost: str) -> N
 
 
 @pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("after_us", "noted_mm", "peak_mm"),
+    [
+        (0, 5.0, 5.0),  # its SYNC is that of the row, as on one segment
+        (0, 2.5, 2.5),
+        (0, 1.0, 2.0),  # the lag in the row itself is 2 mm
+        (0, 0.0, 2.0),
+        (300, 5.0, 5.0),  # its SYNC comes later
+        (-1000, 50.0, 2.0),  # it has got none: what it noted is of a cycle before
+    ],
+)
+def test_the_lag_that_a_drive_has_noted_at_its_ticks_counts_in_its_row(
+    after_us: int, noted_mm: float, peak_mm: float
+) -> None:
+    """Two axes: X has no ticks to note between its rows."""
+    plants = {name: Plant(name, "") for name in "XC"}
+    servos: Any = {
+        name: SimpleNamespace(tick_ns=MS, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
+    }
+    axes: Any = [RecordedAxis(name, plants[name], servos[name]) for name in plants]  # type: ignore[arg-type]
+    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    made = Recorder(whole, axes, {}, (), SeriesWriter(None))
+    servos["C"].lag_peak_m = noted_mm * 1e-3
+    for number in (2, 3):
+        servos["X"].sync_ns = number * MS
+        servos["C"].sync_ns = number * MS + after_us * US
+        whole.now_ns = number * MS + 400 * US
+        cycle = Cycle(number)
+        cycle.links = cycle.links[:2]
+        made(cycle)  # type: ignore[arg-type]
+    table = made.table()
+    assert table["time_ns"].to_numpy().tolist() == [2 * MS, 3 * MS]
+    assert table["C.drive_lag_peak_mm"].to_numpy() == pytest.approx([peak_mm] * 2)
+    assert table["X.drive_lag_peak_mm"].to_numpy() == pytest.approx([2.0] * 2)
+
+
+@pytest.mark.interpreted
 def test_a_stop_that_is_out_of_reach_when_the_program_begins_is_none(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
