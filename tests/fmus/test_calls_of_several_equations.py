@@ -89,14 +89,19 @@ def test_of_a_loop_only_calls_that_no_equation_has_are_left_for_a_name() -> None
         assert owners(calls, programs, text) == {3: 5, 8: 6, 9: 7}
 
 
-def test_a_call_that_is_known_stays_what_it_is_beside_a_name() -> None:
-    """Both programs have call 8: the equation knows it, and the statement has one more."""
-    text = "when c then v = h(1) + f(2); end when;"
-    at = {name: text.index(f"{name}(") for name in "hf"}
-    calls = [named(at["h"], at["h"] + 4, 5), named(at["f"], at["f"] + 4, 6)]
+def test_calls_that_are_known_stay_what_they_are_beside_a_name() -> None:
+    """Equations know calls 8 and 9, whose program the name has too; one more is left for it."""
+    text = "when c then v = h(1) + f(2) + g(3); end when;"
+    at = {name: text.index(f"{name}(") for name in "hfg"}
+    calls = [named(start, start + 4, 5 + n) for n, start in enumerate(at.values())]
     place = text.index("v =")
-    programs = [program((place, place + 1), 3, 8), program((at["f"], at["f"] + 4), 8)]
-    assert owners(calls, programs, text) == {3: 5, 8: 6}
+    whole = [program((at[name], at[name] + 4), 8 + n) for n, name in enumerate("fg")]
+    for programs in (
+        [program((place, place + 1), 3, 8), *whole],
+        [*whole, program((place, place + 1), 3)],
+        [*whole[::-1], program((place, place + 1), 3, 8, 9)],
+    ):
+        assert owners(calls, programs, text) == {3: 5, 8: 6, 9: 7}
 
 
 def test_calls_at_one_place_of_two_sources_are_two() -> None:

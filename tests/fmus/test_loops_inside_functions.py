@@ -80,18 +80,19 @@ def test_two_loops_in_a_row_have_results_of_their_own() -> None:
     assert values(made.call([total, *outputs], P)) == [6.0, 16.0, 24.5]
 
 
+@pytest.mark.parametrize("within", [0, 1])
 @pytest.mark.parametrize("passes", [0, 1, 3])
 def test_a_loop_in_a_loop_begins_anew_in_each_pass_and_sees_what_the_outer_one_carries(
-    passes: int,
+    passes: int, within: int
 ) -> None:
     """s = 1; for i in 1:n loop t = s; for j in 1:2 loop t = t + s*j; end for; s = t; end for.
 
-    In each pass t = s + s + 2 s.
+    In each pass t = s + s + 2 s. within: the loop in which the inner one reads s.
     """
     made = Made()
     made.domains = [domain((1, passes, 1)), domain((1, 2, 1))]
     outer = carried(made, 0, 0, 0)
-    step = made.binary("multiply", outer, binder(made, 1), 1)
+    step = made.binary("multiply", carried(made, 0, 0, within), binder(made, 1), 1)
     made.folds.append({})
     (inner,) = fold(made, 1, (outer, made.binary("add", carried(made, 1, 0, 1), step, 1)), within=0)
     (_, plan) = made.folds
@@ -173,6 +174,28 @@ def test_powers_by_element_and_sizes_of_nested_arrays() -> None:
     found = made.call([made.builtin("size", matrix), matrix, square], P)
     assert values(found[:8]) == [2, 3, 1, 2, 3, 4, 5, 6]
     assert found[8:] == [apply("Pow", const(k), const(2.0)) for k in (1.0, 2.0, 3.0)]
+
+
+def test_parts_of_a_matrix_keep_their_rows_first() -> None:
+    """m = (1 2 3; 4 5 6): all of it, the columns 1 and 3, and the second row."""
+    made = Made([(2, 3)])
+    matrix, every = made.argument(), {"kind": "colon"}
+    ends = made.add("array", elements=[made.real(1.0), made.real(3.0)])
+    some = {"kind": "index", "expression": ends}
+    second = {"kind": "index", "expression": made.real(2.0)}
+    for subscripts, expected, size in (
+        ([every, every], [1, 2, 3, 4, 5, 6], [2, 3]),
+        ([every], [1, 2, 3, 4, 5, 6], [2, 3]),
+        ([every, some], [1, 3, 4, 6], [2, 2]),
+        ([some, every][::-1], [1, 3, 4, 6], [2, 2]),
+        ([second, every], [4, 5, 6], [3]),
+        ([second], [4, 5, 6], [3]),
+        ([every, second], [2, 5], [2]),
+    ):
+        part = made.add("index", base=matrix, subscripts=subscripts)
+        numbers = [const(float(n)) for n in range(1, 7)]
+        found = values(made.call([part, made.builtin("size", part)], *numbers))
+        assert found == [*expected, *size]
 
 
 def test_a_record_with_any_array_is_refused() -> None:

@@ -113,3 +113,42 @@ def test_a_discrete_variable_has_an_equation_for_each_element(
     with pytest.raises(BuildError, match="lost the equation of m") as error:
         refuse_undetermined(found, determined)
     assert ("each element" in str(error.value)) is (count > 1)
+
+
+@pytest.mark.parametrize("before", ["", "  Real a = mydelay(1);\n", "// " + 60 * "\u00e4" + "\n"])
+def test_a_word_is_found_whole_and_at_its_own_line(before: str) -> None:
+    """A longer name that ends with it is another one, and letters of two bytes count as two."""
+    found = ir(temporal__delays=[1])
+    text = f"{before}model M\n{before}  Real x = delay(time, 1);\nend M;\n"
+    found.files[1] = (Path("/lib/M.mo"), text)  # type: ignore[index]
+    with pytest.raises(BuildError) as error:
+        refuse_unsupported(found)
+    assert error.value.line == text[: text.index("x = delay")].count("\n") + 1
+
+
+def test_a_lost_equation_is_named_at_the_declaration_of_its_variable() -> None:
+    found = ir()
+    start = len(TEXT[: TEXT.index("Real y")].encode())
+    span = {"source": 1, "start": start}
+    declared = {"name": "m", "role": "discrete_value", "scalar_count": 1}
+    for given, words in ((span, "M.mo:4: "), (None, "Lib.M: ")):
+        found.dae["variables"] = [{**declared, "declaration": {"span": given}}]  # type: ignore[index]
+        with pytest.raises(BuildError) as error:
+            refuse_undetermined(found, {5})
+        assert str(error.value) == f"{words}the compiler lost the equation of m"
+
+
+def test_a_variable_without_a_slot_of_p_needs_no_discrete_equation() -> None:
+    found = ir()
+    for name in ("x", "nobody"):
+        declared = {"name": name, "role": "discrete_real", "scalar_count": 1, "declaration": {}}
+        found.dae["variables"] = [declared]  # type: ignore[index]
+        refuse_undetermined(found, set())
+
+
+def test_variables_are_no_internal_values_of_the_compiler() -> None:
+    """Slot 3 of y is known whether slot 3 of p is or not."""
+    rows = [(apply("Add", variable(3), parameter(2)), Source("M.mo", 7))]
+    refuse_unknown_slots(ir(), rows, {2})
+    with pytest.raises(BuildError, match="an internal value of the compiler"):
+        refuse_unknown_slots(ir(), [(parameter(3), None)], {2})

@@ -86,6 +86,26 @@ def test_noise_is_compared_after_the_filter_has_settled() -> None:
     assert seen(observed, NOISE_EXPECTED).value == pytest.approx(np.sqrt(1 / 5))
 
 
+@pytest.mark.parametrize(("length", "counts"), [(30, 0), (66, 0), (67, 50), (90, 73)])
+def test_a_rest_counts_from_fifty_cycles_on_after_the_filter_has_settled(
+    length: int, counts: int
+) -> None:
+    """A mean of 5 settles in 17 cycles; the surface rests from row 100 to 300, 400 to 400 + n, and
+    from 500 + n on. In the middle one the filter lowers nothing, in both others to a quarter.
+    """
+    again = 400 + length
+    moves = ((K >= 300) & (K < 400)) | ((again <= K) & (again + 100 > K))
+    is_middle = (K >= 400) & (again > K)
+    noise = np.where(K % 2, 1e-3, -1e-3)
+    out = 2.0 + np.where(is_middle, 1.0, 0.25) * noise
+    gap = 2.0 + 1e-3 * np.cumsum(moves)
+    found = seen(filtered(2.0 + noise, out, gap=gap, words={"n_cycles": 5}), NOISE)
+    others = 200 - 17 + ROWS - 500 - length - 17
+    assert found.note.endswith(f"; {others + counts} cycles")
+    gain = np.sqrt((0.25**2 * others + counts) / (others + counts))
+    assert found.value == pytest.approx(gain, rel=1e-4)  # an odd number has one more of a sign
+
+
 def test_without_noise_or_rest_a_filter_shows_no_gain() -> None:
     flat = np.full(ROWS, 2.0)
     assert no_value(filtered(flat, flat), NOISE) == "the sensor has no noise"

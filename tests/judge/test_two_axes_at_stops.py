@@ -200,3 +200,19 @@ def test_a_set_value_has_a_bound_past_its_latch_at_the_one_axis_of_the_path_that
     }  # fmt: skip
     for value in found.values():
         assert value.measured == pytest.approx(float(DEMAND[-1]) - LATCHED_MM)
+
+
+BY_BOTH = {**BY_LAG, DETECT + "max_delta_position_window": 1500}
+
+
+@pytest.mark.parametrize("criteria", ["ZX", "XZ"])
+@pytest.mark.parametrize("of_both", ["X", "Z"])
+@pytest.mark.parametrize("later", [{"Z": 0, "X": 9}, {"X": 9, "Z": 0}, {"Z": 9, "X": 0}])
+def test_a_stop_is_predicted_by_the_criteria_of_the_axis_that_ends_the_run(
+    later: dict[str, int], of_both: str, criteria: str
+) -> None:
+    """One has its lag, the other one its lag and the change of its position."""
+    (block,) = stop_findings(recorded(later, criteria, {of_both: BY_BOTH}))
+    first = min(later, key=lambda axis: later[axis])
+    words = "lag and window" if first == of_both else "lag"
+    assert block.prediction == f"contact of {first} with its stop, found by {words}"

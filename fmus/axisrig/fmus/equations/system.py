@@ -16,6 +16,7 @@ from axisrig.fmus.equations.clocks import Schedule, read_clocks
 from axisrig.fmus.equations.events import AT_ZERO, Memories, Relation, Row, is_synthetic
 from axisrig.fmus.equations.exact_integers import with_exact_wholes
 from axisrig.fmus.equations.sorting import Block, Equation, Solver
+from axisrig.fmus.reading.calls import start_programs
 from axisrig.fmus.reading.expressions import (
     ONE,
     Expr,
@@ -285,11 +286,8 @@ class _Reader:
         return self._solved(_with_needed(equations, equations_at_once))
 
     def _initial_residuals(self) -> dict[int, Assignment]:
-        try:
-            programs = plain_programs(self._ir.solve["initialization"]["residual"])
-        except UnsupportedError as error:
-            raise self._ir.error(None, f"{error} is not supported") from error
-        return {row.index: row for row in self._rows({"programs": programs})}
+        rows = self._rows({"programs": start_programs(self._ir)})
+        return {row.index: row for row in rows}
 
     def _relations(self) -> list[Relation]:
         """The relations with their memory."""

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from axisrig.fmus.reading.expressions import UnsupportedError
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.reading.programs import plain_programs
 
@@ -27,8 +28,7 @@ def read_owners(ir: Ir) -> dict[int, int]:
     owners: dict[int, int] = {}
     taken: set[tuple[int, int]] = set()  # source and start of the calls that are known
     later = []
-    initial = plain_programs(ir.solve["initialization"]["residual"])
-    for span, numbers in (*_numbered_calls(ir.solve), *_numbered_calls(initial)):
+    for span, numbers in (*_numbered_calls(ir.solve), *_numbered_calls(start_programs(ir))):
         inside = _inside(named, span, (span.get("start", 0), span.get("end", 0)))
         if inside:
             owners |= _matched(ir, span, numbers, inside)
@@ -42,6 +42,17 @@ def read_owners(ir: Ir) -> dict[int, int]:
             free = {k: v for k, v in around.items() if (span["source"], k) not in taken}
             owners |= _matched(ir, span, unknown, free)
     return owners
+
+
+def start_programs(ir: Ir) -> list[dict[str, Any]]:
+    """The programs of the initial residual in the form of a plan.
+
+    Raises BuildError for a form that is not known.
+    """
+    try:
+        return plain_programs(ir.solve["initialization"]["residual"])
+    except UnsupportedError as error:
+        raise ir.error(None, f"{error} is not supported") from error
 
 
 def _inside(
