@@ -54,6 +54,70 @@ def test_a_variable_is_a_finite_number_and_no_flag() -> None:
     assert dict(values) == {"A": 1e300}
 
 
+def test_a_part_of_the_distance_control_unit_is_of_its_own_kind() -> None:
+    """A part of another unit does not fit, a new one of its own kind does."""
+    unit, other = DistanceControlUnit("unit"), DistanceControlUnit("other")
+    for part, wrong in (("command_w", unit.state_r), ("state_r", unit.command_w),
+                        ("command_w", other), ("state_r", BoolUnit())):  # fmt: skip
+        before = getattr(unit, part)
+        with pytest.raises(UserError, match=f"unit.{part} has been replaced") as refused:
+            setattr(unit, part, wrong)
+        assert refused.value.value is wrong
+        assert getattr(unit, part) is before
+    unit.command_w, unit.state_r = other.command_w, other.state_r
+    assert (unit.command_w, unit.state_r) == (other.command_w, other.state_r)
+
+
+@pytest.mark.parametrize("kind", [BoolUnit, Sgn64Unit, ExtLatchUnit, DistanceControlUnit])
+@pytest.mark.parametrize("element", ["commandw", "__doc__", "__slots__", "__init__"])
+def test_what_is_no_element_cannot_be_set_and_none_can_be_deleted(kind: type, element: str) -> None:
+    unit = kind()
+    with pytest.raises(AttributeError) as refused:
+        setattr(unit, element, True)
+    assert (refused.value.name, refused.value.obj) == (element, unit)
+    with pytest.raises(UserError, match="enable_w of the HLI cannot be deleted") as deleted:
+        delattr(unit, "enable_w")
+    assert deleted.value.hint == "set it to False or 0"
+
+
+@pytest.mark.parametrize(
+    ("use", "value", "where", "allowed"),
+    [
+        ("hli.ch.override.zzz", "zzz", "ch.override",
+         "allowed, enable_w, command_w, request_r, state_r"),
+        ("hli.ch.feedhold.zzz", "zzz", "ch.feedhold", "enable_w, command_w, request_r, state_r"),
+        ("hli.ch.feedhold.comand_w", "comand_w", "ch.feedhold", "command_w"),
+        ("hli.zzz", "zzz", "hli", "ax, ch, ve"),
+        ("hli.ax['Z'].zzz", "zzz", "hli.ax[..]", "lr_mc_control, lr_state"),
+        ("inputs.zzz", "zzz", "inputs", "time_ns, cycle, channel, wc_state"),
+    ],
+)  # fmt: skip
+def test_an_unknown_element_has_the_nearest_one_or_all_that_there_are(
+    tmp_path: Path, use: str, value: str, where: str, allowed: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
+    with pytest.raises(UserError) as refused:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["X", "Z"]))
+    assert refused.value.message == f"the PLC program asks for an unknown element of {where}"
+    assert (refused.value.value, refused.value.allowed) == (value, allowed)
+    assert ("did you mean" in str(refused.value)) == (allowed == "command_w")
+
+
+@pytest.mark.parametrize(
+    ("use", "hint"), [("hli.ax.Z", 'hli.ax["Z"]'), ("hli.ve.F", 'hli.ve["F"]')]
+)
+def test_what_is_asked_for_with_a_dot_is_written_with_brackets(
+    tmp_path: Path, use: str, hint: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
+    with pytest.raises(UserError) as refused:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["X", "Z"]))
+    assert refused.value.hint == f"write {hint}"
+    assert hint.partition("[")[0] in refused.value.message
+
+
 def test_overrides_have_the_highest_of_their_own() -> None:
     """200 % of the path, 100 % of an axis, in 0.1 %; other units have 64 bits."""
     hli = Hli(["X", "Z"])

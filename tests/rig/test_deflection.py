@@ -159,6 +159,59 @@ def test_the_direction_is_that_in_which_the_axes_came() -> None:
     assert bench.ways_mm == pytest.approx([0.1])
 
 
+def test_from_a_contact_at_rest_every_way_counts_and_no_block_is_blamed() -> None:
+    """The workpiece came: 0.3 and 0.4 in any direction are 0.5 mm, and it is never back."""
+    for to in ((0.3, 0.4), (-0.3, 0.4), (0.3, -0.4)):
+        bench = Bench()
+        for _ in range(2):
+            bench.cycle(0.0, 0.0)
+        bench.cycle(0.0, 0.0, contact_mm=(0.0, 0.0))
+        bench.cycle(*to)
+        bench.cycle(0.0, 0.0)
+        bench.cycle(-to[0], -to[1] * 1.5)
+        assert bench.ways_mm == pytest.approx([(0.09 + 0.36) ** 0.5])
+        ((found, words),) = bench.log.of("tip")
+        assert (found.block, found.axis, words) == (None, "", "")
+
+
+def test_a_contact_in_the_first_cycle_has_the_direction_of_that_cycle() -> None:
+    bench = Bench()
+    bench.cycle(0.0, -0.2, contact_mm=(0.0, -0.1))
+    assert bench.ways_mm == pytest.approx([0.1])
+    bench.cycle(0.5, -0.3)  # sidewards it does not count
+    assert bench.ways_mm == pytest.approx([0.2])
+
+
+def test_who_is_back_at_the_contact_is_still_pressed_and_beyond_it_free() -> None:
+    bench = Bench()
+    bench.approach()
+    bench.cycle(0.0, -0.1, contact_mm=(0.0, 0.0))
+    bench.cycle(0.0, 0.0)
+    bench.cycle(0.0, -0.3)  # no new contact: it never left
+    assert bench.ways_mm == pytest.approx([0.3])
+    bench.cycle(0.0, 0.001)
+    bench.cycle(0.0, -0.9)
+    assert bench.ways_mm == pytest.approx([0.3])
+
+
+def test_each_probe_has_its_own_contacts_and_breaks_by_itself() -> None:
+    bench = Bench(stroke_mm=STROKE_MM, breaks=True)
+    roles = bench.probe.roles
+    other: Any = SimpleNamespace(sources=bench.axes[1:], contacts=[], roles=roles)
+    deaf = SimpleNamespace(has_group=lambda _group: False)
+    bench.plant.probes |= {"other": other, "deaf": SimpleNamespace(roles=deaf)}
+    bench.settings.rig.plant["other"] = PlantTable(fmu="own.fmu", stroke_mm=1.0, breaks=True)
+    bench.log = DeflectionLog(bench.settings, bench.plant, MS)
+    bench.approach()
+    other.contacts.append(Contact(bench.plant.now_ns, {"z": 0.1}))
+    bench.cycle(0.0, -0.35, contact_mm=(0.0, 0.0))
+    assert [alarm.values["probe"] for alarm in bench.alarms] == ["tip"]
+    bench.cycle(0.0, -1.0)
+    assert [alarm.values["probe"] for alarm in bench.alarms] == ["tip", "other"]
+    assert bench.ways_mm == pytest.approx([1.0])
+    assert [each.mm for each, _ in bench.log.of("other")] == pytest.approx([1.1])
+
+
 def _driven(bench: Bench) -> list[str]:
     bench.approach()
     bench.cycle(0.0, -0.1, contact_mm=(0.0, 0.0))
