@@ -106,3 +106,22 @@ def test_the_one_folder_of_macos_is_explained(
     folder: str, processors: tuple[str, ...], end: str
 ) -> None:
     assert show._platform(Binary(folder, "m.dylib", "darwin", processors)).endswith(end)
+
+
+def test_the_size_is_that_of_the_file_and_what_is_in_it_is_beside_it() -> None:
+    """1234 bytes as it lies there; 1 MiB and half a MiB are in it. Then what identifies it."""
+    found = shown([])
+    assert found[:4] == [
+        ("file", "a.fmu"), ("size", "1234 bytes, 1.50 MiB in 2 entries"), ("sha256", "ab"),
+        ("model", "M"),
+    ]  # fmt: skip
+    facts = {"description": "d", "version": "v", "author": "a", "license": "l",
+             "generationTool": "t", "generationDateAndTime": "2026"}  # fmt: skip
+    labels = ["description", "version", "author", "license", "tool", "made"]
+    assert [pair for pair in shown([], **facts) if pair not in found] == [
+        *zip(labels, facts.values(), strict=True)
+    ]
+    for name, label in zip(facts, labels, strict=True):
+        assert [pair for pair in shown([], **{name: facts[name]}) if pair not in found] == [
+            (label, facts[name])
+        ]

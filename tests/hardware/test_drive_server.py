@@ -166,3 +166,20 @@ def test_a_simulated_segment_has_no_master_outside() -> None:
         with pytest.raises(UserError, match="is simulated") as refused:
             DriveServer(settings, REAL, lambda _: None)
         assert hint in str(refused.value.hint)
+
+
+def test_all_axes_that_a_written_eds_fits_are_named_with_their_drives(tmp_path: Path) -> None:
+    """In the order of the rig, each with its own drive and that drive's profile."""
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        f'base = "{(RIGS / "probe-xyz.toml").as_posix()}"\n'
+        '[drive.other]\nprofile = "akd-like"\n[axis.Y]\ndrive = "other"\n',
+        encoding="utf-8",
+    )
+    whole = drive_settings(rig, outside(), [], [])
+    words = {"X": "axis X (servo, profile generic)", "Y": "axis Y (other, profile akd-like)",
+             "Z": "axis Z (servo, profile generic)"}  # fmt: skip
+    assert whose_eds(whole) == ", ".join(words[name] for name in whole.rig.axis)
+    for names in (["Z"], ["X", "Z"], ["Y"]):
+        chosen = only_axes(whole, names)
+        assert whose_eds(chosen) == ", ".join(words[name] for name in names)

@@ -153,9 +153,12 @@ def test_values_that_are_words_have_no_worst_one() -> None:
     assert "OFF" in card["sentence"]
 
 
-def test_a_sample_of_one_value_is_not_drawn() -> None:
-    assert drawn((0.4,), -1.0, 1.0) == []
-    assert [lines(svg, "st-limit") for svg in drawn((0.4, 0.5), -1.0, 1.0)][:1] == [2]
+@pytest.mark.parametrize(("values", "is_drawn"), [((0.4,), False), ((0.4, 0.5), False),
+                                                  ((0.4, 0.5, 0.7), True)])  # fmt: skip
+def test_a_sample_is_drawn_from_three_values_on(values: tuple[float, ...], is_drawn: bool) -> None:
+    assert [lines(svg, "st-limit") for svg in drawn(values, -1.0, 1.0)] == (
+        [2, 2, 0] if is_drawn else []
+    )
 
 
 def test_runs_that_left_no_facts_or_no_signals_are_no_part_of_a_sample() -> None:
