@@ -291,3 +291,30 @@ def test_skip_lets_frames_pass_whether_they_would_be_hit_or_not(share: float) ->
     expected = [is_named and k >= 5 and sum(named[5:k]) < 2 for k, is_named in enumerate(named)]
     assert [hits.falls() for _ in range(40)] == expected
     assert sum(expected) == 2
+
+
+def test_the_first_fault_that_answers_decides_in_the_order_in_which_they_were_added(
+    scheduler: Scheduler, segment: Segment
+) -> None:
+    """Those behind it are not asked about that attempt; where it is silent the next one is."""
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    asked: list[tuple[str, int]] = []
+
+    def hook(name: str, numbers: set[int]) -> Callable[..., FaultAction | None]:
+        def decide(frame: Frame, _port: object, _attempt: int) -> FaultAction | None:
+            asked.append((name, frame.data[0]))
+            return Alter(name.encode()) if frame.data[0] in numbers else None
+
+        return decide
+
+    for name, numbers in (("a", {1, 4}), ("b", {1, 2, 4}), ("c", {2, 3})):
+        segment.add_fault(hook(name, numbers))
+    for number in range(1, 6):
+        sender.send_raw(0x181, bytes([number]))
+    scheduler.run_until(2 * MS)
+    got = [receiver.recv(0) for _ in range(5)]
+    assert [bytes(msg.data) for msg in got if msg] == [b"a", b"b", b"c", b"a", b"\x05"]
+    assert asked == [
+        ("a", 1), ("a", 2), ("b", 2), ("a", 3), ("b", 3), ("c", 3), ("a", 4),
+        ("a", 5), ("b", 5), ("c", 5),
+    ]  # fmt: skip

@@ -100,3 +100,37 @@ def test_a_fault_of_each_attempt_hits_the_repetitions_too(
     scheduler.run_until(2 * MS)
     assert (sender.tec, receiver.rec) == (3 * 8 - 2, 3 - 2)
     assert segment.load().error_frames == 3
+
+
+def test_two_senders_of_the_same_frame_count_it_both(
+    scheduler: Scheduler, segment: Segment
+) -> None:
+    """Same bits at the same instant: nobody loses. An error costs each 8, each good frame gives
+    1 back to each; a third port counts as a receiver."""
+    one, two = segment.port("one"), segment.port("two")
+    other = segment.port("other")
+    segment.add_fault(FrameFault(0x181, lambda _frame, _numbers: ErrorAtBit(20), Hits(count=1)))
+    counts = []
+    for number in range(1, 11):
+        for port in (one, two):
+            port.send_raw(0x181, b"same")
+        scheduler.run_until(number * MS)
+        counts.append((one.tec, two.tec, other.rec))
+    assert counts == [(8 - min(n, 8), 8 - min(n, 8), 0) for n in range(1, 11)]
+    assert segment.load().frames == 10
+
+
+def test_one_of_two_senders_goes_on_counting_when_the_other_sends_no_more(
+    scheduler: Scheduler, segment: Segment
+) -> None:
+    """A receiver of the frames of the other: its transmit count stays."""
+    one, two, _ = (segment.port(name) for name in ("one", "two", "other"))
+    segment.add_fault(FrameFault(0x181, lambda _frame, _numbers: ErrorAtBit(20), Hits(count=1)))
+    for port in (one, two):
+        port.send_raw(0x181, b"same")
+    scheduler.run_until(MS)
+    for number in range(2, 6):
+        two.send_raw(0x181, b"two")
+        scheduler.run_until(number * MS)
+    assert (one.tec, two.tec) == (7, 3)
+    assert (one.rec, two.rec) == (0, 0)

@@ -132,3 +132,41 @@ def test_power_that_goes_during_the_recovery_ends_it(
     assert sender.error_state is OFF
     scheduler.run_until(5 * MS + 128 * 11_000)
     assert (sender.error_state, sender.tec) == (ErrorState.ACTIVE, 0)
+
+
+@pytest.mark.parametrize("again_us", [0, 11, 700, 1407])
+def test_asking_again_does_not_begin_the_recovery_anew(scheduler: Scheduler, again_us: int) -> None:
+    """128 times 11 bits from the first question on, at rest; there is one end."""
+    with Segment("again", 1_000_000, scheduler, automatic_recovery=False) as segment:
+        sender, _ = segment.port("sender"), segment.port("receiver")
+        sender.force_bus_off()
+        scheduler.run_until(MS)
+        sender.recover()
+        scheduler.run_until(MS + again_us * 1000)
+        sender.recover()
+        scheduler.run_until(5 * MS)
+        found = [(time_ns, state) for time_ns, _, state in segment.state_changes]
+        assert found == [(0, OFF), (MS + 128 * 11_000, ErrorState.ACTIVE)]
+        sender.recover()  # nothing to recover from
+        scheduler.run_until(10 * MS)
+        assert len(segment.state_changes) == 2
+
+
+def test_two_that_are_off_count_each_for_itself(scheduler: Scheduler) -> None:
+    """One asks 500 us after the other; a frame in between counts once for both."""
+    with Segment("two", 1_000_000, scheduler, automatic_recovery=False) as segment:
+        ports = {name: segment.port(name) for name in ("a", "b", "busy", "receiver")}
+        for name in "ab":
+            ports[name].force_bus_off()
+        scheduler.run_until(MS)
+        ports["a"].recover()
+        scheduler.run_until(MS + 500_000)
+        ports["b"].recover()
+        scheduler.run_until(2 * MS)
+        ports["busy"].send_raw(0x100, b"")
+        scheduler.run_until(10 * MS)
+        bits = len(wire_bits(data_frame(0x100, b""))) + 13
+        # 1000 bits at rest hold 90 times 11, 500 hold 45; the frame has one more
+        left = {"a": 128 - 90 - 1, "b": 128 - 45 - 1}
+        back = {name: time_ns for time_ns, name, state in segment.state_changes if state is not OFF}
+        assert back == {name: 2 * MS + (bits + 11 * count) * 1000 for name, count in left.items()}

@@ -142,6 +142,52 @@ def test_an_error_is_at_the_innermost_line_of_the_program(tmp_path: Path) -> Non
     assert (caught.value.file, caught.value.line) == (str(path), 5)
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("import math\n\nclass Program\n    pass\n", 3),
+        ("class Program:\n    def cycle(self, inputs, hli):\n    pass\n", 3),
+        ("class Program:\n    def cycle(self, inputs, hli):\n        x = (1,\n", 3),
+    ],
+)
+def test_a_file_that_is_no_python_is_named_with_its_line(
+    tmp_path: Path, text: str, line: int
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(text, "utf-8")
+    with pytest.raises(UserError, match="the PLC program has failed: ") as caught:
+        PlcProgram(path)
+    assert (caught.value.file, caught.value.line) == (str(path), line)
+
+
+def test_a_text_that_the_program_reads_has_the_line_that_reads_it(tmp_path: Path) -> None:
+    """Not the line of its mistake in that text."""
+    path = tmp_path / "plc.py"
+    body = "        ast.literal_eval('1 +')\n"
+    path.write_text(f"import ast\n\n{HEAD}    def cycle(self, inputs, hli):\n{body}", "utf-8")
+    with pytest.raises(UserError, match="SyntaxError") as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    line = path.read_text("utf-8").splitlines().index(body.rstrip("\n")) + 1
+    assert (caught.value.file, caught.value.line) == (str(path), line)
+
+
+@pytest.mark.parametrize(
+    ("channels", "allowed"), [({}, "none"), ({2: ChannelInput(), 7: ChannelInput()}, "2, 7")]
+)
+def test_a_channel_that_is_not_there_has_those_that_are(
+    tmp_path: Path, channels: dict[int, ChannelInput], allowed: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(
+        f"{HEAD}    def cycle(self, inputs, hli):\n        inputs.channel[1]\n", "utf-8"
+    )
+    given = Named("channel of the terminal", channels)
+    with pytest.raises(UserError) as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, given), Hli(["Z"]))
+    assert caught.value.message == "the PLC program asks for an unknown channel of the terminal"
+    assert (caught.value.value, caught.value.allowed) == (1, allowed)
+
+
 def test_every_number_in_its_range_is_taken() -> None:
     """The limits themselves: 0 and 100 % of an axis, 200 % of the path, 64 bits of a stamp."""
     hli = Hli(["X"])

@@ -127,7 +127,9 @@ class PlcProgram:
             raise self._blamed(error) from error
 
     def _blamed(self, error: BaseException) -> UserError:
-        line = error.lineno if isinstance(error, SyntaxError) else self._line(error)
+        line = self._line(error)
+        if isinstance(error, SyntaxError) and error.filename == str(self._path):
+            line = error.lineno  # else it is of a text that the program has read
         if isinstance(error, UnknownNameError):
             return UserError(
                 f"the PLC program asks for an unknown {error.what}",
