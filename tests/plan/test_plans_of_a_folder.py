@@ -61,3 +61,38 @@ def test_a_plan_of_the_same_name_is_the_same_by_its_place_or_its_bytes(tmp_path:
         refuse_other_plans(folder, [plan_of(tmp_path / "sub" / "p.csv")])
     here.write_text("changed", encoding="utf-8")  # it is where it was
     refuse_other_plans(folder, [plan_of(here)])
+
+
+def test_a_plan_that_was_changed_is_the_same_in_its_place_however_it_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its bytes are others since; a call from another folder, or by a longer way, names it."""
+    (tmp_path / "sub").mkdir()
+    here = tmp_path / "p.csv"
+    here.write_text("then", encoding="utf-8")
+    digits = sha256_of(here)
+    here.write_text("now", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    for then, now in (
+        ("p.csv", here), (str(here), Path("p.csv")), ("sub/../p.csv", here),
+        (str(here), tmp_path / "sub" / ".." / "p.csv"),
+    ):  # fmt: skip
+        refuse_other_plans(folder_with(tmp_path, entry("p", then, digits)), [plan_of(now)])
+    (tmp_path / "sub" / "p.csv").write_text("now", encoding="utf-8")
+    with pytest.raises(UserError):
+        refuse_other_plans(folder_with(tmp_path, entry("p", "sub/p.csv", digits)), [plan_of(here)])
+
+
+def test_a_refusal_names_the_plan_that_is_none_of_the_folder_and_those_that_are(
+    tmp_path: Path,
+) -> None:
+    for name in "pqr":
+        (tmp_path / f"{name}.csv").write_text(name, encoding="utf-8")
+    paths = [tmp_path / f"{name}.csv" for name in "pqr"]
+    there = [entry(path.stem, str(path), sha256_of(path)) for path in paths[:2]]
+    called: Any = [SimpleNamespace(name=path.stem, path=path) for path in (paths[0], paths[2])]
+    with pytest.raises(UserError) as caught:
+        refuse_other_plans(folder_with(tmp_path, *there), called)
+    assert (caught.value.file, caught.value.value) == (str(tmp_path), str(paths[2]))
+    assert caught.value.allowed == f"{paths[0]}, {paths[1]}"
+    assert caught.value.hint == "name another folder with -o, or clear this one with --fresh"
