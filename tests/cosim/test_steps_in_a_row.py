@@ -4,6 +4,8 @@ import ctypes
 import itertools
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from tests.small_fmus import small_fmu
@@ -11,8 +13,15 @@ from tests.small_fmus import small_fmu
 from axisrig.fmus import FMI_VERSIONS, ensure_built
 from axisrig.fmus.build import build
 from axisrig.kernel.cosim.fmi.fmu import EndedError, Exchange, FmuSlave, PlantError, load_fmu
+from axisrig.kernel.cosim.fmi.library import Missing
 from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles
-from axisrig.kernel.cosim.fmi.steps import ROWS, StepsInARow, offers_steps, plain_references
+from axisrig.kernel.cosim.fmi.steps import (
+    FUNCTION,
+    ROWS,
+    StepsInARow,
+    offers_steps,
+    plain_references,
+)
 from axisrig.kernel.cosim.plant import axis as axis_module
 from axisrig.kernel.cosim.plant import distance as distance_module
 from axisrig.kernel.cosim.plant import edges as edges_module
@@ -104,6 +113,19 @@ def test_results_are_the_bits_of_single_steps(load, model: str, fmi: str) -> Non
 
 def test_other_fmus_do_not_offer_it(odd: Callable[..., FmuSlave]) -> None:
     assert not offers_steps(odd())
+
+
+@pytest.mark.parametrize(
+    ("is_there", "grid_ns", "offers"),
+    [(True, None, True), (True, 10 * US, False), (False, None, False), (False, MS, False)],
+)
+def test_an_fmu_with_a_grid_of_steps_is_stepped_one_by_one(
+    is_there: bool, grid_ns: int | None, offers: bool
+) -> None:
+    """Between the points of a grid its outputs hold: it goes to the next point in each step."""
+    found: Any = (lambda *_: 0) if is_there else Missing(FUNCTION)
+    slave: Any = SimpleNamespace(grid_ns=grid_ns, function=lambda _name, _kinds: found)
+    assert offers_steps(slave) is offers
 
 
 def test_only_scalars_of_doubles_without_conversion(load) -> None:

@@ -129,6 +129,39 @@ def test_what_was_before_is_kept_of_discrete_and_continuous_variables() -> None:
     assert source(previous=[(0, "p", 1)]).entry() == ""
 
 
+# Functions of the states
+
+
+def states(body: str, x: Sequence[float], p: Sequence[float] = ()) -> dict[str, list[float]]:
+    """What a function of the states puts into dx or z."""
+    held: dict[str, Any] = {"x": list(x), "p": list(p), "dx": [None] * 3, "z": [None] * 3}
+    for line in lines_of(body):
+        exec(line.removeprefix("const double ").rstrip(";"), {}, held)
+    return held
+
+
+def test_derivatives_and_relations_read_what_follows_from_the_states_in_its_order() -> None:
+    """y2 = 2 x0, y3 = y2 + x1, y4 = y3 - y2; what nothing needs is not computed."""
+    y2, y3, y4 = (variable(n) for n in (2, 3, 4))
+    made = source(
+        state_count=2,
+        algebraics=[
+            row(2, apply("Mul", const(2.0), variable(0)), "y"),
+            row(5, apply("Div", y2, const(0.0)), "y"),
+            row(3, apply("Add", y2, variable(1)), "y"),
+            row(4, apply("Sub", y3, y2), "y"),
+        ],
+        derivatives=[row(0, y4, "y"), row(1, apply("Add", y2, parameter(0)), "y")],
+        relations=[SimpleNamespace(function=apply("Sub", variable(1), parameter(1))),
+                   SimpleNamespace(function=y3)],
+    )  # fmt: skip
+    assert states(made.derivatives(), [3.0, 5.0], [10.0, 4.0])["dx"] == [5.0, 16.0, None]
+    assert states(made.relation_functions(), [3.0, 5.0], [10.0, 4.0])["z"] == [1.0, 11.0, None]
+    assert "/ 0" not in made.derivatives()
+    assert "y4" in made.derivatives()
+    assert "y4" not in made.relation_functions()
+
+
 # Messages and ends
 
 
