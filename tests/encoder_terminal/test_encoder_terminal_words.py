@@ -210,3 +210,21 @@ def test_counter_and_latch_wrap_alike_in_both_directions(place: int, began_at: i
     unit.command({"CONTROL": words.EN_LAT_EXT, "SET": 100}, place)
     unit.command({"CONTROL": words.CNT_SET | words.EN_LAT_EXT, "SET": 0xFFFF}, place)
     assert unit.inputs(place + 2, level=False)["COUNTER"] == 1
+
+
+def test_a_terminal_is_asked_for_nothing_before_its_first_image() -> None:
+    """The place that was kept is asked for with it, and a measuring run may have begun before."""
+    asked: list[int] = []
+    port = ImagePort()
+    drive = EncoderTerminalDrive(SETTINGS, port, lambda: asked.append(1) or 4711)
+    drive.order(PowerOrder.SWITCH_ON)
+    drive.arm()
+    drive.send(0.0)
+    assert port.outputs is not None
+    sent = words.TO_TERMINAL.values_of(port.outputs)
+    assert (sent["CONTROL"], sent["SET"], asked) == (0, 0, [])
+    port.receive(words.FROM_TERMINAL.packed({"DRIVE": 1}))
+    drive.take()
+    drive.send(0.0)
+    assert words.TO_TERMINAL.values_of(port.outputs)["SET"] == 4711
+    assert asked == [1]

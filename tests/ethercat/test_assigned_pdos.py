@@ -42,7 +42,12 @@ class Started:
                 assert self.line.sdo_write(index, sub, entry, 2) == 0
             assert self.line.sdo_write(index, 0, len(entries), 1) == 0
 
-    def run(self, *outputs: Pdo, objects: Alarm | None = None) -> None:
+    def run(
+        self,
+        *outputs: Pdo,
+        objects: Alarm | None = None,
+        lacks: tuple[int, int] | None = None,
+    ) -> None:
         settings = SlaveSettings(axis="Z", node_id=1, increments_per_mm=1.0, lag_delay_cycles=0,
                                  outputs=outputs, inputs=INPUTS)  # fmt: skip
         start_up: Any = type("Objects", (), {"begin": lambda _, ended: ended(objects)})()
@@ -55,7 +60,11 @@ class Started:
             except StopIteration:
                 return
             if isinstance(step, ReadObject):
-                answer = self.line.sdo_read(step.index, step.sub)
+                answer = (
+                    SdoError(step.index, step.sub, 0x06090011)
+                    if (step.index, step.sub) == lacks
+                    else self.line.sdo_read(step.index, step.sub)
+                )
             else:
                 assert isinstance(step, WriteObject)
                 self.writes += 1
@@ -140,6 +149,23 @@ def test_what_the_drive_refuses_is_named_with_its_value() -> None:
         started.run(pdo(0x1600, CONTROL, STATUS))
     assert (raised.value.id, raised.value.values["axis"]) == (900011, "Z")
     assert raised.value.values["step"] == "PDOs: 0x1600:2 = 0x60410010"
+
+
+@pytest.mark.parametrize(
+    ("lacks", "name"),
+    [((0x1C12, 0), "0x1C12:0"), ((0x1600, 2), "0x1600:2"), ((0x1C13, 1), "0x1C13:1")],
+)
+def test_what_cannot_be_read_is_named_and_nothing_is_written(
+    lacks: tuple[int, int], name: str
+) -> None:
+    started = Started(outputs=[0x1600], inputs=[0x1A00])
+    with pytest.raises(Alarm) as raised:
+        started.run(pdo(0x1600, CONTROL, TARGET, PROBE), objects=None, lacks=lacks)
+    values = raised.value.values
+    assert (raised.value.id, values["axis"], values["node"]) == (900011, "Z", 1)
+    assert values["step"] == f"the reading of {name}"
+    assert values["answer"] == str(SdoError(*lacks, 0x06090011))
+    assert started.writes == 0
 
 
 def test_after_an_object_that_is_refused_no_pdo_is_written() -> None:

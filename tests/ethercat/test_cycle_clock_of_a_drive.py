@@ -148,6 +148,26 @@ def test_sync0_agrees_with_60c2(cycle0: int, refused: str | None) -> None:
     assert other.made.disagrees() is None
 
 
+@pytest.mark.parametrize("period_ns", [250 * US, 249 * US])
+def test_the_least_cycle_of_sync0_is_taken_where_60c2_is_the_same(period_ns: int) -> None:
+    """1C32:05 = 250 us is what the drive can do."""
+    on = Cycle(2, period_ns)
+    on.sync.cycle0 = period_ns
+    on.made.start()
+    assert on.made.disagrees() == (None if period_ns == 250 * US else "INVALID_SYNC0_CYCLE")
+    assert on.made.read(OUTPUTS, CYCLE) == period_ns
+
+
+def test_what_is_counted_ends_at_16_bits() -> None:
+    """1C32:0B is an UNSIGNED16; those in a row go on, for the drive gives up by them."""
+    on = Cycle(2)
+    on.made.start()
+    on.made.missed = 0xFFFE
+    for _ in range(3):
+        on.made.sync0()
+    assert (on.made.read(OUTPUTS, MISSED), on.made.missing) == (0xFFFF, 3)
+
+
 def test_a_timing_changes_where_the_state_allows_it() -> None:
     """What is there, or what runs now, may be written always."""
     on = Cycle(1)

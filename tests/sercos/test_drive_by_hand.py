@@ -52,6 +52,10 @@ class Channel:
         self.asked.append((ident, value))
         self._open.append((ident, done))
 
+    @property
+    def is_open(self) -> bool:
+        return bool(self._open)
+
     def answer(self, data: bytes = b"") -> None:
         self._open.pop(0)[1](data)
 
@@ -400,3 +404,22 @@ def test_after_a_reset_a_procedure_command_goes_on_and_nobody_asks_for_it() -> N
         channel.answer()
         assert (accesses.is_waiting, accesses.is_busy) == (False, False)
         accesses.check()
+
+
+def _look_for_a_place(bench: Bench, cycles: int) -> None:
+    for _ in range(cycles):
+        bench.cycle(0x4000, 1000)
+        bench.drive.find_place()
+        while bench.channel.is_open:
+            bench.channel.refuse(0x7002)
+
+
+def test_a_place_that_the_drive_does_not_report_is_asked_for_again_and_then_an_alarm() -> None:
+    """S-0-0051 over the service channel, ten times; the alarm has the words of the refusal."""
+    bench = Bench(proves_places=True)
+    with pytest.raises(Alarm) as caught:
+        _look_for_a_place(bench, 100)
+    assert caught.value.id == 900085
+    assert caught.value.values["answer"] == str(SoeError(51, 0x7002))
+    assert bench.channel.asked == [(51, READ_VALUE)] * 10
+    assert not bench.drive.is_placed

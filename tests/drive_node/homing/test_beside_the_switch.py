@@ -110,3 +110,21 @@ def test_the_edge_is_passed_with_the_slow_speed(method: int, place: str) -> None
         bench.run_ms(0.25)
         assert bench.scheduler.now_ns < 2e9
     assert velocity_mm_s == pytest.approx(figure.side * SLOW, rel=0.01)
+
+
+@pytest.mark.parametrize("method", [-3, -4, -1, -2])
+@pytest.mark.parametrize("word", [0x0F, 0x11F])
+def test_an_axis_that_is_let_go_at_the_stop_is_led_from_where_it_is(method: int, word: int) -> None:
+    """Broken off or halted while it presses: the demand was on its way through the stop."""
+    bench = Bench(2.6, wall_mm=3.0, floor_mm=2.0, homing_torque=300, homing_stop_ms=500)
+    bench.write(homing_method=method, controlword=0x1F)
+    bench.run_ms(150)
+    place_mm = 3.0 if method in (-3, -1) else 2.0
+    assert bench.place_mm == place_mm
+    assert abs(bench.axis.demand_position_m() * 1e3 - place_mm) > 0.5
+    bench.write(controlword=word)
+    bench.run_ms(50)
+    if word == 0x0F:
+        assert bench.axis.demand_position_m() * 1e3 == pytest.approx(place_mm, abs=1e-3)
+    assert min(bench.axis.limits_n[-1]) > 60_000
+    assert bench.bits & (ATTAINED | REACHED) == REACHED

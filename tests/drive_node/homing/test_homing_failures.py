@@ -144,3 +144,40 @@ def test_a_start_bit_that_falls_when_home_is_found_takes_nothing_away(late_ms: f
     bench.write(controlword=0x0F)
     bench.run_ms(300)
     assert bench.bits == ATTAINED | REACHED
+
+
+@pytest.mark.parametrize(("method", "start_mm"), [(17, 1.5), (18, 2.5)])
+def test_both_limits_at_once_are_an_error_while_one_of_them_is_looked_for(
+    method: int, start_mm: float
+) -> None:
+    """The other one comes on with it: which of both the axis has met is not known."""
+    switches = {"negative": Switch(-1e9, 1.0), "positive": Switch(3.0, 1e9)}
+    bench = Bench(start_mm, switches)
+    other = switches["positive" if method == 17 else "negative"]
+    other.low_mm, other.high_mm = (-1e9, 1.0) if method == 17 else (3.0, 1e9)
+    assert failed(bench, method) == pytest.approx(1.0 if method == 17 else 3.0, abs=2.0)
+    assert not bench.bits & ATTAINED
+
+
+@pytest.mark.parametrize(
+    ("objects", "most_mm_s"),
+    [
+        ({"max_profile_velocity": 10}, 10.0),
+        ({"max_motor_speed": 12}, 2.0),  # 12 rev/min of 10 mm
+        ({"max_profile_velocity": 80, "max_motor_speed": 600}, FAST),
+    ],
+)
+@pytest.mark.parametrize("method", [17, 18])
+def test_a_search_is_no_faster_than_the_drive_may_be(
+    objects: dict[str, int], most_mm_s: float, method: int
+) -> None:
+    """607F and 6080 limit 6099 too, in either direction."""
+    switches = {"negative": Switch(-1e9, -100.0), "positive": Switch(100.0, 1e9)}
+    bench = Bench(0.0, switches)
+    if "max_profile_velocity" in objects:
+        objects = {**objects, "max_profile_velocity": objects["max_profile_velocity"] * 104_858}
+    bench.write(**objects)
+    bench.write(homing_method=method, controlword=0x1F)
+    bench.run_ms(120)
+    velocity_mm_s = bench.axis.ramp[2] * 1e3
+    assert velocity_mm_s == pytest.approx(most_mm_s * (-1 if method == 17 else 1), rel=1e-3)
