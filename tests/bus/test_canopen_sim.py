@@ -316,7 +316,10 @@ def test_on_another_interface_the_classes_are_plain_canopen() -> None:
     assert type(remote.nmt.state_update) is threading.Condition
     with pytest.raises(NmtError):
         remote.nmt.wait_for_heartbeat(timeout=0.01)
+    with pytest.raises(NmtError):
+        remote.nmt.wait_for_bootup(timeout=0.01)
     assert remote.emcy.wait(timeout=0.01) is None
+    master.withdraw([0x203])  # its controller is out of reach
     local.add_read_callback(lambda **_: 1 // 0)
     with pytest.raises(SdoAbortedError):
         remote.sdo.upload(TARGET, 0)
@@ -328,3 +331,60 @@ def test_on_another_interface_the_classes_are_plain_canopen() -> None:
 def test_interface_by_name_needs_an_open_segment() -> None:
     with pytest.raises((can.CanInitializationError, can.CanInterfaceNotImplementedError)):
         SimNetwork().connect(interface="axisrig", channel="nowhere")
+
+
+@pytest.mark.parametrize("joins_first", [True, False])
+def test_a_further_sdo_channel_is_heard_whenever_it_was_added(
+    pair: Pair, joins_first: bool
+) -> None:
+    """CiA 301: an expedited answer 43 of four bytes to the request 40, on their own identifiers."""
+    node = SimRemoteNode(7, dictionary())
+    if joins_first:
+        pair.master.add_node(node)
+    client = node.add_sdo(0x647, 0x5C7)
+    if not joins_first:
+        pair.master.add_node(node)
+    assert [*node.sdo_channels][-1] is client
+    client.network = pair.master  # canopen leaves it to who adds the channel
+
+    def answer(_can_id: int, data: bytearray, _time: float) -> None:
+        assert data[0] == 0x40
+        pair.drive.send_message(0x5C7, b"\x43" + bytes(data[1:4]) + b"\x11\x22\x33\x44")
+
+    pair.drive.subscribe(0x647, answer)
+    assert client.upload(TARGET, 0) == b"\x11\x22\x33\x44"
+    begin_ns = pair.segment.now_ns
+    pair.drive.unsubscribe(0x647, answer)
+    client.RESPONSE_TIMEOUT = 0.02
+    client.MAX_RETRIES = 1
+    with pytest.raises(SdoCommunicationError):
+        client.upload(TARGET, 0)
+    assert pair.segment.now_ns - begin_ns == pytest.approx(20 * MS, abs=MS)
+
+
+def test_a_network_that_has_left_sends_no_more(segment: Segment) -> None:
+    network, other = SimNetwork(segment.port("one")).connect(), segment.port("other")
+    network.send_message(0x123, b"\x01")
+    segment.scheduler.run_until(MS)
+    assert other.recv(0) is not None
+    network.disconnect()
+    with pytest.raises(RuntimeError, match="Not connected"):
+        network.send_message(0x123, b"\x01")
+    segment.scheduler.run_until(2 * MS)
+    assert other.recv(0) is None
+
+
+def test_the_scanner_keeps_the_order_of_the_first_messages_and_forgets_on_reset(
+    pair: Pair,
+) -> None:
+    """EMCY, TPDO1, SDO answer and heartbeat are of a node; SYNC, RPDO and NMT of none."""
+    scanner = pair.master.scanner
+    for can_id in (0x709, 0x080, 0x185, 0x205, 0x087, 0x000, 0x585, 0x581):
+        pair.drive.send_message(can_id, b"\x05" * 8)
+    pair.segment.scheduler.run_until(5 * MS)
+    assert scanner.nodes == [9, 5, 7, 1]
+    scanner.reset()
+    assert scanner.nodes == []
+    pair.drive.send_message(0x185, b"\x05")
+    pair.segment.scheduler.run_until(6 * MS)
+    assert scanner.nodes == [5]
