@@ -71,6 +71,8 @@ def test_a_weight_holds_until_another_one_or_the_end_of_the_program() -> None:
     assert (of("X"), of("Y")) == (500.0, 250.0)
     found.weigh(canon.DynamicWeights(BLOCK, "acceleration", {"X": 0.8}))
     assert (of("X"), of("Y")) == (800.0, 250.0)
+    found.weigh(canon.DynamicWeights(BLOCK, "ramp_time", {"Y": 2.0}))
+    assert (of("X"), of("Y")) == (800.0, 250.0)
     found.begin()
     assert (of("X"), of("Y")) == (1000.0, 1000.0)
     found.weigh(canon.DynamicWeights(BLOCK, "ramp_time", {"X": 2.0}))  # nothing is left of them
