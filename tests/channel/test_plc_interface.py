@@ -146,6 +146,18 @@ def test_an_order_is_in_force_when_the_one_before_is_acknowledged() -> None:
         assert (unit.order, unit.number, unit.given_ns, unit.is_idle) == (orders[1], 2, 30, True)
 
 
+def test_orders_that_wait_come_in_the_order_in_which_they_were_given() -> None:
+    unit = ProbingUnit()
+    orders = [LatchOrder(LatchTask.ENABLE, probe_input) for probe_input in (7, 3, 9, 1)]
+    for order in orders:
+        unit.give(order, 5)
+    for number, order in enumerate(orders, start=1):
+        assert (unit.order, unit.number, unit.is_idle) == (order, number, False)
+        unit.take(AxisWrites(done_order=number), 10 * number)
+    assert (unit.order, unit.number, unit.given_ns) == (orders[-1], 4, 30)
+    assert unit.is_idle
+
+
 @pytest.mark.parametrize("offset_ns", [-2_500, 0, 700, -3_000_000_000, 86_400_000_000_000])
 @pytest.mark.parametrize("drift_ppm", [-40.0, 0.0, 100.0])
 def test_a_stamp_is_the_bus_time_by_offset_and_drift_of_its_clock(
