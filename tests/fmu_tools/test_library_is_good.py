@@ -19,7 +19,7 @@ STAGES = (*stages.FIRST, *stages.REST)
 
 def failed(findings: list[Finding]) -> list[str]:
     """What may not be."""
-    return [f"{found.area}: {found.text}" for found in findings if found.level is Level.FAIL]
+    return [f"{found.area}: {found.text}" for found in findings if found.level == Level.FAIL.value]
 
 
 @pytest.mark.long(but=1)

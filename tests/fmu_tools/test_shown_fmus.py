@@ -115,6 +115,7 @@ def test_the_size_is_that_of_the_file_and_what_is_in_it_is_beside_it() -> None:
         ("file", "a.fmu"), ("size", "1234 bytes, 1.50 MiB in 2 entries"), ("sha256", "ab"),
         ("model", "M"),
     ]  # fmt: skip
+    assert [label for label, _ in found[4:]] == ["FMI", "platform"]  # nothing else is given
     facts = {"description": "d", "version": "v", "author": "a", "license": "l",
              "generationTool": "t", "generationDateAndTime": "2026"}  # fmt: skip
     labels = ["description", "version", "author", "license", "tool", "made"]

@@ -6,6 +6,7 @@ from typing import Any
 
 import fmpy
 import pytest
+from rich.console import Console
 from tests.fmu_tools.described import variable
 
 from axisrig.bench.tools.fmu import show
@@ -129,3 +130,41 @@ def test_libraries_of_all_interfaces_are_found_each_once(
     found = show.read_fmu(Path("a.fmu"))
     assert found.binaries == [f"unpacked:{name}" for name in libraries]
     assert found.can is None
+
+
+@pytest.mark.parametrize(
+    ("width", "has_all"), [(80, False), (119, False), (120, True), (200, True)]
+)
+def test_a_window_of_120_signs_holds_all_columns(
+    width: int, has_all: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a narrower one a line says what is not shown."""
+
+    def window(**words: Any) -> Console:
+        return Console(width=width, force_terminal=True, color_system=None, **words)
+
+    monkeypatch.setattr(show, "Console", window)
+    show.show_fmu(shown(own("x", causality="output", description="a way")), is_all=False)
+    text = capsys.readouterr().out
+    head = next(line for line in text.splitlines() if line.split()[:2] == ["variable", "causality"])
+    assert head.split() == list(COLUMNS if has_all else COLUMNS[:5])
+    assert ("a way" in text) is has_all
+    words = "a window of 120 columns, or a file, shows variability, min, max, description"
+    assert (words in text) is not has_all
+
+
+def test_a_file_has_all_columns_and_no_name_in_two_lines(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """What is written into a file or a pipe is searched: names of 150 signs stay whole."""
+    name = "part." * 30
+    show.show_fmu(shown(own(name, causality="output", description="a way")), is_all=False)
+    (line,) = [one for one in capsys.readouterr().out.splitlines() if name in one]
+    assert line.split() == [name, "output", "Float64", "continuous", "a", "way"]
+
+
+def test_signs_that_steer_a_terminal_do_nothing_in_the_table() -> None:
+    """ESC of a colour, a bell and a line feed of a description come from its maker."""
+    (row,) = cells(own("x\x1b[31m", description="a\nway\a", start="\x1b[2J"))
+    assert not any(sign in text for text in row.values() for sign in "\x1b\a\n")
+    assert row["variable"].startswith("x")

@@ -1,5 +1,6 @@
 """Tools and stops at their ends: a second stretch, states, readings that are none, the last row."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -76,6 +77,25 @@ def test_the_programmed_path_has_no_offset() -> None:
     found = motion()
     assert np.abs(found.programmed_mm[:, [0, 2]]).max() < 1e-9
     assert np.abs(found.offset_mm).max() == pytest.approx(tilted.OFFSET_MM)
+
+
+@pytest.mark.parametrize("name", ["A.superposed_deg", "A.superposed_mm"])
+def test_what_turns_the_tool_beside_the_program_moves_its_tip(name: str) -> None:
+    """5 degrees around a pivot that is 180 mm away: a chord of 2 * 180 sin 2.5; -35 to -30 degrees.
+
+    Older recordings have it under the name of a length. The programmed path is without it.
+    """
+    still, on = tilted.trace(offset_mm=0.0), np.arange(tilted.ROWS) >= tilted.STEP
+    columns = {one: np.asarray(still[one]) for one in still.column_names if one[:6] != "A.supe"}
+    columns |= {name: 5.0 * on, "A.set_deg": columns["A.set_deg"] + 5.0 * on}
+    for offset_mm in (1.5, -1.5):
+        columns["channel.offset_mm"] = offset_mm * on
+        found = motion(pa.table(columns))
+        is_later = found.times_ns >= tilted.STEP * MS
+        way = 2 * (tilted.LEVER_MM + tilted.TOOL_MM) * math.sin(math.radians(2.5))
+        assert found.moved_mm[is_later] == pytest.approx(math.copysign(way, offset_mm))
+        assert (found.moved_mm[~is_later] == 0.0).all()
+        assert found.programmed_mm == pytest.approx(motion(still).programmed_mm, abs=1e-9)
 
 
 def test_a_reading_that_is_not_valid_meets_nothing() -> None:

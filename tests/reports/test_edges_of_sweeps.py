@@ -1,0 +1,99 @@
+"""Sweeps, searches and paths where two things differ: order, room, ways that go backwards."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.reports.test_blocks_of_sweeps import THREE, captions, sample, section, sweep
+from tests.reports.test_searches_of_a_page import COLUMN, search
+from tests.reports.test_signals_of_distance import path
+from tests.reports.test_ways_of_failing import check, run, text
+
+from axisrig.bench.campaign.results.stored import StoredResults
+from axisrig.bench.plan.check_row import CheckRow
+from axisrig.reports.distance.path import WIDTH
+from axisrig.reports.sweeps.searches import search_pictures
+from axisrig.reports.sweeps.section import sweeps
+
+
+@pytest.mark.parametrize(
+    ("x", "shares"),
+    [
+        ((0.0, 10.0), (0.0, 1.0)), ((10.0, 0.0), (1.0, 0.0)), ((-3.0, -8.0), (1.0, 0.0)),
+        ((0.0, 10.0, 0.0), (0.0, 1.0, 0.0)), ((5.0, 10.0, 0.0, 5.0), (0.5, 1.0, 0.0, 0.5)),
+    ],
+)  # fmt: skip
+def test_a_path_is_as_wide_as_its_picture_whichever_way_it_goes(
+    x: Sequence[float], shares: Sequence[float]
+) -> None:
+    """The smallest place is at the left, the largest one at the right."""
+    at = np.linspace(0.0, len(x) - 1.0, 13)
+    still = {"Z__distance_state": 1.0, "gap__distance_true_mm": 2.0, "Z__truth_mm": 5.0,
+             "Z__set_mm": 5.0, "Z__offset_mm": 0.0, "Y__truth_mm": 0.0}  # fmt: skip
+    rows = {name: [value] * 13 for name, value in still.items()}
+    svg = path(X__truth_mm=np.interp(at, range(len(x)), x), **rows)
+    (points,) = re.findall(r'class="dp-surface" points="([^"]*)"', svg)
+    places = [float(point.split(",")[0]) for point in points.split()]
+    left, right = 54.0, WIDTH - 10.0
+    assert (min(places), max(places)) == (left, right)
+    ends = [places[round(number * 12 / (len(x) - 1))] for number in range(len(x))]
+    assert [(place - left) / (right - left) for place in ends] == pytest.approx(shares, abs=1e-3)
+
+
+def test_metrics_of_a_search_come_by_their_worst_probe() -> None:
+    """Not by its last one; a metric without a limit says nothing of the search."""
+    row, *probes = search("p-s", "pass", "fail", "pass")
+    words = {"good": ("pass", "pass", "pass"), "middle": ("pass", "inconclusive", "pass"),
+             "bad": ("fail", "pass", "pass"), "last": ("pass", "pass", "marginal")}  # fmt: skip
+    for place, probe in enumerate(probes):
+        probe.__dict__["checks"] = [
+            CheckRow(name, value=str(place), upper="1", uncertainty="0", verdict=verdicts[place])
+            for name, verdicts in words.items()
+        ] + [CheckRow("free", value=str(place), uncertainty="0", verdict="fail")]
+    drawn = re.findall(r"<figcaption>(\w+) over", search_pictures(row, probes))
+    assert drawn == ["bad", "middle", "last"]
+    assert COLUMN in search_pictures(row, probes)
+
+
+@pytest.mark.parametrize(("columns", "second"), [(49, 0), (48, 0), (47, 1), (3, 1)])
+def test_the_first_sweep_is_drawn_however_many_pictures_it_takes(columns: int, second: int) -> None:
+    """48 pictures are the room of the section; what has none is counted."""
+    names = tuple(f"plc:V.E.A{number}" for number in range(columns))
+    many = sweep(*(sample(" ".join([str(n)] * columns), n) for n in range(3)), columns=names)
+    one = sweep(*(sample(str(n), n) for n in range(3)), metric="other")
+    shown = section(many, one)
+    assert shown.count("<figure>") == columns + second
+    assert ("1 more metrics over swept inputs are not drawn" in shown) is (second == 0)
+
+
+def test_further_pictures_of_a_metric_name_their_input_with_its_unit() -> None:
+    columns = (THREE[0], "plant:probe.trigger_delay_us", "plant:Z.v_max_mm_s")
+    runs = [sample(" ".join([str(n)] * 3), n) for n in (1, 2, 3)]
+    assert captions(section(sweep(*runs, columns=columns))) == [
+        "p-c: m, um over plc:V.E.A", "over plant:probe.trigger_delay_us in us",
+        "over plant:Z.v_max_mm_s in mm/s",
+    ]  # fmt: skip
+
+
+def test_a_metric_that_one_value_of_the_input_has_is_no_sweep() -> None:
+    """Three runs with another value each at input 1; at 2 it is a word, at 3 it is missing."""
+    runs = [
+        run(f"r{n}", check(str(n), metric="all"), check(str(n), metric="one"), at=("1", "1"))
+        for n in range(3)
+    ]
+    runs += [run("r3", check("9", metric="all"), text("OFF"), at=("2", "1")),
+             run("r4", check("7", metric="all"), at=("3", "1"))]  # fmt: skip
+    found = sweeps(StoredResults(Path(), runs, {}))
+    assert [(one.metric, one.columns, len(one.samples)) for one in found] == [
+        ("all", ("plc:V.E.A",), 5)
+    ]
+
+
+@pytest.mark.parametrize(("count", "is_one"), [(2, False), (3, True)])
+def test_a_sweep_has_three_runs_at_least(count: int, is_one: bool) -> None:
+    runs = [run(f"r{n}", check(str(n)), at=(str(n), "1")) for n in range(count)]
+    beside = run("s", check("5"), at=("9", "1"), case="d")
+    about = run("p-c", check("5"), runs="4")
+    assert bool(sweeps(StoredResults(Path(), [*runs, beside, about], {}))) is is_one
