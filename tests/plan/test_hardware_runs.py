@@ -188,3 +188,30 @@ def test_a_program_goes_to_real_axes_only_with_all_checks(
     assert news == [(1, False), (Path("a.nc"), ("Z",)), "plant", "allowed"]
     changes = ["plc:V.E.A=1", "bus:can1.interface=slcan"]
     assert found == (Path("a.nc"), RIG, changes, [Path("x.blf")], print, "hardware")
+
+
+def test_a_segment_is_asked_for_by_the_names_that_there_are() -> None:
+    """An interface is for CAN alone: a segment of another carrier is none to choose from."""
+    segments = {name: read_segment({}) for name in "ab"}
+    on = outside([], interface="slcan")
+    with pytest.raises(UserError, match="the rig has several segments") as caught:
+        on.changes(segments, RIG)
+    assert (caught.value.file, caught.value.allowed) == (str(RIG), "a, b")
+    assert str(caught.value.hint).startswith("--segment NAME")
+    with pytest.raises(UserError, match="the rig has no such segment") as missing:
+        outside([], interface="slcan", segment="c").changes(segments, RIG)
+    assert (missing.value.value, missing.value.allowed) == ("c", "a, b")
+    other: Any = type("Line", (), {"model_fields": {}})()
+    mixed = {"line": other, "a": segments["a"]}
+    assert [item.column for item in on.changes(mixed, RIG)] == ["bus:a.interface"]
+    for segment, table in (("line", mixed), (None, {"line": other})):
+        with pytest.raises(UserError) as refused:
+            outside([], interface="slcan", segment=segment).changes(table, RIG)
+        assert refused.value.file == str(RIG)
+        assert "line" in str(refused.value)
+
+
+@pytest.mark.parametrize("options", [["a"], ["a=1", "b"], ["=1"]])
+def test_options_of_a_bus_that_are_none_are_refused(options: list[str]) -> None:
+    with pytest.raises(UserError):
+        outside([], options=options).changes({"a": read_segment({})}, RIG)
