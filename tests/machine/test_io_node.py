@@ -274,6 +274,63 @@ def test_a_node_that_boots_while_the_plc_starts_it_is_started_anew(bus: Bus) -> 
     assert len(bus.frames(0x180 + NODE)) == 2
 
 
+def test_what_is_no_state_of_the_node_changes_nothing(bus: Bus) -> None:
+    """An error control message has one byte (CiA 301); that of another node is none of this one."""
+    terminal = terminal_on(bus)
+    other = SimNetwork(bus.segment.port("other")).connect()
+    bus.syncs(5, 3)
+    for can_id, data in ((NODE, b"\x00\x00"), (NODE, b"\x7f\x00"), (NODE + 1, b"\x7f"),
+                         (NODE + 1, b"\x00")):  # fmt: skip
+        other.send_message(0x700 + can_id, data)
+        bus.until_ms(bus.scheduler.now_ns / MS + 0.2)
+        assert terminal.wc_state == 0
+    other.send_message(0x700 + NODE, b"\x7f")  # somebody has stopped it
+    bus.until_ms(9.5)
+    assert terminal.wc_state == 1
+    other.send_message(0x700 + NODE, b"\x05")
+    bus.until_ms(9.9)
+    assert terminal.wc_state == 0
+
+
+def test_a_node_that_has_booted_counts_from_its_next_telegram_on(bus: Bus) -> None:
+    """Started anew within the 4 ms that its last telegram is good for."""
+    terminal = terminal_on(bus)
+    bus.syncs(5, 3)
+    starts = [1, NODE]
+    told: list[list[int]] = []
+    bus.segment.port("ear").attach_data(lambda can_id, data, _time: told.append([can_id, *data]))
+    bus.remote.nmt.send_command(129)
+    bus.until_ms(10.5)
+    assert [0, *starts] in told
+    assert terminal.wc_state == 1
+    bus.syncs(11, 1)
+    assert terminal.wc_state == 0
+
+
+def test_a_node_that_could_not_be_started_stays_lost_whoever_starts_it(bus: Bus) -> None:
+    """Stopped at once it answers nothing; its telegrams come all the same later on."""
+    terminal = terminal_on(bus)
+    bus.until_ms(0.2)
+    bus.remote.nmt.send_command(2)
+    bus.until_ms(3000)
+    bus.remote.nmt.send_command(1)
+    bus.syncs(3001, 3)
+    assert len(bus.frames(0x180 + NODE)) >= 2
+    assert terminal.wc_state == 1
+
+
+def test_a_state_from_before_its_start_does_not_stop_a_node(bus: Bus) -> None:
+    """A heartbeat in pre-operational that comes behind the start and before the first telegram."""
+    terminal = terminal_on(bus)
+    other = SimNetwork(bus.segment.port("other")).connect()
+    bus.until_ms(3)  # booted and started
+    other.send_message(0x700 + NODE, b"\x7f")
+    bus.until_ms(4)
+    assert terminal.wc_state == 1  # nothing has come yet
+    bus.syncs(5, 1)
+    assert terminal.wc_state == 0
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [

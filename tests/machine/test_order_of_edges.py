@@ -74,6 +74,25 @@ def test_a_latch_of_this_very_instant_has_its_place() -> None:
     assert row.latch_load_mm == pytest.approx(10.0 * 1.3e-3, abs=1e-9)
 
 
+def test_several_edges_between_two_looks_are_each_noted_once() -> None:
+    """A contact that chatters: three in one cycle, none in the next ones, then two more."""
+    bench = Bench(axes_of("Z"), {"probe": [watcher("Z")], "other": [watcher("Z")]})
+    signal = bench.plant.probes["probe"].signal  # type: ignore[attr-defined]
+    for at_us in (100, 200):
+        signal.edges.append((at_us * US, at_us == 100))
+    bench.at(1 * MS, probe=(300 * US, True))
+    bench.at(2 * MS)
+    bench.at(3 * MS, other=(2_500 * US, True))
+    signal.edges.append((3_100 * US, False))
+    bench.at(4 * MS, probe=(3_200 * US, True))
+    for _ in range(2):
+        found = [(row.probe, row.edge_ns // US, row.level) for row in bench.log.rows()]
+        assert found == [
+            ("probe", 100, True), ("probe", 200, False), ("probe", 300, True),
+            ("other", 2500, True), ("probe", 3100, False), ("probe", 3200, True),
+        ]  # fmt: skip
+
+
 def test_one_signal_at_two_inputs_of_the_terminal_is_watched_once() -> None:
     """By each axis; a signal at another input by each axis too, and none by the drive."""
 

@@ -330,6 +330,11 @@ def test_a_wait_of_the_decoder_is_a_row_when_it_takes_time_or_is_cut_off() -> No
     assert [(row[0], row[-1]) for row in log.rows()] == [
         ("wait for machine", "done"), ("wait for machine", "stopped"),
     ]  # fmt: skip
+    turns = Log()
+    for _ in range(2):  # each is a row that ends by itself, also for one block
+        turns.carry_out(canon.Wait(block(1)), 2.0)
+        turns.go(3)
+    assert [row[2:4] for row in turns.rows()] == [(0.0, 2.0), (5.0, 7.0)]
 
 
 STOP: Any = SimpleNamespace(relax_begin_ns=None)
@@ -340,6 +345,7 @@ RELAXED: Any = SimpleNamespace(relax_begin_ns=5)
     ("more", "how", "state", "travelled_mm"),
     [
         ({"signal_ns": 3}, DONE, "signal", 4.0),
+        ({"signal_ns": 0}, DONE, "signal", 4.0),
         ({}, DONE, "no signal", 4.0),
         ({"signal_ns": 3, "fixed_stop": STOP}, DONE, "stop found", 4.0),
         ({"fixed_stop": STOP}, DONE, "no stop", 4.0),

@@ -123,6 +123,17 @@ def test_what_comes_after_the_nc_cycle_answers_no_sync(plc: Plc) -> None:
     assert plc.read() == (0, plc.level)
 
 
+@pytest.mark.parametrize(("after_us", "counts"), [(400, True), (620, False), (905, False)])
+def test_a_telegram_alone_counts_up_to_the_nc_cycle(
+    plc: Plc, after_us: float, counts: bool
+) -> None:
+    """No SYNC is sent: nothing else comes in that period. A frame takes some 60 us."""
+    plc.sync(11)
+    plc.foreign(12, after_us, level=not plc.level)
+    plc.scheduler.run_until(12_990 * US)
+    assert plc.read() == (0, plc.level is not counts)
+
+
 def test_what_ends_before_an_answer_can_is_none(plc: Plc) -> None:
     """Requested with the SYNC, which goes first, it ends after it and itself at the earliest."""
     plc.sync(11)

@@ -74,6 +74,18 @@ def test_what_is_not_known_yet_is_no_number() -> None:
     }  # fmt: skip
 
 
+def test_0_is_a_value() -> None:
+    """A set value, an offset and the tilt of an upright tool."""
+    trace = DistanceTrace()
+    given = channel(sensing(10.0, set_pos_mm=0.0), Z=sensing(0.0, set_pos_mm=0.0, set_dist_mm=0.0))
+    given.plc.tool = SimpleNamespace(tilt_deg=0.0, length_mm=0.0)
+    trace.note(given)
+    found = columns(trace)
+    names = ("Z.set_pos_mm", "Z.set_dist_mm", "Z.offset_mm", f"{CHANNEL}.set_pos_mm",
+             f"{CHANNEL}.tilt_deg", f"{CHANNEL}.tool_length_mm")  # fmt: skip
+    assert {name: found[name] for name in names} == {name: [0.0] for name in names}
+
+
 def test_3d_control_has_the_tool_and_what_is_superposed_on_each_axis() -> None:
     trace = DistanceTrace({"A"})
     trace.note(channel(sensing(10.0), Z=sensing(30.0)))
