@@ -38,6 +38,7 @@ WORDS = [
     (": X1", 1, ":", None, None),
     ("X1,5", 3, ",", "word such as G1 or X10, $GOTO, end of the block",
      "the decimal sign is a point: 1.5"),
+    ("X1, Y2", 3, ",", "word such as G1 or X10, $GOTO, end of the block", None),
     ("X1O", 3, "O", "word such as G1 or X10, $GOTO, end of the block",
      "X10 meant? It has a letter O"),
     ("V.P.A : REAL64", 7, ":", "word such as G1 or X10, $GOTO, =, end of the block",
@@ -102,6 +103,8 @@ COMMANDS = [
     ("#CS ON[1][A]", 11, "A", "10, P1, V.P.NAME, [P1+5]", None),
     ("#CS ON[1][2,o]", 13, "o", "10, P1, V.P.NAME, [P1+5]", "0 meant?"),
     ("#CS DEF", 1, None, f"#CS DEF [group (1-2)]{SHAPE}", None),
+    ("#DRIVE WR [KEY=ABC VAL=1]", 1, None,
+     f"#DRIVE WR [(AX=axis) (AXNR=number) KEY=name VAL=number (WAIT)]{SHAPE}", None),
     ("#MEAS [AX=X]", 1, "AX",
      "TYPE, ERR_NO_SIGNAL, or a setting of an axis beside AX or AXNR",
      "#MEAS DEFAULT goes back to what the lists say"),
@@ -194,3 +197,37 @@ def test_a_wrong_end_names_what_is_open_and_its_line():
     error = caught.value
     assert (error.message, error.line) == ("$ENDIF without $IF", 3)
     assert (error.value, error.hint) == ("$ENDIF", "open is $FOR of line 2")
+
+
+@pytest.mark.parametrize(
+    ("text", "lacking"),
+    [
+        ("#DRIVE WR [KEY=ABC VAL=1]", "AX or AXNR"),
+        ("#DRIVE WR [AXNR=1 KEY=ABC]", "VAL"),
+        ("#IDENT WR [AX=X ID=S-0-1 VAL=1]", "TYP and DEC"),
+        ("#IDENT WR [ID=S-0-1 TYP=2 DEC=0]", "AX or AXNR and VAL"),
+        ("#DRIVE RD [P=P1]", "AX or AXNR and KEY"),
+    ],
+)
+def test_everything_that_a_command_lacks_is_named(text, lacking):
+    with pytest.raises(UserError) as caught:
+        parse_program(text, axes=XYZ)
+    assert caught.value.message == f"{text.partition(' [')[0]} lacks {lacking}"
+
+
+def test_a_name_that_is_wrong_more_than_once_is_shown_where_it_is_first():
+    text = "X1\nX2 Y=V.P.NOBODY\n$IF V.P.NOBODY\n$ENDIF\nX=V.P.NOBODY"
+    program = parse_program(text, axes=XYZ)
+    assert program.variables == (("V.P.NOBODY", 2, 6),)
+
+
+@pytest.mark.parametrize(("digits", "is_taken"), [("F" * 15, True), ("F" * 16, False)])
+def test_a_hexadecimal_number_has_fifteen_digits_at_most(digits, is_taken):
+    text = f"X1\nP1=0x{digits}"
+    if is_taken:
+        value = parse_program(text, axes=XYZ).blocks[1].statement.value.value
+        assert value == float(16**15 - 1)
+        return
+    with pytest.raises(UserError, match="number too large") as caught:
+        parse_program(text, axes=XYZ)
+    assert (caught.value.line, caught.value.column) == (2, 4)
