@@ -121,3 +121,18 @@ def test_the_busiest_loop_is_the_one_that_was_jumped_back_to_most(
         return
     assert busiest is not None
     assert (busiest[0].line, busiest[1]) == (line, turns)
+
+
+@pytest.mark.parametrize(
+    ("block", "alarm_id"), [("#KIN ID [7777]", 292005), ("#TRAFO [98]", 900441)]
+)
+@pytest.mark.parametrize("file", ["main", "sub"])
+def test_an_alarm_of_a_kinematic_has_the_file_of_its_block_too(
+    play, tmp_path, file, block, alarm_id
+):
+    wrong = f"G0 X1\nN20 {block}\nM17"
+    texts = {"main": wrong} if file == "main" else {"main": "G0\nL sub\nM30", "sub": wrong}
+    with pytest.raises(Alarm) as caught:
+        play(**texts)
+    place = f"{tmp_path / f'{file}.nc'} line 2, block N20"
+    assert (caught.value.id, caught.value.place) == (alarm_id, place)

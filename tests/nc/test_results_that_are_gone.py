@@ -61,6 +61,22 @@ def test_900120_for_a_loop_that_only_waits_for_what_is_done_already(run, monkeyp
     assert caught.value.values["blocks"] == 60
 
 
+@pytest.mark.parametrize(("most", "messages"), [(250, 63), (251, 64), (6, 2), (7, 3)])
+def test_900120_comes_with_the_first_block_that_is_too_many(
+    plane_machine, monkeypatch, most, messages
+):
+    """Four blocks a turn, of which the first turn comes for the first time; 250 = 62 turns + 2."""
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", most)
+    text = 'P1=0\n$WHILE 1\nP1=P1+1\n#MSG ["%d", P1]\n$ENDWHILE'
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    decoding = Interpreter(parse_program(text, axes=XYZ), XYZ, machine, external={})
+    found = []
+    with pytest.raises(Alarm) as caught:
+        found.extend(command.text for command in decoding.commands())  # as far as it gets
+    assert caught.value.values["blocks"] == most
+    assert found == [str(number + 1) for number in range(messages)]
+
+
 def test_a_loop_of_the_caller_is_the_busiest_while_its_subprogram_turns_less(plane_machine):
     text = (
         "%L SUB\n$FOR P2=1,3,1\nG4 X1\n$ENDFOR\nM17\n%MAIN\nN10 $FOR P1=1,9,1\nLL SUB\n$ENDFOR\nM30"

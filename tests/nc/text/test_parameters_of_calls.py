@@ -101,3 +101,15 @@ def test_one_value_may_be_the_id_of_a_system(text):
     (group,) = command.arguments
     assert isinstance(group, Group)
     assert len(group.arguments) == 1
+
+
+@pytest.mark.parametrize("text", ["#CS ADD[][1,2]", "#CS SET [ ][1,2]", "X1\n#CS SELECT[]"])
+def test_a_system_that_is_linked_has_a_name(text):
+    error = refused(text)
+    command = text.splitlines()[-1].partition("[")[0].strip()
+    assert error.message == f"the first bracket of {command} takes one name"
+    assert (error.line, error.column) == (
+        len(text.splitlines()),
+        text.splitlines()[-1].index("[") + 1,
+    )
+    assert (error.value, error.allowed) == ("[", "a name")

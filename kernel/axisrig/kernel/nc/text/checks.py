@@ -162,8 +162,8 @@ def _check_id(
     entries = [entry for element in bracket.elements for entry in element]
     value = entries[0].value if entries else None
     is_zero = isinstance(value, nodes.Bare) and value.text.upper() == "O" and what == "ID"
-    if len(entries) > 1 or is_zero:
-        wrong = entries[1] if len(entries) > 1 else entries[0]
+    if len(entries) > 1 or is_zero or (what == "name" and not entries):
+        wrong = entries[1] if len(entries) > 1 else entries[0] if entries else bracket
         raise builder.source.error(
             f"the first bracket of #{command.name} takes one {what}",
             wrong.offset,
