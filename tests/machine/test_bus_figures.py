@@ -1,10 +1,14 @@
 """What the figures of a CAN bus say of ports whose controllers were in trouble, and of others."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
+from tests.machine.made_rigs import settings_of
 
 from axisrig.bench.bus.can.frame import Frame, frame_bits
 from axisrig.bench.bus.can.segment import Segment
-from axisrig.bench.machine.canopen.bus_figures import _figures
+from axisrig.bench.machine.canopen.bus_figures import _figures, frame_names
 from axisrig.kernel.time.clock import MS, Phase
 from axisrig.kernel.time.scheduler import new_scheduler
 
@@ -73,3 +77,26 @@ def test_the_longest_waits_come_first_and_have_their_names() -> None:
     first = us["Z.TPDO1"]
     assert us["Z.RPDO1"] - first == pytest.approx(lengths[0])
     assert us["0x18aa0001"] - first == pytest.approx(sum(lengths))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("master", [1, 100, 127])
+def test_frames_of_a_segment_have_the_names_of_its_own_axes(master: int) -> None:
+    """The pre-defined connection set of CiA 301, and what an axis has mapped elsewhere."""
+    settings = settings_of("probe-xyz.toml")
+    cycle = settings.rig.cycle.model_copy(update={"master_node": master})
+    rig = settings.rig.model_copy(update={"cycle": cycle})
+    own: Any = SimpleNamespace(name="TPDO1", cob_id=lambda _node: 0x1F5)
+    links: Any = {
+        name: SimpleNamespace(telegrams={"TPDO1": own} if name == "Y" else {}) for name in "XYZ"
+    }
+    given: Any = SimpleNamespace(rig=rig)
+    axis = rig.axis["Y"]
+    found = frame_names(given, links, axis.segment)
+    node = axis.node_id
+    assert found == {
+        0x000: ("NMT", ""), 0x080: ("SYNC", ""), 0x700 + master: ("heartbeat of the kernel", ""),
+        0x080 + node: ("Y.EMCY", "Y"), 0x580 + node: ("Y.SDO answer", "Y"),
+        0x600 + node: ("Y.SDO request", "Y"), 0x700 + node: ("Y.heartbeat", "Y"),
+        0x1F5: ("Y.TPDO1", "Y"),
+    }  # fmt: skip

@@ -11,6 +11,7 @@ from axisrig.bench.bus.journal import Journal
 from axisrig.bench.machine.canopen.telegram_log import TelegramLog
 from axisrig.bench.machine.ethercat.value_log import ValueLog
 from axisrig.bench.machine.recording.cyclic_values import CyclicValues
+from axisrig.bench.machine.recording.received import noted
 from axisrig.bench.record.series import ACTUAL, FRAME_NS, INCREMENTS, SECOND, TARGET
 from axisrig.bench.rig.canopen.io_node import NodeTelegrams
 from axisrig.kernel.drives.canopen.mapping import telegrams
@@ -202,3 +203,16 @@ def test_values_of_a_line_are_at_the_places_of_their_axis_in_the_image() -> None
     assert lists(columns, "Z", TARGET) == [[(1 * MS, -5), (5 * MS, 8)]]
     assert lists(columns, "Z", ACTUAL) == [[(1 * MS, 7), (5 * MS, -9)]]
     assert not any(name.startswith("X") for name in columns)
+
+
+@pytest.mark.interpreted
+def test_a_telegram_that_was_taken_stays_as_it_came() -> None:
+    """The buffer may be written to again."""
+    taken: list[tuple[int, bytes]] = []
+    clock: Any = SimpleNamespace(now_ns=7)
+    note, buffer = noted(taken, clock), bytearray(b"\x01\x02")
+    note(0x181, buffer, 0.0)
+    buffer[0] = 9
+    clock.now_ns = 8
+    note(0x181, buffer, 0.0)
+    assert taken == [(7, b"\x01\x02"), (8, b"\x09\x02")]

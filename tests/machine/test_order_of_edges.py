@@ -93,6 +93,21 @@ def test_several_edges_between_two_looks_are_each_noted_once() -> None:
         ]  # fmt: skip
 
 
+@pytest.mark.parametrize("edge_us", [1000, 1001, 1500, 2000])
+def test_motor_and_load_are_looked_up_at_edge_and_latch_each_by_itself(edge_us: int) -> None:
+    """Also where an instant is the very end of a step; the latch comes 1 ms after the edge."""
+    axis = Axis(even(0.1, 0.02), motor=even(0.3, -0.05), off_m=0.007)
+    bench = Bench({"Z": axis}, {"probe": [watcher("Z", 1000)]})
+    bench.at(5 * MS, probe=(edge_us * US, True))
+    (row,) = bench.log.rows()
+    load_mm = [100.0 + 20.0 * at_us * 1e-6 for at_us in (edge_us, edge_us + 1000)]
+    motor_mm = [300.0 - 50.0 * at_us * 1e-6 for at_us in (edge_us, edge_us + 1000)]
+    assert [row.load_mm, row.latch_load_mm] == pytest.approx(load_mm, abs=1e-9)
+    assert [row.motor_mm, row.latch_motor_mm] == pytest.approx(motor_mm, abs=1e-9)
+    second_mm = [mm + 7.0 for mm in load_mm]
+    assert [row.second_mm, row.latch_second_mm] == pytest.approx(second_mm, abs=1e-9)
+
+
 def test_one_signal_at_two_inputs_of_the_terminal_is_watched_once() -> None:
     """By each axis; a signal at another input by each axis too, and none by the drive."""
 

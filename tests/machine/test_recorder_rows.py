@@ -296,3 +296,62 @@ def test_rows_of_different_distances_have_their_own_ticks() -> None:
     found = largest_lag(times, (behind_m, np.zeros(3), velocity), 250 * US)
     # The demand is straight and the motor at rest: the largest is at the row itself
     assert found.tolist() == pytest.approx([0.0, 3e-6, 5e-6])
+
+
+@pytest.mark.parametrize("velocity", [(1e-3, 9e-3), (9e-3, 1e-3), (1e-3, 1e-3)])
+def test_a_way_that_is_the_speed_of_either_end_is_straight(velocity: tuple[float, float]) -> None:
+    """An axis that follows its demand exactly: 1 um in 1 ms, the demand stands at its end."""
+    times = np.array([0, MS], dtype=np.int64)
+    motion = (np.array([1e-6, 1e-6]), np.array([0.0, 1e-6]), np.array(velocity))
+    found = largest_lag(times, motion, 250 * US)
+    assert found.tolist() == pytest.approx([1e-6, 0.75e-6], rel=1e-6)
+
+
+@pytest.mark.parametrize("first_us", [100, 400, 1000])
+def test_a_longer_step_behind_a_short_one_has_all_its_ticks(first_us: int) -> None:
+    """x = T u (1 - u) with its top of T/4 half way of the second step, at its second tick."""
+    times = np.array([0, first_us * US, first_us * US + MS], dtype=np.int64)
+    velocity = np.array([0.0, 1.0, -1.0])
+    found = largest_lag(times, (np.zeros(3), np.zeros(3), velocity), 250 * US)
+    assert found[2] == pytest.approx(1e-3 / 4)
+
+
+class Shifting(Plant):
+    """Its stop is out of reach in some of its rows."""
+
+    def __init__(self, near_rows: set[int]) -> None:
+        super().__init__("X", "force stop_force stop_face")
+        self._near = near_rows
+
+    def motion_at(self, time_ns: int) -> list[float]:
+        face_m = 0.008 if time_ns // MS in self._near else 1e6
+        return [*super().motion_at(time_ns)[:7], face_m]
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("near_rows", "has_stop"),
+    [({1, 2, 3, 4}, True), ({1}, True), ({2}, True), ({3, 4}, False), (set(), False)],
+)
+def test_what_the_first_block_has_of_a_stop_all_blocks_have(
+    monkeypatch: pytest.MonkeyPatch, near_rows: set[int], has_stop: bool
+) -> None:
+    """Four rows in blocks of two: one near place in the first block is enough."""
+    monkeypatch.setattr(recorder, "BLOCK_ROWS", 2)
+    plant = Shifting(near_rows)
+    servo: Any = SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK)
+    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    axes: Any = [RecordedAxis("X", plant, servo)]  # type: ignore[arg-type]
+    made = Recorder(whole, axes, {}, (), SeriesWriter(None))
+    for number in range(1, 5):
+        servo.sync_ns, whole.now_ns = number * MS, number * MS + 1
+        cycle = Cycle(number)
+        cycle.links = cycle.links[:1]
+        made(cycle)  # type: ignore[arg-type]
+    table = made.table()
+    assert table.num_rows == 4
+    stops = [name for name in table.column_names if ".stop" in name]
+    assert stops == (["X.stop_force_n", "X.stop_force_peak_n", "X.stop_mm"] if has_stop else [])
+    if has_stop:
+        near = [row + 1 for row, mm in enumerate(table["X.stop_mm"].to_numpy()) if mm < 1e5]
+        assert near == sorted(near_rows)
