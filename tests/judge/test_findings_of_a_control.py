@@ -88,6 +88,19 @@ def test_what_the_program_commands_is_a_mark_and_what_comes_by_itself_is_none() 
     assert [mark.label for mark in marks[len(words) :]] == ["channel: ON_CONST_DIST by NC"]
 
 
+@pytest.mark.parametrize("first", ["NC", "PLC"])
+def test_a_mark_names_who_has_commanded_its_own_change(first: str) -> None:
+    """The PLC has marks of its own, whoever was the first."""
+    changes = (
+        change(0, "INACTIVE", first), change(100, "ACTIVE", "PLC"), change(200, "FREEZE"),
+        change(300, "ACTIVE", "PLC"), change(400, "TURNING_OFF"),
+    )  # fmt: skip
+    marks = [
+        (mark.time_ns // MS, mark.label) for mark in distance_events(recorded(changes=changes))
+    ]
+    assert marks == [(200, "Z: FREEZE by NC"), (400, "Z: OFF by NC")]
+
+
 # Stretches and their laws
 
 
