@@ -1,5 +1,6 @@
 """Parts of a machine that carry segments: each answers for its own lines, buses and axes."""
 
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,8 +14,12 @@ from axisrig.bench.machine.canopen import family as can
 from axisrig.bench.machine.cyclic import family as cyclic
 from axisrig.bench.machine.ethercat import family as ethercat
 from axisrig.bench.machine.ethercat.family import EthercatLines
+from axisrig.bench.machine.ethercat.line_faults import LineFaults
+from axisrig.bench.machine.ethercat.line_meter import LineMeter
 from axisrig.bench.machine.ethercat.line_terminal import inputs_of
 from axisrig.bench.record.axes import DriveState
+from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE
+from axisrig.kernel.drives.ethercat.master import FIRST_INDEX
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.ethercat.tables import AlState
 from axisrig.kernel.time.clock import MS
@@ -178,6 +183,44 @@ class Outside(SimpleNamespace):
     """A bus at a real interface."""
 
 
+class Answering(Outside):
+    """One that notes which answers to a SYNC it is to wait for."""
+
+    def expect(self, cob_ids: Any) -> None:
+        self.expected = sorted(cob_ids)
+
+
+def test_a_real_bus_waits_for_the_telegrams_that_its_own_drives_answer_a_sync_with(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Transmission type 1, to the control; of X on bus one, of Y and Z on bus two, where Z is
+    simulated here and answers by itself."""
+    monkeypatch.setattr(can, "OutsideSegment", Answering)
+    monkeypatch.setattr(can, "outside_axes", lambda _: {"X", "Y"})
+
+    def telegram(name: str, base: int, transmission: int) -> Any:
+        return SimpleNamespace(
+            name=name, transmission=transmission, cob_id=lambda node: base + node
+        )
+
+    telegrams = {
+        one.name: one
+        for one in (
+            telegram("RPDO1", 0x200, 1), telegram("TPDO1", 0x180, 1), telegram("TPDO2", 0x280, 254),
+            telegram("TPDO3", 0x380, 1), telegram("TPDO4", 0x480, 0),
+        )
+    }  # fmt: skip
+    buses = {"one": Answering(), "two": Answering(), "three": SimpleNamespace()}
+    part = part_of(can.CanBuses, buses)
+    part.links = {
+        name: SimpleNamespace(node_id=node, telegrams=telegrams)
+        for node, name in enumerate("XYZW", 1)
+    }
+    part._expect_answers()
+    assert buses["one"].expected == [0x181, 0x381]
+    assert buses["two"].expected == [0x182, 0x382]
+
+
 def port(name: str, tec: int, rec: int, state: ErrorState = ErrorState.ACTIVE) -> Any:
     return SimpleNamespace(port_name=name, tec=tec, rec=rec, error_state=state)
 
@@ -266,3 +309,63 @@ def test_a_terminal_of_a_line_has_what_is_wired_to_each_input() -> None:
     ):  # fmt: skip
         table: Any = SimpleNamespace(inputs=wired)
         assert inputs_of(table, signals) == found
+
+
+def test_faults_of_a_line_are_asked_once_for_each_cyclic_frame_at_their_own_slave() -> None:
+    """Neither for frames beside the cycle nor at other slaves; by the place on the line."""
+    segment: Any = SimpleNamespace(passes=[], breaks=[])
+    called: list[tuple[Any, ...]] = []
+    slaves: Any = {
+        name: SimpleNamespace(
+            states=SimpleNamespace(fall=lambda *words, name=name: called.append((name, *words))),
+            jump=lambda by_ns, name=name: called.append((name, by_ns)),
+        )
+        for name in "XYZ"
+    }
+    faults = LineFaults(segment, slaves)
+    cyclic_frame, other_frame = bytearray(60), bytearray(60)
+    cyclic_frame[INDEX_PLACE], other_frame[INDEX_PLACE] = FIRST_INDEX, FIRST_INDEX - 1
+    asked: list[str] = []
+
+    def falls(name: str, answer: bool) -> bool:
+        asked.append(name)
+        return answer
+
+    for name, answer in (("Y", False), ("Z", True)):
+        faults.breaks(name, partial(falls, name, answer))
+    for frame, broken_at in ((cyclic_frame, [2]), (other_frame, [])):
+        asked.clear()
+        found = [n for n in range(3) for breaks in segment.breaks if breaks(frame, n)]
+        assert (found, asked) == (broken_at, ["Y", "Z"] if broken_at else [])
+    faults.disturb(lambda frame: None)
+    (passes,) = segment.passes
+    assert (passes(cyclic_frame), passes(other_frame)) == (None, 0)
+    faults.fall("Y", AlState.SAFEOP, "code")
+    faults.jump("Z", -7)
+    assert called == [("Y", AlState.SAFEOP, "code"), ("Z", -7)]
+
+
+def test_states_of_a_slave_are_noted_from_its_first_operation_on() -> None:
+    """Each change once; in trouble is whoever is not in OP, also without a code (ETG.1000.6)."""
+    observers: dict[str, list[Any]] = {"X": [], "Y": []}
+    nodes = {
+        name: SimpleNamespace(states=SimpleNamespace(observers=each))
+        for name, each in observers.items()
+    }
+    clock: Any = SimpleNamespace(now_ns=0)
+    line: Any = SimpleNamespace(nodes=nodes)
+    meter = LineMeter(line, clock)
+    for at_ms, name, state, code in (
+        (1, "X", AlState.PREOP, 0), (2, "X", AlState.SAFEOP, 0), (3, "X", AlState.OP, 0),
+        (4, "Y", AlState.OP, 0), (5, "X", AlState.OP, 0), (6, "X", AlState.SAFEOP, 0),
+        (7, "X", AlState.SAFEOP, 0x1B), (8, "X", AlState.OP, 0), (9, "Y", AlState.INIT, 0x1B),
+    ):  # fmt: skip
+        clock.now_ns = at_ms * MS
+        for observer in observers[name]:
+            observer(state, code)
+    found = [(one.time_ns // MS, one.port, one.is_active) for one in meter.changes]
+    assert found == [(6, "X", False), (7, "X", False), (8, "X", True), (9, "Y", False)]
+    words = [one.state for one in meter.changes]
+    assert words[0] == words[1].partition(",")[0]
+    assert "," not in words[0]
+    assert words[2] == "OP"

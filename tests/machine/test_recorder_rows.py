@@ -355,3 +355,29 @@ def test_what_the_first_block_has_of_a_stop_all_blocks_have(
     if has_stop:
         near = [row + 1 for row, mm in enumerate(table["X.stop_mm"].to_numpy()) if mm < 1e5]
         assert near == sorted(near_rows)
+
+
+@pytest.mark.interpreted
+def test_levels_of_wires_are_those_at_the_sync_of_the_row() -> None:
+    """The SYNC is heard 48 us after it was asked for; the wire is looked up at that instant."""
+    plant, asked = Plant("X", ""), list[int]()
+    servo: Any = SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK)
+    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    probes: Any = {"p": SimpleNamespace(signal=SimpleNamespace(level=True))}
+
+    def level_at(time_ns: int) -> bool:
+        asked.append(time_ns)
+        return time_ns > 2 * MS
+
+    wires: Any = {"p": SimpleNamespace(level_at=level_at)}
+    axes: Any = [RecordedAxis("X", plant, servo)]  # type: ignore[arg-type]
+    made = Recorder(whole, axes, probes, (), SeriesWriter(None), wires=wires)
+    for number in (1, 2):
+        servo.sync_ns, whole.now_ns = number * MS + 48 * US, number * MS + 60 * US
+        cycle = Cycle(number)
+        cycle.links = cycle.links[:1]
+        made(cycle)  # type: ignore[arg-type]
+    table = made.table()
+    assert asked == [MS + 48 * US, 2 * MS + 48 * US]
+    assert table["p.signal"].to_pylist() == [1, 1]
+    assert table["p.passed"].to_pylist() == [0, 1]
