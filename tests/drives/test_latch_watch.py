@@ -380,3 +380,24 @@ def test_no_wrong_value_on_a_bad_bus(has_counter: bool) -> None:
     found = [one for seed in range(1500) for one in scenario(seed, has_counter)]
     assert [one for one in found if one[0] != one[1]] == []
     assert len(found) > 700  # most runs do have their value
+
+
+@pytest.mark.parametrize(
+    ("status", "is_clear", "is_armed", "has_latched"),
+    [
+        (0, True, False, False),
+        (ENABLED, False, True, False),
+        (STORED, False, False, True),  # of the measurement before: not yet
+        (ENABLED | STORED, False, True, True),
+        (0xFFFC, True, False, False),  # bits of others
+    ],
+)
+@pytest.mark.parametrize("is_ordered", [True, False])
+def test_a_probe_is_clear_with_neither_bit(
+    is_ordered: bool, status: int, is_clear: bool, is_armed: bool, has_latched: bool
+) -> None:
+    latch = watch()
+    if is_ordered:
+        latch.arm()
+    latch.take(status, 500, 7, 1000)
+    assert (latch.is_clear, latch.is_armed, latch.has_latched) == (is_clear, is_armed, has_latched)

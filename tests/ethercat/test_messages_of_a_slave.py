@@ -116,3 +116,16 @@ def test_a_new_life_knows_nothing_of_the_one_before(closes: bool) -> None:
     assert slave.write(b"again")
     slave.serve()
     assert list(slave.read_all()) == [(1, b"again")]
+
+
+@pytest.mark.parametrize("repeats", [1, 2, 3])
+def test_the_message_that_gives_way_to_a_repeat_is_the_next_one_again(repeats: int) -> None:
+    slave = Slave()
+    bodies = [bytes((number, number)) for number in range(4)]
+    for body in bodies:
+        slave.mailbox.send(COE, body)
+    assert slave.read() == (1, bodies[0])
+    for _ in range(repeats):
+        slave.mailbox.repeat()
+        assert slave.read() == (1, bodies[0])
+    assert list(slave.read_all()) == [(number + 1, bodies[number]) for number in (1, 2, 3)]

@@ -184,3 +184,16 @@ def test_an_emergency_has_code_register_and_first_own_byte() -> None:
     box: Any = Box()
     CoeServer.emergency(box, 0x8250, 0x11, 9)
     assert sent == ["3 0010" + "5082" + "11" + "0900000000"]
+
+
+@pytest.mark.parametrize("last", range(1, 8))
+def test_a_last_segment_of_any_length_is_filled_up_to_7(last: int) -> None:
+    """Bits 1 to 3 of its head: how many of the 7 bytes are none of the object."""
+    server = Server()
+    size = 6 + last
+    server.objects.size = size
+    assert _begin(server, 6, size) == "6000200100000000"
+    head = bytes((7 - last << 1 | 1,)).hex()
+    filled = DATA[6:size].ljust(7, b"\xee").hex()
+    assert server.ask(head + filled) == "2000000000000000"
+    assert server.objects.written == [(0x2000, 1, DATA[:size].hex())]

@@ -156,3 +156,19 @@ def test_a_client_has_a_second_for_its_next_segment(delay_ns: int) -> None:
     assert struct.unpack("<BHBI", far.sent[-1]) == (0x80, INDEX, 3, TIMED_OUT)
     far.clock.run_until(5000 * MS)
     assert len(far.sent) == 2
+
+
+@pytest.mark.parametrize("stops", [0, 1, 2])
+def test_a_request_that_waits_through_a_stop_has_no_answer(stops: int) -> None:
+    """The drive looks at it 5 ms after it has come; what comes after the stop is served."""
+    far = Far(size=4, delay_ns=5 * MS)
+    far.server.on_request(struct.pack("<BHBI", 0x23, INDEX, 1, 7))
+    far.clock.run_until(2 * MS)
+    for _ in range(stops):
+        far.server.stop()
+    far.clock.run_until(3 * MS)
+    far.server.on_request(struct.pack("<BHBI", 0x23, INDEX, 2, 8))
+    far.clock.run_until(20 * MS)
+    subs = [2] if stops else [1, 2]
+    assert [sub for _, sub, _ in far.written] == subs
+    assert [frame[3] for frame in far.sent] == subs
