@@ -306,7 +306,8 @@ def _read_csv(path: Path) -> list[list[str]]:
         for cells in reader:
             if cells == [_END]:
                 if wrong:
-                    _refuse_title(path, [(n, c) for n, c in enumerate(grid, 1) if any(c)])
+                    rows = zip(_lines(grid), grid, strict=True)
+                    _refuse_title(path, _without_comments([row for row in rows if any(row[1])]))
                     raise together(wrong)
                 return grid
             if cells and cells[-1].endswith(_END):
