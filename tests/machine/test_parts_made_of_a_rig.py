@@ -15,7 +15,7 @@ from axisrig.bench.machine.canopen.nodes import build_segments
 from axisrig.bench.machine.ethercat.line import line_settings
 from axisrig.bench.machine.ethercat.line_faults import LineFaults
 from axisrig.bench.machine.ethercat.line_terminal import LineTerminal, register_inputs
-from axisrig.bench.machine.ethercat.slaves import slave_of
+from axisrig.bench.machine.ethercat.slaves import slave_of, terminal_slave
 from axisrig.bench.machine.pacing import Hardware, master_scheduler
 from axisrig.bench.machine.recording.edge_log import stamp_times, watchers_of
 from axisrig.bench.oracles.latch.instant import LatchTimes
@@ -246,3 +246,24 @@ def test_a_terminal_makes_a_stamp_of_an_edge_and_a_node_on_can_none() -> None:
     node = {"segment": "can1", "node": 5, "filter_us": 3.5}
     on_can = PlcTaskTable.model_validate({"period_us": 4000, "program": "p.py", "terminal": node})
     assert stamp_times(on_can) == LatchTimes(3500)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(("silent_ms", "off_ns"), [("0", 0), ("2.5", 2_500_000), (None, None)])
+def test_a_terminal_of_a_line_is_silent_from_its_instant_on(
+    tmp_path: Path, silent_ms: str | None, off_ns: int | None
+) -> None:
+    text = "" if silent_ms is None else f"[plc.terminal]\nsilent_from_ms = {silent_ms}"
+    settings = settings_of(above(tmp_path, "plc-timestamp-line.toml", text))
+    task = settings.rig.plc_task
+    assert task is not None
+    assert task.terminal is not None
+    signal = SimpleNamespace(edges=[], level=False)
+    beside: Any = SimpleNamespace(signals=dict.fromkeys(task.terminal.inputs.values(), signal))
+    clock = new_scheduler()
+    segment = next(iter(settings.segment))
+    slave = terminal_slave(settings, segment, clock, beside, lambda _: None, 1)
+    assert slave is not None
+    for at_ns in (0, 2_499_999, 2_500_000, 3 * MS):
+        clock.run_until(at_ns)
+        assert slave.is_on is (off_ns is None or at_ns < off_ns)

@@ -9,7 +9,7 @@ import pytest
 
 from axisrig.bench.bus.can.confinement import ErrorState
 from axisrig.bench.bus.can.load import LoadNow
-from axisrig.bench.machine import families
+from axisrig.bench.machine import cia402, families
 from axisrig.bench.machine.canopen import family as can
 from axisrig.bench.machine.cyclic import family as cyclic
 from axisrig.bench.machine.ethercat import family as ethercat
@@ -20,6 +20,7 @@ from axisrig.bench.machine.ethercat.line_terminal import inputs_of
 from axisrig.bench.record.axes import DriveState
 from axisrig.kernel.drives.ethercat.frames import INDEX_PLACE
 from axisrig.kernel.drives.ethercat.master import FIRST_INDEX
+from axisrig.kernel.drives.power import Power
 from axisrig.kernel.profiles.cia402.ds402 import State
 from axisrig.kernel.profiles.ethercat.tables import AlState
 from axisrig.kernel.time.clock import MS
@@ -369,3 +370,46 @@ def test_states_of_a_slave_are_noted_from_its_first_operation_on() -> None:
     assert words[0] == words[1].partition(",")[0]
     assert "," not in words[0]
     assert words[2] == "OP"
+
+
+def test_each_drive_of_cia_402_has_its_way_and_every_limit_that_was_corrected_is_a_warning(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of three drives the middle one is of another kind: #DRIVE has no objects of it."""
+
+    class Drive(SimpleNamespace):
+        """One of CiA 402."""
+
+    monkeypatch.setattr(cia402, "Cia402Drive", Drive)
+    monkeypatch.setattr(cia402, "DriveAccess", lambda *words: words)
+    monkeypatch.setattr(
+        cia402, "read_functions", lambda axis, given: (f"functions of {axis}", [axis, given])
+    )
+    part = part_of(can.CanBuses, {})
+    part._bench.settings.axis = {name: f"list of {name}" for name in "XYZ"}
+    part._accesses, part._warnings = {}, []
+    x, y, z = Drive(sdo="x"), SimpleNamespace(sdo="y"), Drive(sdo="z")
+    part.links = {"X": x, "Y": y, "Z": z}
+    part._open_ways()
+    assert part.warnings == ["X", "list of X", "Z", "list of Z"]
+    assert part.accesses == {
+        "X": (x, "x", "functions of X"), "Z": (z, "z", "functions of Z")
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("state", "is_off"),
+    [(state, state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT))
+     for state in State],
+)  # fmt: skip
+def test_a_drive_of_cia_402_has_left_operation_in_three_states(
+    monkeypatch: pytest.MonkeyPatch, state: State, is_off: bool
+) -> None:
+    """Without voltage at the motor (CiA 402, state machine); another drive says it by its power."""
+    monkeypatch.setattr(cia402, "Cia402Drive", Outside)
+    part = part_of(can.CanBuses, {})
+    part.links = {"X": Outside(state=state, power=None), "Y": SimpleNamespace(power=None)}
+    assert part.is_off("X") is is_off
+    for power in Power:
+        part.links["Y"].power = power
+        assert part.is_off("Y") is (power in (Power.OFF, Power.FAULT))
