@@ -69,3 +69,49 @@ def test_a_browser_that_writes_nothing_is_an_error(
     with pytest.raises(UserError, match="wrote no PDF: broken"):
         pdf.print_pdf(report)
     assert not report.with_suffix(".pdf").exists()
+
+
+def browser_of(folder: Path, patch: pytest.MonkeyPatch, *lines: str) -> Path:
+    """A stand-in on the search path, and a report beside it."""
+    stand_in = folder / "chromium"
+    stand_in.write_text("\n".join(["#!/bin/sh", *lines, ""]), encoding="utf-8")
+    stand_in.chmod(0o755)
+    patch.setenv("PATH", str(folder))
+    return folder / "report.html"
+
+
+@pytest.mark.skipif(not Path("/bin/sh").exists(), reason="needs a shell")
+def test_a_report_is_printed_beside_it_in_place_of_an_older_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The browser gets the address of the report last, and a profile of its own."""
+    report = browser_of(
+        tmp_path, monkeypatch,
+        'for word in "$@"; do case "$word" in --print-to-pdf=*) to="${word#*=}";; esac; done',
+        'for word in "$@"; do echo "$word"; done > "$to"',
+    )  # fmt: skip
+    report.with_suffix(".pdf").write_text("old", encoding="utf-8")
+    made = pdf.print_pdf(report)
+    assert made == report.with_suffix(".pdf").resolve()
+    words = made.read_text(encoding="utf-8").split()
+    assert words[-1] == report.resolve().as_uri()
+    assert f"--print-to-pdf={made}" in words
+    (profile,) = [word for word in words if word.startswith("--user-data-dir=")]
+    assert not Path(profile.partition("=")[2]).exists()
+
+
+@pytest.mark.skipif(not Path("/bin/sh").exists(), reason="needs a shell")
+def test_a_browser_that_does_not_end_or_says_nothing_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    report = browser_of(tmp_path, monkeypatch, "exit 1")
+    with pytest.raises(UserError, match="wrote no PDF: it said nothing"):
+        pdf.print_pdf(report)
+    browser_of(tmp_path, monkeypatch, "echo first >&2; echo last >&2")
+    with pytest.raises(UserError, match="wrote no PDF: last") as caught:
+        pdf.print_pdf(report)
+    assert caught.value.file == str(report)
+    monkeypatch.setattr(pdf, "LIMIT_S", 0.1)
+    browser_of(tmp_path, monkeypatch, "while :; do :; done")
+    with pytest.raises(UserError, match=r"did not end within 0\.1 s"):
+        pdf.print_pdf(report)

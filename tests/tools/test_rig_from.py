@@ -3,6 +3,8 @@
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -10,6 +12,7 @@ from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.tools.project import rig_from as rig_from_module
 from axisrig.bench.tools.project.rig_from import rig_from
 from axisrig.kernel.errors import UserError
 
@@ -275,3 +278,20 @@ def test_a_rig_that_is_there_is_not_overwritten(
     (tmp_path / "rig.toml").touch()
     with pytest.raises(UserError, match="there already"):
         rig_from(listed(z=Z), None, tmp_path / "rig.toml")
+
+
+def test_a_list_that_is_neither_of_an_axis_nor_of_a_channel_is_refused(
+    listed: Callable[..., list[Path]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As one of zero offsets or of tools; it is named, and nothing is written."""
+    paths = listed(z=Z, tools="wz[1].gueltig 1\n")
+    read = rig_from_module.read_parts
+
+    def parts(path: Path) -> dict[str, Any]:
+        return {"tools": SimpleNamespace(kind="tools")} if path == paths[1] else dict(read(path))
+
+    monkeypatch.setattr(rig_from_module, "read_parts", parts)
+    with pytest.raises(UserError, match="neither an axis list nor a channel list") as caught:
+        rig_from(paths, None, tmp_path / "rig.toml")
+    assert caught.value.file == str(paths[1])
+    assert not (tmp_path / "rig.toml").exists()
