@@ -81,6 +81,17 @@ def test_a_drive_outside_has_no_latches_and_no_origin_here() -> None:
     )  # fmt: skip
 
 
+@pytest.mark.usefixtures("words")
+@pytest.mark.parametrize(
+    ("lead_mm", "lead_um"), [(10.0006, 10_001.0), (8.29, 8290.0), (5.08, 5080.0), (2.5, 2500.0)]
+)
+def test_a_lead_is_to_the_nearest_micrometre(lead_mm: float, lead_um: float) -> None:
+    """8.29 mm are a little less than 8290 um as binary numbers."""
+    made = machine_of()
+    made.settings.rig.drive["servo"].facts().lead_mm = lead_mm
+    assert facts._axis(made, "Z").lead_um == lead_um
+
+
 # An FMU
 
 
