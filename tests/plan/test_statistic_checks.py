@@ -240,3 +240,43 @@ def test_a_refusal_names_its_cell(read: Read, header: str, row: str, words: str)
 def test_last_is_not_each_and_neither_is_all(over: str, flags: tuple[bool, bool]) -> None:
     check = parsed(f"mean(latch_error_um{over})")
     assert (check.is_last, check.is_each) == flags
+
+
+@pytest.mark.parametrize("conditions", ["<= [1 | 2]", "[<= | >=] 1"])
+def test_runs_of_a_case_have_one_condition_for_a_statistic(read: Read, conditions: str) -> None:
+    """Which one would be asked of all their values? Those of a metric may differ."""
+    row = "a,a.nc,r.toml,,[300 | 600],<= [1 | 2],zip,"
+    with pytest.raises(UserError, match="the runs of a case have one condition") as caught:
+        read("expand,check:mean(latch_error_um)", row + conditions)
+    assert (caught.value.line, caught.value.column) == (2, 8)
+    assert "`each`" in str(caught.value.hint)
+    plan = read("expand,check:mean(latch_error_um)", row + "<= 1")
+    assert [check.condition.text for check in plan.statistics[0].checks] == ["<= 1"]
+    assert [case.checks[0].condition.upper for case in plan.cases] == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        # Touches are many in one run; words are groups
+        ("check:slope(latch_error_um; touch)", "a,a.nc,r.toml,,600,,> 1"),
+        ("check:slope(latch_error_um; run)", "a,a.nc,r.toml,2,600,,> 1"),
+        ('set:Z.edge,"check:share(latch_error_um; set:Z.edge)"',
+         "a,a.nc,r.toml,,600,,[NEG | POS],> 0.5"),
+    ],
+)  # fmt: skip
+def test_columns_that_every_run_has_and_words_serve_as_groups(
+    read: Read, header: str, row: str
+) -> None:
+    plan = read(header, row)
+    checks = plan.statistics[0].checks if plan.statistics else plan.cases[0].checks[:1]
+    (check,) = checks
+    assert isinstance(check, StatisticCheck)
+    assert len(check.columns) == 1
+
+
+def test_words_are_no_numbers_for_a_slope(read: Read) -> None:
+    header = 'set:Z.edge,"check:slope(latch_error_um; set:Z.edge)"'
+    with pytest.raises(UserError, match="the statistic needs numbers") as caught:
+        read(header, "a,a.nc,r.toml,,600,,[NEG | POS],> 0.5")
+    assert (caught.value.value, caught.value.column) == ("NEG", 7)

@@ -193,3 +193,13 @@ def test_a_run_without_a_verdict_or_a_recording_gives_a_statistic_its_reason(
     )  # fmt: skip
     assert one.inputs == {"plc:V.E.FEED": "600"}
     assert (lacking.run, bool(lacking.missing), lacking.readings) == (second.run, True, ())
+
+
+def test_a_run_that_nobody_has_is_missing_in_its_statistic(plan: Plan) -> None:
+    """Neither this call has run it nor has the folder; the row is judged all the same."""
+    first, *_ = plan.cases
+    of_a, _ = plan.statistics
+    hashes = {row.run: "now" for row in plan.rows}
+    found = rows_of(plan, [], [], hashes).judged(of_a)
+    assert found.verdict is Verdict.INCONCLUSIVE
+    assert f"{first.run} is missing" in found.checks[0].note

@@ -7,7 +7,13 @@ import pytest
 from tests.plan.cases import case_of
 
 from axisrig.bench.campaign.results.writer import CaseResult
-from axisrig.bench.campaign.verdict_table import _causes, _excess, _overload, counts_line
+from axisrig.bench.campaign.verdict_table import (
+    _causes,
+    _excess,
+    _overload,
+    counts_line,
+    show_verdicts,
+)
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.expectation import NOT_MET
 from axisrig.bench.plan.verdict import Verdict
@@ -100,3 +106,25 @@ def test_results_are_counted_in_the_order_of_their_rank(
     words: str, spent_s: float | None, line: str
 ) -> None:
     assert counts_line((Verdict.of(word) for word in words.split()), spent_s) == line
+
+
+def test_each_overloaded_segment_of_a_run_has_a_line_before_its_causes(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def bus(segment: str, overload: str) -> Any:
+        return SimpleNamespace(segment=segment, overload=overload, load_pct=50.0,
+                               load_1ms_pct=90.0, waiting=[])  # fmt: skip
+
+    facts = SimpleNamespace(buses=[bus("can1", "8 frames"), bus("can2", ""), bus("can3", "x")],
+                            alarms=[])  # fmt: skip
+    good = SimpleNamespace(buses=[bus("can4", "9 frames")], alarms=[])
+    show_verdicts([result(BAD, facts=facts), result(GOOD, verdict="pass", facts=good), result(BAD)])
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("p-r: ")]
+    load = "load 50.0 %, worst ms 90.0 %"
+    assert lines[:2] == [
+        f"p-r: segment can1 is overloaded: 8 frames; {load}",
+        f"p-r: segment can3 is overloaded: x; {load}",
+    ]
+    assert lines[2].startswith("p-r: fail: latch_error_um:Z is ")
+    assert lines[3] == f"p-r: segment can4 is overloaded: 9 frames; {load}"
+    assert lines[4] == lines[2]
