@@ -1,13 +1,15 @@
 """Models of the FMU library: names, platforms, builds from the cache, an FMU by file or name."""
 
+import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from axisrig.bench.campaign.processes import Died
 from axisrig.bench.tools.fmu import library, place
-from axisrig.fmus import MODELS, PLATFORMS
+from axisrig.fmus import MODELS, PLATFORMS, BuildError
 from axisrig.kernel.errors import UserError
 
 
@@ -82,3 +84,54 @@ def test_an_fmu_is_a_file_a_model_or_a_name(
         with pytest.raises(UserError, match="neither an FMU file nor a model") as caught:
             place.find_fmu(text)
         assert ("A.Two, B.Two" in str(caught.value.allowed)) is (text == "Two")
+
+
+def test_the_list_has_steps_in_microseconds_what_is_built_and_where(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One is built, one is not, and of one it cannot be known; each place and reason comes once."""
+    steps_s = {"L.Long": 50e-6, "L.b": 1e-3, "L.c": 2.5e-6, "L.d": 1e-3}
+    rows = [
+        SimpleNamespace(name=name, step_s=step_s, title=f"title of {name}")
+        for name, step_s in steps_s.items()
+    ]
+
+    def place_of(name: str) -> Path:
+        if name in ("L.c", "L.d"):
+            raise BuildError(None, None, "no compiler")
+        return Path("/cache") / name
+
+    monkeypatch.setattr(library, "CATALOGUE", {row.name: row for row in rows})
+    monkeypatch.setattr(library, "MODELS", tuple(row.name for row in rows))
+    monkeypatch.setattr(library, "place_in_cache", place_of)
+    monkeypatch.setattr(library, "is_ours", lambda path: path.name == "L.Long")
+    assert library.listing().splitlines() == [
+        "L.Long     50 us  built  title of L.Long",
+        "L.b      1000 us  -      title of L.b",
+        "L.c       2.5 us  ?      title of L.c",
+        "L.d      1000 us  ?      title of L.d",
+        "",
+        f"built FMUs are in {Path('/cache')}",
+        "nothing can be built: no compiler",
+    ]
+
+
+@pytest.mark.parametrize("at", ["place", "build"])
+def test_a_model_that_cannot_be_built_is_refused_with_the_reason(
+    at: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No compiler for any of them, or the build of one that breaks off."""
+
+    def refuse(*_: object, **__: object) -> Any:
+        raise BuildError(None, None, "no compiler")
+
+    def built(*_: object, **__: object) -> Any:
+        yield refuse()
+
+    monkeypatch.setattr(library, "MODELS", ("L.a",))
+    monkeypatch.setattr(library, "is_ours", lambda _: False)
+    monkeypatch.setattr(library, "place_in_cache", refuse if at == "place" else lambda *_: Path())
+    monkeypatch.setattr(library, "run_apart", built)
+    words = "nothing can be built: no compiler" if at == "place" else "L.a cannot be built: no comp"
+    with pytest.raises(UserError, match=re.escape(words)):
+        list(library.build_models("a"))
