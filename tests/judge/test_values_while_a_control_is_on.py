@@ -18,11 +18,14 @@ from tests.judge.controls import (
     seen,
 )
 
+from axisrig.bench.judge.distance.control_stretches import must_settle
 from axisrig.bench.judge.distance.metrics import distance_dead_cycles, distance_dead_time_ms
 from axisrig.bench.judge.distance.tool import distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
+from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS, Loop
+from axisrig.bench.oracles.distance.smoothing import moving_average
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.axes import PlantRecord, PlantValue
 from axisrig.bench.record.distance import Controller, DistanceChange, DistanceOrder, PlcSensor
 from axisrig.kernel.time.clock import MS
@@ -141,3 +144,29 @@ def test_a_set_value_of_the_program_acts_in_the_cycle_after_it(
     assert wanted[[398, 399, 400, 401, 402]].tolist() == [2.0, 2.0, at_400, 2.5, 2.5]
     other = "set_pos_mm" if name == "set_dist_mm" else "set_dist_mm"
     assert truth.wanted_mm(other)[400] == truth.wanted_mm(other)[399]
+
+
+@pytest.mark.parametrize(
+    ("count", "length", "words"),
+    [
+        (1, 38, "31 cycles, the surface was even for 30 before"),
+        (1, 39, ""),
+        (41, 39, "71 cycles, the surface was even for 31 before"),
+        (41, 88, "71 cycles, the surface was even for 70 before"),
+        (41, 89, ""),
+    ],
+)
+def test_a_transient_is_that_of_the_loop_and_twice_the_delay_of_its_filter(
+    count: int, length: int, words: str
+) -> None:
+    """In SET_POS nothing of the filter comes back: of kp 0.2 is left 0.8 a cycle, a thousandth
+    after ln(0.001)/ln(0.8) = 30.96 cycles; a mean of 41 values is late by 20. The first four
+    fifths of a stretch are before what is judged.
+    """
+    part: Any = SimpleNamespace(begin=100, end=100 + length, kp=0.2)
+    loop = Loop(SET_POS, 2, moving_average(count))
+    if not words:
+        must_settle(loop, part)
+        return
+    with pytest.raises(NoClosedFormError, match=f"the transient needs {words}"):
+        must_settle(loop, part)
