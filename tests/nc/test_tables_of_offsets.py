@@ -178,3 +178,16 @@ def test_lists_and_cells_of_a_plan_add_up_and_the_last_value_counts(tmp_path: Pa
     assert found.tools.find(3) == Tool(6.0, valid=True)
     assert (found.rotary, found.ball_radius_counts) == ({"C"}, False)
     assert found.cycle_changes_modal
+
+
+@pytest.mark.parametrize("values", [(1,), (0,), (1, 0), (0, 1)])
+def test_a_tool_is_valid_and_fixed_as_its_last_value_says(values: tuple[int, ...]) -> None:
+    """P-TOOL-00010; a plan may take back what a file has set."""
+    for name in ("gueltig", "tool_fixed"):
+        tools = make_tools(entries(TOOLS, *(f"wz[4].{name} {value}" for value in values)))
+        tool = tools.record(4)
+        assert (tool.valid, tool.fixed) == (
+            name == "gueltig" and values[-1] == 1,
+            name == "tool_fixed" and values[-1] == 1,
+        )
+        assert (tools.find(4) is not None) is (name == "gueltig" and values[-1] == 1)
