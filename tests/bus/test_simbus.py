@@ -54,6 +54,8 @@ def test_wrong_channel_bit_rate_or_queue_is_refused(segment: Segment) -> None:
         SimBus("nowhere")
     with pytest.raises(can.CanInitializationError, match="1000000 bit/s, not 500000"):
         SimBus("bus", bitrate=500_000)
+    with pytest.raises(can.CanInitializationError, match="1000000 bit/s, not 2000000"):
+        SimBus("bus", bitrate=2_000_000)
     with pytest.raises(can.CanInitializationError, match="fifo, mailbox"):
         SimBus("bus", queue="stack")  # type: ignore[arg-type]
     assert segment.ports == ()
@@ -202,6 +204,35 @@ def test_cyclic_messages_take_turns_change_and_end(scheduler: Scheduler, segment
     task.modify_data([can.Message(arbitration_id=5, data=[n]) for n in (7, 9)])
     scheduler.run_until(20 * MS)
     assert data == [14, 18, 28, 36]
+
+
+def test_a_cyclic_task_that_starts_over_begins_with_its_first_message(
+    scheduler: Scheduler, segment: Segment
+) -> None:
+    """Also while it runs; sent at 0, 1 and 2 ms, then from 2.5 ms on."""
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    data: list[int] = []
+    receiver.attach(lambda msg: data.append(msg.data[0]))
+    messages = [can.Message(arbitration_id=5, is_extended_id=False, data=[n]) for n in (1, 2, 3, 4)]
+    task = sender.send_periodic(messages, 0.001)
+    scheduler.run_until(2_500_000)
+    task.start()  # type: ignore[attr-defined]
+    scheduler.run_until(4 * MS)
+    assert data == [1, 2, 3, 1, 2]
+    task.stop()
+    scheduler.run_until(10 * MS)
+    assert data == [1, 2, 3, 1, 2]
+
+
+def test_a_wait_of_no_time_takes_none(scheduler: Scheduler, segment: Segment) -> None:
+    """Whether anything comes later or not; time stands still."""
+    port = segment.port("only")
+    scheduler.call_at(5 * MS, Phase.APPLICATION, lambda: None)
+    for timeout_s in (0, 0.0, -1.0):
+        assert port.run_while(lambda: True, timeout_s) is False
+        assert segment.now_ns == 0
+    assert port.run_while(lambda: True, 0.002) is False
+    assert segment.now_ns == 2 * MS
 
 
 def test_cyclic_period_must_be_positive(segment: Segment) -> None:
