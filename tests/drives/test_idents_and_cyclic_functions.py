@@ -8,6 +8,7 @@ import pytest
 from tests.drives.test_answers_of_functions import LIMIT, Drive, block
 
 from axisrig.kernel.drives.canopen.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.drives.interface import DriveAccesses
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 
@@ -117,6 +118,17 @@ def test_an_axis_of_another_family_has_neither_functions_nor_idents() -> None:
         assert (caught.value.id, caught.value.values) == (
             900110, {"axis": "W", "key": key, "known": "none"},
         )  # fmt: skip
+
+
+@pytest.mark.parametrize(("axis", "key"), [("Z", "LIMIT"), ("W", "TORQUE")])
+def test_drives_without_any_function_are_named_with_what_was_asked_for(axis: str, key: str) -> None:
+    none = DriveAccesses()
+    with pytest.raises(Alarm) as caught:
+        none.begin(reads(axis, key, None))
+    assert (caught.value.id, caught.value.values) == (
+        900110, {"axis": axis, "key": key, "known": "none"},
+    )  # fmt: skip
+    assert (none.is_waiting, none.is_busy) == (False, False)
 
 
 def test_a_name_of_a_function_is_no_ident_and_the_other_way_round() -> None:
