@@ -16,7 +16,6 @@ from axisrig.fmus.equations.clocks import Schedule, read_clocks
 from axisrig.fmus.equations.events import AT_ZERO, Memories, Relation, Row, is_synthetic
 from axisrig.fmus.equations.exact_integers import with_exact_wholes
 from axisrig.fmus.equations.sorting import Block, Equation, Solver
-from axisrig.fmus.reading.calls import start_programs
 from axisrig.fmus.reading.expressions import (
     ONE,
     Expr,
@@ -29,7 +28,7 @@ from axisrig.fmus.reading.expressions import (
 from axisrig.fmus.reading.functions import Functions
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.reading.modifiers import refuse_dropped_modifiers, shared_numbers
-from axisrig.fmus.reading.programs import plain_programs, read_program
+from axisrig.fmus.reading.programs import plain_programs, read_program, start_programs
 from axisrig.fmus.reading.support import (
     at,
     refuse_undetermined,

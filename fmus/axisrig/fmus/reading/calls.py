@@ -8,9 +8,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from axisrig.fmus.reading.expressions import UnsupportedError
 from axisrig.fmus.reading.ir import Ir
-from axisrig.fmus.reading.programs import plain_programs
+from axisrig.fmus.reading.programs import start_programs
 
 _TOKENS = re.compile(
     rb'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/|\b(?:end\s+)?for\b|[;()\[\]{}]', re.DOTALL
@@ -42,17 +41,6 @@ def read_owners(ir: Ir) -> dict[int, int]:
             free = {k: v for k, v in around.items() if (span["source"], k) not in taken}
             owners |= _matched(ir, span, unknown, free)
     return owners
-
-
-def start_programs(ir: Ir) -> list[dict[str, Any]]:
-    """The programs of the initial residual in the form of a plan.
-
-    Raises BuildError for a form that is not known.
-    """
-    try:
-        return plain_programs(ir.solve["initialization"]["residual"])
-    except UnsupportedError as error:
-        raise ir.error(None, f"{error} is not supported") from error
 
 
 def _inside(

@@ -25,6 +25,7 @@ from axisrig.fmus.reading.expressions import (
     total,
     variable,
 )
+from axisrig.fmus.reading.ir import Ir
 
 Op = Mapping[str, Any]
 # Inlines a call: number of the function, registers, first register of each argument.
@@ -265,6 +266,17 @@ def _picked(values: Sequence[Expr], index: Expr, first: int) -> Expr:
         condition = Expr("Eq", (index, const(number + first)))
         result = choice(condition, values[number], result)
     return result
+
+
+def start_programs(ir: Ir) -> list[dict[str, Any]]:
+    """The programs of the initial residual in the form of a plan.
+
+    Raises BuildError for a form that is not known.
+    """
+    try:
+        return plain_programs(ir.solve["initialization"]["residual"])
+    except UnsupportedError as error:
+        raise ir.error(None, f"{error} is not supported") from error
 
 
 def plain_programs(residual: Mapping[str, Any]) -> list[dict[str, Any]]:

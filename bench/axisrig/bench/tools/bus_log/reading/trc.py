@@ -1,6 +1,7 @@
 """TRC logs of PEAK tools, as python-can reads their frames; channels count from 0 as everywhere."""
 
 from collections.abc import Iterator
+from itertools import chain
 
 import can
 
@@ -12,7 +13,7 @@ def read_trc(lines: Lines) -> Iterator[can.Message]:
 
     Raises what the reader of python-can raises for a damaged log.
     """
-    # That reader takes the line behind the head for a frame, also an empty one or the last of all
+    # That reader takes the line behind the head for a frame, also where it is empty or missing
     full = (line for line in lines if line.strip())
     head: list[str] = []
     for line in full:
@@ -21,7 +22,7 @@ def read_trc(lines: Lines) -> Iterator[can.Message]:
             break
     else:
         return
-    whole = (line for part in (head, full) for line in part)
+    whole = (line for line in chain(head, full))  # a generator: the reader closes what it has read
     for message in can.TRCReader(whole):  # type: ignore[arg-type]
         if isinstance(message.channel, int):
             message.channel -= 1
