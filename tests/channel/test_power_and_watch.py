@@ -75,6 +75,32 @@ def test_one_that_is_late_is_waited_for_and_named_when_it_takes_too_long(
 
 
 @pytest.mark.parametrize(
+    ("late", "named"), [("XZ", "X"), ("YZ", "Y"), ("Z", "Z"), ("XYZ", "X"), ("Y", "Y")]
+)
+def test_of_drives_that_do_not_come_the_first_of_the_channel_is_named(
+    late: str, named: str
+) -> None:
+    """With its own state; the others are in operation, or are late too."""
+    drives = [
+        Drive(
+            name,
+            power=Power.OFF if name in late else Power.OPERATING,
+            state_name=f"state of {name}",
+        )
+        for name in "XYZ"
+    ]
+    watch = power_up(*drives)
+    for _ in range(monitor.POWER_UP_CYCLES_MAX):
+        assert not watch.step()
+    with pytest.raises(Alarm) as caught:
+        watch.step()
+    assert caught.value.id == 900008
+    assert caught.value.values == {
+        "axis": named, "state": f"state of {named}", "ms": 2 * (monitor.POWER_UP_CYCLES_MAX + 1),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
     ("reported", "asked", "cycles", "asks"),
     [
         (False, False, monitor.FAULT_CYCLES_MAX, 1),  # nobody has heard of it: asked for once

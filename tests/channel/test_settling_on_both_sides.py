@@ -19,9 +19,10 @@ from axisrig.kernel.channel.path.soft_limits import SoftLimits, SoftLimitWatch
 from axisrig.kernel.drives.position_watch import jump_alarm, lag_alarm
 from axisrig.kernel.drives.power import Power
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS
 
 pytestmark = pytest.mark.interpreted
-MS, OFFSET_NS, WINDOW = 1_000_000, 600_000, 10
+OFFSET_NS, WINDOW_INCREMENTS = 600_000, 10
 
 
 class Axes:
@@ -34,7 +35,7 @@ class Axes:
             for name in names
         ]
         self.axes: Any = [
-            (AxisSettings(link.name, True, WINDOW / 1000, settling_ns, {}), link)
+            (AxisSettings(link.name, True, WINDOW_INCREMENTS / 1000, settling_ns, {}), link)
             for link in self.links
         ]
 
@@ -45,7 +46,9 @@ class Axes:
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(("place", "stands"), [(WINDOW, True), (WINDOW + 1, False)])
+@pytest.mark.parametrize(
+    ("place", "stands"), [(WINDOW_INCREMENTS, True), (WINDOW_INCREMENTS + 1, False)]
+)
 @pytest.mark.parametrize("second", [False, True])
 def test_an_axis_stands_at_its_window_on_either_side(
     sign: int, place: int, stands: bool, second: bool
@@ -66,11 +69,12 @@ def test_an_axis_beyond_its_window_is_named_after_its_settling_time(
 ) -> None:
     """5 ms may pass; the lag of an axis ahead of its set position is negative."""
     axes = Axes(settling_ns=5 * MS)
+    place = sign * (WINDOW_INCREMENTS + 1)
     settling = Settling(axes, MS)  # type: ignore[arg-type]
     for _ in range(6):
-        axes.put(*((0, sign * 11) if second else (sign * 11, 0)))
+        axes.put(*((0, place) if second else (place, 0)))
         assert not settling.judge(axes.axes)
-    axes.put(*((0, sign * 11) if second else (sign * 11, 0)))
+    axes.put(*((0, place) if second else (place, 0)))
     with pytest.raises(Alarm) as caught:
         settling.judge(axes.axes)
     assert caught.value.id == 70082
@@ -80,7 +84,9 @@ def test_an_axis_beyond_its_window_is_named_after_its_settling_time(
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(("place", "rests"), [(WINDOW, True), (WINDOW + 1, False)])
+@pytest.mark.parametrize(
+    ("place", "rests"), [(WINDOW_INCREMENTS, True), (WINDOW_INCREMENTS + 1, False)]
+)
 def test_axes_come_to_rest_inside_their_windows_on_either_side(
     sign: int, place: int, rests: bool
 ) -> None:
@@ -112,7 +118,7 @@ def test_the_time_for_swaying_counts_from_the_end_of_the_set_path_and_anew_for_t
     def sways(cycles: int, ended: bool) -> int | None:
         found = None
         for _ in range(cycles):
-            axes.put(4 * (axes.now_ns // MS % 2))
+            axes.put(4 * (axes.now_ns // MS % 2))  # by more than it may creep
             found = standstill.look(ended)
         return found
 
@@ -125,7 +131,9 @@ def test_the_time_for_swaying_counts_from_the_end_of_the_set_path_and_anew_for_t
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(("sway", "is_alarm"), [(WINDOW, False), (WINDOW + 1, True)])
+@pytest.mark.parametrize(
+    ("sway", "is_alarm"), [(WINDOW_INCREMENTS, False), (WINDOW_INCREMENTS + 1, True)]
+)
 def test_an_axis_that_sways_too_long_is_an_alarm_outside_its_window_only(
     sign: int, sway: int, is_alarm: bool
 ) -> None:

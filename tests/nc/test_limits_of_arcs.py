@@ -107,8 +107,8 @@ def test_a_radius_that_does_not_reach_shows_both_lengths(sign):
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_radius_may_be_a_two_hundredth_too_short(sign):
-    """0.005 mm of rounding: half a circle about the middle, whatever the sign."""
+def test_a_radius_may_be_five_thousandths_of_a_millimetre_too_short(sign):
+    """That is rounding: half a circle about the middle, whatever the sign."""
     arc = plane_arc((0, 0), (20, 0), CircleWords(False, radius_mm=sign * 9.9951))
     assert arc.centre == pytest.approx((10, 0))
     assert arc.radius_mm == pytest.approx(10)

@@ -1,4 +1,7 @@
-"""Loops without end: an alarm where the machine has nothing to do, none where time passes."""
+"""Loops without end: an alarm where the machine has nothing to do, none where time passes.
+
+The alarm names the busiest loop.
+"""
 
 from itertools import islice
 
@@ -170,3 +173,75 @@ def test_the_turns_of_a_loop_count_from_its_entry_on(begin, entries):
     busiest = interpreter.busiest_loop()
     assert busiest is not None
     assert (busiest[0].text, busiest[1]) == (begin, turns)
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        "$WHILE 1\nP1=V.A.ACT_POS.X\n$ENDWHILE",
+        "$WHILE 1\n#FLUSH WAIT\n$ENDWHILE",
+        '$DO\n#MSG SYN ["again"]\n$ENDDO 1',
+        "[A] P1=V.A.MERF.X\n$GOTO [A]",
+        "$REPEAT\n#CHANNEL INIT [CMDPOS]\n$UNTIL 0",
+    ],
+)
+def test_900120_for_a_loop_that_only_waits_for_what_is_done_already(run, monkeypatch, loop):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 60)
+    with pytest.raises(Alarm) as caught:
+        run(f"G0 X1\n{loop}")
+    assert caught.value.id == 900120
+    assert caught.value.values["blocks"] == 60
+
+
+@pytest.mark.parametrize(("most", "messages"), [(250, 63), (251, 64), (6, 2), (7, 3)])
+def test_900120_comes_with_the_first_block_that_is_too_many(monkeypatch, most, messages):
+    """Four blocks a turn, of which the first turn comes for the first time; 250 = 62 turns + 2."""
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", most)
+    text = 'P1=0\n$WHILE 1\nP1=P1+1\n#MSG ["%d", P1]\n$ENDWHILE'
+    machine = PlaneMachine(dict.fromkeys(XYZ, 0.0), None)
+    decoding = Interpreter(parse_program(text, axes=XYZ), XYZ, machine, external={})
+    found = []
+    with pytest.raises(Alarm) as caught:
+        found.extend(command.text for command in decoding.commands())  # as far as it gets
+    assert caught.value.values["blocks"] == most
+    assert found == [str(number + 1) for number in range(messages)]
+
+
+def test_a_loop_of_the_caller_is_the_busiest_while_its_subprogram_turns_less():
+    text = (
+        "%L SUB\n$FOR P2=1,3,1\nG4 X1\n$ENDFOR\nM17\n%MAIN\nN10 $FOR P1=1,9,1\nLL SUB\n$ENDFOR\nM30"
+    )
+    program = parse_program(text, axes=XYZ)
+    machine = PlaneMachine(dict.fromkeys(XYZ, 0.0), None)
+    decoding = Interpreter(program, XYZ, machine, external={})
+    commands, found = decoding.commands(), []
+    for _ in range(18):  # three in each of six calls
+        next(commands)
+        busiest = decoding.busiest_loop()
+        found.append(None if busiest is None else (busiest[0].line, busiest[1]))
+    assert found[:3] == [None, (2, 1), (2, 2)]
+    assert found[9] == (7, 3)  # the fourth call: its loop has not turned yet
+    assert found[11:] == [(7, 3), *[(7, 4)] * 3, *[(7, 5)] * 3]
+
+
+NESTED = "$FOR P1=1,9,1\nG4 X1\n$FOR P2=1,4,1\nG4 X2\n$ENDFOR\n$ENDFOR"
+
+
+@pytest.mark.parametrize(
+    ("count", "line", "turns"),
+    [(1, None, None), (3, 3, 1), (5, 3, 3), (9, 3, 2), (36, 1, 7), (37, 1, 7)],
+)
+def test_the_busiest_loop_is_the_one_that_was_jumped_back_to_most(count, line, turns):
+    """An outer turn is five dwell times: its own, and four of the inner loop."""
+    program = parse_program(NESTED, axes=XYZ)
+    machine = PlaneMachine(dict.fromkeys(XYZ, 0.0), None)
+    decoding = Interpreter(program, XYZ, machine, external={})
+    commands = decoding.commands()
+    for _ in range(count):
+        next(commands)
+    busiest = decoding.busiest_loop()
+    if line is None:
+        assert busiest is None
+        return
+    assert busiest is not None
+    assert (busiest[0].line, busiest[1]) == (line, turns)

@@ -2,7 +2,7 @@
 
 import pytest
 from tests.nc.conftest import run_text
-from tests.nc.five_axes import ON, run5
+from tests.nc.five_axes import FIVE, ON, TABLES, run5
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.canon import KinematicChoice, Warn
@@ -143,6 +143,33 @@ def test_an_axis_of_the_kinematic_neither_follows_another_nor_is_away(
     with pytest.raises(Alarm) as alarm:
         run5(program)
     assert alarm.value.id == alarm_id
+
+
+@pytest.mark.parametrize(
+    ("blocks", "refused"),
+    [
+        ("#PUT AX [U]", None),
+        ("#SET AX LINK [1, U=V]\n#ENABLE AX LINK [1]", None),
+        ("#PUT AX [A]", (900195, {"axis": "A"})),
+        ("#SET AX LINK [1, A=V]\n#ENABLE AX LINK [1]",
+         (900196, {"axis": "A", "master": "V", "group": 1})),
+        ("#SET AX LINK [1, U=V]\n#ENABLE AX LINK [1]\n#PUT AX [C]", (900195, {"axis": "C"})),
+    ],
+)  # fmt: skip
+def test_only_its_own_axes_have_to_be_free_for_a_kinematic(blocks, refused):
+    text = f"V.G.WZ_AKT.L = 80\n{blocks}\n#TRAFO [9]"
+    axes = (*FIVE, "U", "V")
+    if refused is None:
+        (choice,) = [
+            each
+            for each in run_text(text, axes=axes, tables=TABLES)
+            if isinstance(each, KinematicChoice)
+        ]
+        assert choice.axes == FIVE
+        return
+    with pytest.raises(Alarm) as caught:
+        run_text(text, axes=axes, tables=TABLES)
+    assert (caught.value.id, caught.value.values) == refused
 
 
 @pytest.mark.parametrize(

@@ -98,31 +98,6 @@ def test_an_alarm_is_placed_in_the_file_of_its_block_and_after_the_call_in_that_
         assert caught.value.place == f"{tmp_path / f'{file}.nc'} line {line}{number}"
 
 
-LOOPS = "$FOR P1=1,9,1\nG4 X1\n$FOR P2=1,4,1\nG4 X2\n$ENDFOR\n$ENDFOR"
-
-
-@pytest.mark.parametrize(
-    ("count", "line", "turns"),
-    [(1, None, None), (3, 3, 1), (5, 3, 3), (9, 3, 2), (36, 1, 7), (37, 1, 7)],
-)
-def test_the_busiest_loop_is_the_one_that_was_jumped_back_to_most(
-    plane_machine, count, line, turns
-):
-    """An outer turn is five dwell times: its own, and four of the inner loop."""
-    program = parse_program(LOOPS, axes=XYZ)
-    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
-    interpreter = Interpreter(program, XYZ, machine, external={})
-    commands = interpreter.commands()
-    for _ in range(count):
-        next(commands)
-    busiest = interpreter.busiest_loop()
-    if line is None:
-        assert busiest is None
-        return
-    assert busiest is not None
-    assert (busiest[0].line, busiest[1]) == (line, turns)
-
-
 @pytest.mark.parametrize(
     ("block", "alarm_id"), [("#KIN ID [7777]", 292005), ("#TRAFO [98]", 900441)]
 )

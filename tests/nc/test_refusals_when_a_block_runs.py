@@ -163,7 +163,7 @@ def test_a_text_chooses_the_case_that_is_the_same_text(run, value, case, holds):
 
 
 @pytest.mark.parametrize("angle", [0, 180, -180, 540])
-def test_the_tangent_of_half_a_turn_is_exactly_nothing(run, angle):
+def test_the_tangent_of_half_a_turn_is_exactly_0(run, angle):
     assert shown(run, f'P1={angle}\n#MSG ["%.20f", TAN[P1]]') == ["0.00000000000000000000"]
 
 

@@ -1,5 +1,7 @@
 """A rig with less than three axes: planes, systems, dwell times, indices of axes."""
 
+import math
+
 import pytest
 
 from axisrig.kernel.errors import Alarm, UserError
@@ -25,7 +27,7 @@ def test_the_plane_of_both_axes_has_arcs(run):
     (arc,) = of(run("F9 G18\nG2 X5 Z0 I2.5", axes=TWO), ArcMove)
     assert arc.target_mm == {"X": 5.0, "Z": 0.0}
     assert arc.centre_mm == pytest.approx({"X": 2.5, "Z": 0.0})
-    assert arc.angle_rad == pytest.approx(3.141592653589793)
+    assert arc.angle_rad == pytest.approx(math.pi)
 
 
 @pytest.mark.parametrize("command", ["#CS ON[1,2]", "#CS DEF[1][1]", "#CS ADD[A][1]"])

@@ -1,4 +1,4 @@
-"""What a word hands to the channel besides its happy path: units, defaults, on and off again."""
+"""What a word hands to the channel: units, defaults, order, and what is switched off again."""
 
 import pytest
 from tests.nc.five_axes import ON, run5
@@ -161,11 +161,11 @@ def test_profiles_in_their_order_and_back(run):
 
 
 def test_settings_of_measuring_hold_until_their_default(run):
-    run_ = "G100 F100 X{}"
+    block = "G100 F100 X{}"
     text = (
-        f"{run_.format(1)}\n#MEAS [ERR_NO_SIGNAL=1 SIMU_OFFSET=2]\n{run_.format(2)}\n"
-        f"#MEAS [ERR_NO_SIGNAL=0]\nG70\n#MEAS [SIMU_OFFSET=2]\nG71\n{run_.format(3)}\n"
-        f"#MEAS DEFAULT\n{run_.format(4)}"
+        f"{block.format(1)}\n#MEAS [ERR_NO_SIGNAL=1 SIMU_OFFSET=2]\n{block.format(2)}\n"
+        f"#MEAS [ERR_NO_SIGNAL=0]\nG70\n#MEAS [SIMU_OFFSET=2]\nG71\n{block.format(3)}\n"
+        f"#MEAS DEFAULT\n{block.format(4)}"
     )
     assert [
         (each.error_no_signal, each.simulated_offset_mm) for each in of(run(text), MeasuringRun)

@@ -5,8 +5,6 @@ import pytest
 from axisrig.kernel.nc.canon import LinearMove, Message
 from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
 
-XYZ = ("X", "Y", "Z")
-
 
 def targets(commands):
     return [c.target_mm for c in commands if isinstance(c, LinearMove)]

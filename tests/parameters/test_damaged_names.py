@@ -37,6 +37,16 @@ def test_a_list_with_blanks_in_a_bracket_is_refused_with_what_is_meant(
     assert error.hint == "it means kenngr.dist_ctrl[3].kp 1.5"
 
 
+@pytest.mark.parametrize("comment", ["", " ; in 0.1 um"])
+def test_a_name_in_two_words_is_shown_with_both(
+    refused: Callable[..., UserError], comment: str
+) -> None:
+    error = refused(f"kenngr.messachse 1\nkenngr.hub messtaster{comment}\n")
+    assert (error.message, error.line, error.column) == ("damaged parameter name", 2, 1)
+    assert error.value == "kenngr.hub messtaster"
+    assert error.hint == "it means kenngr.hub_messtaster"
+
+
 @pytest.mark.parametrize(
     "before", ["x ", "x", "1 ", "old ", "-", "# ", "; ", "antr.", "is kenngr ", "[0] "]
 )

@@ -1,9 +1,12 @@
 """The table of signal sources: what FCT-C4 7 and 8.2.2 say of each."""
 
+from collections.abc import Callable
+
 import pytest
 
 from axisrig.bench.record.signal_sources import AT_PLC, AT_SIGNAL, HELD, STAMPED
 from axisrig.kernel.measuring.rules import OF_PLC
+from axisrig.kernel.parameters import ParameterSet, start_up
 from axisrig.kernel.parameters.drive_types import DRIVE_TYPES
 from axisrig.kernel.parameters.signal_sources import SOURCES, latched
 
@@ -42,3 +45,17 @@ def test_sources_of_each_drive_type(number: int) -> None:
     latch = {"DRIVE", "EXT_PROBE_WITH_DRIVE"} if number in WITHOUT_LATCH else set()
     stop = set() if number in TO_A_STOP else {"FIXED_STOP"}
     assert lacking == latch | stop
+
+
+@pytest.mark.parametrize("number", DRIVE_TYPES)
+def test_an_input_that_follows_another_one_is_not_corrected_for_it(
+    listed: Callable[..., ParameterSet], number: int
+) -> None:
+    """The hardware of the PLC has 255 inputs (FCT-C4 7.4); those of a drive were not set."""
+    axis = listed(
+        f"kenngr.antr_typ {number}\nkenngr.measure.signal PLC_EXT_LATCH_CONTROL\n"
+        "kenngr.measure.input 200\n"
+    )
+    assert [alarm.id for alarm in start_up(axis, "Z") if alarm.id in (110614, 110622)] == []
+    assert axis.integer("kenngr.measure.input") == 200
+    assert axis.integer("kenngr.measure.probe[0].input") == 200

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from tests.channel.probing.test_probe_choice import FakeLink
-from tests.channel.test_simulated_probes_by_hand import STRAIGHT, bench, run
+from tests.channel.test_simulated_probes_by_hand import HERE_MM, STRAIGHT, bench, run
 
 from axisrig.kernel.channel.probing.choice import ProbeChoice
 from axisrig.kernel.channel.probing.ports import PlcPorts
@@ -84,8 +84,8 @@ def test_a_rig_without_a_task_has_none_for_any_axis(source: str) -> None:
     assert ports.find("Y", source) is None
 
 
-def test_probes_of_a_run_that_is_over_see_nothing_of_the_next_one() -> None:
-    """X signals in the third cycle of its run and Z in the second one of the next."""
+def test_probes_of_a_run_that_is_over_latch_nothing_in_the_next_one() -> None:
+    """X signals in the third cycle of its run, which ends before; Z in the second of the next."""
     lists = {"X": (CYCLES, 3, 0, 0, 0), "Y": (0, 0, 0, 0, 0), "Z": (CYCLES, 2, 0, 0, 0)}
     probes, _, _ = bench(lists, STRAIGHT)
     first = probes.make(run("X"))
@@ -96,4 +96,4 @@ def test_probes_of_a_run_that_is_over_see_nothing_of_the_next_one() -> None:
     for _ in range(4):
         probes.look()
     assert first["X"].latched_mm is None
-    assert second["Z"].latched_mm == 103.0
+    assert second["Z"].latched_mm == HERE_MM["Z"] + 100.0  # as the axis shows it

@@ -293,6 +293,21 @@ def test_an_alarm_of_a_run_has_the_place_of_its_block(alarm_id: int, reported_id
     assert (caught.value.id, caught.value.place) == (reported_id, BLOCK.place)
 
 
+@pytest.mark.parametrize(
+    ("place", "shown"), [(None, "line 2, block N20"), ("line 9, block N90", "line 9, block N90")]
+)
+def test_an_alarm_of_a_run_beside_the_path_keeps_the_place_that_it_has(
+    place: str | None, shown: str
+) -> None:
+    bench = Bench()
+    bench.go(measuring_type=1)
+    bench.cycle(SETTLED)
+    bench.measured.alarm = Alarm(900003, place=place, axis="X", others="Y")
+    with pytest.raises(Alarm) as caught:
+        bench.axes.step()
+    assert (caught.value.id, caught.value.place) == (900003, shown)
+
+
 @pytest.mark.parametrize("has_begun", [False, True])
 def test_a_stop_ends_a_run_without_a_result(has_begun: bool) -> None:
     bench = Bench()

@@ -7,11 +7,15 @@ from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
 TERM = 'number, variable, function, text in ", +, -, ['
-ORDER = "$GOTO is allowed alone, after assignments, or after G310 (G210)"
+OPERATORS = "+, -, operator such as * or ==, end of the block"
+FUNCTIONS = (
+    "ABS, SQR, SQRT, EXP, LN, DEXP, LOG, SIN, COS, TAN, COT, ASIN, ACOS, ATAN, ACOT, ATAN2, INT, "
+    "FRACT, ROUND, MIN, MAX, INV, NOT, SIZEOF, EXIST"
+)
 SHAPE = ", what is in ( ) may be left out"
 LEADS = "X[expression], X[INDP_SYN ..], X[INDP_ASYN ..], X[DIST_CTRL ..], X[MC_TOUCHPROBE ..]"
 
-# text, column in its last line, value, allowed, hint
+# text, column in its last line (but for an end that only closes), value, allowed, hint
 WORDS = [
     ("X1 N5", 4, "N5", None, None),
     ("G0 Q1", 4, "Q", "X, Y, Z", None),
@@ -59,9 +63,9 @@ FLOW = [
     ("X1\n$IF 1\n$ELSE\n$ELSEIF 2\n$ENDIF", 1, "$ELSEIF", None, None),
     ("$FOR P1=1,2,0\n$ENDFOR", 13, "0", "any other step", None),
     ("$FOR P1=1,2\n$ENDFOR", 12, None, "comma", "$FOR P1 = first, last, step"),
-    ("$IF P1=1\n$ENDIF", 7, "=", None, "equal is written =="),
-    ("$WHILE P1=>1\n$ENDWHILE", 10, "=", None, "at least is written >="),
-    ("$IF P1=<1\n$ENDIF", 7, "=", None, "at most is written <="),
+    ("$IF P1=1\n$ENDIF", 7, "=", "$GOTO, " + OPERATORS, "equal is written =="),
+    ("$WHILE P1=>1\n$ENDWHILE", 10, "=", OPERATORS, "at least is written >="),
+    ("$IF P1=<1\n$ENDIF", 7, "=", "$GOTO, " + OPERATORS, "at most is written <="),
     ("$REPEAT\n$UNTIL P1<>1", 11, ">", TERM, "not equal is written !="),
     ("N10 $ENDFOR", 5, "$ENDFOR", None, None),
     ("N10 $CASE 1", 5, "$CASE", None, None),
@@ -78,8 +82,8 @@ FLOW = [
 
 VALUES = [
     ("X=0xFFFFFFFFFFFFFFFFFF", 3, "0xFFFFFFFFFF..", None, None),
-    ("P1=FOO[1]", 4, "FOO", None, None),
-    ("P1=SINN[1]", 4, "SINN", None, "nearest: SIN, ASIN"),
+    ("P1=FOO[1]", 4, "FOO", FUNCTIONS, None),
+    ("P1=SINN[1]", 4, "SINN", FUNCTIONS, "nearest: SIN, ASIN"),
     ("P1=V.A.ABS.W", 4, "W", "X, Y, Z", "in V.A.ABS.W"),
     ("P1=SIN[1,2]", 4, 2, None, None),
     ("P1=MIN[1]", 4, 1, None, None),
@@ -160,10 +164,10 @@ def test_an_error_says_what_is_meant_where_it_is(text, column, value, allowed, h
     with pytest.raises(UserError) as caught:
         parse_program(text, file="p.nc", axes=XYZ)
     error = caught.value
-    assert (error.file, error.column, error.value) == ("p.nc", column, value)
-    if allowed is not None:
-        assert error.allowed == allowed
-    assert error.hint == hint
+    lines = text.splitlines()
+    line = len(lines) - (len(lines) > 1 and lines[-1] in ("$ENDIF", "$ENDFOR", "$ENDWHILE"))
+    assert (error.file, error.line, error.column) == ("p.nc", line, column)
+    assert (error.value, error.allowed, error.hint) == (value, allowed, hint)
 
 
 @pytest.mark.parametrize(

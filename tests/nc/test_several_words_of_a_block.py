@@ -1,11 +1,9 @@
-"""Of several words of a block the first one counts; a block waits once, whatever asks for it."""
+"""Several words of a block that need the same: the first is named, and the block waits once."""
 
 import pytest
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import LinearMove, Message, TechnologyFunction, Wait
-
-XYZ = ("X", "Y", "Z")
+from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, Message, TechnologyFunction, Wait
 
 
 @pytest.mark.parametrize(
@@ -42,7 +40,7 @@ def test_of_words_that_do_not_act_the_first_is_named(run, block, word):
 )
 def test_a_block_waits_once_for_what_it_reads_and_what_it_is(run, block, kinds):
     commands = [c for c in run(f"G0 X1\n{block}") if c.block.line == 2]
-    assert [type(each) for each in commands if type(each).__name__ != "EndOfProgram"] == kinds
+    assert [type(each) for each in commands if not isinstance(each, EndOfProgram)] == kinds
     assert not any(each.for_cycle for each in commands if isinstance(each, Wait))
 
 
