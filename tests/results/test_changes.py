@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.results.test_pairs import compared
 
 from axisrig.bench.campaign.results.layout import INPUTS
 from axisrig.bench.campaign.results.stored import read_results
@@ -228,3 +229,17 @@ def test_a_folder_that_kept_no_texts_names_the_files_alone(
         (one / INPUTS).write_text(text, encoding="utf-8")
     (line,) = found(one, other)
     assert line.startswith("changed: r.toml 0000")
+
+
+def test_a_check_that_only_one_folder_asks_for_is_no_other_cell(tmp_path: Path) -> None:
+    """What is asked of the same metric is one; without a condition on one side it is one too."""
+    both = [
+        {"runs": [{"run": "r"}], "checks": [{"metric": name, "check": asked} for name, asked in of]}
+        for of in ((("m", "<= 1"), ("old", "<= 5"), ("open", "")),
+                   (("m", "<= 2"), ("new", "<= 5"), ("open", "<= 3")))
+    ]  # fmt: skip
+    comparison = compared(tmp_path, *both)
+    stored = [read_results(tmp_path / str(n)) for n in (0, 1)]
+    assert dict(changes(*stored, comparison.pairs))["the plan"] == [
+        "check:m <= 1 -> <= 2", "check:open (empty) -> <= 3",
+    ]  # fmt: skip

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from tests.recordings import facts
 
+from axisrig.bench.campaign.results.stored import RECORDING
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.facts import run_text
 from axisrig.results.loading import load
@@ -51,3 +52,12 @@ def test_a_frame_has_its_identifier_data_kind_and_segment(tmp_path: Path) -> Non
         ("a", 0x701, "", False, True, False),
         ("other", 0x1FFFFFFF, "00", True, False, False),
     ]
+
+
+def test_frames_are_those_of_the_recording_that_a_run_shares(tmp_path: Path) -> None:
+    """A row that was judged again, or that ran as another one, has no log of its own name."""
+    place = folder_of(tmp_path, ["(0.000001) a 181#01"])
+    rows = f"run,verdict,{RECORDING}\nr,pass,\nagain,pass,r\n"
+    (place / "cases.csv").write_text(rows, encoding="utf-8")
+    found = load(place)
+    assert found.frames("again")["data"].tolist() == found.frames("r")["data"].tolist() == ["01"]

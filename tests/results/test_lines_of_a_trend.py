@@ -117,3 +117,21 @@ def test_a_line_for_each_folder_and_one_with_the_limits() -> None:
     assert list(trend_lines(Trend("m", (), (), tuple(bare)))) == ["p-c  m"]
     both = trend([folder("x", run("r", "1", limits=("-1", "9")))], "m")
     assert next(iter(trend_lines(both))) == "p-c  m um, limits -1 .. 9"
+
+
+def test_a_row_about_several_runs_sweeps_no_input() -> None:
+    """Its cells are empty: the runs of its case are all alike, and are followed together."""
+    runs = [run("r1", "1"), run("r2", "3")]
+    about = run("p-c", "2", metric="mean(m)", at=("", ""), runs="2")
+    for rows in ([*runs, about], [about, *runs]):
+        assert cases(trend([folder("a", *rows)], "m")) == {"p-c": [(0, 2, 2.0)]}
+        assert cases(trend([folder("a", *rows)], "mean(m)")) == {"p-c": [(0, 1, 2.0)]}
+
+
+def test_a_row_about_several_runs_has_the_name_of_its_case_where_inputs_are_swept() -> None:
+    runs = [run("r1", "1", at=("1", "x")), run("r2", "3", at=("2", "x"))]
+    about = run("p-c", "2", metric="mean(m)", at=("", ""), runs="2")
+    assert cases(trend([folder("a", *runs, about)], "mean(m)")) == {"p-c": [(0, 1, 2.0)]}
+    assert cases(trend([folder("a", *runs, about)], "m")) == {
+        "p-c at V.E.A 1": [(0, 1, 1.0)], "p-c at V.E.A 2": [(0, 1, 3.0)],
+    }  # fmt: skip

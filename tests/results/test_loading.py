@@ -306,3 +306,26 @@ def test_the_command_line_starts_without_pandas() -> None:
     code = "import sys, axisrig.bench.cli.main; print([n for n in sys.modules if n == 'pandas'])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
+
+
+def test_only_inputs_become_numbers(tmp_path: Path) -> None:
+    """A serial number, a requirement and a note may have digits alone: a 0 in front stays."""
+    words = {"info:serial": "007", "note:day": "0101", "requirement": "0042", "tags": "1"}
+    cells = {"verdict": "pass", "plc:V.E.A": "007", **words}
+    lines = [["run", *cells], *([name, *cells.values()] for name in ("a", "b"))]
+    table = "".join(",".join(line) + "\n" for line in lines)
+    (tmp_path / "cases.csv").write_text(table, encoding="utf-8")
+    (tmp_path / "results.csv").write_text("run,metric,verdict\n", encoding="utf-8")
+    cases_of = load(tmp_path).cases
+    for name, text in words.items():
+        assert cases_of[name].tolist() == [text, text], name
+    assert cases_of["plc:V.E.A"].tolist() == [7.0, 7.0]
+
+
+def test_a_folder_whose_tables_have_no_row_has_their_columns(tmp_path: Path) -> None:
+    (tmp_path / "cases.csv").write_text("run,verdict\n", encoding="utf-8")
+    (tmp_path / "results.csv").write_text("run,metric,verdict\n", encoding="utf-8")
+    found = load(tmp_path)
+    assert {"run", "verdict", "plan", "case", "seed"} <= set(found.cases.columns)
+    assert {"run", "metric", "value", "text", "unit", "verdict"} <= set(found.checks.columns)
+    assert (len(found.cases), len(found.checks)) == (0, 0)

@@ -46,6 +46,15 @@ def compared(tmp_path: Path, *sides: Mapping[str, Any]) -> Comparison:
     return compare(*(read_results(place) for place in found))
 
 
+def runs_of_a_case(values: Sequence[float], count: int | None = None) -> dict[str, Any]:
+    """Runs of one case with frames of their own; count: of runs, the last ones without a value."""
+    numbers = range(len(values) if count is None else count)
+    return {
+        "runs": [{"run": f"r{n}", "frame_log_sha256": f"h{n}"} for n in numbers],
+        "checks": [{"run": f"r{n}", "value": str(value)} for n, value in enumerate(values)],
+    }
+
+
 def pair(**changes: Any) -> MetricPair:
     known: dict[str, Any] = {
         "run": "r", "metric": "m", "unit": "um", "before": 1.0, "after": 2.0, "before_u": 0.0,
@@ -324,3 +333,13 @@ def test_lines_say_each_kind_the_worse_and_the_surest_first_and_cut_long_lists(
     assert f"shifted: {len(sure) - 40} more" in lines
     assert "better: rises: fail -> pass" in " ".join(lines)
     assert last.startswith("3 runs in both (0 matched by equal inputs), 1 new, 0 missing;")
+
+
+@pytest.mark.parametrize(("before", "after"), [((1.0, 2.0), (4.0, 6.0, 8.0)),
+                                               ((4.0, 6.0, 8.0), (1.0, 2.0))])  # fmt: skip
+def test_a_shift_has_the_number_and_the_mean_of_each_folder(
+    tmp_path: Path, before: Sequence[float], after: Sequence[float]
+) -> None:
+    (shift,) = compared(tmp_path, runs_of_a_case(before), runs_of_a_case(after)).shifts
+    assert shift.n == (len(before), len(after))
+    assert shift.means == (sum(before) / len(before), sum(after) / len(after))

@@ -261,3 +261,15 @@ def test_a_line_of_many_values_goes_through_its_peaks_in_the_order_of_their_plac
         assert all(value == values[int(place)] for place, value in found)
         kept = [value for _, value in found]
         assert (min(kept), max(kept)) == (values.min(), values.max())
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_picture_of_two_lines_is_as_wide_as_both_whichever_begins_first(turn: int) -> None:
+    """5 to 10 inside 0 to 20: the longer line goes from edge to edge."""
+    short, long = ("short", line([5, 10], [0, 1])), ("long", line([0, 20], [0, 1]))
+    found = polylines(overlay("s", dict([short, long][::turn]), ("0", "20")))
+    inner, outer = [found[kind] for kind in ("cmp-before", "cmp-after")][::turn]
+    (left, _), (right, _) = outer
+    assert right == RIGHT_PX
+    across = [(x - left) / (right - left) for x, _ in inner]
+    assert across == pytest.approx([0.25, 0.5], abs=2e-3)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.results.test_pairs import compared
+from tests.results.test_pairs import compared, runs_of_a_case
 
 RUN = [{"run": "r"}]
 BELOW = {"upper": "", "lower": "-5"}
@@ -143,10 +143,7 @@ def test_a_case_with_one_value_in_a_folder_has_no_shift(
     tmp_path: Path, few: int, many: int
 ) -> None:
     def side(count: int) -> dict[str, Any]:
-        return {
-            "runs": [{"run": f"r{n}", "frame_log_sha256": f"h{n}"} for n in range(3)],
-            "checks": [{"run": f"r{n}", "value": str(n)} for n in range(count)],
-        }
+        return runs_of_a_case([float(n) for n in range(count)], 3)
 
     assert compared(tmp_path / "a", side(few), side(many)).shifts == []
     assert compared(tmp_path / "b", side(many), side(few)).shifts == []

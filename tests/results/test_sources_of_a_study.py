@@ -119,3 +119,17 @@ def test_several_signals_are_named_once_each_and_every_line_is_a_row(
     first, second = source_rows(both)
     assert (first.source, second.source) == ("CNC, PLC", "PLC")
     assert (first.off_um, second.off_um) == (1.0, 250.0)
+
+
+def test_a_range_is_that_of_the_metric_of_its_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Latch and fixed stop of one run, each with its own: 0.7 um and 0.004 mm."""
+    latch = line(point("a", 10.0, 9.0))
+    stop = line(point("a", 10.0, 100.25), metric=OF_STOP, intercept="100 +- 1")
+    both = results(monkeypatch, latch, stop)
+    ranges = {METRIC: 0.7, OF_STOP: 0.004}
+    for order in (1, -1):
+        for one in both.runs:
+            one.checks = [type(one.checks[0])(metric=f"range({name})", number=number)
+                          for name, number in [*ranges.items()][::order]]  # fmt: skip
+        first, second = source_rows(both)
+        assert (first.range_um, second.range_um) == pytest.approx((0.7, 4.0))
