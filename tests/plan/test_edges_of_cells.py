@@ -163,6 +163,8 @@ def test_a_number_has_plain_digits_and_an_end(text: str) -> None:
         ("plant:p.stroke_mm", "5 um", "mm", "write 5, in the unit of the header (mm)"),
         ("plant:p.stroke_mm", "5 MM", "mm", "write 5, in the unit of the header (mm)"),
         ("plant:p.stroke_mm", "5 N", "mm", "write 5, in the unit of the header (mm)"),
+        ("plant:p.stroke_mm", "5 %", "mm", "write 5, in the unit of the header (mm)"),
+        ("plant:p.stroke_mm", "1,5", "mm", "a decimal point, not a comma: 1.5"),
         ("drive:d.key", "5 um", "", "write 5 without a unit"),
         ("plant:p.x", "5 \u00b5m", "", "write 5; the unit ends the header: plant:p.x_um"),
         ("plant:p.x", "5\u03bcs", "", "write 5; the unit ends the header: plant:p.x_us"),
@@ -214,6 +216,9 @@ def test_suffixes_are_those_of_a_unit_and_a_single_one_scales_nothing() -> None:
     assert suffixes_of(["m"]) == scaled_suffixes(["m"]) == ["m", "mm", "um", "nm"]
     assert suffixes_of(["Hz", "kg"]) == ["kg", "hz"]
     assert scaled_suffixes(["Hz"]) == scaled_suffixes(["furlong"]) == []
+    # Of several quantities too, each with one unit: a value counts in each as it is
+    assert scaled_suffixes(["Hz", "kg"]) == []
+    assert scaled_suffixes(["Hz", "N"]) == ["n", "kn", "hz"]
 
 
 @pytest.mark.parametrize(

@@ -211,7 +211,8 @@ def test_a_segment_is_asked_for_by_the_names_that_there_are() -> None:
         assert "line" in str(refused.value)
 
 
-@pytest.mark.parametrize("options", [["a"], ["a=1", "b"], ["=1"]])
-def test_options_of_a_bus_that_are_none_are_refused(options: list[str]) -> None:
-    with pytest.raises(UserError):
+@pytest.mark.parametrize(("options", "wrong"), [(["a"], "a"), (["a=1", "b"], "b"), (["=1"], "=1")])
+def test_an_option_of_a_bus_without_key_or_value_is_refused(options: list[str], wrong: str) -> None:
+    with pytest.raises(UserError, match="an option is key=value") as caught:
         outside([], options=options).changes({"a": read_segment({})}, RIG)
+    assert caught.value.value == wrong

@@ -66,7 +66,7 @@ def test_a_plan_of_the_same_name_is_the_same_by_its_place_or_its_bytes(tmp_path:
 def test_a_plan_that_was_changed_is_the_same_in_its_place_however_it_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its bytes are others since; a call from another folder, or by a longer way, names it."""
+    """Its bytes have changed; its path is relative or absolute, or goes through another folder."""
     (tmp_path / "sub").mkdir()
     here = tmp_path / "p.csv"
     here.write_text("then", encoding="utf-8")
@@ -79,7 +79,7 @@ def test_a_plan_that_was_changed_is_the_same_in_its_place_however_it_is_named(
     ):  # fmt: skip
         refuse_other_plans(folder_with(tmp_path, entry("p", then, digits)), [plan_of(now)])
     (tmp_path / "sub" / "p.csv").write_text("now", encoding="utf-8")
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match="results of another plan"):
         refuse_other_plans(folder_with(tmp_path, entry("p", "sub/p.csv", digits)), [plan_of(here)])
 
 

@@ -45,7 +45,7 @@ def test_a_change_is_one_of_every_row(plan: Plan) -> None:
 
 
 def test_an_input_of_a_call_wins_over_the_cells_of_every_row(plan: Plan) -> None:
-    """Rows of statistics say it too; a column that the plan lacks comes last."""
+    """Rows of statistics have it too; a column that the plan lacks comes last."""
     found = given(plan, "set:Z.b=1", "plant:z.x_mm=2")
     assert set(values(found, "set:Z.b").values()) == {"1"}
     assert set(values(found, "plant:z.x_mm").values()) == {"2"}
@@ -110,17 +110,17 @@ def test_where_a_plan_is_refused_the_first_run_of_each_row_is_looked_at(
     """Also of a row that is wrong, as far as it could be read; of a good plan none."""
     head = "case,program,rig,repeats,plc:V.E.A,seed"
     good = [f"a,{ROW},3,5,", f"b,{ROW},,[7 | 8 | 9],"]
-    seen: list[str] = []
+    looked_at: list[str] = []
 
     def look(case: Case) -> None:
-        seen.append(case.run)
+        looked_at.append(case.run)
         raise UserError(f"looked at {case.run}", file=case.file, line=case.line)
 
     assert len(read_plan(write_plan("\n".join([head, *good, ""])), look).cases) == 6
-    assert seen == []
+    assert looked_at == []
     with pytest.raises(UserError) as caught:
         read_plan(write_plan("\n".join([head, *good, f"c,{ROW},,,-1", ""])), look)
-    assert seen == ["probing-a-001", "probing-b-7", "probing-c"]
+    assert looked_at == ["probing-a-001", "probing-b-7", "probing-c"]
     found = [one.message.partition(" (")[0] for one in (caught.value, *caught.value.further)]
     assert found == [
         "looked at probing-a-001", "looked at probing-b-7", "looked at probing-c",

@@ -229,14 +229,14 @@ def searching(folder: Path, text: str) -> Case:
 def test_a_search_is_looked_at_with_the_values_of_both_its_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Any, text: str, ends: list[str], bad: str
 ) -> None:
-    """What only one of them brings is found too; what is made is of the first one."""
+    """A mistake at one end alone is found too; the case is made with the first value."""
     case = searching(tmp_path, text)
     wrong = {"none": "", "first": ends[0], "last": ends[1]}[bad]
-    seen: list[tuple[str, str]] = []
+    probes: list[tuple[str, str]] = []
 
     def settings_of(probe: Case) -> Any:
         value = probe.inputs["plant:z.x_mm"]
-        seen.append((probe.run, value))
+        probes.append((probe.run, value))
         if value == wrong:
             raise UserError(f"{value} is too much")
         rig = SimpleNamespace(axis=("Z",))
@@ -255,4 +255,4 @@ def test_a_search_is_looked_at_with_the_values_of_both_its_ends(
             look(case)
         return
     assert look(case).settings.value == ends[0]
-    assert seen == [("p-s-s01", ends[0]), ("p-s-s02", ends[1])]
+    assert probes == [("p-s-s01", ends[0]), ("p-s-s02", ends[1])]

@@ -1,4 +1,4 @@
-"""Which check speaks for a run, and numbers and alarms in its sentence: reckoned by hand."""
+"""Which check speaks for a run, and numbers and alarms in its sentence: computed by hand."""
 
 from collections.abc import Sequence
 
@@ -134,7 +134,7 @@ def test_a_run_whose_verdict_no_check_has_says_so() -> None:
         ("12.5", "0", "10", ("upper", "10", "-2.5")),
         ("7", "", "10", ("upper", "10", "3")),
         ("7", "1", "", ("lower", "1", "6")),
-        ("0.3", "0.1", "", ("lower", "0.1", "0.2")),  # as a reader reckons it, not in binary
+        ("0.3", "0.1", "", ("lower", "0.1", "0.2")),  # in decimal numbers, not in binary
         ("7", "", "", None),
         ("late", "0", "1", None),
         ("", "0", "1", None),

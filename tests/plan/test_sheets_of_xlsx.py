@@ -1,6 +1,6 @@
 """What the first look at an XLSX workbook takes from its parts (ECMA-376-1 18.2, 18.3, 18.8)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -12,18 +12,19 @@ from axisrig.bench.plan.workbook import Formula, Merged, Sheet, look_through
 from axisrig.kernel.errors import UserError
 
 
-def changed(path: Path, **parts: str) -> Path:
+def changed(path: Path, parts: Mapping[str, str]) -> Path:
     """The workbook with other parts, by the names of their files in `xl`."""
     with ZipFile(path) as file:
         known = {name: file.read(name).decode() for name in file.namelist()}
     with ZipFile(path, "w") as file:
-        for name, text in {**known, **{f"xl/{n}.xml": t for n, t in parts.items()}}.items():
+        for name, text in {**known, **{f"xl/{n}": part for n, part in parts.items()}}.items():
             file.writestr(name, text)
     return path
 
 
 def of_one(tmp_path: Path, rows: str, after: str = "", **parts: str) -> Sheet:
-    sheet = look_through(changed(xlsx(tmp_path / "p.xlsx", ("plan", rows), after=after), **parts))
+    path = xlsx(tmp_path / "p.xlsx", ("plan", rows), after=after)
+    sheet = look_through(changed(path, {f"{name}.xml": text for name, text in parts.items()}))
     assert sheet is not None
     return sheet
 
@@ -70,14 +71,14 @@ def test_a_cell_has_its_place_by_its_name_or_after_the_one_before(
 
 
 def test_a_sheet_reaches_as_far_as_any_cell_with_content(tmp_path: Path) -> None:
-    """Rows and columns each by itself; a cell with a form alone does not count."""
+    """Rows and columns each by itself; a cell with a style alone does not count."""
     cells = '<row><c r="D1"><v>1</v></c></row><row><c r="A9"><v>1</v></c><c r="H9" s="0"/></row>'
     sheet = of_one(tmp_path, cells)
     assert (sheet.name, sheet.rows, sheet.columns) == ("plan", 9, 4)
     assert (sheet.wrong, sheet.formulas, sheet.merged) == ([], [], [])
 
 
-def test_a_sheet_of_a_diagram_has_no_cells(tmp_path: Path) -> None:
+def test_a_chart_sheet_has_no_cells(tmp_path: Path) -> None:
     """It comes first in the workbook: the first one with cells is the plan."""
     relations = (
         f'<Relationships xmlns="{PACKAGE}/relationships">'
@@ -85,15 +86,9 @@ def test_a_sheet_of_a_diagram_has_no_cells(tmp_path: Path) -> None:
         f'<Relationship Id="r2" Type="{OFFICE}/worksheet" Target="/xl/worksheets/s2.xml"/>'
         "</Relationships>"
     )
-    path = xlsx(tmp_path / "p.xlsx", ("diagram", ""), ("plan", row("case", "x") + row("a", "1")))
-    with ZipFile(path) as file:
-        parts = {name: file.read(name).decode() for name in file.namelist()}
-    parts["xl/_rels/workbook.xml.rels"] = relations
-    parts["xl/chartsheets/s1.xml"] = f'<chartsheet xmlns="{MAIN}"/>'
-    del parts["xl/worksheets/s1.xml"]
-    with ZipFile(path, "w") as file:
-        for name, text in parts.items():
-            file.writestr(name, text)
+    path = xlsx(tmp_path / "p.xlsx", ("chart", ""), ("plan", row("case", "x") + row("a", "1")))
+    chart = f'<chartsheet xmlns="{MAIN}"/>'
+    changed(path, {"_rels/workbook.xml.rels": relations, "chartsheets/s1.xml": chart})
     sheet = look_through(path)
     assert sheet is not None
     assert (sheet.name, sheet.rows, sheet.columns) == ("plan", 2, 2)
@@ -164,7 +159,7 @@ def test_a_stored_0_may_not_have_been_computed_where_all_is_on_loading(
 def test_what_a_style_shows_counts_of_numbers(tmp_path: Path, cell: str, what: str | None) -> None:
     """18.3.1.4: `s` counts the styles of cells, not those with a name."""
     path = xlsx(tmp_path / "p.xlsx", ("plan", f"{row('x')}<row><c/>{cell}</row>"))
-    changed(path, styles=styles([0, 9, 14, 164], (164, "yyyy"), others=[10, 0, 0, 0]))
+    changed(path, {"styles.xml": styles([0, 9, 14, 164], (164, "yyyy"), others=[10, 0, 0, 0])})
     if what is None:
         assert look_through(path) is not None
         return
@@ -187,7 +182,7 @@ def test_the_first_wrong_cell_of_the_first_sheet_is_named(tmp_path: Path) -> Non
 
 
 def test_columns_without_a_name_at_the_end_of_a_header_are_none(tmp_path: Path) -> None:
-    """Cells of a form there are left out; one with content is one too many."""
+    """Cells with a style alone there are left out; one with content is one too many."""
     blank = "<c><v></v></c>"
     lines = row("case", "x", blank, blank) + row("a", "1", blank)
     path = xlsx(tmp_path / "p.xlsx", ("plan", lines + row("b", "2")))

@@ -52,7 +52,7 @@ def moment(word: str) -> Any:
 def test_every_program_that_a_run_can_reach_counts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """That of the row with what it calls, and those that the PLC side starts; no file beside."""
+    """That of the row, what it calls, and what the PLC side starts; no other file of the folder."""
     assert found(tmp_path, monkeypatch).names == {"MAIN", "SUB"}
     both = found(tmp_path, monkeypatch, "started.nc")
     assert (both.names, both.all_may) == ({"MAIN", "SUB", "STARTED"}, False)
@@ -70,11 +70,11 @@ def test_moments_of_cells_use_variables_at_their_begin_and_at_their_end(
 ) -> None:
     rules = [
         SimpleNamespace(moment=moment("V.E.BEGIN"), until=moment("V.E.END")),
-        SimpleNamespace(moment=moment("motion"), until=None),
+        SimpleNamespace(moment=moment("V.E.ALONE"), until=None),
         SimpleNamespace(moment=None, until=moment("V.E.LAST")),
     ]
     names = found(tmp_path, monkeypatch, plc=rules).names
-    assert names >= {"BEGIN", "END", "LAST"}
+    assert names == {"MAIN", "SUB", "BEGIN", "END", "ALONE", "LAST"}
 
 
 def test_lists_of_the_channel_and_of_each_axis_use_variables(

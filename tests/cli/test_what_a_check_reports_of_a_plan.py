@@ -1,4 +1,4 @@
-"""What `axisrig check` says of a plan: which machines are built, warnings, notes, all mistakes."""
+"""What `axisrig check PLAN` reports: machines that are built, warnings, notes, all mistakes."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +16,7 @@ from axisrig.kernel.errors import UserError
 
 
 class Looking:
-    """Stands in for the machines of rows: which were built, and what is found of them."""
+    """Stands in for the machines of rows: which were built, and what is found in them."""
 
     def __init__(self, patch: pytest.MonkeyPatch, first: list[int] | None = None) -> None:
         self.built: list[str] = []
@@ -159,7 +159,7 @@ def test_a_rig_is_one_in_whatever_letters_its_ending_is(name: str) -> None:
     assert rigs_of(Path(name), None) == [Path(name)]
 
 
-def test_a_folder_is_named_without_an_ending_and_a_file_with_what_may_be(tmp_path: Path) -> None:
+def test_a_refusal_of_a_file_names_its_ending_and_that_of_a_folder_none(tmp_path: Path) -> None:
     (tmp_path / "plans.v2").mkdir()
     (tmp_path / "a.txt").touch()
     with pytest.raises(UserError, match="a folder, no file to check") as of_folder:

@@ -1,8 +1,8 @@
-"""Ways out of a command that hardly anybody takes: a reader that has gone, a missing part."""
+"""Commands without a reader, a library, a terminal, a main thread or signs beyond ASCII."""
 
 import codecs
-import os
 import sys
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from threading import Thread
@@ -11,17 +11,18 @@ from typing import Any
 import pytest
 import typer
 
-from axisrig.bench.cli import list_commands, perf_command, tune_commands
+from axisrig.bench.cli import list_commands, perf_command
 from axisrig.bench.cli.guard import needs_progress
-from axisrig.bench.cli.options import EXIT_BROKEN_PIPE, _show_version, rejecting
+from axisrig.bench.cli.options import EXIT_BROKEN_PIPE, rejecting
 from axisrig.bench.cli.start import plain_signs
-from axisrig.kernel.errors import UserError
+
+Call = Callable[..., tuple[int, str, str]]
 
 
-def test_a_reader_that_has_gone_ends_a_command_without_a_word(
+def test_a_reader_that_has_gone_ends_a_command_without_a_message(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What Python still writes at its end goes nowhere, so that it cannot complain once more."""
+    """What Python still writes at its end goes nowhere: it would raise the same error again."""
 
     def command() -> None:
         raise BrokenPipeError
@@ -47,9 +48,8 @@ def test_a_reader_that_has_gone_ends_a_command_without_a_word(
     ],
 )
 def test_the_version_is_that_of_what_is_installed(
-    found: str | None, line: str, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    found: str | None, line: str, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def version(name: str) -> str:
         assert name == "axisrig"
         if found is None:
@@ -57,23 +57,18 @@ def test_the_version_is_that_of_what_is_installed(
         return found
 
     monkeypatch.setattr(metadata, "version", version)
-    _show_version(False)
-    assert capsys.readouterr().out == ""
-    with pytest.raises(typer.Exit) as caught:
-        _show_version(True)
-    assert caught.value.exit_code == 0
-    assert capsys.readouterr().out == f"{line}\n"
+    assert axisrig("--version") == (0, f"{line}\n", "")
 
 
 def test_without_its_drawing_library_a_tuning_says_how_to_get_it(
-    monkeypatch: pytest.MonkeyPatch,
+    rejected: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before anything is measured."""
     monkeypatch.setitem(sys.modules, "axisrig.bench.tools.tune.picture", None)
     monkeypatch.setattr("axisrig.bench.tools.tune.measure.choose", pytest.fail)
-    with pytest.raises(UserError, match="matplotlib is not installed") as caught:
-        tune_commands._tuned(Path("r.toml"), None, None, None, None, [])
-    assert caught.value.hint == "pip install 'axisrig[tune]' brings it"
+    message = rejected("tune", "distance", "--rig", "rig.toml")
+    assert message.startswith("matplotlib is not installed")
+    assert "pip install 'axisrig[tune]' brings it" in message
 
 
 def test_cpu_time_is_that_of_this_process_and_of_its_children(
@@ -123,14 +118,14 @@ def test_outside_of_the_main_thread_nothing_is_watched() -> None:
         ("✔ ✖ 5 µm ≤ 3° ± 2", "+ x 5 um <= 3deg +- 2"),
         ("1 × 2 · 3 ≠ 4 → 5²", "1 x 2 * 3 != 4 -> 52"),
         ("– − … ■ ≥", "- - ... # >="),
-        ("Ω x", "_ x"),  # one that we do not print
+        ("Ω x", "_ x"),  # one that no command prints
     ],
 )
 def test_signs_that_are_not_in_ascii_have_others_there(text: str, shown: str) -> None:
     assert text.encode("ascii", errors=plain_signs()).decode("ascii") == shown
 
 
-def test_bytes_of_no_text_are_no_matter_of_signs() -> None:
+def test_bytes_that_are_no_text_are_refused_and_not_replaced() -> None:
     with pytest.raises(UnicodeDecodeError):
         b"\xff".decode("utf-8", errors=plain_signs())
     error = UnicodeDecodeError("utf-8", b"\xff", 0, 1, "why")
@@ -140,7 +135,7 @@ def test_bytes_of_no_text_are_no_matter_of_signs() -> None:
 
 
 class Terminal:
-    """Standard output that is a terminal."""
+    """Standard output: a terminal or a pipe."""
 
     def __init__(self, is_terminal: bool) -> None:
         self.text, self._is_terminal = "", is_terminal
@@ -200,4 +195,4 @@ def test_a_page_that_is_opened_is_named_and_not_printed(
     paths = [str(tmp_path / name) for name in ("glossary.md", "index.md")]
     assert (asked, opened) == (["glossary", "index"], paths)
     lines = capsys.readouterr().out.splitlines()
-    assert lines == [*paths, "all pages", f"copied to {os.fspath('own.ipynb')}"]
+    assert lines == [*paths, "all pages", "copied to own.ipynb"]

@@ -1,4 +1,4 @@
-"""`axisrig check RIG`: the order of what is said of it, its warnings, and that its plant closes."""
+"""`axisrig check RIG`: the order of what it reports, warnings, and that the plant is closed."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ BARE = {"plant:z.x": ("m", ("plant:z.x_mm", "plant:z.x_um")), "plant:z.y": ("s",
 
 
 class Parts:
-    """Stands in for what is said of a rig and its plant."""
+    """Stands in for the parts that describe a rig and its plant."""
 
     def __init__(self, patch: pytest.MonkeyPatch, *, is_quiet: bool = False) -> None:
         self.done: list[str] = []

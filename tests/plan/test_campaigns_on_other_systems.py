@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,14 @@ from axisrig.bench.campaign.processes import usable_cores
 from axisrig.bench.campaign.results import manifest
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import Limits
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.errors import UserError
 
 
 @pytest.fixture
-def case(tmp_path: Path) -> Any:
-    (tmp_path / "a.nc").write_text("N10 M30\n", encoding="utf-8")
-    (tmp_path / "r.toml").write_text("[machine]\n", encoding="utf-8")
-    (tmp_path / "p.csv").write_text("case,program,rig\na,a.nc,r.toml\n", encoding="utf-8")
-    (found,) = read_plan(tmp_path / "p.csv").cases
+def case(write_plan: Callable[..., Path]) -> Case:
+    (found,) = read_plan(write_plan("case,program,rig\na,probe.nc,machine.toml\n")).cases
     return found
 
 
@@ -31,7 +30,7 @@ def several_drives(*_: object) -> str:
 
 
 def test_files_on_several_drives_are_none_for_a_cluster(
-    case: Any, monkeypatch: pytest.MonkeyPatch
+    case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As Windows has them: there is no folder that has them all."""
     monkeypatch.setattr(cluster, "files_of_case", lambda one: [one.program, one.rig])
@@ -43,12 +42,12 @@ def test_files_on_several_drives_are_none_for_a_cluster(
 
 
 def test_a_file_on_another_drive_has_its_whole_name_in_a_manifest(
-    case: Any, monkeypatch: pytest.MonkeyPatch
+    case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert set(manifest.file_hashes([case])) == {"a.nc", "r.toml"}
-    rig = case.folder / "r.toml"
-    assert manifest._from_folder(rig, case.folder) == "r.toml"
-    assert manifest._from_folder(rig, case.folder / "below") == "../r.toml"
+    assert set(manifest.file_hashes([case])) == {"probe.nc", "machine.toml"}
+    rig = case.folder / "machine.toml"
+    assert manifest._from_folder(rig, case.folder) == "machine.toml"
+    assert manifest._from_folder(rig, case.folder / "below") == "../machine.toml"
     monkeypatch.setattr(os.path, "relpath", several_drives)
     assert manifest._from_folder(rig, case.folder) == rig.as_posix()
 
