@@ -78,6 +78,6 @@ def test_slaves_act_on_frames_of_datagrams_alone(frame: bytes, found: bool) -> N
 @pytest.mark.parametrize(
     ("size", "us"), [(0, 6.72), (28, 6.72), (60, 6.72), (61, 6.8), (1514, 123.04)]
 )
-def test_a_frame_has_the_wire_with_preamble_fcs_and_gap(size: int, us: float) -> None:
-    """8 + 60 at least + 4 + 12 bytes of 80 ns."""
+def test_a_frame_occupies_the_wire_with_preamble_fcs_and_gap(size: int, us: float) -> None:
+    """IEEE 802.3, 100 Mbit/s: 8 + at least 60 + 4 + 12 bytes of 80 ns each."""
     assert time_on_wire_ns(size) == round(us * 1000)

@@ -18,8 +18,8 @@ def test_an_error_frame_has_the_identifier_alone_of_what_it_destroyed(
     scheduler: Scheduler, segment: Segment, can_id: int, is_remote: bool
 ) -> None:
     """No data, no length, and no request; then comes the frame itself."""
-    seen: list[tuple[Frame, bool]] = []
-    segment.observe(lambda _time, _name, frame, is_error: seen.append((frame, is_error)))
+    frames: list[tuple[Frame, bool]] = []
+    segment.observe(lambda _time, _name, frame, is_error: frames.append((frame, is_error)))
     sender, _ = segment.port("sender"), segment.port("receiver")
     segment.add_fault(lambda _frame, _port, attempt: None if attempt else ErrorAtBit(20))
     is_extended = can_id > 0x7FF
@@ -31,7 +31,7 @@ def test_an_error_frame_has_the_identifier_alone_of_what_it_destroyed(
     )
     scheduler.run_until(MS)
     whole = Frame(can_id, given.get("data", b""), is_extended, is_remote, 4)
-    assert seen == [(Frame(can_id, b"", is_extended, False, 0), True), (whole, False)]
+    assert frames == [(Frame(can_id, b"", is_extended, False, 0), True), (whole, False)]
 
 
 def test_two_senders_of_one_frame_alone_on_a_bus_have_no_acknowledgement(

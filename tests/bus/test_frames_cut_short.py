@@ -47,9 +47,9 @@ def test_a_frame_ends_with_its_sender(
     scheduler: Scheduler, segment: Segment, watch: Watch, kind: str, by: str
 ) -> None:
     """In its bit 20: 20 + 6 + 6 + 8; nobody gets it, and nobody repeats it."""
-    seen = watch(segment)
+    frames = watch(segment)
     got = going(scheduler, segment, ACTIONS[kind], 19_500, by)
-    assert seen == [(40_000, 0x123, "error")]
+    assert frames == [(40_000, 0x123, "error")]
     assert got == {"x": [], "y": []}
     figures = segment.load()
     assert (figures.frames, figures.error_frames, figures.busy_bits) == (0, 1, 43)
@@ -60,11 +60,11 @@ def test_a_frame_whose_check_sum_is_out_gets_through(
     scheduler: Scheduler, segment: Segment, watch: Watch, kind: str
 ) -> None:
     """Delimiters, acknowledgement and end of frame are recessive, or of others: 10 bits."""
-    seen = watch(segment)
+    frames = watch(segment)
     got = going(scheduler, segment, ACTIONS[kind], WHOLE_NS - 9_500, "power")
     action = ACTIONS[kind]
     data = action.data if isinstance(action, Alter) else FRAME.data
-    assert [each[1:] for each in seen] == [(0x123, "data")]
+    assert [each[1:] for each in frames] == [(0x123, "data")]
     assert got == {"x": [] if isinstance(action, Drop) else [data], "y": [data]}
 
 
@@ -73,9 +73,9 @@ def test_a_frame_that_is_destroyed_already_ends_as_it_would(
     scheduler: Scheduler, segment: Segment, watch: Watch, after_bits: int
 ) -> None:
     """Destroyed after bit 20: flag 6 and delimiter 8, also where the sender goes meanwhile."""
-    seen = watch(segment)
+    frames = watch(segment)
     going(scheduler, segment, ErrorAtBit(20), (20 + after_bits) * 1000 - 500, "power")
-    assert seen == [(34_000, 0x123, "error")]
+    assert frames == [(34_000, 0x123, "error")]
     assert segment.load().busy_bits == 20 + 6 + 8 + 3
 
 
@@ -83,12 +83,12 @@ def test_who_sends_nothing_cuts_nothing(
     scheduler: Scheduler, segment: Segment, watch: Watch
 ) -> None:
     """Another port goes in the middle of the frame."""
-    seen = watch(segment)
+    frames = watch(segment)
     sender, other, _ = (segment.port(name) for name in ("sender", "other", "receiver"))
     sender.send_raw(FRAME.arbitration_id, FRAME.data)
     scheduler.call_at(19_500, Phase.APPLICATION, other.power_off)
     scheduler.run_until(MS)
-    assert seen == [(WHOLE_NS, 0x123, "data")]
+    assert frames == [(WHOLE_NS, 0x123, "data")]
 
 
 def test_what_still_waits_counts_of_every_port_with_its_own_request(

@@ -1,5 +1,7 @@
 """The worst window is never an artefact of where the windows begin."""
 
+import math
+
 import pytest
 
 from axisrig.bench.bus.can.frame import Frame
@@ -105,11 +107,11 @@ def test_what_ends_past_a_border_is_shared_to_the_bit(past_bits: int, is_frame: 
 @pytest.mark.parametrize("bits", [1, 10, 47, 131])
 @pytest.mark.parametrize("bitrate", [800_000, 750_000, 83_333, 3_000_000])
 def test_busy_bits_are_to_the_nearest_bit(bits: int, bitrate: int) -> None:
-    """A bit need not be a whole number of ns: a frame is rounded to these, at most 0.5 ns off."""
-    meter = LoadMeter(bitrate)
-    for short_ns in (0.49, -0.49):
+    """A bit need not be a whole number of ns: a frame ends at the one before or after its end."""
+    length_ns = bits * 1e9 / bitrate
+    for end_ns in (math.floor(length_ns), math.ceil(length_ns)):
         meter = LoadMeter(bitrate)
-        meter.occupy(0, round(bits * 1e9 / bitrate - short_ns), bits)
+        meter.occupy(0, end_ns, bits)
         assert sum(meter.busy_bits(4 * MS)) == bits
         assert meter.figures(4 * MS).worst_100ms_bits == bits
 

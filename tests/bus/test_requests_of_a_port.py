@@ -41,30 +41,34 @@ def frames_of(segment: Segment) -> list[Frame]:
 def test_identifiers_above_11_bits_are_extended_ones(
     scheduler: Scheduler, segment: Segment, can_id: int, is_extended: bool, data: bytes
 ) -> None:
-    seen = frames_of(segment)
+    frames = frames_of(segment)
     port, _ = segment.port("a"), segment.port("b")
     port.send_raw(can_id, data)
     scheduler.run_until(MS)
-    assert seen == [Frame(can_id, data, is_extended, False, len(data))]
+    assert frames == [Frame(can_id, data, is_extended, False, len(data))]
 
 
 @pytest.mark.parametrize(
-    ("can_id", "size"), [(-1, 0), (0x2000_0000, 0), (0x7FF, 9), (0x800, 9), (0, 64)]
-)
+    ("can_id", "size", "words"),
+    [
+        (-1, 0, "identifier out of range"), (0x2000_0000, 0, "identifier out of range"),
+        (0x7FF, 9, "9 data bytes"), (0x800, 9, "dlc and data do not fit"), (0, 64, "64 data bytes"),
+    ],
+)  # fmt: skip
 def test_what_is_no_frame_is_refused_and_nothing_is_sent(
-    scheduler: Scheduler, segment: Segment, can_id: int, size: int
+    scheduler: Scheduler, segment: Segment, can_id: int, size: int, words: str
 ) -> None:
-    seen = frames_of(segment)
+    frames = frames_of(segment)
     port, _ = segment.port("a"), segment.port("b")
-    with pytest.raises(ValueError):  # noqa: PT011
+    with pytest.raises(ValueError, match=words):
         port.send_raw(can_id, bytes(size))
     scheduler.run_until(MS)
-    assert (seen, port.discarded, len(port.pending)) == ([], 0, 0)
+    assert (frames, port.discarded, len(port.pending)) == ([], 0, 0)
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_no_other_thread_may_send(scheduler: Scheduler, segment: Segment, way: str) -> None:
-    seen, errors = frames_of(segment), list[str]()
+    frames, errors = frames_of(segment), list[str]()
     port, _ = segment.port("a"), segment.port("b")
 
     def foreign() -> None:
@@ -78,7 +82,7 @@ def test_no_other_thread_may_send(scheduler: Scheduler, segment: Segment, way: s
     thread.join()
     scheduler.run_until(MS)
     assert errors == ["a simulated bus belongs to the thread that made it"]
-    assert seen == []
+    assert frames == []
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -87,7 +91,7 @@ def test_what_is_requested_while_a_port_takes_no_part_is_lost_and_counted(
     scheduler: Scheduler, segment: Segment, way: str, by: str
 ) -> None:
     """Three wait when it goes, two come meanwhile; what comes afterwards is sent."""
-    seen = frames_of(segment)
+    frames = frames_of(segment)
     port, _ = segment.port("a"), segment.port("b")
     for number in range(3):
         WAYS[way](port, number)
@@ -99,14 +103,14 @@ def test_what_is_requested_while_a_port_takes_no_part_is_lost_and_counted(
     for number in range(3, 5):
         WAYS[way](port, number)
     scheduler.run_until(MS)
-    assert (port.discarded, seen) == (5, [])
+    assert (port.discarded, frames) == (5, [])
     if by == "power":
         port.power_on()
     scheduler.run_until(10 * MS)  # 128 times 11 bits are 1.408 ms
     assert port.takes_part
     WAYS[way](port, 7)
     scheduler.run_until(11 * MS)
-    assert [frame.arbitration_id & 0xFF for frame in seen] == [7]
+    assert [frame.arbitration_id & 0xFF for frame in frames] == [7]
     assert port.discarded == 5
 
 
@@ -118,13 +122,13 @@ def test_a_fifo_sends_in_the_order_of_requests_a_mailbox_the_lowest_identifier(
     scheduler: Scheduler, segment: Segment, queue: QueueKind, sent: list[int]
 ) -> None:
     """All of one instant; two of one identifier keep their order."""
-    seen = frames_of(segment)
+    frames = frames_of(segment)
     port, _ = segment.port("a", queue), segment.port("b")
     for number, can_id in enumerate((3, 1, 2, 1, 0)):
         port.send_raw(0x100 + can_id, bytes([number]))
     scheduler.run_until(2 * MS)
-    assert [frame.arbitration_id - 0x100 for frame in seen] == sent
-    assert [frame.data[0] for frame in seen if frame.arbitration_id == 0x101] == [1, 3]
+    assert [frame.arbitration_id - 0x100 for frame in frames] == sent
+    assert [frame.data[0] for frame in frames if frame.arbitration_id == 0x101] == [1, 3]
 
 
 def test_error_states_are_called_back_each_and_bus_off_alone(
@@ -171,11 +175,11 @@ def test_a_port_without_power_does_not_recover_and_has_no_errors_when_it_is_back
 
 
 def test_a_port_that_left_the_bus_refuses_to_send(scheduler: Scheduler, segment: Segment) -> None:
-    seen = frames_of(segment)
+    frames = frames_of(segment)
     port, other = segment.port("a"), segment.port("b")
     port.shutdown()
     for send in WAYS.values():
         with pytest.raises(can.CanOperationError, match="axisrig segment bus, a is shut down"):
             send(port, 1)
     scheduler.run_until(MS)
-    assert (seen, segment.ports) == ([], (other,))
+    assert (frames, segment.ports) == ([], (other,))

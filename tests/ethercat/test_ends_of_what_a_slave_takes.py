@@ -91,17 +91,17 @@ def test_a_download_that_is_over_takes_no_further_segment() -> None:
 def test_a_clock_that_is_put_to_an_instant_of_sync0_has_one_pulse_there(cycles: int) -> None:
     """So many cycles behind the next pulse: what was left out does not come, nor one twice."""
     line = Line()
-    seen: list[int] = []
-    line.drive.sync._sync0 = lambda: seen.append(line.clock.now_ns)
+    pulses_ns: list[int] = []
+    line.drive.sync._sync0 = lambda: pulses_ns.append(line.clock.now_ns)
     start_sync(line, MS)
     line.wait(12 * MS)
-    assert len(seen) > 2
-    drive, now_ns, before = line.drive, line.clock.now_ns, len(seen)
+    assert len(pulses_ns) > 2
+    drive, now_ns, before = line.drive, line.clock.now_ns, len(pulses_ns)
     left_ns = drive.sync.next0 - drive.time.system_ns(now_ns)
     assert 0 < left_ns <= MS
     drive.jump(left_ns + cycles * MS)
     line.wait(5 * MS - 1)
-    assert [at_ns - now_ns for at_ns in seen[before:]] == [0, MS, 2 * MS, 3 * MS, 4 * MS]
+    assert [at_ns - now_ns for at_ns in pulses_ns[before:]] == [0, MS, 2 * MS, 3 * MS, 4 * MS]
 
 
 def test_power_takes_what_a_clock_has_been_corrected_by() -> None:

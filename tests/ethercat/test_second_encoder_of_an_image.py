@@ -38,7 +38,7 @@ class One:
             **settings,
         )  # fmt: skip
         self.data = ImageData(made, latch_object(made.probe_input, made.edge))
-        mailbox: Any = SimpleNamespace(written=[], write=self._write)
+        mailbox: Any = SimpleNamespace(write=self._write)
         self.written: list[tuple[int, int, bytes]] = []
         self.link = EthercatLink(made, self.data, mailbox)
         self.link.begin()

@@ -178,9 +178,9 @@ def test_so_many_values_of_a_sensor_are_spikes(p: float, low: int, high: int) ->
     act.begin()
     bench.clock.now_ns = S
     sensor = bench.beside.sensor("gap")
-    seen_um = [round(sensor.reported_at(ms * MS)[0] * 1e6) for ms in range(1, 201)]
-    assert low <= sum(um != 2000 for um in seen_um) <= high
-    assert {*seen_um} <= {1970, 2000, 2030}
+    reported_um = [round(sensor.reported_at(ms * MS)[0] * 1e6) for ms in range(1, 201)]
+    assert low <= sum(um != 2000 for um in reported_um) <= high
+    assert {*reported_um} <= {1970, 2000, 2030}
 
 
 def test_an_encoder_freezes_and_passes_all_else() -> None:
@@ -206,7 +206,7 @@ def test_an_encoder_freezes_and_passes_all_else() -> None:
     ]
 
 
-SEEN_UM = {  # 4 ms after the begin, of a distance of 2 mm
+REPORTED_UM = {  # 4 ms after the begin, of a distance of 2 mm
     "sensor_drift": ("um_s=-500", {2000.0 - 500.0 * 0.004}),
     "sensor_full": ("um=9000", {9000.0}),
     "sensor_spikes": ("um=30 p=1", {1970.0, 2030.0}),
@@ -214,13 +214,13 @@ SEEN_UM = {  # 4 ms after the begin, of a distance of 2 mm
 }
 
 
-@pytest.mark.parametrize("kind", SEEN_UM)
+@pytest.mark.parametrize("kind", REPORTED_UM)
 def test_a_sensor_reports_what_its_cell_says_on_off_and_on(kind: str) -> None:
-    keys, expected = SEEN_UM[kind]
+    keys, expected = REPORTED_UM[kind]
     bench = Bench("distance-z.toml")
     assert bench.beside.sensor("gap") is bench.beside.plant.distances["gap"]
     first, second = (bench.do(kind, f"gap {keys}") for _ in range(2))
-    for begin_ms, call, seen_um in (
+    for begin_ms, call, reported_um in (
         (10, first.begin, expected),
         (20, first.end, {2000.0}),
         (30, second.begin, expected),
@@ -228,8 +228,8 @@ def test_a_sensor_reports_what_its_cell_says_on_off_and_on(kind: str) -> None:
     ):
         bench.clock.now_ns = begin_ms * MS
         call()
-        seen_m, *others = bench.beside.sensor("gap").reported_at((begin_ms + 4) * MS)
-        assert round(seen_m * 1e6, 6) in seen_um
+        reported_m, *others = bench.beside.sensor("gap").reported_at((begin_ms + 4) * MS)
+        assert round(reported_m * 1e6, 6) in reported_um
         assert others == [2e-3, True, False]
 
 
@@ -269,9 +269,9 @@ def test_each_axis_that_reads_a_sensor_sees_what_comes_of_it(tmp_path: Path) -> 
     for act in acts:
         act.begin()
     bench.clock.now_ns = 1 * S
-    seen_m = {name: bench.beside.axis(name).second_encoder_m() for name in "XYZ"}
+    reported_m = {name: bench.beside.axis(name).second_encoder_m() for name in "XYZ"}
     expected_m = {"X": 0.101, "Y": 0.101 + 1.5e-3, "Z": 0.101 + 1.5e-3}
-    assert seen_m == pytest.approx(expected_m, abs=1e-12)
+    assert reported_m == pytest.approx(expected_m, abs=1e-12)
 
 
 def test_a_task_and_a_clock_have_the_values_of_their_cells() -> None:

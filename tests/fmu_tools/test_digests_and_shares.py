@@ -27,7 +27,7 @@ FMU = Path("a.fmu")
 
 
 def test_a_digest_is_of_every_reading_from_the_start_to_the_last_step(fake: Any) -> None:
-    """Another process has other memory: whichever value depends on it has to be seen."""
+    """Another process has other memory: a value that depends on it changes the digest, anywhere."""
     digests = {}
     for odd_at in (None, 0, 1, 50, 99, 100):
         fake(odd=staticmethod(lambda _, count, at=odd_at: 0.5 * (count == at)))

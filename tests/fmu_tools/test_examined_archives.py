@@ -63,17 +63,17 @@ def test_an_archive_that_is_none_has_no_sum_and_one_finding(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("problems", "seen", "shown"),
+    ("problems", "by_fmpy", "shown"),
     [
-        (["a"], ["a", "b"], ["a", "b"]),  # what fmpy says of the structure too
+        (["a"], ["a", "b"], ["a", "b"]),  # fmpy finds both
         ([], ["b"], ["b"]), (["a"], ["b"], ["a"]), (["a", "b"], ["b"], ["a", "b"]), ([], [], []),
     ],
 )  # fmt: skip
 def test_what_is_against_the_schema_is_never_left_out(
-    problems: list[str], seen: list[str], shown: list[str], monkeypatch: pytest.MonkeyPatch
+    problems: list[str], by_fmpy: list[str], shown: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(examining, "read_description", lambda _: ("description", list(problems)))
-    monkeypatch.setattr(examining, "validate_model_description", lambda *_, **__: list(seen))
+    monkeypatch.setattr(examining, "validate_model_description", lambda *_, **__: list(by_fmpy))
     found: Any = examining._read(Path())
     assert found == ("description", shown)
 

@@ -31,7 +31,7 @@ Call = Callable[..., Outcome]
 Build = Callable[..., Path]
 
 ROOT = Path(__file__).parents[2]
-# How, and what is said of it
+# How a process ends, and the words of the message about it
 # exit() runs the handlers of all that the process holds while its other threads go on: these then
 # reach for what is gone, or a handler that needs the interpreter gives up (DuckDB's, if loaded)
 WAYS = {

@@ -269,7 +269,7 @@ def test_a_connection_says_whether_its_client_is_there() -> None:
     here, there = socket.socketpair()
     here.setblocking(False)
     one = _Client(here, "one")
-    assert one.read() == []  # it has said nothing
+    assert one.read() == []  # it has sent nothing
     there.sendall(b"<open can0>< rawmode ><send 1")
     assert one.read() == ["open can0", "rawmode"]
     there.sendall(b" 0 >")

@@ -151,15 +151,15 @@ def test_a_frame_at_either_of_two_interfaces_is_heard_within_a_share(
     bench = make_bench()
     second = type(bench.adapter)(bench.wall)
     segment = OutsideSegment("other", 500_000, bench.scheduler, lambda: second)
-    seen: list[int] = []
+    heard_ns: list[int] = []
     one = (bench.segment, segment)[which]
-    one.observe(lambda time_ns, *_: seen.append(time_ns))
+    one.observe(lambda time_ns, *_: heard_ns.append(time_ns))
     adapter = (bench.adapter, second)[which]
     adapter.coming.append((bench.wall.now_ns + at_us * US, can.Message(arbitration_id=0x99)))
     bench.scheduler.run_until(6 * MS)
     segment.close()
     # The other one is listened to for 0.2 ms; asking the clock of these tests costs 1 us
-    assert at_us * US - 20 * US <= seen[0] <= at_us * US + 220 * US
+    assert at_us * US - 20 * US <= heard_ns[0] <= at_us * US + 220 * US
 
 
 @pytest.mark.parametrize("first", [0, 1])

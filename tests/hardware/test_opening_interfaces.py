@@ -9,8 +9,8 @@ import pytest
 
 from axisrig.bench.bus.can import hardware
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 
-MS = 1_000_000
 TRACEBACK = "Traceback (most recent call last):\n  File x, line 1"
 
 

@@ -7,9 +7,8 @@ import can
 import pytest
 
 from axisrig.bench.bus.can.real_segment import OutsideSegment
-from axisrig.kernel.time.clock import Phase
+from axisrig.kernel.time.clock import MS, Phase
 
-MS = 1_000_000
 SYNC = 0x080
 
 

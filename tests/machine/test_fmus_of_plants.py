@@ -1,4 +1,4 @@
-"""Which FMU a plant gets, what is wrong with its name or its model, and what is said of it."""
+"""Which FMU a plant gets, what is wrong with its name or its model, and remarks on it."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -32,7 +32,7 @@ def refused(fmu: str) -> UserError:
 
 
 def test_a_file_is_taken_as_it_is_named() -> None:
-    """Whether it is there, its loading says."""
+    """A file that is missing is refused only when it is loaded."""
     assert path_of("/nowhere/own.fmu") == Path("/nowhere/own.fmu")
 
 
@@ -174,7 +174,7 @@ ALL = {"grid_ns": 2_500_000, "varies": False, "tool": True, "spare": ("supply", 
         ]),
     ],
 )  # fmt: skip
-def test_what_an_fmu_of_the_user_can_is_said_and_nothing_of_a_model(
+def test_the_limits_of_an_fmu_of_the_user_are_remarked_on_and_none_of_a_model(
     keys: dict[str, Any], lines: list[str]
 ) -> None:
     assert remarks(PlantTable(fmu="/x/own.fmu"), roles_of(**keys)) == lines

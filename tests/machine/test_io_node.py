@@ -297,11 +297,13 @@ def test_a_node_that_has_booted_counts_from_its_next_telegram_on(bus: Bus) -> No
     terminal = terminal_on(bus)
     bus.syncs(5, 3)
     starts = [1, NODE]
-    told: list[list[int]] = []
-    bus.segment.port("ear").attach_data(lambda can_id, data, _time: told.append([can_id, *data]))
+    commands: list[list[int]] = []
+    bus.segment.port("ear").attach_data(
+        lambda can_id, data, _time: commands.append([can_id, *data])
+    )
     bus.remote.nmt.send_command(129)
     bus.until_ms(10.5)
-    assert [0, *starts] in told
+    assert [0, *starts] in commands
     assert terminal.wc_state == 1
     bus.syncs(11, 1)
     assert terminal.wc_state == 0

@@ -111,12 +111,12 @@ def test_an_error_of_the_tilt_has_its_sign() -> None:
     assert found == pytest.approx([1e5 * cosine for cosine in cosines], abs=1e-5)
 
 
-@pytest.mark.parametrize("seen_m", [0.0, -1e-6, -1e-3])
+@pytest.mark.parametrize("measured_m", [0.0, -1e-6, -1e-3])
 @pytest.mark.parametrize("tilt_deg", [0.0, 30.0, 89.9])
 def test_an_electrode_that_gives_no_distance_is_at_the_surface(
-    seen_m: float, tilt_deg: float
+    measured_m: float, tilt_deg: float
 ) -> None:
     """An ideal disc; offsets of an amplifier may give less than nothing."""
     slant_m = 2e-3 * math.tan(math.radians(tilt_deg))
-    assert along_of_electrode_m(seen_m, 0.0, 1.0) == 0.0
-    assert along_of_electrode_m(seen_m, slant_m, 1.0) == pytest.approx(0.0, abs=1e-12)
+    assert along_of_electrode_m(measured_m, 0.0, 1.0) == 0.0
+    assert along_of_electrode_m(measured_m, slant_m, 1.0) == pytest.approx(0.0, abs=1e-12)

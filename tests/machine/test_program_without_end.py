@@ -1,4 +1,4 @@
-"""A program that does not end in its simulated time: what is said of it, and how long it may take.
+"""A program that does not end in its simulated time: its message, and how long it may take.
 
 Places and values come from the programs below; the axis Z of the rig begins at 250 mm.
 """

@@ -51,6 +51,31 @@ class Cycle:
         self.distance = SimpleNamespace(axes={}, channel=None)
 
 
+class Recording:
+    """A recorder of some axes and the servos of their drives; keys are those of `Recorder`."""
+
+    def __init__(self, plants: dict[str, Plant], *, tick_ns: int = 250 * US, **keys: Any) -> None:
+        self.servos: dict[str, Any] = {
+            name: SimpleNamespace(tick_ns=tick_ns, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
+        }
+        axes = [RecordedAxis(name, plants[name], self.servos[name]) for name in plants]  # type: ignore[arg-type]
+        self.whole: Any = SimpleNamespace(distances={}, now_ns=0)
+        probes = keys.pop("probes", {})
+        self.recorder = Recorder(self.whole, axes, probes, (), SeriesWriter(None), **keys)
+
+    def cycle(self, number: int, now_ns: int, **syncs_ns: int) -> None:
+        """Write the row of this cycle at an instant. syncs_ns: when axes have got their SYNC."""
+        for name, sync_ns in syncs_ns.items():
+            self.servos[name].sync_ns = sync_ns
+        self.whole.now_ns = now_ns
+        cycle = Cycle(number)
+        cycle.links = cycle.links[: len(self.servos)]
+        self.recorder(cycle)  # type: ignore[arg-type]
+
+    def table(self) -> Any:
+        return self.recorder.table()
+
+
 def written(rows: int, block_rows: int, late_ns: int, patch: pytest.MonkeyPatch) -> Any:
     """X with a stop, C that turns, and Z outside; C gets its SYNC later."""
     patch.setattr(recorder, "BLOCK_ROWS", block_rows)
@@ -152,22 +177,13 @@ def test_what_an_axis_has_kept_of_its_motion_stays_as_it_is(late_us: int) -> Non
     In the second cycle the plant stands at the first SYNC still: its motion is the present one.
     """
     first, later = Remembering("X"), Remembering("C")
-    servos: Any = [SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK) for _ in "XC"]
-    axes: Any = [
-        RecordedAxis("X", first, servos[0]),  # type: ignore[arg-type]
-        RecordedAxis("C", later, servos[1]),  # type: ignore[arg-type]
-    ]
-    whole: Any = SimpleNamespace(distances={}, now_ns=0)
-    made = Recorder(whole, axes, {}, (), SeriesWriter(None), segments=2)
+    made = Recording({"X": first, "C": later}, segments=2)
     for number, is_ahead in ((1, True), (2, False)):
         at_ns = number * MS
-        servos[0].sync_ns, servos[1].sync_ns = at_ns, at_ns + late_us * US
-        whole.now_ns = at_ns + (late_us + 1) * US if is_ahead else at_ns
+        now_ns = at_ns + (late_us + 1) * US if is_ahead else at_ns
         for plant in (first, later):
-            plant.motion = plant.motion_at(whole.now_ns)  # type: ignore[attr-defined]
-        cycle = Cycle(number)
-        cycle.links = cycle.links[:2]
-        made(cycle)  # type: ignore[arg-type]
+            plant.motion = plant.motion_at(now_ns)  # type: ignore[attr-defined]
+        made.cycle(number, now_ns, X=at_ns, C=at_ns + late_us * US)
     for plant, name in ((first, "X"), (later, "C")):
         assert {MS, 2 * MS} <= plant.past.keys()
         for time_ns, motion in plant.past.items():
@@ -182,21 +198,14 @@ def test_what_an_axis_has_kept_of_its_motion_stays_as_it_is(late_us: int) -> Non
 @pytest.mark.parametrize("lost", ["X", "C"])
 def test_a_drive_that_got_no_sync_leaves_the_rows_where_they_are(lost: str) -> None:
     """X and C get theirs 48 and 58 us after it was asked for; one of them only the first three."""
-    plants = {name: Plant(name, "force") for name in "XC"}
-    servos: Any = {
-        name: SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
-    }
-    axes: Any = [RecordedAxis(name, plants[name], servos[name]) for name in plants]  # type: ignore[arg-type]
-    whole: Any = SimpleNamespace(distances={}, now_ns=0)
-    made = Recorder(whole, axes, {}, (), SeriesWriter(None))
+    made = Recording({name: Plant(name, "force") for name in "XC"})
     for number in range(1, 6):
-        for name, late_us in (("X", 48), ("C", 58)):
-            if name != lost or number <= 3:
-                servos[name].sync_ns = number * MS + late_us * US
-        whole.now_ns = number * MS + 70 * US
-        cycle = Cycle(number)
-        cycle.links = cycle.links[:2]
-        made(cycle)  # type: ignore[arg-type]
+        syncs_ns = {
+            name: number * MS + late_us * US
+            for name, late_us in (("X", 48), ("C", 58))
+            if name != lost or number <= 3
+        }
+        made.cycle(number, number * MS + 70 * US, **syncs_ns)
     later_us = 48 if lost == "C" else 58
     expected = [at * MS + 48 * US for at in (1, 2, 3)] + [at * MS + later_us * US for at in (4, 5)]
     assert made.table()["time_ns"].to_numpy().tolist() == expected
@@ -218,21 +227,11 @@ def test_the_lag_that_a_drive_has_noted_at_its_ticks_counts_in_its_row(
     after_us: int, noted_mm: float, peak_mm: float
 ) -> None:
     """Two axes: X has no ticks to note between its rows."""
-    plants = {name: Plant(name, "") for name in "XC"}
-    servos: Any = {
-        name: SimpleNamespace(tick_ns=MS, sync_ns=0, lag_peak_m=NO_TICK) for name in plants
-    }
-    axes: Any = [RecordedAxis(name, plants[name], servos[name]) for name in plants]  # type: ignore[arg-type]
-    whole: Any = SimpleNamespace(distances={}, now_ns=0)
-    made = Recorder(whole, axes, {}, (), SeriesWriter(None))
-    servos["C"].lag_peak_m = noted_mm * 1e-3
+    made = Recording({name: Plant(name, "") for name in "XC"}, tick_ns=MS)
+    made.servos["C"].lag_peak_m = noted_mm * 1e-3
     for number in (2, 3):
-        servos["X"].sync_ns = number * MS
-        servos["C"].sync_ns = number * MS + after_us * US
-        whole.now_ns = number * MS + 400 * US
-        cycle = Cycle(number)
-        cycle.links = cycle.links[:2]
-        made(cycle)  # type: ignore[arg-type]
+        at_ns = number * MS
+        made.cycle(number, at_ns + 400 * US, X=at_ns, C=at_ns + after_us * US)
     table = made.table()
     assert table["time_ns"].to_numpy().tolist() == [2 * MS, 3 * MS]
     assert table["C.drive_lag_peak_mm"].to_numpy() == pytest.approx([peak_mm] * 2)
@@ -338,16 +337,9 @@ def test_what_the_first_block_has_of_a_stop_all_blocks_have(
 ) -> None:
     """Four rows in blocks of two: one near place in the first block is enough."""
     monkeypatch.setattr(recorder, "BLOCK_ROWS", 2)
-    plant = Shifting(near_rows)
-    servo: Any = SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK)
-    whole: Any = SimpleNamespace(distances={}, now_ns=0)
-    axes: Any = [RecordedAxis("X", plant, servo)]  # type: ignore[arg-type]
-    made = Recorder(whole, axes, {}, (), SeriesWriter(None))
+    made = Recording({"X": Shifting(near_rows)})
     for number in range(1, 5):
-        servo.sync_ns, whole.now_ns = number * MS, number * MS + 1
-        cycle = Cycle(number)
-        cycle.links = cycle.links[:1]
-        made(cycle)  # type: ignore[arg-type]
+        made.cycle(number, number * MS + 1, X=number * MS)
     table = made.table()
     assert table.num_rows == 4
     stops = [name for name in table.column_names if ".stop" in name]
@@ -360,9 +352,7 @@ def test_what_the_first_block_has_of_a_stop_all_blocks_have(
 @pytest.mark.interpreted
 def test_levels_of_wires_are_those_at_the_sync_of_the_row() -> None:
     """The SYNC is heard 48 us after it was asked for; the wire is looked up at that instant."""
-    plant, asked = Plant("X", ""), list[int]()
-    servo: Any = SimpleNamespace(tick_ns=250 * US, sync_ns=0, lag_peak_m=NO_TICK)
-    whole: Any = SimpleNamespace(distances={}, now_ns=0)
+    asked: list[int] = []
     probes: Any = {"p": SimpleNamespace(signal=SimpleNamespace(level=True))}
 
     def level_at(time_ns: int) -> bool:
@@ -370,13 +360,9 @@ def test_levels_of_wires_are_those_at_the_sync_of_the_row() -> None:
         return time_ns > 2 * MS
 
     wires: Any = {"p": SimpleNamespace(level_at=level_at)}
-    axes: Any = [RecordedAxis("X", plant, servo)]  # type: ignore[arg-type]
-    made = Recorder(whole, axes, probes, (), SeriesWriter(None), wires=wires)
+    made = Recording({"X": Plant("X", "")}, probes=probes, wires=wires)
     for number in (1, 2):
-        servo.sync_ns, whole.now_ns = number * MS + 48 * US, number * MS + 60 * US
-        cycle = Cycle(number)
-        cycle.links = cycle.links[:1]
-        made(cycle)  # type: ignore[arg-type]
+        made.cycle(number, number * MS + 60 * US, X=number * MS + 48 * US)
     table = made.table()
     assert asked == [MS + 48 * US, 2 * MS + 48 * US]
     assert table["p.signal"].to_pylist() == [1, 1]

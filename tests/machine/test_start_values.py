@@ -118,28 +118,27 @@ def test_a_name_that_itself_ends_in_a_unit_is_the_variable_of_that_name() -> Non
 
 
 @pytest.mark.parametrize(
-    ("cell", "message", "value", "allowed"),
+    ("cell", "value", "allowed"),
     [
         # Near a name: each with the units that it may have, or with the one that was written
-        ("lenght_mm=1", "variable", "lenght_mm", "length_mm"),
-        ("lenght=1", "variable", "lenght", "length_m, length_mm, length_um, length_nm"),
-        ("lenght_s=1", "variable", "lenght_s", "length_m, length_mm, length_um, length_nm"),
-        ("is_onn=1", "variable", "is_onn", "is_on"),
-        ("twst=1", "variable", "twst", "twist"),
-        ("length_inch_mm=1", "variable", "length_inch_mm", "length_mm"),
+        ("lenght_mm=1", "lenght_mm", "length_mm"),
+        ("lenght=1", "lenght", "length_m, length_mm, length_um, length_nm"),
+        ("lenght_s=1", "lenght_s", "length_m, length_mm, length_um, length_nm"),
+        ("is_onn=1", "is_onn", "is_on"),
+        ("twst=1", "twst", "twist"),
+        ("length_inch_mm=1", "length_inch_mm", "length_mm"),
         # Not near any: all that can be set
-        ("zzzz=1", "variable", "zzzz", ", ".join(VARIABLES)),
-        ("zzzz_mm=1", "variable", "zzzz_mm", ", ".join(VARIABLES)),
-        # There, but nothing that can be set
-        ("lengths=1", "variable", "lengths", "length_m, length_mm, length_um, length_nm"),
+        ("zzzz=1", "zzzz", ", ".join(VARIABLES)),
+        ("zzzz_mm=1", "zzzz_mm", ", ".join(VARIABLES)),
+        ("lengths=1", "lengths", "length_m, length_mm, length_um, length_nm"),
     ],
 )
 def test_a_name_that_is_not_there_gets_those_near_it_with_their_units(
-    cell: str, message: str, value: str, allowed: str
+    cell: str, value: str, allowed: str
 ) -> None:
     with pytest.raises(UserError) as refused:
         Plant().take(cell)
-    assert refused.value.message == f"probe has no such {message}"
+    assert refused.value.message == "probe has no such variable"
     assert (refused.value.value, refused.value.allowed) == (value, allowed)
 
 

@@ -22,8 +22,8 @@ from axisrig.kernel.time.scheduler import new_scheduler
 RIG = Path("testplans/rigs/homing-z.toml")
 UNITS_PER_MM = 2**20 / 10
 SLOW_MM_S = 5.0
-# From the edge to the tick that sees it, at the slow speed: tick and input delay
-SEEN_MM = SLOW_MM_S * (250e-6 + 4e-6) + 1 / UNITS_PER_MM
+# From the edge to the tick that reads it, at the slow speed: tick and input delay
+LATE_MM = SLOW_MM_S * (250e-6 + 4e-6) + 1 / UNITS_PER_MM
 ATTAINED, REACHED, ERROR, LIMITED = 1 << 12, 1 << 10, 1 << 13, 1 << 11
 
 
@@ -100,8 +100,8 @@ def master() -> Iterator[Callable[..., Master]]:
 @pytest.mark.parametrize(
     ("method", "home_mm", "seen_mm"),
     [
-        (24, 12.0, SEEN_MM), (26, 18.0 + 0.02, SEEN_MM), (18, 60.0 - 0.02, SEEN_MM),
-        (17, -50.0 + 0.02, SEEN_MM), (8, 12.5, 0.0), (10, 22.5, 0.0), (1, -47.5, 0.0),
+        (24, 12.0, LATE_MM), (26, 18.0 + 0.02, LATE_MM), (18, 60.0 - 0.02, LATE_MM),
+        (17, -50.0 + 0.02, LATE_MM), (8, 12.5, 0.0), (10, 22.5, 0.0), (1, -47.5, 0.0),
         (33, -7.5, 0.0),
     ],
 )  # fmt: skip

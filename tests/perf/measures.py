@@ -142,7 +142,7 @@ def _turns(measures: Sequence[Measure], repeats: int) -> Iterator[Measure]:
 
 
 def _entry(measure: Measure, samples: Sequence[Sample], is_compiled: bool) -> dict[str, Any]:
-    """Return what is said of a measure. Raises UserError when texts of its samples differ."""
+    """Return the entry of a measure. Raises UserError when texts of its samples differ."""
     entry: dict[str, Any] = dict(zip(("measure", *Measure._fields[1:]), measure, strict=True))
     entry["samples"] = len(samples)
     if not samples:

@@ -1,4 +1,4 @@
-"""What is said of the lists of a rig, list by list and in one order."""
+"""Notes on the lists of a rig, list by list and in one order; its families and programs."""
 
 from collections.abc import Callable
 from importlib import import_module

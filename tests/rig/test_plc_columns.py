@@ -1,4 +1,4 @@
-"""What a cell of `plc:` may hold, and what is said of one that cannot be."""
+"""What a cell of `plc:` may hold, and how a wrong one is refused."""
 
 from pathlib import Path
 

@@ -385,7 +385,7 @@ def test_fine_bits_of_each_position_are_those_that_the_drive_has_for_it(
     bits: dict[str, int],
     refused: tuple[str, str, int, int, str] | None,
 ) -> None:
-    """G1_XIST1 has p1042, the absolute position p1043; a bit is a factor of 2, -1 says nothing."""
+    """G1_XIST1 has p1042, the absolute position p1043; a bit is a factor of 2, -1 sets none."""
     listed = [f"set:Z.antr.profibus.{key}={number}" for key, number in bits.items()]
     drive = (f"drive:servo.p1042={xist1}", f"drive:servo.p1043={absolute}")
     found = check("probe-z-profidrive", *drive, *listed)

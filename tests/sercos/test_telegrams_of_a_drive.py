@@ -31,12 +31,12 @@ def test_all_that_is_wrong_is_named_the_type_first_then_the_lists() -> None:
     hand.drive.idents.put(TYPE, 4)
     assert hand.drive.telegrams.wrong() == [TYPE, at, mdt]
     # The AL status says the outputs while the type is wrong, whatever the AT has
-    assert hand.drive._enter_safeop() == "INVALID_OUTPUT_MAPPING"
+    assert hand.drive.enter(AlState.SAFEOP) == "INVALID_OUTPUT_MAPPING"
     hand.drive.idents.put(TYPE, 7)
-    assert hand.drive._enter_safeop() == "INVALID_INPUT_MAPPING"
+    assert hand.drive.enter(AlState.SAFEOP) == "INVALID_INPUT_MAPPING"
     _listed(hand, "S-0-0016", "S-0-0051")
     assert hand.drive.telegrams.wrong() == [mdt]
-    assert hand.drive._enter_safeop() == "INVALID_OUTPUT_MAPPING"
+    assert hand.drive.enter(AlState.SAFEOP) == "INVALID_OUTPUT_MAPPING"
 
 
 @pytest.mark.parametrize("ident", ["S-0-0132", "S-0-0133"])

@@ -35,7 +35,7 @@ def rig() -> Settings:
 def answer(
     folder: Path, frames: Sequence[tuple[float, str]], settings: Settings | None, **words: object
 ) -> list[str]:
-    """Return what is said of frames (ms, `segment id#data`), without the time."""
+    """Return the words for frames (ms, `segment id#data`), without the time."""
     path = folder / "some.log"
     lines = [f"({ms / 1e3:.6f}) {frame} R\n" for ms, frame in frames]
     path.write_text("".join(lines), encoding="utf-8")

@@ -1,5 +1,6 @@
 """`axisrig bus` with logs that are empty, of an older or a newer tool, or broken off in a block."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import can
@@ -18,25 +19,25 @@ TRC_2 = ";$FILEVERSION=2.1\n;$STARTTIME=43008.9\n;$COLUMNS=N,O,T,B,I,d,R,L,D\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "frames"),
+    ("text", "gaps_ms", "frames"),
     [
         # PCAN-Explorer 2: neither direction nor bus
         (f"{OLD_HEAD}     1)      10.5  0703  1  00\n     2)      12.5  00000703  2  0A FF\n",
-         [("0", 0x703, False, "00"), ("0", 0x703, True, "0aff")]),
+         [2.0], [("0", 0x703, False, "00"), ("0", 0x703, True, "0aff")]),
         (f"{OLD_HEAD}     1)      10.5  FFFFFFFF  4  00 00 00 08 -- bus\n"
-         "     2)      12.5  0705  1  05\n", [("0", 0x705, False, "05")]),
+         "     2)      12.5  0705  1  05\n", [], [("0", 0x705, False, "05")]),
         # The bus is a number from 1 on
         (";$FILEVERSION=1.3\n;$STARTTIME=43008.9\n"
          "     1)      1.5 1  Rx        0703 -  1    00\n"
          "     2)      2.5 3  Tx        0603 -  2    40 00\n",
-         [("0", 0x703, False, "00"), ("2", 0x603, False, "4000")]),
+         [1.0], [("0", 0x703, False, "00"), ("2", 0x603, False, "4000")]),
         (f"{TRC_2}      1      10.500 DT 1      0703 Rx -  1    00\n"
          "      2      11.500 DT 2  0001F703 Rx -  1    7F\n",
-         [("0", 0x703, False, "00"), ("1", 0x1F703, True, "7f")]),
+         [1.0], [("0", 0x703, False, "00"), ("1", 0x1F703, True, "7f")]),
     ],
 )  # fmt: skip
 def test_trc_of_each_version_has_its_buses_from_0_on(
-    tmp_path: Path, text: str, frames: list[tuple[str, int, bool, str]]
+    tmp_path: Path, text: str, gaps_ms: list[float], frames: list[tuple[str, int, bool, str]]
 ) -> None:
     """Forms: PEAK-System, PEAK CAN TRC File Format."""
     path = tmp_path / "some.trc"
@@ -46,9 +47,10 @@ def test_trc_of_each_version_has_its_buses_from_0_on(
         (str(one.channel), one.arbitration_id, one.is_extended_id, bytes(one.data).hex())
         for one in found
     ] == frames
-    if len(found) > 1:
-        gap = {"1.3": 1.0, "2.1": 1.0}.get(text.partition("=")[2][:3], 2.0)
-        assert found[1].timestamp - found[0].timestamp == pytest.approx(gap * 1e-3, abs=1e-5)
+    times_s = [one.timestamp for one in found]
+    gaps_s = [late_s - early_s for early_s, late_s in pairwise(times_s)]
+    # A float of the seconds since 1970 has steps of 0.24 us
+    assert gaps_s == pytest.approx([gap_ms * 1e-3 for gap_ms in gaps_ms], abs=1e-6)
 
 
 @pytest.mark.parametrize(

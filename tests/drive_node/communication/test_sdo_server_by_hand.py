@@ -1,4 +1,4 @@
-"""The SDO server of a drive alone, with objects of a test: sizes that a client says or leaves out.
+"""The SDO server of a drive alone, with objects of a test: sizes that a client gives or leaves out.
 
 Frames by hand, CiA 301: command, index, sub-index, four bytes of data or size.
 """
@@ -19,7 +19,11 @@ GAP_NS = 250 * US
 
 
 class Far:
-    """size: bytes that a write has, None = any number. written: what has been."""
+    """A server and its objects, which all have one value.
+
+    size: bytes that a write must have, None = any number. written: index, sub-index and data of
+    the writes that were taken. sent: the answers.
+    """
 
     def __init__(self, size: int | None = None, value: bytes = b"", delay_ns: int = 0) -> None:
         self.size, self.value = size, value
@@ -70,15 +74,15 @@ def test_an_expedited_write_without_a_size_has_that_of_the_object(
 
 
 @pytest.mark.parametrize("size", [None, 1, 2, 3, 4, 8])
-@pytest.mark.parametrize("said", [1, 2, 3, 4])
-def test_an_expedited_write_with_a_size_has_that(size: int | None, said: int) -> None:
+@pytest.mark.parametrize("given", [1, 2, 3, 4])
+def test_an_expedited_write_with_a_size_has_that(size: int | None, given: int) -> None:
     far = Far(size)
-    command, code = far.ask(0x23 | 4 - said << 2, b"abcd")
-    if size in (None, said):
-        assert (command, far.written) == (0x60, [(INDEX, 0, b"abcd"[:said])])
+    command, code = far.ask(0x23 | 4 - given << 2, b"abcd")
+    if size in (None, given):
+        assert (command, far.written) == (0x60, [(INDEX, 0, b"abcd"[:given])])
     else:
         assert (command, far.written) == (0x80, [])
-        assert code == (TOO_LONG if said > (size or 0) else TOO_SHORT)
+        assert code == (TOO_LONG if given > (size or 0) else TOO_SHORT)
 
 
 @pytest.mark.parametrize("length", [1, 2, 3, 4])
@@ -95,7 +99,7 @@ def test_what_is_longer_or_empty_comes_in_segments(length: int) -> None:
     far = Far(value=b"abcdefgh"[:length])
     assert far.ask(0x40) == (0x41, length)
     found, toggle = b"", 0
-    while True:
+    for _ in range(2):  # of 7 bytes each
         far.server.on_request(bytes((0x60 | toggle,)) + bytes(7))
         answer = far.sent[-1]
         assert answer[0] & 0x10 == toggle
@@ -103,6 +107,8 @@ def test_what_is_longer_or_empty_comes_in_segments(length: int) -> None:
         toggle ^= 0x10
         if answer[0] & 1:
             break
+    else:
+        pytest.fail("no segment is the last one")
     assert found == far.value
 
 

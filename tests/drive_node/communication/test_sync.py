@@ -199,7 +199,7 @@ def test_a_sync_ends_the_error_of_a_missing_one_where_none_is_watched_any_more(
 
 
 @pytest.mark.parametrize("case", ["not enabled", "no period", "not watched"])
-def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
+def test_a_missing_sync_is_no_error_where_none_is_watched(stranger: Make, case: str) -> None:
     periods = 0 if case == "not watched" else 3
     drive = stranger(profile=DriveProfile(sync_loss_periods=periods))
     if case != "no period":

@@ -37,8 +37,8 @@ class Switch:
 class Axis:
     """An axis that follows its demand exactly as far as nothing is in the way, and knows its past.
 
-    wall_mm, floor_mm: stops in positive and negative direction. force_n: None = the plant tells no
-    force.
+    wall_mm, floor_mm: stops in positive and negative direction. force_n: None = the plant reports
+    no force.
     """
 
     kinds = frozenset({ControlKind.POSITION})
@@ -187,5 +187,5 @@ def bench_for(method: int, start_mm: float, **habits: object) -> Bench:
     return Bench(start_mm, switches, **habits)
 
 
-# From the edge at the switch to the tick that sees it, at the slow speed; input delay, resolution
-SEEN_MM = SLOW * (TICK_S + 4e-6 + LOOK_NS * 1e-9) + 1 / UNITS_PER_MM
+# From the edge at the switch to the tick that reads it, at the slow speed; input delay, resolution
+LATE_MM = SLOW * (TICK_S + 4e-6 + LOOK_NS * 1e-9) + 1 / UNITS_PER_MM

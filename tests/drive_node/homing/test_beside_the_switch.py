@@ -1,16 +1,20 @@
-"""Homing on short ways: each method from each side of its switch, and on it; stops of both ends.
+"""Homing on short ways: each method from each side of its switch, and on it; stops at both ends.
 
 One switch edge is 0.3 mm before the mark of the zero pulse at 2.5 mm, so that a method takes a
 tenth of a second. Which edge and which side of it is that of the figures of CiA 402-2.
 """
 
+import math
 from typing import NamedTuple
 
 import pytest
-from homing_machine import ATTAINED, REACHED, SEEN_MM, SLOW, UNITS_PER_MM, Bench, Switch
+from homing_machine import ATTAINED, LATE_MM, REACHED, SLOW, UNITS_PER_MM, Bench, Switch
 
-FAST, MARK, AWAY = 20.0, 2.5, 0.3  # mm/s, mm, mm
-FAR = 1e9
+FAST_MM_S, MARK_MM, AWAY_MM, FAR_MM = 20.0, 2.5, 0.3, 1e9
+RATED_N = 2 * math.pi * 2.2 / 0.01
+"""Force of the rated torque of 2.2 Nm at a lead of 10 mm: F = 2 pi M / lead."""
+NO_LIMIT_N = 65.535 * RATED_N
+"""Torque limits are UNSIGNED16 in 0.1 % of the rated torque; the largest one is no limit."""
 
 
 class Edge(NamedTuple):
@@ -36,17 +40,17 @@ PLACES = {"cam": ("below", "on", "above")}
 
 def _machine(figure: Edge, place: str) -> tuple[Bench, float]:
     """Return the machine with the axis at this place, and where the edge is."""
-    edge_mm = MARK - AWAY * figure.side
+    edge_mm = MARK_MM - AWAY_MM * figure.side
     other_mm = edge_mm + (0.6 if figure.is_lower else -0.6)
     low_mm, high_mm = sorted((edge_mm, other_mm))
     if figure.switch in ("negative", "to the lower end"):
-        low_mm = -FAR
+        low_mm = -FAR_MM
     elif figure.switch in ("positive", "to the upper end"):
-        high_mm = FAR
+        high_mm = FAR_MM
     switch = Switch(low_mm, high_mm)
     switches = {
-        "negative": Switch(-FAR, edge_mm - 1.5),
-        "positive": Switch(edge_mm + 1.5, FAR),
+        "negative": Switch(-FAR_MM, edge_mm - 1.5),
+        "positive": Switch(edge_mm + 1.5, FAR_MM),
         "home": switch,
     }
     if figure.switch in switches:
@@ -58,7 +62,7 @@ def _machine(figure: Edge, place: str) -> tuple[Bench, float]:
     }
     off = "below" if figure.is_lower else "above"
     bench = Bench(start_mm[off if place == "off" else place], switches)
-    bench.write(homing_speed_switch=round(FAST * UNITS_PER_MM))
+    bench.write(homing_speed_switch=round(FAST_MM_S * UNITS_PER_MM))
     return bench, edge_mm
 
 
@@ -67,24 +71,26 @@ def _machine(figure: Edge, place: str) -> tuple[Bench, float]:
     [(m + 16, p) for m, f in FIGURES.items() for p in PLACES.get(f.switch, ("off", "on"))],
 )
 def test_home_is_the_edge_from_wherever_it_begins(method: int, place: str) -> None:
-    """The edge is passed with the slow speed in the direction of the method, and seen in a tick."""
+    """The edge is passed with the slow speed in the direction of the method, and read in a tick."""
     figure = FIGURES[method - 16]
     bench, edge_mm = _machine(figure, place)
     found_mm = bench.home(method)
     assert bench.bits == ATTAINED | REACHED
-    # A pulse above the edge is reached upwards, so the edge of the same method is seen late there
+    # A pulse above the edge is reached upwards, so the edge of the same method is found above it
     late_mm = (found_mm - edge_mm) * figure.side
-    assert -1 / UNITS_PER_MM <= late_mm <= SEEN_MM
+    assert -1 / UNITS_PER_MM <= late_mm <= LATE_MM
 
 
 @pytest.mark.parametrize("method", FIGURES)
 def test_home_is_the_zero_pulse_on_the_side_of_the_method(method: int) -> None:
     bench, _ = _machine(FIGURES[method], "on")
-    assert bench.home(method) == pytest.approx(MARK, abs=1.01 / UNITS_PER_MM)
+    assert bench.home(method) == pytest.approx(MARK_MM, abs=1.01 / UNITS_PER_MM)
     assert bench.bits == ATTAINED | REACHED
 
 
-@pytest.mark.parametrize(("method", "home_mm"), [(-3, 3.0), (-4, 2.0), (-1, MARK), (-2, MARK)])
+@pytest.mark.parametrize(
+    ("method", "home_mm"), [(-3, 3.0), (-4, 2.0), (-1, MARK_MM), (-2, MARK_MM)]
+)
 def test_home_is_the_stop_of_either_end_or_the_zero_pulse_before_it(
     method: int, home_mm: float
 ) -> None:
@@ -93,9 +99,8 @@ def test_home_is_the_stop_of_either_end_or_the_zero_pulse_before_it(
     assert bench.home(method) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
     assert bench.bits == ATTAINED | REACHED
     pressed_n, free_n = bench.axis.limits_n[0], bench.axis.limits_n[-1]
-    rated_n = 2.2 * 2 * 3.141592653589793 / 0.01
-    assert pressed_n == pytest.approx((0.3 * rated_n, 0.3 * rated_n))
-    assert min(free_n) > 60 * rated_n
+    assert pressed_n == pytest.approx((0.3 * RATED_N, 0.3 * RATED_N))  # homing torque, 300
+    assert free_n == pytest.approx((NO_LIMIT_N, NO_LIMIT_N))
 
 
 @pytest.mark.parametrize(("method", "place"), [(17, "on"), (20, "off"), (26, "on"), (28, "on")])
@@ -126,5 +131,5 @@ def test_an_axis_that_is_let_go_at_the_stop_is_led_from_where_it_is(method: int,
     bench.run_ms(50)
     if word == 0x0F:
         assert bench.axis.demand_position_m() * 1e3 == pytest.approx(place_mm, abs=1e-3)
-    assert min(bench.axis.limits_n[-1]) > 60_000
+    assert bench.axis.limits_n[-1] == pytest.approx((NO_LIMIT_N, NO_LIMIT_N))
     assert bench.bits & (ATTAINED | REACHED) == REACHED

@@ -3,9 +3,9 @@
 import pytest
 from homing_machine import (
     ATTAINED,
+    LATE_MM,
     LIMITS,
     REACHED,
-    SEEN_MM,
     UNITS_PER_MM,
     Bench,
     Switch,
@@ -36,7 +36,7 @@ def test_home_is_the_edge_of_the_switch(method: int, start_mm: float) -> None:
     bench = bench_for(method, start_mm)
     found_mm = bench.home(method)
     assert bench.bits == ATTAINED | REACHED
-    assert found_mm == pytest.approx(EDGES[method], abs=SEEN_MM)
+    assert found_mm == pytest.approx(EDGES[method], abs=LATE_MM)
 
 
 @pytest.mark.long(but=1)
