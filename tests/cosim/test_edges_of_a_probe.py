@@ -108,10 +108,20 @@ def test_edges_come_in_the_order_of_their_times_and_once(
     assert probe.edge_uncertainty_ns == 1.0
 
 
-def test_two_edges_of_one_direction_in_a_step_are_not_both_known() -> None:
-    probe = probe_of(Locating((20, 60), (40,)))
+@pytest.mark.parametrize(
+    ("up", "down", "touched"),
+    [
+        ((20, 60), (40,), None), ((20, 40), (), ()), ((), (20, 40), ()),
+        ((50,), (), (20, 40)),  # two contacts
+    ],
+)  # fmt: skip
+def test_two_of_any_kind_in_a_step_are_not_both_known(
+    up: tuple[int, ...], down: tuple[int, ...], touched: tuple[int, ...] | None
+) -> None:
+    """Rising edges, falling ones, and contacts."""
+    probe = probe_of(Locating(up, down, touched=touched))
     assert probe.step(0, 100 * US) == 2
-    with pytest.raises(PlantError, match="2 edges of one direction"):
+    with pytest.raises(PlantError, match="2 edges of one direction inside one step"):
         probe.accept(100 * US)
 
 

@@ -26,7 +26,7 @@ class Values:
 
 
 class Plant:
-    """An axis, a probe and a distance sensor; calls: what was asked of plant and probe."""
+    """An axis, a probe and a distance sensor; calls: of plant and probe, each with its ns."""
 
     def __init__(self) -> None:
         self.calls: list[tuple[str, int]] = []

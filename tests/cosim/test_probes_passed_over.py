@@ -41,7 +41,7 @@ def test_a_probe_that_stands_at_its_axes_is_not_brought_up() -> None:
 
 
 @pytest.mark.parametrize(
-    ("clearance_mm", "speed", "is_lost"),
+    ("clearance_mm", "speed_m_s", "is_lost"),
     [
         # From 0.5 m/s by 500 m/s2 over 1 ms to 1 m/s at most; 1.05 m/s are 1.05 mm in it at most
         (0.5, 1.0, False), (0.5, 1.05, True), (1.04, 1.05, True), (1.06, 1.05, False),
@@ -49,12 +49,12 @@ def test_a_probe_that_stands_at_its_axes_is_not_brought_up() -> None:
     ],
 )  # fmt: skip
 def test_a_gain_of_speed_is_harmless_where_the_way_was_shorter_than_the_room(
-    clearance_mm: float, speed: float, is_lost: bool
+    clearance_mm: float, speed_m_s: float, is_lost: bool
 ) -> None:
     rig = Rig(Switch("z", lambda _ns, _x: False, clearance=clearance_mm * 1e-3), "z")
     rig.place((0.0, 0.5))
     rig.probe.look_ahead(0, 20 * MS)
-    rig.place((0.4e-3, speed))
+    rig.place((0.4e-3, speed_m_s))
     if is_lost:
         with pytest.raises(EdgeMayBeLostError, match="z gained more speed than 500 m/s2"):
             rig.probe.passed_over(MS)

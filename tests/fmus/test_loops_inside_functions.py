@@ -82,7 +82,7 @@ def test_two_loops_in_a_row_have_results_of_their_own() -> None:
 
 @pytest.mark.parametrize("within", [0, 1])
 @pytest.mark.parametrize("passes", [0, 1, 3])
-def test_a_loop_in_a_loop_begins_anew_in_each_pass_and_sees_what_the_outer_one_carries(
+def test_a_loop_in_a_loop_begins_anew_in_each_pass_and_reads_what_the_outer_one_carries(
     passes: int, within: int
 ) -> None:
     """s = 1; for i in 1:n loop t = s; for j in 1:2 loop t = t + s*j; end for; s = t; end for.

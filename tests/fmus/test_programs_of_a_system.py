@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.fmus.equations import system as systems
 from axisrig.fmus.equations.actions import START_TOLERANCE
 from axisrig.fmus.equations.events import Row
 from axisrig.fmus.equations.system import System, _Reader
@@ -21,7 +22,6 @@ from axisrig.fmus.reading.expressions import (
     TIME,
     Expr,
     apply,
-    choice,
     const,
     parameter,
     variable,
@@ -191,18 +191,15 @@ def test_homotopy_is_its_first_argument() -> None:
 def test_whole_parts_and_comparisons_of_the_time_have_a_memory_but_not_in_when_clauses() -> None:
     """A when-clause keeps its floor(): it is computed at its own instant. Both compare the time."""
     whole, late = apply("Floor", X), apply("Gt", TIME, P[0])
-    for name in ("rhs_plan", "guarded_assignment_plan"):
+    for name, rows, values, kinds in (
+        ("rhs_plan", "updates", [P[OWN], P[OWN + 1]], ["WHOLE_BELOW", "ZERO_IS_FALSE"]),
+        ("guarded_assignment_plan", "whens", [whole, P[OWN]], ["ZERO_IS_FALSE"]),
+    ):
         found = system(
             **{f"discrete__{name}": plan(whole, late)}, discrete__update_targets=slots(P[1], P[3])
         )
-        rows = found.updates if name == "rhs_plan" else found.whens
-        kinds = [relation.kind for relation in found.relations]
-        if name == "rhs_plan":
-            assert [row.value for row in rows] == [P[OWN], P[OWN + 1]]
-            assert kinds == ["WHOLE_BELOW", "ZERO_IS_FALSE"]
-        else:
-            assert [row.value for row in rows] == [whole, P[OWN]]
-            assert kinds == ["ZERO_IS_FALSE"]
+        assert [row.value for row in getattr(found, rows)] == values
+        assert [relation.kind for relation in found.relations] == kinds
         assert found.relations[-1].function == apply("Sub", P[0], TIME)
         assert found.p_count == OWN + len(kinds)
     (row,) = system(
@@ -263,8 +260,8 @@ def test_marks_of_whole_numbers_are_no_relations_and_places_are_those_of_the_con
 # Actions
 
 
-def actions(*kinds: str, clock: int | None = None, **of_clocks: int) -> Any:
-    """Each at its own line, with the value of x in its message."""
+def with_actions(*kinds: str, clock: int | None = None) -> Ir:
+    """A model with actions: each at its own line, with the value of x in its message."""
     message = {"parts": [{"Text": "x = "}, {"Conversion": {
         "source": "Real", "format": {"Options": {}},
         "value": [{"LoadY": {"index": 0, "dst": 0}}, {"StoreOutput": {"src": 0}}],
@@ -274,40 +271,41 @@ def actions(*kinds: str, clock: int | None = None, **of_clocks: int) -> Any:
          "span": {"source": 1, "start": 30 + n}}
         for n, kind in enumerate(kinds)
     ]  # fmt: skip
-    ir = model(
+    return model(
         events__action_plan=plan(*[apply("Lt", X, P[0])] * len(kinds)), events__actions=given
     )
-    made: Any = _Reader(ir)
-    made._clocks = SimpleNamespace(of_clock=of_clocks.get("flags", {}))
-    return made._actions(), made._memories
 
 
 def test_an_action_is_checked_like_a_relation_and_warnings_remember_that_they_were_given() -> None:
-    found, memories = actions("Assert", "Warning", "Terminate", "Warning")
-    (relation,) = memories.found
+    read = _Reader(with_actions("Assert", "Warning", "Terminate", "Warning")).read()
+    found, (relation,) = read.actions, read.relations
     assert relation.function == apply("Sub", X, P[0])
     assert [one.kind for one in found] == ["assert", "warning", "terminate", "warning"]
     assert [one.condition for one in found] == [parameter(relation.memory)] * 4
     assert [one.memory for one in found] == [-1, OWN + 1, -1, OWN + 2]
     assert [one.place for one in found] == [Source("M.mo", 31 + n) for n in range(4)]
     assert {(one.text, tuple(one.values)) for one in found} == {("x = %.6g", (("Real", X),))}
-    assert memories.end == OWN + 3
+    assert read.p_count == OWN + 3
 
 
 @pytest.mark.parametrize("clock", [0, 1])
 def test_an_assertion_that_waits_for_a_clock_holds_at_its_instants(clock: int) -> None:
-    flags: Any = {0: 25, 1: 26}
-    (found,), memories = actions("Assert", clock=clock, flags=flags)
-    (relation,) = memories.found
+    """The flag of clock 0 is p[25], that of clock 1 is p[26]."""
+    reader: Any = _Reader(with_actions("Assert", clock=clock))
+    reader._clocks.of_clock.update({0: 25, 1: 26})
+    read = reader.read()
+    (found,), (relation,) = read.actions, read.relations
     assert found.condition == apply("And", P[25 + clock], parameter(relation.memory))
+    other: Any = _Reader(with_actions("Assert", clock=clock))
+    other._clocks.of_clock[1 - clock] = 25
     with pytest.raises(BuildError, match="waits for several clocks") as error:
-        actions("Assert", clock=clock, flags={1 - clock: 25})  # type: ignore[arg-type]
+        other.read()
     assert error.value.line == 31
 
 
 def test_an_action_that_is_not_known_is_named_with_its_line() -> None:
     with pytest.raises(BuildError, match=r"^M\.mo:32: Pause is not supported$"):
-        actions("Assert", "Pause")
+        _Reader(with_actions("Assert", "Pause")).read()
 
 
 # The start
@@ -415,15 +413,16 @@ def test_a_start_of_another_form_is_refused() -> None:
                initialization__projection_plan={"blocks": [block]})  # fmt: skip
 
 
-def test_a_function_that_is_too_deep_is_refused_at_its_line() -> None:
+def test_a_function_that_is_too_deep_is_refused_at_its_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     def too_deep(*_: object) -> Any:
         raise RecursionError
 
-    made: Any = _Reader(model())
-    made._functions = SimpleNamespace(call=too_deep)
+    monkeypatch.setattr(systems, "Functions", lambda _ir: SimpleNamespace(call=too_deep))
     call = {"kind": "PureCall", "owner": 0, "input_starts": [], "dst_start": 0}
-    program = {"span": {"source": 1, "start": 11}, "ops": [call]}
+    program = {"span": {"source": 1, "start": 11}, "output_count": 1, "ops": [call]}
     with pytest.raises(BuildError) as error:
-        made._rows({"programs": [program]})
+        system(discrete__runtime_assignment_plan={"programs": [program], "output_count": 1},
+               discrete__runtime_assignment_targets=slots(P[3]))  # fmt: skip
     assert str(error.value) == "M.mo:12: a function is too long"
-    assert choice(ONE, X, Z) is X

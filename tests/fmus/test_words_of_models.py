@@ -418,3 +418,31 @@ def test_levels_at_which_a_step_may_end_early() -> None:
     for name in ("real", "own", "c"):
         with pytest.raises(BuildError, match=f"{name} is no Boolean output; there are a, b"):
             levels(f'__axisrig(returns_early = "a, {name}")')
+
+
+@pytest.mark.parametrize(
+    ("keyword", "is_part"), [("model", True), ("block", True), ("record", False)]
+)
+def test_parts_of_a_model_are_models_and_blocks(keyword: str, is_part: bool) -> None:
+    text = f"""
+{keyword} Part
+  Real y;
+end Part;
+model Whole
+  Part first;
+  Part second;
+end Whole;
+"""
+    found, _ = texts(text, "Whole.mo")
+    assert [one.name for one in found.used("Whole")] == ["Whole", "Part"][: 1 + is_part]
+
+
+@pytest.mark.parametrize(
+    "info", ["<html>\\n  says <b>x</b>\\n</html>", "says <b>x</b>", "<html>says <b>x</b></html> "]
+)
+def test_the_documentation_has_no_frame_and_no_blanks_around_it(info: str) -> None:
+    text = f'model M annotation(Documentation(info = "{info}")); end M;'.replace("\\n", "\n")
+    found, _ = texts(text, "M.mo")
+    model = found.get("M")
+    assert model is not None
+    assert model.documentation() == "says <b>x</b>"

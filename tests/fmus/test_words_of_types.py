@@ -1,4 +1,4 @@
-"""What the text of a library says of its types and of the parts of a model."""
+"""What a description has of the types of a library: their nominal values, their units to show."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -29,31 +29,3 @@ def test_units_to_show_are_in_the_order_of_their_names() -> None:
     types = [*(f"W_{n}" for n in names), "Again", "None", "Turn", ""]
     variables: Any = [SimpleNamespace(declared=name) for name in types]
     assert _display_units(found, variables) == {"m": sorted(names), "rad": ["deg"]}
-
-
-@pytest.mark.parametrize(
-    ("keyword", "is_part"), [("model", True), ("block", True), ("record", False)]
-)
-def test_parts_of_a_model_are_models_and_blocks(keyword: str, is_part: bool) -> None:
-    text = f"""
-{keyword} Part
-  Real y;
-end Part;
-model Whole
-  Part first;
-  Part second;
-end Whole;
-"""
-    found, _ = texts(text, "Whole.mo")
-    assert [one.name for one in found.used("Whole")] == ["Whole", "Part"][: 1 + is_part]
-
-
-@pytest.mark.parametrize(
-    "info", ["<html>\\n  says <b>x</b>\\n</html>", "says <b>x</b>", "<html>says <b>x</b></html> "]
-)
-def test_the_documentation_has_no_frame_and_no_blanks_around_it(info: str) -> None:
-    text = f'model M annotation(Documentation(info = "{info}")); end M;'.replace("\\n", "\n")
-    found, _ = texts(text, "M.mo")
-    model = found.get("M")
-    assert model is not None
-    assert model.documentation() == "says <b>x</b>"

@@ -66,9 +66,9 @@ def test_without_ref_the_sensor_value_is_0_at_the_offset_of_the_list(offset: int
     """Of the channel it counts as the distance does: upwards (P-CHAN-00805, in 0.1 um)."""
     of = left()
     of = replace(of, channel={**of.channel, "dist_ctrl[0].ref_offset": offset})
-    seen, plain = truth(of=of), truth()
-    assert seen.zero_mm == pytest.approx(offset / 1e4)
-    assert seen.wanted_gap_mm[ON:OFF] == pytest.approx(plain.wanted_gap_mm[ON:OFF] + offset / 1e4)
+    tool, plain = truth(of=of), truth()
+    assert tool.zero_mm == pytest.approx(offset / 1e4)
+    assert tool.wanted_gap_mm[ON:OFF] == pytest.approx(plain.wanted_gap_mm[ON:OFF] + offset / 1e4)
 
 
 # How old its values are
@@ -93,9 +93,9 @@ def test_the_latest_axis_says_how_old_a_value_of_the_plc_is_beside_the_positions
     }
     of = with_axes(**changes)
     of = replace(of, plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, delay)})
-    seen = truth(of=of)
-    assert (seen.late_cycles, seen.sensor_age_cycles) == (late_cycles, age)
-    assert (seen.every, seen.sensor_name) == (1, "gap")
+    tool = truth(of=of)
+    assert (tool.late_cycles, tool.sensor_age_cycles) == (late_cycles, age)
+    assert (tool.every, tool.sensor_name) == (1, "gap")
 
 
 @pytest.mark.parametrize(("sign", "is_right"), [(1, True), (-1, False)])
@@ -115,9 +115,9 @@ def test_the_loops_of_the_first_drive_that_has_some_are_those_of_the_control(fir
         "z": PlantRecord({"mass": PlantValue(7.0), "kv": PlantValue(40.0)}),
     }
     names = [first, *(name for name in plants if name != first)]
-    seen = truth(of=replace(left(), plants={name: plants[name] for name in names})).values
-    assert seen is not None
-    assert seen.get("mass") == 7.0
+    tool = truth(of=replace(left(), plants={name: plants[name] for name in names})).values
+    assert tool is not None
+    assert tool.get("mass") == 7.0
     bare = truth(of=replace(left(), plants={name: plants[name] for name in "yx"})).values
     assert bare is not None
     assert bare.get("mass") == 5.0
@@ -145,20 +145,20 @@ def test_dead_cycles_are_from_the_value_that_steps_to_the_one_that_shows_the_ans
     assert found.shown_ns == (STEP + way) * MS
 
 
-def metric(name: str, seen: ToolTruth) -> Observation:
-    return observe(seen.observed, parse_check(name, "> -1e9", ""))
+def metric(name: str, tool: ToolTruth) -> Observation:
+    return observe(tool.observed, parse_check(name, "> -1e9", ""))
 
 
 @pytest.mark.parametrize(("reaction", "way"), [(0, 2), (1, 2), (3, 4), (2, 1), (0, 1)])
 def test_measured_dead_cycles_have_a_note_of_their_own_parts(reaction: int, way: int) -> None:
     """n = reaction + way - 1; the rig expects the parts of its own scheduling beside them."""
-    seen = truth(stepped(STEP - reaction, STEP + way))
-    found = metric("distance_dead_cycles", seen)
+    tool = truth(stepped(STEP - reaction, STEP + way))
+    found = metric("distance_dead_cycles", tool)
     assert (found.value, found.note) == (
         reaction + way - 1, f"reaction {reaction}, way {way} cycles",
     )  # fmt: skip
     # From the SYNC that shows the step to that which shows the answer; cycles of 1 ms
-    dead_ms = metric("distance_dead_time_ms", seen)
+    dead_ms = metric("distance_dead_time_ms", tool)
     assert (dead_ms.value, dead_ms.note) == (reaction + way, "ends of frames on the bus")
 
 
@@ -170,12 +170,12 @@ def test_expected_dead_cycles_have_the_parts_of_the_rig_whatever_is_measured(
     """A value that is older by some cycles shows the answer by so many later."""
     of = replace(left(), plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, delay)})
     plain = truth().dead
-    seen = truth(stepped(STEP - reaction, STEP + way), of)
-    found = metric("distance_dead_cycles_expected", seen)
+    tool = truth(stepped(STEP - reaction, STEP + way), of)
+    found = metric("distance_dead_cycles_expected", tool)
     assert (found.value, found.note) == (
         plain.dead + delay, f"reaction {plain.reaction}, way {plain.way + delay} cycles",
     )  # fmt: skip
-    assert metric("distance_dead_cycles", seen).value == reaction + way - 1
+    assert metric("distance_dead_cycles", tool).value == reaction + way - 1
 
 
 def test_a_step_before_the_control_is_on_or_without_it_shows_nothing() -> None:
@@ -193,23 +193,23 @@ def test_a_step_before_the_control_is_on_or_without_it_shows_nothing() -> None:
 
 
 def test_columns_are_of_every_axis_in_the_order_of_the_rig() -> None:
-    seen = truth()
+    tool = truth()
     table = tilted.trace()
     units = {name: "deg" if name in "CA" else "mm" for name in AXES}
     for column in ("set_mm", "truth_mm"):
         whole = np.stack(
             [table[f"{n}.{column.replace('mm', units[n])}"].to_numpy() for n in AXES], axis=1
         )
-        assert np.array_equal(axes_of(seen.observed, column), whole)
-        some = axes_of(seen.observed, column, slice(60, 63))
+        assert np.array_equal(axes_of(tool.observed, column), whole)
+        some = axes_of(tool.observed, column, slice(60, 63))
         assert np.array_equal(some, whole[60:63])
-    superposed = axes_of(seen.observed, "superposed_mm")
-    assert seen.base == pytest.approx(axes_of(seen.observed, "set_mm") - superposed)
+    superposed = axes_of(tool.observed, "superposed_mm")
+    assert tool.base == pytest.approx(axes_of(tool.observed, "set_mm") - superposed)
     # The clamping point of the program is without the offset, where it was sent is with it
-    rise = seen["set_mm"] - seen.program_mm
+    rise = tool["set_mm"] - tool.program_mm
     assert rise[STEP:OFF] == pytest.approx(1.5)
     assert rise[ON:STEP] == pytest.approx(0.0)
-    assert seen.state[ON] == ACTIVE_CONST_DIST
+    assert tool.state[ON] == ACTIVE_CONST_DIST
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -221,4 +221,5 @@ def test_all_diagnosis_data_are_kept_and_none_without_a_control() -> None:
     ]  # fmt: skip
     bare = found(kinematic())
     assert (list(bare.guides), list(bare.diagnosis)) == ([], [])
-    assert len(found(replace(kinematic(), tool_mm=0.0), distance_3d=of).guides) == 1
+    without_length = replace(kinematic(), tool_mm=0.0)
+    assert len(found(without_length, distance_3d=of).guides) == 1

@@ -151,19 +151,19 @@ def test_an_arm_of_torques_is_none_where_the_plant_of_an_axis_does_not_turn() ->
     assert [observed.is_rotary(name) for name in axes] == [True, True, False]
 
 
-@pytest.mark.parametrize(("row", "place_mm"), [(10, 9.0), (10, 10.0)])
+@pytest.mark.parametrize(("place_mm", "after_us"), [(9.0, 64), (10.0, 0)])
 def test_without_an_actual_position_a_sync_at_the_begin_of_a_cycle_is_lost(
-    row: int, place_mm: float
+    place_mm: float, after_us: int
 ) -> None:
-    """With one it has come where the position is a new one."""
+    """With one it has come where the position is a new one: row 9 has 9 mm."""
     after = np.full(ROWS, 64 * US)
-    after[row] = 0
+    after[10] = 0
     place = np.arange(float(ROWS))
-    place[row] = place_mm
+    place[10] = place_mm
     bare = recorded({"Z.sync_after_ns": after}, {"Z": axis()})
-    assert bare.sync_ns("Z", row) == row * MS + 64 * US
+    assert bare.sync_ns("Z", 10) == 10 * MS + 64 * US
     known = recorded({"Z.sync_after_ns": after, "Z.actual_mm": place}, {"Z": axis()})
-    assert known.sync_ns("Z", row) == row * MS + (64 * US if place_mm == 9.0 else 0)
+    assert known.sync_ns("Z", 10) == 10 * MS + after_us * US
 
 
 # Plants and probes

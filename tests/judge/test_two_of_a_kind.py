@@ -198,6 +198,26 @@ def test_a_number_printed_by_a_program_says_whose_latches_nothing_proves() -> No
     assert "printed 2 number(s)" in seen(observed, "msg:N40.3").note
 
 
+@pytest.mark.parametrize(
+    ("block", "values"),
+    [("N3", [1.0, 4.0]), ("N30", [2.0]), ("N300", [3.0]), ("N0", []), ("N33", [])],
+)
+def test_a_printed_number_is_of_the_whole_number_of_its_block(
+    block: str, values: list[float]
+) -> None:
+    messages = [
+        *(MessageRecord(3, (1.0,), ""), MessageRecord(30, (2.0,), "")),
+        *(MessageRecord(None, (9.0,), ""), MessageRecord(300, (3.0,), "")),
+        MessageRecord(3, (4.0,), ""),
+    ]
+    observed = Observed(facts(axes={}, messages=tuple(messages)), at_rest())
+    for place, value in enumerate([*values, None], start=1):
+        found = seen(observed, f"msg:{block}.{place}")
+        assert found.value == value
+        missing = f"block {block} printed {len(values)} number(s)"
+        assert found.note == ("" if value is not None else missing)
+
+
 @pytest.mark.parametrize("turn", [1, -1])
 def test_the_largest_deflection_is_looked_for_at_drives_and_at_the_plc(turn: int) -> None:
     """Two probes at drives, one at the PLC, one that nothing is wired to."""

@@ -1,4 +1,4 @@
-"""Metrics of a control that count only while it is on, or by its frames, or not at all: why."""
+"""Metrics of distance control: which rows and frames count, and when there is no value."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -123,16 +123,16 @@ def test_a_slope_of_set_pos_goes_past_by_the_age_of_its_value_and_not_below_none
 
 @pytest.mark.parametrize(("state", "name"), [(4, "set_dist_mm"), (ACTIVE, "set_pos_mm")])
 @pytest.mark.parametrize(
-    ("by", "at_400"),
+    ("by", "at_400_mm"),
     [
-        ((), 2.5),  # nobody of the program: as the column has it
+        ((), 2.5),  # no order of the program: as the column has it
         ((("PLC", 2.5),), 2.5),
         ((("NC", 2.5),), 2.0),  # from the next cycle on
         ((("PLC", 2.2), ("NC", 2.5)), 2.2),  # what the PLC gave in the cycle, which came first
     ],
 )
 def test_a_set_value_of_the_program_acts_in_the_cycle_after_it(
-    state: int, name: str, by: tuple[tuple[str, float], ...], at_400: float
+    state: int, name: str, by: tuple[tuple[str, float], ...], at_400_mm: float
 ) -> None:
     """The column changes from 2 mm to 2.5 mm in row 400, the cycle in which it was asked for."""
     asked: Any = [DistanceOrder(400 * MS + 100, who, **{name: mm}) for who, mm in by]
@@ -141,7 +141,7 @@ def test_a_set_value_of_the_program_acts_in_the_cycle_after_it(
     truth = distance_truth(recorded(state=state, orders=(begin, *asked), columns=columns), "Z")
     assert truth is not None
     wanted = truth.wanted_mm(name)
-    assert wanted[[398, 399, 400, 401, 402]].tolist() == [2.0, 2.0, at_400, 2.5, 2.5]
+    assert wanted[[398, 399, 400, 401, 402]].tolist() == [2.0, 2.0, at_400_mm, 2.5, 2.5]
     other = "set_pos_mm" if name == "set_dist_mm" else "set_dist_mm"
     assert truth.wanted_mm(other)[400] == truth.wanted_mm(other)[399]
 

@@ -12,7 +12,6 @@ from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.bus import BusFigures, LineFigures, Waiting
-from axisrig.bench.record.facts import MessageRecord
 
 SERIES = kept(pa.table({"time_ns": pa.array([0, 1_000_000], pa.int64())}))
 AXES = {name: AxisRecord("can1", 1, 1000.0) for name in "XZ"}
@@ -50,23 +49,3 @@ def test_on_ethercat_nothing_waits_and_its_lines_are_named() -> None:
     assert longest(lines[0], CAN).note == words.format("ecat1")
     beside = longest(*lines, replace(CAN, waiting=WAITS[1:2]))
     assert (beside.value, beside.note) == (120.0, "Z.TPDO1")
-
-
-@pytest.mark.parametrize(
-    ("block", "values"),
-    [("N3", [1.0, 4.0]), ("N30", [2.0]), ("N300", [3.0]), ("N0", []), ("N33", [])],
-)
-def test_a_printed_number_is_of_the_whole_number_of_its_block(
-    block: str, values: list[float]
-) -> None:
-    messages = [
-        *(MessageRecord(3, (1.0,), ""), MessageRecord(30, (2.0,), "")),
-        *(MessageRecord(None, (9.0,), ""), MessageRecord(300, (3.0,), "")),
-        MessageRecord(3, (4.0,), ""),
-    ]
-    observed = Observed(facts(axes=AXES, messages=tuple(messages)), SERIES)
-    for place, value in enumerate([*values, None], start=1):
-        found = observe(observed, parse_check(f"msg:{block}.{place}", "> -1e9", ""))
-        assert found.value == value
-        missing = f"block {block} printed {len(values)} number(s)"
-        assert found.note == ("" if value is not None else missing)

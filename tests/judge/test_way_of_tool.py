@@ -65,16 +65,16 @@ def test_where_the_tool_moves_its_way_counts_alone() -> None:
     rows = np.linspace((0.0, 0.0, 0.0, 0.0, 90.0, 0.0), (10.0, 0.0, 0.0, 0.0, 90.0, 0.0), 3)
     x, y = 600.0 * math.cos(math.radians(10.0)), 600.0 * math.sin(math.radians(10.0))
     target = {"X": x, "Y": y, "C": 10.0}
-    seen, on = observed(WRIST, "XYZABC"), record((45,), "XYZABC")
-    gone, length = way_of_tool(seen, on, rows, 0, target)
+    recording, on = observed(WRIST, "XYZABC"), record((45,), "XYZABC")
+    gone, length = way_of_tool(recording, on, rows, 0, target)
     chord_mm = 1200.0 * math.sin(math.radians(5.0))
     assert [length, gone[-1]] == pytest.approx([chord_mm, chord_mm], abs=1e-9)
 
 
 def test_an_axis_beside_the_kinematic_counts_where_the_tool_stays() -> None:
     rows = np.linspace((0.0, 0.0, 0.0, 0.0, 90.0, 0.0, 5.0), (0.0, 0.0, 0.0, 0.0, 120.0, 0.0, 45.0))
-    seen, on = observed(WRIST, "XYZABCU"), record((45,), "XYZABC")
-    gone, length = way_of_tool(seen, on, rows, 0, {"B": 30.0, "U": 45.0})
+    recording, on = observed(WRIST, "XYZABCU"), record((45,), "XYZABC")
+    gone, length = way_of_tool(recording, on, rows, 0, {"B": 30.0, "U": 45.0})
     assert [length, gone[-1]] == pytest.approx([50.0, 50.0], abs=1e-9)
 
 
@@ -90,8 +90,8 @@ def test_a_tool_that_turns_about_its_point_goes_as_far_as_its_angles(name: str) 
     curve = ToolCurve(Line(start, end), kinematic, near)
     axes = "XYZABCUV"[: kinematic.count]
     target = dict(zip(axes[3:], end[3:], strict=True))
-    seen, on = observed(values(machine.text), axes), record(machine.ids, axes, machine.tool_mm)
-    gone, length = way_of_tool(seen, on, np.array(curve.places), 0, target)
+    recording, on = observed(values(machine.text), axes), record(machine.ids, axes, machine.tool_mm)
+    gone, length = way_of_tool(recording, on, np.array(curve.places), 0, target)
     assert length == pytest.approx(math.hypot(*ways), abs=1e-6)
     assert gone == pytest.approx(np.linspace(0.0, length, len(gone)), abs=1e-6)
 
@@ -106,8 +106,8 @@ def head_way(
     """A head with C and A, whose tool points down from the axes."""
     found = {**INCREMENTS_MM, **increments_mm}
     axes = {a: SimpleNamespace(increments_per_mm=1.0 / mm) for a, mm in found.items()}
-    seen: Any = SimpleNamespace(facts=SimpleNamespace(channel=HEAD), axes=axes)
-    gone, length = way_of_tool(seen, record((9,), "XYZCA", TOOL_MM), rows, begin, target)
+    recording: Any = SimpleNamespace(facts=SimpleNamespace(channel=HEAD), axes=axes)
+    gone, length = way_of_tool(recording, record((9,), "XYZCA", TOOL_MM), rows, begin, target)
     return list(gone), length
 
 

@@ -1,49 +1,21 @@
-"""Sweeps, searches and paths where two things differ: order, room, ways that go backwards."""
+"""Which sweeps and searches a page draws: in which order, how many, and from how many runs on."""
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 import pytest
 from tests.reports.test_blocks_of_sweeps import THREE, captions, sample, section, sweep
 from tests.reports.test_searches_of_a_page import COLUMN, search
-from tests.reports.test_signals_of_distance import path
 from tests.reports.test_ways_of_failing import check, run, text
 
 from axisrig.bench.campaign.results.stored import StoredResults
 from axisrig.bench.plan.check_row import CheckRow
-from axisrig.reports.distance.path import WIDTH
 from axisrig.reports.sweeps.searches import search_pictures
 from axisrig.reports.sweeps.section import sweeps
 
 
-@pytest.mark.parametrize(
-    ("x", "shares"),
-    [
-        ((0.0, 10.0), (0.0, 1.0)), ((10.0, 0.0), (1.0, 0.0)), ((-3.0, -8.0), (1.0, 0.0)),
-        ((0.0, 10.0, 0.0), (0.0, 1.0, 0.0)), ((5.0, 10.0, 0.0, 5.0), (0.5, 1.0, 0.0, 0.5)),
-    ],
-)  # fmt: skip
-def test_a_path_is_as_wide_as_its_picture_whichever_way_it_goes(
-    x: Sequence[float], shares: Sequence[float]
-) -> None:
-    """The smallest place is at the left, the largest one at the right."""
-    at = np.linspace(0.0, len(x) - 1.0, 13)
-    still = {"Z__distance_state": 1.0, "gap__distance_true_mm": 2.0, "Z__truth_mm": 5.0,
-             "Z__set_mm": 5.0, "Z__offset_mm": 0.0, "Y__truth_mm": 0.0}  # fmt: skip
-    rows = {name: [value] * 13 for name, value in still.items()}
-    svg = path(X__truth_mm=np.interp(at, range(len(x)), x), **rows)
-    (points,) = re.findall(r'class="dp-surface" points="([^"]*)"', svg)
-    places = [float(point.split(",")[0]) for point in points.split()]
-    left, right = 54.0, WIDTH - 10.0
-    assert (min(places), max(places)) == (left, right)
-    ends = [places[round(number * 12 / (len(x) - 1))] for number in range(len(x))]
-    assert [(place - left) / (right - left) for place in ends] == pytest.approx(shares, abs=1e-3)
-
-
 def test_metrics_of_a_search_come_by_their_worst_probe() -> None:
-    """Not by its last one; a metric without a limit says nothing of the search."""
+    """Not by its last one; a metric without a limit is not drawn."""
     row, *probes = search("p-s", "pass", "fail", "pass")
     words = {"good": ("pass", "pass", "pass"), "middle": ("pass", "inconclusive", "pass"),
              "bad": ("fail", "pass", "pass"), "last": ("pass", "pass", "marginal")}  # fmt: skip

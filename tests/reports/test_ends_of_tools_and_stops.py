@@ -53,7 +53,7 @@ def stretches(*ends_ms: tuple[int, int]) -> Any:
 def test_a_kinematic_that_was_on_twice_has_the_motion_of_both_times() -> None:
     """A row at the end of a stretch is none of it."""
     found = motion(tool=stretches((100, 120), (300, 330)))
-    assert found.times_ns.tolist() == [at * MS for at in (*range(100, 120), *range(300, 330))]
+    assert found.times_ns.tolist() == [ms * MS for ms in (*range(100, 120), *range(300, 330))]
     whole = motion()
     rows = np.isin(whole.times_ns, found.times_ns)
     for name in ("clamp_mm", "tcp_mm", "tilt_deg", "length_mm", "is_on", "offset_mm", "moved_mm"):
@@ -113,7 +113,7 @@ def test_a_reading_that_is_not_valid_meets_nothing() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_approach_says_nothing_of_how_near_a_beam_mostly_is(sign: float) -> None:
+def test_an_approach_does_not_change_how_near_a_beam_usually_is(sign: float) -> None:
     """It takes most of the rows, 50 mm away; 0.1 mm is usual then, and three times it still near.
 
     Where 2 mm are usual, 5 mm are far all the same.

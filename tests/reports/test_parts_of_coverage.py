@@ -18,7 +18,13 @@ from axisrig.bench.record.distance import (
 from axisrig.bench.record.facts import AlarmRecord, Facts, RunFile, Timing
 from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.kernel.errors import catalogue
-from axisrig.reports.coverage.section import Coverage, distance_transitions, drive_transitions
+from axisrig.reports.coverage import section as coverage_section
+from axisrig.reports.coverage.section import (
+    ANY,
+    Coverage,
+    distance_transitions,
+    drive_transitions,
+)
 
 CONTROLLER = Controller(0.2, 0.0, 0.0, "MOVING_AVERAGE", 1, 0.0, 1, 0.0, 0.0, False)
 RAISED = [number for number, entry in catalogue().items() if entry.is_raised]
@@ -205,3 +211,18 @@ def test_transitions_of_drives_are_those_of_cia_402() -> None:
         (stop, off), (reaction, fault), (fault, off),
     } <= set(found)  # fmt: skip
     assert all(one for one, _ in found)
+
+
+def test_a_transition_of_the_table_counts_for_itself_and_another_one_for_any_state(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A table with A to FAULT by name, and FAULT from any other state."""
+    known = [("A", "B"), ("A", "FAULT"), (ANY, "FAULT")]
+    monkeypatch.setattr(coverage_section, "drive_transitions", lambda: known)
+    coverage = Coverage()
+    coverage.drives.update({("A", "FAULT"): 2, ("B", "FAULT"): 3, ("C", "FAULT"): 4, ("B", "A"): 1})
+    text = coverage.section()
+    assert f"<h3>{DRIVES}: 2 of 3</h3>" in text
+    assert transitions(text) == (
+        ["A → FAULT: 2", "* → FAULT: 7", "B → A: 1, not in the table"], ["A → B"],
+    )  # fmt: skip

@@ -99,17 +99,17 @@ def test_of_an_axis_without_limits_the_criterion_alone_is_named(criterion: str) 
 
 
 @pytest.mark.parametrize(
-    ("lag", "force", "words"),
+    ("lag_mm", "force_n", "words"),
     [
         (0.25, 40.0, "lag 0.25 mm, 40 N"), (None, 40.0, "40 N"), (0.25, None, "lag 0.25 mm"),
         (-0.05, -40.0, "lag 50 µm, -40 N"), (None, None, None),
     ],
 )  # fmt: skip
 def test_what_is_left_after_relaxing_is_what_is_known(
-    lag: float | None, force: float | None, words: str | None
+    lag_mm: float | None, force_n: float | None, words: str | None
 ) -> None:
     """At the end of its motion: from 190 ms on, as long as the signals go."""
-    known = {"cnc_lag_mm": lag, "stop_force_n": force}
+    known = {"cnc_lag_mm": lag_mm, "stop_force_n": force_n}
     columns = {f"Z__{name}": during(value, 190, 299) for name, value in known.items()
                if value is not None}  # fmt: skip
     signals = {"Z": {name: f"Z.{name}" for name, value in known.items() if value is not None}}

@@ -196,3 +196,16 @@ def test_a_check_with_limits_in_several_plots_is_drawn_in_the_first(
         assert svg == ""
     else:
         assert height_of(svg) == height
+
+
+@pytest.mark.parametrize(("first", "last"), [(19.0, 0.0), (0.0, 19.0)])
+def test_a_signal_that_falls_in_each_column_is_drawn_falling(first: float, last: float) -> None:
+    """20 values in each of 210 columns of pixels, a saw: its two ends are in their order."""
+    rows = 210 * 20
+    saw = np.tile(np.linspace(first, last, 20), 210)
+    table = pa.table({"time_ns": np.arange(rows, dtype=np.int64) * MS, "Z.actual_mm": saw})
+    description, _ = chart(table, RunFindings())
+    ends = points(picture(table, description, "m"))[:, 1]
+    assert len(ends) == 2 * 210
+    falls = ends[::2] < ends[1::2]  # a smaller y is higher up
+    assert falls.all() if first > last else not falls.any()

@@ -350,10 +350,10 @@ def test_an_instant_is_pointed_at_in_all_plots_where_it_is_shown() -> None:
     ]  # fmt: skip
 
 
-def test_the_cursor_of_a_plot_says_its_time() -> None:
-    said = "(u.cursor = {idx}, u.options.hooks.setCursor[0](u))"
-    assert read(f"((said, u) => {{ state.pointed = (ms) => said.push(ms); [2, null, 0].forEach("
-                f"(idx) => {said}); return said; }})([], all[1])") == [2, None, 0]  # fmt: skip
+def test_the_cursor_of_a_plot_reports_its_time() -> None:
+    move = "(u.cursor = {idx}, u.options.hooks.setCursor[0](u))"
+    assert read(f"((times, u) => {{ state.pointed = (ms) => times.push(ms); [2, null, 0].forEach("
+                f"(idx) => {move}); return times; }})([], all[1])") == [2, None, 0]  # fmt: skip
 
 
 def test_plots_are_as_wide_as_their_place_until_they_are_removed() -> None:

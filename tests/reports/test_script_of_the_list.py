@@ -17,14 +17,14 @@ pytestmark = needs_node
 SCRIPT = Path(reports.__file__).with_name("page.js")
 PAGE = f"""{ELEMENTS}
 let address = null, mapped = null;
-const heard = {{}}, seen = [];
+const listeners = {{}}, scrolled = [];  // scrolled: what was scrolled into view
 globalThis.axisrigMap = {{
   make: () => ({{draw() {{}}, filter: (fits) => {{ mapped = bodies.map(idOf).filter(fits); }}}}),
 }};
 globalThis.axisrigPlots = {{unpack: (body) => new TextEncoder().encode(body)}};
 globalThis.history = {{replaceState: (a, b, hash) => {{ address = hash; }}}};
 globalThis.matchMedia = () => ({{addEventListener() {{}}}});
-globalThis.addEventListener = (kind, act) => {{ heard[kind] = act; }};
+globalThis.addEventListener = (kind, act) => {{ listeners[kind] = act; }};
 const idOf = (body) => body.dataset.run;
 function made(tag, dataset, text = "") {{
   const one = new Shown(tag);
@@ -52,7 +52,7 @@ const bodies = ROWS.map(([run, verdict, cause, alarms, sim, card], place) => {{
     body.append(row);
     return row;
   }};
-  body.scrollIntoView = () => seen.push(run);
+  body.scrollIntoView = () => scrolled.push(run);
   return body;
 }});
 const table = made("table", {{}});
@@ -81,7 +81,9 @@ document.querySelectorAll = (path) => lists[path] ?? [];
 document.querySelector = (path) => (path === ".verdicts" ? table : made("div", {{}}));
 document.addEventListener = () => {{}};
 for (const id of ["find", "found", "nothing", "print_all", "print", "summary"])
-  places[id] = Object.assign(made("p", {{}}), {{value: "", scrollIntoView: () => seen.push(id)}});
+  places[id] = Object.assign(made("p", {{}}), {{
+    value: "", scrollIntoView: () => scrolled.push(id),
+  }});
 places.map_data = made("script", {{}}, "{{}}");
 document.getElementById = (id) => places[id] ?? null;
 const order = () => table.children.map(idOf);
@@ -95,7 +97,7 @@ const box = (value, is) => {{
   one.checked = is;
   one.fire("change");
 }};
-function go(hash) {{ location.hash = hash; heard.hashchange(); }}
+function go(hash) {{ location.hash = hash; listeners.hashchange(); }}
 """
 
 
@@ -166,7 +168,9 @@ def test_another_head_begins_upwards() -> None:
 
 def test_an_address_shows_what_it_holds() -> None:
     hash_ = "#find=late&verdict=fail,error&sort=sim&down&open=run-3,nobody,run-2"
-    state = "[places.find.value, boxes.map((one) => one.checked), order(), shown(), opened(), seen]"
+    state = (
+        "[places.find.value, boxes.map((one) => one.checked), order(), shown(), opened(), scrolled]"
+    )
     assert read(state, hash_) == [
         "late", [False, True, True], ["run-2", "run-1", "run-10", "run-3"], ["run-2", "run-3"],
         ["run-2", "run-3"], ["run-3"],
@@ -184,7 +188,7 @@ def test_an_address_without_them_sets_all_back_but_a_place_of_the_page_does_not(
 
 
 def test_the_address_of_a_run_opens_it_also_where_it_is_filtered_away() -> None:
-    state = "[opened(), shown().length, seen, address]"
+    state = "[opened(), shown().length, scrolled, address]"
     assert read(f'(go("#run-10"), {state})', "#find=late&verdict=fail") == [
         ["run-10"], 4, ["run-10"], "#open=run-10",
     ]  # fmt: skip
@@ -195,7 +199,7 @@ def test_the_address_of_a_run_opens_it_also_where_it_is_filtered_away() -> None:
 
 def test_what_is_printed_is_opened_for_it_and_closed_then() -> None:
     """The example of each card; with a tick all that are shown. What was open stays open."""
-    steps = "[(heard.beforeprint(), opened()), (heard.afterprint(), opened())]"
+    steps = "[(listeners.beforeprint(), opened()), (listeners.afterprint(), opened())]"
     unprinted = 'bodies.filter((one) => one.classList.contains("unprinted")).map(idOf)'
     assert read(f"[{steps}, {unprinted}]", "#open=run-3") == [
         [["run-2", "run-3"], ["run-3"]], ["run-10", "run-1", "run-3"],

@@ -193,3 +193,21 @@ def test_a_sample_has_the_limits_that_all_its_runs_check(
         for n, (lower, upper) in enumerate(limits)
     ]  # fmt: skip
     assert _limits(members, "m") == found
+
+
+@pytest.mark.parametrize(("values", "side"), [((2.0, 3.0), "right"), ((-2.0, -3.0), "left")])
+def test_bars_of_one_sign_begin_at_no_change(values: tuple[float, ...], side: str) -> None:
+    """It is at one edge of the picture, and the longest bar comes first."""
+    svg = picture(*(effect(value, value - 0.5, value + 0.5) for value in values))
+    bars = [tuple(map(float, bar)) for bar in re.findall(RECT, svg)]
+    (zero,) = {float(x) for x in re.findall(r'class="sw-zero" x1="([\d.]+)"', svg)}
+    (x, _, width), (other, _, less) = bars
+    # Both are drawn to 0.1 px
+    assert width == pytest.approx(1.5 * less, abs=0.05 + 1.5 * 0.05 + 1e-3)
+    if side == "right":
+        assert x == other == zero
+    else:
+        assert (x + width, other + less) == pytest.approx(
+            (zero, zero), abs=0.151
+        )  # three numbers to 0.1 px
+    assert 0.0 < zero < 420.0

@@ -16,7 +16,7 @@ from axisrig.bench.judge.distance.control_findings import (
     DistanceStretch,
     UsedLimit,
 )
-from axisrig.reports.distance.path import drawing
+from axisrig.reports.distance.path import WIDTH, drawing
 from axisrig.reports.distance.signals import (
     STATES,
     lanes,
@@ -252,3 +252,27 @@ def test_how_far_an_axis_goes_counts_and_not_where_it_is(
 def test_the_axis_of_the_control_itself_is_no_way() -> None:
     svg = path(Z__truth_mm=np.linspace(0.0, 50.0, 11))
     assert along(svg) == ("X",)
+
+
+@pytest.mark.parametrize(
+    ("x", "shares"),
+    [
+        ((0.0, 10.0), (0.0, 1.0)), ((10.0, 0.0), (1.0, 0.0)), ((-3.0, -8.0), (1.0, 0.0)),
+        ((0.0, 10.0, 0.0), (0.0, 1.0, 0.0)), ((5.0, 10.0, 0.0, 5.0), (0.5, 1.0, 0.0, 0.5)),
+    ],
+)  # fmt: skip
+def test_a_path_is_as_wide_as_its_picture_whichever_way_it_goes(
+    x: Sequence[float], shares: Sequence[float]
+) -> None:
+    """The smallest place is at the left, the largest one at the right."""
+    at = np.linspace(0.0, len(x) - 1.0, 13)
+    still = {"Z__distance_state": 1.0, "gap__distance_true_mm": 2.0, "Z__truth_mm": 5.0,
+             "Z__set_mm": 5.0, "Z__offset_mm": 0.0, "Y__truth_mm": 0.0}  # fmt: skip
+    rows = {name: [value] * 13 for name, value in still.items()}
+    svg = path(X__truth_mm=np.interp(at, range(len(x)), x), **rows)
+    (points,) = re.findall(r'class="dp-surface" points="([^"]*)"', svg)
+    places = [float(point.split(",")[0]) for point in points.split()]
+    left, right = 54.0, WIDTH - 10.0
+    assert (min(places), max(places)) == (left, right)
+    ends = [places[round(number * 12 / (len(x) - 1))] for number in range(len(x))]
+    assert [(place - left) / (right - left) for place in ends] == pytest.approx(shares, abs=1e-3)

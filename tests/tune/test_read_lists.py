@@ -46,17 +46,21 @@ def test_a_mean_answers_a_pulse_with_its_share_as_long_as_it_holds_it(count: int
 
 @pytest.mark.parametrize("cutoff_hz", [5.0, 20.0])
 @pytest.mark.parametrize("period_ms", [1, 2])
+@pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_low_pass_of_the_list_is_that_of_the_cycle_of_the_rig(
-    cutoff_hz: float, period_ms: int
+    cutoff_hz: float, period_ms: int, order: int
 ) -> None:
-    """Whatever its order: at its cut-off frequency 1/sqrt 2 of a sine is left, at rest all."""
+    """At its cut-off frequency each order leaves 1/sqrt 2 of a sine, and at rest all of a value.
+
+    Exactly: the sampled form of an order keeps its gain at that frequency (bilinear, prewarped).
+    """
     found = configured("filter_type=LOWPASS", f"low_pass_filter_fg_f0={cutoff_hz:g}",
-                       "low_pass_filter_order=1", period_ns=period_ms * MS)  # fmt: skip
+                       f"low_pass_filter_order={order}", period_ns=period_ms * MS)  # fmt: skip
     assert found.filter.kind == "LOWPASS"
-    assert found.impulses.sum() == pytest.approx(1.0, abs=1e-3)
+    assert found.impulses.sum() == pytest.approx(1.0, rel=1e-9)
     angle = 2 * math.pi * cutoff_hz * period_ms * 1e-3
     share = abs(found.impulses @ np.exp(-1j * angle * np.arange(len(found.impulses))))
-    assert share == pytest.approx(1 / math.sqrt(2), rel=0.1)
+    assert share == pytest.approx(math.sqrt(0.5) ** order, rel=1e-9)
 
 
 # Exactly at a limit

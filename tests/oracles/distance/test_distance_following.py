@@ -297,3 +297,33 @@ def test_filters_are_the_same_by_what_they_do_and_not_by_their_names() -> None:
     for place, one in enumerate(others):
         assert not one.is_same(none())
         assert [one.is_same(two) for two in others] == [n == place for n in range(len(others))]
+
+
+@pytest.mark.parametrize("frequency_hz", [2.0, 40.0])
+@pytest.mark.parametrize("integral", [0.0, 0.02])
+@pytest.mark.parametrize(("derivative", "of_error"), [(0.0, True), (0.5, True), (0.5, False)])
+@pytest.mark.parametrize("dead", [0, 2])
+def test_a_sine_of_the_surface_is_followed_in_set_pos_as_a_walk_shows(
+    frequency_hz: float, integral: float, derivative: float, of_error: bool, dead: int
+) -> None:
+    """e = z(k) - o(k - 1), o grows by kp (e + g sum e + r (d - d before)), d the error or z.
+
+    At the SYNC the tool is at o(k - 1 - n); of the dead cycles nothing comes back to the loop.
+    """
+    kp, rows = 0.2, 3000
+    phase = 2.0 * math.pi * frequency_hz * T * np.arange(rows)
+    surface = np.sin(phase)
+    offsets, total, before = np.zeros(rows), 0.0, 0.0
+    for k in range(1, rows):
+        error = surface[k] - offsets[k - 1]
+        total += error
+        looked_at = error if of_error else surface[k]
+        step = error + integral * total + derivative * (looked_at - before)
+        offsets[k], before = offsets[k - 1] + kp * step, looked_at
+    late = np.concatenate([np.zeros(1 + dead), offsets[: rows - 1 - dead]])
+    last = slice(rows - 1000, None)
+    waves = np.stack([np.cos(phase[last]), np.sin(phase[last])], axis=1)
+    parts, *_ = np.linalg.lstsq(waves, (surface - late)[last], rcond=None)
+    loop = Loop(SET_POS, dead, integral=integral, derivative=derivative, of_error=of_error)
+    found = sine_gain(loop, kp, frequency_hz, PERIOD_NS)
+    assert found == pytest.approx(float(np.hypot(*parts)), rel=1e-6)

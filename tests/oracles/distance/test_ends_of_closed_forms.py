@@ -1,18 +1,15 @@
-"""Closed forms at the ends of what they are for: no limit, no way, no kp, no row; and a walk."""
+"""Closed forms at the ends of what they are for: no limit, no way, no kp, no row."""
 
 import math
 
 import numpy as np
 import pytest
 
-from axisrig.bench.oracles.distance.following import sine_gain
 from axisrig.bench.oracles.distance.limits import stopping_step_mm
-from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, Loop
 from axisrig.bench.oracles.distance.sample_hold import held_limit
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.oracles.distance.tool import ACS, MCS, ToolWay
-
-MS = 1_000_000
 
 
 @pytest.mark.parametrize(
@@ -40,36 +37,6 @@ def test_a_loop_that_feeds_back_with_the_wrong_sign_is_stable_at_no_kp(
     assert held_limit(wrong, 2) == 0.0
     assert kp_limit(Loop(mode, dead)) > 0.3
     assert held_limit(Loop(mode, dead), 2) > 0.1
-
-
-@pytest.mark.parametrize("frequency_hz", [2.0, 40.0])
-@pytest.mark.parametrize("integral", [0.0, 0.02])
-@pytest.mark.parametrize(("derivative", "of_error"), [(0.0, True), (0.5, True), (0.5, False)])
-@pytest.mark.parametrize("dead", [0, 2])
-def test_a_sine_of_the_surface_is_followed_in_set_pos_as_a_walk_shows(
-    frequency_hz: float, integral: float, derivative: float, of_error: bool, dead: int
-) -> None:
-    """e = z(k) - o(k - 1), o grows by kp (e + g sum e + r (d - d before)), d the error or z.
-
-    At the SYNC the tool is at o(k - 1 - n); of the dead cycles nothing comes back to the loop.
-    """
-    kp, rows = 0.2, 3000
-    phase = 2.0 * math.pi * frequency_hz * 1e-3 * np.arange(rows)
-    surface = np.sin(phase)
-    offsets, total, before = np.zeros(rows), 0.0, 0.0
-    for k in range(1, rows):
-        error = surface[k] - offsets[k - 1]
-        total += error
-        looked_at = error if of_error else surface[k]
-        step = error + integral * total + derivative * (looked_at - before)
-        offsets[k], before = offsets[k - 1] + kp * step, looked_at
-    late = np.concatenate([np.zeros(1 + dead), offsets[: rows - 1 - dead]])
-    last = slice(rows - 1000, None)
-    waves = np.stack([np.cos(phase[last]), np.sin(phase[last])], axis=1)
-    parts, *_ = np.linalg.lstsq(waves, (surface - late)[last], rcond=None)
-    loop = Loop(SET_POS, dead, integral=integral, derivative=derivative, of_error=of_error)
-    found = sine_gain(loop, kp, frequency_hz, MS)
-    assert found == pytest.approx(float(np.hypot(*parts)), rel=1e-6)
 
 
 def test_an_offset_of_one_axis_moves_it_alone_and_no_row_moves_nothing() -> None:
