@@ -45,8 +45,10 @@ def is_later(entry: CatalogueEntry) -> bool:
 
 def with_unit(name: str) -> str:
     """A value with the longest unit at its end; one that is called as its unit has none."""
-    ends = [end for end in UNITS if name.endswith(f"_{end}")]
-    return f"{name} [{UNITS[max(ends, key=len)]}]" if ends else name
+    parts = name.split("_")
+    ends = ["_".join(parts[at:]) for at in range(1, len(parts))]
+    units = [UNITS[end] for end in ends if end in UNITS]
+    return f"{name} [{units[0]}]" if units else name
 
 
 def test_each_alarm_has_a_row_for_each_fact_and_none_for_what_it_lacks() -> None:

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 
-from axisrig.kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
+from axisrig.kernel.nc.canon import Command, LinearMove, MeasuringRun, Message, Wait
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.decoder.base.context import ChannelControl
@@ -13,6 +14,7 @@ from axisrig.kernel.nc.text.parser import parse_program, read_program
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 XYZ = ("X", "Y", "Z")
+Kind = TypeVar("Kind")
 
 
 class PlaneMachine:
@@ -137,6 +139,16 @@ def drive(interpreter: Interpreter, machine: PlaneMachine) -> list[Command]:
             machine.execute()
     machine.execute()
     return commands
+
+
+def of(commands: Sequence[Command], *kinds: type[Kind]) -> list[Kind]:
+    """The commands of these kinds, in their order."""
+    return [command for command in commands if isinstance(command, kinds)]
+
+
+def texts(commands: Sequence[Command]) -> list[str]:
+    """The texts of the messages."""
+    return [message.text for message in of(commands, Message)]
 
 
 @pytest.fixture(scope="session")

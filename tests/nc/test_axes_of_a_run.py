@@ -1,10 +1,9 @@
 """Which axes of a measuring run have a result: V.A.MERF and V.A.MESS of two runs in a row."""
 
 import pytest
-from tests.nc.conftest import PlaneMachine
+from tests.nc.conftest import PlaneMachine, texts
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import Message
 
 
 class Remembering(PlaneMachine):
@@ -19,10 +18,6 @@ class Remembering(PlaneMachine):
         super().execute()
         self.last_mm |= self.latched
         self.latched = dict(self.last_mm)
-
-
-def texts(commands) -> list[str]:
-    return [each.text for each in commands if isinstance(each, Message)]
 
 
 RUN_OF_X = 'G100 X9 F100\n#MSG["%d %g", V.A.MERF.X, V.A.MESS.X]\n'

@@ -4,6 +4,7 @@ ISO C 7.21.6.1; the letters of the manual: TF5200 diagnosis manual, ID 21232.
 """
 
 import pytest
+from tests.nc.conftest import of, texts
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc.canon import Message
@@ -13,8 +14,8 @@ def shown(run, text, *values):
     """The text of a message whose values come from variables."""
     written = "".join(f"V.P.A{place}={value}\n" for place, value in enumerate(values))
     names = "".join(f", V.P.A{place}" for place in range(len(values)))
-    (message,) = [c for c in run(f'{written}#MSG ["{text}"{names}]') if isinstance(c, Message)]
-    return message.text
+    (printed,) = texts(run(f'{written}#MSG ["{text}"{names}]'))
+    return printed
 
 
 @pytest.mark.parametrize(
@@ -135,6 +136,6 @@ def test_a_value_of_the_wrong_kind_is_named_by_its_place(run, arguments, place, 
 
 def test_the_numbers_of_a_message_are_kept_without_its_texts(run):
     text = '#MSG ["%s %d %s %.1f", "a", 7, "b", 2.25]'
-    (message,) = [c for c in run(text) if isinstance(c, Message)]
+    (message,) = of(run(text), Message)
     assert message.values == (7.0, 2.25)
     assert message.text == "a 7 b 2.2"

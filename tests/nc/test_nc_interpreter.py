@@ -1,9 +1,10 @@
 """What programs do: modal words, shifts, measuring results, alarms."""
 
 import pytest
+from tests.nc.conftest import texts
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message
+from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun
 
 XYZ = ("X", "Y", "Z")
 
@@ -14,10 +15,6 @@ def moves(commands):
 
 def targets(commands):
     return [dict(c.target_mm) for c in moves(commands)]
-
-
-def texts(commands):
-    return [c.text for c in commands if isinstance(c, Message)]
 
 
 def value_of(run, expression, before="", **options):

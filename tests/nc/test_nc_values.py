@@ -1,6 +1,7 @@
 """Messages, expressions and variables from the PLC side."""
 
 import pytest
+from tests.nc.conftest import texts
 
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, Message, Wait
@@ -8,10 +9,6 @@ from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
-
-
-def texts(commands):
-    return [c.text for c in commands if isinstance(c, Message)]
 
 
 def test_synchronous_message_waits_and_plain_message_does_not(run):

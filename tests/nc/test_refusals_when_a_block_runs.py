@@ -1,9 +1,10 @@
 """What only the run can refuse: values of variables, indices, kinds; ID, block and every value."""
 
 import pytest
+from tests.nc.conftest import of, texts
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import ExternalWrite, Message
+from axisrig.kernel.nc.canon import ExternalWrite
 
 FIELD = {"F[1]": 1.5, "Height": 2.0}
 PLACES = {"lower": 0, "upper": 96}
@@ -18,7 +19,7 @@ def refused(run, blocks, **more):
 
 
 def shown(run, text, **more):
-    return [c.text for c in run(text, **more) if isinstance(c, Message)]
+    return texts(run(text, **more))
 
 
 # ---- the PLC side
@@ -38,7 +39,7 @@ def test_900122_for_a_text_to_the_plc_side(run, name, block):
 
 def test_the_plc_side_gets_the_name_as_it_spells_it(run):
     commands = run("V.E.HEIGHT=4\nv.e.f[1]=V.E.height+1", external=FIELD)
-    written = [(c.name, c.value) for c in commands if isinstance(c, ExternalWrite)]
+    written = [(each.name, each.value) for each in of(commands, ExternalWrite)]
     # nothing takes what was given out: the second block reads 2
     assert written == [("Height", 4.0), ("F[1]", 3.0)]
 

@@ -1,9 +1,9 @@
 """Results of a measuring run that a later run takes away, and those that it leaves."""
 
 import pytest
+from tests.nc.conftest import texts
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import Message
 
 XYZ = ("X", "Y", "Z")
 RESULTS = ("V.A.MESS", "V.A.MOFFS", "V.A.MEAS.ACS.VALUE", "V.A.MEAS.PCS.VALUE")
@@ -21,8 +21,7 @@ def test_900101_after_a_run_without_a_signal_whatever_the_run_before_gave(run, t
     first = f'G100 F9 X10\n#MSG ["%g %d", {name}.X, V.A.MERF.X]\nG0 X10\n'
     second = "G100 X12"
     show = f'{second}\n#MSG ["%d", V.A.MERF.X]\n'
-    texts = [each.text for each in run(first + show, touching) if isinstance(each, Message)]
-    assert [text.split()[-1] for text in texts] == ["1", "0"]
+    assert [text.split()[-1] for text in texts(run(first + show, touching))] == ["1", "0"]
     for reading in (f"P1={name}.X", *(["G101 X1"] if name == "V.A.MOFFS" else [])):
         touching.acs_mm.update(dict.fromkeys(XYZ, 0.0))
         with pytest.raises(Alarm) as caught:
@@ -34,5 +33,4 @@ def test_an_axis_that_was_not_in_a_run_keeps_what_it_had(run, touching):
     """FCT-C4 section 5, several runs: other axes keep theirs."""
     text = "G100 F9 X10\nG0 X0\nG100 Y1\nP1=V.A.MESS.X\n"
     show = '#MSG ["%g %d %d", P1, V.A.MERF.X, V.A.MERF.Y]'
-    texts = [each.text for each in run(text + show, touching) if isinstance(each, Message)]
-    assert texts == ["5 1 0"]
+    assert texts(run(text + show, touching)) == ["5 1 0"]

@@ -3,15 +3,12 @@
 import math
 
 import pytest
+from tests.nc.conftest import of, texts
 
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.kernel.nc.canon import ArcMove, Dwell, LinearMove, Message, Warn
+from axisrig.kernel.nc.canon import ArcMove, Dwell, LinearMove, Warn
 
 TWO = ("X", "Z")
-
-
-def of(commands, kind):
-    return [command for command in commands if isinstance(command, kind)]
 
 
 @pytest.mark.parametrize("plane", ["G17", "G19"])
@@ -57,14 +54,14 @@ def test_the_index_of_an_axis_is_its_place_in_the_channel(run):
     )
     commands = run(text, axes=("Z", "X"))
     assert [move.target_mm for move in of(commands, LinearMove)] == [{"Z": 5.0, "X": 7.0}]
-    assert [each.text for each in of(commands, Message)] == ["5 7"]
+    assert texts(commands) == ["5 7"]
 
 
 @pytest.mark.parametrize(("axes", "moved"), [(("X",), "X"), (("C",), "C"), (("X2",), "X2")])
 def test_a_rig_of_one_axis_has_its_words(run, axes, moved):
     commands = run(f'G0 {moved}=5\nG91 {moved}=1\n#MSG ["%g", V.A.ABS.{moved}]', axes=axes)
     assert [move.target_mm for move in of(commands, LinearMove)] == [{moved: 5.0}, {moved: 6.0}]
-    assert [each.text for each in of(commands, Message)] == ["6"]
+    assert texts(commands) == ["6"]
     with pytest.raises(UserError) as caught:
         run("G0 Y1", axes=axes)
     assert (caught.value.value, caught.value.allowed) == ("Y", moved)

@@ -1,6 +1,7 @@
 """What a word hands to the channel: units, defaults, order, and what is switched off again."""
 
 import pytest
+from tests.nc.conftest import of, texts
 from tests.nc.five_axes import ON, run5
 
 from axisrig.kernel.errors import Alarm
@@ -17,7 +18,6 @@ from axisrig.kernel.nc.canon import (
     KinematicChoice,
     LinearMove,
     MeasuringRun,
-    Message,
     ProgramStop,
     SlopeChoice,
     TechnologyFunction,
@@ -28,14 +28,6 @@ from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
 
 XYZA = ("X", "Y", "Z", "A")
-
-
-def of(commands, *kinds):
-    return [command for command in commands if isinstance(command, kinds)]
-
-
-def texts(commands):
-    return [command.text for command in of(commands, Message)]
 
 
 # ---- motion

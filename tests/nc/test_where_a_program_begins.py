@@ -1,13 +1,14 @@
 """Where the axes are when a program begins, and the zero offsets that are in use then."""
 
 import pytest
+from tests.nc.conftest import of, texts
 
-from axisrig.kernel.nc.canon import LinearMove, Message
+from axisrig.kernel.nc.canon import LinearMove
 from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
 
 
 def targets(commands):
-    return [c.target_mm for c in commands if isinstance(c, LinearMove)]
+    return [move.target_mm for move in of(commands, LinearMove)]
 
 
 def test_distances_count_from_the_set_positions_and_not_from_the_actual_ones(run, plane_machine):
@@ -17,8 +18,7 @@ def test_distances_count_from_the_set_positions_and_not_from_the_actual_ones(run
     text = 'G91 G0 X1 Y1\n#MSG ["%g %g %g", V.A.ABS.Z, V.A.PROG.X, V.A.ACT_POS.Z]'
     commands = run(text, machine)
     assert targets(commands) == [{"X": 11.0, "Y": -4.0}]
-    (message,) = [c for c in commands if isinstance(c, Message)]
-    assert message.text == "1 11 1.25"
+    assert texts(commands) == ["1 11 1.25"]
 
 
 @pytest.mark.parametrize(
@@ -47,6 +47,5 @@ def test_each_program_begins_with_the_tables_of_the_rig(run):
         '#MSG ["%g %g %g", V.G.NP[1].V.X, V.G.WZ[1].L, V.G.WZ[1].V.X]'
     )
     for _ in range(2):
-        texts = [c.text for c in run(text, tables=tables) if isinstance(c, Message)]
-        assert texts == ["10 5 2", "3 4 6"]
+        assert texts(run(text, tables=tables)) == ["10 5 2", "3 4 6"]
     assert tables.zero_offsets.default_group == 0

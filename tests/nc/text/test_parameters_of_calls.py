@@ -4,8 +4,8 @@
 """
 
 import pytest
+from tests.nc.text.test_text_refusals import refused
 
-from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.syntax import Command, Group, Number, SubprogramCall
 from axisrig.kernel.nc.text.parser import parse_program
 
@@ -14,12 +14,6 @@ XYZ = ("X", "Y", "Z")
 
 def statement(text):
     return parse_program(text, file="p.nc", axes=XYZ).blocks[0].statement
-
-
-def refused(text):
-    with pytest.raises(UserError) as caught:
-        parse_program(text, file="p.nc", axes=XYZ)
-    return caught.value
 
 
 def test_parameters_are_kept_in_their_order_wherever_the_name_is():

@@ -3,19 +3,12 @@
 from dataclasses import replace
 
 import pytest
+from tests.nc.text.test_text_refusals import refused
 
-from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.canon import Message
-from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
-
-
-def refused(text, axes=XYZ):
-    with pytest.raises(UserError) as caught:
-        parse_program(text, file="p.nc", axes=axes)
-    return caught.value
 
 
 def commands(run, text):
