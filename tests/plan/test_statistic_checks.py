@@ -256,23 +256,23 @@ def test_runs_of_a_case_have_one_condition_for_a_statistic(read: Read, condition
 
 
 @pytest.mark.parametrize(
-    ("header", "row"),
+    ("header", "row", "group", "runs"),
     [
-        # Touches are many in one run; words are groups
-        ("check:slope(latch_error_um; touch)", "a,a.nc,r.toml,,600,,> 1"),
-        ("check:slope(latch_error_um; run)", "a,a.nc,r.toml,2,600,,> 1"),
+        ("check:slope(latch_error_um; touch)", "a,a.nc,r.toml,,600,,> 1", "touch", 1),
+        ("check:slope(latch_error_um; run)", "a,a.nc,r.toml,2,600,,> 1", "run", 2),
         ('set:Z.edge,"check:share(latch_error_um; set:Z.edge)"',
-         "a,a.nc,r.toml,,600,,[NEG | POS],> 0.5"),
+         "a,a.nc,r.toml,,600,,[NEG | POS],> 0.5", "set:Z.edge", 2),
     ],
 )  # fmt: skip
 def test_columns_that_every_run_has_and_words_serve_as_groups(
-    read: Read, header: str, row: str
+    read: Read, header: str, row: str, group: str, runs: int
 ) -> None:
+    """Touches are many in one run, which has the check itself; else it is of a row of its own."""
     plan = read(header, row)
-    checks = plan.statistics[0].checks if plan.statistics else plan.cases[0].checks[:1]
-    (check,) = checks
-    assert isinstance(check, StatisticCheck)
-    assert len(check.columns) == 1
+    rows = plan.statistics if runs > 1 else plan.cases
+    found = [one for one in rows[0].checks if isinstance(one, StatisticCheck)]
+    assert [check.columns for check in found] == [(group,)]
+    assert (len(plan.cases), len(plan.statistics)) == (runs, int(runs > 1))
 
 
 def test_words_are_no_numbers_for_a_slope(read: Read) -> None:
