@@ -143,15 +143,18 @@ def test_a_transfer_that_goes_wrong_is_broken_off_at_both_ends(answer: bytes, co
 
 def test_requests_run_in_turn_and_what_an_answer_asks_for_comes_behind_them() -> None:
     asked = Asked()
+    asked.take(MailboxType.COE, coe(RESPONSE, expedited()))
+    asked.written.clear()
     mailbox, order = asked.mailbox, list[str]()
-    mailbox.read(OTHER, 0, lambda _: order.append("second"))
 
     def first(_answer: Any) -> None:
         order.append(f"first, {len(asked.written)} written")
         mailbox.read(0x6041, 0, lambda _: order.append("third"))
 
-    mailbox._queue[0].done = first
+    mailbox.read(INDEX, 0, first)
+    mailbox.read(OTHER, 0, lambda _: order.append("second"))
     assert len(asked.written) == 1
+    mailbox.port.waits = True
     mailbox._taken(MailboxType.COE, coe(RESPONSE, expedited()))
     assert order == ["first, 2 written"]
     for index, done in ((OTHER, "second"), (0x6041, "third")):

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from homing_machine import ATTAINED, ERROR, FAST, REACHED, Bench, Switch
+from homing_machine import ATTAINED, ERROR, FAST, REACHED, UNITS_PER_MM, Bench, Switch
 
 
 def failed(bench: Bench, method: int) -> float:
@@ -170,9 +170,9 @@ def test_both_limits_at_once_are_an_error_while_one_of_them_is_looked_for(
 @pytest.mark.parametrize(
     ("objects", "most_mm_s"),
     [
-        ({"max_profile_velocity": 10}, 10.0),
+        ({"max_profile_velocity": round(10 * UNITS_PER_MM)}, 10.0),
         ({"max_motor_speed": 12}, 2.0),  # 12 rev/min of 10 mm
-        ({"max_profile_velocity": 80, "max_motor_speed": 600}, FAST),
+        ({"max_profile_velocity": round(80 * UNITS_PER_MM), "max_motor_speed": 600}, FAST),
     ],
 )
 @pytest.mark.parametrize("method", [17, 18])
@@ -182,8 +182,6 @@ def test_a_search_is_no_faster_than_the_drive_may_be(
     """607F and 6080 limit 6099 too, in either direction."""
     switches = {"negative": Switch(-1e9, -100.0), "positive": Switch(100.0, 1e9)}
     bench = Bench(0.0, switches)
-    if "max_profile_velocity" in objects:
-        objects = {**objects, "max_profile_velocity": objects["max_profile_velocity"] * 104_858}
     bench.write(**objects)
     bench.write(homing_method=method, controlword=0x1F)
     bench.run_ms(120)
