@@ -191,7 +191,12 @@ def test_from_the_side_a_plane_is_as_high_as_at_the_begin_of_the_tool() -> None:
 
 
 def test_from_above_no_plane_has_a_height_and_no_beam_a_depth_below() -> None:
-    """Tip and clamping point are one line, and nothing below is cut."""
+    """Tip and clamping point are one line, and the picture has no room for what the beam cuts.
+
+    X over 40 mm with 5 mm at each end is 476 px wide: 9.52 px/mm. Y needs 10 mm and the head 30 px,
+    less than the 150 px of the lowest picture; 10 mm more for the beam would need 220 px.
+    """
+    assert pictures()[2][0]["frames"][0]["viewBox"] == "0 0 600 194"
     assert of("tv-work", view=2) == of("tv-other", view=2) == of("tv-ideal", view=2) == []
     assert of("tv-surface", view=2) == []
     assert of("tv-tcp", view=2)[0]["d"] == of("tv-clamp", view=2)[0]["d"]
