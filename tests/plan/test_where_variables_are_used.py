@@ -72,6 +72,7 @@ def test_moments_of_cells_use_variables_at_their_begin_and_at_their_end(
         SimpleNamespace(moment=moment("V.E.BEGIN"), until=moment("V.E.END")),
         SimpleNamespace(moment=moment("V.E.ALONE"), until=None),
         SimpleNamespace(moment=None, until=moment("V.E.LAST")),
+        SimpleNamespace(moment=moment("start"), until=moment("motion")),  # words of moments.csv
     ]
     names = found(tmp_path, monkeypatch, plc=rules).names
     assert names == {"MAIN", "SUB", "BEGIN", "END", "ALONE", "LAST"}

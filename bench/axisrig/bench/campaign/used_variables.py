@@ -63,7 +63,7 @@ def used_variables(settings: Settings, program: Path, parsed: Program) -> Used:
     found = [name for file in files for name in _in_text(file.read_bytes())]
     rules = settings.plc
     moments = [moment for rule in rules for moment in (rule.moment, rule.until) if moment]
-    found += [moment.word.removeprefix(VARIABLE) for moment in moments]
+    found += [name for moment in moments for name in _VARIABLE.findall(moment.word)]
     for part in (settings.channel, *settings.axis.values()):
         found += [name for text in part.words() for name in _VARIABLE.findall(text)]
     all_may = False
