@@ -89,7 +89,7 @@ def answer(
         ("603#DD0A000000000000", "Z.SDO request",
          "block download end, 7 bytes of the last segment unused, CRC 0x000A"),
         ("583#C5FF0A0000000000", "Z.SDO answer",
-         "block upload end, 1 bytes of the last segment unused, CRC 0x0AFF"),
+         "block upload end, 1 byte of the last segment unused, CRC 0x0AFF"),
         ("583#D9EFBE0000000000", "Z.SDO answer",
          "block upload end, 6 bytes of the last segment unused, CRC 0xBEEF"),
         ("603#A200010000000000", "Z.SDO request", "block upload 0 segments taken, next 1 at most"),

@@ -236,5 +236,6 @@ def _block_words(fields: Mapping[str, int | bytes]) -> str:
         return f"{_int(fields, 'taken')} segments taken, next {_int(fields, 'block_size')} at most"
     if step == BLOCK_END and "crc" in fields:
         unused = _int(fields, "unused")
-        return f"end, {unused} bytes of the last segment unused, CRC 0x{_int(fields, 'crc'):04X}"
+        of = f"{unused} byte{'s' * (unused != 1)} of the last segment unused"
+        return f"end, {of}, CRC 0x{_int(fields, 'crc'):04X}"
     return "start" if step == BLOCK_START else "end"
