@@ -81,6 +81,39 @@ def test_what_excludes_each_other_or_names_no_axis(text: str, message: str) -> N
     assert only(text).message == message
 
 
+CONTOURINGS = ("DEV", "DIST", "POS", "DIST_SOFT", "DIST_MASTER", "PTP")
+INSTEAD_OF_A_VALUE = {
+    "AX LINK OFF": "1", "DISABLE AX LINK": "1", "PUT AX": "X", "WAIT INDP": "X",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("command", "one", "other"),
+    [("CHANNEL INIT", "CMDPOS", "ACTPOS"), ("CHANNEL INIT", "ACTPOS", "CMDPOS")]
+    + [
+        (f"CONTOUR MODE{on}", "PTP", word)
+        for on in ("", " ON", " OFF")
+        for word in CONTOURINGS[:-1]
+    ]
+    + [("CONTOUR MODE", word, "DEV") for word in CONTOURINGS[1:]],
+)
+def test_a_command_takes_one_of_its_kinds(command: str, one: str, other: str) -> None:
+    text = f"#{command} [{one} {other}]"
+    error = only(text)
+    assert error.message == f"{one} and {other} of #{command} exclude each other"
+    assert (error.column, error.value) == (text.index(f" {other}]") + 2, other)
+    assert errors(f"#{command} [{one}]") == errors(f"#{command} [{other} {other}]") == []
+
+
+@pytest.mark.parametrize(("command", "value"), INSTEAD_OF_A_VALUE.items())
+def test_all_is_instead_of_a_value(command: str, value: str) -> None:
+    for inside in (f"{value}, ALL", f"{value} ALL", f"ALL {value}", f"ALL, {value}"):
+        error = only(text := f"#{command} [{inside}]")
+        assert error.message == f"ALL and a value of #{command} exclude each other"
+        assert (error.column, error.value) == (text.index("ALL") + 1, "ALL")
+    assert errors(f"#{command} [ALL]") == errors(f"#{command} [{value}]") == []
+
+
 @pytest.mark.parametrize(
     "text",
     ["#MEAS PREPARE [AX=X AXNR=2]", "#MEAS [TYPE=1 SIMU_OFFSET=2]",

@@ -52,11 +52,13 @@ def test_every_value_that_a_parameter_takes(parameter, value):
     assert [keyword for keyword, _ in call.parameters] == [parameter]
 
 
-def test_the_same_parameter_twice_is_refused_and_two_of_them_are_not():
-    error = refused("L CYCLE [NAME=go.cyc @P1=1 @P2=2 @P1=3]")
+@pytest.mark.parametrize("again", ["@P1", "@P01", "@p001"])
+def test_the_same_parameter_twice_is_refused_and_two_of_them_are_not(again):
+    error = refused(f"L CYCLE [NAME=go.cyc @P1=1 @P2=2 {again}=3]")
     assert error.message == "keyword twice in one command"
     assert (error.column, error.value) == (34, "@P1")
     assert len(statement("L CYCLE [NAME=go.cyc @P1=1 @P11=2 @S1=3]").parameters) == 3
+    assert [k for k, _ in statement("L CYCLE [NAME=go.cyc @P01=1]").parameters] == ["@P1"]
 
 
 @pytest.mark.parametrize("word", ["M", "m"])

@@ -138,7 +138,10 @@ def test_a_function_has_as_many_operands_as_its_table_says(row) -> None:
             assert found == []
         else:
             (error,) = found
-            assert (error.message, error.value) == (f"{name} takes {row.group} operands", count)
+            number = (
+                "1 operand" if row.group == "1" else f"{row.group.replace('-', ' to ')} operands"
+            )
+            assert (error.message, error.value) == (f"{name} takes {number}", count)
 
 
 # Keywords that go on with a word

@@ -13,6 +13,8 @@ Read = Callable[[Variable], Value]
 
 # From here on a value counts as true, so that whole numbers with rounding errors decide as meant.
 TRUE_FROM = 0.5
+# How far from a whole number an index, a size or a number may be: what a computation rounds
+WHOLE_ROUNDING = 1e-6
 
 
 class NoValue(Exception):  # noqa: N818
@@ -231,10 +233,17 @@ def _power(left: float, right: float) -> float:
         raise NoValue("number too large") from None
 
 
+def whole_number(value: float) -> int | None:
+    """Return the whole number that a computed value means; None if it means none."""
+    number = round(value)
+    return number if abs(value - number) <= WHOLE_ROUNDING else None
+
+
 def _bits(value: float) -> int:
-    if value != int(value):
+    number = whole_number(value)
+    if number is None:
         raise NoValue(f"bits of {value:g}, which is no whole number")
-    return int(value)
+    return number
 
 
 _OPERATIONS: Mapping[str, Callable[[float, float], float]] = {

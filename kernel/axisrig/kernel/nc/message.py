@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.syntax import Text
 
 _ELEMENT = re.compile(
@@ -108,9 +109,10 @@ def _element_text(element: Format, value: float | Text) -> str:
             raise NotFitting(value.value, element)
         return pattern % value.value
     if element.letter in "di":
-        if value != int(value):
+        number = whole_number(value)
+        if number is None:
             raise NotFitting(value, element)
-        return pattern % int(value)
+        return pattern % number
     if element.letter == "s":
         return pattern % f"{value or 0.0:g}"
     shown = pattern % value

@@ -19,7 +19,7 @@ from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import axes
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic
-from axisrig.kernel.nc.expressions import Value
+from axisrig.kernel.nc.expressions import Value, whole_number
 from axisrig.kernel.nc.syntax import Command, Expression
 
 TOOL_WITH_OFFSETS = 900480
@@ -107,10 +107,11 @@ def _numbers(context: Context, block: Block, command: Command) -> tuple[int, ...
 
 def _number(context: Context, block: Block, step: int, argument: Expression) -> int:
     value = context.value(block, argument)
-    if value != round(value):
+    number = whole_number(value)
+    if number is None:
         known = ", ".join(str(key) for key, row in kinematic_types().items() if row.acts)
-        raise context.alarm(UNKNOWN, block, id=f"{value:g}", step=step, known=known)
-    return round(value)
+        raise context.alarm(UNKNOWN, block, id=f"{value:.10g}", step=step, known=known)
+    return number
 
 
 def _off(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:

@@ -8,7 +8,6 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import axes, kinematics, systems
 from axisrig.kernel.nc.decoder import variables as variables_
-from axisrig.kernel.nc.decoder.base.cells import whole_index
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Reader, Writer
 from axisrig.kernel.nc.decoder.base.walk import read_by
@@ -126,7 +125,7 @@ class Variables:
         if found is None:
             raise _unhandled(context, block, variable.name)
         stem, rest = found
-        return READERS[stem](context, block, rest, *_indices(context, block, variable))
+        return READERS[stem](context, block, rest, *context.indices(block, variable))
 
     def write(
         self, context: Context, block: Block, variable: Variable, value: Value
@@ -138,26 +137,8 @@ class Variables:
                 raise _unhandled(context, block, variable.name)
             raise context.alarm(900121, block, name=variable.name)
         stem, rest = found
-        indices = _indices(context, block, variable)
+        indices = context.indices(block, variable)
         yield from WRITERS[stem](context, block, rest, value, *indices)
-
-
-def _indices(context: Context, block: Block, variable: Variable) -> list[int]:
-    found = []
-    for expression in variable.indices:
-        value = context.value(block, expression)
-        index = whole_index(value)
-        if index is None:
-            raise context.alarm(
-                20403,
-                block,
-                name=variable.name,
-                value=f"{value:.10g}",
-                lower=0,
-                upper="the last element",
-            )
-        found.append(index)
-    return found
 
 
 def _unhandled(context: Context, block: Block, name: str) -> Exception:

@@ -7,6 +7,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import MAIN_AXES, Frame
 from axisrig.kernel.nc.decoder import axes
+from axisrig.kernel.nc.decoder.base.cells import whole_index
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Topic, silent
 from axisrig.kernel.nc.syntax import Command, Expression, Group, Name, Number
@@ -165,9 +166,10 @@ def _id(context: Context, block: Block, group: Group) -> Id:
     if isinstance(first, Name):
         return first.value
     value = context.value(block, first) if isinstance(first, Expression) else 0.0
-    if value != int(value) or value <= 0:
-        raise context.alarm(20820, block, value=f"{value:g}")
-    return int(value)
+    number = whole_index(value)
+    if not number:
+        raise context.alarm(20820, block, value=f"{value:.10g}")
+    return number
 
 
 def _components(context: Context, block: Block, group: Group) -> Components:

@@ -30,6 +30,16 @@ _BRACKETS: Mapping[str, Mapping[int, tuple[str, ...]]] = {
     "CS SELECT": {1: ("name",)},
 }
 
+# Keywords of which a command takes one; `ALL` is instead of a value. TF5200 programming manual
+_ONE_OF: Mapping[str, tuple[str, ...]] = {
+    "CHANNEL INIT": ("CMDPOS", "ACTPOS"),
+    **dict.fromkeys(
+        ("CONTOUR MODE", "CONTOUR MODE ON", "CONTOUR MODE OFF"),
+        ("DEV", "DIST", "POS", "DIST_SOFT", "DIST_MASTER", "PTP"),
+    ),
+    **dict.fromkeys(("DISABLE AX LINK", "AX LINK OFF", "PUT AX", "WAIT INDP"), ("ALL",)),
+}
+
 Check = Callable[[ExpressionBuilder, Command, Mapping[str, int], nodes.RawCommand], Command]
 
 
@@ -40,10 +50,23 @@ def checked(
     raw: nodes.RawCommand,
 ) -> Command:
     """Give the command back; places: where the value of each keyword is."""
+    _check_one_of(builder, command, places)
     for start, check in _CHECKS.items():
         if command.name == start or command.name.startswith(f"{start} "):
             return check(builder, command, places, raw)
     return command
+
+
+def _check_one_of(builder: ExpressionBuilder, command: Command, places: Mapping[str, int]) -> None:
+    found = [word for word in places if word in _ONE_OF.get(command.name, ())]
+    others = [*found[1:], *(["a value"] if "ALL" in found and command.arguments else [])]
+    if others:
+        raise builder.source.error(
+            f"{found[0]} and {others[0]} of #{command.name} exclude each other",
+            places[found[0] if others[0] == "a value" else others[0]],
+            value=found[0] if others[0] == "a value" else others[0],
+            allowed="one of them",
+        )
 
 
 def _wrong(builder: ExpressionBuilder, command: Command, offset: int, allowed: str) -> UserError:

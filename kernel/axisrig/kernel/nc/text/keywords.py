@@ -138,6 +138,9 @@ def _option(
     value: nodes.Value | nodes.Bare | nodes.Bracket,
     offset: int,
 ) -> None:
+    if row.keyword.endswith("*"):  # @P01 is @P1
+        stem = row.keyword[:-1]
+        keyword = f"{stem}{int(keyword[len(stem) :])}"
     if keyword in form.places and (row.required != "many" or row.keyword.endswith("*")):
         raise form.wrong("keyword twice in one command", offset, value=keyword)
     _note_option(form, row, keyword, offset)

@@ -105,8 +105,10 @@ class ExpressionBuilder(Transformer[Token, Any]):
             raise self.unknown("function", name, self.at(token), words("function"))
         least, _, most = word.group.partition("-")
         if not int(least) <= len(operands) <= int(most or least):
+            number = word.group.replace("-", " to ")
+            noun = "operand" if number == "1" else "operands"
             raise self.source.error(
-                f"{name} takes {word.group} operands", self.at(token), value=len(operands)
+                f"{name} takes {number} {noun}", self.at(token), value=len(operands)
             )
         if not word.acts:
             self.note(name, word.meaning, self.at(token))

@@ -17,6 +17,7 @@ from axisrig.kernel.nc.decoder.axes.values import number, shown
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.variables.external import spelled_by_plc
 from axisrig.kernel.nc.decoder.variables.own import spelled
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, Option, Text, Variable
 from axisrig.kernel.parameters.table import Parameter, table
 
@@ -159,8 +160,7 @@ def _variable(context: Context, block: Block, option: Option) -> str | None:
     """Give the variable as the PLC side spells it, without `V.E.`; as programmed if it has none."""
     if not isinstance(option, Variable):
         return None
-    indices = tuple(round(context.value(block, index)) for index in option.indices)
-    written = spelled(option.name, indices)
+    written = spelled(option.name, tuple(context.indices(block, option)))
     known = None
     if written.startswith(FIELD):
         known = spelled_by_plc(context, written.removeprefix(FIELD))
@@ -177,9 +177,10 @@ def _parameters(
         elif keyword == "BOTH_ENCODER":
             is_number = not isinstance(option, Text)
             value = number(context, block, option) if is_number else None
-            if value not in (0.0, 1.0):
+            wanted = None if value is None else whole_number(value)
+            if wanted not in (0, 1):
                 raise context.alarm(22349, block, value=shown(context, block, option))
-            yield "both_encoders", bool(value)
+            yield "both_encoders", bool(wanted)
         elif keyword in _PARAMETERS:
             yield _PARAMETERS[keyword].name, _value(context, block, axis, keyword, option)
 
@@ -191,11 +192,13 @@ def _value(context: Context, block: Block, axis: str | None, keyword: str, optio
     assert value is not None, "the table of commands has checked it"
     scope, prefix = ("channel", _OF_CHANNEL) if axis is None else ("axis", _OF_AXIS)
     row: Parameter | None = table(scope).find(prefix + known.path)[0] if known.path else None
-    fits = row is None or row.is_within(value)
+    whole = whole_number(value) if known.is_whole else None
+    taken = value if whole is None else whole
+    fits = row is None or row.is_within(taken)
     if known.is_time:
-        fits = value > 0
-    if fits and not (known.is_whole and value != int(value)):
-        return int(value) if known.is_whole else value
+        fits = taken > 0
+    if fits and not (known.is_whole and whole is None):
+        return taken
     if row is None or row.minimum is None or row.maximum is None:
         allowed = "above 0" if known.is_time else "whole numbers"
     elif known.name == "tn_s":

@@ -13,6 +13,7 @@ from axisrig.kernel.nc.decoder.axes import distance
 from axisrig.kernel.nc.decoder.axes.independent import wait_for_all
 from axisrig.kernel.nc.decoder.axes.state import states
 from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.syntax import Words
 
 LOW: Final = 1
@@ -29,11 +30,14 @@ def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command
     context.require_free(block, (axis for axis, _ in words.axes), "G74")
     if known.active:
         raise context.alarm(20137, block, g_function="G74", group=known.active[-1])
-    order = {axis: context.value(block, value) for axis, value in words.axes}
-    for axis, place in order.items():
-        if place != int(place) or not LOW <= place <= HIGH:
-            value = f"{place:g}"
-            raise context.alarm(20816, block, axis=axis, value=value, low=LOW, high=HIGH)
+    order = {}
+    for axis, expression in words.axes:
+        value = context.value(block, expression)
+        place = whole_number(value)
+        if place is None or not LOW <= place <= HIGH:
+            shown = f"{value:.10g}"
+            raise context.alarm(20816, block, axis=axis, value=shown, low=LOW, high=HIGH)
+        order[axis] = place
     groups = tuple(
         tuple(axis for axis, at in order.items() if at == place)
         for place in sorted(set(order.values()))

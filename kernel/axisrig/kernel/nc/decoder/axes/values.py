@@ -2,6 +2,7 @@
 
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.syntax import Argument, Command, Group, Name, Text
 
 
@@ -23,7 +24,7 @@ def number(context: Context, block: Block, argument: Argument) -> float | None:
 def whole(context: Context, block: Block, argument: Argument) -> int | None:
     """Give the value of an expression that is a whole number; None if it does not."""
     value = number(context, block, argument)
-    return None if value is None or value != int(value) else int(value)
+    return None if value is None else whole_number(value)
 
 
 def shown(context: Context, block: Block, argument: Argument) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, MutableMapping
 from dataclasses import dataclass, field
 
-from axisrig.kernel.nc.expressions import Value
+from axisrig.kernel.nc.expressions import Value, whole_number
 
 REAL = "REAL64"
 STRING = "STRING"
@@ -18,8 +18,6 @@ RANGES: Mapping[str, tuple[int, int]] = {
     "UNS32": (0, 2**32 - 1),
 }
 KINDS = (*RANGES, "REAL32", REAL, STRING)
-# How far from a whole number an index or a size may be: the rounding of a computation, no more
-INDEX_ROUNDING = 1e-6
 
 
 @dataclass
@@ -40,5 +38,5 @@ Store = MutableMapping[str, Cell]
 
 def whole_index(value: float) -> int | None:
     """Return the index or size that a computed value means; None for what is no whole number."""
-    index = round(value)
-    return index if index >= 0 and abs(value - index) <= INDEX_ROUNDING else None
+    index = whole_number(value)
+    return None if index is None or index < 0 else index

@@ -9,6 +9,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Coordinates, OffsetTables
 from axisrig.kernel.nc.coordinates.lists import INCH_MM
+from axisrig.kernel.nc.decoder.base.cells import whole_index
 from axisrig.kernel.nc.decoder.base.frames import Flow
 from axisrig.kernel.nc.expressions import (
     DivisionByZero,
@@ -17,6 +18,7 @@ from axisrig.kernel.nc.expressions import (
     evaluate,
     is_true,
     value_of,
+    whole_number,
 )
 from axisrig.kernel.nc.syntax import Expression, Number, Program, Variable, Words
 
@@ -197,7 +199,8 @@ class Context:
     def numbered_axis(self, block: Block, expression: Expression) -> str:
         """Give the axis of a logical number (P-AXIS-00016); raises Alarm 20312 without one."""
         number = self.value(block, expression)
-        axis = self.machine.axis_numbered(int(number)) if number == int(number) else None
+        whole = whole_number(number)
+        axis = None if whole is None else self.machine.axis_numbered(whole)
         if axis is None:
             raise self.alarm(20312, block, number=f"{number:g}")
         return axis
@@ -214,6 +217,20 @@ class Context:
         return self.alarm(20403, block, name=name, value=index, lower=0, upper=last)
 
     # ---- values
+
+    def indices(self, block: Block, variable: Variable) -> list[int]:
+        """Give the indices of a variable; raises Alarm 20403 for one that is no whole number."""
+        found = []
+        for expression in variable.indices:
+            value = self.value(block, expression)
+            index = whole_index(value)
+            if index is None:
+                upper, shown = "the last element", f"{value:.10g}"
+                raise self.alarm(
+                    20403, block, name=variable.name, value=shown, lower=0, upper=upper
+                )
+            found.append(index)
+        return found
 
     def number(self, block: Block, value: Value) -> float:
         """Take a value as a number; raises Alarm 900105 for a text."""

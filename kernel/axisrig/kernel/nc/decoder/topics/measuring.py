@@ -10,6 +10,7 @@ from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Reader, Topic, silent
 from axisrig.kernel.nc.decoder.base.walk import read_by
 from axisrig.kernel.nc.decoder.topics import pauses
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.measuring_types import MeasuringType, measuring_types
 from axisrig.kernel.nc.syntax import Command, Expression, Statement, Words
 
@@ -227,9 +228,10 @@ def _choose_type(context: Context, block: Block, command: Command) -> None:
 
 def choose_type(context: Context, block: Block, value: float) -> None:
     """Measure in another type from here on; raises Alarm 900104 for none."""
-    if value not in measuring_types():
-        raise context.alarm(900104, block, value=f"{value:g}")
-    context.part(Measurements).chosen_type = int(value)
+    type_ = whole_number(value)
+    if type_ not in measuring_types():
+        raise context.alarm(900104, block, value=f"{value:.10g}")
+    context.part(Measurements).chosen_type = type_
 
 
 def _measured(context: Context, block: Block, axis: str, asked_by: str) -> Measured:

@@ -1,12 +1,12 @@
 """Messages to the operator and to others (#MSG), errors of the program (#ERROR)."""
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 from axisrig.kernel.nc import canon, message
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic
-from axisrig.kernel.nc.expressions import Value
+from axisrig.kernel.nc.expressions import Value, whole_number
 from axisrig.kernel.nc.syntax import Command, Expression, Text
 
 # Who can be named after #MSG; nobody: the diagnosis of the CNC.
@@ -14,7 +14,7 @@ from axisrig.kernel.nc.syntax import Command, Expression, Text
 RECEIVERS = ("", "ISG_DIAG_BED", "DIAG", "HMI", "PLC", "EVENT_LOGGER")
 
 # Source: TF5200 error management 207457163; classes: programming manual 15557035659
-USER_IDS = range(1, 1001)
+USER_IDS = range(1001)  # 0 is that of an error without one
 ALARM_OF_CLASS = {0: 900130, 2: 900131, 7: 900132}
 
 
@@ -51,19 +51,16 @@ def _error(context: Context, block: Block, command: Command) -> Iterator[canon.C
         for keyword, value in command.options
         if isinstance(value, Expression)
     }
-    number, reaction = given.pop("ID", 0.0), given.pop("RC", 2.0)
-    _demand(context, block, "ID", number, number == 0 or number in USER_IDS, "1 to 1000")
-    _demand(context, block, "RC", reaction, reaction in ALARM_OF_CLASS, "0, 2 or 7")
-    assert not isinstance(number, str)
-    assert not isinstance(reaction, str)
+    number = _whole(context, block, "ID", given.pop("ID", 0.0), USER_IDS, "1 to 1000")
+    reaction = _whole(context, block, "RC", given.pop("RC", 2.0), ALARM_OF_CLASS, "0, 2 or 7")
     details = ", ".join(
         f"{keyword} {value if isinstance(value, str) else format(value, 'g')}"
         for keyword, value in given.items()
     )
     alarm = context.alarm(
-        ALARM_OF_CLASS[int(reaction)],
+        ALARM_OF_CLASS[reaction],
         block,
-        number=int(number),
+        number=number,
         details=details or "without values",
     )
     if alarm.ends_program:
@@ -71,11 +68,13 @@ def _error(context: Context, block: Block, command: Command) -> Iterator[canon.C
     yield canon.Warn(block, alarm)
 
 
-def _demand(
-    context: Context, block: Block, keyword: str, value: Value, holds: bool, allowed: str
-) -> None:
-    if not holds:
+def _whole(
+    context: Context, block: Block, keyword: str, value: Value, known: Container[int], allowed: str
+) -> int:
+    number = None if isinstance(value, str) else whole_number(value)
+    if number is None or number not in known:
         raise context.alarm(900133, block, keyword=keyword, value=value, allowed=allowed)
+    return number
 
 
 def _names() -> Iterator[str]:

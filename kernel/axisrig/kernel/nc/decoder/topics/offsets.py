@@ -9,7 +9,7 @@ from axisrig.kernel.nc.coordinates.places import PLANES
 from axisrig.kernel.nc.coordinates.zero_offsets import GROUPS
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Reader, Topic, silent
-from axisrig.kernel.nc.expressions import Value
+from axisrig.kernel.nc.expressions import Value, whole_number
 from axisrig.kernel.nc.syntax import Words
 
 # G53 is group 0 of the zero offsets, G54 to G59 are 1 to 6. TF5200 zero offsets 103721099
@@ -34,10 +34,8 @@ def _numbered_offset(context: Context, block: Block, words: Words) -> None:
     """G159 = group: every group of the list, also after G59. TF5200 zero offsets 103721099."""
     expression = words.address("G159")
     assert expression is not None, "checked by the parser"
-    value = context.value(block, expression)
-    if value != round(value):
-        raise context.alarm(900105, block, reason=f"G159 = {value:g} is no group")
-    context.select_zero(_group(context, block, round(value), "G159"))
+    index = _whole_group(context, block, context.value(block, expression), "G159")
+    context.select_zero(_group(context, block, index, "G159"))
 
 
 def _choose_plane(g: str) -> Handler:
@@ -82,9 +80,16 @@ def _choose_default(
     context: Context, block: Block, rest: str, value: Value
 ) -> Iterator[canon.Command]:
     """V.G.NP_DEFAULT: for the next program of the same list, which no run has."""
-    index = round(context.number(block, value))
+    index = _whole_group(context, block, context.number(block, value), "V.G.NP_DEFAULT")
     context.zero_offsets.default_group = _group(context, block, index, "V.G.NP_DEFAULT")
     return iter(())
+
+
+def _whole_group(context: Context, block: Block, value: float, name: str) -> int:
+    index = whole_number(value)
+    if index is None:
+        raise context.alarm(900105, block, reason=f"{name} = {value:.10g} is no group")
+    return index
 
 
 def _group(context: Context, block: Block, index: int, name: str = "V.G.NP[]") -> int:

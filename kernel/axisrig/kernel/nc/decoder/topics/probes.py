@@ -10,6 +10,7 @@ from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.decoder.topics.measuring import Measurements, choose_type
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.syntax import Command, Expression, Name, Option
 
 INPUT_MAX = 255  # of external hardware, a drive has 2: FCT-C4 8.2.2, P-AXIS-00517
@@ -48,11 +49,12 @@ def _number(context: Context, block: Block, value: Option) -> float:
 
 def _error_no_signal(context: Context, block: Block, value: Option) -> bool:
     chosen = _number(context, block, value)
-    if chosen not in (0.0, 1.0):
+    wanted = whole_number(chosen)
+    if wanted not in (0, 1):
         raise context.alarm(
             900227, block, keyword="ERR_NO_SIGNAL", value=f"{chosen:g}", allowed="0 1"
         )
-    return bool(chosen)
+    return bool(wanted)
 
 
 def _of_axis(context: Context, block: Block, axis: str, command: Command) -> canon.ProbeSettings:
@@ -73,10 +75,11 @@ def _input(context: Context, block: Block, value: Option) -> tuple[int | None, i
         if value.value.upper() in PROBES:
             return None, PROBES[value.value.upper()]
     else:
-        number = _number(context, block, value)
-        if number.is_integer() and 1 <= number <= INPUT_MAX:
-            return int(number), None
-        written = f"{number:g}"
+        given = _number(context, block, value)
+        number = whole_number(given)
+        if number is not None and 1 <= number <= INPUT_MAX:
+            return number, None
+        written = f"{given:.10g}"
     allowed = " ".join((f"1 .. {INPUT_MAX}", *PROBES))
     raise context.alarm(900227, block, keyword="INPUT", value=written, allowed=allowed)
 

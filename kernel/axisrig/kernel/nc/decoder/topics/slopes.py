@@ -9,6 +9,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Topic
+from axisrig.kernel.nc.expressions import whole_number
 from axisrig.kernel.nc.syntax import Command, Expression, Name, Words
 
 PROFILES = ("STEP", "TRAPEZ", "SIN2")
@@ -28,7 +29,7 @@ def _choose(context: Context, block: Block, command: Command) -> Iterator[canon.
     no_opt = command.option("NO_OPT")
     if isinstance(no_opt, Expression):
         value = context.value(block, no_opt)
-        if value not in (0.0, 1.0):
+        if whole_number(value) not in (0, 1):
             raise context.alarm(900105, block, reason=f"NO_OPT = {value:g} is neither 0 nor 1")
     yield canon.SlopeChoice(block, profile)
 

@@ -7,6 +7,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Tool
 from axisrig.kernel.nc.coordinates.tools import TOOLS
+from axisrig.kernel.nc.decoder.base.cells import whole_index
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Reader, Topic, Writer, silent
 from axisrig.kernel.nc.expressions import Value
@@ -50,9 +51,9 @@ def _number(context: Context, block: Block, words: Words) -> int:
     expression = words.address("D")
     assert expression is not None
     value = context.value(block, expression)
-    number = round(value)
-    if abs(value - number) > 1e-9 or not 0 <= number < TOOLS:
-        raise context.alarm(900155, block, value=f"{value:g}", last=TOOLS - 1)
+    number = whole_index(value)
+    if number is None or number >= TOOLS:
+        raise context.alarm(900155, block, value=f"{value:.10g}", last=TOOLS - 1)
     return number
 
 
