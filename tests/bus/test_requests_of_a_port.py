@@ -51,8 +51,11 @@ def test_identifiers_above_11_bits_are_extended_ones(
 @pytest.mark.parametrize(
     ("can_id", "size", "words"),
     [
-        (-1, 0, "identifier out of range"), (0x2000_0000, 0, "identifier out of range"),
-        (0x7FF, 9, "9 data bytes"), (0x800, 9, "dlc and data do not fit"), (0, 64, "64 data bytes"),
+        (-1, 0, "identifier -0x1 is outside 0..0x1fffffff"),
+        (0x2000_0000, 0, "identifier 0x20000000 is outside 0..0x1fffffff"),
+        (0x7FF, 9, "9 data bytes in a classical CAN frame"),
+        (0x800, 9, "9 data bytes in a classical CAN frame"),
+        (0, 64, "64 data bytes in a classical CAN frame"),
     ],
 )  # fmt: skip
 def test_what_is_no_frame_is_refused_and_nothing_is_sent(

@@ -11,7 +11,13 @@ from typing import Any, Final, Literal, Protocol
 from mypy_extensions import mypyc_attr
 
 from axisrig.bench.bus.can.confinement import ErrorCounters, ErrorState
-from axisrig.bench.bus.can.frame import DATA_BYTES_MAX, STANDARD_ID_MAX, Frame
+from axisrig.bench.bus.can.frame import (
+    DATA_BYTES_MAX,
+    STANDARD_ID_MAX,
+    Frame,
+    arbitration_key,
+    data_frame,
+)
 from axisrig.bench.bus.can.subscribers import Subscribers
 from axisrig.kernel.time.clock import TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
@@ -116,10 +122,11 @@ class Controller:
     def send_raw(self, cob_id: int, data: bytes | bytearray | list[int]) -> None:
         """Request a data frame without a `can.Message`: the fast way for cyclic telegrams.
 
-        Identifiers above 0x7FF are extended ones. Raises as `SimBus.send`.
+        Identifiers above 0x7FF are extended ones. Raises ValueError as `data_frame`, else as
+        `SimBus.send`.
         """
         if not 0 <= cob_id <= STANDARD_ID_MAX:
-            self._send_extended(cob_id, data)
+            self.request(arbitration_key(cob_id, True, False), data_frame(cob_id, bytes(data)))
             return
         if len(data) > DATA_BYTES_MAX:
             raise ValueError(f"{len(data)} data bytes in a classical CAN frame")
@@ -144,10 +151,6 @@ class Controller:
         segment = self.segment
         self._push((key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
         segment.wake()
-
-    def _send_extended(self, can_id: int, data: bytes | bytearray | list[int]) -> None:
-        """Request what is no 11-bit data frame, or refuse it."""
-        raise NotImplementedError
 
     def _lose(self) -> None:
         """Count a request of a controller that takes no part."""

@@ -102,16 +102,16 @@ class SimBus(Controller, can.BusABC):
         can_id, extended, remote = msg.arbitration_id, msg.is_extended_id, msg.is_remote_frame
         if msg.is_fd or msg.is_error_frame:
             raise ValueError(f"only classical data and remote frames can be sent: {msg}")
-        if not 0 <= can_id <= (EXTENDED_ID_MAX if extended else STANDARD_ID_MAX):
-            raise ValueError(f"identifier out of range: {msg}")
+        last = EXTENDED_ID_MAX if extended else STANDARD_ID_MAX
+        if not 0 <= can_id <= last:
+            raise ValueError(f"identifier {can_id:#x} is outside 0..{last:#x}")
         data = b"" if remote else bytes(msg.data)
-        if not 0 <= msg.dlc <= DATA_BYTES_MAX or (not remote and msg.dlc != len(data)):
-            raise ValueError(f"dlc and data do not fit: {msg}")
+        if not 0 <= msg.dlc <= DATA_BYTES_MAX:
+            raise ValueError(f"{msg.dlc} data bytes in a classical CAN frame")
+        if not remote and msg.dlc != len(data):
+            raise ValueError(f"dlc {msg.dlc} and {len(data)} data bytes do not fit")
         frame = Frame(can_id, data, bool(extended), bool(remote), msg.dlc)
         self.request(arbitration_key(can_id, frame[2], frame[3]), frame)
-
-    def _send_extended(self, can_id: int, data: bytes | bytearray | list[int]) -> None:
-        self.send(can.Message(arbitration_id=can_id, is_extended_id=True, data=data))
 
     def _lose(self) -> None:
         if self._is_shutdown:
