@@ -90,6 +90,22 @@ CASES: dict[str, tuple[Left, Result]] = {
     "after the NC cycle": (touched(WRONG_MM, {AT_EDGE: [(700, WRONG_MM)]}), Result.BROKEN),
     "missing, between right ones": (touched(WRONG_MM, {AT_EDGE: []}), Result.BROKEN),
     "missing, with its doubt": (touched(WRONG_MM, {AT_EDGE: []}, doubt_mm=OFF_MM), Result.GOOD),
+    "missing, beside what is brought by no more than its doubt": (
+        touched(
+            WRONG_MM + 2 * STEP_MM,
+            {AT_EDGE: []} | {n: [(200, TRUE_MM[n] + OFF_MM)] for n in range(ROWS) if n != AT_EDGE},
+            doubt_mm=2 * STEP_MM,
+        ),
+        Result.UNKNOWABLE,
+    ),
+    "missing, beside what is brought by more than its doubt": (
+        touched(
+            WRONG_MM + 4 * STEP_MM,
+            {AT_EDGE: []} | {n: [(200, TRUE_MM[n] + OFF_MM)] for n in range(ROWS) if n != AT_EDGE},
+            doubt_mm=2 * STEP_MM,
+        ),
+        Result.BROKEN,
+    ),
     "missing, between ones that are off alike": (
         touched(
             WRONG_MM,
@@ -164,6 +180,21 @@ def test_a_position_is_brought_of_the_sync_of_its_own_segment(
     )
     places = [mm + brought_off_mm * (row == AT_EDGE) for row, mm in enumerate(own_mm)]
     brought = received(telegrams({}, places))
+    assert judge(replace(made, series=Series(series), received=brought)).result is result
+
+
+@pytest.mark.parametrize(("off_mm", "result"), [(0.0, Result.GOOD), (OFF_MM, Result.UNKNOWABLE)])
+def test_what_lies_around_a_gap_is_brought_of_the_syncs_of_its_own_segment(
+    off_mm: float, result: Result
+) -> None:
+    """All others are off alike of where the axis was at their own SYNCs, 1.28 um after the row."""
+    own_mm = [mm + AFTER_US * PER_US_MM for mm in TRUE_MM]
+    made = touched(own_mm[AT_EDGE] + off_mm)
+    series = made.series.table().append_column(
+        "Z.sync_after_ns", pa.array([AFTER_US * US] * ROWS, pa.int64())
+    )
+    gap: Places = {AT_EDGE: []}
+    brought = received(telegrams(gap, [mm + off_mm for mm in own_mm]))
     assert judge(replace(made, series=Series(series), received=brought)).result is result
 
 
@@ -268,6 +299,16 @@ def test_the_level_that_counts_is_the_first_edge_within_its_run(
     highs: list[range], result: Result
 ) -> None:
     assert judge(levels(touched(TRUE_MM[36]), highs)).result is result
+
+
+def test_the_way_of_a_telegram_is_in_its_end_already() -> None:
+    """A level that has come 200 us after its SYNC is in the PLC cycle at 550 us, in 400 us too."""
+    made = levels(touched(TRUE_MM[36]), [range(36, ROWS)])
+    assert made.facts.plc_task is not None
+    for late_us in (200, 400):
+        task = replace(made.facts.plc_task, terminal_late_ns=late_us * US)
+        facts = replace(made.facts, plc_task=task)
+        assert judge(replace(made, facts=facts)).result is Result.UNKNOWABLE
 
 
 @pytest.mark.parametrize(("edge", "result"), [("POS", Result.UNKNOWABLE), ("NEG", Result.BROKEN)])
