@@ -152,3 +152,12 @@ def test_active_ones_are_read_from_their_registers() -> None:
     assert read_fmmus(bytes(rows)) == [
         Fmmu(0x10, 4, 1, 6, 0x1F00, 3, 2), Fmmu(0x40, 1, 2, 5, 0x1F30, 4, 3)
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("activate", "is_active"), [(0, 0), (1, 1), (2, 0), (0xFE, 0), (0xFF, 1)])
+def test_bit_0_alone_makes_an_fmmu_active(activate: int, is_active: int) -> None:
+    """The others of the register are reserved."""
+    row = struct.pack("<IHBBHBBB3x", 0x10, 4, 0, 7, 0x1F00, 0, 1, activate)
+    for number in (0, 7):
+        rows = bytes(16 * number) + row + bytes(16 * (7 - number))
+        assert len(read_fmmus(rows)) == is_active

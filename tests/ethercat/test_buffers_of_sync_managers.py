@@ -132,3 +132,21 @@ def test_the_status_of_a_mailbox_and_what_the_slave_answers_are_at_its_registers
     managers.show(memory, 0, 16, 24)  # of the third alone
     assert bytes(memory[:16]) == bytes(16)
     assert memory[23] == SM_REPEAT
+
+
+@pytest.mark.parametrize("control", [0, SM_MAILBOX, SM_MASTER_WRITES, WRITTEN])
+@pytest.mark.parametrize(("address", "length"), [(AREA, 2), (AREA - 1, 2), (AREA - 4, 12)])
+def test_a_sync_manager_of_no_length_has_no_area(address: int, length: int, control: int) -> None:
+    """What passes over its place is memory: it is read and written as such."""
+    whole: list[int] = []
+    managers = SyncManagers(whole.append, whole.append, whole.append, lambda: None)
+    off = bytes(SYNC_MANAGER.size)
+    managers.configure(off + registers(AREA, 0, control) + 6 * off)
+    assert not managers[1].is_enabled
+    ram = bytearray(0x3000)
+    data = bytes(range(1, length + 1))
+    assert managers.write(address, data, ram)
+    assert managers.read(address, length, ram) == data
+    assert whole == []
+    managers.configure(off + registers(AREA, 2, control) + 6 * off)
+    assert managers[1].is_enabled

@@ -112,3 +112,26 @@ def test_a_terminal_stamps_what_came_before_the_frame_that_moves_its_clock() -> 
     clock.run_until(4000)
     write_offset(0)
     assert (stamps(), stepped) == ((1500, 52_500), [1000, 2000, 3000])
+
+
+@pytest.mark.parametrize("controls", [(0, 0), (1, 0), (0, 1), (3, 0), (0, 3), (2, 1), (1, 2)])
+def test_each_input_has_the_control_register_of_its_own(controls: tuple[int, int]) -> None:
+    """09A8 is of input 0, 09A9 of input 1, whether a frame writes one of them or both."""
+    for is_one_frame in (True, False):
+        clock = new_scheduler()
+        signals: list[Any] = [SimpleNamespace(edges=[], level=False) for _ in range(2)]
+        terminal = StampingTerminal(clock, (signals[0], signals[1]), lambda _: None, 1)
+        if is_one_frame:
+            sent = [physical(2, 0, 0x09A8, bytes(controls))]
+        else:
+            sent = [physical(2, 0, 0x09A8 + n, bytes((each,))) for n, each in enumerate(controls)]
+        for each in sent:
+            terminal.process(bytearray(frame(each)), Passage(0, None))
+        for number, signal in enumerate(signals):
+            signal.edges += [(10 * k + number, k % 2 == 1) for k in range(1, 5)]
+        terminal.before_latches()
+        found = struct.unpack("<4Q", terminal.latches.times())
+        for number, control in enumerate(controls):
+            up_ns, down_ns = 10 if control & 1 else 30, 20 if control & 2 else 40
+            assert found[2 * number : 2 * number + 2] == (up_ns + number, down_ns + number)
+            assert terminal.latches.status(number) == control

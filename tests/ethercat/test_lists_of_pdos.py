@@ -112,3 +112,23 @@ def test_an_internal_position_in_the_inputs_is_that_of_each_cycle() -> None:
     places = [place for place, _ in found]
     assert places == sorted(set(places))
     assert [inner for _, inner in found] == places
+
+
+@pytest.mark.parametrize("index", [0x1C12, 0x1C13])
+def test_what_was_assigned_before_is_carried_no_more(index: int) -> None:
+    """All, none, all again: layouts, values to sample and the message are of the last list."""
+    started = Started(outputs=[], inputs=[])
+    drive = started.line.drives[0]
+    data, store = drive.process_data, drive.objects
+    for count in (1, 0, 1):
+        store.set_value(index, 0, count)
+        carried = data.compile()
+        size = data.inputs.codec.size
+        assert len(data.message(drive.image)) == size
+        assert bool(carried) is (size > 0)
+        layout = data.inputs if index == 0x1C13 else data.outputs
+        assert bool(layout.codec.size) is bool(count)
+        drive.image.target_position = 5
+        data.take(drive.image, bytes(data.outputs.codec.size))
+        is_taken = "target_position" in data.outputs.fields
+        assert drive.image.target_position == (0 if is_taken else 5)

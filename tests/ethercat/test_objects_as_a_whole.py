@@ -224,3 +224,34 @@ def test_a_whole_object_has_the_members_that_the_drive_has(
     access.download(0x60D0, 1, struct.pack(f"<{len(members)}h", *(6,) * len(members)),
                     complete=True)  # fmt: skip
     assert access.upload(0x60D0, 1, complete=True) == struct.pack("<h", 6) * len(members)
+
+
+@pytest.mark.parametrize(
+    ("index", "size", "count", "entries"),
+    [
+        (0x1C12, 2, 1, (0x1601,)),
+        (0x1C12, 2, 1, (0x1601, 0x1600)),  # the second is there and counts not
+        (0x1C12, 2, 0, (0x1601,)),
+        (0x1C13, 2, 2, (0x1A01, 0x1A00)),
+        (0x1600, 4, 2, (0x607A_0020, 0x6040_0010)),
+        (0x1600, 4, 3, (0x607A_0020,)),
+    ],
+)
+def test_a_list_that_is_written_from_its_first_entry_on_keeps_its_number(
+    index: int, size: int, count: int, entries: tuple[int, ...]
+) -> None:
+    """Sub-index 0 is not among the bytes, so the number of entries stays what it was."""
+    line, access = drive()
+    line.sdo_write(index, 0, 0, 1)
+    known = {0x1C12: (0x1600,), 0x1C13: (0x1A00, 0x1A01)}.get(
+        index, (0x6040_0010, 0x607A_0020, 0x60B8_0010)
+    )
+    for sub, entry in enumerate(known, 1):
+        assert line.sdo_write(index, sub, entry, size) == 0
+    assert line.sdo_write(index, 0, count, 1) == 0
+    access.download(index, 1, b"".join(e.to_bytes(size, "little") for e in entries), complete=True)
+    store = line.drive.objects
+    assert store.value(index, 0) == count
+    found = [store.value(index, sub) for sub in range(1, len(known) + 1)]
+    assert found[: len(entries)] == list(entries[: len(known)])
+    assert found[len(entries) :] == list(known[len(entries) :])

@@ -197,3 +197,26 @@ def test_a_last_segment_of_any_length_is_filled_up_to_7(last: int) -> None:
     filled = DATA[6:size].ljust(7, b"\xee").hex()
     assert server.ask(head + filled) == "2000000000000000"
     assert server.objects.written == [(0x2000, 1, DATA[:size].hex())]
+
+
+@pytest.mark.parametrize("abort", [ABORT, "80000000" + "00000405", "8000200155443322"])
+@pytest.mark.parametrize("transfer", ["", "up", "down"])
+def test_an_abort_of_the_master_has_no_answer(abort: str, transfer: str) -> None:
+    """CiA 301: it ends what is under way, whatever object and code it names."""
+    server = Server()
+    if transfer == "up":
+        server.ask("4080200100000000")
+    elif transfer == "down":
+        _begin(server, 6)
+    assert server.server.request(bytes.fromhex(REQUEST + abort)) == b""
+    for segment in (UP, DOWN):
+        assert server.ask(segment)[-8:] == COMMAND
+    assert server.objects.written == []
+    assert server.ask(READ_2)[:2] == "4b"  # two of four bytes
+
+
+@pytest.mark.parametrize("command", ["a0", "c0", "e0"])
+def test_a_command_that_there_is_not_is_refused_with_its_object(command: str) -> None:
+    """Only an abort goes without an answer."""
+    server = Server()
+    assert server.ask(command + "002001" + "00000000") == "80002001" + COMMAND

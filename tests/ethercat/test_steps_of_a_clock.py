@@ -4,7 +4,9 @@ import pytest
 
 from axisrig.bench.drive.ethercat.distributed_clock import AHEAD, DistributedClock
 from axisrig.bench.drive.ethercat.local_clock import LocalClock
+from axisrig.bench.drive.ethercat.sync_unit import SyncUnit
 from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import new_scheduler
 
 MASK = (1 << 64) - 1
 
@@ -76,3 +78,44 @@ def test_the_start_of_an_oscillator_does_not_drift(drift_ppm: float, start_ns: i
     assert clock.at(10**9) == start_ns + 10**9 + round(drift_ppm * 1000)
     clock.jump(-500)
     assert clock.at(0) == start_ns - 500
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_whoever_counts_its_steps_knows_each_change_of_its_course(sign: int) -> None:
+    """As long as `steps` stays the copy goes on as foreseen; SYNC0 is planned by that.
+
+    An eighth of 200 us in 1 ms, four times: then the rate is a tenth and leaves nothing for a step.
+    """
+    clock = DistributedClock(LocalClock())
+    changed = 0
+    for number in range(1, 14):
+        now_ns = number * MS
+        off_ns = 0 if number < 3 else sign * MS // 5
+        foreseen, steps = clock.system_ns(now_ns + MS), clock.steps
+        clock.follow(clock.system_ns(now_ns) - off_ns, 64, now_ns)
+        if clock.system_ns(now_ns + MS) != foreseen:
+            changed += 1
+            assert clock.steps > steps
+    assert changed == 4
+    ahead_ns = clock.system_ns(20 * MS) - clock.system_ns(19 * MS) - MS
+    assert ahead_ns == -sign * MS // 10
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_sync0_follows_a_rate_that_grows_without_a_step(sign: int) -> None:
+    """Each pulse is at the first instant at which the copy shows its time."""
+    scheduler, clock = new_scheduler(), DistributedClock(LocalClock())
+    shown: list[int] = []
+    unit = SyncUnit(
+        scheduler, clock, lambda: shown.append(clock.system_ns(scheduler.now_ns)), lambda: None
+    )
+    unit.cycle0, unit.start = 3 * MS, 4 * MS
+    unit.activate(3)
+    for number in range(1, 40):
+        now_ns = number * MS
+        scheduler.run_until(now_ns)
+        off_ns = sign * MS // 5 if 3 <= number < 9 else 0
+        clock.follow(clock.system_ns(now_ns) - off_ns, 64, now_ns)
+        unit.moved()
+    assert len(shown) > 9
+    assert all(0 <= at - (4 + 3 * k) * MS <= 1 for k, at in enumerate(shown))

@@ -54,7 +54,7 @@ class Homing(Mode):
         self._step = Step.REST
         self._direction = 0
         self._attained = self._error = self._rests = self._reversed = False
-        self._bit = self._was_on = False
+        self._bit = self._was_on = self._went_back = False
         self._blocked = HoldTime()
         self._looked_ns: TimeNs = 0
 
@@ -66,12 +66,24 @@ class Homing(Mode):
         self._finish(now_ns)
 
     def resume(self, now_ns: TimeNs) -> None:
-        """Go on with the method after a halt."""
+        """Go on with the method after a halt; what was passed while braking is approached anew."""
         if self._step in (Step.REST, Step.HALT):
             self._finish(now_ns)
-        else:
-            self.parts.touch_probe.homing(True, now_ns)
-            self._enter(now_ns, self._step, self._direction)
+            return
+        self.parts.touch_probe.homing(True, now_ns)
+        step, direction, method, is_on = self._step, self._direction, self._method, self._is_on()
+        if step is Step.INDEX and method.switch == "stop":
+            step, direction = Step.PRESS, method.search
+        elif step is Step.BACK_OFF and not is_on and self._went_back:
+            step, direction = Step.APPROACH, method.approach
+        elif method.switch != "none" and (
+            step is Step.INDEX or (step is Step.APPROACH and is_on is method.level)
+        ):
+            if is_on:
+                self._leave_switch(now_ns)
+                return
+            step, direction = Step.SEARCH, -method.approach
+        self._enter(now_ns, step, direction)
 
     def command(self, now_ns: TimeNs) -> None:
         """Start with the rising edge of bit 4, break off with its falling edge."""
@@ -85,6 +97,7 @@ class Homing(Mode):
 
     def end(self, now_ns: TimeNs) -> None:
         """Give the axis away; `resume` may follow."""
+        self._went_back = self._generator.on_course(now_ns)[1] * self._direction > 0.0
         self._release(now_ns)
 
     def status(self) -> int:
