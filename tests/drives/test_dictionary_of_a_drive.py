@@ -327,7 +327,8 @@ def test_a_file_is_read_as_its_editor_has_written_it(
     ("data", "text", "line"),
     [("Key=1\n[A]\n", "before the first section", 1), ("\n; c\n", "has no section", None),
      ("[A]\n[b]\n[a]\n", "is there twice, first in line 1", 3),
-     ("[A]\nk=1\nK=2\n", "is there twice, first in line 2 with '1'", 3)],
+     ("[A]\nk=1\nK=2\n", "is there twice, first in line 2 with '1'", 3),
+     ("[A]\nk=a\n\nk=A\n", "is there twice, first in line 2 with 'a'", 4)],
 )  # fmt: skip
 def test_a_file_that_says_two_things_is_refused(
     tmp_path: Path, data: str, text: str, line: int | None

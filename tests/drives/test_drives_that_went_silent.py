@@ -73,6 +73,14 @@ def test_a_set_speed_is_written_by_sdo_once_the_set_position_stands() -> None:
     assert written.objects == [(CONTROLWORD, b"\x0f\0"), (TARGET_VELOCITY, bytes(4))]
 
 
+@pytest.mark.parametrize("creep_mm", [0.0004, -0.0004, 0.0])
+def test_a_way_of_less_than_an_increment_is_no_speed_for_ever(creep_mm: float) -> None:
+    """1000 increments per mm: 0.4 of one in 1 ms are 0.4 mm/s, and nothing is written after it."""
+    link, wire, written = led(loop=LOOP)
+    lost(link, wire, [0.01, 0.02, 0.03, 0.04, 0.05, 0.05 + creep_mm, 0.05 + creep_mm])
+    assert written.objects == [(CONTROLWORD, b"\x0f\0"), (TARGET_VELOCITY, bytes(4))]
+
+
 def test_a_homing_is_ended_by_sdo_and_a_position_is_not_repeated() -> None:
     """A drive that leads itself hears of the end of it; one that follows positions stands."""
     for leads_itself in (True, False):

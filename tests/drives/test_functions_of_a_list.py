@@ -241,6 +241,18 @@ def test_a_function_that_is_unknown_is_named_with_those_that_are(axis: str) -> N
     assert (caught.value.values["key"], caught.value.values["known"]) == ("other", known)
 
 
+def test_functions_are_named_as_the_list_writes_them(tmp_path: Any) -> None:
+    """Programs may write a key in any letters, messages have those of the list."""
+    found, _ = _read(tmp_path, PRINTED.replace("TORQUE_LIMIT", "Torque_Limit"))
+    made: Any = DriveAccess(Link(), Drive(), found)  # type: ignore[arg-type]
+    functions = DriveFunctions({"Z": made})
+    with pytest.raises(Alarm) as caught:
+        functions.begin(write("Z", "other", 1))
+    known = str(caught.value.values["known"]).split(", ")
+    assert "Torque_Limit" in known
+    assert [name.upper() for name in known] == list(found)
+
+
 def test_a_window_without_a_value_of_the_ident_does_not_hide_a_failure_of_before() -> None:
     """6065 is 0: the tightest window, which S-0-0159 has no number for (0 is off there)."""
     functions, _, drive = cyclic(LIMIT)

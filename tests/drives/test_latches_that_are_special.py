@@ -34,9 +34,33 @@ def test_an_axis_that_has_turned_has_the_speed_of_its_last_way(sign: int) -> Non
     assert watch.speed_increments == pytest.approx(-sign * 20.0)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_right_behind_where_it_has_turned_an_axis_goes_back(sign: int) -> None:
+    """0, 100, 120, 115: x = 120 + 7.5 u - 12.5 u2 with u = 1 at 115 passes 117 at u = 0.874.
+
+    There it goes back with 7.5 - 25 u, 14.4 a cycle.
+    """
+    watch = moved([sign * place for place in (0, 100, 120, 115)], sign * 117)
+    assert watch.speed_increments == pytest.approx(-sign * (7.5**2 + 4 * 12.5 * 3) ** 0.5)
+
+
 def test_a_latch_where_the_axis_never_was_has_the_speed_of_its_last_cycle() -> None:
     assert moved([0, 100, 200, 300], 350).speed_increments == 100.0
     assert moved([0, 100, 200, 300], -50).speed_increments == 100.0
+    assert moved([300, 200, 100, 0], -50).speed_increments == -100.0
+    assert moved([0, 100, 150, 170], 180).speed_increments == 20.0  # not that of the whole way
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("rest", [1, 2, 5])
+def test_an_axis_that_has_come_to_rest_where_it_was_latched_had_a_speed(
+    sign: int, rest: int
+) -> None:
+    """100 a cycle up to 300, where it stands: it passed each of these places with 100."""
+    places = [0, 100, 200, 300, *[300] * rest]
+    for value in (300, 250, 150):
+        watch = moved([sign * place for place in places], sign * value)
+        assert watch.speed_increments == pytest.approx(sign * 100.0)
 
 
 def test_the_bounds_of_a_latch_are_whole_increments_around_what_is_believed() -> None:
@@ -92,6 +116,29 @@ def test_a_run_that_begins_while_an_axis_moves_asks_for_nothing_afterwards() -> 
     assert (check.is_possible, check.is_ready) == (False, True)
     links[1].is_still = True
     assert check.is_ready
+    assert sdo.waiting == []
+    assert room.enter()
+
+
+@pytest.mark.parametrize("has_counter", [True, False])
+def test_what_an_earlier_run_waited_for_is_none_of_a_later_one(has_counter: bool) -> None:
+    """Nobody has asked while the axis moved: as soon as it rests the room is free all the same."""
+    sdo, (links, room) = FakeSdo(), segment(2)
+    access: Any = sdo
+    check = LatchCheck(access, STORED, LATCH, COUNTER, room)
+    if not has_counter:
+        sdo.lacks.add(COUNTER)
+        check.begin()
+        assert not check.is_ready
+        sdo.answer()
+        assert check.is_ready
+    check.begin()  # waits for the room, without a counter with its first question
+    if not has_counter:
+        assert not check.agrees(5)
+    links[0].is_still = False
+    check.begin()
+    links[0].is_still = True
+    assert (check.is_possible, check.is_ready) == (False, True)
     assert sdo.waiting == []
     assert room.enter()
 

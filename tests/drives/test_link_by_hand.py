@@ -12,7 +12,7 @@ from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.measuring.latest_edge import StampClock
 
-OPERATION_ENABLED, FAULT = 0x1237, 0x0218
+OPERATION_ENABLED, FAULT, REACTING = 0x1237, 0x0218, 0x021F
 
 
 class Wire:
@@ -121,6 +121,20 @@ def test_a_fault_is_acknowledged_by_edges_until_it_is_gone() -> None:
         link.send(0.0)
         words.append(wire.sent[0x203][0] & 0x80)
     assert words == [0x80, 0, 0x80, 0]
+
+
+def test_a_fault_is_acknowledged_only_after_the_reaction_of_the_drive() -> None:
+    """CiA 402-2: fault reaction active takes no command; the reset bit comes with FAULT."""
+    link, wire = _link(fault_reset=True)
+    link.acknowledges_faults = True
+    words = []
+    for state in (REACTING, REACTING, REACTING, FAULT, FAULT):
+        wire.status(state, 0)
+        wire.latch()
+        link.take()
+        link.send(0.0)
+        words.append(wire.sent[0x203][0])
+    assert words == [0, 0, 0, 0x80, 0]
 
 
 STAMPED = (

@@ -151,8 +151,36 @@ def test_a_list_names_objects_that_are_there(read: Read, name: str, comment: str
     there = f"1=0x1000{comment}"
     _, notes = read(f"[{name}]", "SupportedObjects=1", there)
     assert notes == []
-    _, notes = read(f"[{name}]", "SupportedObjects=2", there, f"2=0x6A0B{comment}")
-    assert notes == [f"[{name}] 2: names 0x6A0B, which has no section"]
+    for missing in ("0x6A0B", "0x0040"):  # also a structure of the maker
+        _, notes = read(f"[{name}]", "SupportedObjects=2", there, f"2={missing}{comment}")
+        assert notes == [f"[{name}] 2: names {missing}, which has no section"]
+
+
+@pytest.mark.parametrize("first", ["DeviceComissioning", "DeviceCommissioning"])
+def test_of_two_configurations_the_one_in_the_spelling_of_the_standard_counts(
+    read: Read, first: str
+) -> None:
+    """Wherever they stand; a drive is set up for one node at one bit rate."""
+    texts = {
+        "DeviceComissioning": ["[DeviceComissioning]", "NodeID=9", "Baudrate=250"],
+        "DeviceCommissioning": ["[DeviceCommissioning]", "NodeID=8", "Baudrate=500"],
+    }
+    (second,) = texts.keys() - {first}
+    od, _ = read(*texts[first], *texts[second])
+    assert od.bitrate == 250_000
+
+
+@pytest.mark.parametrize("comment", COMMENTS)
+@pytest.mark.parametrize("used", [(), (5,), (1, 7), (1, 2, 3, 4, 5, 6, 7)])
+def test_data_types_fill_places_of_rpdos_where_the_file_says_so(
+    read: Read, used: tuple[int, ...], comment: str
+) -> None:
+    """Dummy0001 to Dummy0007; one that is 0 or missing fills none."""
+    lines = [f"Dummy{code:04}=1{comment}" for code in used]
+    lines += [f"Dummy{code:04}=0{comment}" for code in (2, 6) if code not in used]
+    od, notes = read("[DummyUsage]", *lines)
+    assert [code for code in range(8) if code in od] == [*used]
+    assert notes == []
 
 
 # Objects
@@ -238,6 +266,49 @@ def test_a_value_of_an_unsigned_type_stays_as_it_is(read: Read, data_type: int, 
 def test_a_value_may_count_from_the_number_of_the_node(read: Read, text: str, value: int) -> None:
     od, notes = read(*variable_of("rw", "0x0007", f"DefaultValue={text}"))
     assert (found_in(od).default, notes) == (value, [])
+
+
+@pytest.mark.parametrize(
+    ("lines", "data_type", "access"),
+    [
+        ([], 0x0F, "rw"),
+        (["DataType=0x0009"], 0x09, "rw"),  # a text
+        (["DataType=0x000F", "AccessType=ro"], 0x0F, "ro"),
+        (["DataType=0x000A", "AccessType=WO"], 0x0A, "wo"),
+        (["AccessType=const"], 0x0F, "const"),
+    ],
+)
+@pytest.mark.parametrize("is_member", [False, True])
+def test_a_domain_needs_neither_type_nor_access(
+    read: Read, lines: list[str], data_type: int, access: str, is_member: bool
+) -> None:
+    """CiA 306-1: bytes that may be read and written, unless the file says what they are."""
+    domain = ["ParameterName=some", "ObjectType=0x2", *lines]
+    record = [
+        "[2000]", "ParameterName=both", "ObjectType=0x9", "SubNumber=3",
+        "[2000sub0]", "ParameterName=count", "DataType=5", "AccessType=ro",
+        "[2000sub1]", "ParameterName=number", "DataType=6", "AccessType=ro", "[2000sub2]",
+    ]  # fmt: skip
+    od, notes = read(*(record if is_member else ["[2000]"]), *domain)
+    found = od[0x2000][2] if is_member else found_in(od)
+    assert (found.data_type, found.access_type, notes) == (data_type, access, [])
+    if is_member:
+        assert (od[0x2000][1].data_type, od[0x2000][1].access_type) == (6, "ro")
+
+
+@pytest.mark.parametrize("kind", ["0x7", "0x8"])
+def test_what_a_variable_is_kept_in_and_counted_with_goes_on(read: Read, kind: str) -> None:
+    """Of a variable, and of the members of an array in the short form."""
+    short = ["CompactSubObj=2"] if kind == "0x8" else []
+    od, notes = read(
+        "[2000]", "ParameterName=some", f"ObjectType={kind}", *short, "DataType=6",
+        "AccessType=rw", "Unit=mm", "Factor=0.1", "Description=a length", "StorageLocation=ROM",
+        "PDOMapping=1",
+    )  # fmt: skip
+    for found in [od[0x2000][1], od[0x2000][2]] if short else [found_in(od)]:
+        assert (found.unit, found.factor, found.description) == ("mm", 0.1, "a length")
+        assert (found.storage_location, found.pdo_mappable) == ("ROM", True)
+    assert notes == []
 
 
 # Structures of the maker

@@ -5,6 +5,7 @@ Sub-index 1 is the COB-ID (bit 31: switched off), 2 the type, 3 the inhibit time
 """
 
 from copy import copy, deepcopy
+from fractions import Fraction
 from typing import Final
 
 import pytest
@@ -108,6 +109,30 @@ def test_the_type_is_written_as_the_table_has_it(name: str, number: int) -> None
     at = 0x1400 if name[0] == "R" else 0x1800
     found = writes(Telegram(name, number, 0, objects))
     assert [value for index, sub, value in found if (index, sub) == (at, 2)] == [number]
+
+
+@pytest.mark.parametrize(
+    ("default", "is_off_as"),
+    [
+        (0x1C1, 0x1C1), (0x1C1 | OFF, 0x1C1), (1 << 30 | 0x183, 1 << 30 | 0x183),
+        (0x203, 0x203), (None, 0x283), (0, 0x283),
+    ],
+)  # fmt: skip
+def test_a_tpdo_that_nobody_uses_is_off_with_the_identifier_that_it_has(
+    default: int | None, is_off_as: int
+) -> None:
+    """Of its file; where that says none, the one of the pre-defined connection set."""
+    od = dictionary()
+    od.indices[0x1801] = deepcopy(od[0x1801])
+    od[0x1801][1].default = default
+    steps = start_up_steps(
+        StartUpSettings(scaling_check=False), BusSettings(),
+        {"TPDO1": Telegram("TPDO1", 1, 0, (STATUS,))}, NODE, Scaling(1, Fraction(1)), od,
+    )  # fmt: skip
+    found = [step for step in steps if isinstance(step, Write) and step.index == 0x1801]
+    assert [(each.sub, int.from_bytes(each.data, "little")) for each in found] == [
+        (1, is_off_as | OFF)
+    ]
 
 
 # Times

@@ -12,9 +12,9 @@ from axisrig.kernel.drives.canopen.link_settings import LinkSettings
 from axisrig.kernel.drives.position_watch import jump_alarm
 from axisrig.kernel.drives.power import PowerOrder
 
-SWITCHED_ON, READY, FAULT = 0x1233, 0x1231, 0x0218
-HOLD_SWITCHED_ON, HOLD_OPERATION = 0x07, 0x0F
-"""Controlwords of CiA 402 that stay in SWITCHED ON and that lead to operation."""
+SWITCHED_ON, READY, FAULT, QUICK_STOP = 0x1233, 0x1231, 0x0218, 0x1217
+HOLD_SWITCHED_ON, HOLD_QUICK_STOP, HOLD_OPERATION = 0x07, 0x02, 0x0F
+"""Controlwords of CiA 402 that stay in SWITCHED ON and QUICK STOP ACTIVE, and lead to operation."""
 
 
 class Bench:
@@ -50,13 +50,28 @@ def bench() -> Bench:
     return Bench()
 
 
-def test_no_drive_goes_into_operation_before_its_place_is_proved(bench: Bench) -> None:
+@pytest.mark.parametrize(
+    ("word", "holds", "goes_on"),
+    [(SWITCHED_ON, HOLD_SWITCHED_ON, HOLD_OPERATION), (QUICK_STOP, HOLD_QUICK_STOP, 0x00)],
+)
+def test_no_drive_goes_into_operation_before_its_place_is_proved(
+    bench: Bench, word: int, holds: int, goes_on: int
+) -> None:
+    """Transition 4 of CiA 402 leads there; out of a quick stop it goes over 12, without power."""
     bench.link.order(PowerOrder.SWITCH_ON)
     bench.sdo.value = 4000
     for _ in range(5):
-        assert bench.cycle(SWITCHED_ON, 4000) == HOLD_SWITCHED_ON
+        assert bench.cycle(word, 4000) == holds
     bench.sdo.answer()
-    assert bench.cycle(SWITCHED_ON, 4000) == HOLD_OPERATION
+    assert bench.cycle(word, 4000) == goes_on
+
+
+def test_before_it_is_switched_on_a_drive_is_led_on_without_a_proof(bench: Bench) -> None:
+    """READY TO SWITCH ON (shutdown 06, switch on 07) and what comes before have no power."""
+    bench.link.order(PowerOrder.SWITCH_ON)
+    assert bench.cycle(0x1250, 4000) == 0x06
+    assert bench.cycle(READY, 4000) == 0x07
+    assert not bench.link.is_placed
 
 
 def test_after_a_jump_the_place_of_before_counts_until_the_new_one_is_proved(bench: Bench) -> None:

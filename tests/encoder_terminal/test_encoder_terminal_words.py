@@ -134,6 +134,24 @@ def test_no_axis_is_led_before_its_counter_was_set() -> None:
     assert sent[-1]["SET"] == 53_248
 
 
+@pytest.mark.parametrize("accepted", [1, 2])
+def test_a_counter_that_was_set_before_counts_only_once_it_is_set_anew(accepted: int) -> None:
+    """CNT_SET is high from the third image on, and only its edge sets: what is there is old."""
+    control = Control.__new__(Control)
+    control.port = ImagePort()
+    control.drive = EncoderTerminalDrive(SETTINGS, control.port, lambda: 53_248)
+    control.drive.order(PowerOrder.SWITCH_ON)
+    for _ in range(accepted):
+        sent = control.give(LOW, 17, drive=1)
+        assert (sent["CONTROL"], sent["DRIVE"]) == (0, 0)
+        assert (control.drive.is_placed, control.drive.actual_increments) == (False, 53_248)
+    for _ in range(3):
+        control.give(0, 17, drive=1)
+        assert not control.drive.is_placed
+    control.give(LOW, 53_249, drive=1)
+    assert (control.drive.is_placed, control.drive.actual_increments) == (True, 53_249)
+
+
 @pytest.mark.provokes(900781, 7, axis="Z")
 def test_900781_for_a_terminal_that_was_without_power() -> None:
     control = armed(0)

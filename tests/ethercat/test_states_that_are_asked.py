@@ -110,6 +110,9 @@ def test_it_is_asked_while_it_is_watched_and_one_question_at_a_time() -> None:
         ((True, False, False), 1, 1),
         ((True, True, False), 2, 2),
         ((True, True, True), 3, 3),  # the terminal behind them, which is not asked
+        ((True, True, True), 2, None),  # a drive that was silent answers again
+        ((True, True, True), 0, None),
+        ((True, True, False), 4, 2),  # silent since
     ],
 )
 def test_the_first_one_that_is_silent(

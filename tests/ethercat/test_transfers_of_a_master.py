@@ -139,6 +139,27 @@ def test_a_long_value_is_written_in_segments_whose_toggle_alternates() -> None:
     assert made.result == b""
 
 
+@pytest.mark.parametrize("room", range(11, 27))
+@pytest.mark.parametrize("length", [5, 20, 33, 40])
+def test_only_a_segment_of_less_than_seven_bytes_has_unused_ones(room: int, length: int) -> None:
+    """CiA 301: bits 1 to 3 of the command; over a mailbox a segment has room for more than 7."""
+    made = Transfer(0x1008, 2, NAME[:length], room)
+    written = made.first()[10:]
+    assert len(written) == min(length, room - 10)  # service, command, object, size
+    following = made.take(bytes.fromhex("60 0810 02 00000000"))
+    toggle = 0
+    while following is not None:
+        command, body = following[2], following[3:]
+        unused = command >> 1 & 7
+        assert (command & 0x10, len(body)) == (toggle, max(7, min(length - len(written), room - 3)))
+        assert unused == max(0, 7 - (length - len(written)))
+        written += body[: len(body) - unused]
+        assert command & 1 == (len(written) == length)
+        following = made.take(bytes((0x20 | toggle,)) + bytes(7))
+        toggle ^= 0x10
+    assert (written, made.result) == (NAME[:length], b"")
+
+
 @pytest.mark.parametrize(
     ("answers", "code"),
     [

@@ -19,6 +19,7 @@ from axisrig.kernel.drives.functions import AccessError
 from axisrig.kernel.drives.profidrive.parameter_channel import ParameterChannel
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.profiles.profidrive.parameters import Request, negative, positive
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 STOP = RIGS / "fixed-stop-z-profidrive.toml"
@@ -51,6 +52,32 @@ def test_fine_bits_are_those_that_the_rig_gives(xist1: int, absolute: int) -> No
 def test_a_value_is_written(drive: DriveParameters) -> None:
     assert answer(drive, WRITE_1230) == "08 02 00 01"
     assert drive.values[1230] == 362  # 0x16A
+
+
+@pytest.mark.parametrize(
+    ("data", "value"),
+    [("00", "41 01 00 00"), ("0000", "42 01 0000"), ("00000000", "43 01 00000000")],
+)
+def test_a_0_is_written_as_any_other_value(data: str, value: str) -> None:
+    """Identifier 0x02; only a request without a value reads (0x01)."""
+    head = "10 01 04CE 0003"
+    request = Request(9, 1230, 3, bytes.fromhex(data))
+    assert request.pack() == bytes.fromhex(f"09 02 00 01 {head} {value}")
+    assert Request(9, 1230, 3).pack() == bytes.fromhex(f"09 01 00 01 {head}")
+
+
+@pytest.mark.parametrize(("axis", "count"), [(0, 1), (3, 2), (255, 39)])
+@pytest.mark.parametrize("kind", [1, 2])
+def test_a_response_has_reference_axis_and_number_of_its_request(
+    axis: int, count: int, kind: int
+) -> None:
+    """A refusal has bit 7 of the identifier besides."""
+    head = bytes((200, kind, axis, count))
+    request = head + bytes.fromhex("10 01 04CE 0000")
+    assert positive(request) == head
+    assert positive(request, b"\x05") == head + bytes.fromhex("41 01 05 00")
+    refused = bytes((200, kind | 0x80, axis, count))
+    assert negative(request, "READ_ONLY") == refused + bytes.fromhex("44 01 0001")
 
 
 @pytest.mark.parametrize(

@@ -152,15 +152,24 @@ def test_arming_and_disarming_twice_is_once(probe: Probe) -> None:
 # The value
 
 
+@pytest.mark.parametrize("sign", [1, -1])
 def test_the_value_is_that_of_the_first_at_with_the_bit_and_its_way_that_of_the_cycle(
-    probe: Probe,
+    probe: Probe, sign: int
 ) -> None:
     probe.armed()
     for status, value, actual in (
         (0, 1, 1000), (DONE, None, 1010), (DONE, 1040, 1050), (DONE, 1041, 1060),
     ):  # fmt: skip
-        probe.latch.take(status, value, actual)
-    assert (probe.latch.increments, probe.latch.speed_increments) == (1040, 40)
+        probe.latch.take(status, None if value is None else sign * value, sign * actual)
+    assert (probe.latch.increments, probe.latch.speed_increments) == (sign * 1040, sign * 40)
+
+
+def test_a_way_from_0_is_one(probe: Probe) -> None:
+    """Position 0 has come in a telegram as any other."""
+    probe.armed()
+    for status, actual in ((0, 40), (0, 0), (DONE, 25)):
+        probe.latch.take(status, 20, actual)
+    assert (probe.latch.increments, probe.latch.speed_increments) == (20, 25)
 
 
 def test_the_first_telegram_of_an_axis_has_no_way() -> None:

@@ -101,6 +101,16 @@ def test_lists_and_texts_whose_lengths_cannot_be() -> None:
             read_list(data, 2)
 
 
+@pytest.mark.parametrize("text", ["", "abc", "Störung", "µm", "ÿ"])
+def test_a_text_has_one_byte_for_each_of_its_signs(text: str) -> None:
+    """ISO 8859-1; present and largest length before it, in bytes."""
+    length = len(text)
+    data = bytes(map(ord, text))
+    assert pack_text(text) == struct.pack("<HH", length, length) + data
+    assert pack_text(text, 20) == struct.pack("<HH", length, 20) + data
+    assert read_text(pack_text(text, 20)) == text
+
+
 def test_elements_are_in_their_order() -> None:
     attribute = Attribute(Kind.SIGNED, 4)
     elements = Element.VALUE | Element.NAME | Element.DATA_STATE | Element.ATTRIBUTE

@@ -384,16 +384,15 @@ class Cia402Drive(Drive):
         """Write by SDO what the cyclic values say to a drive that sends none any more.
 
         In pre-operational it does not hear them, and homing or a set speed would go on. One that
-        does hear them gets nothing new. Source: CiA 301, NMT states; docs/ambiguities.md.
+        does hear them gets nothing new. The set speed is 0: less than an increment in the last
+        cycle would be a speed for ever. Source: CiA 301, NMT states; docs/ambiguities.md.
         """
         self._repeats = False
         if self.sdo is None:
             return
         self.sdo.write(CONTROLWORD, 0, self.controlword.to_bytes(2, "little"), _not_needed)
         if self.loop is not None:
-            values, position = self._target_out
-            speed = values[position].to_bytes(4, "little", signed=True)
-            self.sdo.write(TARGET_VELOCITY, 0, speed, _not_needed)
+            self.sdo.write(TARGET_VELOCITY, 0, bytes(4), _not_needed)
 
     def _set_speed(self, loop: PositionLoop, set_mm: float) -> int:
         """Return 60FF: what the position loop says while the drive follows, else standstill."""
