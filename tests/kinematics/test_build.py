@@ -91,6 +91,8 @@ def test_a_kinematic_without_parameters_has_all_of_them_0() -> None:
         ("kinematik_id 9", (9,)),
         ("kinematik_id 9\ndefault_id_of_kin_step[1] 98", (9, 98)),
         ("kinematik_id 45\ndefault_id_of_kin_step[0] 9", (9,)),
+        ("kinematik_id 45\ndefault_id_of_kin_step[0] 9\ndefault_id_of_kin_step[1] 98", (9, 98)),
+        ("default_id_of_kin_step[1] 98", (0, 98)),  # which is refused: no kinematic has the ID 0
     ],
 )
 def test_trafo_on_alone_takes_the_default_of_each_step(text: str, ids: tuple[int, ...]) -> None:

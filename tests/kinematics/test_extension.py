@@ -111,3 +111,33 @@ def test_where_the_tilt_passes_the_angles_of_98() -> None:
     twice = ExtendedTool(_extended((HD1_MM, 30, 60, 91)), 0.0, 25.0, 35.0, 91.0)
     both = [-40.0 + 120.0 * share for share in twice.kinks(start, end)]
     assert both == pytest.approx([-35, -30, -25, 25, 30, 35, 60], abs=1e-9)  # of both steps
+
+
+@pytest.mark.parametrize("tilt", [89.9, 90.0, 90.1, 120.0, 179.0])
+def test_from_hd2_at_90_degrees_on_the_tool_is_never_longer(tilt: float) -> None:
+    """Its height cannot be kept there: a cosine of 0 would make the length 0."""
+    for start in (90.0, 90.5):
+        kinematic = _extended((HD1_MM, start, 0, 180))
+        assert kinematic.length_mm((0, 0, 0, 30, tilt)) == 80.0
+
+
+def test_kinks_lie_between_the_ends_of_the_way() -> None:
+    """The tilt passes HD2 at the very begin, and at the very end."""
+    kinematic = _extended((HD1_MM, 30, 60, 91))
+
+    def at(tilt: float) -> tuple[float, ...]:
+        return (0.0, 0.0, 0.0, 0.0, tilt)
+
+    assert kinematic.kinks_along(lambda share: at(40.0 if share >= 1.0 else 20.0)) == ()
+    assert kinematic.kinks_along(lambda share: at(40.0 if share > 0.5 else 20.0)) == (
+        pytest.approx(0.5),
+    )
+    assert kinematic.kinks_along(lambda _: at(30.0)) == ()
+
+
+def test_a_clamping_point_is_as_far_from_the_tool_centre_point_as_the_tool_is_long() -> None:
+    """C 90 and A 30 tilt the tool towards +X (u = (sin C sin A, -cos C sin A, cos A))."""
+    kinematic = _extended((HD1_MM, 50, 70, 91))
+    found = kinematic.clamp_mm((10.0, 20.0, 30.0, 90.0, 30.0))
+    assert found == pytest.approx((10.0 + 40.0, 20.0, 30.0 + 80.0 * math.cos(math.radians(30.0))))
+    assert kinematic.nominal_length_mm((0.0, 0.0, 0.0, 0.0, 60.0)) == 80.0

@@ -31,6 +31,7 @@ trafo[1].axis[1].orientation[1] 1
 trafo[2].id 45
 trafo[2].param[7] 4000000
 trafo[2].param[8] 5000000"""
+THIRD = "\ntrafo[1].axis[2].type 1\ntrafo[1].axis[2].orientation[2] 1"
 SLIDES_FIRST = "\ntrafo[0].group[0].move_prio[0] 91\ntrafo[0].group[0].move_prio[1] 45"
 ROBOT_FIRST = "\ntrafo[0].group[0].move_prio[0] 45\ntrafo[0].group[0].move_prio[1] 91"
 DOWN = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
@@ -106,6 +107,30 @@ def test_every_offset_of_a_kinematic_is_described_once_and_in_order() -> None:
         assert [row.hd for row in rows] == list(places)
         assert {row.unit for row in rows} == {"0.0001 mm", "0.0001 deg"}
         assert all(row.meaning for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("line", "param", "pose"),
+    [
+        ("zero_position[2] -950000", 5, (1.0, 2.0, 3.0, 40.0, 50.0)),
+        ("axis[4].point[1] -245000", 7 + 7 * 4 + 5, (1.0, 2.0, 3.0, 40.0, 50.0)),
+        ("axis[3].orientation[2] 1", 7 + 7 * 3 + 3, (1.0, 2.0, 3.0, 40.0, 50.0)),
+    ],
+)
+def test_a_set_of_another_id_takes_what_a_program_writes_for_its_id(
+    line: str, param: int, pose: tuple[float, ...]
+) -> None:
+    """Also where the list has the number under its own name; numbers for the type are not its."""
+    text = UNIVERSAL.replace("trafo[2].id 91", "trafo[2].id 7\ntrafo[2].type 91")
+    name, value = line.split()
+    other = 500000 if abs(float(value)) > 1 else -float(value)
+    assert UNIVERSAL.count(f"trafo[2].{line}") == 1
+    wanted = made(text.replace(f"{name} {value}", f"{name} {other:g}"), 7).forward(pose)
+    plain = made(text, 7).forward(pose)
+    assert wanted != plain
+    assert made(text, 7, written={(0, 7, param): other}).forward(pose) == wanted
+    for key in ((0, 91, param), (1, 7, param)):
+        assert made(text, 7, written={key: other}).forward(pose) == plain
 
 
 # --- limits of chains --------------------------------------------------------------------------
@@ -330,6 +355,7 @@ def test_who_is_locked_or_first_is_one_of_the_group(more: str, message: str) -> 
         ("orientation[1] 1", "orientation[0] -2", r"axis\[1\]\.orientation\[\] .* that of axis"),
         ("chain[1] 45", "chain[1] ROBOT", r"chain\[\] of kinematic 210 is 91 ROBOT"),
         ("chain[0] 91", "chain[0] 93", r"chain\[\] of kinematic 210 is 93 45"),
+        ("number_of_axes 2", f"number_of_axes 3{THIRD}", "number_of_axes .* is 3 .* 1 or 2 linear"),
     ],
 )
 def test_a_group_is_a_robot_on_slides_of_two_directions(old: str, new: str, message: str) -> None:
@@ -344,3 +370,13 @@ def test_members_of_a_group_are_found_by_the_name_of_their_set() -> None:
     pose = (10.0, 20.0, 30.0, 5.0, 60.0, 7.0, 100.0, 200.0)
     expected = made(CROSS + SLIDES_FIRST, 210).forward(pose)
     assert made(named, 210).forward(pose) == expected
+
+
+def test_a_number_in_a_group_is_an_id_whatever_a_set_is_called() -> None:
+    """A robot of the ID 45, and another one of the ID 5 with the name 45."""
+    other = "\ntrafo[3].id 5\ntrafo[3].type 45\ntrafo[3].name 45\ntrafo[3].param[7] 9000000"
+    other += "\ntrafo[3].param[8] 9000000"
+    pose = (10.0, 20.0, 30.0, 5.0, 60.0, 7.0, 100.0, 200.0)
+    assert made(CROSS + other, 210).forward(pose) == made(CROSS, 210).forward(pose)
+    of_5 = CROSS.replace("chain[1] 45", "chain[1] 5")
+    assert made(of_5 + other, 210).forward(pose) != made(CROSS, 210).forward(pose)

@@ -163,3 +163,21 @@ def test_the_body_of_the_lists_is_a_cuboid_round_or_both(
 def test_a_body_without_limits_is_none() -> None:
     """It would be touched wherever the axes are."""
     assert not Body.of({"X": (6, 0, 0, 0, 0)}).contains({"X": 0.0})
+
+
+@pytest.mark.parametrize(
+    ("offset_mm", "first"),
+    [(0.0, 100), (-5.0, 50), (-2.5, 75), (-10.0, 1), (0.1, 101), (5.0, 150), (5.05, 151)],
+)
+def test_simu_offset_shifts_the_place_of_all_axes_along_the_path(
+    offset_mm: float, first: int
+) -> None:
+    """X goes 6 mm and Z 8 mm, 0.1 mm of the path in a cycle, and on past the target."""
+    way = Way({"X": 0.0, "Z": 0.0}, {"X": 6.0, "Z": 8.0}, offset_mm, ("X", "Z"))
+    probe = SimulatedProbe("X", ALL, 0, way, (0.0, 6.0))
+    probe.arm()
+    for cycle in range(1, 160):
+        here = {"X": 0.06 * cycle, "Z": 0.08 * cycle}
+        probe.look(here, here)
+        assert probe.has_latched is (cycle >= first)
+    assert probe.latched_mm == pytest.approx(0.06 * first)
