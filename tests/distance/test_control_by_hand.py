@@ -14,6 +14,7 @@ from axisrig.kernel.distance import (
     Source,
     StepLimiter,
 )
+from axisrig.kernel.distance.controller import Controller
 from axisrig.kernel.distance.limiter import AxesAllow, Limiter
 from axisrig.kernel.distance.supervision import Silence, range_alarm
 from axisrig.kernel.errors import Alarm
@@ -392,3 +393,21 @@ def test_set_values_that_are_forgotten_are_none_for_the_next_on(command: Distanc
     )  # fmt: skip
     say(control, command, dry_run=True)
     assert control.is_dry_run
+
+
+@pytest.mark.parametrize("is_limited", [False, True])
+def test_a_program_that_takes_the_integral_time_away_takes_its_part_away(is_limited: bool) -> None:
+    """T/Tn = 0.1 of an error of 1 mm in each cycle; with Tn = 0 there is no sum, and none kept."""
+    controller = Controller(MS)
+    summing = DistanceSettings().replaced(kp=2.0, tn_s=0.01)
+    for cycle in (1, 2, 3):
+        assert controller.delta_mm(1.0, 1.0, summing) == pytest.approx(2.0 * (1.0 + 0.1 * cycle))
+        controller.settle(is_limited=False)
+    plain = summing.replaced(tn_s=0.0)
+    for _ in range(3):
+        assert controller.delta_mm(1.0, 1.0, plain) == pytest.approx(2.0)
+        controller.settle(is_limited=is_limited)
+    kept = 0.3 if is_limited else 0.0  # a limit keeps the sum as it was
+    assert controller.delta_mm(1.0, 1.0, summing) == pytest.approx(2.0 * (1.0 + kept + 0.1))
+    controller.restart()
+    assert controller.delta_mm(1.0, 1.0, summing) == pytest.approx(2.0 * 1.1)

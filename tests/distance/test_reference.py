@@ -139,3 +139,27 @@ def test_a_low_pass_is_waited_for_until_a_hundredth_of_the_old_value_is_left() -
     expected = math.log(0.01) / math.log(left)
     made = make_filter("LOWPASS", settings, 1_000_000)
     assert memory_cycles(made) == pytest.approx(expected, abs=1.5)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        FilterSettings("MOVING_AVERAGE", n_cycles=7),
+        FilterSettings("EXPO_MEAN", n_cycles=20, smoothing_factor=0.3),
+        FilterSettings("KALMAN_MA", n_cycles=4, kalman_sigma=1000.0),  # it passes 0 and comes back
+        FilterSettings("KALMAN_MA", n_cycles=20, kalman_sigma=2000.0),
+        FilterSettings("KALMAN_EXPO", 10, 0.3, 2000.0),
+        FilterSettings("LOWPASS", low_pass_filter_order=4, low_pass_filter_fg_f0=25.0),
+        FilterSettings("LOWPASS", low_pass_filter_order=0),
+    ],
+    ids=lambda settings: f"{settings.kind} {settings.n_cycles} {settings.low_pass_filter_order}",
+)
+def test_a_filter_has_forgotten_from_where_no_value_shows_a_hundredth_any_more(
+    settings: FilterSettings,
+) -> None:
+    count = memory_cycles(make_filter(settings.kind, settings, 1_000_000))
+    made = make_filter(settings.kind, settings, 1_000_000)
+    made.restart(1.0)
+    left = [abs(made.step(0.0)) for _ in range(400)]
+    assert max(left[count - 1 :]) <= 0.01
+    assert count == 1 or left[count - 2] > 0.01

@@ -65,7 +65,15 @@ def test_every_parameter_in_its_unit(listed: object) -> None:
     ).replaced(n_cycles=20, filter_type="KALMAN_MA")  # fmt: skip
 
 
-@pytest.mark.parametrize(("line", "a_mm_s2"), [("", 800.0), ("kenngr.distc.a_max 90\n", 90.0)])
+@pytest.mark.parametrize(
+    ("line", "a_mm_s2"),
+    [
+        ("", 800.0),
+        ("kenngr.distc.a_max 90\n", 90.0),
+        ("kenngr.distc.a_max 900\n", 900.0),
+        ("kenngr.distc.a_max 0\n", 800.0),
+    ],
+)
 def test_without_a_max_that_of_the_axis_counts(listed: object, line: str, a_mm_s2: float) -> None:
     axis = listed(f"getriebe[0].dynamik.a_max 800\n{line}")  # type: ignore[operator]
     assert DistanceSettings.read(axis).a_mm_s2 == a_mm_s2

@@ -127,6 +127,32 @@ def test_box_holds_the_path(
             assert below - NM <= at <= above + NM
 
 
+@pytest.mark.parametrize("height", [4.0, -4.0, 0.0])
+@pytest.mark.parametrize(
+    ("begin_deg", "sign", "x", "y"),
+    [
+        (0.0, 1.0, (0.0, 10.0), (0.0, 10.0)),
+        (0.0, -1.0, (0.0, 10.0), (-10.0, 0.0)),
+        (180.0, 1.0, (-10.0, 0.0), (-10.0, 0.0)),
+        (45.0, 1.0, (-10.0 / math.sqrt(2.0), 10.0 / math.sqrt(2.0)), (10.0 / math.sqrt(2.0), 10.0)),
+        (
+            -45.0,
+            1.0,
+            (10.0 / math.sqrt(2.0), 10.0),
+            (-10.0 / math.sqrt(2.0), 10.0 / math.sqrt(2.0)),
+        ),
+    ],
+)
+def test_box_of_a_quarter_of_a_helix_is_no_larger_than_its_path(
+    height: float, begin_deg: float, sign: float, x: tuple[float, ...], y: tuple[float, ...]
+) -> None:
+    """Radius 10 about (3, -7), from Z 2 up or down: a target beyond a switch would be refused."""
+    low, high = in_plane(10.0, math.radians(begin_deg), math.pi / 2.0, sign, height).box_mm()
+    z = sorted((2.0, 2.0 + height))
+    assert low == pytest.approx((3.0 + x[0], -7.0 + y[0], z[0]), abs=NM)
+    assert high == pytest.approx((3.0 + x[1], -7.0 + y[1], z[1]), abs=NM)
+
+
 # --- what the axes allow ---------------------------------------------------------------------
 
 

@@ -100,6 +100,26 @@ def test_rapid_speed_limits_rapid_motion_only() -> None:
     assert speeds == {Motion.RAPID: 166.666, Motion.FEED: 200.0, Motion.MEASURING: 200.0}
 
 
+@pytest.mark.parametrize(
+    ("rapid", "highest", "expected"),
+    [
+        (150_000, 180_000, (150.0, 180.0)),
+        (180_000, 150_000, (150.0, 150.0)),  # rapid traverse is no faster than the axis
+        (170_000, 170_000, (170.0, 170.0)),
+    ],
+)
+def test_no_motion_is_faster_than_the_axis(
+    rapid: int, highest: int, expected: tuple[float, float]
+) -> None:
+    """P-AXIS-00209 (rapid traverse) and P-AXIS-00212 in um/s."""
+    parameters = axis()
+    parameters.set("getriebe[0].vb_eilgang", str(rapid), "test")
+    parameters.set("getriebe[0].dynamik.vb_max", str(highest), "test")
+    found = {m: axis_slopes(parameters, channel(0, 0, 0), m).speed_max_mm_s for m in Motion}
+    of_rapid, of_others = expected
+    assert found == {Motion.RAPID: of_rapid, Motion.FEED: of_others, Motion.MEASURING: of_others}
+
+
 @pytest.mark.parametrize("motion", list(Motion))
 def test_exactly_one_row_holds_for_every_setting(motion: Motion) -> None:
     for settings in itertools.product((0, 1), repeat=3):

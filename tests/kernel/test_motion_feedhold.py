@@ -277,3 +277,41 @@ def test_a_hold_shortens_the_fall_of_an_acceleration_by_what_is_left_of_it(
     for share in (0.001, 0.3, 0.9):
         found = held.state(0.8 * fall_s + share * release_s).a_mm_s2
         assert found == pytest.approx(400.0 * (1.0 - fallen(share)), abs=1e-6)
+
+
+@pytest.mark.parametrize("a_mm_s2", [1000.0, 730.0, 333.3])
+def test_a_hold_that_stops_at_the_end_but_for_rounding_ends_the_path(a_mm_s2: float) -> None:
+    """A feedhold as hard as the deceleration, in each cycle of the last ramp: nothing is left."""
+    slope = Slope(a_mm_s2, a_mm_s2, 1000.0)
+    profile = plan(2.0, 47.3, slope, slope)  # too short for its feed
+    for begin in range(int(500 * profile.duration_s) + 1, int(1000 * profile.duration_s)):
+        path = Interpolator("Z", MS)
+        path.follow(Line((0.0,), (2.0,)), profile)
+        for _ in range(begin):
+            path.advance()
+        path.feedhold(slope, slope)
+        for _ in range(200):
+            path.advance()
+        assert path.is_standing, begin
+        assert path.positions_mm == (2.0,)
+
+
+@pytest.mark.parametrize("shape", list(Shape))
+def test_a_hold_in_the_run_up_gains_no_more_speed_than_the_path_would(shape: Shape) -> None:
+    """Its own ramps are ten times as long: an acceleration that fell in them would pass the feed.
+
+    It falls as the motion has planned it, a²/2 per jerk; then the feedhold brakes.
+    """
+    up = JerkSlope(1000.0, 0.04, 0.02, shape)
+    down = JerkSlope(1000.0, 0.02, 0.02, shape).after(up)
+    hold = JerkSlope(500.0, 0.2, 0.2, shape)
+    course = up.plan(LENGTH_MM, FEED_MM_S, down)
+    for cycle in range(1, 80):
+        speed_mm_s = course.at(cycle * 1e-3)[1]
+        stop = course.held(cycle * 1e-3, hold, down)
+        assert stop.at(stop.duration_s)[1] == 0.0
+        gained = max(stop.at(k * 1e-3)[1] for k in range(100))
+        assert gained <= FEED_MM_S * (1.0 + 1e-9), cycle
+        a_mm_s2 = course.state(cycle * 1e-3).a_mm_s2
+        if shape is Shape.TRAPEZ and a_mm_s2 > 0.0:
+            assert gained <= speed_mm_s + 0.5 * a_mm_s2**2 * 0.02 / 1000.0 + 1e-9

@@ -108,6 +108,21 @@ def test_feed_rapid_and_feedhold_with_ramps() -> None:
     assert rapid.feedhold is None
 
 
+@pytest.mark.parametrize("motion", Motion)
+@pytest.mark.parametrize("shape", Shape)
+def test_an_acceleration_falls_in_its_own_time_before_the_motion_brakes(
+    motion: Motion, shape: Shape
+) -> None:
+    """195 ms of 101 mm/s2 (200 of 104); a signal and a feedhold let it fall as they build up."""
+    found = axis_slopes(axis(), channel(0, 0, 1), motion, shape)
+    slopes = (found.deceleration, found.stop_deceleration, found.feedhold)
+    own = 0.195 / 101.0 if motion is Motion.FEED else 0.2 / 104.0
+    expected = (own, 0.081 / 153.0, 0.081 / 153.0)
+    for one, per_acceleration in zip(slopes, expected, strict=True):
+        assert isinstance(one, JerkSlope)
+        assert one.releasing_s3_mm == pytest.approx(per_acceleration)
+
+
 def test_0_of_the_feedhold_values_is_the_rapid_value() -> None:
     for name, expected in (
         ("slope_profil__a_feedh", slope(104, 81, 81)),

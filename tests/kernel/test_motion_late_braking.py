@@ -153,3 +153,24 @@ def test_below_the_feed_a_deceleration_falls_no_further_than_the_way_lets_it(
     assert path.duration_s == pytest.approx(lead_s + tail_s, rel=1e-7)
     assert path.state(lead_s).a_mm_s2 == pytest.approx(-left, rel=1e-3)
     assert path.end_mm == lead_mm + tail_mm
+
+
+@pytest.mark.parametrize("shape", Shape)
+@pytest.mark.parametrize(
+    ("rise_s", "fall_s"), [(0.01, 0.02), (0.01, 0.3), (0.05, 0.1), (0.05, 0.05)]
+)
+@pytest.mark.parametrize("feed", [1.0, 5.0, 20.0])
+def test_no_ramp_is_steeper_than_its_slope_however_near_the_end_is(
+    shape: Shape, rise_s: float, fall_s: float, feed: float
+) -> None:
+    """From 30 mm/s to a lower feed, on the way of a stop and a little more."""
+    up = JerkSlope(1000.0, 0.02, 0.02, shape)
+    down = JerkSlope(1000.0, rise_s, fall_s, shape).after(up)
+    for share in (1.0, 1.0001, 1.002, 1.01, 1.1, 2.0):
+        end_mm = share * down.distance_mm(30.0)
+        path = up.rest(State(0.0, 30.0, 0.0), end_mm, feed, down)
+        assert path.end_mm == end_mm
+        for ramp in (phase.ramp for phase in path.phases):
+            change = ramp.to_mm_s2 - ramp.from_mm_s2
+            steepest_s = abs(change) / 1000.0 * (rise_s if change < 0.0 else fall_s)
+            assert ramp.duration_s >= steepest_s * (1.0 - 1e-6), share

@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import pytest
 
-from axisrig.kernel.motion.jerk_ramps import JerkLimits, Shape, pulse, way
+from axisrig.kernel.motion.course import Ramp
+from axisrig.kernel.motion.jerk_ramps import JerkLimits, Shape, acceleration, pulse, turned, way
 
 A_MM_S2, RISE_S, FALL_S = 1000.0, 0.05, 0.1
 
@@ -34,3 +35,18 @@ def test_a_pulse_gains_what_it_should_within_acceleration_and_jerk(
             rise = ramp.to_mm_s2 - ramp.from_mm_s2
             steepest_s = abs(rise) / A_MM_S2 * (RISE_S if rise > 0.0 else FALL_S)
             assert math.isclose(ramp.duration_s, steepest_s, rel_tol=1e-9) or rise == 0.0
+
+
+@pytest.mark.parametrize("base", [0.0, 200.0])
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_a_rising_acceleration_turns_into_the_mirror_of_its_rise(base: float, share: float) -> None:
+    """sin² of the share of its time; it falls to where its ramp has begun, and from there to 0."""
+    rising = Ramp(base, 1000.0, 0.04, share * 0.04)
+    now = base + (1000.0 - base) * math.sin(0.5 * math.pi * share) ** 2
+    assert acceleration(rising, Shape.SIN2) == pytest.approx(now)
+    fall, *rest = turned(rising, 0.1 / 1000.0)
+    assert acceleration(fall, Shape.SIN2) == pytest.approx(now)
+    assert (fall.from_mm_s2, fall.to_mm_s2) == (1000.0, base)
+    whole_s = 0.1 * (1000.0 - base) / 1000.0
+    assert (fall.duration_s, fall.begun_s) == pytest.approx((whole_s, (1.0 - share) * whole_s))
+    assert rest == ([Ramp(200.0, 0.0, pytest.approx(0.02))] if base else [])

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -128,7 +129,7 @@ def test_a_way_of_the_tool_that_is_rounding_is_none() -> None:
     assert curve.length_mm == pytest.approx(90.0)
 
 
-@pytest.mark.parametrize("turns", [1, 10, 100])
+@pytest.mark.parametrize("turns", [1, 10, 100, 1024, -1, -10, -100])
 def test_limits_hold_on_turns_that_are_longer_than_the_places(turns: int) -> None:
     """C turns on and on: |q'| and |q''| of X are the lever and the lever over a rad, by hand."""
     tool = HEAD.forward(START)
@@ -227,3 +228,39 @@ def test_parts_of_a_tilt_with_98_keep_the_limits_of_the_axes() -> None:
         places = np.array([curve.at(profile.at(t)[0]) for t in times])
         assert np.abs(np.diff(places, 2, axis=0)).max() / 1e-6 <= 1000.0 * (1.0 + 1e-6)
         near = curve.end_mm
+
+
+@pytest.mark.parametrize("degrees", [90.0, -90.0])
+@pytest.mark.parametrize(
+    ("feed_deg_s", "tangential"), [(math.inf, 0.5), (40.0, None), (10.0, None), (1e-3, 1.0)]
+)
+def test_a_turn_leaves_half_of_what_an_axis_may_do_to_its_ramps(
+    degrees: float, feed_deg_s: float, tangential: float | None
+) -> None:
+    """C alone: X and Y go on a circle of the lever r, q' = r and q'' = r per rad.
+
+    q'' v² is half of the acceleration of an axis at the speed sqrt(a / 2q''); at a lower feed it is
+    less, and what is left is for the ramps (a - q'' v²)/q'. By differences over 0.5 degrees.
+    """
+    head = HeadCA((), 200.0)
+    start = (0.0, 0.0, 0.0, 0.0, 90.0)  # the tool lies in X Y
+    tool = head.forward(start)
+    curve = ToolCurve(Line(tool, (*tool[:3], degrees, 90.0)), head, start)
+    assert curve.length_mm == pytest.approx(90.0)
+    share, bend = 200.0 * math.radians(1.0), 200.0 * math.radians(1.0) ** 2
+    fast = replace(AXIS, speed_max_mm_s=2000.0)
+    found = tool_dynamics([fast] * 5, curve, feed_deg_s)
+    at_most = math.sqrt(1000.0 / 2.0 / bend)
+    assert found.speed_max_mm_s == pytest.approx(at_most, rel=0.02)
+    speed = min(at_most, feed_deg_s)
+    for slope, a_mm_s2 in (
+        (found.acceleration, 1000.0),
+        (found.deceleration, 1000.0),
+        (found.stop_deceleration, 2000.0),
+        (found.feedhold, 1000.0),  # X has none: its deceleration counts
+    ):
+        left = a_mm_s2 - bend * speed**2
+        assert slope is not None
+        assert slope.least_mm_s2 == pytest.approx(left / share, rel=0.02)
+        if tangential is not None and a_mm_s2 == 1000.0:
+            assert slope.least_mm_s2 == pytest.approx(tangential * a_mm_s2 / share, rel=0.02)

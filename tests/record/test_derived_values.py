@@ -9,6 +9,7 @@ from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.bus import Spread, real_time_of
 from axisrig.bench.record.distance import Controller, DistanceChange
+from axisrig.bench.record.series import units_of
 from axisrig.kernel.distance.states import DistanceState
 from axisrig.kernel.time.clock import MS, US
 
@@ -52,3 +53,33 @@ def test_real_time_without_a_sync_has_no_spread_and_one_sync_no_interval() -> No
     assert kept.interval_us == Spread(900.0, 900.0, 900.0, 900.0)
     assert (kept.period_us, kept.late_us) == (2000.0, 100.0)
     assert (kept.bins_us, sum(kept.histogram)) == (BINS_US, 2)
+
+
+@pytest.mark.parametrize(
+    ("column", "unit"),
+    [
+        ("Z.set_mm", "mm"),
+        ("Z.velocity_mm_s", "mm/s"),
+        ("C.set_deg", "deg"),
+        ("C.velocity_deg_s", "deg/s"),
+        ("Z.force_n", "N"),
+        ("C.torque_nm", "N.m"),
+        ("time_ns", "ns"),
+        ("Z.sync_after_ns", "ns"),
+        ("bus.load_pct", "pct"),
+        ("Z.actual_increments", "increments"),
+        ("spring.tension", None),  # names that only end with the letters of a unit
+        ("slide.position", None),
+        ("probe.columns", None),
+        ("cam.mm", None),
+        ("Z.program", None),
+        ("probe.signal", None),
+    ],
+)
+def test_the_unit_of_a_column_is_the_last_word_of_its_name(column: str, unit: str | None) -> None:
+    assert units_of([column]) == ({} if unit is None else {column: unit})
+
+
+def test_columns_keep_their_order_and_those_without_a_unit_are_left_out() -> None:
+    found = units_of(["Z.b_mm", "probe.signal", "Z.a_n", "time_ns"])
+    assert list(found.items()) == [("Z.b_mm", "mm"), ("Z.a_n", "N"), ("time_ns", "ns")]

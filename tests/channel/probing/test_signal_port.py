@@ -297,6 +297,29 @@ def test_a_position_whose_telegram_is_missing_is_open_by_the_way_between_its_nei
     assert port.doubt_mm is bench.link.doubt_mm is None  # of the run before
 
 
+@pytest.mark.parametrize("increments_per_mm", [1e5, 1.0])
+def test_each_position_that_is_open_by_more_than_an_increment_is_counted(increments_per_mm):
+    """Of four runs the second has its telegram: its value is no open one, and nothing counts."""
+    bench = Bench()
+    bench.link.settings.increments_per_mm = increments_per_mm
+    port = SignalPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    is_coarse, expected = increments_per_mm == 1.0, 0
+    for has_actual in (False, True, False, False):
+        port.arm()
+        for _ in range(10):
+            bench.next(port, signal=False)
+        bench.next(port, signal=True, has_actual=has_actual)
+        for _ in range(3):
+            bench.next(port, signal=True)
+        assert port.is_confirmed()
+        expected += not (has_actual or is_coarse)
+        assert bench.link.interpolated_latches == expected
+        assert (port.doubt_mm is None) is has_actual
+        assert (bench.link.doubt_mm is None) is (has_actual or is_coarse)
+        port.disarm()
+    assert expected == (0 if is_coarse else 3)
+
+
 def stamped(off_ns: int, cycle: int, limit_ns: int | None = 1000) -> StampPort:
     """The stamp lies between the cycles 100 and 101; in `cycle` clocks were apart."""
     bench = Bench()
