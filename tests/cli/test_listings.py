@@ -369,8 +369,11 @@ def test_gains_are_of_one_row_and_each_number_has_its_direction() -> None:
     assert "frames differ" not in show_gains(
         now, {key: value for key, value in before.items() if key != "frame_log_sha256"}
     )
-    message = show_gains(now, {**before, "compiled": True, "sources_sha256": "cd"})
-    assert "the file: axisrig compiled, sources cd" in message.splitlines()
+    for word in ("compiled", "interpreted"):
+        build = {"compiled": word == "compiled", "sources_sha256": "cd"}
+        message = show_gains(now, {**before, **build})
+        assert f"the file: axisrig {word}, sources cd" in message.splitlines()
+    assert "the file" not in show_gains(now, before).partition("\n")[2]  # of an older release
     lines = gains_table({"long name": 2.0, "x": None}, {}, ["r"]).splitlines()
     assert lines[1:3] == ["  long name  2.00", "  x          -"]
     assert lines[-1] == "frames differ: r"

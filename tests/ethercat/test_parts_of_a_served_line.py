@@ -11,6 +11,7 @@ import pytest
 from axisrig.bench.bus.ethercat.segment import Passage
 from axisrig.bench.bus.paced import RealTime
 from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.rig.real_axes import simulated_plants
 from axisrig.bench.tools.virtual_drive import ethercat
 from axisrig.bench.tools.virtual_drive.ethercat import LineServer, Wanted, line_settings, whose_esi
 from axisrig.kernel.errors import UserError
@@ -176,6 +177,43 @@ def test_a_line_is_refused_before_an_interface_is_opened(
     nothing: Any = SimpleNamespace(real_time=SimpleNamespace(monotonic_ns=None))
     with pytest.raises(UserError, match=message):
         LineServer(settings, wanted, nothing, [].append)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("axes", [("X", "Y"), ("Y", "X")])
+def test_a_file_is_for_those_drives_of_a_line_that_store(
+    axes: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """X has CiA 402, Y SERCOS, which has no 1010: the line is opened with it, in either order."""
+    tables = {
+        name: line_settings(RIGS / f"{rig}.toml", [], []).rig.drive
+        for name, rig in (("X", "probe-z-ethercat"), ("Y", "probe-z-sercos"))
+    }
+    drives = {name: next(iter(of_rig.values())) for name, of_rig in tables.items()}
+    rig = SimpleNamespace(
+        axis={name: SimpleNamespace(drive=f"of {name}") for name in axes},
+        drive={f"of {name}": drives[name] for name in axes},
+    )
+
+    def port(channel: str, *_: object, is_real: bool) -> None:
+        raise UserError("the interface is opened", value=channel, allowed=[is_real])
+
+    monkeypatch.setattr(ethercat, "RawPort", port)
+    nothing: Any = SimpleNamespace(real_time=SimpleNamespace(monotonic_ns=None))
+    settings: Any = SimpleNamespace(rig=rig)
+    with pytest.raises(UserError, match="the interface is opened") as opened:
+        LineServer(settings, Wanted("eth7", store=Path("s.json")), nothing, [].append)
+    assert opened.value.value == "eth7"
+
+
+def test_every_plant_of_a_line_is_simulated_whatever_carries_the_axes_in_the_rig() -> None:
+    """With a real CAN interface in the rig its drives are outside; here they are these slaves."""
+    given = ["bus:can1.interface=virtual", "bus:can1.channel=line"]
+    found = line_settings(RIGS / "probe-z.toml", [], given)
+    assert not found.has_kernel
+    assert list(simulated_plants(found)) == list(found.rig.plant)
+    found.has_kernel = True
+    assert list(simulated_plants(found)) != list(found.rig.plant)
 
 
 @pytest.mark.interpreted

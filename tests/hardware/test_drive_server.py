@@ -137,6 +137,17 @@ def test_assignments_and_the_interface_of_the_command_line_are_in_the_settings()
     assert drive.input_delay_us == 7
 
 
+def test_the_options_of_the_interface_are_above_assignments() -> None:
+    """`--channel` is for this call, also where `--set` or the rig name another one."""
+    given = ["bus:can1.channel=other", "bus:can1.bitrate=125000"]
+    found = drive_settings(
+        RIGS / "probe-z.toml", outside(interface="virtual", channel="own"), [], given
+    )
+    (segment,) = found.segment.values()
+    made: Any = segment
+    assert (made.interface, made.channel, made.bitrate) == ("virtual", "own", 125_000)
+
+
 def test_an_eds_is_of_one_kind_of_drive(tmp_path: Path) -> None:
     """Lines end with CR and LF; axes with different drives have no common one."""
     same = drive_settings(RIGS / "probe-xyz.toml", outside(), [], [])

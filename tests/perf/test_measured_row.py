@@ -164,10 +164,11 @@ def test_a_run_in_error_is_not_timed(
 def test_a_measurement_is_of_the_middle_run_and_warm_ones(
     clock: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The first run takes 9 s more; a report 3 s, twice as long by the wall."""
+    """The first run takes 9 s more; the middle report 3 s, twice as long by the wall."""
     waits = iter([9.0, 0.0, 3.0])
     monkeypatch.setattr(perf, "prepare", lambda _: clock.spend(1.0 + next(waits)))
-    found = measure(PLAN, "f600", 3, clock, lambda _: clock.spend(3.0))  # type: ignore[arg-type]
+    reports = iter([3.0, 90.0, 1.0])
+    found = measure(PLAN, "f600", 3, clock, lambda _: clock.spend(next(reports)))  # type: ignore[arg-type]
     assert (found["case"], found["repeats"], found["cycles"]) == ("latch_accuracy-f600", 3, 4)
     assert found["wall_s"] == found["wall_s_min"] == pytest.approx(2 * 8.7)
     assert found["real_time_factor"] == pytest.approx(20.0 / 17.4)

@@ -176,6 +176,8 @@ def test_the_bytes_depend_on_the_content_alone(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "a") as archive:
         assert archive.namelist() == ["x", "y"]
         assert archive.read("y") == b"2"
+        dates = {entry.date_time for entry in archive.infolist()}
+    assert dates == {(1980, 1, 1, 0, 0, 0)}  # the first one that a ZIP archive can have: no clock
     with pytest.raises(UserError, match="the package cannot be written"):
         _write(tmp_path / "no" / "a", {"x": b"1"})
 
