@@ -75,6 +75,16 @@ def test_words_that_would_cover_each_other_are_left_out() -> None:
     assert 2 <= len(words) <= 5
 
 
+@pytest.mark.parametrize(("apart_px", "shown"), [(35, "ac"), (36, "abc"), (37, "abc")])
+def test_words_are_apart_by_the_width_of_a_sign(apart_px: int, shown: str) -> None:
+    """Five signs of 6 px have 30 px; the next word begins 6 px behind them."""
+    field = Field(0.0, 600.0, 10.0, 110.0, (0.0, 600.0), (0.0, 1.0))
+    places = [(100.0 + apart_px * at, name * 5) for at, name in enumerate("abc")]
+    drawn = "".join(field.named(places))
+    assert [name for name in "abc" if name * 5 in drawn] == list(shown)
+    assert drawn.count("ax-grid") == 3  # each has its line
+
+
 def test_words_at_both_ends_stay_in_the_drawing() -> None:
     """20 signs of 6 px: half of a word is 60 px, from 0 px on and up to 6 px right of the field.
 

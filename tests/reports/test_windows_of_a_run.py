@@ -43,6 +43,24 @@ def test_short_ones_have_a_least_margin() -> None:
 
 
 @pytest.mark.parametrize(
+    ("length_ms", "measurement", "edge"),
+    [
+        (0.03, (994.0, 1004.03), (999.94, 1000.07)),
+        (2.0, (994.0, 1006.0), (998.8, 1002.8)),
+        (10.0, (994.0, 1014.0), (994.0, 1014.0)),
+        (20.0, (988.0, 1028.0), (988.0, 1028.0)),
+    ],
+)
+def test_one_that_has_a_length_below_the_least_has_the_least_margins_around_it(
+    length_ms: float, measurement: tuple[float, float], edge: tuple[float, float]
+) -> None:
+    """0.6 of 10 ms (of 0.1 ms) before its first event, 0.4 after its last one."""
+    shown = found(event(1000, "contact"), event(1000 + length_ms, "latch"))
+    assert shown["measurement"] == pytest.approx(measurement)
+    assert shown["edge"] == pytest.approx(edge)
+
+
+@pytest.mark.parametrize(
     ("kinds", "labels"),
     [
         (("contact",), ["edge"]),
