@@ -79,6 +79,20 @@ def test_values_beyond_the_range_are_refused() -> None:
         encode_signal(np.array([1e15]), 6)
 
 
+LARGEST = float(2**62 - 512)
+"""The next one that a double has is 2^62: between 2^61 and 2^62 they are 512 apart."""
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("steps", [2.0**62, 2.0**62 + 1024, 6e18, 9e18, 1e300, np.inf])
+def test_the_range_ends_before_the_differences_of_64_bits_do(sign: float, steps: float) -> None:
+    """Of two values at its ends the difference is below 2^63 still; gaps are no values."""
+    with pytest.raises(OverflowError, match="0 decimal places"):
+        encode_signal(np.array([0.0, sign * steps, np.nan]), 0)
+    ends = np.array([-LARGEST, LARGEST, np.nan, -LARGEST]) * sign
+    np.testing.assert_array_equal(back(ends, 0), ends)
+
+
 @given(hnp.arrays(np.float64, st.integers(1, 50), elements=st.floats(-1e6, 1e6)))
 def test_no_value_is_off_by_more_than_half_a_step(values: Array) -> None:
     off = np.abs(back(values, 6) - values)

@@ -209,3 +209,18 @@ def test_a_signal_that_falls_in_each_column_is_drawn_falling(first: float, last:
     assert len(ends) == 2 * 210
     falls = ends[::2] < ends[1::2]  # a smaller y is higher up
     assert falls.all() if first > last else not falls.any()
+
+
+def test_a_gap_moves_nothing_that_is_behind_it() -> None:
+    """Ten rows over 428 px, 6 px from either side: row 9 is at the right end, five are missing."""
+    row = np.arange(10)
+    values = np.where((row >= 2) & (row <= 6), np.nan, row * 1.0)
+    table = pa.table({"time_ns": row * MS, "Z.actual_mm": values})
+    description, _ = chart(table, RunFindings())
+    found = points(picture(table, description, "latch_mm:Z"))
+    assert found[:, 0] == pytest.approx([6 + 428 * at / 9 for at in (0, 1, 7, 8, 9)], abs=0.06)
+    assert WIDTH == 440
+    heights = found[:, 1]
+    assert (heights[0] - heights) / (heights[0] - heights[-1]) == pytest.approx(
+        np.array([0, 1, 7, 8, 9]) / 9, abs=0.01
+    )
