@@ -161,3 +161,21 @@ def test_bit_0_alone_makes_an_fmmu_active(activate: int, is_active: int) -> None
     for number in (0, 7):
         rows = bytes(16 * number) + row + bytes(16 * (7 - number))
         assert len(read_fmmus(rows)) == is_active
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "there", "length"),
+    [(4, 7, 4, 1), (0, 3, 4, 1), (1, 7, 1, 1), (7, 7, 7, 1), (4, 3, 4, 2)],
+)
+@pytest.mark.parametrize("kind", [1, 2])
+def test_an_fmmu_reaches_to_its_last_byte_and_no_further(
+    first: int, last: int, there: int, length: int, kind: int
+) -> None:
+    """Its bits end at the end of the memory: a byte more would be refused."""
+    memory = Memory()
+    bits = 8 * (length - 1) + last - first + 1
+    size = (there + bits + 7) // 8
+    mapping = Mapping(memory)
+    mapping.fmmus = [Fmmu(LOGICAL, length, first, last, MEMORY - size, there, kind)]
+    found = mapping.exchange(bytearray(length), 0, LOGICAL, length, kind == 1, kind == 2)
+    assert found == (kind == 1, kind == 2)

@@ -104,3 +104,83 @@ def test_a_clock_that_nothing_moved_is_planned_once() -> None:
         pulses.unit.moved()
     assert pulses.until(9 * MS) == [9 * MS]
     assert pulses.came == [at * MS for at in range(5, 10)]
+
+
+class Both:
+    """SYNC0 and SYNC1 with their instants in us. activation: as of 0981."""
+
+    def __init__(self, cycle0: int, cycle1: int) -> None:
+        self.clock = new_scheduler()
+        self.came: list[tuple[int, int]] = []
+        self.unit = SyncUnit(
+            self.clock, DistributedClock(LocalClock()), lambda: self._note(0), lambda: self._note(1)
+        )
+        self.unit.cycle0, self.unit.cycle1 = cycle0, cycle1
+
+    def _note(self, number: int) -> None:
+        self.came.append((number, self.clock.now_ns // US))
+
+    def run(self, activation: int, until_ns: int) -> None:
+        self.unit.activate(activation)
+        self.clock.run_until(until_ns)
+
+
+def test_a_start_time_of_this_instant_has_not_passed() -> None:
+    both = Both(MS, 0)
+    both.clock.run_until(3 * MS)
+    both.unit.start = 3 * MS
+    both.run(3, 5 * MS)
+    assert both.came == [(0, 3000), (0, 4000), (0, 5000)]
+    late = Both(MS, 0)
+    late.clock.run_until(3 * MS)
+    late.unit.start = 3 * MS - 1
+    late.run(3, 5 * MS)
+    assert (late.came, late.unit.status) == ([], 4)
+
+
+@pytest.mark.parametrize("activation", [3, 7])
+def test_a_cycle_of_0_gives_one_pulse(activation: int) -> None:
+    """A single shot at its start time, and SYNC1 its time after it."""
+    both = Both(0, 200 * US)
+    both.unit.start = 2 * MS
+    both.run(activation, 50 * MS)
+    assert both.came == ([(0, 2000), (1, 2200)] if activation == 7 else [(0, 2000)])
+    assert (both.unit.pulses, both.unit.status) == (1, 0)
+
+
+@pytest.mark.parametrize("cycle1_us", [0, 1, 300])
+@pytest.mark.parametrize("activation", [3, 7])
+def test_sync1_comes_where_it_is_active_whatever_its_time(activation: int, cycle1_us: int) -> None:
+    """Bit 2 of 0981 says so and not 09A4."""
+    both = Both(MS, cycle1_us * US)
+    both.unit.start = MS
+    both.run(activation, 3 * MS + 500 * US)
+    seconds = [at for number, at in both.came if number == 1]
+    assert seconds == ([n * 1000 + cycle1_us for n in (1, 2, 3)] if activation == 7 else [])
+    assert [at for number, at in both.came if number == 0] == [1000, 2000, 3000]
+
+
+def test_a_sync1_that_was_under_way_ends_with_its_activation() -> None:
+    """Off between SYNC0 and SYNC1, and on again: only what belongs to the new one comes."""
+    both = Both(MS, 400 * US)
+    both.unit.start = MS
+    both.run(7, MS + 100 * US)
+    assert both.came == [(0, 1000)]
+    both.unit.activate(0)
+    assert both.unit.status == 0
+    both.unit.start = 10 * MS
+    both.run(7, 9 * MS)
+    assert both.came == [(0, 1000)]
+    assert both.unit.status == 3
+    both.run(7, 10 * MS + 500 * US)
+    assert both.came == [(0, 1000), (0, 10_000), (1, 10_400)]
+    assert both.unit.status == 0
+
+
+@pytest.mark.parametrize("activation", [1, 2, 4, 5, 6])
+def test_sync0_needs_both_of_its_bits(activation: int) -> None:
+    """Cyclic operation and SYNC0 itself."""
+    both = Both(MS, 100 * US)
+    both.unit.start = MS
+    both.run(activation, 20 * MS)
+    assert (both.came, both.unit.has_sync0) == ([], False)

@@ -135,3 +135,22 @@ def test_each_input_has_the_control_register_of_its_own(controls: tuple[int, int
             up_ns, down_ns = 10 if control & 1 else 30, 20 if control & 2 else 40
             assert found[2 * number : 2 * number + 2] == (up_ns + number, down_ns + number)
             assert terminal.latches.status(number) == control
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_kept_edge_gives_way_where_single_events_are_switched_off(
+    number: int, place: int
+) -> None:
+    """From then on the last edge counts, and none is kept; switched on, the next one is."""
+    latches = Latches()
+    control = latches.unit.control
+    for value, time_ns, kept_ns, stored in (
+        (1 << place, 10, 10, True), (1 << place, 30, 10, True), (0, 50, 50, False),
+        (0, 70, 70, False), (1 << place, 90, 90, True), (1 << place, 110, 90, True),
+    ):  # fmt: skip
+        control[number] = value
+        latches.edge(number, time_ns, place == 0)
+        latches.edge(number, time_ns + 5, place == 1)
+        assert latches.times[2 * number + place] == 1000 + kept_ns
+        assert bool(latches.unit.status(number) >> place & 1) is stored
