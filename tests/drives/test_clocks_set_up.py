@@ -138,7 +138,8 @@ def test_how_far_a_clock_is_off_is_an_amount_without_its_sign() -> None:
     assert difference(1002).address == 1002 | 0x92C << 16
     answers = [Answer((off & 0xFFFFFFFF).to_bytes(4, "little"), 1) for off in (5, 1 << 31 | 5)]
     answers += [Answer(b"\5\0\0\0", 0), Answer(b"\xff" * 4, 1)]
-    assert differences_ns(answers) == [5, 5, None, AMOUNT_MASK]
+    answers += [Answer(b"\5\0\0\0", 2)]  # two slaves with one address: neither is known
+    assert differences_ns(answers) == [5, 5, None, AMOUNT_MASK, None]
 
 
 def test_sync0_is_set_up_while_it_is_off() -> None:

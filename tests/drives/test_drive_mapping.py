@@ -213,6 +213,31 @@ def test_a_value_in_two_places_of_the_rpdos_is_refused_with_both_lines(
     assert f"line {line}" in caught.value.message
 
 
+BOTH = (
+    "pdo,transmission,inhibit_100us,index,sub,bits,signed,field\n"
+    "RPDO1,1,0,0x6040,0,16,no,controlword\nRPDO1,1,0,0x607A,0,32,yes,{target}\n"
+    "RPDO2,1,0,0x60FF,0,32,yes,{speed}\n"
+    "TPDO1,1,0,0x6041,0,16,no,statusword\nTPDO1,1,0,0x6064,0,32,yes,actual\n"
+)
+
+
+@pytest.mark.parametrize("speed", [False, True])
+@pytest.mark.parametrize("fields", [("target", "speed"), ("target", ""), ("", "speed")])
+def test_of_set_position_and_set_speed_the_mode_of_the_drive_takes_one(
+    tmp_path: Path, fields: tuple[str, str], speed: bool
+) -> None:
+    """In a table of a rig as in the kernel's own; one that has one of both keeps what it has."""
+    table = tmp_path / "map.csv"
+    table.write_text(BOTH.format(target=fields[0], speed=fields[1]), encoding="utf-8")
+    own, given = telegrams(0x60BA, speed=speed), telegrams(0x60BA, str(table), speed=speed)
+    wanted = [0x60FF] if speed else [0x607A]
+    targets = [
+        [o.index for pdo in each.values() for o in pdo.objects if o.index in (0x607A, 0x60FF)]
+        for each in (own, given)
+    ]
+    assert targets == [wanted, wanted if all(fields) else [0x607A, 0x60FF]]
+
+
 def test_entries_that_fill_a_place_may_repeat(tmp_path: Path) -> None:
     """CiA 301: 0005 (U8) and others as entries of an RPDO are data that nobody reads."""
     table = tmp_path / "map.csv"

@@ -275,9 +275,12 @@ def test_the_torque_limit_may_be_0_and_the_largest_number() -> None:
     """S-0-0092 has no value that is off, so that its object takes all of 16 bits."""
     torque = drive_idents(1000.0)["S-0-0092"]
     assert [torque.raw(value, "Z") for value in (0, 0.4, 65535)] == [0, 0, 65535]
+    assert [torque.raw(value, "Z") for value in (-0.4, 65535.4)] == [0, 65535]  # nearest to one
     assert torque.can_tell(bytes(2))
-    with pytest.raises(Alarm):
-        torque.raw(65536, "Z")
+    for value in (-0.6, 65535.6, 65536):
+        with pytest.raises(Alarm) as caught:
+            torque.raw(value, "Z")
+        assert (caught.value.id, caught.value.values["value"]) == (900112, f"{value:g}")
 
 
 def test_a_read_takes_the_ident_that_was_asked_for() -> None:

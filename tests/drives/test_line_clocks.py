@@ -113,6 +113,14 @@ def test_a_clock_that_never_follows_is_the_alarm_of_its_drive(
     assert alarm.values == {"axis": axis, "position": late + 1, "ns": shown, "ms": 20}
 
 
+def test_beside_a_clock_that_never_follows_one_at_the_limit_does() -> None:
+    """X has the limit, Y 1 ns more, Z the limit with the sign: Y alone has an alarm."""
+    waiting = Waiting([LIMIT_NS, LIMIT_NS + 1, SIGN | LIMIT_NS])
+    waiting.run()
+    assert list(waiting.alarms) == ["Y"]
+    assert [slave.has_failed for slave in waiting.slaves] == [False, True, False]
+
+
 @pytest.mark.parametrize("late", [[1], [2], [1, 2]])
 def test_a_slave_without_a_drive_stops_the_first_drive_once(late: list[int]) -> None:
     """X has a drive, the terminals Y and Z behind it have none: the alarm names the terminal."""

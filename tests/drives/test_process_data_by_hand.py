@@ -335,3 +335,5 @@ def test_what_is_heard_is_what_has_a_field_or_a_time(tmp_path: Path) -> None:
     rows = [(2, own), (255, inputs), (254, free)]
     assert listens(rows, tmp_path / "a.csv") == [0x283, 0x383]
     assert listens([(240, free), (1, own)], tmp_path / "b.csv") == [0x283]
+    # Type 0: after a SYNC where it has changed (CiA 301)
+    assert listens([(0, inputs), (0, free)], tmp_path / "c.csv") == [0x283]

@@ -94,6 +94,37 @@ def test_what_waits_is_asked_before_what_an_answer_asks_for() -> None:
     assert not client.is_busy
 
 
+def test_the_latency_is_that_of_the_last_transfer() -> None:
+    """Also of one that goes wrong; a time-out before a good answer is a part of none."""
+    server, client = answering()
+    for time_ms in (50, 1, 20, 3):
+        client.read(NAME, 0, lambda _: None)
+        server.reply(_frame("4f08100007000000"), time_ms * MS)
+        server.clock.run_until(server.clock.now_ns + 60 * MS)
+        assert client.latency_ns == time_ms * MS
+    client.read(NAME, 0, lambda _: None)
+    server.reply(_frame("4f08100007000000"), 107 * MS)  # to the second question, asked after 100 ms
+    server.clock.run_until(server.clock.now_ns + 150 * MS)
+    assert client.latency_ns == 7 * MS
+
+
+@pytest.mark.parametrize("segments", [0, 1, 2])
+@pytest.mark.parametrize(
+    "other", ["8009100000000206", "8008100100000206", "8008110000000206", "4309100001020304",
+              "6009100000000000", "a009100000000000"],
+)  # fmt: skip
+def test_what_is_about_another_object_does_not_disturb_segments(segments: int, other: str) -> None:
+    """Only a segment comes without an object; an abort, a first answer and a block have one."""
+    server, client = _client(lambda _asked: [])
+    found: list[Any] = []
+    client.read(NAME, 0, found.append)
+    for frame in ("4108100010000000", *SEGMENTS[:segments], other, *SEGMENTS[segments:]):
+        assert found == []
+        server.reply(_frame(frame))
+        server.clock.run_until(server.clock.now_ns + 2 * MS)
+    assert found == [TEXT]
+
+
 # What is wrong
 
 

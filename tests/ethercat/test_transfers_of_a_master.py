@@ -190,6 +190,21 @@ def test_only_an_answer_about_its_object_belongs_to_a_transfer() -> None:
         assert made.is_answer(bytes.fromhex(body)) is belongs
 
 
+def test_in_segments_what_has_an_object_is_of_that_object() -> None:
+    """Commands 0 and 1 are segments (bits 5 to 7); an abort and a first answer name an object."""
+    made = read()
+    made.take(bytes.fromhex("41 0810 02") + (40).to_bytes(4, "little") + NAME[:16])
+    for body, belongs in (
+        ("00 01020304050607", True), ("10 01020304050607", True), ("20 00000000000000", True),
+        ("80 0810 02 02000106", True), ("80 0810 01 02000106", False),
+        ("80 0910 02 02000106", False), ("43 0910 02 00000000", False),
+        ("60 0910 02 00000000", False),
+    ):  # fmt: skip
+        assert made.is_answer(bytes.fromhex(body)) is belongs, body
+    made.first()  # begun anew nothing comes in segments
+    assert not made.is_answer(bytes.fromhex("00 01020304050607"))
+
+
 # ---- values of CiA 402 in the process image
 
 INPUTS = tuple(

@@ -114,6 +114,19 @@ def test_an_absolute_position_is_one_without_an_error_only(
     assert found == [answer]
 
 
+def test_a_run_that_is_ended_takes_nothing_from_a_question_for_the_place() -> None:
+    """No run is under way: a latch that is switched off once more drops nothing."""
+    control, found = clear(), list[int | str]()
+    control.disarm()
+    assert control.is_clear
+    assert control.ask_absolute(found.append)
+    cycles(control, (0, 0))
+    control.disarm()
+    assert (control.control, control.is_ordered) == (words.ABSOLUTE, False)
+    cycles(control, (words.ABSOLUTE, -42), (words.ABSOLUTE, -42))
+    assert found == [-42]
+
+
 def test_what_stays_out_ages_the_second_encoder_too() -> None:
     bus = Bus(replace(SETTINGS, telegram=words.telegrams()[6], missing_cycles=3))
     ages = []

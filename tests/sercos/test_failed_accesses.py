@@ -325,10 +325,14 @@ def test_the_answer_to_what_was_asked_before_a_reset_is_taken_all_the_same() -> 
     assert program.accesses.value("Z", KEY) == 77.0
 
 
-def test_an_ident_that_is_no_command_names_its_block() -> None:
+@pytest.mark.parametrize(
+    "attribute", [U16, Attribute(Kind.UNSIGNED, 4), Attribute(Kind.UNSIGNED, 2, is_list=True)]
+)
+def test_an_ident_that_is_no_command_names_its_block(attribute: Attribute) -> None:
+    """#COMMAND has no TYP, so that the length of the ident says nothing."""
     program = Program()
     program.accesses.begin(write(3.0, 4, key=FIRST, is_command=True))
-    program.channel.answer(U16.pack())
+    program.channel.answer(attribute.pack())
     alarm = alarm_of(program)
     assert (alarm.id, alarm.place) == (900749, "line 4, block N40")
     assert alarm.values == {"axis": "Z", "key": FIRST}

@@ -63,7 +63,9 @@ def test_heads_byte_by_byte() -> None:
     assert refused.pack() == bytes.fromhex("1440a981")
     part = Header(Operation.READ_ANSWER, 7, Element.NAME | Element.UNIT, 0, fragments=3)
     assert part.pack() == bytes.fromhex("ea0a0300")
-    for head in (asked, refused, part):
+    both = Header(Operation.READ_ANSWER, 1, Element.VALUE, 0, is_error=True, fragments=2)
+    assert both.pack() == bytes.fromhex("3a400200")  # 2, bit 3 and bit 4, drive 1 in bits 5 to 7
+    for head in (asked, refused, part, both):
         assert Header.read(head.pack() + b"data") == head
     with pytest.raises(ValueError, match="no head"):
         Header.read(b"\x01\x40\x82")
