@@ -263,6 +263,11 @@ def test_a_segment_has_what_its_carrier_needs(
             "no real-time bit has S-0-0401",
         ),
         ("probe-z-sercos", ("latch_check=false",), "S-0-0130; nothing proves it"),
+        (
+            "probe-z-ethercat",
+            ("latch_check=false",),
+            "axis Z: its latches are unproved: latch_check of drive servo is false; ",
+        ),
         ("probe-z-profidrive", ("p1043=10", "position_check=true"), "has other fine bits (p1043)"),
     ],
 )
