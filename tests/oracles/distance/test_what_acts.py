@@ -167,3 +167,55 @@ def test_a_filter_time_is_rounded_to_cycles(time_s: float, count: int) -> None:
 def test_a_command_for_what_is_on_already_begins_nothing() -> None:
     found = acts(on(6), on={5: True})
     assert [(one.row, one.begins) for one in found] == [(0, False), (7, False)]
+
+
+@pytest.mark.parametrize("by", [NC, PLC])
+@pytest.mark.parametrize("action", ["ON", "ON_CONST_DIST"])
+def test_a_word_beside_the_command_is_later_than_an_object(by: str, action: str) -> None:
+    """docs/ambiguities.md, "Parameters while control is on": of both the later one counts."""
+    asked = Order(3, OBJECT, words={"kp": 0.4, "i_tn": 0.5})
+    command = Order(9, by, action, words={"kp": 0.7, "v_max": 9000})
+    (_, found) = acts(asked, command)
+    assert (found.row, found.begins) == (9 + (by == NC), True)
+    assert (found.listed.control.kp, found.listed.control.tn_s) == (0.7, 0.5)
+    assert found.listed.limits.v_mm_s == 9.0
+    # What the word has replaced does not come back when it is switched on again
+    again = acts(asked, command, Order(20, by, "OFF"), Order(30, by, action))[-1]
+    assert (again.listed.control.kp, again.listed.control.tn_s) == (0.7, 0.5)
+
+
+@pytest.mark.parametrize("action", ["OFF", "FREEZE", ""])
+def test_a_word_that_switches_nothing_on_leaves_objects_waiting(action: str) -> None:
+    asked = Order(3, OBJECT, words={"kp": 0.4, "i_tn": 0.5})
+    found = acts(asked, Order(5, PLC, action, words={"kp": 0.7}), on(9))
+    assert [(one.row, one.listed.control.kp, one.listed.control.tn_s) for one in found] == [
+        (0, 0.2, 0.0), (5, 0.7, 0.0), (10, 0.7, 0.5),
+    ]  # fmt: skip
+
+
+def test_an_object_acts_once() -> None:
+    """A word after it stays, however often the control is switched on again."""
+    orders = (kp(1, 0.4, OBJECT), on(2), kp(4, 0.6), Order(6, NC, "OFF"), on(8))
+    assert kps(acts(*orders, on={3: True, 5: True})) == [
+        (0, 0.2), (3, 0.4), (5, 0.6), (7, 0.6), (9, 0.6),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("action", ["ON", "ON_CONST_DIST"])
+def test_each_command_that_switches_on_begins(action: str) -> None:
+    """And is dry or not as it says itself."""
+    for is_dry in (False, True):
+        found = acts(Order(4, NC, action, is_dry), kp(4, 0.5))[-1]
+        assert (found.row, found.begins, found.is_dry_run) == (5, True, is_dry)
+        assert found.listed.control.kp == 0.5
+
+
+@pytest.mark.parametrize("first", ["ON", "ON_CONST_DIST"])
+@pytest.mark.parametrize("second", ["ON", "ON_CONST_DIST"])
+def test_two_commands_of_one_cycle_begin_once(first: str, second: str) -> None:
+    """An object between them waits: the control is on by then."""
+    orders = (Order(4, NC, first), kp(4, 0.4, OBJECT), Order(4, NC, second))
+    found = acts(*orders)
+    assert [(one.row, one.begins, one.listed.control.kp) for one in found] == [
+        (0, False, 0.2), (5, True, 0.2),
+    ]  # fmt: skip

@@ -81,7 +81,7 @@ def acting(
             continue
         begins = order.action in SWITCHES_ON and (not follows or is_dry)
         if begins:
-            words, asked = {**words, **asked}, {}
+            words, asked = {**asked, **words}, {}
         asked = {name: value for name, value in asked.items() if name not in words}
         whole.update({stems[0] + name: value for name, value in words.items()})
         if order.action:
