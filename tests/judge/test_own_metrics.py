@@ -122,6 +122,31 @@ def test_what_it_raises_is_an_error_with_its_line(
     assert words in result.note
 
 
+def test_an_error_below_a_metric_is_at_the_line_that_made_it(
+    tmp_path: Path, recording: Observed
+) -> None:
+    """A function of the file called by the metric: its line, not the one of the call."""
+    module = "def half(x):\n    y = 2\n    return x / 0\n\n\ndef metric_mine(recording):\n"
+    case = _case(tmp_path, module + "    return half(1), 'mm', 0.0\n", "check:mine", "< 1")
+    _, (result, *_) = judged(recording, case.checks, module=case.module)
+    assert result.note == "own.py:3: ZeroDivisionError: division by zero"
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [("3", "3"), ("-2", "-2"), ("3.0", "3.0"), ("np.float32(0.5)", "0.5"), ("np.int64(7)", "7.0")],
+)
+def test_a_whole_number_stays_one_and_a_scalar_becomes_a_number(
+    tmp_path: Path, recording: Observed, value: str, shown: str
+) -> None:
+    module = f"import numpy as np\n\n\ndef metric_mine(recording):\n    return {value}, '', 0\n"
+    case = _case(tmp_path, module, "check:mine", "> -9")
+    _, (result, *_) = judged(recording, case.checks, module=case.module)
+    assert repr(result.value) == shown
+    assert (result.verdict, repr(result.uncertainty)) == (Verdict.PASS, "0.0")
+    assert result.note == "metric_mine of own.py"
+
+
 def test_a_module_that_fails_when_it_is_loaded(tmp_path: Path, recording: Observed) -> None:
     module = "import nothing_like_this\n\n\ndef metric_mine(recording):\n    return 1, '', 0\n"
     case = _case(tmp_path, module, "check:mine", "< 1")

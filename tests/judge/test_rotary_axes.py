@@ -11,7 +11,9 @@ from axisrig.bench.judge.fixed_stop.values import Value
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.plant_values import PlantValues, power_of_arm
 from axisrig.bench.judge.observed.rotary_metrics import in_newton_metres, turned
-from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.judge.observed.topic import Topic
+from axisrig.bench.judge.topics import TOPICS, observe
+from axisrig.bench.plan.checks import known_metrics, parse_check
 from axisrig.bench.record.axes import PlantRecord, PlantValue
 
 
@@ -81,6 +83,28 @@ def test_a_force_times_its_arm_is_a_torque() -> None:
     assert (found.value, found.uncertainty) == (100.0, 2.0)
     none = Observation(None, note="no stop was found")
     assert in_newton_metres(none, observed("CD", C=0.25, D=0.5), check) is none
+
+
+ROTARY_TWINS = [name for name, metric in known_metrics().items() if metric.linear]
+
+
+@pytest.mark.parametrize("name", ROTARY_TWINS)
+def test_a_metric_of_a_rotary_axis_is_that_of_a_linear_one(name: str) -> None:
+    """1 degree is 1 mm, a force times its arm is a torque."""
+    metric = known_metrics()[name]
+    assert any(metric.linear in topic.metrics for topic in TOPICS)
+
+    def value(_observed: Any, axis: str | None) -> Observation:
+        return Observation(8.0, 2.0, f"of {axis}")
+
+    topics = [Topic("none", {}, lambda _observed: []),
+              Topic("own", {metric.linear: value}, lambda _observed: [])]  # fmt: skip
+    turns = observed("C", "C", C=0.25)
+    turns.axes, turns.hides = {"C": None}, lambda _metric, _axis: ""
+    turns.facts = SimpleNamespace(distance_3d=None)
+    found = observe(turns, parse_check(f"{name}:C", "> -1e9", ""), topics)
+    share = 0.25 if metric.unit == "N.m" else 1.0
+    assert (found.value, found.uncertainty, found.note) == (8.0 * share, 2.0 * share, "of C")
 
 
 # kg, m, s, A, K, mol, cd, rad
