@@ -138,6 +138,20 @@ def test_a_jump_is_one_where_a_value_came_before(
         assert found.value == 800 - due_row
 
 
+@pytest.mark.parametrize(("row", "due_row"), [(450, None), (500, None), (501, 501)])
+def test_behind_a_freeze_that_was_switched_off_the_first_value_has_none_before_it(
+    row: int, due_row: int | None
+) -> None:
+    """Frozen from row 299 on, off from 400 on, on again from 499 on."""
+    state = states(FREEZE)
+    state[400:AGAIN] = INACTIVE
+    orders = (*FROZEN[:2], order(399, "OFF"), FROZEN[2])
+    jumped = np.where(row <= K, -0.5, 0.0)
+    observed = several((800, JUMPED), orders=orders, state=state, behind_mm=jumped,
+                       max_deviation=10**9)  # fmt: skip
+    assert seen(observed, LATE).value == (None if due_row is None else 800 - due_row)
+
+
 @pytest.mark.parametrize(("row", "um"), [(200, 3.0), (400, 0.0), (700, 3.0), (98, 0.0)])
 def test_the_offset_is_compared_with_its_model_each_time(row: int, um: float) -> None:
     """3 um beside it in one row; each time begins with the offset that is there."""

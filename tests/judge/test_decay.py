@@ -112,3 +112,20 @@ def test_its_doubt_is_how_far_both_ends_of_the_signal_differ(values: np.ndarray)
     doubts = [abs(found.factor - one.factor) for one in (first, last)]
     assert found.uncertainty == pytest.approx(2.0 * max(doubts) + 1e-6)
     assert found.uncertainty > 1e-6
+
+
+@pytest.mark.parametrize("rest", [1, 40, 400])
+def test_what_rests_behind_a_signal_changes_nothing(rest: int) -> None:
+    """Only what is above the noise counts, for the pole and for its doubt."""
+    values = rounded(0.01 * 0.9 ** K[:60] * np.cos(0.4 * K[:60]))
+    assert growth_of(np.concatenate([values, np.zeros(rest)]), NOISE) == growth_of(values, NOISE)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("begin", "pole"), [(1e-7, 1.05), (1e-7, -1.05), (1e-8, 1.08)])
+def test_what_grows_out_of_the_noise_is_seen(begin: float, pole: float, sign: float) -> None:
+    """It begins far below one increment."""
+    found = growth_of(rounded(sign * begin * pole**K), NOISE)
+    assert found is not None
+    assert found.factor == pytest.approx(abs(pole), abs=1e-3)
+    assert found.values == len(K)

@@ -106,6 +106,27 @@ def test_a_rest_counts_from_fifty_cycles_on_after_the_filter_has_settled(
     assert found.value == pytest.approx(gain, rel=1e-4)  # an odd number has one more of a sign
 
 
+def test_levels_of_the_surface_are_no_noise() -> None:
+    """Three levels, 0.5 mm and 2 mm apart; the filter halves the noise on each of them."""
+    level = 2.0 + 0.5 * (K >= 400) - 2.0 * (K >= 700)
+    noise = np.where(K % 2, 1e-3, -1e-3)
+    found = seen(filtered(level + noise, level + 0.5 * noise, gap=level), NOISE)
+    assert found.value == pytest.approx(0.5, rel=1e-4)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("length", "delay"), [(50, None), (51, 2.0), (60, 2.0)])
+def test_a_level_counts_from_fifty_cycles_after_its_step_on(
+    length: int, delay: float | None, side: float
+) -> None:
+    """Before the step and after it; a mean of 5 is late by two."""
+    for first, last in ((ROWS - length, ROWS), (ON + length, ROWS)):
+        given = 2.0 + side * (first <= K) * (last > K)
+        found = seen(filtered(given, mean_of(given, 5), words={"n_cycles": 5}), DELAY)
+        expected = delay if first > ROWS // 2 or length > 50 else 2.0
+        assert found.value == (None if expected is None else pytest.approx(expected, abs=1e-6))
+
+
 def test_without_noise_or_rest_a_filter_shows_no_gain() -> None:
     flat = np.full(ROWS, 2.0)
     assert no_value(filtered(flat, flat), NOISE) == "the sensor has no noise"

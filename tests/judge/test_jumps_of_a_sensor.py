@@ -71,6 +71,24 @@ def test_an_offset_is_too_large_in_the_cycle_that_asks_for_it(held: int) -> None
     assert due_in({0: -0.001}, words=wide, columns=columns) is None
 
 
+BELOW = 70576
+
+
+@pytest.mark.parametrize(
+    ("away", "back", "row"),
+    [(110, None, 110), (119, None, 119), (120, None, 170), (130, None, 170), (130, 150, None),
+     (130, 170, None), (130, 171, 170), (170, None, 170)],
+)  # fmt: skip
+def test_nothing_is_watched_while_the_offset_is_held(
+    away: int, back: int | None, row: int | None
+) -> None:
+    """Held in rows 120 to 169; the tool is 6 mm above the surface, 5 mm are allowed."""
+    columns = {"distance_held": ((K >= 120) & (K < 170)).astype(float)}
+    jumps = {away: 4.0} if back is None else {away: 4.0, back: -4.0}
+    found = due_in(jumps, columns=columns, words={"max_act_value_change": 10**9})
+    assert (found and (found.alarm, found.row)) == (None if row is None else (BELOW, row))
+
+
 @pytest.mark.parametrize("count", [1, 5, 21])
 def test_a_transient_is_over_when_loop_and_filter_have_settled(count: int) -> None:
     """To a thousandth, and twice the delay (N - 1)/2 of the filter, before the last fifth."""

@@ -56,6 +56,36 @@ def test_what_is_handed_over_at_once_is_no_motion(before: int, v_mm_s: float) ->
     assert used(offset_mm=offset, distance_state=state)["v_max"] == pytest.approx(v_mm_s)
 
 
+@pytest.mark.parametrize(
+    ("row", "v_mm_s", "a_mm_s2"),
+    [(450, 250.0, 250e3), (499, 250.0, 250e3), (500, 250.0, 0.0), (505, 250.0, 0.0),
+     (510, 250.0, 0.0), (511, 0.0, 0.0)],
+)  # fmt: skip
+def test_a_step_has_its_acceleration_while_the_control_is_on(
+    row: int, v_mm_s: float, a_mm_s2: float
+) -> None:
+    """It runs out in rows 500 to 509, and the row after them still moves: with a speed alone."""
+    state = np.where(K < ON, float(INACTIVE), float(ACTIVE_CONST_DIST))
+    state[500:510], state[510:] = TURNING_OFF, INACTIVE
+    found = used(offset_mm=from_row((row, -0.25)), distance_state=state)
+    assert (found["v_max"], found["a_max"]) == (pytest.approx(v_mm_s), pytest.approx(a_mm_s2))
+    assert found["max_deviation"] == 0.25
+
+
+@pytest.mark.parametrize(("is_rotary", "length"), [(False, "mm"), (True, "°")])
+def test_limits_of_an_axis_that_turns_are_angles(is_rotary: bool, length: str) -> None:
+    on = DistanceChange(ON * MS, "ACTIVE_CONST_DIST", "NC", "60E4", False, CONTROLLER)
+    words = {"ref_offset": -2500}
+    observed = recorded(changes=(on,), is_rotary=is_rotary, words=words)
+    (found,) = control_findings(observed)
+    assert found.unit == length
+    assert {limit.key: limit.unit for limit in found.limits} == {
+        "v_max": f"{length}/s", "a_max": f"{length}/s²", "max_deviation": length,
+        "max_act_value_change": f"{length}/s", "max_pos": length, "min_pos": length,
+    }  # fmt: skip
+    assert list(found.notes) == [f"The sensor value is 0 at a gap of 0.25 {length} (ref_offset)."]
+
+
 def test_the_row_that_switches_on_has_no_value_of_the_control_yet() -> None:
     """9 mm nearer until that row: neither an end, nor a jump in the row after it."""
     found = used(from_row((50, 9.0), (ON + 1, 0.0), (ON + 2, 0.25)))

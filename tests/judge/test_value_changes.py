@@ -28,6 +28,9 @@ def fields(*pairs: tuple[int, int]) -> Telegrams:
         ([fields((5, 1)), fields((10, 2)), fields((30, 2), (40, 3))], [(10, 2), (40, 3)]),
         ([fields((5, 1), (30, 1)), fields((40, 1)), fields((50, 2), (60, 2))], [(5, 1), (50, 2)]),
         ([fields((20, 7)), fields((30, 7))], [(20, 7)]),
+        ([fields((10, 7), (30, 5), (40, 5)), fields((50, 7))], [(10, 7), (30, 5), (50, 7)]),
+        ([fields((5, 9), (10, -2), (30, -2), (40, -3))], [(10, -2), (40, -3)]),
+        ([fields((30, 0), (40, -1)), fields((50, -1), (60, 0))], [(30, 0), (40, -1), (60, 0)]),
     ],
 )
 def test_changes_are_those_of_the_whole_in_blocks_of_any_size(
