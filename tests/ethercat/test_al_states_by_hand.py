@@ -117,3 +117,14 @@ def test_two_refusals_one_after_the_other_have_a_code_each() -> None:
     assert states.shown == (1 | 0x10, al_status_codes()["INVALID_STATE_CHANGE"])
     states.machine.control(0x10 | 5)
     assert states.shown == (1 | 0x10, al_status_codes()["UNKNOWN_STATE"])
+
+
+@pytest.mark.parametrize("after", [AlState.PREOP, AlState.INIT])
+def test_a_fall_ends_the_wait_for_op(after: AlState) -> None:
+    """What was waited for is no more to come; OP is asked for anew."""
+    states = States()
+    states.behaviour.answers[AlState.OP] = WAITS
+    states.machine.control(AlState.OP)
+    states.machine.fall(after, "INVALID_INPUTS")
+    assert (states.machine.is_waiting, states.machine.state) == (False, after)
+    assert states.shown == (after | 0x10, al_status_codes()["INVALID_INPUTS"])
