@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from xml.etree.ElementTree import fromstring
 
 import pytest
@@ -10,6 +11,7 @@ from tests.ethercat.line import Line
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.drive.ethercat.description import MAILBOX_BYTES, describe
+from axisrig.bench.drive.ethercat.eeprom import Eeprom
 from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import SlaveSettings
 from axisrig.bench.drive.ethercat.sii import sii_content
@@ -176,3 +178,54 @@ def test_the_esi_file_lets_both_mailboxes_be_32_to_1024_bytes() -> None:
     limits = {one.text: (one.get("MinSize"), one.get("MaxSize")) for one in managers}
     box, none = ("32", "1024"), (None, None)
     assert limits == {"MBoxOut": box, "MBoxIn": box, "Outputs": none, "Inputs": none}
+
+
+@pytest.mark.parametrize("alias", [0, 1, 0x1234, 0xFFFF])
+def test_an_alias_of_a_description_is_in_its_word_and_in_the_check_sum(alias: int) -> None:
+    """Word 4; a slave takes it at power on where the check sum is right."""
+    content = sii_content(replace(describe(DriveProfile()), alias=alias))
+    assert content[8:10] == alias.to_bytes(2, "little")
+    eeprom = Eeprom(content)
+    eeprom.load()
+    assert (eeprom.alias, eeprom.status) == (alias, 1 << 6)
+    eeprom.content[8] ^= 1
+    eeprom.load()
+    assert (eeprom.alias, eeprom.status) == (0, 1 << 6 | 1 << 11)
+
+
+def test_a_text_that_is_there_twice_has_one_number() -> None:
+    usual = describe(DriveProfile())
+    content = sii_content(replace(usual, group=usual.name, order=usual.name))
+    by_kind = dict(categories(content))
+    general, texts = by_kind[30], by_kind[10]
+    assert (general[0], general[2], general[3]) == (1, 1, 1)
+    assert texts.count(usual.name.encode()) == 1
+    assert texts[0] == dict(categories(sii_content(usual)))[10][0] - 2
+
+
+@pytest.mark.parametrize(("more", "fits"), [(0, True), (4, True), (200, False)])
+def test_a_description_that_does_not_fit_is_refused_with_its_size(more: int, fits: bool) -> None:
+    """Each PDO has a head of 12 bytes and 8 for each entry; 2048 bytes are there."""
+    usual = describe(DriveProfile())
+    many = replace(usual, txpdos=usual.txpdos + (usual.txpdos[0],) * more)
+    if fits:
+        assert len(sii_content(many)) == 2048
+        return
+    with pytest.raises(ValueError, match="do not fit into 2048"):
+        sii_content(many)
+
+
+@pytest.mark.parametrize(("more", "fits"), [(0, True), (1, False)])
+def test_the_end_word_is_the_last_that_fits(more: int, fits: bool) -> None:
+    """One entry of 8 bytes more than what is left is too much."""
+    usual = describe(DriveProfile())
+    used = 2 * 0x40 + sum(4 + len(data) for _, data in categories(sii_content(usual))) + 2
+    entry = usual.txpdos[0].entries[0]
+    count = (2048 - used) // 8 + more
+    pdo = replace(usual.txpdos[0], entries=usual.txpdos[0].entries + (entry,) * count)
+    many = replace(usual, txpdos=(pdo, *usual.txpdos[1:]))
+    if fits:
+        assert len(sii_content(many)) == 2048
+    else:
+        with pytest.raises(ValueError, match="do not fit into 2048"):
+            sii_content(many)
