@@ -50,3 +50,45 @@ def test_increments_of_a_millimetre(values: dict[str, int], per_mm: Fraction | N
 def test_both_ways_at_once_are_refused_at_the_line_of_one() -> None:
     with pytest.raises(UserError, match="twice"):
         listed_resolution(listed(wegaufz=2**20, feed_const_num=100_000))
+
+
+@pytest.mark.parametrize(
+    ("names", "blamed"),
+    [
+        (("wegaufz", "feed_const_num"), "feed_const_num"),
+        (("wegaufn", "feed_const_denom"), "feed_const_denom"),
+        (("wegaufz", "feed_const_denom", "feed_const_num"), "feed_const_num"),
+        (("feed_const_num", "feed_const_denom", "wegaufn"), "feed_const_num"),
+    ],
+)
+def test_of_two_ways_at_once_the_first_number_by_turn_is_named_with_its_line(
+    names: tuple[str, ...], blamed: str
+) -> None:
+    axis = ParameterSet("axis")
+    for line, name in enumerate(names, 1):
+        axis.load(f"getriebe[0].{name}", str(20 + line), Origin("list.lst", line))
+    with pytest.raises(UserError) as caught:
+        listed_resolution(axis)
+    error, line = caught.value, names.index(blamed) + 1
+    assert (error.file, error.line) == ("list.lst", line)
+    assert error.value == f"getriebe[0].{blamed} = {20 + line}"
+    assert error.allowed == "one of both pairs at 1"
+
+
+@pytest.mark.parametrize(
+    ("values", "names"),
+    [
+        ({}, ""),
+        ({"wegaufz": 5}, "wegaufz wegaufn"),
+        (
+            {"feed_const_num": 5, "incr_per_rev": 7},
+            "feed_const_num feed_const_denom incr_per_rev gear_fact_num gear_fact_denom",
+        ),
+        ({"feed_const_num": 5, "incr_per_rev": 0}, ""),
+        ({"incr_per_rev": 7, "gear_fact_num": 3}, ""),  # without a way there is no resolution
+    ],
+)
+def test_a_resolution_is_made_of_the_numbers_of_its_own_way(
+    values: dict[str, int], names: str
+) -> None:
+    assert counted_keys(listed(**values)) == tuple(f"getriebe[0].{name}" for name in names.split())

@@ -38,7 +38,6 @@ from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel.distance.sensor import VARIABLE
 
-ACCELERATION = "dist_ctrl[0].a_max"
 OF_AXIS = "lr_param.distance_control_on"
 RELEASED, RELEASE = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
 ALONG = ("AxisRig.Sensors.HeadDistanceSensor", "AxisRig.Sensors.RobotDistanceSensor")
@@ -67,10 +66,6 @@ def channel_warnings(settings: Settings) -> list[str]:
         found.append(
             "no entry of [plc] reads a distance sensor into a V.E. variable: without one that the"
             " program or the PLC side writes ON ends in 310027"
-        )
-    if not float(settings.channel.get(ACCELERATION)):
-        found.append(
-            "a_max (P-CHAN-00803) is 0 and the channel has no other: 1 mm/s2 is used (315001)"
         )
     if not any(axis.flag(OF_AXIS) for axis in settings.axis.values()):
         found += [text for sensor in sensors_of(settings, CHANNEL) for text in _wrong(sensor)]
