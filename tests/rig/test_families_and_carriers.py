@@ -1,5 +1,6 @@
 """Families of drives and their carriers, and the family that a list of an axis names."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -88,3 +89,22 @@ def test_each_axis_of_a_cyclic_segment_is_of_the_family_of_its_own_drive() -> No
         found = OF_FAMILY[family]
         names = [made.__name__ for made in (found.check, found.describe)]
         assert names == [f"check_{family}", f"describe_{family}"]
+
+
+@pytest.mark.parametrize(
+    ("types", "family"),
+    [((None, 2), "sercos"), ((2, None), "sercos"), ((8, 2), "canopen"), ((None, None), None)],
+)
+def test_a_list_that_names_no_drive_type_says_nothing_of_the_family(
+    tmp_path: Path, types: tuple[int | None, ...], family: str | None
+) -> None:
+    """P-AXIS-00020: 2 SERCOS, 8 CANopen; of two axes of one drive on a line."""
+    axes = {}
+    for number, kind in enumerate(types):
+        path = tmp_path / f"{number}.lst"
+        path.write_text("" if kind is None else f"kenngr.antr_typ {kind}\n", encoding="utf-8")
+        axes[f"A{number}"] = {"drive": "one", "list": str(path), "segment": "line"}
+    drive: dict[str, Any] = {}
+    segments = {"line": {"carrier": "ethercat"}}
+    file._name_families({"drive": {"one": drive}, "axis": axes, "segment": segments})
+    assert drive.get("family") == family

@@ -118,3 +118,18 @@ def test_what_cannot_be_is_refused_in_words(column: str, cell: str, says: str) -
     with pytest.raises(UserError) as caught:
         rules(column, cell)
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize("name", axis_columns())
+@pytest.mark.parametrize("cell", ["1 2 at=M50", "at=M50"])
+def test_a_cell_of_two_values_or_of_none_is_shown_the_example_of_its_own_column(
+    name: str, cell: str
+) -> None:
+    column = f"Z.{name.replace('<name>', 'DIST_CTRL::kp')}"
+    if name == "feedhold":  # which has no value and a time
+        cell = "1 at=M50 for=2ms"
+    with pytest.raises(UserError) as caught:
+        rules(column, cell)
+    example = "at=400ms for=300ms" if name == "feedhold" else axis_columns()[name].cell
+    assert caught.value.allowed == example
+    assert axis_columns()[name].cell.startswith(example)
