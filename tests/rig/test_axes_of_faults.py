@@ -107,3 +107,27 @@ def test_only_a_terminal_of_its_own_has_a_clock_of_its_own(rig: str, found: bool
     assert targets(("terminal",), rig_of(rig)) == ["terminal"] * found
     line = targets(("terminal",), rig_of("plc-timestamp-line.toml"))
     assert line == []
+
+
+@pytest.mark.parametrize(
+    ("target", "first", "last"),
+    [
+        ("Z.TPDO7", "Z.TPDO1", "Z.HEARTBEAT"),
+        ("can2.TPDO1", "can2.SYNC", "can2.NMT"),
+        ("Z.", "Z.TPDO1", "Z.HEARTBEAT"),
+        ("W.TPDO1", "X.TPDO1", "can3.NMT"),  # no place of the rig: all there are
+        ("TPDO1", "X.TPDO1", "can3.NMT"),
+    ],
+)
+def test_a_telegram_that_there_is_not_is_shown_those_of_its_place(
+    target: str, first: str, last: str
+) -> None:
+    with pytest.raises(UserError) as caught:
+        read_faults("drop", target, rig_of("probe-xyz.toml"))
+    allowed = str(caught.value.allowed).split(", ")
+    assert caught.value.value == target
+    assert (allowed[0], allowed[-1]) == (first, last)
+    place = first.partition(".")[0]
+    assert (last.partition(".")[0] == place) is all(
+        name.startswith(f"{place}.") for name in allowed
+    )

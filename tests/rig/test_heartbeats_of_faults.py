@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 
@@ -105,3 +106,14 @@ def test_each_drive_has_its_own_heartbeats(
     with pytest.raises(UserError, match=f"drive {wrong} sends no heartbeats") as caught:
         settings_of(path, *words)
     assert caught.value.value == ("X" if wrong == "other" else "Z")
+
+
+@pytest.mark.parametrize("keys", ["", "[drive.servo]\nheartbeat_ms = 50"])
+def test_a_drive_on_a_line_is_said_to_have_no_such_fault_and_not_to_lack_heartbeats(
+    rig_above: Read, keys: str
+) -> None:
+    """There are none on EtherCAT, whatever the drive has."""
+    with pytest.raises(
+        UserError, match="there are no such faults of segments of the kind ethercat"
+    ):
+        check_rig(rig_above("probe-z-ethercat.toml", keys, LOST))

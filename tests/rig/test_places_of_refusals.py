@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.reading.file import error_at
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 
@@ -166,3 +167,18 @@ def test_a_node_that_is_missing_or_too_much_is_found_on_any_axis(
         rig_above(f"{base}.toml", text)
     assert words in str(caught.value)
     assert (caught.value.file, caught.value.line) == (str(tmp_path / "rig.toml"), line)
+
+
+def test_an_error_that_gets_the_place_of_a_key_keeps_all_that_it_says(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.toml"
+    rig.write_text('title = "x"\n\n[drive.servo]\nlead_mm = 5.0\n', encoding="utf-8")
+    error = UserError("cannot be", value=5.0, allowed="1 to 3", hint="a shorter one")
+    for keys, line, message in (
+        (("drive", "servo", "lead_mm"), 4, None),
+        (("drive", "servo", "mode"), 3, "another"),
+        (("axis", "Z"), None, None),
+    ):
+        found = error_at([rig], keys, error, message)
+        assert (found.file, found.line) == (str(rig), line)
+        assert found.message == (message or "cannot be")
+        assert (found.value, found.allowed, found.hint) == (5.0, "1 to 3", "a shorter one")

@@ -37,6 +37,7 @@ class Measured:
         self.orders: list[Order] = []
         self.alarm: Alarm | None = None
         self.rests: list[Any] = []
+        self.wanted_mm_s: list[float] = []
         self.run: Any = None
 
     def check(self, axis: str, type_: int, *, is_beside: bool) -> None:
@@ -67,6 +68,7 @@ class Measured:
 
     def speed_mm_s(self, _type: int, _block: Block, *given: Any) -> float:
         _, _, wanted_mm_s, dynamics = given
+        self.wanted_mm_s.append(wanted_mm_s)
         return min(0.5 * float(wanted_mm_s), float(dynamics.speed_max_mm_s))
 
     def keep(self, record: Any) -> None:
@@ -278,6 +280,17 @@ def test_a_run_without_a_signal_goes_past_its_target(sign: float) -> None:
     bench.cycle(400)
     assert bench.places_mm["X"] == 1.5 * sign
     assert max(abs(step) for step in bench.steps()) == pytest.approx(0.005, abs=1e-9)
+
+
+@pytest.mark.parametrize("feed_mm_min", [600.0, 3000.0, 6000.0])
+def test_the_speed_of_a_run_is_asked_for_by_what_its_block_has(feed_mm_min: float) -> None:
+    """A warning that it is too fast shows the feed of the program, also one above 50 mm/s."""
+    bench = Bench()
+    bench.go(target_mm=1.0, feed_mm_min=feed_mm_min, measuring_type=1)
+    bench.cycle(SETTLED)
+    bench.measured.orders = [Order.START]
+    bench.cycle(2)
+    assert bench.measured.wanted_mm_s == [feed_mm_min / 60.0]
 
 
 @pytest.mark.parametrize(
