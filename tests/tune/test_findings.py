@@ -231,6 +231,14 @@ def test_the_quality_of_a_loop_without_dead_cycle(kp: float) -> None:
     assert got.noise_gain == pytest.approx(math.sqrt(kp / (2 - kp)))
 
 
+@pytest.mark.parametrize("kp", [0.0005, 0.002])
+def test_a_step_that_is_never_reached_is_not_passed(kp: float) -> None:
+    """1 - (1 - kp)^n after n cycles is below 1, also after the 20 000 that are looked at."""
+    found = quality(Loop(1e-3, const_dist(np.ones(1), np.array([0.0, 1.0])), np.ones(1)), Law(kp))
+    assert found.overshoot == 0.0
+    assert found.rise_cycles == pytest.approx(np.log(0.1) / np.log(1 - kp), abs=1.0)
+
+
 def test_where_an_answer_begins_settles_and_has_its_centre() -> None:
     """Steps to 4 %, 5 %, 97 %, 98 % and the whole of 2."""
     path = Path(2 * np.diff([0, 0, 0.04, 0.05, 0.97, 0.98, 1.0]), 0.0, 0.0)
@@ -302,6 +310,21 @@ def test_the_first_jump_and_the_first_value_that_shows_it() -> None:
     sensor: Any = SimpleNamespace(frame_ns=frames, increments=values)
     # 100.5 +- (6 * 0.5 + 1): 104 is within, 120 is not
     assert _first_shown_ns(sensor, 5000) == 8000
+
+
+@pytest.mark.parametrize(("count", "like"), [(0, 1), (1, 1), (4, 4)])
+def test_a_mean_of_no_value_is_that_of_one(count: int, like: int) -> None:
+    """P-AXIS-00413 may be 0: the filter then gives what it takes."""
+    path = Path(np.eye(1, 20, 3)[0], 0.0, 0.0)
+    found = []
+    for values in (count, like):
+        settings: Any = SimpleNamespace(
+            filter=FilterSettings(kind="MOVING_AVERAGE", n_cycles=values)
+        )
+        for name in (CONST_DIST, BOTH_ENCODERS):
+            found.append(_closed_limit(name, settings, path, path, DeadTime(1, 2, 1, None)))
+    assert None not in found
+    assert found[:2] == found[2:]
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,31 @@ def test_an_offset_that_was_there_before_is_no_part_of_the_answer(before_mm: flo
         assert path.impulses == pytest.approx(np.eye(1, 20, 3)[0], abs=1e-6)
 
 
+NOISE_MM = np.tile([1e-3, -1e-3], 15)
+"""Standard deviation 1 um around its mean of 0; the last one is a whole of it off."""
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_signal_rests_at_the_mean_of_what_it_was_and_not_where_it_was_last(sign: float) -> None:
+    """With the last value in its place the gain would be a hundredth off: 1 um of 0.1 mm."""
+    steps = np.repeat([0.0, STEP_MM, 2 * STEP_MM, STEP_MM], 30)
+    late = np.concatenate([np.zeros(3), steps[:-3]])
+    rest = np.concatenate([sign * NOISE_MM, np.zeros(90)])
+    path = identify(steps, 7.0 + late + rest, 30, 20)
+    assert path.impulses == pytest.approx(np.eye(1, 20, 3)[0], abs=1e-6)
+
+
+def test_noise_at_rest_and_what_an_answer_leaves_are_two_numbers() -> None:
+    """1 um at rest; in motion 3 um, which no answer explains."""
+    steps = np.repeat([0.0, STEP_MM, 2 * STEP_MM, STEP_MM], 30)
+    late = np.concatenate([np.zeros(3), steps[:-3]])
+    noise = np.concatenate([NOISE_MM, 3 * NOISE_MM, -3 * NOISE_MM, 3 * NOISE_MM])
+    path = identify(steps, 7.0 + late + noise, 30, 20)
+    assert path.sigma_mm == pytest.approx(1e-3)
+    assert path.misfit_mm == pytest.approx(3e-3, rel=0.02)  # 1 of 90 rows goes into the gain
+    assert path.renewal_cycles == 1
+
+
 @pytest.mark.parametrize("increment_mm", [1e-5, 2e-3])
 def test_two_roundings_are_the_least_noise_of_a_signal(increment_mm: float) -> None:
     """Set position and encoder are rounded on their own, each by q/sqrt(12): q/sqrt(6) together.

@@ -141,6 +141,19 @@ def test_a_derivative_per_cycle_is_that_of_a_cycle_of_a_second() -> None:
         )
 
 
+def test_an_integral_time_is_in_seconds_also_where_tv_counts_per_cycle() -> None:
+    """`derivative = "per_cycle"` of [distance] is about the D part alone."""
+    loop = Loop(T_S, const_dist(np.ones(1), delay(2)), np.ones(1))
+    other = replace(loop, is_per_cycle=True)
+    law, angles = Law(0.2, 0.05), np.array([0.01, 0.3, 2.0])
+    step = 1 - np.exp(-1j * angles)
+    wanted = 0.2 * (1 + T_S / 0.05 / step) * np.exp(-2j * angles) / step
+    for each in (loop, other):
+        assert each.open_loop(law, angles) == pytest.approx(wanted)
+        assert each.step_answer(law, 50) == pytest.approx(loop.step_answer(law, 50))
+        assert each.stable_kp(0.05) == pytest.approx(loop.stable_kp(0.05))
+
+
 def test_a_set_value_is_not_differentiated_with_the_feedback() -> None:
     """The first cycle after a step of it: kp, and kp (1 + r) with a derivative of the error."""
     law = Law(0.3, 0.0, 10 * T_S)
