@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.tools.project.new import _copied
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -26,6 +27,22 @@ def test_the_project_has_all_that_its_plan_names(place: Path, axisrig: Call) -> 
     code, _, err = axisrig("new", "bench")
     assert code == 2
     assert "the folder is not empty" in err
+
+
+def test_what_python_has_compiled_is_no_part_of_a_project(tmp_path: Path) -> None:
+    """Names that begin with `dot-` begin with a dot there, of folders and of files."""
+    source, folder = tmp_path / "template", tmp_path / "made"
+    for name in ("dot-git/a.yml", "tests/test_a.py", "tests/test_a.pyc", "b.pyc", "dot-ignore",
+                 "x-dot-y"):  # fmt: skip
+        path = source / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(name.encode())
+    made = _copied(source, folder)
+    assert [path.relative_to(folder).as_posix() for path in made] == [
+        ".git/a.yml", ".ignore", "tests/test_a.py", "x-dot-y",
+    ]  # fmt: skip
+    assert {path for path in folder.rglob("*") if path.is_file()} == {*made}
+    assert (folder / ".ignore").read_bytes() == b"dot-ignore"
 
 
 @pytest.mark.long

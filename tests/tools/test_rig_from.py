@@ -13,7 +13,7 @@ from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.contents import settings_of
 from axisrig.bench.tools.project import rig_from as rig_from_module
-from axisrig.bench.tools.project.rig_from import rig_from
+from axisrig.bench.tools.project.rig_from import _Draft, _write, rig_from
 from axisrig.kernel.errors import UserError
 
 Z = """# an axis list of a machine
@@ -295,3 +295,16 @@ def test_a_list_that_is_neither_of_an_axis_nor_of_a_channel_is_refused(
         rig_from(paths, None, tmp_path / "rig.toml")
     assert caught.value.file == str(paths[1])
     assert not (tmp_path / "rig.toml").exists()
+
+
+def test_an_assumption_is_in_the_rig_as_it_was_said(tmp_path: Path) -> None:
+    """Names of files may have signs that TOML has for itself."""
+    said = ['a "quoted" word', "back\\slash", 'both \\" of them', "C:\\new\\table.lst", "plain"]
+    draft = _Draft(assumed=said)
+    draft.add("channel", 'list = "c.lst"')
+    output = tmp_path / "rig.toml"
+    _write(draft, [Path("a.lst"), Path("lists/b.lst")], output)
+    found = tomllib.loads(output.read_text(encoding="utf-8"))
+    assert found == {
+        "title": "machine of a.lst, b.lst", "assumed": said, "channel": {"list": "c.lst"},
+    }  # fmt: skip
