@@ -89,6 +89,30 @@ def test_blocks_that_come_again_are_counted_wherever_they_are(run, monkeypatch, 
     assert caught.value.id == 900120
 
 
+def test_blocks_of_a_subprogram_that_is_called_again_come_again(run, monkeypatch):
+    """The second turn: $WHILE and the call, then the blocks from line 2 on; the 251st is too many.
+
+    No block of the subprogram comes twice within one call.
+    """
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    with pytest.raises(Alarm) as caught:
+        run(SUBPROGRAM + "$WHILE 1\nLL SUB\n$ENDWHILE\nM30\n")
+    assert caught.value.place == f"test.nc line {2 + 251 - 2 - 1}"
+
+
+@pytest.mark.parametrize(("turns", "goes_on"), [(12, True), (60, False)])
+def test_a_motion_begins_the_count_anew(monkeypatch, turns, goes_on):
+    """Some 2 blocks in each turn of the inner loop, of which 50 may come again; then a motion."""
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 50)
+    body = f"$FOR P2=1,{turns},1\n$ENDFOR\nX1\nX0"
+    if goes_on:
+        assert len(decoded(body, 300)) == 300
+    else:
+        with pytest.raises(Alarm) as caught:
+            decoded(body, 300)
+        assert caught.value.id == 900120
+
+
 def test_the_alarm_names_the_loop_without_end(run, monkeypatch):
     monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
     with pytest.raises(Alarm) as caught:

@@ -258,6 +258,15 @@ def test_an_arc_under_a_tilted_system(run):
     assert arc.angle_rad == pytest.approx(math.pi)
 
 
+def test_a_helix_under_a_tilted_system_has_its_centre_at_the_height_of_its_begin(run):
+    """B 90: X of the system is -Z, its Z is X. The radius from there is that of the circle, 10."""
+    commands = run("#CS ON[0,0,0,0,90,0]\nG0 X0 Y0 Z5\nG2 X20 I10 Z13 F100")
+    (arc,) = [command for command in commands if isinstance(command, ArcMove)]
+    assert arc.target_mm == pytest.approx({"X": 13, "Y": 0, "Z": -20}, abs=1e-12)
+    assert arc.centre_mm == pytest.approx({"X": 5, "Y": 0, "Z": -10}, abs=1e-12)
+    assert arc.tangent == pytest.approx({"X": 0, "Y": 1, "Z": 0}, abs=1e-12)
+
+
 @pytest.mark.provokes(900156, 2, axis="X", limit_mm=214748.3647)
 @pytest.mark.parametrize(
     "program",
