@@ -169,6 +169,13 @@ def test_a_jump_may_leave_loops(run):
             1,
             "leads into $REPEAT of line 2",
         ),
+        ("$GOTO [A]\n$IF 1\n$DO\n[A] X1\n$ENDDO 0\n$ENDIF", 1, 1, "leads into $DO of line 3"),
+        (
+            "$GOTO [A]\n$SWITCH 1\n$CASE 1\n$WHILE 1\n[A] X1\n$ENDWHILE\n$ENDSWITCH",
+            1,
+            1,
+            "leads into $WHILE of line 4; a jump may only leave a loop (ID 21480)",
+        ),
         ("$FOR P1=1,2,1\n  $GOTO [A]\n[A] X1\n$ENDFOR", 2, 3, "leads into $FOR of line 1"),
         ("$GOTO [A]\n$SWITCH 1\n$CASE 1\n[A] X1\n$ENDSWITCH", 1, 1, "$SWITCH of line 2"),
     ],

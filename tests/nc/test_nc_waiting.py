@@ -62,6 +62,13 @@ def test_every_way_of_waiting_is_found(text: str) -> None:
     assert "V.E.READY" in str(caught.value)
 
 
+def test_all_that_was_asked_is_named_in_the_order_of_the_alphabet() -> None:
+    text = "P1 = 1\n$WHILE V.E.READY + V.E.GO[P1] == V.E.ABOVE\nG4 X0.1\n$ENDWHILE"
+    with pytest.raises(Alarm) as caught:
+        decode(text, {"READY": 0.0, "GO[1]": 0.0, "ABOVE": 0.0})
+    assert caught.value.values["names"] == "V.E.ABOVE, V.E.GO[1], V.E.READY"
+
+
 @pytest.mark.parametrize("changing", [1, 2, 3, 7])
 @pytest.mark.parametrize("turns", [1, 2])
 def test_a_loop_that_stops_to_change_anything_is_found_then(changing: int, turns: int) -> None:
@@ -93,7 +100,7 @@ def test_a_loop_that_can_end_is_left_alone(text: str) -> None:
 
 def test_a_loop_that_writes_or_moves_is_not_judged() -> None:
     """What it does may still end the program, by an alarm at the latest."""
-    for body in ("V.E.DONE = 1", "G91 G1 X1 F100", "M10"):
+    for body in ("V.E.DONE = 1", "G91 G1 X1 F100", "M10", "G4 X0.1 M10", "#MEAS PREPARE [AX=X]"):
         text = f"$WHILE V.E.READY == 0\n{body}\n$ENDWHILE"
         assert decode(text, {"READY": 0.0, "DONE": 0.0}) == MANY
 
