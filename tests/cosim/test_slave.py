@@ -330,8 +330,9 @@ def test_function_that_is_missing_and_needed_is_named(odd: Odd) -> None:
 
 def test_fmu_that_exists_once_per_process_is_refused_a_second_time(odd: Odd) -> None:
     first = odd(canBeInstantiatedOnlyOncePerProcess=True)
-    with pytest.raises(UserError, match=r"only once in a process and is already plant odd"):
-        odd(name="second", canBeInstantiatedOnlyOncePerProcess=True)
+    for name in ("second", "odd"):
+        with pytest.raises(UserError, match=r"only once in a process and is already plant odd"):
+            odd(name=name, canBeInstantiatedOnlyOncePerProcess=True)
     first.close()
     odd(name="third", canBeInstantiatedOnlyOncePerProcess=True).step_to(1 * MS)
 

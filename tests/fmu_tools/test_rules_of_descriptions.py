@@ -72,6 +72,18 @@ def test_names_by_the_convention(name: str, structured: bool, flat: bool) -> Non
         assert bool(validation._validate_variable_names(described)) is not is_good
 
 
+@pytest.mark.parametrize("convention", [None, "", "flat"])
+def test_without_a_convention_names_are_flat(convention: str | None) -> None:
+    """The default of the attribute, FMI 3.0.2 section 2.4.1."""
+    described: Any = SimpleNamespace(
+        variableNamingConvention=convention,
+        modelVariables=[variable(name, sourceline=7) for name in ("3d", "x.", "a\tb")],
+    )
+    assert list(bad_names(described)) == [
+        '"a\tb" (line 7) is not a legal variable name for naming convention "flat".'
+    ]
+
+
 def test_a_hundred_thousand_names_take_less_than_a_second() -> None:
     described: Any = SimpleNamespace(
         variableNamingConvention="structured",

@@ -4,7 +4,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from zipfile import ZipFile
 
+import openpyxl
 import pytest
+from openpyxl.chart import BarChart
 from tests.plan.test_workbooks import MAIN, OFFICE, PACKAGE, merged, ods, ods_row, row, xlsx
 
 from axisrig.bench.plan.table import read_table
@@ -93,6 +95,18 @@ def test_a_chart_sheet_has_no_cells(tmp_path: Path) -> None:
     assert sheet is not None
     assert (sheet.name, sheet.rows, sheet.columns) == ("plan", 2, 2)
     assert [dict(one.cells) for one in read_table(path).rows] == [{"case": "a", "x": "1"}]
+
+
+def test_a_workbook_of_charts_alone_is_no_table(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    book.create_chartsheet("Chart1").add_chart(BarChart())
+    book.remove(book.worksheets[0])
+    book.save(tmp_path / "charts.xlsx")
+    with pytest.raises(UserError) as caught:
+        read_table(tmp_path / "charts.xlsx")
+    assert caught.value.message == "the workbook cannot be read"
+    assert caught.value.hint == "it has no sheet with cells; charts are no tables"
+    assert caught.value.file == str(tmp_path / "charts.xlsx")
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,8 @@ def test_a_header_in_other_letters_is_one_with_a_wrong_word(
         ("# one, two, three, four, five\ncase;program;rig\na;b;c\n", ["case", "program", "rig"]),
         ("# one; two; three; four\ncase,program,rig\na,b,c\n", ["case", "program", "rig"]),
         ('\n# a ; b; c; d\ncase,"x; y ;z",rig\na,b,c\n', ["case", "x; y ;z", "rig"]),
+        ('"# a, b, c";"x, y, z, w"\n"case";"program";"rig"\n', ["case", "program", "rig"]),
+        ('" # a; b; c; d"\n"case","program","rig"\n', ["case", "program", "rig"]),
         ("case;note:a,b,c\na;b,x,y\n", ["case;note:a", "b", "c"]),  # what gives more cells
         ("case\na\n", ["case"]),
     ],

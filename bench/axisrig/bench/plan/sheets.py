@@ -22,17 +22,15 @@ def read_sheets(path: Path) -> tuple[dict[str, list[list[str]]], Sheet]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            frames = pd.read_excel(
-                path,
-                sheet_name=None,
-                header=None,
-                dtype=str,
-                keep_default_na=False,
-                engine="calamine",
-            )
+            with pd.ExcelFile(path, engine="calamine") as book:
+                if names := book.sheet_names:
+                    frames = book.parse(names, header=None, dtype=str, keep_default_na=False)
     except Exception as error:  # calamine raises a class of its own for each kind of damage
         raise UserError("the workbook cannot be read", file=path, hint=str(error)) from None
-    grids = {name: _grid(frame) for name, frame in frames.items()}
+    if not names:
+        hint = "it has no sheet with cells; charts are no tables"
+        raise UserError("the workbook cannot be read", file=path, hint=hint)
+    grids = {str(name): _grid(frame) for name, frame in frames.items()}
     if first is not None:
         _reach(grids[next(iter(grids))], first.formulas)
     return grids, first or Sheet("")

@@ -360,7 +360,8 @@ def _ended(lines: Iterable[str]) -> Iterator[str]:
 def _separator(text: str) -> str:
     """Comma, semicolon or tab: the one that splits the first line with content into more cells."""
     lines = (line.strip() for line in text.splitlines())
-    header = next((line for line in lines if line and line[0] != COMMENT), "")
+    # A program may put quotes round each cell, that of a comment too
+    header = next((s for s in lines if s and not s.lstrip('" ').startswith(COMMENT)), "")
     counts = {sep: len(next(csv.reader([header], delimiter=sep), [])) for sep in ",;\t"}
     return max(counts, key=lambda sep: counts[sep])
 
