@@ -120,6 +120,17 @@ def test_frames_may_be_given_in_any_order(offset: int) -> None:
     ]
 
 
+def test_frames_of_one_request_are_in_the_order_of_arbitration() -> None:
+    """0x1000 has the base 0 and goes before SYNC; 0x8040000 has the base 0x201 and yields to it."""
+    ids = [0x201, 0x804_0000, 0x81, 0x1000, 0x202]
+    frames = [PlannedFrame(f"{can_id:x}", can_id, 1) for can_id in ids]
+    found = cycle_arithmetic(RATE, 5 * MS, MS, [], [], frames)
+    wanted = [0x80, 0x1000, 0x81, 0x201, 0x804_0000, 0x202]
+    assert [frame.can_id for _, frame in found.frames] == wanted
+    lines = found.table().splitlines()[1 : len(wanted) + 1]
+    assert [int(line[30:40], 16) for line in lines] == wanted
+
+
 def test_limits_that_are_just_met_are_met() -> None:
     """Two drives: 512 us for the TPDOs, 270 us for the RPDOs, 785 us in all; 1 ns less does not."""
     found = cycle_arithmetic(RATE, 785 * US, 515 * US, tpdos(2), rpdos(2))

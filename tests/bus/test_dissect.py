@@ -11,6 +11,12 @@ from axisrig.kernel.profiles.canopen.identifiers import services
     ("can_id", "data", "service", "node", "fields"),
     [
         (0x000, "01 05", "NMT", None, {"command": 1, "target": 5}),
+        (0x000, "82 00 FF", "NMT", None, {"command": 0x82, "target": 0}),  # longer than its service
+        (0x000, "01", "NMT", None, {"data": b"\x01"}),
+        (0x080, "07 FF", "SYNC", None, {"counter": 7}),
+        (0x083, "11 86 21", "EMCY", 3, {"code": 0x8611, "register": 0x21, "vendor": b""}),
+        (0x083, "11 86", "EMCY", 3, {"data": b"\x11\x86"}),
+        (0x703, "85 FF", "heartbeat", 3, {"state": 5, "toggle": 1}),
         (0x080, "", "SYNC", None, {}),
         (0x080, "07", "SYNC", None, {"counter": 7}),
         (0x083, "11 86 21 00 00 00 00 00", "EMCY", 3,
@@ -51,6 +57,18 @@ from axisrig.kernel.profiles.canopen.identifiers import services
          {"specifier": 5, "step": 2, "taken": 5, "block_size": 127}),
         (0x583, "A2 05", "SDO answer", 3, {"specifier": 5, "step": 2}),
         (0x583, "A2", "SDO answer", 3, {"specifier": 5, "step": 2}),
+        (0x583, "A1 05 7F 00 00 00 00 00", "SDO answer", 3, {"specifier": 5, "step": 1}),  # its end
+        (0x603, "A3 05 7F 00 00 00 00 00", "SDO request", 3, {"specifier": 5, "step": 3}),  # begin
+        (0x603, "A2 05 7F", "SDO request", 3,
+         {"specifier": 5, "step": 2, "taken": 5, "block_size": 127}),
+        (0x583, "A4 08 10 02 7F", "SDO answer", 3,  # cut off behind its last field
+         {"specifier": 5, "index": 0x1008, "sub": 2, "block_size": 127}),
+        (0x583, "A4 08 10 02", "SDO answer", 3,
+         {"specifier": 5, "index": 0x1008, "sub": 2, "block_size": 0}),
+        (0x583, "C6 08 10 02 13 00 01 00", "SDO answer", 3,
+         {"specifier": 6, "index": 0x1008, "sub": 2, "size": 0x10013}),
+        (0x583, "C1 34 12", "SDO answer", 3,
+         {"specifier": 6, "step": 1, "unused": 0, "crc": 0x1234}),
         (0x603, "D5 34 12 00 00 00 00 00", "SDO request", 3,
          {"specifier": 6, "step": 1, "unused": 5, "crc": 0x1234}),
         (0x583, "05 61 62 63 64 65 00 00", "SDO answer", 3,

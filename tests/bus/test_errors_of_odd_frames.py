@@ -79,3 +79,25 @@ def test_own_frames_come_back_also_while_errors_are_counted(
     scheduler.run_until(4 * MS)
     assert heard[-1] == (9, True)
     assert [other.recv(0) is not None for _ in range(4)] == [True, True, True, False]
+
+
+@pytest.mark.parametrize("wanted", [(), ("one",), ("two",), ("one", "two")])
+def test_each_of_several_senders_of_one_frame_has_its_own_back_where_it_asked(
+    scheduler: Scheduler, segment: Segment, wanted: tuple[str, ...]
+) -> None:
+    """All send the same bits, so that the frame gets through once; a third hears it once."""
+    ports = {
+        name: segment.port(name, receive_own_messages=name in wanted) for name in ("one", "two")
+    }
+    third = segment.port("third")
+    for port in ports.values():
+        port.send_raw(0x181, b"same")
+    scheduler.run_until(MS)
+    for name, port in ports.items():
+        own = port.recv(0)
+        assert (None if own is None else own.is_rx) == (False if name in wanted else None)
+        assert port.recv(0) is None
+    heard = third.recv(0)
+    assert heard is not None
+    assert (heard.is_rx, bytes(heard.data)) == (True, b"same")
+    assert third.recv(0) is None

@@ -1,6 +1,7 @@
 """Frame length and levels against a wire written bit by bit, and against closed formulas."""
 
 import random
+import re
 from collections.abc import Callable
 from statistics import mean
 
@@ -128,10 +129,24 @@ def test_data_goes_before_a_remote_request_of_the_same_identifier(can_id: int) -
     assert keys == sorted(set(keys))
 
 
-@pytest.mark.parametrize(("can_id", "data"), [(-1, b""), (1 << 29, b""), (1, bytes(9))])
-def test_impossible_frames_are_refused(can_id: int, data: bytes) -> None:
-    with pytest.raises(ValueError, match=r"identifier|data bytes"):
+@pytest.mark.parametrize(
+    ("can_id", "data", "words"),
+    [
+        (-1, b"", "identifier -0x1 is outside 0..0x1fffffff"),
+        (1 << 29, b"", "identifier 0x20000000 is outside 0..0x1fffffff"),
+        (1, bytes(9), "9 data bytes in a classical CAN frame"),
+    ],
+)
+def test_impossible_frames_are_refused(can_id: int, data: bytes, words: str) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(words)}$"):
         data_frame(can_id, data)
+
+
+@pytest.mark.parametrize(
+    ("can_id", "is_extended"), [(0, False), (0x7FF, False), (0x800, True), ((1 << 29) - 1, True)]
+)
+def test_what_is_above_11_bits_is_extended(can_id: int, is_extended: bool) -> None:
+    assert data_frame(can_id, bytes(8)) == Frame(can_id, bytes(8), is_extended, False, 8)
 
 
 def test_known_lengths_are_right_and_never_more_than_their_room(naive_bits: Bits) -> None:

@@ -55,6 +55,18 @@ def test_a_frame_ends_with_its_sender(
     assert (figures.frames, figures.error_frames, figures.busy_bits) == (0, 1, 43)
 
 
+@pytest.mark.parametrize("bit", [1, 2, 30, WHOLE_NS // 1000 - 10])
+def test_up_to_the_last_bit_of_its_check_sum_a_frame_ends_with_its_sender(
+    scheduler: Scheduler, segment: Segment, watch: Watch, bit: int
+) -> None:
+    """In the middle of that bit, which still counts: 6 + 6 + 8 bits more."""
+    frames = watch(segment)
+    got = going(scheduler, segment, None, bit * 1000 - 500, "power")
+    assert frames == [((bit + 20) * 1000, 0x123, "error")]
+    assert got == {"x": [], "y": []}
+    assert segment.load().busy_bits == bit + 23
+
+
 @pytest.mark.parametrize("kind", ACTIONS)
 def test_a_frame_whose_check_sum_is_out_gets_through(
     scheduler: Scheduler, segment: Segment, watch: Watch, kind: str

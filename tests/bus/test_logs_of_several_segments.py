@@ -100,3 +100,50 @@ def test_a_pcap_is_a_file_for_each_segment_with_its_own_frames(
             (can_id,) = struct.unpack_from(">I", content, at + 16)
             assert seconds * S + rest_ns == time_ns
             assert can_id == ((1 << 29 | 8) if is_error else frame.arbitration_id)
+
+
+@pytest.mark.parametrize("suffix", ["BLF", "LOG", "ASC", "PCAP", "Blf"])
+@pytest.mark.parametrize("names", ORDERS[1:])
+def test_the_suffix_of_a_log_may_be_in_capitals(
+    tmp_path: Path, names: tuple[str, ...], suffix: str
+) -> None:
+    """A pcap of several segments gets names of its own; the others keep theirs."""
+    path, rows = tmp_path / f"bus.{suffix}", entries(names, with_errors=False)
+    write(open_log(path, names), rows, in_blocks=False)
+    if suffix == "PCAP":
+        wanted = [tmp_path / f"bus@{name}.pcap" for name in names]
+        wanted = wanted if len(names) > 1 else [path]
+        assert sorted(tmp_path.iterdir()) == sorted(wanted)
+        assert sum(len(each.read_bytes()) - 24 for each in wanted) == 32 * len(rows)
+        return
+    plain = path.rename(path.with_suffix(f".{suffix.lower()}"))
+    with can.LogReader(plain) as reader:
+        read = [(one.arbitration_id, bytes(one.data)) for one in reader]
+    assert read == [(frame.arbitration_id, frame.data) for _, _, frame, _ in rows]
+
+
+@pytest.mark.parametrize("in_blocks", [True, False])
+@pytest.mark.parametrize("with_errors", [True, False])
+def test_a_blf_says_how_many_frames_it_has(
+    tmp_path: Path, with_errors: bool, in_blocks: bool
+) -> None:
+    path, rows = tmp_path / "bus.blf", entries(SEGMENTS, with_errors=with_errors)
+    write(open_log(path, SEGMENTS), rows, in_blocks=in_blocks)
+    with can.BLFReader(path) as reader:
+        assert reader.object_count == len(list(reader)) == len(rows)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("suffix", ["blf", "log", "asc", "pcap"])
+@pytest.mark.parametrize("in_blocks", [True, False])
+def test_a_log_that_cannot_be_written_names_its_file(
+    tmp_path: Path, suffix: str, in_blocks: bool
+) -> None:
+    """Of a pcap only that of the second segment is on the full disk."""
+    full = tmp_path / ("bus@second.pcap" if suffix == "pcap" else f"bus.{suffix}")
+    full.symlink_to("/dev/full")
+    log = open_log(tmp_path / f"bus.{suffix}", SEGMENTS)
+    of_second = [row for row in entries(SEGMENTS) if row[1] == "second"]
+    with pytest.raises(OSError, match="No space left") as found:
+        write(log, [*entries(SEGMENTS), *of_second * 200], in_blocks=in_blocks)
+    assert found.value.filename == str(full)

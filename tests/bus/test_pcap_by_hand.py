@@ -57,14 +57,14 @@ def test_either_order_of_bytes_and_either_resolution(
     ("name", "channel"),
     [("run.pcap", None), ("run@can1.pcap", "can1"), ("a.b@can1.pcap", "can1"), ("@x.pcap", "x")],
 )
-@pytest.mark.parametrize("is_packed", [False, True])
+@pytest.mark.parametrize("packed", ["", ".gz", ".GZ"])
 def test_the_segment_is_in_the_name_of_the_file_packed_or_not(
-    tmp_path: Path, name: str, channel: str | None, is_packed: bool
+    tmp_path: Path, name: str, channel: str | None, packed: str
 ) -> None:
     content = head() + packet(1, 2, 0x80, b"")
-    if is_packed:
-        name, content = f"{name}.gz", gzip.compress(content)
-    (found,) = read(tmp_path / name, content)
+    if packed:
+        content = gzip.compress(content)
+    (found,) = read(tmp_path / f"{name}{packed}", content)
     assert (found.channel, found.arbitration_id, found.dlc) == (channel, 0x80, 0)
 
 

@@ -36,6 +36,27 @@ def test_remote_frames_reach_those_who_subscribed_to_them(segment: Segment) -> N
     assert len(heard) == 1
 
 
+def test_who_is_called_of_a_remote_frame_may_leave_in_the_call(segment: Segment) -> None:
+    """The others of the same identifier are called all the same, in the order they came in."""
+    heard: list[str] = []
+    network = SimNetwork(segment.port("drive")).connect()
+
+    def once() -> None:
+        heard.append("once")
+        network.unsubscribe_remote(0x703, once)
+
+    network.subscribe_remote(0x703, once)
+    network.subscribe_remote(0x703, lambda: heard.append("always"))
+    network.subscribe_remote(0x704, lambda: heard.append("another"))
+    master = segment.port("master")
+    for _ in range(2):
+        master.send(can.Message(arbitration_id=0x703, is_remote_frame=True, is_extended_id=False))
+    segment.scheduler.run_until(2 * MS)
+    assert heard == ["once", "always", "always"]
+    with pytest.raises(ValueError, match="not in list"):
+        network.unsubscribe_remote(0x703, once)
+
+
 @pytest.mark.parametrize("can_id", [0x183, 0x18FF0183])
 @pytest.mark.parametrize("length", [0, 1, 8])
 def test_a_remote_frame_asks_for_the_length_that_is_meant(

@@ -21,10 +21,12 @@ class Slave:
     clock: Scheduler
     is_on: bool = True
     came: list[Passage] = field(default_factory=list)
+    sources: list[int] = field(default_factory=list)  # first byte of the source address
     broke: list[bool] = field(default_factory=list)
 
     def process(self, frame: bytearray, passage: Passage) -> None:
         self.came.append(passage)
+        self.sources.append(frame[6])
 
     def broken(self, *, is_here: bool) -> None:
         self.broke.append(is_here)
@@ -102,6 +104,73 @@ def test_a_frame_breaks_before_one_slave_and_is_none_for_those_behind(place: int
         assert len(slave.came) == (1 if number < place else 0)
         assert slave.broke == ([] if number < place else [number == place])
     assert (line.segment.lost, line.back) == (1, [])
+
+
+@pytest.mark.parametrize(("place", "off"), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)])
+def test_no_frame_comes_to_a_slave_behind_one_that_is_off_broken_or_not(
+    place: int, off: int
+) -> None:
+    """place: before which slave it breaks. off: which one is off; a broken frame is none there."""
+    line = Line(4)
+    line.slaves[off].is_on = False
+    line.segment.breaks.append(lambda _frame, number: number == place)
+    line.send()
+    line.wait()
+    broke = [slave.broke for slave in line.slaves]
+    assert broke[:place] == [[]] * place
+    assert broke[place:off] == [[True], *[[False]] * (off - place - 1)]
+    assert broke[off:] == [[]] * (4 - off)
+    line.slaves[off].is_on = True
+    line.send()
+    line.wait()
+    assert [len(slave.broke) for slave in line.slaves[off:]] == [1] * (4 - off)
+
+
+def test_every_fault_is_asked_before_each_slave_until_one_breaks_the_frame() -> None:
+    line = Line(3)
+    asked: list[tuple[str, int]] = []
+
+    def fault(name: str, place: int) -> None:
+        def breaks(_frame: bytearray, number: int) -> bool:
+            asked.append((name, number))
+            return number == place
+
+        line.segment.breaks.append(breaks)
+
+    fault("first", 2)
+    fault("second", 1)
+    line.send()
+    line.wait()
+    assert asked == [("first", 0), ("second", 0), ("first", 1), ("second", 1)]
+    assert [slave.broke for slave in line.slaves] == [[], [True], [False]]
+
+
+def test_the_first_slave_marks_the_source_address_for_all_behind_it_and_the_master() -> None:
+    """The bit of a locally administered address; a frame that has it keeps it."""
+    line = Line(3)
+    back: list[bytes] = []
+    line.segment.receivers.append(back.append)
+    sent = frame(physical(7, 0, 0, 1))
+    plain, marked = (sent[:6] + bytes([first]) + sent[7:] for first in (0x10, 0x12))
+    line.segment.send(plain)
+    line.segment.send(marked)
+    line.wait()
+    assert [slave.sources for slave in line.slaves] == [[0x10, 0x12], [0x12, 0x12], [0x12, 0x12]]
+    assert back == [marked, marked]
+
+
+def test_each_receiver_has_a_frame_in_the_order_in_which_they_came() -> None:
+    line = Line()
+    came: list[tuple[str, int]] = []
+    line.segment.receivers += [
+        lambda frame: came.append(("second", len(frame))),
+        lambda frame: came.append(("third", len(frame))),
+    ]
+    line.send(2)
+    line.wait()
+    size = len(frame(physical(7, 0, 0, 1)))
+    assert came == [("second", size), ("third", size)] * 2
+    assert len(line.back) == 2
 
 
 @pytest.mark.parametrize("off", [0, 1, 2, 3])
