@@ -1,130 +1,22 @@
-"""A PLC task beside a CNC by hand: two axes, each with its own commands and its own state.
+"""A PLC task beside a CNC by hand: its instants, what it commands, what it reads.
 
 NC cycles at 600 us of each ms. What the program does in its cycles is a function of the test.
 """
 
 import random
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.machine.cnc_beside_task import Cnc, Script
 
 from axisrig.bench.machine.plc.hli import Hli, Inputs
-from axisrig.bench.machine.plc.task import PlcTaskRunner
-from axisrig.bench.machine.wiring.plc import TaskFault
-from axisrig.bench.rig.reading.plc_task import PlcTaskTable
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
-from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.plc.probing import LatchOrder, LatchTask
-from axisrig.kernel.time.clock import MS, US, Phase
-from axisrig.kernel.time.scheduler import new_scheduler
+from axisrig.kernel.time.clock import MS, US
 
 pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
-
-Script = Callable[[Inputs, Hli], None]
-PROGRAM = "class Program:\n    probe_on = False\n    def cycle(self, inputs, hli):\n        pass\n"
-
-
-class Carrier:
-    """Where positions are sampled so long before the SYNC; clocks: how far they are off."""
-
-    def __init__(self, age_ns: int, limit_ns: int | None, off_ns: int) -> None:
-        self._age_ns, self._limit_ns, self._off_ns = age_ns, limit_ns, off_ns
-
-    def sampled_ns(self, _axis: str, sync_ns: int) -> int:
-        return sync_ns - self._age_ns
-
-    def clock_limit_ns(self, _axis: str) -> int | None:
-        return self._limit_ns
-
-    def clocks_off_ns(self, _axis: str) -> int:
-        return self._off_ns
-
-
-class Link:
-    """An axis as its drive reports it."""
-
-    def __init__(self, name: str, actual_mm: float, inputs: int | None) -> None:
-        self.name, self.actual_mm, self.digital_inputs = name, actual_mm, inputs
-
-
-class Cnc:
-    """The CNC side; cycles: instant (ms) and number of each cycle of the PLC."""
-
-    def __init__(self, folder: Path, *, has_columns: bool = False, **keys: Any) -> None:
-        self.clock = new_scheduler()
-        self.plc = PlcInterface(self.clock, ("X", "Z"))
-        self.actuated, self.measuring, self.measured, self.beside = (set[str]() for _ in range(4))
-        self.links = [Link("X", 1.25003, None), Link("Z", -2.49997, 1 << 16)]
-        self.state = SimpleNamespace(name="RUNNING")
-        self.timing = SimpleNamespace(period_ns=MS)
-        self.sync_ns = 0
-        self.observers: list[Callable[[Any], None]] = []
-        self.measurement = SimpleNamespace(
-            is_actuated=self.actuated.__contains__,
-            state_of=lambda name: "ARMED" if name in self.measuring else None,
-            measured_acs_mm=lambda name: 1.0 if name in self.measured else None,
-        )
-        self.single = SimpleNamespace(
-            measuring_state=lambda name: "ARMED" if name in self.beside else None
-        )
-        path = folder / "plc.py"
-        path.write_text(PROGRAM, encoding="utf-8")
-        self.fault = TaskFault(self.clock)
-        self.switched: list[bool] = []
-        self.starts = 0
-        table = PlcTaskTable.model_validate({"period_us": 2000, "program": str(path), **keys})
-        self.runner = PlcTaskRunner(
-            table,
-            self,  # type: ignore[arg-type]
-            self.clock,
-            terminal=None,
-            program=self._program,
-            switch=self.switched.append,
-            carriers={"X": Carrier(0, None, 0), "Z": Carrier(125 * US, 700, 90)},
-            has_columns=has_columns,
-            trouble=self.fault,
-        )
-        self.cycles: list[tuple[float, int]] = []
-        self.script: Script = lambda _inputs, _hli: None
-        self.runner._program._cycle = self._run
-        self.columns: Callable[[], None] = lambda: None
-        self.held: list[str] = []
-        """What was held in each NC cycle: P = the path, else the names of axes."""
-        self.clock.call_at(600 * US, Phase.APPLICATION, self._cycle)
-
-    def _program(self) -> Iterator[canon.Command]:
-        self.starts += 1
-        return iter(())
-
-    def _run(self, inputs: Inputs, hli: Hli) -> None:
-        self.cycles.append((inputs.time_ns / MS, inputs.cycle))
-        self.script(inputs, hli)
-
-    def _cycle(self) -> None:
-        """One NC cycle: columns, the turn of the PLC, what the PLC may read of it."""
-        self.clock.call_at(self.clock.now_ns + MS, Phase.APPLICATION, self._cycle)
-        self.sync_ns = self.clock.now_ns // MS * MS
-        self.columns()
-        self.plc.take_turn()
-        held = "P" * self.plc.feedhold
-        held += "".join(name for name, unit in self.plc.axis.items() if unit.feedhold)
-        self.held.append(held)
-        for observer in self.observers:
-            observer(self)
-
-    def run(self, until_ms: float, script: Script | None = None) -> "Cnc":
-        if script is not None:
-            self.script = script
-        self.clock.run_until(round(until_ms * MS))
-        return self
-
-    def overrides(self) -> tuple[int, int, int]:
-        x, z = self.plc.axis.values()
-        return self.plc.override_permille, x.override_permille, z.override_permille
 
 
 # --- its instants
@@ -371,17 +263,20 @@ def test_each_axis_shows_its_own_state(tmp_path: Path) -> None:
 def test_a_cycle_sees_what_the_cnc_has_shown_before_it_not_at_the_same_instant(
     tmp_path: Path,
 ) -> None:
-    """Both at 600 us: the PLC reads the position of the NC cycle one ms before."""
+    """Both at 600 us: the PLC reads the position of the NC cycle one ms before, first of none.
+
+    The NC cycle of the first of these instants is called before that of the PLC.
+    """
     cnc = Cnc(tmp_path, offset_us=600)
     read: list[int] = []
-    cnc.columns = lambda: setattr(cnc.links[0], "actual_mm", cnc.clock.now_ns // MS * 1.0)
+    cnc.columns = lambda: setattr(cnc.links[0], "actual_mm", cnc.clock.now_ns // MS + 1.0)
 
     def script(_inputs: Inputs, hli: Hli) -> None:
         read.append(hli.ax["X"].lr_state.position_r)
 
     cnc.runner.start()
     cnc.run(7.0, script)
-    assert read == [0, 10_000, 30_000, 50_000]
+    assert read == [0, 20_000, 40_000, 60_000]
 
 
 def test_a_task_of_a_probe_is_handed_over_and_acknowledged_axis_by_axis(tmp_path: Path) -> None:
@@ -429,12 +324,58 @@ def test_units_of_a_probe_are_taken_while_they_are_enabled(tmp_path: Path) -> No
 
     cnc.runner.start()
     found = []
-    for until_ms in (1, 3, 5, 7):
+    for until_ms in (1, 3, 5, 7, 9):
         cnc.run(until_ms, script)
         writes = cnc.plc.axis["Z"].probing.writes
         found.append((writes.signal, writes.timestamp_ns, writes.position_units))
     on, off = (True, 123, -45), (None, None, None)
-    assert found == [off, on, on, off]
+    assert found == [off, on, on, off, off]
     assert cnc.plc.axis["X"].probing.writes.signal is None
     # What the CNC has taken the PLC sees in its next cycle
-    assert states == [(False, 0, 0), (False, 0, 0), (True, 123, -45), (True, 123, -45)]
+    taken, none = (True, 123, -45), (False, 0, 0)
+    assert states == [none, none, taken, taken, none]
+
+
+@pytest.mark.parametrize("is_zero", [False, True])
+@pytest.mark.parametrize("enabled", [*range(8)])
+def test_each_unit_of_a_probe_is_taken_where_it_is_enabled_also_with_0(
+    tmp_path: Path, enabled: int, is_zero: bool
+) -> None:
+    """Bits of `enabled`: signal, time stamp, position. What is not enabled is none, not 0."""
+    cnc = Cnc(tmp_path)
+    values = (False, 0, 0) if is_zero else (True, 123, -45)
+    wanted = [value if enabled >> place & 1 else None for place, value in enumerate(values)]
+
+    def script(_inputs: Inputs, hli: Hli) -> None:
+        control = hli.ax["Z"].lr_mc_control
+        units: Any = (control.probing_signal, control.timestamp, control.probing_position)
+        for place, (unit, value) in enumerate(zip(units, values, strict=True)):
+            unit.enable_w, unit.command_w = bool(enabled >> place & 1), value
+
+    cnc.runner.start()
+    cnc.run(1, script)
+    writes = cnc.plc.axis["Z"].probing.writes
+    assert [writes.signal, writes.timestamp_ns, writes.position_units] == wanted
+    other = cnc.plc.axis["X"].probing.writes
+    assert (other.signal, other.timestamp_ns, other.position_units) == (None, None, None)
+
+
+def test_a_task_of_a_probe_is_done_when_the_plc_has_taken_it_and_says_so(tmp_path: Path) -> None:
+    """`done_w` beside `please_rw` is that of the task before: it counts with please_rw taken back.
+
+    In the cycles from 2 ms on: done only, taken only, both.
+    """
+    cnc, idle = Cnc(tmp_path), list[bool]()
+    probing = cnc.plc.axis["Z"].probing
+    probing.give(LatchOrder(LatchTask.ENABLE, 3), 0)
+
+    def script(inputs: Inputs, hli: Hli) -> None:
+        unit = hli.ax["Z"].lr_mc_control.ext_latch
+        unit.done_w = inputs.cycle in (1, 3)
+        unit.please_rw = inputs.cycle < 2
+
+    cnc.runner.start()
+    for until_ms in (1, 3, 5, 7):
+        cnc.run(until_ms, script)
+        idle.append(probing.is_idle)
+    assert idle == [False, False, False, True]

@@ -11,7 +11,7 @@ from axisrig.bench.machine.recording import recorder
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
-from axisrig.bench.record.series import SeriesWriter
+from axisrig.bench.record.series import SeriesWriter, column_of
 from axisrig.kernel.time.clock import MS, US
 
 MOTION = {
@@ -60,8 +60,8 @@ class Recording:
         }
         axes = [RecordedAxis(name, plants[name], self.servos[name]) for name in plants]  # type: ignore[arg-type]
         self.whole: Any = SimpleNamespace(distances={}, now_ns=0)
-        probes = keys.pop("probes", {})
-        self.recorder = Recorder(self.whole, axes, probes, (), SeriesWriter(None), **keys)
+        probes, telegrams = keys.pop("probes", {}), keys.pop("telegrams", ())
+        self.recorder = Recorder(self.whole, axes, probes, telegrams, SeriesWriter(None), **keys)
 
     def cycle(self, number: int, now_ns: int, **syncs_ns: int) -> None:
         """Write the row of this cycle at an instant. syncs_ns: when axes have got their SYNC."""
@@ -239,11 +239,30 @@ def test_the_lag_that_a_drive_has_noted_at_its_ticks_counts_in_its_row(
 
 
 @pytest.mark.interpreted
+@pytest.mark.parametrize("noted_m", [0.0, 0.001, NO_TICK])
+def test_a_drive_that_has_noted_its_lag_is_believed_also_where_it_was_0(noted_m: float) -> None:
+    """Without a note the way between two rows bulges: motor at 4 mm/s where it goes 1 um in 1 ms.
+
+    Off by (1 - 4) um u (1 - u) (1 - 2 u), at its ticks of a quarter: by 3/32 of 3 um at most.
+    """
+    made = Recording({"X": Plant("X", "")})
+    made.servos["X"].lag_peak_m = noted_m
+    for number in (1, 2):
+        made.cycle(number, number * MS + 1, X=number * MS)
+    bulge_mm = 3e-3 * 3 / 32 if noted_m == NO_TICK else 0.0
+    found = made.table()["X.drive_lag_peak_mm"].to_numpy()
+    assert found == pytest.approx([2.0, 2.0 + bulge_mm], abs=1e-9)
+
+
+@pytest.mark.interpreted
 def test_a_stop_that_is_out_of_reach_when_the_program_begins_is_none(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     face = MOTION["X"][7]
-    for face_m, has_stop in ((99.9, True), (-99.9, True), (100.0, False), (1e6, False)):
+    for face_m, has_stop in (
+        *((99.9, True), (-99.9, True)),
+        *((100.0, False), (-100.0, False), (1e6, False), (-1e6, False)),
+    ):
         monkeypatch.setitem(MOTION, "X", [*MOTION["X"][:7], face_m])
         table, _ = written(2, 1, 0, monkeypatch)
         assert ("X.stop_mm" in table.column_names) is has_stop
@@ -367,3 +386,51 @@ def test_levels_of_wires_are_those_at_the_sync_of_the_row() -> None:
     assert asked == [MS + 48 * US, 2 * MS + 48 * US]
     assert table["p.signal"].to_pylist() == [1, 1]
     assert table["p.passed"].to_pylist() == [0, 1]
+
+
+@pytest.mark.interpreted
+def test_levels_of_several_wires_are_those_of_their_own_names() -> None:
+    """Signals in the order of the probes, then what passes of those that have wires, in theirs."""
+    probes: Any = {
+        name: SimpleNamespace(signal=SimpleNamespace(level=name == "q")) for name in "pqr"
+    }
+    wires: Any = {name: SimpleNamespace(level_at=lambda _, name=name: name == "p") for name in "rp"}
+    made = Recording({"X": Plant("X", "")}, probes=probes, wires=wires)
+    made.cycle(1, MS + 1, X=MS)
+    table = made.table()
+    levels = {name: table[name].to_pylist() for name in table.column_names if name[1] == "."}
+    found = {name: values for name, values in levels.items() if name[0] != "X"}
+    assert [*found] == ["p.signal", "q.signal", "r.signal", "r.passed", "p.passed"]
+    assert found == {
+        "p.signal": [0], "q.signal": [1], "r.signal": [0], "r.passed": [0], "p.passed": [1]
+    }  # fmt: skip
+
+
+class Counted:
+    """Telegrams that note for which rows they were asked, and whether these are the last ones."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.asked = name, list[tuple[list[int], bool]]()
+
+    def take_columns(self, times_ns: Any, *, is_last: bool) -> dict[str, Any]:
+        self.asked.append(((times_ns // MS).tolist(), is_last))
+        return {self.name: column_of(times_ns)}
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("rows", range(7))
+def test_only_the_last_block_says_that_it_is_the_last(
+    monkeypatch: pytest.MonkeyPatch, rows: int
+) -> None:
+    """Blocks of three, whole or not at the end: what came after the last row belongs to it."""
+    monkeypatch.setattr(recorder, "BLOCK_ROWS", 3)
+    telegrams: Any = [Counted("t.first"), Counted("t.second")]
+    made = Recording({"X": Plant("X", "")}, telegrams=telegrams)
+    for number in range(rows):
+        made.cycle(number, number * MS + 1, X=number * MS)
+    table = made.table()
+    assert table["time_ns"].to_pylist() == [number * MS for number in range(rows)]
+    whole = [[*range(rows)][begin : begin + 3] for begin in range(0, rows, 3)] or [[]]
+    for each in telegrams:
+        assert each.asked == [(block, block is whole[-1]) for block in whole]
+        assert table[each.name].to_pylist() == table["time_ns"].to_pylist()

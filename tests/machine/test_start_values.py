@@ -300,6 +300,7 @@ def test_a_mistake_of_the_rig_keeps_its_value_and_what_is_allowed(tmp_path: Path
     rig.write_text("[plant.p]\nfmu = 'p.fmu'\nstart = { many_mm = 3 }\n", encoding="utf-8")
     for start, value, allowed in (
         ({"many_mm": 3}, "mm", "a bare number"),
+        ({"many": True}, "true", None),  # as the rig has it
         ({"is_on": "Yes"}, "Yes", "true, false"),
         ({"shape": "Disc"}, "Disc", "Disk"),
         ({"turns": 10}, "10", "-9 .. 9 furlong"),
@@ -310,3 +311,15 @@ def test_a_mistake_of_the_rig_keeps_its_value_and_what_is_allowed(tmp_path: Path
         assert refused.value.message.startswith(f"{name}: ")
         assert (refused.value.value, refused.value.allowed) == (value, allowed)
         assert (refused.value.file, refused.value.line) == (str(rig), 3)
+
+
+def test_a_mistake_of_the_rig_says_how_to_write_it(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.toml"
+    rig.write_text("[plant.p]\nfmu = 'p.fmu'\nstart = { wear = '1,5' }\n", encoding="utf-8")
+    with pytest.raises(UserError) as refused:
+        Plant().take(rig=rig, wear="1,5", dip="-2,5")
+    errors = [refused.value, *refused.value.further]
+    assert [(error.value, error.hint) for error in errors] == [
+        ("1,5", "a decimal point, not a comma: 1.5"),
+        ("-2,5", "a decimal point, not a comma: -2.5"),
+    ]

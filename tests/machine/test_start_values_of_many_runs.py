@@ -151,3 +151,27 @@ def test_values_of_rig_and_row_for_one_variable_are_noted_in_both() -> None:
     settings = settings_with(True, p=["reach=3"])
     assert given(settings, "p", reach=2) == [("reach", 2.0), ("reach", 3.0)]
     assert ([*settings.bare_in_rig], [*settings.bare]) == (["plant:p.reach"], ["plant:p.reach"])
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"),
+    [
+        ("reach_mm=250", ("reach", 0.25)),
+        ("share=0.5", ("share", 0.5)),
+        ("count=-3", ("count", -3)),
+        ("gap_mm=2", ("gap_mm", 2.0)),
+        ("gap_mm_mm=2", ("gap_mm", 0.002)),
+        ("rate_s=2", ("rate_s", 2.0)),
+    ],
+)
+@pytest.mark.parametrize("of_rig", [True, False])
+def test_a_later_run_sets_the_same_variable_to_the_same_value(
+    cell: str, value: tuple[str, float], of_rig: bool
+) -> None:
+    name, _, text = cell.partition("=")
+    settings = settings_with(True, **({} if of_rig else {"p": [cell]}))
+    start = {name: float(text)} if of_rig else {}
+    for _ in range(3):
+        found = given(settings, "p", **start)
+        assert found == [value]
+        assert type(found[0][1]) is type(value[1])

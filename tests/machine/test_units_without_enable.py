@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tests.machine.test_plc_task_by_hand import Cnc
+from tests.machine.cnc_beside_task import Cnc
 
 from axisrig.bench.machine.plc.hli import Hli, Inputs
 

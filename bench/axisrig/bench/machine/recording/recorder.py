@@ -193,6 +193,8 @@ class Recorder:
         reported: list[float] = []
         for _, sensor in self._sensors:
             reported += self._reported(sensor, time_ns)
+        if len(self._times) == BLOCK_ROWS:
+            self._write()  # not before: the last block of a run has to say that it is the last
         # From here on nothing fails: a run that breaks off leaves whole rows
         self._times.append(time_ns)
         self._rows.add(row)
@@ -203,8 +205,6 @@ class Recorder:
         if self._sensors:
             self._distances.add(reported)
         self._controls.note(channel)
-        if len(self._times) == BLOCK_ROWS:
-            self._write()
 
     def _row_ns(self, channel: Channel) -> TimeNs:
         """Return the first SYNC of this cycle; the instant it was asked for without a plant.
