@@ -1,15 +1,22 @@
 """Which identifier a fault of frames acts on: of the rig's own mapping, of the set of CiA 301."""
 
+import random
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.can.segment import Segment
+from axisrig.bench.machine.faults.acts import Injected
 from axisrig.bench.machine.faults.frames import OnCan
+from axisrig.bench.machine.faults.injection import ON_CAN
 from axisrig.bench.rig.reading.faults import read_faults
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import new_scheduler
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 OWN = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field,note,cob_id
@@ -66,3 +73,52 @@ def test_a_fault_acts_on_the_identifier_that_its_telegram_has(
     assert on_can.cob_id(fault) == can_id
     segment = {"Y": "can2", "Z": "can3"}.get(target[0], "can1")
     assert on_can.segment(fault) is on_can.segments[segment]
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+@pytest.mark.parametrize("kind", ["cable_off", "bus_off"])
+def test_the_controller_that_goes_is_that_of_the_named_drive_on_its_segment(
+    on_can: OnCan, kind: str, axis: str
+) -> None:
+    """Ports of other drives and of the control stay; after it the port is there again."""
+    clock = new_scheduler()
+    with Segment("can1", 1_000_000, clock) as one, Segment("can2", 1_000_000, clock) as two:
+        segments = {"can1": one, "can2": two, "can3": two}
+        ports = {
+            (name, port): segment.port(port)
+            for name, segment in (("can1", one), ("can2", two))
+            for port in ("cnc", "Z", "X", "Y")
+        }
+        (fault,) = read_faults(kind, f"{axis} for=3ms", on_can.settings.rig)
+        on: OnCan = replace(on_can, clock=clock, segments=segments)
+        act = ON_CAN[kind](on, fault, random.Random(1), Injected(kind, axis))
+        gone = ("can1" if axis == "X" else "can2", axis)
+        assert [key for key, port in ports.items() if not port.takes_part] == []
+        act.begin()
+        clock.run_until(2 * MS)
+        assert [key for key, port in ports.items() if not port.takes_part] == [gone]
+        act.end()
+        clock.run_until(3 * MS)
+        assert [key for key, port in ports.items() if not port.takes_part] == []
+        assert (ports[gone].tec, ports[gone].rec) == (0, 0)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+def test_without_a_time_a_controller_that_is_bus_off_recovers_as_its_bus_lets_it(
+    on_can: OnCan, axis: str
+) -> None:
+    """128 times 11 recessive bits at 1 Mbit/s, 1.408 ms; not where the bus has no recovery."""
+    for recovers in (True, False):
+        clock = new_scheduler()
+        with Segment("can1", 1_000_000, clock, automatic_recovery=recovers) as segment:
+            port, other = segment.port(axis), segment.port("cnc")
+            segments = dict.fromkeys(on_can.settings.segment, segment)
+            (fault,) = read_faults("bus_off", axis, on_can.settings.rig)
+            on: OnCan = replace(on_can, clock=clock, segments=segments)
+            ON_CAN["bus_off"](on, fault, random.Random(1), Injected("bus_off", axis)).begin()
+            clock.run_until(1_407_999)
+            assert (port.takes_part, other.takes_part) == (False, True)
+            clock.run_until(1_408_000)
+            assert port.takes_part is recovers

@@ -224,6 +224,22 @@ def test_images_that_are_hit_are_counted_and_no_others(
     assert (record.hits, record.last_hit_ns) == (len(hit), max(hit, default=0) * MS)
 
 
+@pytest.mark.parametrize("place", ["lost", "missed", "late"])
+def test_two_faults_of_the_images_of_one_drive_are_both_asked(place: str) -> None:
+    """In the order in which they are built in; each counts its own hits."""
+    line = Line("probe-z-profidrive.toml")
+    cells = ("Z count=1", "Z skip=1")
+    acts, records = zip(*[line.do(f"image_{place}", cell) for cell in cells], strict=True)
+    asked = line.falls[place]["Z"]
+    assert len(asked) == 2
+    for act in acts:
+        act.begin()
+    assert [[falls() for falls in asked] for _ in range(3)] == [
+        [True, False], [False, True], [False, True]
+    ]  # fmt: skip
+    assert [record.hits for record in records] == [1, 2]
+
+
 def test_an_encoder_interface_breaks_off_with_the_code_of_its_cell() -> None:
     line = Line("probe-z-profidrive.toml")
     act, _ = line.do("encoder_error", "Z error=17")
