@@ -166,12 +166,16 @@ RECEIVED = "TPDO{a},1,0,0x6041,0,16,no,statusword\nTPDO{a},1,0,0x6064,0,32,yes,a
 
 
 @pytest.mark.parametrize(("of_latch", "of_count"), [(1, 2), (2, 1), (2, 2)])
+@pytest.mark.parametrize("is_turned", [False, True])
 def test_a_counter_proves_a_latch_of_its_own_telegram_alone(
-    tmp_path: Path, of_latch: int, of_count: int
+    tmp_path: Path, of_latch: int, of_count: int, is_turned: bool
 ) -> None:
-    text = RECEIVED.format(a=3) + f"TPDO{of_latch},1,0,latch,0,32,yes,latch\n"
-    text += f"TPDO{of_count},1,0,counter,0,16,no,latch_count\n"
-    pdos = Pdos(tmp_path / "map.csv", text)
+    """In whatever order the table has them."""
+    rows = [f"TPDO{of_latch},1,0,latch,0,32,yes,latch\n"]
+    rows.append(f"TPDO{of_count},1,0,counter,0,16,no,latch_count\n")
+    if is_turned and of_latch != of_count:
+        rows.reverse()
+    pdos = Pdos(tmp_path / "map.csv", RECEIVED.format(a=3) + "".join(rows))
     pdos.wire._bring(0x383, struct.pack("<Hi", OPERATION_ENABLED, 0))
     if of_latch == of_count:
         pdos.wire._bring(0x283, struct.pack("<iH", 11, 2))

@@ -65,6 +65,24 @@ def test_a_text_whose_length_was_not_announced_ends_with_its_last_segment() -> N
     assert asked == [0x40, 0x60, 0x70, 0x60]
 
 
+def test_each_segment_says_how_many_of_its_bytes_are_unused() -> None:
+    """Bits 1 to 3 of its command, in the last one and in those before it (CiA 301 7.2.4.3.6)."""
+    server, client = answering(
+        "4108100009000000", "0441424344450000", "1c46000000000000", "0947484900000000"
+    )
+    assert read(server, client) == b"ABCDEFGHI"
+
+
+def test_nothing_is_written_as_a_value_of_no_bytes() -> None:
+    """21 with a size of 0, then the last segment, whose seven bytes are unused."""
+    server, client = answering("6008100000000000", "2000000000000000")
+    found: list[Any] = []
+    client.write(NAME, 0, b"", found.append)
+    server.clock.run_until(90 * MS)
+    assert found == [b""]
+    assert server.asked == [_frame("2108100000000000"), _frame("0f00000000000000")]
+
+
 def test_what_is_no_answer_of_eight_bytes_about_the_object_is_passed_over() -> None:
     """Too short, about another object or sub-index; also an abort about another one."""
     server, client = answering()

@@ -205,6 +205,9 @@ def test_what_an_rpdo_will_carry_is_kept_as_it_is(signed: bool, value: int) -> N
     node.answer(b"\xfe\xff")
     assert node.kept == [(0x6072, 1, value)]
     assert node.ended == [None]
+    node.begin()  # a program may have sent another value; the drive has 0 again
+    node.answer(b"\0\0")
+    assert node.kept[1:] == [(0x6072, 1, 0)]
 
 
 @pytest.mark.parametrize(

@@ -153,6 +153,31 @@ def test_the_scaling_is_compared_where_the_drive_has_all_of_its_factors(
     assert not has_scaling(od)
 
 
+def test_beside_can_the_same_is_asked_and_written_without_a_bus() -> None:
+    """Device, identity, period, mode, scaling, reactions, free writes, what RPDOs keep; no NMT."""
+    settings = StartUpSettings(
+        boot="reset_node", identity={1: 0x11, 4: 0x44}, mode=9, options={0x605A: 2},
+        heartbeat_ms=100, sync_window_us=7, writes=[(0x6065, 0, 10)],
+    )  # fmt: skip
+    maps = {**telegrams(0x60BA)}
+    torque = (MappedObject(0x6072, 0, 16, False, ""),)
+    maps["RPDO2"] = type(maps["RPDO1"])("RPDO2", 1, 0, torque)
+    made = object_steps(settings, 2000, maps, SCALING, dictionary())
+    assert [(step.index, step.sub, step.expected) for step in made if isinstance(step, Check)] == [
+        (0x1000, 0, 402), (0x1018, 1, 0x11), (0x1018, 4, 0x44),
+    ]  # fmt: skip
+    writes = [step for step in made if isinstance(step, Write)]
+    assert [(step.index, step.sub, step.data) for step in writes] == [
+        (0x60C2, 1, b"\2"), (0x60C2, 2, b"\xfd"), (0x6060, 0, b"\x09"), (0x605A, 0, b"\2\0"),
+        (0x6065, 0, b"\x0a\0\0\0"),
+    ]  # fmt: skip
+    kinds = [type(step).__name__ for step in made]
+    assert kinds == [
+        *["Check"] * 3, *["Write"] * 3, "CheckScaling", *["Write"] * 2, "Keep",
+    ]  # fmt: skip
+    assert [step.name.rpartition(" = ")[2] for step in writes] == ["2", "-3", "9", "2", "0xA"]
+
+
 # The period of the set positions
 
 

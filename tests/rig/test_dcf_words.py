@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -98,6 +99,28 @@ def test_gear_and_feed_of_a_dcf_count_together(
         check_rig(settings)
 
 
+@pytest.mark.parametrize(
+    ("increments", "revolutions", "is_right"),
+    [
+        (1 << 20, 1, True), (3 << 20, 3, True), (1 << 19, 1, False), (1 << 20, 2, False),
+        (1 << 21, 1, False),
+    ],
+)  # fmt: skip
+def test_the_encoder_of_a_dcf_counts_by_its_revolutions(
+    with_eds: Callable[..., Settings], increments: int, revolutions: int, is_right: bool
+) -> None:
+    """CiA 402-2, 608F: encoder increments per motor revolutions; the rig has 2^20 on one."""
+    text = changed(EDS, "608Fsub1", ParameterValue=str(increments))
+    settings = with_eds(changed(text, "608Fsub2", ParameterValue=str(revolutions)), suffix="dcf")
+    if is_right:
+        check_rig(settings)
+        return
+    with pytest.raises(UserError, match="scales the position otherwise") as caught:
+        check_rig(settings)
+    shown = f"{Fraction(increments, revolutions)} increments and 1048576 position units"
+    assert str(caught.value.value).startswith(shown)
+
+
 @pytest.mark.parametrize("zero", ["6091sub1", "6091sub2", "6092sub1", "6092sub2", "608Fsub2"])
 def test_a_0_of_a_dcf_is_its_value_and_not_the_default(
     with_eds: Callable[..., Settings], zero: str
@@ -128,6 +151,7 @@ PDOMapping=0
         ("607Dsub1", -20000.0, None),  # beyond that of the list
         ("6065", 0.5, "window of 0.500 mm (6065)"),
         ("6065", 5.0, None),
+        ("6065", 0.0, "window of 0.000 mm (6065)"),  # the tightest one (CiA 402-2)
     ],
 )
 def test_limits_of_a_dcf_that_act_first_are_named(
@@ -140,6 +164,28 @@ def test_limits_of_a_dcf_that_act_first_are_named(
     )
     found = [text for text in eds_warnings(settings) if "the drive stops first" in text]
     assert [words in text for text in found] == [True] * (words is not None)
+
+
+@pytest.mark.parametrize(
+    ("sub", "units", "named"),
+    [
+        (2, 10_485_760, None), (2, 10_485_759, "kenngr.swe_pos"), (2, 10_485_761, None),
+        (1, -5_242_880, None), (1, -5_242_879, "kenngr.swe_neg"), (1, -5_242_881, None),
+        (1, 0, "kenngr.swe_neg"), (2, -5_242_880, "kenngr.swe_pos"),
+    ],
+)  # fmt: skip
+def test_limits_of_a_dcf_are_named_only_inside_those_of_the_list(
+    rig_file: Write, settings_of: Read, sub: int, units: int, named: str | None
+) -> None:
+    """The list has -50 mm and 100 mm (in 0.1 um); 10485760 units are 100 mm, which is no less."""
+    path = rig_file((DRIVE, f'{DRIVE}eds = "foreign.dcf"\n'))
+    text = changed(EDS, f"607Dsub{sub}", ParameterValue=str(units))
+    (path.parent / "foreign.dcf").write_text(text, encoding="utf-8")
+    settings = settings_of(path, "set:Z.kenngr.swe_neg=-500000", "set:Z.kenngr.swe_pos=1000000")
+    found = [text for text in eds_warnings(settings) if "the drive stops first" in text]
+    assert [f"(607D:{sub})" in text and f"({named})" in text for text in found] == [True] * (
+        named is not None
+    )
 
 
 def test_node_and_bit_rate_of_a_dcf_that_changes_are_read_again(tmp_path: Path) -> None:

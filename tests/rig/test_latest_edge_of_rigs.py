@@ -47,6 +47,33 @@ def test_check_tells_how_late_a_status_may_be(
     assert all(len(line) <= 80 for line in lines)
 
 
+@pytest.mark.parametrize("measuring", ["", "X", "Y", "Z", "XY", "XZ", "YZ", "XYZ"])
+def test_each_axis_that_may_measure_has_its_own_lines(
+    rig_above: SettingsOf, measuring: str
+) -> None:
+    """X bears one missing telegram, Y and Z three with 2 SYNCs of update delay in Z."""
+    text = """
+        [cycle]
+        cycle_offset_us = 640
+        [drive.strict]
+        missing_cycles = 1
+        [drive.late]
+        profile = "late-status"
+        [axis.X]
+        drive = "strict"
+        [axis.Z]
+        drive = "late"
+    """
+    flags = [f"set:{axis}.kenngr.messachse={int(axis in measuring)}" for axis in "XYZ"]
+    lines = describe_arrival(rig_above("probe-xyz.toml", text, *flags))
+    late_ms = {"X": 1.64, "Y": 3.64, "Z": 5.64}
+    assert lines[::2] == [
+        f"axis {axis}, edge at standstill: believed up to {late_ms[axis]} ms after that SYNC"
+        for axis in measuring
+    ]
+    assert len(lines) == 2 * len(measuring)
+
+
 @pytest.mark.parametrize(
     ("stamp", "message"),
     [

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.rig.canopen.checks import check_latch_of
 from axisrig.bench.rig.canopen.schedule import axis_telegrams, has_latch_counter, segment_schedules
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
@@ -275,6 +276,27 @@ def test_drive_defined_needs_60d0(rig_file: Write, settings_of: Read) -> None:
     assert error.allowed == "CNC_DEFINED"
     check_rig(settings_of(path, f"{asked}=CNC_DEFINED"))
     check_rig(settings_of(path, f"{asked}=DEFAULT"))
+
+
+@pytest.mark.parametrize("number", [1, 2])
+@pytest.mark.parametrize("lacks", ["60D0.1", "60D0.2", "60D0"])
+@pytest.mark.parametrize("bits", ["latched", "ignored"])
+def test_each_input_has_a_trigger_source_of_its_own(
+    rig_file: Write, settings_of: Read, number: int, lacks: str, bits: str
+) -> None:
+    """60D0:1 is that of probe 1; a drive that ignores the bits for it needs none."""
+    keys = f'lead_mm = 10.0\nlacks = "{lacks}"\n'
+    keys += 'source_bits = "ignored"\n' if bits == "ignored" else ""
+    settings = settings_of(
+        rig_file(("lead_mm = 10.0", keys)),
+        f"set:Z.kenngr.measure.input={number}",
+        "set:Z.antr.canopen.probing_trigger_source=DRIVE_DEFINED",
+    )
+    if bits == "ignored" or lacks == f"60D0.{3 - number}":
+        check_latch_of(settings, "Z")
+        return
+    with pytest.raises(UserError, match=f"asks for object 60D0:{number} and the drive does not"):
+        check_latch_of(settings, "Z")
 
 
 def test_all_mistakes_of_a_rig_are_reported_at_once(rig_file: Write, settings_of: Read) -> None:

@@ -171,6 +171,9 @@ def test_a_cyclic_function_that_no_rpdo_carries_is_refused(
     error = _refused(settings_of(path))
     assert "no RPDO carries its object freely" in error.message
     assert (error.file, error.value) == (str(path), "0x6072:0")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert error.line is not None
+    assert lines[error.line - 1].startswith("list = ")  # which declares it
 
 
 def test_paths_of_a_base_are_relative_to_the_base(rig_file: Write, tmp_path: Path) -> None:
@@ -203,6 +206,33 @@ def test_an_rpdo_may_be_missing_as_often_as_a_tpdo_and_half_a_cycle(
     """Deadline of the RPDO in ms, sub-index 5 of 1400 (CiA 301), rounded up."""
     keys = StartUpKeys(missing_cycles=missing, rpdo_timeout_ms=given)
     assert deadlines_ms(keys, period_us, is_real=is_real) == [timeout_ms]
+
+
+@pytest.mark.parametrize(("interface", "timeout_ms"), [("simulated", 5), ("socketcan", 100)])
+def test_the_deadline_of_an_axis_is_that_of_its_bus(
+    rig_file: Write, settings_of: Read, interface: str, timeout_ms: int
+) -> None:
+    is_real = interface != "simulated"
+    keys = [f"bus:can1.interface={interface}", "bus:can1.channel=can0"] if is_real else []
+    settings = settings_of(rig_file(), *keys)
+    assert [write for write in _written(settings) if write[:2] == (0x1400, 5)] == [
+        (0x1400, 5, timeout_ms)
+    ]
+
+
+@pytest.mark.parametrize("keys", ["", 'profile = "late-status"\n'])
+@pytest.mark.parametrize("has_eds", [False, True])
+def test_a_profile_is_named_where_it_says_what_the_drive_has(
+    rig_file: Write, settings_of: Read, keys: str, has_eds: bool
+) -> None:
+    """The EDS of a rig says it in its place, and the profile of our own is no news."""
+    eds = 'eds = "foreign.eds"\n' if has_eds else ""
+    path = rig_file((DRIVE, DRIVE + keys + eds + 'sdo = [["0x5FFF:0", 1]]\n'))
+    (path.parent / "foreign.eds").write_text(eds_text(DriveProfile()), encoding="utf-8")
+    error = _refused(settings_of(path))
+    assert "the drive has no such object" in error.message
+    assert ("(profile late-status)" in error.message) is (bool(keys) and not has_eds)
+    assert "drive servo of axis Z" in error.message
 
 
 def deadlines_ms(keys: StartUpKeys, period_us: int = 1000, *, is_real: bool = False) -> list[int]:
