@@ -235,3 +235,15 @@ def test_a_real_drive_is_reported_with_what_nobody_checks(
     assert found.startswith("drive with node 3 on socketcan can7;")
     assert "encoder 4096 increments per revolution, lead 5 mm" in found
     assert found.endswith(f"{per_mm} position units per mm ({words})")
+
+
+@pytest.mark.parametrize(
+    ("key", "where"), [("channel = 0", "pcan 0"), ('channel = "0"', "pcan 0"), ("", "pcan")]
+)
+def test_a_real_bus_is_reported_with_its_channel_if_it_has_one(
+    make: Make, key: str, where: str
+) -> None:
+    """Some interfaces count their channels from 0 on."""
+    text = f'[segment.can1]\ninterface = "pcan"\n{key}'
+    found = canopen.FAMILY.outside(make("probe-z.toml", text), "Z")
+    assert found.startswith(f"drive with node 3 on {where};")
