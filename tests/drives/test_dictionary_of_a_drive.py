@@ -307,6 +307,10 @@ def test_a_key_that_is_no_number_is_refused_with_its_line(tmp_path: Path) -> Non
         ("[A]\nKey=ä\n".encode("utf-8-sig"), "ä", ["the file begins with a byte order mark"]),
         ("[A]\nKey=ä\n".encode("utf-16"), "ä", ["the file begins with a byte order mark"]),
         ("[A]\nKey=ä\n".encode("cp1252"), "ä", ["the file is no UTF-8 and is read as cp1252"]),
+        # A byte that is no sign of either keeps its place
+        (b"[A]\nKey=a\x81\xe4\n", "a\ufffdä", ["the file is no UTF-8 and is read as cp1252"]),
+        # Zeros up to the end of a block, as some tools fill files up
+        (b"[A]\nKey=x\n\0\0\0", "x", []), (b"[A]\nKey=x\n\0\x1a\0\n", "x", []),
         (b"; [B]\n# no\n[ A ] ; first\r\nKey=x\r\nno key\r\n\x1a", "x",
          ["line 5 is neither section nor key and is left out"]),
         (b"[A]\nKey=x\nkey=x\n", "x", ["is there twice with one value, lines 2 and 3"]),

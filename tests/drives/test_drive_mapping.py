@@ -221,6 +221,20 @@ BOTH = (
 )
 
 
+@pytest.mark.parametrize(("written", "sub"), [("10", 10), ("0x10", 16), ("0", 0), ("0xff", 255)])
+def test_a_sub_index_is_decimal_unless_it_says_otherwise(
+    tmp_path: Path, written: str, sub: int
+) -> None:
+    """An index is hexadecimal with or without 0x; bits and times are as a sub-index."""
+    table = tmp_path / "map.csv"
+    text = BOTH.format(target="target", speed="") + f"RPDO3,254,0x10,2000,{written},0x8,no,\n"
+    table.write_text(text, encoding="utf-8")
+    found = telegrams(0x60BA, str(table))["RPDO3"]
+    (mapped,) = found.objects
+    assert (mapped.index, mapped.sub, mapped.bits) == (0x2000, sub, 8)
+    assert found.inhibit_100us == 16
+
+
 @pytest.mark.parametrize("speed", [False, True])
 @pytest.mark.parametrize("fields", [("target", "speed"), ("target", ""), ("", "speed")])
 def test_of_set_position_and_set_speed_the_mode_of_the_drive_takes_one(

@@ -222,6 +222,27 @@ def test_names_of_a_short_array(written: Callable[..., str]) -> None:
     assert [array[sub].name for sub in (1, 2, 3, 4)] == ["Gains", "Gains 2", "third", "Gains 4"]
 
 
+@pytest.mark.parametrize("title", ["2100Name", "2100NAME", "2100name"])
+def test_only_the_table_of_names_gives_names(written: Callable[..., str], title: str) -> None:
+    """CiA 306-1 has tables of values, denotations and links too, and each title in any letters."""
+    tables = "".join(
+        f"[{each}]\nNrOfEntries=2\n1={word}1\n4={word}4\n\n"
+        for each, word in (
+            ("2100Value", "7"), ("2100Denotation", "meant"), (title, "named"),
+            ("2100ObjectLinks", "0x2101"), ("2101Name", "other"),
+        )
+    )  # fmt: skip
+    array = (
+        "[{0}]\nParameterName=Gains\nObjectType=0x8\nDataType=6\nAccessType=rw\nCompactSubObj=4\n\n"
+    )
+    text = "[FileInfo]\n\n" + tables + array.format(2100) + array.format(2102)
+    od = read_eds(written(text), NODE)
+    names = [[od[index][sub].name for sub in (1, 2, 3, 4)] for index in (0x2100, 0x2102)]
+    assert names == [
+        ["named1", "Gains 2", "Gains 3", "named4"], ["Gains", "Gains 2", "Gains 3", "Gains 4"],
+    ]  # fmt: skip
+
+
 def _read(path: str) -> tuple[Values, UserError | None]:
     try:
         return values_of(read_eds(path, NODE)), None

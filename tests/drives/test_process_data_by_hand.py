@@ -136,6 +136,20 @@ def test_a_status_word_that_fits_no_state_counts_as_missing_each_time() -> None:
     ]  # fmt: skip
 
 
+def test_a_status_word_is_looked_at_wherever_it_is_in_its_telegram(tmp_path: Path) -> None:
+    """Behind the position: 0x0001 in its low word is a place, and no state."""
+    text = "TPDO1,1,0,0x6064,0,32,yes,actual\nTPDO1,1,0,0x6041,0,16,no,statusword\n"
+    pdos = Pdos(tmp_path / "map.csv", text)
+    for place, word, is_good in (
+        (NO_STATE, OPERATION_ENABLED, True), (OPERATION_ENABLED, NO_STATE, False),
+        (0, SWITCHED_ON, True), (-1, NO_STATE, False),
+    ):  # fmt: skip
+        pdos.wire._bring(0x183, struct.pack("<iH", place, word))
+        found = known(pdos.take())
+        assert found == ({"actual": place, "statusword": word} if is_good else {})
+        assert [each[0] for each in pdos.alarms()] == [] if is_good else [WRONG_STATE]
+
+
 def test_the_cause_is_that_of_the_last_cycle() -> None:
     pdos = Pdos()
     pdos.first(NO_STATE)

@@ -118,13 +118,17 @@ def test_the_type_is_written_as_the_table_has_it(name: str, number: int) -> None
         (0x203, 0x203), (None, 0x283), (0, 0x283),
     ],
 )  # fmt: skip
+@pytest.mark.parametrize("access", ["rw", "ro"])
 def test_a_tpdo_that_nobody_uses_is_off_with_the_identifier_that_it_has(
-    default: int | None, is_off_as: int
+    default: int | None, is_off_as: int, access: str
 ) -> None:
-    """Of its file; where that says none, the one of the pre-defined connection set."""
+    """Of its file; where that says none, the one of the pre-defined connection set.
+
+    One that cannot be written is not: `axisrig check` names it.
+    """
     od = dictionary()
     od.indices[0x1801] = deepcopy(od[0x1801])
-    od[0x1801][1].default = default
+    od[0x1801][1].default, od[0x1801][1].access_type = default, access
     steps = start_up_steps(
         StartUpSettings(scaling_check=False), BusSettings(),
         {"TPDO1": Telegram("TPDO1", 1, 0, (STATUS,))}, NODE, Scaling(1, Fraction(1)), od,
@@ -132,7 +136,7 @@ def test_a_tpdo_that_nobody_uses_is_off_with_the_identifier_that_it_has(
     found = [step for step in steps if isinstance(step, Write) and step.index == 0x1801]
     assert [(each.sub, int.from_bytes(each.data, "little")) for each in found] == [
         (1, is_off_as | OFF)
-    ]
+    ] * (access == "rw")
 
 
 # Times

@@ -124,6 +124,17 @@ def test_a_drive_boots_by_the_command_of_its_declaration(boot: Any, command: Any
     assert isinstance(made[-1], Nmt)
 
 
+def test_values_of_a_dcf_go_to_their_own_places_after_the_identity() -> None:
+    """In the order of objects and sub-indices, each with its name; then the SYNC."""
+    od = dictionary(0x6091, 0x6065)
+    od[0x6091][2].value, od[0x6091][1].value, od[0x6065].value = 3, 7, 500
+    made = [step for step in steps(od=od) if isinstance(step, Write)]
+    assert [(step.index, step.sub, int.from_bytes(step.data, "little")) for step in made[:4]] == [
+        (0x6065, 0, 500), (0x6091, 1, 7), (0x6091, 2, 3), (0x1005, 0, 0x80),
+    ]  # fmt: skip
+    assert made[2].name == f"DCF: 0x6091:2 {od[0x6091][2].name} = 3"
+
+
 # Scaling
 
 

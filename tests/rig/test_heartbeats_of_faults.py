@@ -33,7 +33,17 @@ def test_an_assignment_that_switches_them_on_lets_them_be_lost(
     assert not found.written.drive["servo"].shows_life
 
 
-@pytest.mark.parametrize("change", [SENDS, GUARDED, WRITES])
+SECOND = (WRITES[0], WRITES[1].replace("[[", '[["0x6065:0", 5], ["0x1018:0", 1], ['))
+OTHERS = (WRITES[0], WRITES[1].replace("0x1017:0", "0x1016:1"))
+
+
+def test_a_write_of_another_object_sends_no_heartbeats(rig_file: Write, settings_of: Read) -> None:
+    """1016 is the watch of the drive over others, 1017 the time of its own (CiA 301)."""
+    with pytest.raises(UserError, match=REFUSED):
+        settings_of(rig_file(OTHERS), LOST)
+
+
+@pytest.mark.parametrize("change", [SENDS, GUARDED, WRITES, SECOND])
 def test_a_rig_that_has_them_lets_them_be_lost(
     rig_file: Write, settings_of: Read, change: tuple[str, str]
 ) -> None:

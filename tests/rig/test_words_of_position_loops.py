@@ -189,3 +189,19 @@ def test_the_lag_of_a_ramp_is_the_speed_over_the_gain() -> None:
     assert ramp_lag_mm(100.0, 25.0) == pytest.approx(4.0)
     assert ramp_lag_mm(-100.0, 25.0, 0.75) == pytest.approx(-1.0)
     assert ramp_lag_mm(100.0, 25.0, 1.0) == 0.0
+
+
+def test_each_axis_has_gain_and_feed_forward_of_its_own_list(rig_above: Read) -> None:
+    """P-AXIS-00099 in 0.01 1/s; the loop of Y is in its drive."""
+    text = '[drive.speed]\nmode = 9\n[axis.X]\ndrive = "speed"\n[axis.Z]\ndrive = "speed"'
+    settings = rig_above(
+        "probe-xyz.toml", text, "set:X.getriebe[0].kv=1200", "set:Y.getriebe[0].kv=1700",
+        "set:Z.getriebe[0].kv=2300",
+    )  # fmt: skip
+    found = {axis: loop_settings(settings, axis) for axis in "XYZ"}
+    assert {axis: loop and loop.kv_per_s for axis, loop in found.items()} == {
+        "X": 12.0, "Y": None, "Z": 23.0,
+    }  # fmt: skip
+    for axis, kv in (("X", "12"), ("Z", "23")):
+        (line,) = describe_loop(settings, axis, 0)
+        assert line.startswith(f"axis {axis}: the CNC closes the position loop: Kv {kv} 1/s")

@@ -140,6 +140,20 @@ def test_bit_13_is_an_alarm_with_what_the_drive_tells() -> None:
         cycles(axis, BLIND_CYCLES + 4 * SDO_CYCLES)
 
 
+def test_the_alarm_has_the_status_word_of_the_failure_and_not_a_later_one() -> None:
+    """The drive takes its bit back while it is asked for method and error."""
+    drive = Drive()
+    axis, _ = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES)
+    drive.statusword = FAILED | 0x0237
+    cycles(axis, BLIND_CYCLES)
+    assert axis.phase is Phase.EXPLAINING
+    drive.statusword = 0x0217
+    with pytest.raises(Alarm) as caught:
+        cycles(axis, 4 * SDO_CYCLES)
+    assert caught.value.values["statusword"] == "0x2237"
+
+
 @pytest.mark.parametrize(("limit_ns", "limit"), [(HOMING_LIMIT_NS, "300 s"), (S // 2, "0.5 s")])
 def test_a_homing_without_end_is_an_alarm(limit_ns: TimeNs, limit: str) -> None:
     drive = Drive()

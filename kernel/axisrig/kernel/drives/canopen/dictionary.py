@@ -54,10 +54,11 @@ def _complete_arrays(od: ObjectDictionary, text: EdsText) -> None:
     for index, count in text.compact.items():
         array = od[index]
         assert isinstance(array, ODArray)
+        name = array[1].name  # the file may give the first member one of its own
         for sub in range(1, min(count, 254) + 1):
             if sub not in array.subindices:
                 member = copy(array[1])
-                member.subindex, member.name = sub, f"{array[1].name} {sub}"
+                member.subindex, member.name = sub, f"{name} {sub}"
                 array.add_member(member)
             array[sub].name = text.names.get((index, sub), array[sub].name)
 
