@@ -1,5 +1,6 @@
 """Notes on parameter and offset lists, the kind of a list, and the values that `params` shows."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -148,6 +149,8 @@ def test_values_of_a_rig_are_chosen_by_all_words_or_by_one_parameter() -> None:
     both = "\n".join(contents.blocks_text(parts, ["p-axis-00209", "rapid"]))
     assert "vb_eilgang" in both
     assert contents.blocks_text(parts, ["rapid", "zebra"]) == []
+    assert contents.blocks_text(parts, ["P-AXIS-00209", "zebra"]) == []  # each word has to occur
+    assert contents.blocks_text(parts, ["zebra", "P-AXIS-00209"]) == []
     # Without words what is set alone
     of_set = "\n".join(contents.blocks_text(parts, None))
     assert "vb_eilgang" in of_set
@@ -269,3 +272,22 @@ def test_axes_without_a_name_are_counted_from_1(tmp_path: Path) -> None:
     path.write_text("getriebe[0].vb_eilgang 5\n", encoding="utf-8")
     assert list(contents.read_parts(path)) == ["#1"]
     assert contents_text(path).splitlines()[0] == "axis #1"
+
+
+@pytest.mark.parametrize(
+    ("line", "kind"),
+    [
+        ("kenngr.messachse 1", None),
+        ("antr.sercos.mdt_offset 300", None),  # this one does not act, others of its kind do
+        ("messtyp 1", None),
+        ("auto_memory_mode 1", "external"),
+        ("mds_time_slots 1", "startup"),
+    ],
+)
+def test_a_list_of_which_nothing_can_act_is_said_to_change_nothing(
+    tmp_path: Path, line: str, kind: str | None
+) -> None:
+    path = tmp_path / "own.lst"
+    path.write_text(f"{line}\n", encoding="utf-8")
+    found = re.findall(r"a list of this kind \((\w+)\) is read", contents.contents_text(path))
+    assert found == ([] if kind is None else [kind])
