@@ -3,8 +3,10 @@
 from typing import Any
 
 import pytest
-from tests.drive_node.servo_alone import FOLLOWS, PER_M, REACHED, ServoAlone
+from tests.drive_node.servo_alone import FOLLOWS, LIMITED, PER_M, REACHED, ServoAlone
 
+from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
+from axisrig.bench.drive.cia402.functions.states import StateMachine
 from axisrig.kernel.profiles.cia402.ds402 import State
 
 RATES = {"profile_acceleration": 10 * PER_M, "profile_deceleration": 10 * PER_M}
@@ -134,3 +136,49 @@ def test_each_of_605b_and_605c_says_how_its_own_transition_stops(
         cycles(one, 20)
     assert one.servo.state.name == last
     assert not one.axis.commands[-1].enabled
+
+
+# What changes once
+
+
+@pytest.mark.parametrize("code", [2, 5, 6, 7, 8])
+def test_each_state_is_reported_once_however_long_it_lasts(code: int) -> None:
+    """A quick stop that stays active is looked at in each cycle, and is one state."""
+    image = ProcessImage(quick_stop_option=code)
+    states: list[State] = []
+    machine = StateMachine(image, states.append)
+    for word in (0x06, 0x07, 0x0F, 0x02):
+        image.controlword = word
+        machine.command()
+    for _ in range(4):
+        machine.arrive()
+        machine.command()
+    wanted = ["READY_TO_SWITCH_ON", "SWITCHED_ON", "OPERATION_ENABLED", "QUICK_STOP_ACTIVE"]
+    wanted += ["SWITCH_ON_DISABLED"] if code == 2 else []
+    assert [state.name for state in states] == wanted
+
+
+def test_a_plant_without_forces_has_no_torque(fake_axis: Any) -> None:
+    """6077 and 6078 are 0, and no limit of the torque is reached."""
+    axis = fake_axis()
+    axis.force_n = lambda: None
+    one = ServoAlone(axis, 8, positive_torque_limit=1, negative_torque_limit=1)
+    one.cycle()
+    one.servo.refresh(one.now_ns)
+    assert (one.image.torque_actual, one.image.current_actual) == (0, 0)
+    assert one.image.statusword & LIMITED == 0
+
+
+@pytest.mark.parametrize("feed", [1 << 20, 10_000, 2_000_000_000])
+def test_no_speed_limit_is_none_in_any_unit(fake_axis: Any, feed: int) -> None:
+    """607F and 6080 FFFFFFFF; the largest number of fine units would be 21 mm/s."""
+    one = ServoAlone(fake_axis())
+    one.write(controlword=0)
+    one.write(feed=feed, max_profile_velocity=0xFFFF_FFFF, max_motor_speed=0xFFFF_FFFF)
+    limits = one.servo.limits
+    assert (limits.profile_m_s, limits.speed_m_s) == (float("inf"), float("inf"))
+    one.write(max_profile_velocity=0xFFFF_FFFE)
+    assert limits.profile_m_s == pytest.approx(0xFFFF_FFFE / feed * 0.01)
+    one.write(max_motor_speed=0xFFFF)  # rev/min of 10 mm
+    assert limits.speed_m_s == pytest.approx(0xFFFF / 60 * 0.01)
+    assert limits.profile_m_s == pytest.approx(min(0xFFFF / 60 * 0.01, 0xFFFF_FFFE / feed * 0.01))

@@ -7,7 +7,7 @@ from tests.sercos.test_scaling_of_a_drive import EXPONENT, FACTOR, Scaled
 from tests.sercos.test_sercos_faults_by_hand import FOLLOW, Hand
 
 from axisrig.kernel.profiles.ethercat.tables import AlState
-from axisrig.kernel.profiles.sercos.service import Operation, ident_number, read_list
+from axisrig.kernel.profiles.sercos.service import Operation, ident_number, pack_list, read_list
 
 WINDOW, DISTANCE, TORQUE = "S-0-0159", "S-0-0189", "S-0-0092"
 
@@ -160,3 +160,74 @@ def test_a_value_is_protected_in_its_own_phases(ident: str, data: str, protected
         one.drive.states.state = state
         refused = one.written(ident, bytes.fromhex(data))
         assert refused == ("PROTECTED" if phase in protected else None)
+
+
+def test_a_reset_of_no_error_is_done_at_once() -> None:
+    """S-0-0099: 3 and no change in the status word is waited for; the next one is as good."""
+    one = Standing()
+    for _ in range(2):
+        assert one.written("S-0-0099", b"\x03\x00") is None
+        assert one.state("S-0-0099") == "DONE"
+        assert one.drive.front.is_resetting is False
+        one.cycle(FOLLOW, 3)
+        assert one.written("S-0-0099", b"\x00\x00") is None
+        assert one.state("S-0-0099") == "IDLE"
+
+
+@pytest.mark.parametrize("period_us", [500, 1000, 2000, 8000])
+def test_the_cycle_of_the_bus_is_the_time_of_a_set_value(period_us: int) -> None:
+    """S-0-0002, in phase 2."""
+    one = Standing()
+    one.drive.states.state = AlState.PREOP
+    assert one.written("S-0-0002", period_us.to_bytes(2, "little")) is None
+    assert one.drive.servo.interpolation.period_ns() == period_us * 1000
+
+
+@pytest.mark.parametrize(("mine", "other"), [("S-0-0405", "S-0-0406"), ("S-0-0406", "S-0-0405")])
+@pytest.mark.parametrize("bit", ["S-0-0301", "S-0-0303"])
+def test_an_enable_that_a_real_time_bit_has_is_written_by_it_alone(
+    mine: str, other: str, bit: str
+) -> None:
+    """0 may be written, and the other enable is free."""
+    one = Hand(profile="two_probes")
+    assert one.written(bit, ident_number(mine).to_bytes(2, "little")) is None
+    assert one.written(mine, b"\x01\x00") == "BY_OTHERS"
+    assert one.written(mine, b"\x00\x00") is None
+    assert one.written(other, b"\x01\x00") is None
+    assert one.written(bit, b"\x00\x00") is None
+    assert one.written(mine, b"\x01\x00") is None
+
+
+def test_a_write_acts_from_its_instant_on() -> None:
+    """Units between two cycles: what moved until then was latched in the old ones."""
+    edge_ns = 10_400_000
+    one = Hand((edge_ns,), place_m=0.0)
+    axis = one.drive.servo.axis
+    axis.motion = lambda time_s: 0.05 * time_s  # type: ignore[attr-defined]
+    for ident, value in (("S-0-0169", 1), ("S-0-0405", 1), ("S-0-0170", 3)):
+        assert one.written(ident, value.to_bytes(2, "little")) is None
+    one.cycle(0, 10)
+    one.clock.run_until(edge_ns + 300_000)
+    assert axis.now_ns == 10_000_000  # type: ignore[attr-defined]
+    assert one.written(TORQUE, (500).to_bytes(2, "little")) is None
+    assert axis.now_ns == edge_ns + 300_000  # type: ignore[attr-defined]
+    assert one.number("S-0-0409") == 1
+
+
+@pytest.mark.parametrize(
+    ("listed", "carried"),
+    [
+        ((51,), {"position_actual"}),
+        ((51, 53), {"position_actual", "second_position"}),
+        ((53, 51), {"position_actual", "second_position"}),
+        ((), set()),
+    ],
+)
+def test_what_the_at_carries_is_what_the_drive_has_to_sample(
+    listed: tuple[int, ...], carried: set[str]
+) -> None:
+    """S-0-0016 of the AT; the MDT has the set position alone."""
+    one = Hand()
+    one.drive.states.state = AlState.PREOP
+    assert one.written("S-0-0016", pack_list(listed, 2, len(listed))) is None
+    assert one.drive.telegrams.compile() == carried

@@ -1,11 +1,14 @@
 """Homing: what the statusword says on the way, what breaks it off, and where the zero lies."""
 
+import math
+
 import pytest
 from homing_machine import (
     ATTAINED,
     LATE_MM,
     LIMITED,
     REACHED,
+    SLOW,
     UNITS_PER_MM,
     UPPER,
     Bench,
@@ -169,3 +172,45 @@ def test_reset_at_the_stop_lifts_its_torque_limit() -> None:
     assert bench.axis.limits_n[-1][1] < 1000
     bench.servo.reset(bench.scheduler.now_ns)
     assert bench.axis.limits_n[-1][1] > 60_000
+
+
+@pytest.mark.parametrize(("method", "start_mm"), [(20, 14.0), (22, -14.0), (24, 13.0), (25, 17.0)])
+def test_the_way_off_the_switch_is_slow(method: int, start_mm: float) -> None:
+    """6099:2 is for all that looks for the edge, 6099:1 for the search alone."""
+    bench = bench_for(method, start_mm)
+    bench.write(homing_method=method, controlword=0x1F)
+    bench.run_ms(50)
+    assert abs(bench.axis.ramp[2]) * 1e3 == pytest.approx(SLOW, rel=1e-6)
+    assert bench.bits == 0
+
+
+@pytest.mark.parametrize(
+    ("method", "start_mm", "sign"), [(18, 0.0, 1), (17, 0.0, -1), (33, 7.0, -1)]
+)
+def test_a_speed_of_0_is_one_unit_a_second(method: int, start_mm: float, sign: int) -> None:
+    """A PDO can write it; the axis creeps, and homing is under way."""
+    bench = bench_for(method, start_mm)
+    bench.write(homing_speed_switch=0, homing_speed_zero=0)
+    bench.write(homing_method=method, controlword=0x1F)
+    bench.run_ms(20)
+    assert bench.axis.ramp[2] * 1e3 == pytest.approx(sign / UNITS_PER_MM, rel=1e-3)
+    assert bench.bits == 0
+
+
+@pytest.mark.parametrize("method", [-1, -2, -3, -4])
+def test_the_torque_of_homing_is_there_with_its_start_and_gone_with_the_stop(method: int) -> None:
+    """300 per mille of 2.2 Nm on the way to the stop; back to the zero pulse with all there is."""
+    bench = Bench(2.6, wall_mm=3.0, floor_mm=2.0, homing_torque=300, homing_stop_ms=20)
+    bench.write(homing_method=method, controlword=0x1F)
+    pressed_n = 0.3 * 2.2 * 2 * math.pi / 0.01
+    assert bench.axis.limits_n[-1] == pytest.approx((pressed_n, pressed_n))
+    at_end_mm = 3.0 if method in (-1, -3) else 2.0
+    for _ in range(400):
+        bench.run_ms(0.25)
+        if bench.place_mm == at_end_mm:
+            break
+    bench.run_ms(10)
+    assert bench.axis.limits_n[-1] == pytest.approx((pressed_n, pressed_n))
+    bench.run_ms(20)  # felt after 20 ms at rest
+    assert (bench.bits == 0) is (method in (-1, -2))
+    assert min(bench.axis.limits_n[-1]) > 60_000
