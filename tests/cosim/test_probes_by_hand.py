@@ -181,6 +181,20 @@ def test_an_axis_that_tells_no_velocity_is_known_to_its_step() -> None:
     assert rig.probe.edge_uncertainty_ns == 20 * US
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "is_known"),
+    [(True, True, True), (True, False, False), (False, True, False), (False, False, False)],
+)
+def test_every_axis_tells_its_velocity_where_an_edge_is_known_to_1_ns(
+    first: bool, second: bool, is_known: bool
+) -> None:
+    rig = Rig(Switch("xz", lambda _ns, x: x[0] >= 5e-6), "xz")
+    rig.axes[0].tells_velocity, rig.axes[1].tells_velocity = first, second
+    rig.place((0.0, 0.1), (0.0, 0.0))
+    rig.step(60 * US, (6e-6, 0.1), (0.0, 0.0))
+    assert rig.probe.edge_uncertainty_ns == (1.0 if is_known else 60 * US)
+
+
 # Where no edge can be
 
 

@@ -62,6 +62,21 @@ def test_a_gain_of_speed_is_harmless_where_the_way_was_shorter_than_the_room(
         rig.probe.passed_over(MS)
 
 
+@pytest.mark.parametrize(("speed_m_s", "is_lost"), [(0.99, False), (1.01, True)])
+def test_a_gain_of_speed_counts_from_the_last_look_on(speed_m_s: float, is_lost: bool) -> None:
+    """From 0.5 m/s at 5 ms on 500 m/s2 lead to 1 m/s at 6 ms; the room of 0.5 mm is used up."""
+    rig = Rig(Switch("z", lambda _ns, _x: False, clearance=0.5e-3), "z")
+    rig.place((0.0, 0.5))
+    rig.probe.look_ahead(0, 20 * MS)
+    rig.probe.look_ahead(5 * MS, 20 * MS)
+    rig.place((0.4e-3, speed_m_s))
+    if is_lost:
+        with pytest.raises(EdgeMayBeLostError, match="z gained more speed than 500 m/s2"):
+            rig.probe.passed_over(6 * MS)
+    else:
+        rig.probe.passed_over(6 * MS)
+
+
 @pytest.mark.parametrize(
     ("up_us", "down_us", "held_us"), [(30, 70, 170), (70, 30, 170), (30, None, 130)]
 )
