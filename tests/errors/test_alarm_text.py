@@ -31,6 +31,17 @@ def test_word_class_and_area_filter(options: dict[str, object], present: int, ab
     assert f"{absent:>6}  " not in shown
 
 
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"word": "probe"}, {"reaction_class": 5}, {"area": "bus"},
+     {"area": "bus", "word": "frame"}, {"reaction_class": 4, "word": "probe"}],
+)  # fmt: skip
+def test_the_legend_counts_the_alarms_that_are_listed(options: dict[str, object]) -> None:
+    *lines, blank, legend, last = alarm_listing(**options).splitlines()  # type: ignore[arg-type]
+    assert legend.startswith(f"ID, class, text; {len(lines)} of {len(catalogue())}.")
+    assert (blank, last) == ("", "axisrig errors ID shows all about one.")
+
+
 @pytest.mark.parametrize("word", ["70331", "ID 70331", "ID70331"])
 def test_one_id_is_told_in_full(word: str) -> None:
     message = alarm_listing(word)
@@ -147,3 +158,15 @@ def test_a_word_of_other_classes_or_areas_is_not_offered_for_itself() -> None:
         for word, offered in offers.items():
             assert word not in offered
             assert all(any(one in text for text in inside) for one in offered)
+
+
+def test_a_class_that_no_alarm_of_an_area_has_is_named() -> None:
+    """A word counts before it."""
+    for given, value in (
+        ({"reaction_class": 99}, 99), ({"reaction_class": 99, "area": "drives"}, 99),
+        ({"reaction_class": 99, "word": "probe"}, "probe"),
+    ):  # fmt: skip
+        with pytest.raises(UserError, match="no alarm fits") as refused:
+            alarm_listing(**given)  # type: ignore[arg-type]
+        assert refused.value.value == value
+        assert refused.value.allowed is None

@@ -87,6 +87,20 @@ def test_limits_that_go_with_the_input_connect_their_samples() -> None:
     assert "sw-word" not in text
 
 
+def test_a_limit_of_0_that_goes_with_the_input_connects_its_samples_too() -> None:
+    """The upper limits go from -1 by 0 to 1, the lower ones from 0 to -2."""
+    rows = [sample("1", -2.0, 0, (0.0, -1.0)), sample("2", 0.0, 0, (-1.0, 0.0)),
+            sample("3", 2.0, 0, (-2.0, 1.0))]  # fmt: skip
+    text = drawing(rows, "t", "")
+    circles = numbers(CIRCLE, text)
+    per_unit = (circles[0][1] - circles[2][1]) / 4
+    zero = circles[1][1]
+    lines = [(y1, y2) for _, y1, _, y2 in numbers(LIMIT, text)]
+    values = [(0, -1), (-1, -2), (-1, 0), (0, 1)]
+    wanted = [zero - value * per_unit for pair in values for value in pair]
+    assert [each for pair in lines for each in pair] == pytest.approx(wanted, abs=0.2)
+
+
 def test_samples_are_in_the_order_of_their_input() -> None:
     """Whichever ran first: the limits connect neighbours."""
     rows = [sample(a, 1.0, 0, (None, float(a))) for a in ("3", "1", "2")]
@@ -138,6 +152,20 @@ def test_of_300_that_are_drawn_200_may_have_failed(bad: int, good: int, kept_bad
     drawn = shown(many(bad, good))
     assert len(drawn) == min(DOTS_MAX, bad + good)
     assert sum(one.verdict is Verdict.FAIL for one in drawn) == kept_bad
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_of_many_each_verdict_is_drawn_first_or_among_the_rest(verdict: Verdict) -> None:
+    """400 passed; 20 others are all there where they are worse than marginal."""
+    others = [sample(str(n), float(n), word=verdict.word) for n in range(20)]
+    passed = [sample(str(n), float(n)) for n in range(100, 500)]
+    drawn = shown([*others, *passed])
+    assert len(drawn) == DOTS_MAX
+    kept = [one for one in drawn if one.value < 100]
+    if verdict > Verdict.MARGINAL:
+        assert kept == others
+    else:
+        assert 0 < len(kept) < 20  # evenly over 420 values: about 14
 
 
 def test_both_ends_of_many_are_drawn() -> None:

@@ -1,5 +1,6 @@
 """Blocks of a page that wait, take no time, or share a box of their lane."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -70,3 +71,20 @@ def test_a_lane_of_too_many_commands_joins_them_to_twice_its_share(
     assert [row[6] for row in lane["rows"]] == labels
     assert lane["rows"][0][1] == 0
     assert lane["rows"][-1][3] == 30 * count * MS
+
+
+@pytest.mark.parametrize(
+    ("holds_ms", "words"),
+    [
+        ((), "1 command in 0.090 s"),
+        (((20, 25),), "1 command in 0.090 s, feedhold 0.005 s"),
+        (((20, 25), (40, 52), (60, 63)), "1 command in 0.090 s, feedhold 0.020 s"),
+    ],
+)
+def test_feedholds_of_a_run_add_up(holds_ms: tuple[tuple[int, int], ...], words: str) -> None:
+    trace = block_trace([Step("N10 G1 Z5", "feed", 0, 0, 90)])
+    trace = replace(trace, holds=tuple((begin * MS, end * MS) for begin, end in holds_ms))
+    view = shown(trace)
+    assert view["words"] == words
+    held_ms = sum(end - begin for begin, end in holds_ms)
+    assert view["rows"][0]["held"] == (f"{held_ms}.000" if held_ms else "")

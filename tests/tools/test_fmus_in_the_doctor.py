@@ -61,6 +61,17 @@ def test_what_is_missing_is_counted_and_built_where_that_is_asked_for() -> None:
 
 
 @pytest.mark.usefixtures("three")
+@pytest.mark.parametrize(("there", "missing"), [((), 3), ((B,), 2), ((A, B, C), 0)])
+def test_all_that_are_missing_are_counted(
+    monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], missing: int
+) -> None:
+    monkeypatch.setattr(doctor, "is_ours", lambda path: path.stem in map(last, there))
+    counted = [line for line in doctor.examine() if "doctor --build" in line]
+    begins = [f"info  {missing} FMUs are not built"] if missing else []
+    assert [line.partition(";")[0] for line in counted] == begins
+
+
+@pytest.mark.usefixtures("three")
 def test_a_model_that_cannot_be_built_is_a_lack_and_those_after_it_are_looked_at(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
