@@ -108,6 +108,42 @@ def test_samples_of_all_touches_and_of_the_last_ones_are_two() -> None:
     assert found == [([1.0, 2.0, 3.0, 4.0], 2), ([2.0, 4.0], 1)]
 
 
+@pytest.mark.parametrize(
+    ("of_runs", "drawn"),
+    [
+        ([("1", "3"), ("1", "3")], (1.0, 3.0)),
+        ([("", "3"), ("", "3")], (3.0,)),
+        ([("1", "3"), ("1", "4")], ()),  # another one in a run: none is that of the sample
+        ([], ()),
+    ],
+)
+def test_limits_of_a_sample_are_those_of_its_runs_and_none_of_its_statistics(
+    of_runs: list[tuple[str, str]], drawn: tuple[float, ...]
+) -> None:
+    """The row of the case asks for a mean of at most 9; its runs check the metric itself."""
+
+    def row(metric: str, lower: str, upper: str) -> Any:
+        return SimpleNamespace(
+            metric=metric, asked="<= 9", reference="here", lower=lower, upper=upper
+        )
+
+    def run(name: str, checks: list[Any], *, is_statistic: bool) -> Any:
+        runs = (MeasurementRun(("Z",), inputs={"Z": 1}, end_ns=MS, latched_mm={"Z": 2.0}),)
+        trace = pa.table({"time_ns": np.arange(3) * MS, "Z.truth_mm": np.zeros(3)})
+        case = {"plan": "p", "case": "c", "frame_log_sha256": name}
+        return SimpleNamespace(
+            run=name, case=case, checks=checks, is_statistic=is_statistic, trace=trace,
+            judged_facts=facts(axes={"Z": AxisRecord("can1", 1, 1.0)}, runs=runs),
+        )  # fmt: skip
+
+    limits = [[row("latch_mm:Z", *ends)] for ends in of_runs] or [[], []]
+    members = [run(f"r{n}", checks, is_statistic=False) for n, checks in enumerate(limits)]
+    whole = run("p-c", [row("mean(latch_mm:Z)", "", "9"), row("latch_mm:Z", "7", "8")],
+                is_statistic=True)  # fmt: skip
+    (view,) = statistics_views(SimpleNamespace(planned=[*members, whole]))  # type: ignore[arg-type]
+    assert tuple(view.found.limits) == drawn
+
+
 def test_each_drawing_has_ticks_on_both_axes() -> None:
     """Of 0.4 to -0.2: 0.0, 0.2 and 0.4 at least; of six values the first and the last."""
     order, bars, normal = drawn(VALUES, -1.0, 1.0)

@@ -8,6 +8,7 @@ from tests.reports.test_words_of_a_stop import answers_of
 
 from axisrig.bench.judge.fixed_stop.stop_findings import Decision, StopLimits
 from axisrig.bench.judge.fixed_stop.values import Value
+from axisrig.kernel.time.clock import MS
 from axisrig.reports.fixed_stop.signals import Stop
 
 LIMITS = {"X": StopLimits(1.0, 0.01, 20.0, 0.5), "C": StopLimits(2.0, 0.03, 40.0, 0.02)}
@@ -119,6 +120,25 @@ def test_what_is_left_after_relaxing_is_of_the_main_axis_when_the_run_is_over(
     found = both(at("relax_end", 180), at("end", 190), main=main)
     assert answers_of(found, signals)["left after relaxing"] == words
     assert "left after relaxing" not in answers_of(both(at("end", 190), main=main), signals)
+
+
+@pytest.mark.parametrize(
+    ("marks", "end_ms", "words"),
+    [
+        ((at("end", 190),), 250, "lag 0.25 mm, 8 N"),  # the program went on with other blocks
+        ((at("end", 190),), 190, "lag 0.25 mm, 8 N"),
+        ((), 190, "lag 0.25 mm, 8 N"),  # nobody has noted its end: the one of the run
+        ((), 250, "lag 1.25 mm, 3 N"),
+    ],
+)
+def test_what_is_left_is_of_the_end_that_was_noted_else_of_that_of_the_run(
+    marks: tuple[Any, ...], end_ms: int, words: str
+) -> None:
+    signals = trace(
+        X__cnc_lag_mm=during(0.25, 190, 190, 1.25), X__stop_force_n=during(8.0, 190, 190, 3.0)
+    )
+    found = both(at("relax_end", 180), *marks, main="X", order="X", end_ns=end_ms * MS)
+    assert answers_of(found, signals)["left after relaxing"] == words
 
 
 @pytest.mark.parametrize(
