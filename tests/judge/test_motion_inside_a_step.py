@@ -4,7 +4,14 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from axisrig.bench.judge.observed.motion import motion, state_ahead, state_at
+from axisrig.bench.judge.observed.motion import (
+    Largest,
+    Motion,
+    is_straight,
+    motion,
+    state_ahead,
+    state_at,
+)
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.record.axes import AxisRecord, PlantRecord, PlantValue
 from axisrig.bench.record.facts import Facts, Timing
@@ -117,3 +124,74 @@ def test_a_loop_answers_what_comes_by_its_gain_and_its_feed_forward(
     assert ahead is not None
     further_mm = INCREMENT_MM + (CORNER_MM if before == 1 else 0.0)
     assert ahead.doubt_mm_s == pytest.approx(further_mm * (KV_PER_S + share / 1e-3), rel=1e-3)
+
+
+# What a look takes of its steps
+
+
+TIMES_NS = np.arange(5) * MS
+PLACES_MM, SPEEDS_MM_S = np.arange(5) * 0.01, np.full(5, 10.0)
+DOUBTS_MM, DOUBTS_MM_S = np.array([0.8, 0.4, 0.2, 0.1]), np.array([9.0, 5.0, 3.0, 2.0])
+GOES = Motion(TIMES_NS, PLACES_MM, SPEEDS_MM_S, DOUBTS_MM, DOUBTS_MM_S)
+
+
+@pytest.mark.parametrize(
+    ("begin_ns", "end_ns", "steps"),
+    [
+        (0, 4 * MS, (0, 4)),
+        (1 * MS, 2 * MS, (1, 2)),  # from one SYNC to the next
+        (1 * MS - 1, 2 * MS, (0, 2)),
+        (1 * MS, 2 * MS + 1, (1, 3)),
+        (1 * MS + 1, 2 * MS - 1, (1, 2)),
+        (3 * MS, 9 * MS, (3, 4)),
+        (3 * MS, 4 * MS, (3, 4)),
+        (-5, 1 * MS, (0, 1)),
+    ],
+)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_look_has_the_doubts_of_its_own_steps(
+    begin_ns: int, end_ns: int, steps: tuple[int, int], side: float
+) -> None:
+    """10 mm/s all along: 0.01 mm a step from 0, or to it."""
+    goes = Motion(TIMES_NS, side * PLACES_MM, side * SPEEDS_MM_S, DOUBTS_MM, DOUBTS_MM_S)
+    own = slice(*steps)
+    assert goes.fastest(begin_ns, end_ns) == pytest.approx((10.0, max(DOUBTS_MM_S[own])))
+    far = goes.farthest(0.0, begin_ns, end_ns)
+    assert far is not None
+    most_mm = min(end_ns, 4 * MS) * 1e-9 * 10.0
+    assert far.value == pytest.approx(most_mm)
+    # Of an earlier step with more doubt its own end may be it as well
+    ends_mm = np.minimum(np.arange(1, 5) * 0.01, most_mm)[own]
+    assert far.doubt == pytest.approx(
+        max(max(ends_mm + DOUBTS_MM[own]) - most_mm, DOUBTS_MM[own][-1])
+    )
+    assert far.value != 0.0
+
+
+def test_a_look_behind_all_rows_or_at_no_step_has_none() -> None:
+    assert GOES.at(4 * MS + 1) is None
+    assert GOES.at(-1) is None
+    assert GOES.at(4 * MS) == (0.04, 10.0, 0.0, 0.0)
+    short = Motion(TIMES_NS[:1], PLACES_MM[:1], SPEEDS_MM_S[:1], DOUBTS_MM[:0], DOUBTS_MM_S[:0])
+    assert short.fastest(0, MS) is None
+    assert short.farthest(0.0, 0, MS) is None
+    assert isinstance(GOES.fastest(0, MS), Largest)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("mean_mm_s", "off_mm_s", "straight"),
+    [
+        # 1e-9 of the speed, and of 1 mm/s at least
+        (0.0, 0.8e-9, True), (0.0, 1.3e-9, False), (0.01, 0.8e-9, True), (0.01, 1.3e-9, False),
+        (100.0, 0.8e-7, True), (100.0, 1.3e-7, False),
+    ],
+)  # fmt: skip
+def test_a_step_is_straight_by_the_rounding_of_its_speed(
+    mean_mm_s: float, off_mm_s: float, straight: bool, sign: float
+) -> None:
+    """The way is the speed at one of the ends times the time; the other end is far off."""
+    x = sign * np.array([0.0, mean_mm_s * 8e-3])
+    for ends in ((mean_mm_s + off_mm_s, mean_mm_s + 5.0), (mean_mm_s - 5.0, mean_mm_s - off_mm_s)):
+        found = is_straight(np.array([8e-3]), x, sign * np.array(ends))
+        assert found.tolist() == [straight], ends

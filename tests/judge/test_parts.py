@@ -133,9 +133,16 @@ def test_frames_between_two_instants_do_not_depend_on_blocks(
 def test_what_is_kept_of_a_long_run_does_not_grow(tmp_path: Path) -> None:
     found = series(tmp_path / "a.parquet", [4096] * 20)
     columns = Columns(found)
-    for block in found.blocks:
+    of_block = 4096 * 8
+    most = KEPT_BYTES // of_block
+    for number, block in enumerate(found.blocks, start=1):
         columns.read("Z.truth_mm", block)
-    assert columns.kept_bytes <= KEPT_BYTES
+        columns.read("Z.truth_mm", block)  # it is kept once
+        assert columns.kept_bytes == min(number, most) * of_block
+    assert len(found.blocks) > most
+    for block in found.blocks:
+        columns.read("time_ns", block)
+    assert columns.kept_bytes == most * of_block
 
 
 @pytest.mark.long

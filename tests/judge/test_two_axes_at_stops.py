@@ -216,3 +216,54 @@ def test_a_stop_is_predicted_by_the_criteria_of_the_axis_that_ends_the_run(
     first = min(later, key=lambda axis: later[axis])
     words = "lag and window" if first == of_both else "lag"
     assert block.prediction == f"contact of {first} with its stop, found by {words}"
+
+
+def with_forces(share: float) -> Observed:
+    """X is 30 rows earlier than Z, and pressed with a share of its force."""
+    observed = recorded({"Z": 30, "X": 0}, detected_by="Z", detected_ns=233 * MS)
+    table = observed.series.table()
+    for name in ("X.stop_force_n", "X.stop_force_peak_n"):
+        values = pa.array(share * table[name].to_numpy())
+        table = table.set_column(table.schema.get_field_index(name), name, values)
+    return Observed(observed.facts, kept(table))
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+@pytest.mark.parametrize(
+    "metric", ["stop_force_n_max", "after_run_force_n_max", "stop_force_n", "stop_force_end_n"]
+)
+def test_each_axis_has_its_own_force_and_without_a_name_the_largest_counts(
+    metric: str, share: float
+) -> None:
+    """Of what is asked of one axis it is that of the one that detected."""
+    observed = with_forces(share)
+    of_x, of_z = (seen(observed, f"{metric}:{axis}") for axis in "XZ")
+    assert of_x.value == pytest.approx(share * FORCE_N)
+    assert of_z.value == pytest.approx(FORCE_N)
+    one = seen(observed, metric)
+    most = max(share, 1.0) if metric.endswith("_max") else 1.0
+    assert one.value == pytest.approx(most * FORCE_N)
+    # A force is known as well as its penetration is: dF = F dp/p, p by the same stiffness
+    own = of_x if most == share else of_z
+    assert one.uncertainty == own.uncertainty > 0.0
+
+
+@pytest.mark.parametrize("axis", ["X", "Z"])
+def test_each_axis_has_its_own_place_and_lag(axis: str) -> None:
+    """X was latched 0.3 mm further, and its demand is 0.05 mm beside at the end of the relaxing."""
+    observed = recorded({"Z": 0, "X": 0}, detected_by="Z")
+    (run,) = observed.facts.runs
+    run = replace(run, latched_mm={"Z": LATCHED_MM, "X": LATCHED_MM + 0.3})
+    table = observed.series.table()
+    name = "X.drive_lag_mm"
+    beside = table[name].to_numpy() + np.where(K >= 250, 0.05, 0.0)
+    table = table.set_column(table.schema.get_field_index(name), name, pa.array(beside))
+    both = Observed(replace(observed.facts, runs=(run,)), kept(table))
+    more, lag = (0.3, 0.05) if axis == "X" else (0.0, 0.0)
+    end_mm = float(DEMAND[-1])
+    assert seen(both, f"relax_lag_mm:{axis}").value == pytest.approx(end_mm - float(LOAD[-1]) + lag)
+    assert seen(both, f"latch_force_error_um:{axis}").value == pytest.approx(0.4 + 1e3 * more)
+    # Z goes to the end of its demand; of X the demand is 0.05 mm further from 250 ms on
+    assert seen(both, f"command_overtravel_mm:{axis}").value == pytest.approx(
+        end_mm + lag - LATCHED_MM - more
+    )

@@ -111,8 +111,8 @@ def head_way(
     return list(gone), length
 
 
-@pytest.mark.parametrize(("x_mm", "moves"), [(0.3, False), (0.65, False), (0.71, False),
-                                             (0.72, True), (5.0, True)])  # fmt: skip
+@pytest.mark.parametrize(("x_mm", "moves"), [(0.3, False), (0.65, False), (0.7145, False),
+                                             (0.7155, True), (5.0, True)])  # fmt: skip
 def test_a_tool_stays_within_an_increment_of_every_axis(x_mm: float, moves: bool) -> None:
     """0.1 + 0.2 + 0.4 mm, nothing of C on its own axis, 0.01 degrees of A at the lever of 80 mm,
     and the micrometre that is none: 0.715 mm together.
