@@ -315,7 +315,9 @@ def test_an_axis_goes_back_to_where_it_was_saved() -> None:
 
 @pytest.mark.parametrize("has_switch", [True, False])
 def test_power_goes_to_the_fmu_when_it_changes_or_its_demand_stays(has_switch: bool) -> None:
-    fmu = Fmu("demand", *["enabled"] * has_switch, position=0.25, demand_position=0.125)
+    """Its motor is elsewhere than its load, as with an elastic coupling."""
+    outputs = {"position": 0.3, "motor_position": 0.25, "demand_position": 0.125}
+    fmu = Fmu("demand", *["enabled"] * has_switch, **outputs)
     axis = axis_of(fmu)
     axis.command(0, 0.5, 1.0, MS, False)
     first = [values["enabled"] for _, values in fmu.written]
@@ -331,7 +333,8 @@ def test_power_goes_to_the_fmu_when_it_changes_or_its_demand_stays(has_switch: b
 
 
 def test_without_a_position_to_follow_the_demand_is_the_actual_position() -> None:
-    fmu = Fmu(*RAMP, *GROUPS["control"], position=0.25, demand_position=0.125)
+    outputs = {"position": 0.3, "motor_position": 0.25, "demand_position": 0.125}
+    fmu = Fmu(*RAMP, *GROUPS["control"], **outputs)
     axis = axis_of(fmu)
     assert axis.demand_position_m() == 0.125
     axis.command_force(0, 4.0)
@@ -343,11 +346,27 @@ def test_without_a_position_to_follow_the_demand_is_the_actual_position() -> Non
     assert axis.demand_position_m() == 0.125
 
 
-def test_a_number_that_is_none_is_refused_by_its_name() -> None:
-    fmu = Fmu(*RAMP, position=lambda ns: float("nan") if ns else 0.0, velocity=1.0)
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+def test_a_number_that_is_none_is_refused_by_its_name(number: str) -> None:
+    fmu = Fmu(*RAMP, position=lambda ns: float(number) if ns else 0.0, velocity=1.0)
     axis = axis_of(fmu)
-    with pytest.raises(PlantError, match=r"table\.position \(position\) is nan$"):
+    with pytest.raises(PlantError, match=rf"table\.position \(position\) is {number}$"):
         axis.step_to(MS)
+
+
+def test_an_axis_that_nothing_switches_off_stays_where_it_was_then() -> None:
+    """Without a switch the demand rests; a further order to be off does not move it."""
+    fmu = Fmu("demand", position=0.3, motor_position=lambda ns: 0.25 + 1e-10 * ns)
+    axis = axis_of(fmu)
+    axis.command(0, 0.5, 1.0, MS, True)
+    axis.step_to(2 * MS)
+    axis.command(2 * MS, 0.5, 1.0, 3 * MS, False)
+    demand = axis._samples
+    assert demand is not None
+    assert demand.at(2 * MS) == pytest.approx(0.2502)
+    axis.step_to(4 * MS)
+    axis.command(4 * MS, 0.75, 1.0, 5 * MS, False)
+    assert demand.at(9 * MS) == pytest.approx(0.2502)
 
 
 def test_between_the_points_of_its_grid_an_axis_moves_on_a_cubic() -> None:

@@ -195,6 +195,17 @@ def test_every_axis_tells_its_velocity_where_an_edge_is_known_to_1_ns(
     assert rig.probe.edge_uncertainty_ns == (1.0 if is_known else 60 * US)
 
 
+def test_an_edge_that_falls_counts_as_one_that_rises() -> None:
+    rig = Rig(Switch("z", lambda _ns, x: x[0] < 5e-6), "z")
+    rig.fmu.is_high = True
+    rig.probe.start(0)
+    rig.place((0.0, 0.1))
+    assert rig.step(40 * US, (4e-6, 0.1)) == 0
+    assert rig.step(60 * US, (6e-6, 0.1)) == 1
+    ((edge_ns, level),) = rig.probe.signal.edges
+    assert (edge_ns, level) == (pytest.approx(50 * US, abs=1), False)
+
+
 # Where no edge can be
 
 

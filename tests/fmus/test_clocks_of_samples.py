@@ -138,6 +138,7 @@ def times(found: Schedule) -> tuple[Expr, Expr]:
          apply("Mul", TS, apply("Add", const(1.0), T2))),
         ("sample  (  0 ,ts )", const(0.0), TS),
         ("sample(0, /* s, ms */ ts)", const(0.0), TS),
+        ("sample(0, // in s, ms\n ts)", const(0.0), TS),
     ],
 )  # fmt: skip
 def test_start_and_interval_follow_parameters_as_they_are_written(

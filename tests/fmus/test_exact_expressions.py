@@ -78,6 +78,13 @@ def test_what_has_no_effect_goes(kind: str, arguments: tuple[Expr, ...], found: 
     assert apply(kind, *arguments) is found
 
 
+@pytest.mark.parametrize("kind", ["Add", "Sub", "Mul", "Div", "Pow"])
+def test_an_operator_on_twice_the_same_stays(kind: str) -> None:
+    """P - P and P / P have no value where P is infinite, or 0."""
+    found = apply(kind, P, P)
+    assert (found.kind, found.args) == (kind, (P, P))
+
+
 @pytest.mark.parametrize("kind", ["Sub", "Div", "Pow", "Mod", "Lt", "Atan2", "Min"])
 def test_arguments_keep_their_order(kind: str) -> None:
     assert apply(kind, P, Q).args == (P, Q)
