@@ -20,7 +20,7 @@ from axisrig.kernel.drives.ethercat.mailbox_port import MailboxPlaces
 from axisrig.kernel.drives.ethercat.settings import LineSettings, RegisterInputs, SlaveSettings
 from axisrig.kernel.drives.ethercat.steps import DriveSteps, Pause, Steps
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.profiles.ethercat.tables import AlState
+from axisrig.kernel.profiles.ethercat.tables import AlState, address_of
 from axisrig.kernel.time.clock import MS
 
 FPRD, FPWR, BRD, BWR, APWR = 4, 5, 7, 8, 2
@@ -287,6 +287,19 @@ def test_a_terminal_has_its_registers_in_the_image_and_nothing_else(bench: Bench
     bench.slaves[2].described = described(())
     bench.run(bench.start._map(bench.slaves[2]))
     assert bench.log == [(FPWR, 1003, FMMU, fmmu(30, 16, 0x9A0, 1))]
+
+
+def test_a_terminal_gets_all_of_its_registers_in_their_order(bench: Bench) -> None:
+    """Of a terminal that stamps: how each of its two inputs latches (09A8 and 09A9)."""
+    writes = (("LATCH1_CONTROL", b"\1"), ("LATCH0_CONTROL", b"\3"), ("ACTIVATION", b"\0"))
+    for count in range(len(writes) + 1):
+        bench.log.clear()
+        bench.slaves[2].settings = RegisterInputs(
+            axis="T", node_id=3, first=0x9A0, size=16, writes=writes[:count]
+        )
+        bench.run(bench.start._set_up(bench.slaves[2]))
+        assert bench.log == [(FPWR, 1003, address_of(name), data) for name, data in writes[:count]]
+    assert [address_of(name) for name, _ in writes[:2]] == [0x9A9, 0x9A8]
 
 
 # What fails

@@ -182,6 +182,21 @@ def test_what_has_ended_is_neither_written_nor_asked_for_nor_silent(
     assert (made.port.waits, made.silences) == (False, 0)
 
 
+@pytest.mark.parametrize("late_ms", [1, 20])
+@pytest.mark.parametrize("is_lost", [True, False])
+def test_a_look_at_the_mailbox_that_is_back_after_the_answer_begins_nothing(
+    made: Port, late_ms: float, is_lost: bool
+) -> None:
+    """The answer came with a cyclic frame meanwhile; before its time is over and after it."""
+    made.send(b"one")
+    made.line.taken()
+    made.port.end()
+    made.wait(late_ms)
+    (made.line.lost if is_lost else made.line.taken)()
+    made.wait(2 * TIMEOUT_NS / MS)
+    assert (made.line.asked, made.silences, made.port.waits) == ([], 0, False)
+
+
 @pytest.mark.parametrize(("waited_ns", "is_silent"), [(-1, False), (0, True), (1, True)])
 def test_a_message_has_its_time_and_no_more(made: Port, waited_ns: int, is_silent: bool) -> None:
     """10 ms from its begin on, whether its frames are lost or the slave does not take it."""

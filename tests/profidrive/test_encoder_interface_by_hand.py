@@ -114,6 +114,17 @@ def test_an_absolute_position_is_one_without_an_error_only(
     assert found == [answer]
 
 
+def test_a_value_of_another_function_is_none_of_this_run() -> None:
+    """Bit 5 of G1_ZSW is the value of function 2, bit 4 that of function 1, which was activated."""
+    control = clear()
+    control.arm()
+    other = VALUE << 1
+    cycles(control, (0, 0), (0, 0), (POS, 0), (other, 9), (other, 9), (other, 9))
+    assert (control.has_latched, control.increments) == (False, None)
+    cycles(control, (VALUE, 0))
+    assert control.has_latched
+
+
 def test_a_run_that_is_ended_takes_nothing_from_a_question_for_the_place() -> None:
     """No run is under way: a latch that is switched off once more drops nothing."""
     control, found = clear(), list[int | str]()

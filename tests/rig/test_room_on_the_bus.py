@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.rig.canopen.latches import SdoRoom, describe_latches, sdo_room
+from axisrig.bench.rig.canopen.latches import SdoRoom, describe_latches, describe_places, sdo_room
 from axisrig.bench.rig.canopen.schedule import (
     describe_schedules,
     overloads,
     schedule_of,
     segment_schedules,
 )
+from axisrig.bench.rig.describe import unproved_place
 from axisrig.bench.rig.settings import Settings
 
 RigWriter = Callable[..., Path]
@@ -118,6 +119,8 @@ def test_room_for_sdo(
         assert line.startswith(f"warning: axis Z: its latches are unproved: {reason}; ")
     else:
         assert line == proved
+    places = describe_places(settings)
+    assert places == ([unproved_place(settings, "Z", reason)] if room is SdoRoom.NONE else [])
     (line,) = describe_latches(settings_of(path, "drive:servo.latch_check=false"))
     reason = "latch_check of drive servo is false"
     assert line.startswith(f"warning: axis Z: its latches are unproved: {reason}; ")

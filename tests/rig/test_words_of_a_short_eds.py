@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from axisrig.bench.rig.canopen.eds_words import eds_warnings
+from axisrig.bench.rig.canopen.schedule import fixed_frames
 from axisrig.bench.rig.settings import Settings
 
 WithEds = Callable[..., Settings]
@@ -153,6 +154,29 @@ def test_a_fixed_tpdo_is_named_with_what_sends_it(
     parts = [number(index, "2", "sub0"), number(index, "$NODEID+0x480", "sub1")]
     (found,) = words(with_eds, record + "".join(parts) + number(index, transmission, "sub2"))
     assert found.startswith(f"TPDO{pdo} is on by its EDS, comes {when} and cannot be switched off")
+
+
+@pytest.mark.parametrize(
+    ("entries", "length"),
+    [
+        (["0x60410010"], 2), (["0x60410010", "0x60610008"], 3), (["0x20000001"], 1),
+        (["0x60410010", "0x20000001"], 3), (["0x60640020", "0x606C0020"], 8),
+        (["0x60640020", "0x606C0020", "0x60410010"], 8), ([], 0),
+    ],
+)  # fmt: skip
+def test_a_fixed_tpdo_is_as_long_as_its_default_mapping(
+    with_eds: WithEds, entries: list[str], length: int
+) -> None:
+    """Bits are in the low byte of an entry (CiA 301); a part of a byte is one, 8 are the most."""
+    record = "[{0:X}]\nParameterName=TPDO\nObjectType=9\nSubNumber={1}\n"
+    text = record.format(0x1804, 3) + number(0x1804, "2", "sub0")
+    text += number(0x1804, "0x40000485", "sub1") + number(0x1804, "1", "sub2")
+    text += record.format(0x1A04, len(entries) + 1) + number(0x1A04, str(len(entries)), "sub0")
+    text += "".join(number(0x1A04, each, f"sub{sub}") for sub, each in enumerate(entries, 1))
+    settings = with_eds("[DeviceInfo]\n" + text + PERIOD)
+    ((kind, frame),) = fixed_frames(settings, "Z")
+    assert (kind, frame.name, frame.can_id) == ("TPDO", "Z.TPDO5 (not mapped)", 0x485)
+    assert frame.data_bytes == length
 
 
 # Mends

@@ -6,7 +6,9 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.drives.ethercat.settings import Pdo
 from axisrig.kernel.drives.ethercat.steps import Call, Pause
+from axisrig.kernel.drives.mapped import MappedObject
 from axisrig.kernel.drives.sercos.service_channel import SoeError
 from axisrig.kernel.drives.sercos.settings import RealTimeBits, SercosSettings, real_time_bits
 from axisrig.kernel.drives.sercos.startup import SercosSteps
@@ -129,6 +131,29 @@ def test_what_every_drive_gets_in_phase_2() -> None:
     numbers = {ident: int.from_bytes(data, "little") for ident, data in far.written[:4]}
     assert numbers == {1: 2000, 2: 2000, 32: 11, 15: 7}
     assert [ident for ident, _ in far.written[4:]] == [16, 24]
+
+
+@pytest.mark.parametrize(("inputs", "outputs"), [((51,), (47,)), ((51, 53, 130), (47,)), ((), ())])
+def test_telegrams_are_listed_without_their_words(
+    inputs: tuple[int, ...], outputs: tuple[int, ...]
+) -> None:
+    """S-0-0016 has the AT, S-0-0024 the MDT: present and largest length in bytes, then idents.
+
+    S-0-0135 and S-0-0134 are in each of them, and in no list.
+    """
+    far = Far(i76=1)
+    pdos = {
+        name: (Pdo(0, tuple(MappedObject(each, 0, 16, False, "") for each in (word, *idents))),)
+        for name, word, idents in (("inputs", 135, inputs), ("outputs", 134, outputs))
+    }
+    far.run(far.steps(increments_per_mm=10_000.0, **pdos).in_preop())
+    for (ident, data), number, idents in zip(
+        far.written[4:], (16, 24), (inputs, outputs), strict=True
+    ):
+        length = (2 * len(idents)).to_bytes(2, "little")
+        assert (ident, data) == (
+            number, length * 2 + b"".join(each.to_bytes(2, "little") for each in idents),
+        )  # fmt: skip
 
 
 # Scaling of positions, S-0-0076 to S-0-0079
