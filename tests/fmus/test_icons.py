@@ -125,3 +125,25 @@ def test_a_shape_without_a_colour_is_white_with_a_black_line() -> None:
     assert [at(x, 80) for x in (-80, 0, 80)] == [(0, 0, 0)] * 3
     assert (at(0, 70), at(0, 90)) == (None, None)
     assert drawn(f"Rectangle(extent = {FRAME})")(-80, 0) == (0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    "empty",
+    [
+        "Line(points = {})",
+        "Line(points = {{1, 2}})",
+        "Rectangle(fillColor = {0, 0, 255})",
+        "Ellipse(extent = {{5, 5}})",
+        "Polygon(points = {{3, 3}}, fillPattern = FillPattern.Solid)",
+    ],
+)
+@pytest.mark.parametrize("is_first", [True, False])
+def test_a_shape_without_corners_draws_nothing_and_hides_no_other(
+    empty: str, is_first: bool
+) -> None:
+    other = (
+        f"Rectangle(fillColor = {{255, 0, 0}}, fillPattern = FillPattern.Solid, extent = {FRAME})"
+    )
+    at = drawn(*([empty, other] if is_first else [other, empty]))
+    assert at(-10, -15) == (255, 0, 0)
+    assert at(90, 90) is None

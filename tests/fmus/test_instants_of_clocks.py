@@ -32,6 +32,20 @@ def test_instants_that_are_too_fine_for_a_double_are_refused() -> None:
         schedule(Fraction(0), Fraction(1, 2**53))
 
 
+@pytest.mark.parametrize("name", ["phase", "period"])
+def test_each_whole_number_of_a_grid_is_exact_in_a_double(name: str) -> None:
+    """2^53 is the first one that has a neighbour which is not."""
+
+    def grid(number: int) -> Any:
+        return schedule(
+            **({"phase": Fraction(1), "period": Fraction(1)} | {name: Fraction(number)})
+        ).grid
+
+    assert max(grid(2**53 - 1)) == 2**53 - 1
+    with pytest.raises(BuildError, match="too fine"):
+        grid(2**53)
+
+
 def schedule(phase: Fraction, period: Fraction) -> Any:
     parts = {"phase": phase, "period": period}
     lattice = {
