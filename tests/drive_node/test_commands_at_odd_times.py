@@ -182,3 +182,59 @@ def test_no_speed_limit_is_none_in_any_unit(fake_axis: Any, feed: int) -> None:
     one.write(max_motor_speed=0xFFFF)  # rev/min of 10 mm
     assert limits.speed_m_s == pytest.approx(0xFFFF / 60 * 0.01)
     assert limits.profile_m_s == pytest.approx(min(0xFFFF / 60 * 0.01, 0xFFFF_FFFE / feed * 0.01))
+
+
+# Standstill
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_with_606f_of_0_an_axis_that_does_not_move_stands(fake_axis: Any, sign: int) -> None:
+    """Nothing is below 0: less than one unit a second is what 606F can say at least."""
+    one = ServoAlone(
+        fake_axis(), 9, target_velocity=sign * 0.1 * PER_M, velocity_threshold=0, **RATES
+    )
+    cycles(one, 2)
+    one.cycle(controlword=0x02)
+    cycles(one, 20)  # the ramp of the quick stop is over, and not a second later
+    assert one.servo.state.name == "SWITCH_ON_DISABLED"
+    standing = ServoAlone(fake_axis(), 3, velocity_threshold=0, velocity_threshold_ms=0)
+    assert cycles(standing, 3) & ACKNOWLEDGED  # bit 12 of pv: speed 0
+    moving = ServoAlone(
+        fake_axis(motion=lambda time_s: sign * 2 / PER_M * time_s), 3, velocity_threshold=0,
+        velocity_threshold_ms=0,
+    )  # fmt: skip
+    assert cycles(moving, 3) & ACKNOWLEDGED == 0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("beyond", "is_fault"), [(0, False), (1, True)])
+def test_a_lag_as_large_as_the_window_is_none(
+    fake_axis: Any, sign: int, beyond: int, is_fault: bool
+) -> None:
+    """CiA 402-2: 60F4 above 6065."""
+    one = ServoAlone(
+        fake_axis(motion=lambda _: 0.0), 8, following_window=5000, following_timeout_ms=0
+    )
+    cycles(one, 2, target_position=sign * (5000 + beyond))
+    if not is_fault:
+        assert one.image.following_error == sign * 5000
+    assert bool(one.sent) is is_fault
+
+
+@pytest.mark.parametrize(
+    ("home", "place", "shown"),
+    [
+        (0x7FFF_FFF0, 0x10, -0x8000_0000),
+        (0x7FFF_FFF0, 0x0F, 0x7FFF_FFFF),
+        (-0x8000_0000, -1, 0x7FFF_FFFF),
+        (-0x8000_0000, 5, -0x7FFF_FFFB),
+        (1000, -1001, -1),
+    ],
+)
+def test_a_position_wraps_with_its_home(fake_axis: Any, home: int, place: int, shown: int) -> None:
+    """6064 is of 32 bits, wherever its zero is."""
+    axis = fake_axis(motion=lambda _: place / PER_M)
+    one = ServoAlone(axis, 8)
+    one.servo.scaling.set_home(0.0, home)
+    one.servo.refresh(one.now_ns)
+    assert one.image.position_actual == shown

@@ -413,3 +413,18 @@ def test_sdo_reads_what_is_now(drive_bench: Make, fake_axis: Any) -> None:
     value = struct.unpack("<i", bench.remote.sdo.upload(0x6064, 0))[0]
     now_mm = 0.1 * bench.scheduler.now_ns * 1e-6
     assert now_mm - 0.1 * 0.2 < value / 104857.6 < now_mm
+
+
+@pytest.mark.parametrize("sub", [1, 2])
+def test_either_source_of_a_probe_takes_the_numbers_that_the_drive_has(
+    drive_bench: Make, sub: int
+) -> None:
+    """60D0: inputs 1 and 2, zero pulses 5 and 6."""
+    bench = drive_bench()
+    for value in (1, 2, 5, 6):
+        bench.remote.sdo[0x60D0][sub].raw = value
+    for value in (0, 3, 4, 7, -1):
+        with pytest.raises(SdoAbortedError) as caught:
+            bench.remote.sdo[0x60D0][sub].raw = value
+        assert caught.value.code == 0x06090030
+    assert bench.remote.sdo[0x60D0][sub].raw == 6

@@ -330,3 +330,16 @@ def test_homing_and_the_probe(habit: str, status: int, position: int) -> None:
     assert unit.at(1600, POS) == 0x0001
     assert unit.at(2200) == 0x0003
     assert unit.image.latch_1_positive == 2100
+
+
+def test_the_encoder_of_a_probe_is_chosen_each_time_it_is_armed() -> None:
+    """Bit 6 on, off, on, off: each latch is of the encoder that was asked for."""
+    edges = [1100, 1200, 2100, 2200, 3100, 3200, 4100, 4200]
+    unit = Unit(edges, profile=named_profile("yaskawa-like"), input_delay_ns=0)
+    found = []
+    for number, bit in enumerate((0x0040, 0, 0x0040, 0), 1):
+        unit.at(1000 * number, POS | bit)
+        unit.at(1000 * number + 500)
+        found.append(unit.image.latch_1_positive)
+        unit.at(1000 * number + 600, 0)
+    assert found == [-1100, 2100, -3100, 4100]

@@ -10,6 +10,8 @@ from tests.speed_drive.test_speed_drive_node import Node
 from axisrig.bench.drive.speed_drive.latch import EnabledLatch
 from axisrig.bench.drive.speed_drive.profile import SpeedProfile
 from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.profiles.encoder_terminal import words as terminal_words
+from axisrig.kernel.profiles.lightbus import words as lightbus_words
 from axisrig.kernel.profiles.speed_drive import words
 from axisrig.kernel.time.clock import MS
 
@@ -85,3 +87,37 @@ def test_enabled_again_in_that_cycle_the_old_value_stays() -> None:
     latch.enable(is_enabled=False)
     latch.enable(is_enabled=True)
     assert (latch.is_armed, latch.is_valid, latch.value) == (False, True, 7)
+
+
+def test_a_lightbus_drive_knows_nothing_of_its_latches_after_power() -> None:
+    """One is stored and one is shown; afterwards both wait, and no value is there to be read."""
+    unit = FAMILIES["lightbus"].unit()
+    read = {"READ": lightbus_words.READ["POS"] | lightbus_words.READ["NEG"]}
+    unit.pulse(True, 1_000_000)
+    unit.command(read, 0)
+    unit.pulse(False, 2_000_000)
+    assert unit.edges() == ()
+    unit.reset(5)
+    assert unit.edges() == (True, False)
+    assert unit.inputs(7, level=False) == {"POSITION": 7, "DRVSTAT": 0, "SHOWN": 0}
+    unit.command({"READ": 0}, 0)
+    unit.command(read, 0)
+    shown = unit.inputs(7, level=False)
+    assert [shown.get(lightbus_words.VALUE[name], 0) for name in ("POS", "NEG")] == [0, 0]
+
+
+def test_an_encoder_terminal_knows_nothing_of_its_latch_after_power() -> None:
+    unit = FAMILIES["encoder_terminal"].unit()
+    unit.reset(0)
+    unit.command({"CONTROL": terminal_words.EN_LAT_EXT}, 0)
+    unit.pulse(True, 123)
+    before = unit.inputs(200, level=False)
+    assert (before["STATUS"] & terminal_words.LAT_EXT_VAL, before["LATCH"]) == (
+        terminal_words.LAT_EXT_VAL,
+        123,
+    )
+    unit.reset(200)
+    assert unit.edges() == ()
+    assert unit.inputs(250, level=False) == {"STATUS": 0, "COUNTER": 50, "LATCH": 0}
+    unit.command({"CONTROL": terminal_words.EN_LAT_EXT}, 250)
+    assert unit.edges() == (True,)

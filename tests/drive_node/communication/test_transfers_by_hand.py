@@ -7,11 +7,15 @@ from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.drive.canopen.sdo_transfers import (
     BlockDownload,
+    BlockUpload,
     SegmentedDownload,
     SegmentedUpload,
+    SegmentOutlet,
     Transfer,
     check_sum,
 )
+from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.scheduler import new_scheduler
 
 TOO_LONG, LENGTH, TOGGLE, CRC, COMMAND = (
     0x06070012, 0x06070010, 0x05030000, 0x05040004, 0x05040001,
@@ -213,3 +217,73 @@ def test_what_is_no_end_of_a_block_download_is_refused(first: int) -> None:
     transfer = BlockDownload(None, has_crc=False)
     transfer.on_frame(next(block([b"abc"])))
     assert aborted(transfer, iter([bytes((first,)) + bytes(7)])) == COMMAND
+
+
+class Outlet:
+    """Where the segments of a block go; one each 250 us."""
+
+    def __init__(self) -> None:
+        self.clock, self.sent = new_scheduler(), list[bytes]()
+
+    def upload(self, size: int, block_size: int = 127) -> BlockUpload:
+        outlet = SegmentOutlet(self.clock, 250 * US, self.sent.append, lambda: True)
+        return BlockUpload(bytes(range(size)), block_size, True, outlet)
+
+    def run(self, time_us: int) -> int:
+        self.clock.run_until(self.clock.now_ns + time_us * US)
+        return len(self.sent)
+
+
+def test_a_block_that_was_broken_off_sends_no_more() -> None:
+    """The client's abort ends the transfer in the middle of a block."""
+    outlet = Outlet()
+    transfer = outlet.upload(100)
+    transfer.on_frame(b"\xa3" + bytes(7))
+    assert outlet.run(600) == 3
+    transfer.is_done = True
+    assert outlet.run(10_000) == 3
+
+
+def test_a_block_has_as_many_segments_as_the_last_acknowledgement_says() -> None:
+    """100 bytes are 15 segments: 4, 6, then the 5 that are left; the last one says so."""
+    outlet = Outlet()
+    transfer = outlet.upload(100, 4)
+    transfer.on_frame(b"\xa3" + bytes(7))
+    assert outlet.run(10_000) == 4
+    assert transfer.on_frame(bytes((0xA2, 4, 6)) + bytes(5)) is None
+    assert outlet.run(10_000) == 10
+    assert transfer.on_frame(bytes((0xA2, 6, 127)) + bytes(5)) is None
+    assert outlet.run(10_000) == 15
+    numbers = [frame[0] for frame in outlet.sent]
+    assert numbers == [1, 2, 3, 4, 1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5 | 0x80]
+    data = b"".join(frame[1:] for frame in outlet.sent)
+    assert data[:100] == bytes(range(100))
+    finished = transfer.on_frame(bytes((0xA2, 5, 127)) + bytes(5))
+    assert finished == bytes((0xC1 | 5 << 2,)) + check_sum(bytes(range(100))).to_bytes(
+        2, "little"
+    ) + bytes(5)
+
+
+def test_segments_that_were_lost_are_sent_again() -> None:
+    """Acknowledged up to the second: the next block begins with the third."""
+    outlet = Outlet()
+    transfer = outlet.upload(50, 5)
+    transfer.on_frame(b"\xa3" + bytes(7))
+    outlet.run(10_000)
+    transfer.on_frame(bytes((0xA2, 2, 5)) + bytes(5))
+    outlet.run(10_000)
+    assert outlet.sent[5] == bytes((1, *range(14, 21)))
+    assert len(outlet.sent) == 10
+
+
+@pytest.mark.parametrize(("number", "size", "code"), [(5, 5, 0x05040003), (4, 0, 0x05040002),
+                                                      (4, 128, 0x05040002)])  # fmt: skip
+def test_an_acknowledgement_that_cannot_be_is_refused(number: int, size: int, code: int) -> None:
+    """CiA 301: sequence number above what was sent, block size outside 1 to 127."""
+    outlet = Outlet()
+    transfer = outlet.upload(50, 4)
+    transfer.on_frame(b"\xa3" + bytes(7))
+    outlet.run(10_000)
+    with pytest.raises(SdoAbortedError) as caught:
+        transfer.on_frame(bytes((0xA2, number, size)) + bytes(5))
+    assert caught.value.code == code

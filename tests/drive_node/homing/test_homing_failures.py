@@ -187,3 +187,67 @@ def test_a_search_is_no_faster_than_the_drive_may_be(
     bench.run_ms(120)
     velocity_mm_s = bench.axis.ramp[2] * 1e3
     assert velocity_mm_s == pytest.approx(most_mm_s * (-1 if method == 17 else 1), rel=1e-3)
+
+
+@pytest.mark.parametrize("method", [1, 2, 7, 11])
+def test_a_limit_switch_before_the_zero_pulse_is_an_error(method: int) -> None:
+    """The marks are 2.5 mm beside whole revolutions; the other switch is met on the way to it."""
+    negative, positive = Switch(-1e9, -50.0), Switch(60.0, 1e9)
+    start_mm = {1: -50.5, 2: 60.5, 7: 12.5, 11: 17.5}[method]
+    if method == 1:
+        positive.low_mm = -48.5  # the mark is at -47.5
+    elif method == 2:
+        negative.high_mm = 53.5  # at 52.5
+    elif method == 7:
+        negative.high_mm = 4.0  # at 2.5, below a cam from 12 to 18 mm
+    else:
+        positive.low_mm = 21.0  # at 22.5
+    switches = {"negative": negative, "positive": positive, "home": Switch(12.0, 18.0)}
+    bench = Bench(start_mm, switches)
+    bench.write(homing_speed_zero=round(FAST * UNITS_PER_MM))
+    place_mm = failed(bench, method)
+    end_mm = {1: -48.5, 2: 53.5, 7: 4.0, 11: 21.0}[method]
+    # 50 mm/s: 0.5 ms until the switch is read, then v2/2a with 1000 mm/s2
+    away_mm = (place_mm - end_mm) * (1 if method in (1, 11) else -1)
+    assert 1.25 <= away_mm <= 1.25 + FAST * 0.5e-3 + 1e-3
+
+
+@pytest.mark.parametrize("method", [18, 17])
+def test_an_acceleration_of_0_is_one_unit(method: int) -> None:
+    """A PDO can write it: the axis hardly moves, and homing is under way."""
+    switches = {"negative": Switch(-1e9, -100.0), "positive": Switch(100.0, 1e9)}
+    bench = Bench(0.0, switches)
+    bench.write(homing_acceleration=0)
+    bench.write(homing_method=method, controlword=0x1F)
+    bench.run_ms(50)
+    assert bench.bits == 0
+    assert abs(bench.axis.demand_position_m()) < 1e-6
+
+
+def test_each_homing_has_its_own_time_at_standstill() -> None:
+    """6070 = 50 ms: bit 10 comes so long after home is found, the second time too."""
+    bench = Bench(7.0)
+    bench.write(velocity_threshold_ms=50)
+    for _ in range(3):
+        bench.run_ms(200)
+        bench.write(homing_method=37, controlword=0x1F)
+        bench.run_ms(49)
+        assert bench.bits == ATTAINED
+        bench.run_ms(2)
+        assert bench.bits == ATTAINED | REACHED
+        bench.write(controlword=0x0F)
+
+
+@pytest.mark.parametrize("method", [17, 18])
+def test_rest_is_not_said_before_the_ramp_is_over(method: int) -> None:
+    """50 mm/s with 1000 mm/s2 take 50 ms, whatever 606F calls a standstill."""
+    switches = {"negative": Switch(-1e9, -100.0), "positive": Switch(100.0, 1e9)}
+    bench = Bench(0.0, switches)
+    bench.write(velocity_threshold=round(100 * UNITS_PER_MM), velocity_threshold_ms=0)
+    bench.write(homing_method=method, controlword=0x1F)
+    bench.run_ms(100)
+    bench.write(controlword=0x0F)
+    bench.run_ms(49)
+    assert bench.bits == 0
+    bench.run_ms(2)
+    assert bench.bits == REACHED
