@@ -59,6 +59,8 @@ def test_a_reset_while_a_transition_brakes_leaves_nothing_of_it(
     assert one.servo.state is State.OPERATION_ENABLED
     one.servo.reset(one.now_ns)
     assert one.servo.state is State.SWITCH_ON_DISABLED
+    one.cycle(controlword=0x07)  # no way from there: it is not switched on
+    assert one.servo.state is State.SWITCH_ON_DISABLED
     for _ in range(5):
         one.cycle(controlword=0)
         assert one.servo.state is State.SWITCH_ON_DISABLED

@@ -210,6 +210,12 @@ def test_a_limit_switch_before_the_zero_pulse_is_an_error(method: int) -> None:
     # 50 mm/s: 0.5 ms until the switch is read, then v2/2a with 1000 mm/s2
     away_mm = (place_mm - end_mm) * (1 if method in (1, 11) else -1)
     assert 1.25 <= away_mm <= 1.25 + FAST * 0.5e-3 + 1e-3
+    # It does not turn round: that is for the search of the switch
+    travelled_mm = [place_m * 1e3 for place_m in bench.axis.past]
+    if method in (2, 7):
+        assert max(travelled_mm) == start_mm
+    else:
+        assert min(travelled_mm) == start_mm
 
 
 @pytest.mark.parametrize("method", [18, 17])
