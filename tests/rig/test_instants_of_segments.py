@@ -120,6 +120,11 @@ def test_a_line_that_does_not_fit_is_named_with_its_times() -> None:
         "probe-z-ethercat.toml", "bus:ec1.wire_ns=296000", "bus:ec1.overload=run"
     )
     assert overloads(settings) == {"ec1": "frame 101 bytes, back at 601.3 us"}
+    later = settings_of(
+        "probe-z-ethercat.toml", "bus:ec1.wire_ns=296000", "bus:ec1.overload=run",
+        "bus:ec1.frame_us=200",
+    )  # fmt: skip
+    assert overloads(later) == {"ec1": "frame 101 bytes, back at 801.3 us"}  # of the cycle
     assert overloads(settings_of("probe-z-ethercat.toml")) == {}
 
 

@@ -11,11 +11,20 @@ import pytest
 
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.ethercat.family import FAMILY
-from axisrig.bench.rig.ethercat.members import watches_clocks
+from axisrig.bench.rig.ethercat.members import (
+    position_of,
+    segment_of,
+    slaves_on,
+    terminal_on,
+    terminal_position,
+    watches_clocks,
+)
 from axisrig.bench.rig.ethercat.on_line import axis_pdos
 from axisrig.bench.rig.ethercat.schedule import schedule_of
+from axisrig.bench.rig.ethercat.startup import axis_steps
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.drives.canopen.startup_steps import Write
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US
 
@@ -142,6 +151,93 @@ def test_what_a_line_has_not_is_refused_by_name(change: str, says: str) -> None:
     with pytest.raises(UserError) as caught:
         FAMILY.check(settings_of(change))
     assert says in caught.value.message
+
+
+def test_of_several_names_that_a_line_lacks_the_first_is_named() -> None:
+    """As the cell writes them, with the axes of the line."""
+    with pytest.raises(UserError) as caught:
+        FAMILY.check(settings_of("bus:ec1.wire_ns=Q=5 Z=7 A=9"))
+    assert (caught.value.value, caught.value.allowed) == ("Q", "Z")
+
+
+@pytest.mark.parametrize("frame_us", [599, 599.99, 600, 600.01, 601, 700, 999])
+def test_a_frame_may_leave_before_and_after_the_nc_cycle_and_not_with_it(frame_us: float) -> None:
+    """At 600 us nobody could say whether the cycle has the inputs of this frame.
+
+    Shortly before it the frame is not back in time, which is refused too.
+    """
+    settings = settings_of(f"bus:ec1.frame_us={frame_us}", "bus:ec1.overload=run")
+    if frame_us != 600:
+        FAMILY.check(settings)
+        return
+    with pytest.raises(UserError, match="leaves at the instant of the NC cycle") as caught:
+        FAMILY.check(settings)
+    assert (caught.value.value, caught.value.allowed) == (
+        600, "an instant before or after cycle_offset_us",
+    )  # fmt: skip
+
+
+SECOND_LINE = """
+base = "{base}"
+[segment.ec2]
+carrier = "ethercat"
+[axis.Y]
+list = "{lists}/axis-y.lst"
+segment = "ec2"
+drive = "servo"
+plant = "y"
+[plant.y]
+fmu = "AxisRig.Drives.ServoAxis"
+"""
+
+
+@pytest.mark.parametrize("key", ["wire_ns", "slave_ns", "drift_ppm", "clock_start_us"])
+def test_the_terminal_of_a_line_may_have_keys_of_its_own(key: str) -> None:
+    """By its name, as an axis; a line without one refuses it."""
+    change = f"bus:ec1.{key}=terminal=5 Z=7"
+    settings = settings_of(change, "bus:ec1.overload=run", rig="plc-timestamp-line.toml")
+    FAMILY.check(settings)
+    table = segment_of(settings, "ec1")
+    assert (table.of(key, "terminal"), table.of(key, "Z")) == (5.0, 7.0)
+    with pytest.raises(UserError, match=f"{key} names no axis of it") as caught:
+        FAMILY.check(settings_of(change, "bus:ec1.overload=run"))
+    assert caught.value.value == "terminal"
+
+
+@pytest.mark.parametrize("line", ["ec1", "ec2"])
+def test_of_two_lines_one_has_the_terminal_behind_its_drives(tmp_path: Path, line: str) -> None:
+    """Its registers are in the image of that line alone, and positions begin with 1 on each."""
+    path = tmp_path / "rig.toml"
+    places = {"base": RIGS / "plc-timestamp-line.toml", "lists": RIGS / "lists"}
+    text = SECOND_LINE.format(**{key: place.as_posix() for key, place in places.items()})
+    path.write_text(f'{text}[plc.terminal]\nsegment = "{line}"\n', encoding="utf-8")
+    settings = read_settings(*read_rig(path), [])
+    slaves = {"ec1": ["Z"], "ec2": ["Y"]}
+    for segment, axes in slaves.items():
+        is_there = segment == line
+        assert (terminal_on(settings, segment) is not None) is is_there
+        assert slaves_on(settings, segment) == [*axes, *["terminal"] * is_there]
+        assert terminal_position(settings, segment) == 2
+        assert position_of(settings, axes[0]) == 1
+        names = [name for name, _ in schedule_of(settings, segment).parts]
+        assert f"process image of {1 + is_there} (LRW)" in names
+
+
+@pytest.mark.parametrize(("period_us", "value"), [(1000, 1), (2000, 2), (4000, 4)])
+def test_the_period_of_the_cycle_is_that_of_the_set_positions(
+    tmp_path: Path, period_us: int, value: int
+) -> None:
+    """60C2: so many times 10^-3 s."""
+    path = tmp_path / "rig.toml"
+    base = (RIGS / "probe-z-ethercat.toml").as_posix()
+    path.write_text(f'base = "{base}"\n[cycle]\nperiod_us = {period_us}\n', encoding="utf-8")
+    settings = read_settings(*read_rig(path), [])
+    written = [
+        (step.sub, int.from_bytes(step.data, "little", signed=True))
+        for step in axis_steps(settings, "Z")
+        if isinstance(step, Write) and step.index == 0x60C2
+    ]
+    assert written == [(1, value), (2, -3)]
 
 
 def test_the_terminal_of_a_line_is_passed_where_its_frame_is_in_the_cycle() -> None:

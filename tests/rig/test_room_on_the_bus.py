@@ -172,3 +172,14 @@ def test_at_standstill_every_drive_of_the_segment_has_to_bear_what_sdo_keeps_awa
     settings = settings_of(path)
     room = SdoRoom.STANDSTILL if min(mine, others) > 1 else SdoRoom.NONE
     assert (sdo_room(settings, "Z"), sdo_room(settings, "Y")) == (room, room)
+
+
+@pytest.mark.parametrize("without", ["", "X", "Y", "Z", "XZ", "XYZ"])
+def test_each_axis_whose_place_nothing_proves_is_warned_of(rig_above: Read, without: str) -> None:
+    """In the order of the rig, by the key of its own drive."""
+    text = "[drive.blind]\nposition_check = false\n"
+    text += "".join(f'[axis.{axis}]\ndrive = "blind"\n' for axis in without)
+    settings = rig_above("probe-xyz.toml", text)
+    found = describe_places(settings)
+    assert found == [unproved_place(settings, axis) for axis in without]
+    assert all(line.endswith("position_check of drive blind is false") for line in found)

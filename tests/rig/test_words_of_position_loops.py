@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.oracles.position_loop import dead_cycles, gain_limit, ramp_lag_mm
-from axisrig.bench.rig.canopen.loop import describe_loop, loop_settings
+from axisrig.bench.rig.canopen.loop import check_loop, describe_loop, loop_settings
+from axisrig.bench.rig.canopen.schedule import axis_telegrams
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
@@ -189,6 +190,18 @@ def test_the_lag_of_a_ramp_is_the_speed_over_the_gain() -> None:
     assert ramp_lag_mm(100.0, 25.0) == pytest.approx(4.0)
     assert ramp_lag_mm(-100.0, 25.0, 0.75) == pytest.approx(-1.0)
     assert ramp_lag_mm(100.0, 25.0, 1.0) == 0.0
+
+
+@pytest.mark.parametrize(("late", "dead"), [(0, "1"), (1, "2"), (2, "3")])
+@pytest.mark.parametrize("speed_loop_us", [0, 500])
+def test_a_gain_is_refused_with_the_dead_cycles_of_its_carrier(
+    rig: Read, late: int, dead: str, speed_loop_us: int
+) -> None:
+    """One until the set speed acts, those of the carrier, and the speed loop of the drive."""
+    settings = rig(f"drive:servo.speed_loop_us={speed_loop_us}", lines="getriebe[0].kv 200000\n")
+    shown = f"{int(dead) + speed_loop_us / 1000:g}"
+    with pytest.raises(UserError, match=f"with {shown} dead"):
+        check_loop(settings, "Z", axis_telegrams(settings, "Z").values(), late)
 
 
 def test_each_axis_has_gain_and_feed_forward_of_its_own_list(rig_above: Read) -> None:
