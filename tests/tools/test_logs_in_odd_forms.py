@@ -135,6 +135,31 @@ def test_a_block_ends_with_its_last_segment_or_when_it_is_full() -> None:
     assert segments[2:] == [True, True, False]
 
 
+@pytest.mark.parametrize("sizes", [(2, 3), (3, 2), (1, 2, 3), (4, 1), (5,)])
+def test_each_block_is_as_long_as_the_side_that_takes_it_has_said_last(
+    sizes: tuple[int, ...],
+) -> None:
+    """CiA 301, SDO block download: `blksize` of each answer is that of the next block."""
+    numbers = [number for size in sizes for number in range(1, size + 1)]
+    data = bytes(range(1, 7 * len(numbers) + 1))
+    frames: list[tuple[int, str]] = [
+        (0x603, f"C6002001{len(data):02X}000000"), (0x583, f"A4002001{sizes[0]:02X}000000"),
+    ]  # fmt: skip
+    parts = [data[at : at + 7].hex() for at in range(0, len(data), 7)]
+    for place, size in enumerate(sizes):
+        own, parts = parts[:size], parts[size:]
+        last = 0 if parts else 0x80
+        frames += [
+            (0x603, f"{number | (last if number == size else 0):02X}{part}")
+            for number, part in enumerate(own, 1)
+        ]
+        following = sizes[place + 1] if parts else 9
+        frames.append((0x583, f"A2{size:02X}{following:02X}0000000000"))
+    segments, values = followed(*frames, (0x603, "C100000000000000"), DONE)
+    assert values == [Value(0x2000, 1, data)]
+    assert sum(segments) == len(numbers)
+
+
 @pytest.mark.parametrize("number", [0, 2, 3, 127])
 def test_a_segment_out_of_its_order_ends_the_block(number: int) -> None:
     """Neither it nor those after it are segments; the transfer gives no value."""
