@@ -88,6 +88,35 @@ def test_versions_are_named(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_version_that_only_one_folder_has_is_no_change(tmp_path: Path, turn: int) -> None:
+    """An older release wrote fewer of them; a package may be of an extra."""
+    one = folder(tmp_path / "a", {}, packages={"numpy": "2"})
+    other = folder(
+        tmp_path / "b", {}, packages={"numpy": "2", "duckdb": "1.4"}, compiled=True, platform="x",
+        sources_sha256="ab" * 32,
+    )  # fmt: skip
+    assert found(*(one, other)[::turn]) == []
+
+
+@pytest.mark.parametrize(
+    ("version", "shown"),
+    [
+        ("0123456789abcdef" * 4, "0123456789ab"),
+        ("0123456789abcdef" * 4 + "0", "0123456789abcdef" * 4 + "0"),
+        ("0123456789abcdef" * 3, "0123456789abcdef" * 3),
+        ("0123456789abcdeX" * 4, "0123456789abcdeX" * 4),
+        ("1.2.3", "1.2.3"),
+    ],
+)
+def test_of_a_sha_256_the_begin_is_named_and_of_other_versions_all(
+    tmp_path: Path, version: str, shown: str
+) -> None:
+    one = folder(tmp_path / "a", {}, sources_sha256=version)
+    other = folder(tmp_path / "b", {}, sources_sha256="f" * 64)
+    assert found(one, other) == [f"changed: sources {shown} -> {'f' * 12}"]
+
+
 def test_plans_and_models_are_files_as_well(tmp_path: Path) -> None:
     """A model has no text that a folder keeps; a plan is known by its name, wherever it was."""
     one, other = (
