@@ -145,6 +145,39 @@ def test_signals_that_differ_most_by_their_range_are_drawn(
     ]
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_difference_counts_by_the_wider_range_of_both_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turn: int
+) -> None:
+    """5 of the 10 that one run has, and of nothing in the other; 0.9 of 1 is more."""
+    one = {"Z__stands": (0.0, 10.0, 0.0), "Z__moves": (0.0, 1.0, 1.0)}
+    other = {"Z__stands": (5.0, 5.0, 5.0), "Z__moves": (0.0, 1.0, 0.1)}
+    runs = [run_of(tmp_path / f"{turn}{n}.parquet", (0, 1, 2), **ways)
+            for n, ways in enumerate((one, other)[::turn])]  # fmt: skip
+    found = drawn(monkeypatch, *runs)
+    assert [title for title, *_ in found[::2]] == ["Z.moves", "Z.stands"]
+
+
+@pytest.mark.parametrize(
+    ("name", "gap", "is_drawn"),
+    [
+        # A position has six digits: half of the last one is none, of numbers that are alike
+        ("Z__set_mm", 0.4e-6, False), ("Z__set_mm", 0.6e-6, True), ("Z__set_mm", -0.6e-6, True),
+        ("Z__set_mm", -0.4e-6, False),
+        # Of a signal that no report knows 1e-9 of the largest amount
+        ("Z__own", 0.9e-9, False), ("Z__own", 1.2e-9, True),
+    ],
+)  # fmt: skip
+def test_a_difference_that_no_digit_of_a_report_shows_is_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, gap: float, is_drawn: bool
+) -> None:
+    before, after = (
+        run_of(tmp_path / f"{n}.parquet", (0, 1, 2), **{name: (-1.0, 0.25 + own, 0.5)})
+        for n, own in enumerate((0.0, gap))
+    )
+    assert len(drawn(monkeypatch, before, after)) == 2 * is_drawn
+
+
 def test_only_instants_of_both_are_compared_and_the_longer_one_is_drawn_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
