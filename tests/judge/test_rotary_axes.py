@@ -70,6 +70,23 @@ def test_every_part_of_a_force_at_an_arm_is_turned(arm_m: float) -> None:
     assert (open_ended.expected, open_ended.high, open_ended.low) == (None, None, 90.0 * arm_m)
 
 
+@pytest.mark.parametrize("arm_m", [None, 0.25])
+def test_of_an_axis_that_turns_lengths_are_angles_and_a_force_needs_an_arm(
+    arm_m: float | None,
+) -> None:
+    run: Any = SimpleNamespace(torque_arm_m=lambda axis: arm_m if axis == "C" else None,
+                               rotary=("C",))  # fmt: skip
+    slide = "; as a slide with 1 mm for 1 degree"
+    length, force = (
+        Value("key", "label", unit, "C", 8.0, 4.0, 2.0, 6.0, "why") for unit in ("mm", "N")
+    )
+    assert _turned(run, length) == replace(length, unit="deg", note=f"why{slide}")
+    torque = Value("key", "label", "N.m", "C", 2.0, 1.0, 0.5, 1.5, f"why{slide}")
+    assert _turned(run, force) == (force if arm_m is None else torque)
+    for other in (replace(length, axis="X"), replace(force, axis="X")):
+        assert _turned(run, other) == other
+
+
 def test_a_force_times_its_arm_is_a_torque() -> None:
     check = parse_check("stop_torque_nm", "> -1e9", "")
     found = in_newton_metres(Observation(200.0, 4.0, "why"), observed("CD", C=0.25, D=0.25), check)

@@ -278,3 +278,18 @@ def test_a_force_limit_has_the_sign_of_its_direction() -> None:
     assert down.limits["Z"].force_limit_n == -FORCE_N
     (open_,) = stop_findings(recorded(plant={"force_limit_motor": None}))
     assert open_.limits["Z"].force_limit_n is None
+
+
+def test_a_mark_that_was_not_measured_is_in_no_band() -> None:
+    """The closed form says when the stop had to be found; nothing has found it."""
+    missed = replace(STOP, detected_ns=None, detected_by=None, beyond_ns={})
+    (block,) = stop_findings(recorded(run=replace(RUN, fixed_stop=missed)))
+    marks = {mark.key: mark for mark in block.marks}
+    for key in ("beyond", "detected"):
+        assert marks[key].measured_ns is None
+        assert marks[key].oracle_ns is not None
+        assert marks[key].is_inside is None
+        assert not marks[key].says_nothing
+    (found,) = stop_findings(recorded())
+    inside = {mark.key: mark.is_inside for mark in found.marks}
+    assert (inside["beyond"], inside["detected"], inside["contact"]) == (True, True, None)

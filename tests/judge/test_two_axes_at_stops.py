@@ -267,3 +267,32 @@ def test_each_axis_has_its_own_place_and_lag(axis: str) -> None:
     assert seen(both, f"command_overtravel_mm:{axis}").value == pytest.approx(
         end_mm + lag - LATCHED_MM - more
     )
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_path_of_two_axes_is_the_straight_line(turn: int) -> None:
+    """3 mm of X and 4 mm of Z are 5 mm; both demands go 2 mm, X from seven rows later on."""
+    later = dict([("Z", 0), ("X", 7)][::turn])
+    observed = recorded(later)
+    (record,) = observed.facts.runs
+    for target_mm in ({"X": 3.0, "Z": 4.0}, {"X": -3.0, "Z": -4.0}, {"Z": 5.0}):
+        line = replace(record, target_mm=target_mm)
+        run = run_of(Observed(replace(observed.facts, runs=(line,)), observed.series))
+        assert run.block_mm == pytest.approx(5.0)
+        # Z has gone 1 mm when X has gone 0.93 mm
+        assert run.path_mm[[20, 120, 399]] == pytest.approx(
+            [0.0, np.hypot(1.0, 0.93), np.hypot(2.0, 2.0)]
+        )
+
+
+@pytest.mark.parametrize(
+    ("criteria", "measuring"), [("X", "Z"), ("Z", "Z"), ("ZX", "X"), ("XZ", "ZX"), ("X", "XZ")]
+)
+def test_a_block_names_the_axes_of_its_path_and_those_with_a_criterion(
+    criteria: str, measuring: str
+) -> None:
+    observed = recorded({"Z": 0, "X": 7}, criteria, measuring=measuring)
+    (block,) = stop_findings(observed)
+    assert (list(block.axes), list(block.watched)) == ([*measuring], [*criteria])
+    assert set(block.limits) == set(criteria)
+    assert block.rotary == {}

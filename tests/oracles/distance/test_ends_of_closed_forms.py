@@ -5,8 +5,15 @@ import math
 import numpy as np
 import pytest
 
+from axisrig.bench.oracles.distance.filters import (
+    Character,
+    exponential_mean,
+    kalman_exponential,
+    kalman_mean,
+)
+from axisrig.bench.oracles.distance.following import settling_cycles
 from axisrig.bench.oracles.distance.limits import stopping_step_mm
-from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, Loop
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.sample_hold import held_limit
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.oracles.distance.tool import ACS, MCS, ToolWay
@@ -51,3 +58,25 @@ def test_an_offset_of_one_axis_moves_it_alone_and_no_row_moves_nothing() -> None
     none = np.zeros((0, 3))
     for one in (way, ToolWay(MCS)):
         assert one.superposed(none, np.zeros(0)).shape == (0, 3)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("sigma_mm", [0.02, 0.1, 0.5])
+def test_a_mean_of_the_newest_value_alone_is_that_value(count: int, sigma_mm: float) -> None:
+    """With a smoothing factor of 1 no other one counts: the line through the last two values."""
+    assert exponential_mean(count, 1.0) == Character(0.0, 1.0)
+    assert kalman_exponential(count, 1.0, sigma_mm) == kalman_mean(1, sigma_mm)
+    ratio = (0.1 / sigma_mm) ** 2
+    trust = (5.0 + ratio) / (6.0 + ratio)  # 2 x - x_before: an energy of 4 + 1
+    expected = math.sqrt((1.0 - trust) ** 2 * 5.0 + trust**2)
+    assert kalman_mean(1, sigma_mm).noise_gain == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
+def test_a_loop_that_nothing_drives_never_settles(mode: str) -> None:
+    """Of kp 0 all of an error is left after a cycle; of a wrong sign more than that."""
+    assert settling_cycles(Loop(mode, 2), 0.0, 0.01) == math.inf
+    if mode != BOTH:  # both encoders see what was sent
+        assert settling_cycles(Loop(mode, 2, sign=-1), 0.1, 0.01) == math.inf
+    # 1 - kp a cycle without dead cycles
+    assert settling_cycles(Loop(SET_POS, 0), 0.5, 0.25) == pytest.approx(2.0)

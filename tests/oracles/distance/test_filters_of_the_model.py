@@ -7,6 +7,8 @@ it, a mean of N goes n/N of it, a lag of first order with the pole p and b = (1 
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from axisrig.bench.oracles.distance.smoothing import (
     kalman,
     moving_average,
     none,
+    of_control,
 )
 
 PERIOD_NS = 1_000_000
@@ -174,3 +177,61 @@ def test_a_second_change_of_the_filter_begins_with_the_first_one() -> None:
         one.change(Control(0.2), moving_average(count))
         found.append(given(one, 4.0))
     assert found == pytest.approx([2.5, np.mean([2.5] * 3 + [4.0]), np.mean([2.5] * 2 + [4.0] * 2)])
+
+
+OTHERS: dict[str, Any] = {
+    "count": 7, "alpha": 0.3, "order": 2, "corner_hz": 60.0, "sigma_mm": 0.03,
+}  # fmt: skip
+"""Of each number another one than 4, 0.7, 4, 25 Hz and 0.1 mm."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers"),
+    [
+        ("DEFAULT", {"count"}),
+        ("MOVING_AVERAGE", {"count"}),
+        ("EXPO_MEAN", {"count", "alpha"}),
+        ("LOWPASS", {"order", "corner_hz"}),
+        ("KALMAN_MA", {"count", "sigma_mm"}),
+        ("KALMAN_EXPO", {"count", "alpha", "sigma_mm"}),
+    ],
+)
+def test_each_filter_has_its_own_numbers(kind: str, numbers: set[str]) -> None:
+    """FCT-M3 4.1 to 4.3: what is of another filter changes nothing."""
+    control = Control(filter_type=kind)
+    plain = of_control(control, PERIOD_NS)
+    acting = {
+        name
+        for name, value in OTHERS.items()
+        if not of_control(replace(control, **{name: value}), PERIOD_NS).is_same(plain)
+    }
+    assert acting == numbers
+    assert of_control(control, 2 * PERIOD_NS).is_same(plain) is (kind != "LOWPASS")
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 4, 8])
+@pytest.mark.parametrize("corner_hz", [25.0, 100.0])
+@pytest.mark.parametrize("period_ns", [1_000_000, 2_000_000])
+def test_a_low_pass_is_late_by_its_order_and_corner(
+    order: int, corner_hz: float, period_ns: int
+) -> None:
+    """n/(2 tan(pi f T)) cycles of n lags, bilinear and bent to f."""
+    control = Control(filter_type="LOWPASS", order=order, corner_hz=corner_hz)
+    bent = math.tan(math.pi * corner_hz * period_ns * 1e-9)
+    assert of_control(control, period_ns).delay_cycles == pytest.approx(order / (2.0 * bent))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 9])
+@pytest.mark.parametrize("alpha", [0.25, 1.0])
+def test_means_are_late_by_the_first_moment_of_their_weights(count: int, alpha: float) -> None:
+    """Of less than one value a mean is that of one."""
+    values = range(max(count, 1))
+    weights = [(1.0 - alpha) ** k for k in values]
+    late = sum(k * weight for k, weight in zip(values, weights, strict=True)) / sum(weights)
+    control = Control(count=count, alpha=alpha)
+    assert of_control(control, PERIOD_NS).delay_cycles == pytest.approx((max(count, 1) - 1) / 2)
+    weighted = of_control(replace(control, filter_type="EXPO_MEAN"), PERIOD_NS)
+    assert weighted.delay_cycles == pytest.approx(late)
+    for kind in ("KALMAN_MA", "KALMAN_EXPO"):  # they predict: on a ramp they are not late
+        kalman_ = of_control(replace(control, filter_type=kind), PERIOD_NS)
+        assert kalman_.delay_cycles == pytest.approx(0.0, abs=1e-9)
