@@ -2,11 +2,13 @@
 
 from contextlib import suppress
 from pathlib import Path
+from random import Random
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.faults import plants
 from axisrig.bench.machine.faults.acts import Injected, drawn
 from axisrig.bench.machine.faults.images import KINDS
 from axisrig.bench.machine.faults.injection import BESIDE, ON_CAN, ON_IMAGES, ON_LINES
@@ -153,6 +155,74 @@ def test_a_plant_is_of_the_axes_that_it_is_wired_to() -> None:
     unwired = probing.axis["Y"].model_copy(update={"probe_1": None, "probe_2": None})
     fewer = probing.model_copy(update={"axis": probing.axis | {"Y": unwired}})
     assert axes_of("probe", ["probe"], fewer) == ("X", "Z")
+
+
+INPUTS = {"x": ["load", "supply.on"], "z": ["load"], "probe": ["supply.on", "level"]}
+"""Of plants that nothing is wired to; names of FMUs have dots of their own."""
+
+
+@pytest.fixture
+def with_inputs(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = {
+        name: SimpleNamespace(spare_inputs=lambda found=found: found)
+        for name, found in INPUTS.items()
+    }
+    monkeypatch.setattr(plants, "parts_of", lambda _plant: parts)
+
+
+@pytest.mark.interpreted
+@pytest.mark.usefixtures("with_inputs")
+def test_inputs_of_plants_are_points_of_the_axes_that_have_these_plants() -> None:
+    found = plants.points(SimpleNamespace(settings=settings_of("probe-xyz.toml"), plant=PLANT))  # type: ignore[arg-type]
+    assert {target: point.axes for target, point in found.items()} == {
+        "x.load": ("X",), "x.supply.on": ("X",), "z.load": ("Z",),
+        "probe.supply.on": ("X", "Y", "Z"), "probe.level": ("X", "Y", "Z"),
+    }  # fmt: skip
+    assert {point.kinds for point in found.values()} == {("plant_input",)}
+    assert [*found] == [point.target for point in found.values()]
+
+
+@pytest.mark.interpreted
+@pytest.mark.usefixtures("with_inputs")
+@pytest.mark.parametrize("target", ["x.load", "x.supply.on", "probe.supply.on"])
+def test_a_fault_holds_the_input_of_its_whole_name(
+    monkeypatch: pytest.MonkeyPatch, target: str
+) -> None:
+    """At the value of its cell, from and until the instants at which it begins and ends."""
+    calls: list[tuple[Any, ...]] = []
+
+    def held(_plant: Any, *names: str) -> Any:
+        return SimpleNamespace(
+            begin=lambda *given: calls.append((*names, *given)),
+            end=lambda *given: calls.append((*names, *given)),
+        )
+
+    monkeypatch.setattr(plants, "HeldInput", held)
+    settings = settings_of("probe-xyz.toml", f"fault:plant_input={target} value=-2.5")
+    clock = SimpleNamespace(now_ns=0)
+    beside: Any = SimpleNamespace(settings=settings, plant=PLANT, clock=clock)
+    act = plants.KINDS["plant_input"](beside, settings.faults[0], Random(1))
+    assert calls == []
+    names = tuple(target.split(".", 1))
+    for call, now_ns in ((act.begin, 7), (act.end, 9)):
+        clock.now_ns = now_ns
+        call()
+    assert calls == [(*names, -2.5, 7), (*names, 9)]
+
+
+@pytest.mark.interpreted
+@pytest.mark.usefixtures("with_inputs")
+@pytest.mark.parametrize("target", ["x.level", "y.load", "z.supply.on"])
+def test_an_input_that_is_not_there_is_refused_where_the_cell_is(target: str) -> None:
+    """Of each of several: a right one before it changes nothing."""
+    cells = ("probe.level value=1", f"{target} value=1")
+    settings = settings_of("probe-xyz.toml", *(f"fault:plant_input={cell}" for cell in cells))
+    beside: Any = SimpleNamespace(settings=settings, plant=PLANT, clock=None)
+    with pytest.raises(UserError) as refused:
+        plants.KINDS["plant_input"](beside, settings.faults[0], Random(1))
+    assert refused.value.value == target
+    assert refused.value.allowed == ", ".join(f"{n}.{i}" for n in INPUTS for i in INPUTS[n])
+    assert f"fault:plant_input={cells[1]}" in str(refused.value)
 
 
 def test_a_segment_is_of_all_axes_on_it() -> None:

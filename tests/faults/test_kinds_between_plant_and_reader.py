@@ -233,6 +233,28 @@ def test_a_sensor_reports_what_its_cell_says_on_off_and_on(kind: str) -> None:
         assert others == [2e-3, True, False]
 
 
+@pytest.mark.parametrize(
+    ("cells", "reported_um"),
+    [
+        ((("sensor_drift", "um_s=500"), ("sensor_full", "um=9000")), 9000.0),
+        ((("sensor_full", "um=9000"), ("sensor_drift", "um_s=500")), 9000.0 + 2.0),
+        ((("sensor_drift", "um_s=500"), ("sensor_freeze", "")), 2000.0 + 2.0),
+        ((("sensor_freeze", ""), ("sensor_drift", "um_s=500")), 2000.0 + 2.0),
+        ((("sensor_drift", "um_s=500"), ("sensor_drift", "um_s=-250")), 2000.0 + 1.0),
+    ],
+)
+def test_of_two_faults_of_a_sensor_the_second_bends_what_comes_of_the_first(
+    cells: tuple[tuple[str, str], ...], reported_um: float
+) -> None:
+    """In the order of the cells, 4 ms after both begin; the truth stays."""
+    bench = Bench("distance-z.toml")
+    for kind, keys in cells:
+        bench.do(kind, f"gap {keys}".rstrip()).begin()
+    reported_m, *others = bench.beside.sensor("gap").reported_at(4 * MS)
+    assert reported_m * 1e6 == pytest.approx(reported_um, abs=1e-6)
+    assert others == [2e-3, True, False]
+
+
 def test_a_second_encoder_that_is_the_sensor_sees_what_comes_of_it() -> None:
     bench = Bench("distance-z.toml")
     assert bench.settings.rig.axis["Z"].encoder_2 == "gap"

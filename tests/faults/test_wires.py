@@ -62,6 +62,26 @@ def test_an_edge_at_the_begin_of_a_run_is_passed_at_its_instant() -> None:
     assert wire.edges == [(0, True), (1, False)]
 
 
+@pytest.mark.parametrize("first_ns", [0, 1 * MS])
+def test_a_wire_that_is_put_in_later_has_the_edges_of_before(first_ns: int) -> None:
+    """And the level before the first of them, whatever the level is by now."""
+    edges = [(first_ns, True), (3 * MS, False), (5 * MS, True)]
+    for count in range(4):
+        hand = Hand(*edges)
+        clock: Any = hand
+        hand.to(edges[count - 1][0] if count else -1)
+        wires: list[Any] = [
+            LateWire(hand.signal, clock, 700 * US),
+            ChatteringWire(hand.signal, clock, 2, 200 * US),
+            StickingWire(hand.signal, clock, hand.advance),
+        ]
+        for wire in wires:
+            assert (wire.edges, wire.level) == (edges[:count], count % 2 == 1)
+            assert wire.level_at(first_ns - 1) is False
+        hand.to(9 * MS)
+        assert [wire.edges for wire in wires] == [edges] * 3
+
+
 def test_edges_come_late_while_the_fault_acts_and_in_time_before_and_after() -> None:
     hand = Hand(*EDGES)
     clock: Any = hand
