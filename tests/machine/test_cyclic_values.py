@@ -55,6 +55,31 @@ def test_each_row_has_the_values_up_to_its_instant_and_each_block_what_none_befo
     assert lists(last, "Z", TARGET) == [[], []]
 
 
+@pytest.mark.parametrize(
+    ("times", "is_last", "rows"),
+    [
+        ([20], True, [[5, 20, 21, 99]]),  # of one row, with what came after it
+        ([20], False, [[5, 20]]),
+        ([4], True, [[5, 20, 21, 99]]),
+        ([4], False, [[]]),
+        ([20, 21], True, [[5, 20], [21, 99]]),
+        ([99, 100], True, [[5, 20, 21, 99], []]),
+        ([], True, []),
+    ],
+)
+def test_a_block_of_any_size_may_be_the_last(
+    times: list[int], is_last: bool, rows: list[list[int]]
+) -> None:
+    """What a block has left is in the next one."""
+    values = CyclicValues()
+    put(values, "X", TARGET, *((at, -at) for at in (5, 20, 21, 99)))
+    found = values.take_columns(np.array(times, dtype=np.int64), is_last=is_last)
+    assert lists(found, "X", TARGET) == [[(at, -at) for at in row] for row in rows]
+    taken = sum(map(len, rows))
+    rest = values.take_columns(np.array([100]), is_last=False)
+    assert lists(rest, "X", TARGET) == [[(at, -at) for at in (5, 20, 21, 99)[taken:]]]
+
+
 @pytest.mark.interpreted
 def test_telegrams_of_a_node_are_in_one_row_and_in_no_block_again() -> None:
     """One ends 0.3 ms after each SYNC: it belongs to the row of the next one, or to the last."""

@@ -235,6 +235,25 @@ def test_an_axis_watches_each_signal_of_its_drive_once_and_all_that_of_the_termi
         assert (watcher.axis, watcher.times) == ("Z", stamp_times(of_plc.rig.plc_task))
 
 
+def test_a_probe_at_drives_and_at_the_terminal_is_watched_by_both() -> None:
+    """Drives first, in the order that is asked for; at the terminal it may be measured by each."""
+    settings = settings_of("probe-xyz.toml", "drive:servo.input_delay_us=5")
+    terminal = {"input_1": "probe", "input_2": "other", "filter_us": 3.5}
+    task = PlcTaskTable.model_validate({"period_us": 4000, "program": "p.py", "terminal": terminal})
+    table = settings.rig.model_copy(update={"plc_task": task})
+    found = watchers_of(SimpleNamespace(rig=table), ["Z", "X"])  # type: ignore[arg-type]
+    assert {
+        name: [(one.axis, one.read_by, one.times.delay_ns) for one in watching]
+        for name, watching in found.items()
+    } == {
+        "probe": [
+            ("Z", "drive", 5000), ("X", "drive", 5000),
+            ("Z", "terminal", 3500), ("X", "terminal", 3500),
+        ],
+        "other": [("Z", "terminal", 3500), ("X", "terminal", 3500)],
+    }  # fmt: skip
+
+
 def test_a_terminal_makes_a_stamp_of_an_edge_and_a_node_on_can_none() -> None:
     numbers = {"clock_offset_ns": 11, "clock_drift_ppm": 1.5, "assumed_offset_ns": 12,
                "assumed_drift_ppm": 2.5}  # fmt: skip

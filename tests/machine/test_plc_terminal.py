@@ -95,6 +95,29 @@ def test_jitter_is_drawn_with_the_seed_and_never_early() -> None:
     assert 0 <= min(stamps(1)) <= max(stamps(1)) <= 501
 
 
+def test_each_channel_draws_a_jitter_of_its_own() -> None:
+    """The same edges at both inputs, 20 of them; the second one draws what it does alone."""
+    edges = [(at * MS + 1, at % 2 == 1) for at in range(1, 21)]
+    plc = PlcTaskTable(period_us=1000, program="p.py")
+    clock: Any = SimpleNamespace(now_ns=0)
+    stamps: dict[str, list[list[int]]] = {}
+    for wired in ("12", "1", "2"):
+        keys: dict[str, Any] = {f"input_{number}": f"p{number}" for number in wired}
+        table = TerminalTable(stamp_jitter_ns=1000, **keys)
+        signals = {name: Signal(edges) for name in keys.values()}
+        made = Terminal(plc, table, signals, lambda _: None, 5, StampFault(clock))
+        found = []
+        for at in range(1, 21):
+            made.exchange_until(at * MS + MS)
+            found.append([max(image.latch_pos_ns, image.latch_neg_ns) - at * MS - 1
+                          for image in made.image.values()])  # fmt: skip
+        assert all(0 <= late <= 1000 for row in found for late in row)
+        stamps[wired] = found
+    assert [row[0] for row in stamps["12"]] == [late for (late,) in stamps["1"]]
+    assert [row[1] for row in stamps["12"]] == [late for (late,) in stamps["2"]]
+    assert sum(first == second for first, second in stamps["12"]) < 5
+
+
 def test_a_lost_terminal_keeps_its_image_and_says_so() -> None:
     terminal, _ = _terminal(Signal([(2_500_000, True)]), silent_from_ms=2.5)
     terminal.exchange_until(2 * MS)
