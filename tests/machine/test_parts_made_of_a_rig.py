@@ -215,6 +215,37 @@ def test_without_a_key_the_wait_for_answers_is_that_of_the_interface(
         assert master_scheduler(settings, Hardware(times)).pacing.wait_ns == own_ms * MS
 
 
+@pytest.mark.parametrize("first", ["slcan", "socketcan"])
+def test_of_several_buses_the_one_that_takes_longest_is_waited_for(
+    tmp_path: Path, first: str
+) -> None:
+    """slcan 50 ms, socketcan 0: both on a line of their own, in either order."""
+    second = {"slcan": "socketcan", "socketcan": "slcan"}[first]
+    text = "\n".join(
+        f'[segment.{name}]\ninterface = "{interface}"\nchannel = "{name}"'
+        for name, interface in (("can1", first), ("can2", second), ("can3", "socketcan"))
+    )
+    times: Any = SimpleNamespace(monotonic_ns=lambda: 0, pause=lambda _: None)
+    settings = settings_of(above(tmp_path, "probe-xyz.toml", text))
+    assert master_scheduler(settings, Hardware(times)).pacing.wait_ns == 50 * MS
+
+
+@pytest.mark.parametrize(("period_us", "offset_us", "late_us"), [(1000, 600, 50), (2000, 900, 7.5)])
+def test_the_pace_of_a_rig_is_a_quarter_of_its_cycle_and_its_offset(
+    tmp_path: Path, period_us: int, offset_us: int, late_us: float
+) -> None:
+    """A cycle that is late by more than a quarter moves the plan; answers come until the offset."""
+    text = (
+        f"[cycle]\nperiod_us = {period_us}\ncycle_offset_us = {offset_us}\n"
+        f'[realtime]\nlate_us = {late_us}\n[segment.can1]\ninterface = "slcan"\nchannel = "x"'
+    )
+    times: Any = SimpleNamespace(monotonic_ns=lambda: 0, pause=lambda _: None)
+    clock = master_scheduler(settings_of(above(tmp_path, "probe-z.toml", text)), Hardware(times))
+    assert (clock.pacing.slip_ns, clock.pacing.answer_ns) == (period_us * 250, offset_us * 1000)
+    assert clock.deadlines.late_ns == round(late_us * 1000)
+    assert clock.pacing.sync_period_ns is None
+
+
 # --- who watches an edge
 
 

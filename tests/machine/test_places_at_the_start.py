@@ -91,6 +91,15 @@ def test_a_stop_of_another_make_may_press_from_the_begin(names: list[str], has_f
     assert plant.notes == {"z": ["its stop presses with 250 N when the run begins"]}
 
 
+@pytest.mark.parametrize("force_n", [250.0, -31.5])
+def test_what_is_noted_of_a_stop_stands_behind_what_is_noted_already(force_n: float) -> None:
+    plant = plant_of(12.5, force_n, 10.0, names=[])
+    plant.notes["z"].append("its lag is not known")
+    check_places(settings_of(PROBE, []), plant)
+    pressed = f"its stop presses with {force_n:g} N when the run begins"
+    assert plant.notes == {"z": ["its lag is not known", pressed]}
+
+
 def test_a_stop_of_one_axis_of_an_fmu_of_two_is_ours() -> None:
     """Their parameters have a number at their ends."""
     assert (
