@@ -50,20 +50,22 @@ def test_edges_that_are_not_well_known_and_warnings_of_fmus_are_named(
 def test_foreign_fmus_are_described_and_others_where_something_is_missing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    tables = {"z": "/x/own.fmu", "p": "Lib.Probe", "gap": "Lib.Gap"}
+    tables = {"z": "/x/own.fmu", "p": "Lib.Probe", "gap": "Lib.Gap", "q": "bare.fmu"}
     monkeypatch.setattr(
         plants, "simulated_plants",
         lambda _: {name: SimpleNamespace(fmu=fmu) for name, fmu in tables.items()},
     )  # fmt: skip
     plant: Any = SimpleNamespace(
         axes={"z": SimpleNamespace(slave=slave("z", version="2.0"))},
-        probes={"p": SimpleNamespace(slave=slave("p"))},
+        probes={"p": SimpleNamespace(slave=slave("p")), "q": SimpleNamespace(slave=slave("q"))},
         distances={"gap": SimpleNamespace(slave=slave("gap"))},
-        notes={"z": [], "p": [], "gap": ["no valid"]}, remarks={"z": ["a"], "p": [], "gap": ["b"]},
+        notes={"z": [], "p": [], "gap": ["no valid"], "q": []},
+        remarks={"z": ["a"], "p": [], "gap": ["b"], "q": []},
     )  # fmt: skip
     assert describe_plants(None, plant) == [  # type: ignore[arg-type]
         "plant z (own.fmu, FMI 2.0) is an axis", "  a",
         "plant gap (Lib.Gap, FMI 3.0) is a distance sensor", "  no valid", "  b",
+        "plant q (bare.fmu, FMI 3.0) is a probe",  # of the user, with nothing to say about it
     ]  # fmt: skip
 
 

@@ -52,6 +52,12 @@ def task(switches: str | None = None, **inputs: str) -> Any:
         ({"task": task(input_1="p", input_2="fixed")}, None),
         ({"task": task(input_2="gap")}, "plc.terminal.input_2 must name a probe or a switch"),
         ({"task": task(switches="p")}, None),
+        ({"task": task(switches="p", input_1="fixed", input_2="p")}, None),
+        (
+            {"task": task(switches="p", input_1="gap")},
+            "plc.terminal.input_1 must name a probe or a",
+        ),
+        ({"task": task(switches="fixed", input_1="p")}, "plc.switches must name a probe that can"),
         ({"task": task(switches="fixed")}, "plc.switches must name a probe that can be switched"),
         ({"task": task(switches="gap")}, "plc.switches must name a probe that can be switched"),
         ({"task": SimpleNamespace(terminal=None, switches=None)}, None),
