@@ -309,3 +309,22 @@ def test_a_list_that_is_written_again_keeps_the_structure_of_distance_control(
     again = listed(list_text(listed(f"{name} 0.5\n")))
     assert again.get("kenngr.dist_ctrl[0].kp") == 0.5
     assert again.is_written_as(written)
+
+
+@pytest.mark.parametrize(
+    ("kind", "older", "present"),
+    [
+        ("channel", "trafo[1].id", "kin_step[0].trafo[1].id"),
+        ("channel", "trafo[0].param[3]", "kin_step[0].trafo[0].param[3]"),
+        ("external", "anzahl_belegt", "number_used_variables"),
+        ("axis", "kenngr.dist_ctrl[0].toleranz", "kenngr.dist_ctrl[0].tolerance"),
+    ],
+)
+def test_any_other_older_name_is_written_again_as_the_present_one(
+    kind: Kind, older: str, present: str
+) -> None:
+    found = ParameterSet(kind)
+    found.load(older, "9", Origin("a.lst", 3, 1))
+    (line,) = list_text(found).splitlines()[1:]
+    name, value = line.split()[:2]
+    assert (name, float(value)) == (present, 9.0)

@@ -6,7 +6,7 @@ indices     largest index of each `[i]` of the path, blank = no limit
 values      what a STRING may hold, blank = any word; the only values of a number
 fallback    paths that decide while the value is unset; of several the smallest counts; `path=WORD`:
             the first switch that is set gives the word; `1:path` only for index 1 of the parameter
-unset       when the fallback decides: `=0`, `<0`, `<=0`, or `blank` for a STRING
+unset       when the fallback decides: `=0`, `<0`, or `blank` for a STRING
 otherwise   the value where the fallback leaves it unset too, blank = what the fallback has
 alarm       ID of the warning with which a value out of range is corrected to the nearer limit; a
             second one where the setting has an older path without index
@@ -164,7 +164,7 @@ class Parameter:
             return False
         if isinstance(value, str):
             return value == ""
-        return {"=0": value == 0, "<0": value < 0, "<=0": value <= 0}[self.unset]
+        return {"=0": value == 0, "<0": value < 0}[self.unset]
 
     def has_effect(self, indices: Iterable[int], value: Value) -> bool:
         """Whether setting `value` changes anything now; the default always counts as acting."""
