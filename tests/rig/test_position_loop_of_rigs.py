@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.bench.rig.canopen.family import FAMILY
 from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.loop import check_gain, feed_forward
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.canopen.mapping import telegrams
 from axisrig.kernel.errors import UserError
@@ -163,3 +164,49 @@ def test_check_says_where_a_loop_is_closed(rig: Write, settings_of: Read) -> Non
     (line,) = [text for text in FAMILY.describe(settings) if "position loop" in text]
     assert line.startswith("warning: axis Z: its drive closes the position loop")
     assert "getriebe[0].kv" in line
+
+
+@pytest.mark.parametrize(
+    ("share", "refused"), [(1.0, True), (1.0 + 1e-9, True), (1.0 - 1e-9, False), (0.5, False)]
+)
+def test_a_gain_at_its_limit_is_refused_too(
+    rig: Write, settings_of: Read, share: float, refused: bool
+) -> None:
+    """There the loop rings for ever. Kv 20 1/s, T 1 ms, 3 dead cycles; P-AXIS-00099 is 0.01 1/s."""
+    settings = settings_of(rig(CSV, lines="getriebe[0].kv 2000\n"))
+    given = ("Z", 0.02 / share, 3.0, 0.001, "CNC", "lower it")
+    if not refused:
+        check_gain(settings, *given)
+        return
+    with pytest.raises(UserError) as caught:
+        check_gain(settings, *given)
+    error = caught.value
+    assert "the position loop of the CNC is unstable with Kv = 20 1/s" in error.message
+    assert "Kv T is 0.02 and must be below 0.02 with 3 dead cycles" in error.message
+    assert (error.value, error.allowed, error.hint) == (2000, "below 2000 0.01/s", "lower it")
+
+
+@pytest.mark.parametrize(
+    ("lines", "share"),
+    [
+        ("", 0.0),
+        ("vorsteuer.vorsteuerung 1\nvorsteuer.default_active 1\n", 1.0),
+        ("vorsteuer.vorsteuerung 3\nvorsteuer.default_active 1\n", 1.0),
+        ("vorsteuer.vorsteuerung 2\nvorsteuer.default_active 1\n", 0.0),  # acceleration alone
+        ("vorsteuer.vorsteuerung 1\nvorsteuer.default_active 0\n", 0.0),
+        (
+            "vorsteuer.vorsteuerung 1\nvorsteuer.default_active 1\nvorsteuer.global_disable 1\n",
+            0.0,
+        ),
+        (
+            "vorsteuer.vorsteuerung 1\nvorsteuer.default_active 1\nvorsteuer.vs_v_faktor 3\n"
+            "vorsteuer.vs_v_nenner 4\n",
+            0.75,
+        ),
+    ],
+)
+def test_the_set_speed_is_fed_forward_where_everything_of_the_list_wants_it(
+    rig: Write, settings_of: Read, lines: str, share: float
+) -> None:
+    """P-AXIS-00223 bit 0 is the speed; on by P-AXIS-00255, scaled by P-AXIS-00228 / 00229."""
+    assert feed_forward(settings_of(rig(CSV, lines=lines)), "Z") == share
