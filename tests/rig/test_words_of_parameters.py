@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.bench.rig.parameter_words import (
     acts,
+    chain,
     chosen,
     decided_by,
     default,
@@ -128,3 +129,48 @@ def test_every_word_has_to_fit() -> None:
     assert len(rows) == 1
     assert chosen(["p-axis-00759", rows[0].topic]) == rows
     assert chosen(["P-AXIS-00759", "no such word"]) == []
+
+
+SLOPES = "getriebe[i].lslope_profil"
+INPUTS = (
+    "antr.probing_input_nbr (P-AXIS-00430), then antr.canopen.probing_input_number (P-AXIS-00295)"
+)
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        ("P-AXIS-00209", ""),  # nothing decides in its place
+        (
+            "P-AXIS-00024",
+            f"0: the smallest of {SLOPES}.a_grenz_stufe_1 (P-AXIS-00005) and"
+            f" {SLOPES}.a_grenz_stufe_2 (P-AXIS-00006)",
+        ),
+        ("P-AXIS-00532", "negative: getriebe[i].pos_einschw_zeit (P-AXIS-00151)"),
+        ("P-AXIS-00518", "blank: NEG by kenngr.mess_neg_flanke (P-AXIS-00113); else POS"),
+        (
+            "P-AXIS-00776",
+            "negative: antr.fixed_stop.detect.start_distance (P-AXIS-00771); else 0",
+        ),
+        (
+            "P-AXIS-00583",
+            "0: [0] kenngr.measure.input (P-AXIS-00517), then"
+            f" {INPUTS}; [1] kenngr.measure.input_edge_banding (P-AXIS-00539), then"
+            f" kenngr.measure.input (P-AXIS-00517), then {INPUTS}",
+        ),
+    ],
+)
+def test_who_decides_while_a_parameter_is_unset_link_by_link(number: str, text: str) -> None:
+    """Each link once, by index where they differ, words with the switch that means them."""
+    found = named(number)
+    assert found is not None
+    assert chain(found) == text
+
+
+def test_of_several_older_switches_each_has_its_word_in_the_order_of_asking() -> None:
+    found = named("P-AXIS-00516")
+    assert found is not None
+    first, *rest = chain(found).removeprefix("blank: ").partition("; else ")[0].split(", then ")
+    assert first == "FIXED_STOP by kenngr.meas_signal_fixed_stop (P-AXIS-00330)"
+    assert [link.split()[0] for link in rest] == ["PLC", "PLC", "DRIVE", "DRIVE", "DRIVE"]
+    assert chain(found).endswith("; else DRIVE")
