@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from tests.channel.distance3d.programs import inclined
 
+from axisrig.kernel.channel.distance.diagnosis import diagnosis
 from axisrig.kernel.distance import DistanceCommand
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import HeadCA
@@ -119,3 +120,43 @@ def test_filter_time_is_a_number_of_cycles(make_tool_loop: Make) -> None:
         assert control.parameters({"filter_time_s": time_s}) == {"n_cycles": cycles}
     with pytest.raises(Alarm, match="900465"):
         control.parameters({"filter_time_s": 0.0004})
+
+
+@pytest.mark.parametrize(
+    ("tool_mm", "set_dist", "shown"),
+    [
+        (80.0, 80.0, None),
+        (80.0, 80.0000005, None),  # rounding of a decimal
+        (80.0, 80.0005, ("80.0005", "80")),
+        (80.0, 79.999, ("79.999", "80")),
+        (0.0, 0.0, ("0", "0")),  # no tool has a length of 0
+        (-1.0, -1.0, ("-1", "-1")),
+    ],
+)
+def test_a_set_distance_is_the_tool_length_to_a_nanometre(
+    make_tool_loop: Make, tool_mm: float, set_dist: float, shown: tuple[str, str] | None
+) -> None:
+    loop = make_tool_loop(kinematic=HeadCA((100.0,), tool_mm))
+    warning = loop.plan("MCS").on(set_dist=set_dist)
+    if shown is None:
+        assert warning is None
+        return
+    assert warning.id == 900464
+    assert (warning.values["set_dist_mm"], warning.values["length_mm"]) == shown
+
+
+@pytest.mark.parametrize(
+    ("mode", "shows_on", "shows_off"),
+    [(None, "MCS(3)", "OFF(0)"), ("MCS", "MCS(3)", "MCS(3)"), ("ECS", "ECS(2)", "ECS(2)")],
+)
+def test_the_mode_of_the_next_on_is_shown_once_something_says_it(
+    make_tool_loop: Make, mode: str | None, shows_on: str, shows_off: str
+) -> None:
+    """Without MODE it is MCS with a kinematic; while it is off nothing has said it."""
+    loop = make_tool_loop()
+    loop.plan(mode)
+    assert dict(diagnosis(loop.control3d, is_awaited=False))["new_mode"] == shows_off
+    loop.on(set_pos=0.0)
+    loop.run(2)
+    shown = dict(diagnosis(loop.control3d, is_awaited=False))
+    assert (shown["active_mode"], shown["new_mode"]) == (shows_on, shows_on)
