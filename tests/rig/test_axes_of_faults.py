@@ -131,3 +131,53 @@ def test_a_telegram_that_there_is_not_is_shown_those_of_its_place(
     assert (last.partition(".")[0] == place) is all(
         name.startswith(f"{place}.") for name in allowed
     )
+
+
+@pytest.mark.parametrize(
+    ("rig", "has"),
+    [
+        ("plc-io-node.toml", True),
+        ("plc-timestamp-line.toml", False),
+        (OF_TERMINAL, False),
+        ("plc-drive-input.toml", False),
+        ("probe-xyz.toml", False),
+    ],
+)
+def test_only_a_node_on_can_sends_telegrams_of_a_terminal(rig: str, has: bool) -> None:
+    """One on a line is part of its frame, one of its own is on the fieldbus of the PLC."""
+    found = [name for name in targets(TELEGRAM, rig_of(rig)) if name.startswith("terminal.")]
+    assert bool(found) is has
+    assert axes_of("can1.SYNC", TELEGRAM, rig_of("plc-io-node.toml")) == tuple(
+        name for name, axis in rig_of("plc-io-node.toml").axis.items() if axis.segment == "can1"
+    )
+
+
+@pytest.mark.parametrize(
+    ("rig", "kind", "words", "hint"),
+    [
+        ("probe-xyz.toml", "drop", "no such telegram", None),
+        ("probe-xyz.toml", "reset", "no such place of a fault", None),
+        ("probe-xyz.toml", "probe_stick", "no such place of a fault", None),
+        ("probe-xyz.toml", "plc_lost", "no such place of a fault: the rig has no plc", "plc_lost"),
+        (
+            "probe-xyz.toml",
+            "line_lost",
+            "no such place of a fault: the rig has no line",
+            "line_lost",
+        ),
+        (
+            "probe-xyz.toml",
+            "sensor_full",
+            "no such place of a fault: the rig has no sensor",
+            "sensor_full",
+        ),
+    ],
+)
+def test_a_place_that_there_is_not_is_named_by_what_the_kind_acts_on(
+    rig: str, kind: str, words: str, hint: str | None
+) -> None:
+    with pytest.raises(UserError) as caught:
+        read_faults(kind, "nowhere", rig_of(rig))
+    assert caught.value.message == words
+    assert caught.value.hint == (None if hint is None else f"axisrig faults {hint}")
+    assert bool(caught.value.allowed) is (hint is None)

@@ -102,6 +102,14 @@ def test_the_table_of_faults_has_every_kind_with_its_targets_and_keys() -> None:
         assert lines[at + 1] == f"    {kind.meaning}"
     for name in (*fault_keys(), *fault_moments()):
         assert any(line.startswith(f"  {name}  ") for line in lines), name
+    for key in fault_keys().values():
+        (line,) = [
+            text for text in lines if text.startswith(f"  {key.name}  ") and key.meaning in text
+        ]
+        default = f", default {key.default}" if key.default else ""
+        ending = f" ({key.allowed}{default})" if key.allowed else ""
+        assert line.endswith(f"{key.meaning}{ending}")
+        assert ("default" in line.partition(key.meaning)[2]) is bool(key.default and key.allowed)
 
 
 BUSES = Path(__file__).parents[2] / "bench" / "axisrig" / "bench" / "bus"
