@@ -264,3 +264,27 @@ def test_a_buffer_is_not_settled_by_what_comes_back_to_where_it_was() -> None:
         assert buffer.is_settled_of([0]) is settled
         assert buffer.is_settled_of([0, 1]) is settled
         assert buffer.is_settled_of([1])
+
+
+@pytest.mark.parametrize(
+    ("start", "target", "begin", "end"),
+    [
+        ({}, {"X": 3.0}, (1.0, -2.0, 5.0), (3.0, -2.0, 5.0)),
+        ({"X": 2.0}, {"X": 3.0}, (2.0, -2.0, 5.0), (3.0, -2.0, 5.0)),
+        ({"Z": 4.0}, {"X": 3.0}, (1.0, -2.0, 4.0), (3.0, -2.0, 4.0)),
+        ({}, {"Y": 2.0, "Z": 8.0}, (1.0, -2.0, 5.0), (1.0, 2.0, 8.0)),
+    ],
+)
+def test_an_axis_that_a_move_does_not_name_stays_where_it_is(
+    start: dict[str, float], target: dict[str, float], begin: tuple[float, ...],
+    end: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Once before the move, and where its start says."""
+    path = Interpolator("XYZ", MS)
+    path.hold((1.0, -2.0, 5.0))
+    path.start(start, target, plan(math.dist(begin, end), 50.0, SLOPE, SLOPE))
+    assert path.positions_mm == begin
+    course = run(path)
+    assert course[-1] == end
+    for at, (first, last) in enumerate(zip(begin, end, strict=True)):
+        assert first != last or {place[at] for place in course} == {first}
