@@ -121,3 +121,36 @@ def test_speed_0_and_target_reached_are_two_things(fake_axis: Any, target_m_s: f
     word = cycles(running, 30)
     assert word & REACHED
     assert bool(word & SPEED_ZERO) is (target_m_s == 0.0)
+
+
+# Limits of either side
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_direction_is_free_as_soon_as_its_own_switch_is_off(fake_axis: Any, sign: int) -> None:
+    """One switch is met, then it is off and the other one is on: its end alone is an end."""
+    limits = ServoAlone(fake_axis()).servo.limits
+    own, other = (2, 1) if sign > 0 else (1, 2)
+    limits.block(own, sign * 1e-3)
+    limits.block(own | other, -sign * 2e-3)
+    ends = (limits.high_m, limits.low_m)[::sign]
+    assert ends == (sign * 1e-3, -sign * 2e-3)
+    limits.block(other, -sign * 5e-3)  # where it was met counts
+    ends = (limits.high_m, limits.low_m)[::sign]
+    assert ends == (sign * math.inf, -sign * 2e-3)
+    limits.block(0, 0.0)
+    assert (limits.low_m, limits.high_m) == (-math.inf, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("per_mille", "shown"),
+    [(32_767, 32_767), (32_768, 32_767), (1e6, 32_767), (-32_768, -32_768), (-32_769, -32_768),
+     (-1e6, -32_768), (0.4, 0), (-0.6, -1)],
+)  # fmt: skip
+def test_an_actual_torque_ends_where_its_object_does(
+    fake_axis: Any, per_mille: float, shown: int
+) -> None:
+    """6077 is INTEGER16 in per mille of the rated torque, 2.2 Nm at a lead of 10 mm."""
+    axis = fake_axis()
+    axis.force_n = lambda: per_mille / 1000 * 2 * math.pi * 2.2 / 0.01
+    assert ServoAlone(axis).servo.limits.torque_per_mille() == shown

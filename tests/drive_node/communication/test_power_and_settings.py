@@ -1,0 +1,92 @@
+"""What a node boots with after power: number and bit rate that LSS has stored, and no watch."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from axisrig.bench.drive.canopen.nmt import NmtState
+
+Make = Callable[..., Any]
+LSS, CONFIGURATION, NODE_ID, BIT_TIMING, STORE = 0x7E5, "0401", "11", "1300", "17"
+NODE = 3
+
+
+def lss(drive: Any, data: str) -> list[tuple[int, str]]:
+    found: list[tuple[int, str]] = drive.after(LSS, data.ljust(16, "0"), wait_ms=2)
+    return found
+
+
+def booted(drive: Any, *, by_nmt: bool = False) -> list[int]:
+    """Power off and on, or reset the node; return the numbers that say that they have booted."""
+    before = len(drive.heard)
+    if by_nmt:
+        drive.nmt(129, drive.node.node_id)
+    else:
+        drive.node.power_off()
+        drive.run_ms(5)
+        drive.node.power_on()
+    drive.run_ms(20)
+    return [can_id - 0x700 for can_id, data in drive.heard[before:] if data == "00"]
+
+
+@pytest.mark.parametrize("number", [5, 127])
+@pytest.mark.parametrize("is_stored", [True, False])
+def test_a_number_that_was_not_stored_is_gone_with_the_power(
+    stranger: Make, number: int, is_stored: bool
+) -> None:
+    """A reset takes the pending one, power the stored one; then nothing is pending."""
+    drive = stranger()
+    lss(drive, CONFIGURATION)
+    assert lss(drive, NODE_ID + f"{number:02x}")[-1] == (0x7E4, NODE_ID + "00" * 7)
+    if is_stored:
+        lss(drive, STORE)
+    assert booted(drive) == [number if is_stored else NODE]
+    assert drive.node.node_id == (number if is_stored else NODE)
+    assert booted(drive, by_nmt=True) == [number if is_stored else NODE]
+
+
+def test_a_pending_number_comes_with_a_reset_and_goes_with_the_power(stranger: Make) -> None:
+    drive = stranger()
+    lss(drive, CONFIGURATION)
+    lss(drive, NODE_ID + "06")
+    assert booted(drive, by_nmt=True) == [6]
+    assert booted(drive) == [NODE]
+    assert booted(drive, by_nmt=True) == [NODE]
+
+
+@pytest.mark.parametrize("is_stored", [True, False])
+def test_a_node_of_another_bit_rate_is_not_heard(stranger: Make, is_stored: bool) -> None:
+    """10 kbit/s are number 8 of the table; what was stored counts from power on."""
+    drive = stranger()
+    lss(drive, CONFIGURATION)
+    assert lss(drive, BIT_TIMING + "08")[-1] == (0x7E4, "13" + "00" * 7)
+    if is_stored:
+        lss(drive, STORE)
+    assert booted(drive) == ([] if is_stored else [NODE])
+    drive.heard.clear()
+    drive.nmt(1)
+    drive.after(0x080, wait_ms=5)
+    assert bool(drive.heard) is not is_stored
+
+
+@pytest.mark.parametrize("behaviour", [0, 1, 2])
+def test_a_node_without_power_misses_nobody(stranger: Make, behaviour: int) -> None:
+    """1016 and 100C watch while it runs; off it is neither stopped nor has it an error later."""
+    drive = stranger()
+    assert drive.write(0x1029, 1, behaviour, 1) == 0
+    assert drive.write(0x1016, 1, 5 << 16 | 10, 4) == 0
+    for index, value, size in ((0x100C, 10, 2), (0x100D, 1, 1)):
+        assert drive.write(index, 0, value, size) == 0
+    drive.after(0x705, "05", wait_ms=2)
+    drive.after(0x703, remote=True, wait_ms=2)
+    drive.node.power_off()
+    drive.heard.clear()
+    drive.run_ms(100)
+    assert drive.node.nmt_state is NmtState.INITIALISING
+    assert drive.node.image.error_register == 0
+    drive.node.power_on()
+    drive.run_ms(20)
+    assert drive.frames(0x083) == []
+    assert drive.node.nmt_state is NmtState.PRE_OPERATIONAL
+    assert drive.read(0x1003, 0) == 0
