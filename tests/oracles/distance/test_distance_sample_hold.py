@@ -47,3 +47,31 @@ def test_a_longer_wait_for_a_value_is_never_better() -> None:
         loop = Loop(mode, 2, moving_average(4), 1)
         found = [held_limit(loop, every) for every in (1, 2, 3, 4)]
         assert found == sorted(found, reverse=True)
+
+
+@pytest.mark.parametrize("of_error", [True, False])
+@pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
+@pytest.mark.parametrize(("dead", "sent"), [(0, 0), (0, 2), (1, 3), (2, 0), (3, 1)])
+def test_with_every_value_it_is_the_loop_of_any_derivative_and_of_any_age_of_z_com(
+    mode: str, dead: int, sent: int, of_error: bool
+) -> None:
+    """Also where Z_com is older than what the sensor shows, and with the D part of the error."""
+    for r in (0.0, 1.5):
+        loop = Loop(mode, dead, moving_average(2), sent, 0, 0.01, r, of_error=of_error)
+        for kp in (0.05, 0.4):
+            assert held_growth(loop, 1, kp) == pytest.approx(growth(loop, kp), rel=0, abs=1e-6)
+
+
+@pytest.mark.parametrize("every", [1, 2, 3, 5])
+@pytest.mark.parametrize("kp", [0.05, 0.15, 0.35, 0.9])
+def test_what_is_left_of_an_error_is_that_of_a_cycle(every: int, kp: float) -> None:
+    """Without dead cycles N steps of kp times one value: 1 - N kp is left after N cycles."""
+    found = held_growth(Loop(CONST_DIST, 0), every, kp)
+    assert found == pytest.approx(abs(1.0 - every * kp) ** (1.0 / every), abs=1e-9)
+
+
+@pytest.mark.parametrize("every", [1, 2, 3, 5])
+def test_without_dead_cycles_a_value_lasts_for_two_of_its_errors(every: int) -> None:
+    """|1 - N kp| = 1 at kp = 2/N; of the wrong sign no kp is stable."""
+    assert held_limit(Loop(CONST_DIST, 0), every) == pytest.approx(2.0 / every, rel=1e-6)
+    assert held_limit(Loop(CONST_DIST, 0, sign=-1), every) == 0.0

@@ -221,3 +221,36 @@ def test_how_far_the_tool_moves_for_an_increment() -> None:
     pose = np.array([[0.0, 0.0, 300.0, 0.0, 0.0]])
     slopes = tcp_slopes(head(), pose)[0]
     assert np.linalg.norm(slopes[:, 4]) * 0.5e-4 * 1e3 == pytest.approx(0.157, abs=5e-4)
+
+
+@pytest.mark.parametrize("mode", [ECS, MCS])
+@pytest.mark.parametrize(
+    ("normal", "height_mm"), [((0.0, 0.0, 1.0), 170.0), ((0.6, 0.0, 0.8), 133.0)]
+)
+def test_a_height_counts_from_the_origin_of_the_coordinate_system(
+    mode: str, normal: tuple[float, float, float], height_mm: float
+) -> None:
+    """The clamping point (5, 60, 200), HD1 = 100 mm below the axes, over (10, 20, 30)."""
+    way = ToolWay(mode, 0, head(), 5, normal, (10.0, 20.0, 30.0))
+    pose = np.array([[5.0, 60.0, 300.0, 25.0, 0.0]])
+    assert way.height_mm(pose) == pytest.approx([height_mm])
+    plain = ToolWay(mode, 0, head(), 5, normal)
+    more = float(np.dot((10.0, 20.0, 30.0), normal))
+    assert plain.height_mm(pose) == pytest.approx([height_mm + more])
+    assert ToolWay(ACS, 1).height_mm(pose) == pytest.approx([60.0])
+
+
+@pytest.mark.parametrize(
+    ("tilt_deg", "way"),
+    [(0.0, 1.0), (60.0, 2.0), (84.9, 11.249), (85.0, 11.4737), (88.0, 11.4737), (90.0, 11.4737),
+     (120.0, 11.4737)],
+)  # fmt: skip
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_along_the_tool_the_way_grows_up_to_85_degrees(
+    tilt_deg: float, way: float, side: float
+) -> None:
+    """1/cos b, at most 1/cos 85 = 11.474 (docs/ambiguities.md); across the normal it is 1."""
+    poses = np.array([[0.0, 0.0, 300.0, 30.0, side * tilt_deg]])
+    along = ToolWay(ECS, 0, head(), 5).way(poses)[0]
+    assert np.linalg.norm(along) == pytest.approx(way, rel=1e-4)
+    assert ToolWay(MCS, 0, head(), 5).way(poses)[0] == pytest.approx([0.0, 0.0, 1.0])
