@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.drive.axis.index_pulse import IndexPulse
 from axisrig.bench.drive.axis.latch_position import LatchPosition
 from axisrig.bench.drive.cia402.dictionary.image import ProcessImage
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -126,3 +127,80 @@ def test_home_is_gone_with_a_coarser_and_with_a_finer_unit(feed: int) -> None:
     units.update()
     assert (units.is_homed, units.origin_units, units.home_units) == (False, 0, 0)
     assert units.position_units(0.5) == 50 * feed
+
+
+# Homing and the probes
+
+
+@pytest.mark.parametrize(
+    ("habit", "stay_on", "are_kept"),
+    [
+        ("independent", (True, True), True),
+        ("probe_1_off", (False, True), True),
+        ("off", (False, False), True),
+        ("clears", (False, False), False),
+    ],
+)
+def test_homing_takes_of_each_probe_what_the_habit_says(
+    habit: str, stay_on: tuple[bool, bool], are_kept: bool
+) -> None:
+    """Off, and with the last habit position, stamp and counter of each edge too."""
+    edges = ((1000, 2000, 11_000, 12_000), (1500, 2500, 11_500, 12_500))
+    made, image = unit(edges, homing=habit)
+    word = 0x3131
+    made.set_function(word, 0)
+    made.take_edges(5000)
+    names = [
+        f"{what}_{number}_{edge}" for what in ("latch", "stamp", "count") for number in (1, 2)
+        for edge in ("positive", "negative")
+    ]  # fmt: skip
+    before = {name: getattr(image, name) for name in names}
+    assert all(before.values())
+    made.homing(True, 6000)
+    assert tuple(probe.is_enabled for probe in made.probes) == stay_on
+    after = {name: getattr(image, name) for name in names}
+    assert after == (before if are_kept else dict.fromkeys(names, 0))
+    made.homing(False, 7000)
+    assert tuple(probe.is_enabled for probe in made.probes) == stay_on  # until a new word
+    made.set_function(0, 8000)
+    made.set_function(word, 9000)
+    assert tuple(probe.is_enabled for probe in made.probes) == (True, True)
+    made.take_edges(20_000)
+    assert (image.latch_1_positive, image.latch_2_positive) == (11_000, 11_500)
+
+
+def test_all_who_watch_the_latches_are_called_at_each_change() -> None:
+    made, _ = unit(((1000,), ()))
+    called = [0, 0, 0]
+
+    def watch(number: int) -> Any:
+        def note() -> None:
+            called[number] += 1
+
+        return note
+
+    made.watches += [watch(number) for number in range(3)]
+    made.set_function(USUAL, 0)
+    armed = called[0]
+    assert armed > 0
+    made.take_edges(2000)
+    assert called[0] > armed
+    assert called == [called[0]] * 3
+
+
+@pytest.mark.parametrize("looks", [1, 2, 5])
+def test_a_zero_pulse_is_latched_once_however_often_the_drive_looks(looks: int) -> None:
+    """A revolution of 10 mm in 10 ms; every event is taken."""
+    profile, image = DriveProfile(input_delay_ns=0), ProcessImage()
+    pulse = IndexPulse(profile, lambda time_ns: time_ns * 1e-9 + 1e-3)
+    encoders = Encoders(LatchPosition(profile, lambda time_ns: time_ns))
+    made = TouchProbe((None, None), profile, encoders, image, {5: pulse}, 1)
+    made.set_function(ENABLE | CONTINUOUS | POSITIVE | INDEX, 0)
+    counts = []
+    for number in range(1, 31):
+        for _ in range(looks):
+            made.take_edges(number * MS)
+        counts.append(image.count_1_positive)
+    # The mark at 10 mm is there after 9 ms, then each 10 ms
+    assert [counts.index(wanted) + 1 for wanted in (1, 2, 3)] == [9, 19, 29]
+    assert counts[-1] == 3

@@ -330,3 +330,19 @@ def test_power_takes_the_areas_of_the_sync_managers() -> None:
         assert line.one(APWR, 0, address + 1, b"\x5a\xa5").wkc == 1
         assert line.one(APRD, 0, address, 3).data == b"\x00\x5a\xa5"
     assert line.drive.managers[0].is_enabled is False
+
+
+def test_power_that_is_there_or_gone_already_changes_nothing() -> None:
+    """On in OP: it stays there, and the drive goes on. Off twice: one boot follows."""
+    line = Line()
+    line.op()
+    line.enable()
+    line.drive.power_on()
+    assert line.al() == (OP, 0)
+    assert line.drive.state is State.OPERATION_ENABLED
+    for _ in range(2):
+        line.drive.power_off()
+        assert line.drive.state is State.SWITCH_ON_DISABLED
+    for _ in range(2):
+        line.drive.power_on()
+        line.preop()

@@ -90,3 +90,41 @@ def test_a_node_without_power_misses_nobody(stranger: Make, behaviour: int) -> N
     assert drive.frames(0x083) == []
     assert drive.node.nmt_state is NmtState.PRE_OPERATIONAL
     assert drive.read(0x1003, 0) == 0
+
+
+@pytest.mark.parametrize("command", [129, 130])
+def test_a_reset_of_the_communication_leaves_the_error_of_the_axis(
+    stranger: Make, command: int
+) -> None:
+    """1001 shows what is active: a fault of the drive is gone with a reset of the node alone."""
+    drive = stranger()
+    drive.enable()
+    drive.node.servo.fault(0x2310, 1 << 1, drive.bench.scheduler.now_ns)
+    drive.run_ms(5)
+    assert drive.read(0x1001) == 0x03
+    drive.nmt(command)
+    drive.run_ms(5)
+    assert drive.read(0x1001) == (0x03 if command == 130 else 0)
+    assert drive.read(0x603F) == (0x2310 if command == 130 else 0)
+
+
+@pytest.mark.parametrize(("kind", "start", "counters"), [
+    (1, 0, [1, 2, 3, 4, 5, 6, 7, 8]), (1, 5, [5, 6, 7, 8]), (1, 1, [1, 2, 3, 4, 5, 6, 7, 8]),
+    (3, 5, [7]), (2, 3, [4, 6, 8]), (1, 8, [8]),
+])  # fmt: skip
+def test_a_telegram_begins_with_the_sync_whose_counter_it_waits_for(
+    stranger: Make, kind: int, start: int, counters: list[int]
+) -> None:
+    """CiA 301, 1800:6: the SYNC with this counter is the first one that is counted."""
+    drive = stranger()
+    for index, sub, value, size in (
+        (0x1019, 0, 240, 1), (0x1A03, 1, 0x6041_0010, 4), (0x1A03, 0, 1, 1),
+        (0x1803, 2, kind, 1), (0x1803, 6, start, 1), (0x1803, 1, 0x4000_0483, 4),
+    ):  # fmt: skip
+        assert drive.write(index, sub, value, size) == 0
+    drive.nmt(1)
+    found = [
+        number for number in range(1, 9)
+        if 0x483 in [known for known, _ in drive.after(0x080, f"{number:02x}")]
+    ]  # fmt: skip
+    assert found == counters
