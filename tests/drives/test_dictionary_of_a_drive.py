@@ -146,8 +146,11 @@ def test_a_telegram_carries_what_the_drive_lets_it(
     if text is None:
         check_objects(od, telegram)
     else:
-        with pytest.raises(UserError, match=text):
+        with pytest.raises(UserError, match=text) as caught:
             check_objects(od, telegram)
+        if text == "another type":
+            shown = f"{bits} bits {'signed' if signed else 'unsigned'}"
+            assert (caught.value.value, caught.value.allowed) == (shown, "16 bits unsigned")
     mapped.index = 0x2001
     with pytest.raises(UserError, match="does not have"):
         check_objects(od, telegram)
@@ -232,6 +235,21 @@ def test_a_dcf_wants_values_written_that_are_not_the_ones_of_the_control() -> No
     ]  # fmt: skip
     assert [dcf_value(od, 0x2003, sub) for sub in (1, 2, 3)] == [-2, None, None]
     assert dcf_value(od, 0x1017, 0) is None
+
+
+@pytest.mark.parametrize(("value", "is_refused"), [(9, True), (10, False), (20, False), (21, True)])
+def test_limits_of_the_file_count_for_the_values_of_its_dcf(value: int, is_refused: bool) -> None:
+    od = dictionary(item(0x2000, 3, value=value, min=10, max=20), item(0x2001, value=500))
+    if not is_refused:
+        assert [(each.index, each.sub, each.value) for each in dcf_values(od)] == [
+            (0x2000, 3, value), (0x2001, 0, 500),
+        ]  # fmt: skip
+        return
+    with pytest.raises(
+        UserError, match=r"0x2000:3 .* does not take the value by the EDS"
+    ) as caught:
+        list(dcf_values(od))
+    assert (caught.value.value, caught.value.allowed) == (value, "10 to 20")
 
 
 def test_a_dcf_that_wants_another_value_of_what_cannot_be_written_is_refused() -> None:

@@ -62,6 +62,9 @@ def test_a_window_that_the_object_cannot_hold_is_no_way_to_switch_it_off(value: 
     with pytest.raises(Alarm) as caught:
         drive_idents(PER_MM)[WINDOW].raw(value, "X")
     assert (caught.value.id, caught.value.values["key"]) == (900112, WINDOW)
+    shown = float(str(caught.value.values["value"]))  # as the object would have it
+    assert math.isclose(shown, value * PER_MM / 10000, rel_tol=1e-14)
+    assert caught.value.values["data_type"] == "UNS32"
 
 
 def test_a_window_of_0_in_the_drive_has_no_value_in_sercos() -> None:

@@ -193,8 +193,13 @@ def test_two_cyclic_values_of_one_cycle_are_both_taken_with_the_next() -> None:
     assert link.objects[0x6072, 1] == 0x1250
     functions.begin(canon.DriveWait(block(3), "Z"))
     assert functions.is_waiting
+    for _ in range(3):
+        functions.check()
+        assert (functions.is_waiting, functions.is_busy) == (False, False)
+    functions.begin(write("Z", "BITS", 0x60))
+    assert functions.is_busy
     functions.check()
-    assert not functions.is_waiting
+    assert not functions.is_busy
 
 
 def test_only_cyclic_values_have_one_from_the_start_on() -> None:
