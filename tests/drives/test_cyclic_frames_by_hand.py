@@ -402,6 +402,18 @@ def test_questions_leave_one_behind_each_frame_that_is_back() -> None:
         assert len(questions(line)) == min(number + 1, 3)
 
 
+def test_what_is_asked_after_a_frame_is_back_leaves_behind_the_next_one() -> None:
+    """Else it would keep the frame of the next cycle from the wire."""
+    line = Line()
+    line.back(line.cycle())
+    line.master.transactions.ask(QUESTION, lambda _: None)
+    assert questions(line) == []
+    frame = line.cycle()
+    assert (questions(line), line.sent[-1][1]) == ([], frame)
+    line.back(frame)
+    assert len(questions(line)) == 1
+
+
 def test_a_question_without_an_answer_is_asked_three_times() -> None:
     """2 ms apart, each with an index of its own; what comes late counts for nothing."""
     line = Line()

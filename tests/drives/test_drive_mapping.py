@@ -221,6 +221,29 @@ BOTH = (
 )
 
 
+@pytest.mark.parametrize("counter", [False, True])
+@pytest.mark.parametrize("inputs", [False, True])
+@pytest.mark.parametrize("second", [False, True])
+@pytest.mark.parametrize("speed", [False, True])
+@pytest.mark.parametrize("probe", [False, True])
+def test_the_kernels_own_telegrams_have_what_is_asked_for(
+    counter: bool, inputs: bool, second: bool, speed: bool, probe: bool
+) -> None:
+    """A drive without a touch probe has no counter of its latches either."""
+    found = telegrams(
+        0x60BC, counter=counter, inputs=inputs, second=second, speed=speed, probe=probe
+    )
+    fields = {o.field: o.index for telegram in found.values() for o in telegram.objects}
+    wanted = {"controlword": 0x6040, "statusword": 0x6041, "actual": 0x6064}
+    wanted |= {"speed": 0x60FF} if speed else {"target": 0x607A}
+    wanted |= {"inputs": 0x60FD} if inputs else {}
+    wanted |= {"second": 0x60E4} if second else {}
+    if probe:
+        wanted |= {"probe_function": 0x60B8, "probe_status": 0x60B9, "latch": 0x60BC}
+        wanted |= {"latch_count": 0x60D7} if counter else {}
+    assert fields == wanted
+
+
 @pytest.mark.parametrize(("written", "sub"), [("10", 10), ("0x10", 16), ("0", 0), ("0xff", 255)])
 def test_a_sub_index_is_decimal_unless_it_says_otherwise(
     tmp_path: Path, written: str, sub: int

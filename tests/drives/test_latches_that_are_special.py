@@ -10,6 +10,7 @@ from axisrig.kernel.drives.cia402.actual_position import asked_by_sdo
 from axisrig.kernel.drives.cia402.latch_check import LatchCheck
 from axisrig.kernel.drives.cia402.latch_watch import UNSHOWN_CYCLES_MAX, LatchWatch
 from axisrig.kernel.drives.cia402.objects import SdoError
+from axisrig.kernel.errors import Alarm
 
 OFF = 0
 
@@ -178,6 +179,42 @@ def test_what_has_agreed_once_is_asked_again_when_it_did_not() -> None:
     latch(sdo, 5)
     sdo.answer()
     assert check.agrees(5)
+
+
+def test_an_answer_is_looked_at_once() -> None:
+    """What it said of another position proves none that telegrams bring afterwards."""
+    sdo = FakeSdo()
+    check = checked(sdo)
+    latch(sdo, 1001)
+    assert not check.agrees(1000)
+    sdo.answer()
+    assert not check.agrees(1000)  # asks once more
+    assert not check.agrees(1001)  # and nothing has been answered since
+    sdo.answer()
+    assert check.agrees(1001)
+
+
+@pytest.mark.parametrize("units", [-(1 << 31), (1 << 31) - 1, -1, 0])
+def test_a_position_of_the_drive_has_a_sign_at_both_ends_of_its_range(units: int) -> None:
+    """INTEGER32 of 60BA (CiA 402-2)."""
+    sdo = FakeSdo()
+    check = checked(sdo)
+    latch(sdo, units)
+    assert not check.agrees(units)
+    sdo.answer()
+    assert check.agrees(units)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_position_where_the_axis_was_not_is_named_with_where_it_was(sign: int) -> None:
+    """From 1 to 1.5 mm with 0.3 mm a cycle at most, and 0.1 mm: 0.6 to 1.9 mm."""
+    with pytest.raises(Alarm) as caught:
+        moved([sign * place for place in (1000, 1300, 1500)], sign * 2000)
+    bounds = sorted(sign * bound for bound in (0.6, 1.9))
+    assert caught.value.values == {
+        "axis": "Z", "value_mm": f"{sign * 2.0:.6f}", "low_mm": f"{bounds[0]:.6f}",
+        "high_mm": f"{bounds[1]:.6f}",
+    }  # fmt: skip
 
 
 def test_a_refused_question_for_a_place_gives_the_room_back() -> None:

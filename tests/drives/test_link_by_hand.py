@@ -231,3 +231,25 @@ def test_after_a_restart_of_the_drive_every_latch_counts_anew(tmp_path: Path, in
         link.forget()
         link.choose_latch(1, "POS")
         assert link.is_clear
+
+
+@pytest.mark.parametrize("counted", [0x60D5, 0x60D6])
+def test_another_edge_is_proved_by_its_own_counter(tmp_path: Path, counted: int) -> None:
+    """60D6 counts 60BB: one more than before proves the position at once, 60D5 says nothing."""
+    table = tmp_path / "map.csv"
+    table.write_text(TWO_EDGES, encoding="utf-8")
+    link, wire = _link(pdo_map=str(table))
+    link.choose_latch(1, "NEG")
+
+    def cycle(probe_status: int, latched: int, more: int) -> None:
+        counts = [5 + more * (counted == 0x60D5), 8 + more * (counted == 0x60D6)]
+        wire._bring(0x183, struct.pack("<HiH", OPERATION_ENABLED, 1000, probe_status))
+        wire._bring(0x283, struct.pack("<iH", 700, counts[0]))
+        wire._bring(0x383, struct.pack("<iH", latched, counts[1]))
+        link.take()
+
+    cycle(0x0, 900, 0)
+    link.arm()
+    cycle(0x1, 900, 0)
+    cycle(0x5, 1001, 1)  # bit 2 of 60B9: the negative edge is stored
+    assert link.latched_mm == (1.001 if counted == 0x60D6 else None)

@@ -136,6 +136,19 @@ def test_a_status_word_that_fits_no_state_counts_as_missing_each_time() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(("first", "second"), [(2, 5), (5, 2), (0, 3), (3, 0)])
+def test_an_alarm_has_the_cycles_of_its_own_telegram(first: int, second: int) -> None:
+    pdos = Pdos()
+    for left in range(max(first, second), 0, -1):
+        if left > first:
+            pdos.first()
+        if left > second:
+            pdos.second(1, 2)
+        pdos.take()
+    found = {"TPDO1": first, "TPDO2": second}
+    assert pdos.alarms() == [(STAYED_OUT, name, cycles) for name, cycles in found.items() if cycles]
+
+
 def test_a_status_word_is_looked_at_wherever_it_is_in_its_telegram(tmp_path: Path) -> None:
     """Behind the position: 0x0001 in its low word is a place, and no state."""
     text = "TPDO1,1,0,0x6064,0,32,yes,actual\nTPDO1,1,0,0x6041,0,16,no,statusword\n"

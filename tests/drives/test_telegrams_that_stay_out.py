@@ -11,6 +11,8 @@ from tests.drives.test_process_data_by_hand import COLUMNS, SENT
 from axisrig.kernel.drives.canopen.link import AxisLink
 from axisrig.kernel.drives.canopen.mapping import telegrams
 from axisrig.kernel.drives.canopen.process_data import ProcessData
+from axisrig.kernel.drives.cia402.cyclic_data import TAKEN
+from axisrig.kernel.drives.position_loop import LoopSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.time.clock import MS
@@ -164,3 +166,58 @@ def test_a_telegram_of_another_length_replaces_none_that_was_right() -> None:
     values = data.take()
     assert (values[1], values[3], data.is_disturbed) == (77, 5, False)
     assert data.wrong_length == ("TPDO1", 7, 8)
+
+
+# What a link has telegrams for
+
+
+OF_PROBE = {"probe_function", "probe_status", "latch"}
+
+
+@pytest.mark.parametrize(
+    ("settings", "lacks", "adds"),
+    [
+        ({}, set(), set()), ({"has_inputs": False}, {"inputs"}, set()),
+        ({"has_probe": False}, OF_PROBE, set()), ({"has_counter": True}, set(), {"latch_count"}),
+        ({"has_counter": True, "has_probe": False}, OF_PROBE, set()),
+        ({"has_second": True}, set(), {"second"}),
+        ({"loop": LoopSettings(10.0, 1e-3)}, {"target"}, {"speed"}),
+    ],
+)  # fmt: skip
+def test_a_link_carries_what_its_drive_has(
+    settings: dict[str, Any], lacks: set[str], adds: set[str]
+) -> None:
+    """And listens to the identifiers of its TPDOs, of its emergencies and to nothing else."""
+    link, wire = _link(**settings)
+    usual = {"controlword", "target", "statusword", "actual", "inputs", *OF_PROBE}
+    fields = {o.field for telegram in link.telegrams.values() for o in telegram.objects}
+    assert fields == (usual - lacks) | adds
+    sent_back = {t.cob_id(3) for t in link.telegrams.values() if not t.is_received}
+    assert set(wire.listeners) == sent_back | {0x83}
+    assert link.has_second is ("second" in adds)
+    link.send(0.0)
+    assert set(wire.sent) == {0x203}
+    assert len(wire.sent[0x203]) == (6 if "has_probe" in settings else 8)
+
+
+@pytest.mark.parametrize("chosen", [(0x60BB, 0x60D6), (0x60BA, 0x60D5)])
+def test_a_latch_without_a_counter_has_not_that_of_another_one(
+    tmp_path: Path, chosen: tuple[int, int]
+) -> None:
+    """60D5 counts 60BA, also where a telegram carries it beside 60BB."""
+    table = tmp_path / "map.csv"
+    table.write_text(
+        COLUMNS + SENT + "TPDO1,1,0,0x6041,0,16,no,statusword\nTPDO1,1,0,0x6064,0,32,yes,actual\n"
+        "TPDO2,1,0,0x60BB,0,32,yes,\nTPDO2,1,0,0x60D5,0,16,no,latch_count\n"
+        "TPDO3,1,0,0x60BA,0,32,yes,latch\n",
+        encoding="utf-8",
+    )
+    wire: Any = Wire()
+    data = ProcessData(telegrams(0x60BA, str(table), inputs=False), 3, wire)
+    data.begin()
+    assert data.choose_latch(*chosen)
+    wire._bring(0x183, struct.pack("<Hi", OPERATION_ENABLED, 0))
+    wire._bring(0x283, struct.pack("<iH", 11, 5))
+    wire._bring(0x383, struct.pack("<i", 22))
+    found = dict(zip(TAKEN, data.take(), strict=True))
+    assert (found["latch"], found["latch_count"]) == ({0x60BB: 11, 0x60BA: 22}[chosen[0]], None)

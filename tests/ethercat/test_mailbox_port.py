@@ -182,6 +182,17 @@ def test_what_has_ended_is_neither_written_nor_asked_for_nor_silent(
     assert (made.port.waits, made.silences) == (False, 0)
 
 
+def test_a_mailbox_that_was_empty_is_read_again_when_it_is_full(made: Port) -> None:
+    """The bit of the image may be older than the last reading: that brings nothing, and ends."""
+    for _ in range(3):
+        made.port.note_full()
+        made.port.note_full()  # one reading at a time
+        assert len(made.line.asked) == 1
+        made.line.refused()
+        assert made.line.asked == []
+    assert made.handed_on == []
+
+
 @pytest.mark.parametrize("late_ms", [1, 20])
 @pytest.mark.parametrize("is_lost", [True, False])
 def test_a_look_at_the_mailbox_that_is_back_after_the_answer_begins_nothing(
