@@ -106,6 +106,9 @@ def test_the_shares_add_up_and_each_is_its_closed_form() -> None:
     [
         (5.0, 5.0, None, None),
         (5.04, 5.0, None, None),  # within 1 %
+        (5.12, 5.0, None, 0.12),  # beyond 1 %, and beyond an increment: not both together
+        (100.9, 100.0, None, None),
+        (101.05, 100.0, None, 1.05),
         (5.2, 5.0, None, 0.2),
         (0.09, 0.0, None, None),  # within an increment
         (0.2, 0.0, None, 0.2),

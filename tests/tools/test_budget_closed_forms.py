@@ -158,6 +158,19 @@ def test_a_filter_waits_for_the_end_of_a_bounce(
     assert found == pytest.approx(moved_um(0.5, 0.5 + rest_ms), abs=1e-9)
 
 
+@pytest.mark.parametrize(("share", "power"), [(1.0, -1.0), (0.5, -0.25), (2.0, -4.0), (0.0, 0.0)])
+def test_dry_friction_falls_with_the_square_of_the_speed(share: float, power: float) -> None:
+    """F_c + (F_s - F_c) exp(-(v/v_s)^2): 60 N and 40 N more at rest, over 100 N/um."""
+    cause = next(each for each in causes() if each.form == "twist")
+    coulomb, breakaway = cause.key.split()
+    given = {f"{coulomb}_n": 60, f"{breakaway}_n": 100, "screw_stiffness_n_m": 100e6,
+             "friction.stribeck_m_s": 6e-3}  # fmt: skip
+    force_n = 60 + 40 * math.exp(power)
+    for sign in (1, -1):
+        at = seen(velocity_mm_s=math.copysign(share * 6.0, sign))
+        assert form("twist", at, seen(), **given) == pytest.approx(sign * force_n / 100)
+
+
 def test_a_screw_is_twisted_by_friction() -> None:
     """F_c + (F_s - F_c) exp(-(v/v_s)^2) over the stiffness, 6 mm/s; viscous v times its number."""
     cause = next(each for each in causes() if each.form == "twist")

@@ -5,6 +5,7 @@ on and is busy for 0.5 ms. Positions follow a cubic that is known everywhere.
 """
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -134,6 +135,17 @@ def test_a_probe_at_a_digital_input_of_the_drive(
     assert found == Instants(value_ms * MS + SYNC_NS, sampled_ms * MS + SYNC_NS)
 
 
+@pytest.mark.parametrize(
+    ("busy_us", "value_ms"), [(0, 5), (599, 5), (600, 6), (1599, 6), (1600, 7)]
+)
+def test_a_signal_is_there_for_the_cnc_when_the_plc_is_done(busy_us: int, value_ms: int) -> None:
+    """The PLC begins at 5 ms, the CNC at 5.6 ms, 6.6 ms ..: never with what comes as it begins."""
+    track: Any = Track()
+    track.facts.plc_task = replace(track.facts.plc_task, busy_ns=busy_us * US)
+    found = instants_at_plc(track, touched(SIGNAL, ((1000 * US, True),)), "Z", plc(None, None))
+    assert found == Instants(value_ms * MS + SYNC_NS, 2 * MS + SYNC_NS)
+
+
 def test_a_pulse_that_the_filter_holds_back_gives_nothing() -> None:
     edges = ((1000 * US, True), (1099 * US, False))
     assert instants_at_plc(Track(), touched(SIGNAL, edges), "Z", plc(None, None)) is None  # type: ignore[arg-type]
@@ -210,6 +222,7 @@ def test_positions_are_of_the_syncs_of_their_own_segment() -> None:
         (5, [(6, "drop Z.TPDO1: 1 frame hit")], False),
         (5, [(4, "drop Z.TPDO1: 3 frames hit, the last")], False),
         (5, [(5, "drop Z.TPDO1 begins"), (5, "drop Z.TPDO1 ends")], False),
+        (5, [(5, "drop Z.TPDO1 begins"), (5, "drop Z.TPDO1: 1 frame hit")], True),
     ],
 )
 def test_a_position_of_a_lost_telegram(row: int, marks: list[tuple[int, str]], off: bool) -> None:
