@@ -3,16 +3,19 @@
 from dataclasses import replace
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from tests.judge import stop_recordings as stops
 from tests.judge.test_touches import RUN, recorded, seen
 from tests.judge.test_two_axes_at_stops import recorded as two_axes
+from tests.recordings import kept
 
 from axisrig.bench.judge.fixed_stop.run import stop_runs
-from axisrig.bench.judge.observed.motion import INSIDE
+from axisrig.bench.judge.observed.motion import INSIDE, state_at
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.record.axes import Contact, Edge, ProbeRecord
 from axisrig.bench.record.kinematics import KinematicRecord
+from axisrig.bench.record.measuring import Criteria
 from axisrig.kernel.time.clock import MS
 
 MET_NOTHING = "the axis met nothing during the measurement run"
@@ -109,3 +112,52 @@ def test_a_kinematic_that_is_not_the_one_of_a_run_leaves_its_path_to_its_axes(
     (run,) = stop_runs(under)
     assert run.block_mm == pytest.approx(5.0)
     assert run.path_mm[[20, 120, 399]] == pytest.approx([0.0, 1.0, 2.0])
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_place_of_a_contact_is_that_of_the_stop_however_the_axis_brakes(side: float) -> None:
+    """By the speed at its end the step of the contact would be a curve."""
+    speed = side * np.select([stops.K == 140, stops.K == 141], [12.0, 2.0], stops.SPEED)
+    observed = stops.recorded(side, columns={"velocity_mm_s": speed})
+    assert stops.seen(observed, "contact_mm").value == pytest.approx(
+        side * stops.STOP_MM, abs=1e-12
+    )
+
+
+def test_an_axis_outside_takes_part_in_a_stop_without_a_truth() -> None:
+    """Its drive is real: no plant gives where it is."""
+    plain = stops.recorded()
+    (run,) = plain.facts.runs
+    assert run.fixed_stop is not None
+    both = replace(run.fixed_stop, axes=("Z", "X"), criteria={"Z": Criteria(), "X": Criteria()})
+    axes = {**plain.axes, "X": replace(plain.axes["X"], is_outside=True)}
+    facts = replace(plain.facts, axes=axes, runs=(replace(run, fixed_stop=both),))
+    (found,) = stop_runs(Observed(facts, plain.series))
+    assert list(found.truths) == found.watched == ["Z"]
+    assert found.detection[0] == "Z"
+
+
+def test_beside_a_stop_the_doubts_of_the_instant_and_of_the_step_add_up() -> None:
+    """Z has a contact that is known badly; X is on its way, and its speed swings."""
+    plain = two_axes({"Z": 0, "X": 7})
+    table = plain.series.table()
+    swings = {
+        "Z.velocity_mm_s": np.where(stops.K == 138, 5.0, 0.0),
+        "X.velocity_mm_s": 0.5 * (-1.0) ** stops.K,
+    }
+    for name, more in swings.items():
+        values = pa.array(table[name].to_numpy() + more)
+        table = table.set_column(table.column_names.index(name), name, values)
+    observed = Observed(plain.facts, kept(table))
+    (run,) = stop_runs(observed)
+    contact = run.contact("Z")
+    assert contact is not None
+    assert contact.uncertainty_ns > 1000.0
+    there = state_at(observed, "X", round(contact.time_ns))
+    assert there is not None
+    assert there.doubt_mm > 0.0
+    found = stops.seen(observed, "contact_mm:X")
+    way_mm = (abs(there.speed_mm_s) + there.doubt_mm_s) * contact.uncertainty_ns * 1e-9
+    assert found.uncertainty == pytest.approx(way_mm + there.doubt_mm)
+    assert found.value == there.position_mm
+    assert stops.seen(observed, "contact_mm:Z").uncertainty == 0.0
