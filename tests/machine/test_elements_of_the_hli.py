@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.machine.plc.distance_elements import DistanceCommandElements, DistanceControlUnit
-from axisrig.bench.machine.plc.elements import Named
+from axisrig.bench.machine.plc.elements import Named, UnknownNameError
 from axisrig.bench.machine.plc.hli import BoolUnit, ExtLatchUnit, Hli, Inputs, Sgn64Unit, Variables
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.kernel.errors import UserError
@@ -173,3 +173,17 @@ def test_the_innermost_line_of_the_program_is_to_blame(
     with pytest.raises(UserError, match=words) as blamed:
         program.cycle(Inputs(0, number, Named("channel", {})), hli)
     assert (blamed.value.file, blamed.value.line) == (str(path), line)
+
+
+@pytest.mark.parametrize("names", [(10, 9, 2), ("Z", "X", "A"), ()])
+def test_of_a_name_that_there_is_not_those_that_there_are_stand_in_their_order(
+    names: tuple[Any, ...],
+) -> None:
+    """As they are: numbers stay numbers. It is a KeyError, and asking for one is no error."""
+    things = Named("channel", dict.fromkeys(names, 1))
+    with pytest.raises(KeyError) as missing:
+        things["Q"]
+    error = missing.value
+    assert isinstance(error, UnknownNameError)
+    assert (error.what, error.name, error.known) == ("channel", "Q", [*names])
+    assert (things.get("Q"), "Q" in things) == (None, False)

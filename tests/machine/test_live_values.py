@@ -1,5 +1,6 @@
 """Values of a live state: latches, distance controls; and the pipe that it goes through."""
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -175,3 +176,55 @@ def test_how_real_time_is_kept_is_that_of_the_last_syncs() -> None:
         "syncs": 4, "looked_at": 4, "late": 2, "late_us": 100.0, "worst_us": 350.0,
         "slipped_ms": 2.5, "send_errors": 3,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("more", [0, 1, 40])
+def test_of_a_long_run_the_last_syncs_alone_say_how_real_time_is_kept(more: int) -> None:
+    """Each of the first ones was late by 5 ms, of the last ones every fifth by 300 us."""
+    clock = PacedScheduler(SimpleNamespace(monotonic_ns=None, pause=None),  # type: ignore[arg-type]
+                           Pacing(0), Deadlines(100_000))  # fmt: skip
+    for _ in range(more):
+        clock.deadlines.sync_sent(0, 5_000_000)
+    for number in range(states.SYNCS_LOOKED_AT):
+        clock.deadlines.sync_sent(0, 300_000 if number % 5 == 0 else 0)
+    machine: Any = SimpleNamespace(scheduler=clock)
+    shown = states._real_time(machine)
+    assert shown is not None
+    assert shown["syncs"] == states.SYNCS_LOOKED_AT + more
+    assert shown["looked_at"] == states.SYNCS_LOOKED_AT
+    assert (shown["late"], shown["worst_us"]) == (states.SYNCS_LOOKED_AT // 5, 300.0)
+
+
+def test_a_long_text_is_shown_from_its_begin_on() -> None:
+    """Also within lists and tables; numbers and names are as they are."""
+    long = "begin" + "x" * states.TEXT_MAX + "end"
+    shown = json.loads(states.as_json({"a": long, "b": [long, {"c": long}], 5: (1, -0.5, None)}))
+    cut = long[: states.TEXT_MAX]
+    assert shown == {"a": cut, "b": [cut, {"c": cut}], "5": [1, -0.5, None]}
+    whole = "y" * states.TEXT_MAX
+    assert json.loads(states.as_json({"a": whole})) == {"a": whole}
+
+
+@pytest.mark.parametrize("value", [float("inf"), float("-inf"), float("nan")])
+def test_what_is_no_finite_number_is_null_wherever_it_stands(value: float) -> None:
+    assert json.loads(states.as_json({"a": value, "b": [value], "c": {"d": value}})) == {
+        "a": None, "b": [None], "c": {"d": None}
+    }  # fmt: skip
+
+
+@pytest.mark.interpreted
+@pytest.mark.usefixtures("turning")
+def test_a_state_is_sent_when_it_is_asked_for_and_is_that_of_the_machine() -> None:
+    """What is known of the run is beside it, and says nothing of the machine itself."""
+    sent: list[bytes] = []
+    pipe: Any = SimpleNamespace(is_asked=False, put=sent.append)
+    shows = states.LiveStates(pipe, {"run": "r1", "time_ns": -1, "channel": "none"})
+    shows(machine_of())
+    assert sent == []
+    pipe.is_asked = True
+    shows(machine_of())
+    shows(machine_of(ChannelState.POWERING))
+    found = [json.loads(state) for state in sent]
+    assert [(each["run"], each["time_ns"], each["channel"]) for each in found] == [
+        ("r1", 77, "running"), ("r1", 77, "powering")
+    ]  # fmt: skip

@@ -1,5 +1,6 @@
 """PLC programs that cannot be or end in an error: refused with file, line and what is allowed."""
 
+import gc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -128,6 +129,20 @@ def test_a_cycle_that_gives_something_back_is_refused(
     with pytest.raises(UserError, match="gives something back") as caught:
         PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
     assert (caught.value.file, caught.value.line, caught.value.value) == (str(path), 2, kind)
+
+
+@pytest.mark.parametrize("body", ["pass", "return 1", "raise ValueError"])
+def test_a_cycle_with_async_is_closed_without_a_warning_of_python(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder, body: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(
+        f"class Program:\n    async def cycle(self, inputs, hli):\n        {body}\n", "utf-8"
+    )
+    with pytest.raises(UserError, match="gives something back"):
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    gc.collect()
+    assert [str(each.message) for each in recwarn] == []
 
 
 def test_an_error_is_at_the_innermost_line_of_the_program(tmp_path: Path) -> None:
