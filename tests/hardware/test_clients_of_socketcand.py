@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import can
 import pytest
 
-from axisrig.bench.bus.can.socketcand import LINE_MAX, SocketcandServer, _Client
+from axisrig.bench.bus.can.socketcand import LINE_MAX, SocketcandServer, _Client, _message
 
 
 @pytest.fixture
@@ -305,3 +305,37 @@ def test_a_server_without_an_address_is_that_of_socketcand(
     with pytest.raises(can.CanInitializationError) as error:
         SocketcandServer()
     assert str(error.value) == "127.0.0.1:29536 cannot be served: 127.0.0.1 has 29536 in use"
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("83 2 0A ff", (0x83, False, b"\x0a\xff")),
+        ("7FF 0", (0x7FF, False, b"")),
+        ("001 8 1 2 3 4 5 6 7 8", (1, False, bytes(range(1, 9)))),
+        ("00000083 1 0", (0x83, True, b"\0")),  # more than three digits: 29 bits
+        ("0083 0", (0x83, True, b"")),
+        ("1FFFFFFF 0", (0x1FFF_FFFF, True, b"")),
+        ("800 0", None),
+        ("20000000 0", None),
+        ("-1 0", None),
+        ("83 2 1", None),
+        ("83 1 1 2", None),
+        ("83 0 1", None),
+        ("83 9 1 2 3 4 5 6 7 8 9", None),
+        ("83 1 100", None),
+        ("83 1 -1", None),
+        ("83", None),
+        ("", None),
+        ("xyz 0", None),
+    ],
+)
+def test_a_frame_has_an_identifier_a_length_and_so_many_bytes(
+    text: str, read: tuple[int, bool, bytes] | None
+) -> None:
+    found = _message(text)
+    if read is None:
+        assert found is None
+        return
+    assert found is not None
+    assert (found.arbitration_id, found.is_extended_id, bytes(found.data)) == read

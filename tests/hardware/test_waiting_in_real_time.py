@@ -5,6 +5,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.bus.deadlines import Deadlines
+from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
 from axisrig.kernel.time.clock import Phase
 
 US, MS = 1_000, 1_000_000
@@ -120,3 +122,25 @@ def test_the_time_of_the_run_is_that_since_its_first_wait(make_bench: Any) -> No
     assert 5 * MS <= bench.scheduler.real_ns <= 5 * MS + LATE_NS
     bench.wall.now_ns += 2 * MS
     assert 7 * MS <= bench.scheduler.real_ns <= 7 * MS + LATE_NS
+
+
+@pytest.mark.parametrize("slip_ns", [0, 1, 250 * US])
+def test_a_sync_may_be_late_by_the_whole_slip_and_one_that_is_later_moves_the_plan(
+    slip_ns: int,
+) -> None:
+    """Of a clock that stands between two looks. What moved is counted once, and for good."""
+    now = [7 * MS]
+    deadlines = Deadlines(100 * US)
+    real_time = RealTime(lambda: now[0], lambda _seconds: None)
+    scheduler = PacedScheduler(real_time, Pacing(slip_ns), deadlines)
+    assert scheduler.real_ns == 0
+    now[0] += slip_ns
+    scheduler.sync_sent()
+    assert (scheduler.real_ns, deadlines.slips, deadlines.slipped_ns) == (slip_ns, 0, 0)
+    now[0] += 1
+    scheduler.sync_sent()
+    assert (scheduler.real_ns, deadlines.slips, deadlines.slipped_ns) == (0, 1, slip_ns + 1)
+    now[0] += slip_ns
+    scheduler.sync_sent()
+    assert (scheduler.real_ns, deadlines.slips, deadlines.slipped_ns) == (slip_ns, 1, slip_ns + 1)
+    assert deadlines.cycles == 1  # all of one instant: of several segments the first counts
