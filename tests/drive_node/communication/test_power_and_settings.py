@@ -6,6 +6,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.drive.canopen.nmt import NmtState
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 LSS, CONFIGURATION, NODE_ID, BIT_TIMING, STORE = 0x7E5, "0401", "11", "1300", "17"
@@ -128,3 +130,87 @@ def test_a_telegram_begins_with_the_sync_whose_counter_it_waits_for(
         if 0x483 in [known for known, _ in drive.after(0x080, f"{number:02x}")]
     ]  # fmt: skip
     assert found == counters
+
+
+SAVE = int.from_bytes(b"save", "little")
+
+
+@pytest.mark.parametrize("number", [6, 100])
+def test_identifiers_that_were_stored_as_they_are_follow_the_number(
+    stranger: Make, number: int
+) -> None:
+    """What is the default for its number is stored as such; another one stays what it is."""
+    drive = stranger()
+    assert drive.write(0x1801, 1, 0x8000_0283, 4) == 0
+    assert drive.write(0x1801, 1, 0x4000_0333, 4) == 0
+    assert drive.write(0x1010, 1, SAVE, 4) == 0
+    lss(drive, CONFIGURATION)
+    lss(drive, NODE_ID + f"{number:02x}")
+    lss(drive, STORE)
+    assert booted(drive) == [number]
+    store = drive.node.slave.objects
+    assert store.value(0x1800, 1) & 0x7FF == 0x180 + number
+    assert store.value(0x1400, 1) & 0x7FF == 0x200 + number
+    assert store.value(0x1014, 0) & 0x7FF == 0x080 + number
+    assert store.value(0x1801, 1) & 0x7FF == 0x333
+
+
+def test_a_reset_of_the_communication_brings_its_own_stored_values_alone(stranger: Make) -> None:
+    """6065 was written after it was stored: a reset of the node brings the stored one."""
+    drive = stranger()
+    for window, heartbeat in ((111, 500), (222, 700)):
+        assert drive.write(0x6065, 0, window, 4) == 0
+        assert drive.write(0x1017, 0, heartbeat, 2) == 0
+        if window == 111:
+            assert drive.write(0x1010, 1, SAVE, 4) == 0
+    drive.nmt(130)
+    drive.run_ms(5)
+    assert (drive.read(0x6065), drive.read(0x1017)) == (222, 500)
+    drive.nmt(129)
+    drive.run_ms(5)
+    assert (drive.read(0x6065), drive.read(0x1017)) == (111, 500)
+
+
+@pytest.mark.parametrize("first_ms", [0, 10, 90])
+def test_the_first_heartbeat_has_a_time_of_its_own(stranger: Make, first_ms: int) -> None:
+    """Where the drive has none it is that of 1017, 50 ms; so are all that follow."""
+    drive = stranger(profile=DriveProfile(first_heartbeat_ns=first_ms * MS))
+    assert drive.write(0x1017, 0, 50, 2) == 0
+    assert drive.write(0x1010, 1, SAVE, 4) == 0
+    drive.heard.clear()
+    drive.times_ns.clear()
+    drive.nmt(129)
+    drive.run_ms(200)
+    boot_ms, *beats_ms = drive.times_ms(0x700 + NODE)
+    first = first_ms or 50
+    wanted = [boot_ms + first + 50 * number for number in range(len(beats_ms))]
+    assert len(beats_ms) >= 3
+    assert beats_ms == pytest.approx(wanted, abs=0.1)
+
+
+def test_a_telegram_that_is_off_answers_no_remote_request(stranger: Make) -> None:
+    """Taken out, put in again, changed: one answer each time it is there, and none else."""
+    drive = stranger()
+    for index, sub, value, size in (
+        (0x1A03, 1, 0x6041_0010, 4), (0x1A03, 0, 1, 1), (0x1803, 2, 253, 1), (0x1803, 1, 0x483, 4),
+    ):  # fmt: skip
+        assert drive.write(index, sub, value, size) == 0
+
+    def answers(can_id: int = 0x483) -> int:
+        return len([each for each in drive.after(can_id, remote=True) if each[0] == can_id])
+
+    assert answers() == 0  # pre-operational
+    drive.nmt(1)
+    assert answers() == 1
+    for _ in range(2):
+        assert drive.write(0x1803, 1, 0x8000_0483, 4) == 0
+        assert answers() == 0
+        assert drive.write(0x1803, 1, 0x483, 4) == 0
+        assert answers() == 1
+    assert drive.write(0x1803, 1, 0x8000_0483, 4) == 0
+    assert drive.write(0x1803, 1, 0x4A3, 4) == 0
+    assert (answers(), answers(0x4A3)) == (0, 1)
+    drive.nmt(2)
+    assert answers(0x4A3) == 0
+    drive.nmt(1)
+    assert answers(0x4A3) == 1
