@@ -158,7 +158,7 @@ def test_what_has_no_value_in_a_parquet_file_is_empty(tmp_path: Path) -> None:
     frame = pd.DataFrame({
         "case": ["a", None, " b "],
         "n": pd.array([1, None, 3], dtype="Int64"),
-        "t": pd.to_datetime(["2026-01-02", None, "2026-01-03"]),
+        "t": pd.to_datetime(pd.Series(["2026-01-02", None, "2026-01-03"])),
         "flag": np.array([True, False, True]),
     })  # fmt: skip
     frame.to_parquet(path)
