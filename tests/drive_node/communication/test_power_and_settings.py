@@ -214,3 +214,19 @@ def test_a_telegram_that_is_off_answers_no_remote_request(stranger: Make) -> Non
     assert answers(0x4A3) == 0
     drive.nmt(1)
     assert answers(0x4A3) == 1
+
+
+def test_a_transfer_that_has_timed_out_is_over(stranger: Make) -> None:
+    """After its abort (0504 0000) the next segment is one of nothing."""
+    drive = stranger()
+    first = bytes.fromhex(drive.sdo("4008100000000000"))  # 1008: a text
+    assert first[0] == 0x41
+    before = len(drive.heard)
+    drive.run_ms(1100)
+    aborts = [data for can_id, data in drive.heard[before:] if can_id == 0x580 + NODE]
+    assert aborts == ["8008100000000405"]
+    assert drive.sdo("60" + "00" * 7) == "8008100001000405"
+    drive.run_ms(1100)
+    assert [each for each in drive.heard if each == (0x580 + NODE, aborts[0])] == [
+        (0x580 + NODE, aborts[0])
+    ]
