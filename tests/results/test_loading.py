@@ -125,6 +125,23 @@ def test_an_unknown_run_is_named_with_the_nearest(results: Results) -> None:
     assert "touch-slow" in str(caught.value.allowed)
 
 
+@pytest.mark.parametrize(
+    ("run", "allowed"), [("alpah", "alpha"), ("GAMMA-2", "gamma"), ("zzz", "alpha, beta, gamma")]
+)
+def test_of_an_unknown_run_those_that_look_alike_are_named_else_all(
+    tmp_path: Path, run: str, allowed: str
+) -> None:
+    (tmp_path / "cases.csv").write_text("run,verdict\nalpha,pass\nbeta,pass\ngamma,pass\n")
+    (tmp_path / "results.csv").write_text("run,metric,verdict,value\n")
+    results = load(tmp_path)
+    for table in (results.signals, results.blocks):
+        with pytest.raises(UserError, match="the folder has no such run") as caught:
+            table(run)
+        given = caught.value.allowed or ()
+        assert (given if isinstance(given, str) else ", ".join(given)) == allowed
+        assert caught.value.value == run
+
+
 def test_tables_of_another_tool_load(tmp_path: Path) -> None:
     (tmp_path / "cases.csv").write_text("run,verdict\na,pass\nb,fail\n", encoding="utf-8")
     (tmp_path / "results.csv").write_text(
