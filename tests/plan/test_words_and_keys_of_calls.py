@@ -12,7 +12,9 @@ from axisrig.bench.campaign import preparing
 from axisrig.bench.campaign.checking import _by_row
 from axisrig.bench.campaign.preparing import Prepared, forget, recall
 from axisrig.bench.campaign.sharing import _values
+from axisrig.bench.campaign.used_variables import Used
 from axisrig.bench.plan.statistic_checks import parse_any_check
+from axisrig.bench.plan.table import Place
 from axisrig.kernel.errors import UserError
 
 
@@ -82,3 +84,22 @@ def test_a_case_with_other_statistics_is_another_one(
         assert recall(replace(case, sampled=others)) is None  # type: ignore[arg-type]
     assert recall(replace(case, title="another")) is prepared  # what no machine is made of
     forget()
+
+
+@pytest.mark.parametrize("overridden", [True, False])
+@pytest.mark.parametrize("line", [2, 9])
+def test_a_cell_of_the_row_itself_is_wrong_where_nothing_uses_its_variable(
+    monkeypatch: pytest.MonkeyPatch, overridden: bool, line: int
+) -> None:
+    """Not one of a default above it, nor one that the command line has replaced."""
+    monkeypatch.setattr(
+        preparing, "used_variables", lambda *_: Used(frozenset({"STEP"}), all_may=False)
+    )
+    feed, step = "plc:V.E.FEED", "plc:V.E.STEP"
+    case = case_of(
+        "a", inputs={feed: "1", step: "2"},
+        places={name: Place(Path("p.csv"), line, 4, name) for name in (feed, step)},
+        overridden=frozenset({feed} if overridden else ()),
+    )  # fmt: skip
+    found = list(preparing._wrong_variables(case, None, None))  # type: ignore[arg-type]
+    assert [error.value for error in found] == (["1"] if line == 2 and not overridden else [])
