@@ -22,6 +22,7 @@ from axisrig.kernel.motion.stroke import RunUp, Stroke
 Ramps = tuple[list[Ramp], list[Ramp]]
 
 _SAME_MM: Final = 1e-9  # more than rounding leaves of a path, less than anything shows
+_GAP_MM: Final = 1e-6  # ramps that end so far before the end of a path do not lead to it
 _SAME_SPEED: Final = 1e-12  # share of a speed that is rounding
 
 
@@ -220,7 +221,7 @@ def _is_end(state: State, end_mm: float) -> bool:
 
 
 def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp] | None:
-    """Return the ramps that brake at once; None where the end is too near for them.
+    """Return the ramps that brake at once; None where the end is too near for them, or too far.
 
     With longer ones where the end is a little further: with SIN2 a deceleration that falls in two
     ramps, over the feed, takes more way than in one, and ends between the two are reached by
@@ -239,8 +240,13 @@ def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp] | None:
 
     if left and way_mm(1.0) > length_mm + _SAME_MM:
         return None
-    is_too_short = way_mm(1.0) < length_mm - _SAME_MM and way_mm(2.0) >= length_mm
-    return ramps(halved(way_mm, length_mm, 1.0, 2.0) if is_too_short else 1.0)
+    is_too_short = way_mm(1.0) < length_mm - _SAME_MM
+    if is_too_short and way_mm(2.0) >= length_mm:
+        return ramps(halved(way_mm, length_mm, 1.0, 2.0))
+    is_braking = under_way is not None and a_mm_s2 < 0.0
+    if is_braking and is_too_short and way_mm(1.0) < length_mm - _GAP_MM:
+        return None  # a harder hold stands before the end, and longer ramps end with its speed
+    return ramps(1.0)
 
 
 class _Rest:
@@ -264,7 +270,9 @@ class _Rest:
         self._down = with_jerk(down, down.a_mm_s2, rising, falling, up.falling_s3_mm)
         self._now = max(-self._a, 0.0)  # deceleration
         self._falling = falling
-        if 0.5 * self._now * self._now * falling > self._speed_mm_s:
+        # Whether a deceleration that falls at once ends with the speed
+        self._stands = 0.5 * self._now * self._now * falling > self._speed_mm_s
+        if self._stands:
             self._falling = 2.0 * self._speed_mm_s / (self._now * self._now)
         self._first, self._at_once_mm_s = self._release()
         # A lead to less than this begins with the release
@@ -328,11 +336,18 @@ class _Rest:
                 between = self._at_once_mm_s, self._feed_mm_s
                 return self._over(halved(self._way_over, length_mm, *between))
         if self._is_too_fast or self._a <= 0.0:  # else too short by rounding, or by a harder hold
-            if self._way_with(0.0) <= length_mm:
+            way_mm = self._way_with(0.0)
+            jumps = self._rising is not None
+            if way_mm <= length_mm and not (
+                jumps and self._stands and way_mm < length_mm - _GAP_MM
+            ):
                 return self._with(0.0)
             hardest = self._hardest()
             if hardest > 0.0 and self._way_with(hardest) < length_mm:
-                return self._with(halved(self._way_with, length_mm, hardest, 0.0))
+                left = halved(self._way_with, length_mm, hardest, 0.0)
+                # A ramp of SIN2 that turns makes the way jump: none of them leads to the end then
+                if not jumps or self._way_with(left) > length_mm - _GAP_MM:
+                    return self._with(left)
         fitted = _fitted(self._state, self._end_mm, self._down)
         return None if fitted is None else ([], fitted)
 
