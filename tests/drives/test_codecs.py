@@ -194,6 +194,8 @@ def test_a_table_that_cannot_be_is_told_with_its_line(
     with pytest.raises(UserError, match=message) as caught:
         _table(tmp_path, text)
     assert caught.value.file is not None
+    if message == "lacks a field":
+        assert caught.value.value == "statusword"
     if line is not None:
         assert caught.value.line == line
 

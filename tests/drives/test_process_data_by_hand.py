@@ -341,6 +341,20 @@ def test_a_value_that_is_not_the_first_of_its_telegram(tmp_path: Path) -> None:
     assert (data.values, data.news) == ({"inputs": 0x30001}, {"inputs"})
 
 
+def test_all_fields_of_a_telegram_are_news_together(tmp_path: Path) -> None:
+    table = tmp_path / "map.csv"
+    places = "TPDO3,2,0,0x60FD,0,32,no,inputs\nTPDO3,2,0,0x60E4,1,32,yes,second\n"
+    table.write_text(COLUMNS + SENT + RECEIVED.format(a=1) + places)
+    wire = Wire()
+    network: Any = wire
+    data = SparseData(telegrams(0x60BA, str(table)).values(), 3, network, lambda _found: None)
+    for inputs, second in ((5, -6), (0, 0)):
+        wire._bring(0x383, struct.pack("<Ii", inputs, second))
+        assert data.values == {"inputs": inputs, "second": second}
+        assert data.news == {"inputs", "second"}
+        data.news.clear()
+
+
 def test_a_telegram_of_another_length_has_not_come(sparse: Sparse) -> None:
     for _ in range(3):
         sparse.wire._bring(0x383, b"\1\2\3")

@@ -213,7 +213,9 @@ def test_a_fixed_power_of_ten_is_that_of_the_drive(
     with pytest.raises(UserError, match="60C2") as caught:
         steps(bus=bus, od=od)
     assert caught.value.value == f"{period_us} us"
-    assert str(caught.value.allowed).endswith(f"exponents {exponent}")
+    allowed = str(caught.value.allowed)
+    assert allowed.startswith("0 to 255 times a power of ten of a second")  # UNSIGNED8
+    assert allowed.endswith(f"exponents {exponent}")
 
 
 # Who watches whom

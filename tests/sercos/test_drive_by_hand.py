@@ -158,14 +158,14 @@ def test_what_a_fault_says_is_two_numbers_and_a_text() -> None:
     bench.drive.ask_for_fault()
     assert bench.channel.asked == [(ident, READ_VALUE) for ident in (11, 390, 95)]
     assert bench.drive.fault().values["emcy"] == "none"
-    for data in ((0x8000).to_bytes(2, "little"), (0xF4A5).to_bytes(4, "little")):
+    for data in ((0x8000).to_bytes(2, "little"), (0xC00F4A5).to_bytes(4, "little")):
         bench.channel.answer(data)
         assert bench.drive.is_asked
     bench.channel.answer(pack_text("axis blocked"))
     assert not bench.drive.is_asked
     alarm = bench.drive.fault()
     assert (alarm.id, alarm.values["statusword"]) == (900005, "0x2000")
-    assert alarm.values["emcy"] == "S-0-0011 0x8000, S-0-0390 0xF4A5, axis blocked"
+    assert alarm.values["emcy"] == "S-0-0011 0x8000, S-0-0390 0xC00F4A5, axis blocked"
 
 
 def test_a_question_about_a_fault_may_be_refused_or_forgotten() -> None:
