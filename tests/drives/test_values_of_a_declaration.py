@@ -210,11 +210,12 @@ def test_a_fixed_power_of_ten_is_that_of_the_drive(
         assert written(steps(bus=bus, od=od), 0x60C2) == [(0x60C2, 1, value)]
         assert value * Fraction(10) ** exponent == Fraction(period_us, 10**6)
         return
+    od[0x60C2][1].min, od[0x60C2][1].max = 3, 200
     with pytest.raises(UserError, match="60C2") as caught:
         steps(bus=bus, od=od)
     assert caught.value.value == f"{period_us} us"
     allowed = str(caught.value.allowed)
-    assert allowed.startswith("0 to 255 times a power of ten of a second")  # UNSIGNED8
+    assert allowed.startswith("3 to 200 times a power of ten of a second")
     assert allowed.endswith(f"exponents {exponent}")
 
 
