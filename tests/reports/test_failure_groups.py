@@ -94,6 +94,45 @@ def test_where_is_said_as_a_reader_would(tmp_path: Path, bad: set[int], where: s
     assert group.where == (where,)
 
 
+def test_one_failure_has_no_value_that_it_shares(tmp_path: Path) -> None:
+    """Its own values are where it is, and A, which has more than two, is what to draw over."""
+    rows = [
+        ("c", str(a), b, 2.0 if (a, b) == (30, "1.9") else 0.5)
+        for a in range(10, 60, 10)
+        for b in ("0", "1.9")
+    ]
+    (group,) = failure_groups(read_results(written(tmp_path, rows)))
+    assert ([run.run for run in group.runs], len(group.members)) == (["r5"], 10)
+    assert (group.held, group.where) == ({}, ())
+    assert group.at == ("V.E.A 30", "V.E.B 1.9")
+    assert (group.leading, len(group.alike)) == ("plc:V.E.A", 10)
+
+
+def test_a_failure_at_every_value_of_one_input_is_drawn_over_it(tmp_path: Path) -> None:
+    """B is the same in all failures: A is drawn, of the runs with that B alone."""
+    rows = [
+        ("c", str(a), b, 2.0 if b == "1.9" else 0.5)
+        for a in range(10, 60, 10)
+        for b in ("0", "1", "1.9")
+    ]
+    (group,) = failure_groups(read_results(written(tmp_path, rows)))
+    assert (len(group.runs), len(group.alike), len(group.members)) == (5, 5, 15)
+    assert (group.held, group.leading) == ({"plc:V.E.B": "1.9"}, "plc:V.E.A")
+    assert group.where == ("V.E.B 1.9",)
+
+
+def test_an_input_that_all_failures_share_is_drawn_where_nothing_else_differs(
+    tmp_path: Path,
+) -> None:
+    """Two failures at one A of five; B has two values, too few to draw over."""
+    rows = [
+        ("c", str(a), b, 2.0 if a == 30 else 0.5) for a in range(10, 60, 10) for b in ("0", "1.9")
+    ]
+    (group,) = failure_groups(read_results(written(tmp_path, rows)))
+    assert group.held == {"plc:V.E.A": "30"}
+    assert (group.leading, group.at) == ("plc:V.E.A", ("V.E.B 0",))
+
+
 def test_both_sides_other_metrics_and_other_cases_are_cards_of_their_own(tmp_path: Path) -> None:
     rows = [("c", str(a), "1", value) for a, value in enumerate((-2.0, -3.0, 0.0, 2.0, 3.0, 4.0))]
     rows += [("d", "1", "1", 2.0)]

@@ -46,6 +46,23 @@ def test_a_run_that_fell_says_where_its_value_is_and_was(
     assert compared(tmp_path, *both).worse() == [f"r: pass -> fail: {words}"]
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ({"value": ""}, {"value": "7"}),
+        ({"value": "4", "upper": ""}, {"value": "7"}),
+        ({"value": "4"}, {"value": ""}),
+        ({"value": "4"}, {"value": "7", "upper": ""}),
+    ],
+)
+def test_a_check_without_a_margin_in_either_folder_is_no_reason(
+    tmp_path: Path, before: Mapping[str, str], after: Mapping[str, str]
+) -> None:
+    limit = {"upper": "5"}
+    both = sides({**limit, **before}, {**limit, **after, "verdict": "fail"})
+    assert compared(tmp_path, *both).worse() == ["r: pass -> fail"]
+
+
 def test_the_reasons_are_the_checks_that_fell_and_have_limits(tmp_path: Path) -> None:
     """One got better, one stayed bad, one has no limit, one has no value any more."""
 
