@@ -8,6 +8,8 @@ import pytest
 from tests.fmu_tools.described import texts, variable
 
 from axisrig.bench.tools.fmu import examine
+from axisrig.bench.tools.fmu.binaries import Binary
+from axisrig.bench.tools.fmu.findings import Level
 
 FMU = Path("a.fmu")
 
@@ -28,6 +30,17 @@ FMU = Path("a.fmu")
 )
 def test_a_start_value_outside_its_limits_is_named(given: dict[str, Any], text: str | None) -> None:
     assert examine._out_of_range(variable("v", **given)) == text
+
+
+@pytest.mark.parametrize(("is_here", "level"), [(True, Level.FAIL), (False, Level.WARN)])
+def test_a_library_of_another_platform_is_a_fault_where_it_is_to_be_loaded(
+    is_here: bool, level: Level
+) -> None:
+    """In the folder of another platform it does not matter here."""
+    binary = Binary("x86_64-windows", "a.dll", "linux", ("aarch64",))
+    found = examine._misplaced(binary, is_here=is_here)
+    assert (found.area, found.level) == ("platforms", level.value)
+    assert found.text.startswith("x86_64-windows says x86_64 on windows, its library is")
 
 
 def test_of_many_names_six_are_shown() -> None:
