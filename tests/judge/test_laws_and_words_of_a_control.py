@@ -145,6 +145,17 @@ def test_a_limit_that_holds_an_offset_back_leaves_no_closed_form(
     )
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("asked", [0.04, 0.06])
+def test_a_loop_is_measured_behind_what_limits_hold_up_or_down(asked: float, sign: float) -> None:
+    """Steps of 0.05 mm until row 340, less or more than what is asked; then 0.9 is left a cycle."""
+    step = np.where(K < 300, 0.0, np.where(K < 340, 0.05, 0.05 * 0.9 ** (K - 340.0)))
+    delta = np.where((K >= 300) & (K < 340), asked, step)
+    columns = {"step_mm": sign * step, "delta_mm": sign * delta}
+    found = seen(recorded(0.0, np.where(K < 300, 0.0, 2.0), columns=columns), "distance_growth")
+    assert found.value == pytest.approx(0.9, abs=1e-3)
+
+
 # Where the surface is, and what is wanted
 
 
