@@ -191,6 +191,21 @@ def test_waiting_for_what_never_comes_ends_in_simulated_time(pair: Pair) -> None
     assert pair.segment.now_ns == 12 * S + MS
 
 
+def test_an_emergency_of_before_is_not_the_one_that_is_awaited(pair: Pair) -> None:
+    """Error code 0 takes the errors back: they are in the log, and active no more (CiA 301)."""
+    for delay_ns, code in ((1 * MS, 0x8110), (2 * MS, 0x0000)):
+        pair.later(delay_ns, lambda code=code: pair.local.emcy.send(code))
+    assert pair.remote.emcy.wait(timeout=0.01) is not None
+    assert pair.remote.emcy.wait(0x0000, timeout=0.01) is not None
+    assert [entry.code for entry in pair.remote.emcy.active] == []
+    assert [entry.code for entry in pair.remote.emcy.log] == [0x8110, 0x0000]
+    assert pair.remote.emcy.wait(timeout=0.01) is None
+    pair.later(1 * MS, lambda: pair.local.emcy.send(0x8611))
+    found = pair.remote.emcy.wait(timeout=1.0)
+    assert found is not None
+    assert found.code == 0x8611
+
+
 def test_emergency_is_received_and_awaited_by_code(pair: Pair) -> None:
     seen: list[EmcyError] = []
     pair.remote.emcy.add_callback(seen.append)

@@ -374,6 +374,14 @@ def test_each_time_is_a_point_once_and_an_earlier_one_begins_anew() -> None:
     assert all(len(set(one)) == 1 for one in found)
 
 
+@pytest.mark.parametrize("earlier", [0.5, 1, 1.5, 2.999])
+def test_a_time_before_the_last_one_begins_anew_wherever_it_is(earlier: float) -> None:
+    """A run that begins later than the one before had begun, and earlier than that had come."""
+    count = 'lines("axes").map((one) => one.split(" ").length)'
+    found = of(count, *at_times(1, 2, 3, earlier, earlier + 0.1))
+    assert [one[0] for one in found] == [1, 2, 3, 1, 2]
+
+
 def test_another_run_or_other_axes_begin_anew_and_else_the_cards_stay() -> None:
     two = {"axes": [AXIS, {**AXIS, "axis": "C"}]}
     states = [*at_times(1, 2), {"time_ns": 3_000_000_000, "run": "plan-b"},

@@ -95,6 +95,19 @@ def test_the_way_back_is_the_one_that_newton_finds_from_the_way_forward(name: st
         assert kinematic.inverse(tool, tuple(near.tolist())) == pytest.approx(expected, abs=1e-6)
 
 
+@pytest.mark.parametrize("name", ["210 slide first", "210 robot first", "210 two slides"])
+@pytest.mark.parametrize("way_mm", [-250.0, 190.0, 700.0])
+def test_a_slide_has_no_turns_however_far_it_is_away(name: str, way_mm: float) -> None:
+    """Angles count to the nearest turn, a way counts whole: Newton's method finds the slide."""
+    machine = MACHINES[name]
+    oracle = machine.oracle()
+    (axes,) = machine.axes(1, 6)
+    near = np.array(axes)
+    near[6:] += way_mm
+    tool = oracle.tool(axes[None])[0]
+    assert oracle.axes(tool, near)[6:] == pytest.approx(axes[6:], abs=1e-6)
+
+
 @pytest.mark.parametrize("name", ["9", "9, 98", "91"])
 def test_across_a_0_the_axes_go_on_steadily(name: str) -> None:
     machine = MACHINES[name]

@@ -254,6 +254,32 @@ def test_a_homing_that_is_broken_off_anywhere_leads_the_drive_back(
     assert was_homing > 10
 
 
+class NotingDrive(Drive):
+    """Notes which modes it was given."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.modes: list[int] = []
+
+    def _take(self, index: int, value: int) -> None:
+        self.modes.append(value)
+        super()._take(index, value)
+
+
+@pytest.mark.parametrize("mode_in_pdo", [False, True])
+def test_a_homing_that_is_broken_off_sends_no_drive_into_homing_any_more(mode_in_pdo: bool) -> None:
+    """A request that waits for its turn is none any more, at whatever cycle it is broken off."""
+    for broken_off in range(12 * SDO_CYCLES):
+        drive = NotingDrive(mode_in_pdo=mode_in_pdo)
+        axis, _ = homing(drive)
+        cycles(axis, broken_off)
+        axis.abort()
+        drive.modes.clear()
+        cycles(axis, 30 * SDO_CYCLES)
+        assert HOMING not in drive.modes, broken_off
+        assert drive.objects[MODE] == CSP
+
+
 def test_breaking_off_what_is_over_asks_for_nothing() -> None:
     drive = Drive()
     axis, _ = homing(drive)
