@@ -101,6 +101,17 @@ def test_the_demo_runs_its_rows_of_every_plan(
     assert ("rows tagged demo" in capsys.readouterr().err) is (select == "demo")
 
 
+@pytest.mark.parametrize("more", [(), ("--all",)])
+@pytest.mark.parametrize("is_fresh", [False, True])
+def test_a_fresh_demo_is_one_with_any_rows(
+    more: tuple[str, ...], is_fresh: bool, asked: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(command_line, "build_library", lambda: None)
+    monkeypatch.setattr(f"{CAMPAIGN}.plan_files.plans_in", lambda folder: [folder / "a.csv"])
+    assert call("demo", *more, *["--fresh"] * is_fresh) == 3
+    assert asked["is_fresh"] is is_fresh
+
+
 def test_warnings_are_shown_and_refused_where_asked(capsys: pytest.CaptureFixture[str]) -> None:
     command_line._warn(["one", "two"], is_strict=False)
     assert capsys.readouterr().err == "warning: one\nwarning: two\n"

@@ -394,6 +394,17 @@ def test_pairs_are_one_list_beside_the_others(write_plan: PlanWriter) -> None:
     assert set(found) == wanted
 
 
+def test_pairs_count_where_their_first_list_stands(write_plan: PlanWriter) -> None:
+    """The last list changes first: that in the middle, as the pairs begin before it."""
+    header = "plant:p.a_um,plant:p.b_um,plant:p.c_um"
+    cells = "pairwise(1 | 2),[7 | 8 | 9],pairwise(3 | 4)"
+    cases = read_plan(write_plan(f"{HEAD},{header}\nx,{ROW},{cells}\n")).cases
+    found = [tuple(case.swept.values()) for case in cases]
+    pairs = [(a, c) for a, _b, c in found[::3]]
+    assert sorted(pairs) == list(itertools.product("12", "34"))
+    assert found == [(a, b, c) for a, c in pairs for b in "789"]
+
+
 @pytest.mark.parametrize(
     ("cell", "values"),
     [
