@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from tests.cosim.test_plant_by_hand import GROUPS, Fmu, Values
+from tests.cosim.fmus_by_hand import GROUPS, Fmu, Values
 
 from axisrig.kernel.cosim.fmi.library import PlantError
 from axisrig.kernel.cosim.plant.edges import LocatingProbe, make_probe

@@ -1,7 +1,7 @@
 """An axis at the ends of a time: its first demand, and the force of a stop at begin and end."""
 
 import pytest
-from tests.cosim.test_plant_by_hand import RAMP, Fmu, axis_of
+from tests.cosim.fmus_by_hand import RAMP, Fmu, axis_of
 
 from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.time.clock import MS, US

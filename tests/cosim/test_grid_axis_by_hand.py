@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from tests.cosim.test_plant_by_hand import Fmu
+from tests.cosim.fmus_by_hand import Fmu
 
 from axisrig.kernel.cosim.plant.grid import GridAxis
 from axisrig.kernel.cosim.plant.outputs import (

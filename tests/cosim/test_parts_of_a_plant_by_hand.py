@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from tests.cosim.test_plant_by_hand import RAMP, Fmu, Values, axis_of
+from tests.cosim.fmus_by_hand import RAMP, Fmu, Values, axis_of
 from tests.cosim.test_probes_by_hand import Rig, Switch
 
 from axisrig.kernel.cosim.fmi import roles

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from tests.cosim.test_plant_by_hand import Fmu, Values
+from tests.cosim.fmus_by_hand import Fmu, Values
 
 from axisrig.kernel.cosim.fmi.library import EdgeMayBeLostError, PlantError
 from axisrig.kernel.cosim.plant import probe

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import pytest
-from tests.cosim.test_plant_by_hand import RAMP, Fmu
+from tests.cosim.fmus_by_hand import RAMP, Fmu
 
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.cosim.plant import axis as axis_module

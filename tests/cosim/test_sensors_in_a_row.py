@@ -6,8 +6,8 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
+from tests.cosim.fmus_by_hand import Fmu
 from tests.cosim.test_edges_of_a_probe import INPUTS, Locating, probe_of
-from tests.cosim.test_plant_by_hand import Fmu
 
 from axisrig.kernel.cosim.fmi.library import PlantError
 from axisrig.kernel.cosim.plant import distance as distance_module

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from tests.cosim.test_plant_by_hand import RAMP, Fmu
+from tests.cosim.fmus_by_hand import RAMP, Fmu
 
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.cosim.plant.plant import Plant, refuse_held_outputs

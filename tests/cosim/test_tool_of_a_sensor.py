@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from tests.cosim.test_plant_by_hand import Fmu
+from tests.cosim.fmus_by_hand import Fmu
 
 from axisrig.kernel.cosim.fmi.library import PlantError
 from axisrig.kernel.cosim.plant.distance import TOOL, PlantDistance

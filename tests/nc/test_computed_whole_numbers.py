@@ -62,3 +62,12 @@ def test_a_group_with_a_fraction_is_named_with_its_word(run, word):
         run(f"P1 = 2.5\n{word}")
     reason = f"{word.partition(' ')[0]} = 2.5 is no group"
     assert (caught.value.id, caught.value.values["reason"]) == (900105, reason)
+
+
+@pytest.mark.parametrize("text", ["G159 = V.E.A", "#MEAS MODE [V.E.A]", "#ERROR [ID=V.E.A RC=0]"])
+@pytest.mark.parametrize("number", [float("inf"), float("-inf"), float("nan")])
+def test_a_number_of_the_plc_side_that_is_none_is_no_whole_one(run, text, number):
+    """A variable has no such value: the alarm is that of the expression, whatever takes it."""
+    with pytest.raises(Alarm, match="number too large") as caught:
+        run(text, external={"A": number})
+    assert caught.value.id == 900105

@@ -91,7 +91,7 @@ def joined(into: Path, *folders: Path, **how: Any) -> Merged:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "tested"),
     [
         ([], {"info:serial": "7", "info:device": "drill"}),
         (["--info", "serial=9"], {"info:serial": "9", "info:device": "drill"}),
@@ -102,18 +102,18 @@ def joined(into: Path, *folders: Path, **how: Any) -> Merged:
     ],
 )
 def test_shares_that_say_what_is_tested_are_joined(
-    plan: Plan, tmp_path: Path, options: list[str], told: dict[str, str]
+    plan: Plan, tmp_path: Path, options: list[str], tested: dict[str, str]
 ) -> None:
     """`[info]` of the rig, and over it `--info`: in each row, those of statistics too."""
     rig = "[machine]\n[info]\nserial = 7\ndevice = 'drill'\n"
     (tmp_path / "machine.toml").write_text(rig, encoding="utf-8")
-    plan = with_tested(plan, {name.removeprefix("info:"): text for name, text in told.items()})
+    plan = with_tested(plan, {name.removeprefix("info:"): text for name, text in tested.items()})
     one = share(tmp_path / "one", plan, ALL[:3], options)
     other = share(tmp_path / "other", plan, ALL[3:], options)
     done = joined(tmp_path / "all", one, other)
     assert (done.runs, done.statistics, done.missing) == (5, 2, [])
     for row in rows(tmp_path / "all" / "cases.csv"):
-        assert {name: row[name] for name in row if name.startswith("info:")} == told
+        assert {name: row[name] for name in row if name.startswith("info:")} == tested
 
 
 @pytest.mark.parametrize(

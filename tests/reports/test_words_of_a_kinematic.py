@@ -133,7 +133,7 @@ def test_it_is_said_where_tool_and_surface_come_from() -> None:
 
 
 def test_the_angle_to_the_normal_is_that_of_the_last_mode_while_the_control_is_on() -> None:
-    """0 but for ECS; nothing while no mode is said, or while the control is off."""
+    """0 but for ECS; no value while no mode is given, or while the control is off."""
     motion = motion_of(TRACE, TOOL)
     assert motion is not None
     times_ms = motion.times_ns // MS

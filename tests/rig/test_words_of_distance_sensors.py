@@ -43,17 +43,17 @@ def test_a_wrong_sign_is_that_of_the_list_or_of_the_variable(
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "is_named"),
     [("", True), ('[axis.Z]\nencoder_2 = "load"', False), (SCALE, True)],
 )
 def test_a_second_encoder_is_named_where_nothing_takes_its_distance(
-    rig_above: Read, table: str, told: bool
+    rig_above: Read, table: str, is_named: bool
 ) -> None:
     """The load itself is no part of the rig that could be a sensor."""
     found = describe_distance(rig_above("distance-z.toml", table, OFF), {})
     name = "scale" if "scale" in table else "gap"
     words = f"axis Z: {name} is its second encoder, and distance control is not released"
-    assert [text.startswith(words) for text in found] == [True] * told
+    assert [text.startswith(words) for text in found] == [True] * is_named
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ def test_the_second_encoder_comes_first_and_the_variables_after_it(rig_above: Re
 def test_a_variable_comes_as_often_as_whole_cycles_allow(
     rig_above: Read, period_ms: float, every: int
 ) -> None:
-    """Not less often than promised; in every cycle nothing is said."""
+    """Not less often than promised; in every cycle there is no warning."""
     table = VARIABLE % f"period_ms = {period_ms}"
     _, sensor = sensors_of(rig_above("distance-z-variable.toml", table), "Z")
     assert (sensor.every, sensor.promised_ns) == (every, round(period_ms * 1e6))

@@ -58,15 +58,16 @@ def checked(
 
 
 def _check_one_of(builder: ExpressionBuilder, command: Command, places: Mapping[str, int]) -> None:
+    """Refuse a second keyword of those of which a command takes one, and `ALL` beside a value."""
     found = [word for word in places if word in _ONE_OF.get(command.name, ())]
-    others = [*found[1:], *(["a value"] if "ALL" in found and command.arguments else [])]
-    if others:
-        raise builder.source.error(
-            f"{found[0]} and {others[0]} of #{command.name} exclude each other",
-            places[found[0] if others[0] == "a value" else others[0]],
-            value=found[0] if others[0] == "a value" else others[0],
-            allowed="one of them",
-        )
+    if len(found) > 1:
+        both, wrong = f"{found[0]} and {found[1]}", found[1]
+    elif found == ["ALL"] and command.arguments:
+        both, wrong = "ALL and a value", "ALL"
+    else:
+        return
+    message = f"{both} of #{command.name} exclude each other"
+    raise builder.source.error(message, places[wrong], value=wrong, allowed="one of them")
 
 
 def _wrong(builder: ExpressionBuilder, command: Command, offset: int, allowed: str) -> UserError:
