@@ -207,3 +207,83 @@ def test_models_are_released_in_turn_and_sums_come_last(
         (None, ["3.0"], words, "zig"),
         *((folder, each.model, "3.0", names, each.path, runs_here) for each in built),
     ]
+
+
+def test_numbers_of_an_fmu_are_written_as_numbers_whatever_their_type(
+    instance: Callable[[Slave], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A truth value is 0.0 or 1.0, a whole number has a point: all importers read that."""
+
+    class Typed(Exchange):
+        def read(self) -> None:
+            found: dict[str, Any] = {"y": True, "z": 0.5, "n": 7}
+            self.values = [found[name] for name in self._names]
+
+    instance(Slave())
+    monkeypatch.setattr(release, "Exchange", Typed)
+    names, rows = release.walk(Path("a.fmu"), [], MS, 1)
+    release._write_csv(tmp_path / "a.csv", names, rows)
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8") == (
+        '"time","y","z","n"\n0.0,1.0,0.5,7.0\n0.001,1.0,0.5,7.0\n'
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "written"),
+    [
+        ("Real", 0.5, "0.5"), ("Float64", 0.5, "0.5"), ("Real", 2.0, "2.0"), ("Int32", 3.0, "3"),
+        ("Integer", 3.0, "3"), ("UInt8", 1.0, "1"), ("Boolean", 1.0, "1"), ("Boolean", 0.0, "0"),
+    ],
+)  # fmt: skip
+def test_values_of_an_input_are_those_of_its_type(
+    kind: str, given: float, written: str, tmp_path: Path
+) -> None:
+    """Of FMI 2.0 and FMI 3.0; from the start value to what a change makes of it."""
+    start = "true" if kind == "Boolean" else "1"
+    inputs = [variable("u", type=kind, start=start)]
+    first = "1.0" if kind in ("Real", "Float64") else "1"
+    rows = release._input_rows(inputs, [Change(0.5, "u", given)], 0.0, 1.0)
+    release._write_csv(tmp_path / "a.csv", ["time", "u"], rows)
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()[1:] == [
+        f"0.0,{first}", f"0.5,{first}", f"0.5,{written}", f"1.0,{written}",
+    ]  # fmt: skip
+
+
+OTHERS = [platform.name for platform in PLATFORMS.values() if not platform.in_all]
+
+
+@pytest.mark.parametrize(
+    ("platforms", "folder"),
+    [
+        ([*ALL, *OTHERS], "+".join([*ALL, *OTHERS])),
+        (OTHERS, OTHERS[0]),
+        (ALL[1:], "+".join(ALL[1:])),
+    ],
+)
+def test_a_folder_of_all_platforms_has_these_and_no_others(
+    platforms: list[str], folder: str, calls: Calls, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """`--platform all` is what it says; one more platform is named as any other choice."""
+    describe(monkeypatch)
+    (tmp_path / "a.fmu").write_bytes(b"")
+    path = release.release(tmp_path, "Lib.A", "3.0", platforms, tmp_path / "a.fmu", runs_here=True)
+    assert path.relative_to(tmp_path).parts[:3] == ("3.0", "cs", folder)
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize(
+    ("stop", "step", "count"),
+    [("0.3", "0.1", 3), ("0.7", "0.1", 7), ("0.6", "0.2", 3), ("1.2", "0.4", 3),
+     ("0.35", "0.1", 3), ("0.05", "0.1", 0)],
+)  # fmt: skip
+def test_results_have_as_many_steps_as_there_is_time_for(
+    stop: str, step: str, count: int, calls: Calls, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """0.3 / 0.1 is 2.9999999999999996 as a double; time is whole nanoseconds."""
+    describe(monkeypatch, stopTime=stop, stepSize=step)
+    (tmp_path / "a.fmu").write_bytes(b"")
+    release.release(tmp_path, "Lib.B", "3.0", ALL[:1], tmp_path / "a.fmu", runs_here=True)
+    ((*_, walked),) = calls
+    assert walked == count

@@ -163,3 +163,66 @@ def test_what_cannot_be_looked_for_cannot_be_built(
     with pytest.raises(UserError, match=r"nothing can be built: M\.mo:3: odd"):
         built()
     assert cache.tasks == []
+
+
+@pytest.mark.parametrize("first", [True, False])
+@pytest.mark.parametrize(
+    ("option", "good", "bad", "message"),
+    [
+        ("fmi", "3.0", "1.0", "no such FMI version"),
+        ("platforms", "x86_64-linux", "solaris", "no such platform"),
+        ("platforms", "all", "solaris", "no such platform"),
+    ],
+)
+def test_each_word_of_an_option_has_to_be_one_of_it(
+    cache: Cache, option: str, good: str, bad: str, message: str, first: bool
+) -> None:
+    """Before and after a good one; nothing is built, and nothing is looked for."""
+    words = [bad, good] if first else [good, bad]
+    with pytest.raises(UserError, match=message) as caught:
+        built(**{option: words})
+    assert caught.value.value == bad
+    assert cache.looked == []
+
+
+@pytest.mark.parametrize(
+    ("given", "allowed"),
+    [
+        ({"compiler": "zip"}, "cc, zig, omc"),
+        ({"compiler": "gcc"}, "cc, zig, omc"),
+        ({"fmi": ["3.1"]}, ", ".join(library.FMI_VERSIONS)),
+        ({"platforms": ["linux"]}, ", ".join(["all", *library.PLATFORMS])),
+    ],
+)
+def test_of_a_few_words_all_are_shown_that_are_allowed(
+    cache: Cache, given: dict[str, Any], allowed: str
+) -> None:
+    """Not only those that look like the wrong one."""
+    assert len(allowed.split(", ")) <= 6
+    with pytest.raises(UserError) as caught:
+        built(**given)
+    assert caught.value.allowed == allowed
+    assert cache.looked == []
+
+
+def test_of_many_models_the_near_ones_are_shown() -> None:
+    with pytest.raises(UserError, match="the library has no such model") as caught:
+        list(library.build_models(f"{PROBE}s"))
+    allowed = str(caught.value.allowed).split(", ")
+    assert allowed[0] == PROBE
+    assert len(allowed) < len(MODELS)
+    assert caught.value.value == f"{PROBE}s"
+
+
+@pytest.mark.parametrize("folder", ["", "sub/"])
+def test_a_model_of_ones_own_is_looked_for_where_its_path_says(
+    folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The path is one from the working folder; near names are those beside it."""
+    monkeypatch.chdir(tmp_path)
+    Path("sub").mkdir()
+    Path(f"{folder}Ramp.mo").touch()
+    with pytest.raises(UserError, match="there is no such model") as caught:
+        list(library.build_models(f"{folder}Rampe.mo"))
+    assert caught.value.file == f"{folder}Rampe.mo"
+    assert caught.value.hint == "near it: Ramp.mo"

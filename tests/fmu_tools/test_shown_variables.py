@@ -168,3 +168,40 @@ def test_signs_that_steer_a_terminal_do_nothing_in_the_table() -> None:
     (row,) = cells(own("x\x1b[31m", description="a\nway\a", start="\x1b[2J"))
     assert not any(sign in text for text in row.values() for sign in "\x1b\a\n")
     assert row["variable"].startswith("x")
+
+
+@pytest.mark.parametrize("part", ["model", "author", "output"])
+def test_signs_that_steer_a_terminal_do_nothing_in_any_line(
+    part: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Head and structure are as much the maker's words as the table of variables."""
+    bad = "a\x1b[31m\ab"
+    made = shown(own("x", causality="output"))
+    described: Any = made.description
+    if part == "output":
+        described.outputs = [SimpleNamespace(variable=own(bad), dependencies=None)]
+    else:
+        setattr(described, {"model": "modelName", "author": "author"}[part], bad)
+    show.show_fmu(made, is_all=False)
+    text = capsys.readouterr().out
+    assert "\x1b" not in text
+    assert "\a" not in text
+    assert "[31m" in text
+
+
+def test_everything_that_an_fmu_can_do_is_in_the_head(capsys: pytest.CaptureFixture[str]) -> None:
+    can: Any = SimpleNamespace(
+        can_vary_step=True, can_save_state=False, can_serialize_state=False, can_return_early=True,
+        fixed_step_s=0.002, once_per_process=True, needs_tool=True,
+    )  # fmt: skip
+    bare = shown()
+    show.show_fmu(Shown(bare.archive, bare.description, can, []), is_all=False)
+    lines = capsys.readouterr().out.splitlines()
+    assert [one.split(maxsplit=1)[1] for one in lines if one.startswith("can ")] == [
+        "take steps of any length: yes", "save and restore its state: no",
+        "write its state as bytes: no", "return early from a step: yes",
+        "internal step 0.002 s", "exist once in a process only",
+        "run only with the tool that made it",
+    ]  # fmt: skip
+    show.show_fmu(bare, is_all=False)
+    assert not any(one.startswith("can ") for one in capsys.readouterr().out.splitlines())
