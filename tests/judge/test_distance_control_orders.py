@@ -115,3 +115,19 @@ def test_set_values_of_the_program_have_those_of_the_plc_of_their_cycle() -> Non
     assert set_by_program(OBSERVED, DistanceRecord(orders=None)) == {
         "set_pos_mm": {}, "set_dist_mm": {},
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("column", ["set_pos_mm", "set_dist_mm"])
+@pytest.mark.parametrize("given", [(1.0, 2.5), (2.5, 1.0), (0.0, -1.0, 0.0)])
+def test_of_several_values_of_the_plc_in_a_cycle_the_last_one_is_beside_the_program(
+    column: str, given: tuple[float, ...]
+) -> None:
+    """Another cycle has its own, and the other column has none."""
+    asked = (
+        *(DistanceOrder(4 * MS + k, "PLC", **{column: mm}) for k, mm in enumerate(given)),
+        DistanceOrder(4 * MS + 9, "NC", **{column: 7.0}),
+        DistanceOrder(6 * MS, "NC", **{column: 8.0}),
+    )
+    found = set_by_program(OBSERVED, DistanceRecord(orders=asked))
+    other = {"set_pos_mm", "set_dist_mm"} - {column}
+    assert found == {column: {2: given[-1], 3: None}, **{name: {} for name in other}}
