@@ -96,6 +96,7 @@ class Stages:
         self._stage: str | None = config.getoption("--stage")
         self._by_compiled: list[str] = config.getoption("--by-compiled").split()
         self._until: float | None = config.getoption("--until")
+        gc.disable()  # what is collected lives until the end: nothing is garbage before
 
     def pytest_collection_modifyitems(
         self, config: pytest.Config, items: list[pytest.Item]
@@ -120,6 +121,7 @@ class Stages:
 
     def pytest_collection_finish(self) -> None:
         """Search for garbage seldom, and never in what was collected: it lives until the end."""
+        gc.enable()
         gc.collect()
         gc.freeze()
         gc.set_threshold(100_000, 20, 100)

@@ -116,6 +116,7 @@ def _outside(module: str, allowed: Iterable[str]) -> list[str]:
     return sorted(n for n in names if package_of(n) in PACKAGES and not f"{n}.".startswith(inside))
 
 
+@pytest.mark.long
 def test_oracles_take_nothing_from_what_they_judge() -> None:
     for module in MODULES:
         if module.startswith("axisrig.bench.oracles"):

@@ -4,6 +4,7 @@ import ast
 from collections.abc import Iterator
 from functools import cache
 
+import pytest
 from tests.architecture.sources import Function, trees
 
 ROOMS = ("axisrig.kernel.", "axisrig.bench.")
@@ -109,6 +110,7 @@ def put_from_outside(module: str, tree: ast.Module) -> set[tuple[str, str]]:
     }
 
 
+@pytest.mark.long
 def test_nobody_puts_a_collaborator_into_an_object_that_is_made() -> None:
     found = {pair for module, tree in in_rooms() for pair in put_from_outside(module, tree)}
     assert found == set(ALLOWED)

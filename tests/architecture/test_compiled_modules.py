@@ -129,6 +129,7 @@ def _native() -> set[str]:
     return found
 
 
+@pytest.mark.long
 def test_no_interpreted_class_derives_from_a_compiled_one() -> None:
     native, compiled = _native(), {str(ROOT / path) for path in _compiled()}
     assert native

@@ -83,6 +83,7 @@ def _unseeded(tree: ast.AST) -> list[int]:
     return lines
 
 
+@pytest.mark.long
 def test_every_random_number_is_seeded() -> None:
     found = [f"{name}:{line}" for name, tree in trees().items() for line in _unseeded(tree)]
     assert found == []

@@ -37,6 +37,7 @@ def _machine_paths() -> list[str]:
 HOME = re.compile(r"(?<![\w.])(?:/(?:home|Users)/[a-z]\w*|[A-Za-z]:\\\\?Users\\)")
 
 
+@pytest.mark.long
 def test_no_file_names_a_folder_of_one_machine() -> None:
     known = _machine_paths()
     found = []

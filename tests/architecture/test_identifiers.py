@@ -3,6 +3,7 @@
 import io
 import tokenize
 
+import pytest
 from tests.architecture.sources import MODULES
 
 from axisrig.kernel.profiles.canopen.identifiers import services
@@ -22,6 +23,7 @@ def hexadecimal(text: str) -> set[int]:
     return {int(word, 16) for word in found if word.startswith("0x") and len(word) == 5}
 
 
+@pytest.mark.long
 def test_no_identifier_is_written_elsewhere() -> None:
     known = {number for s in services() for number in (s.first, s.node_base) if number}
     for module, path in MODULES.items():

@@ -99,6 +99,7 @@ def test_an_editable_install_has_no_copy_of_its_own(tmp_path: Path) -> None:
     assert names == {"_axisrig.pth"}
 
 
+@pytest.mark.long
 def test_the_sdist_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
     with tarfile.open(_built("sdist", ROOT, tmp_path / "sdist")) as archive:
         archive.extractall(tmp_path / "unpacked", filter="data")

@@ -49,6 +49,7 @@ def play(segment: Segment, *paths: Path) -> Seen:
     return seen
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "step_ns"), [("blf", 1), ("candump", 500), ("asc", 500)])
 def test_python_can_reads_its_logs_back(
     segment: Segment, tmp_path: Path, kind: str, step_ns: int

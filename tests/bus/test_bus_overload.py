@@ -79,6 +79,7 @@ def play(drives: int, queue: QueueKind) -> Traffic:
         return traffic
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("queue", ["fifo", "mailbox"])
 def test_one_drive_takes_half_the_bus_two_nearly_all(queue: QueueKind) -> None:
     """By the mean lengths 49 + 3 * 114 + 89 = 480 bits, two 911."""
@@ -92,6 +93,7 @@ def test_one_drive_takes_half_the_bus_two_nearly_all(queue: QueueKind) -> None:
     assert two.load.worst_delay_ns[0x080] <= 135 * US
 
 
+@pytest.mark.long
 def test_in_overload_a_fifo_holds_back_even_sync() -> None:
     """SYNC stands behind RPDOs that lose against every TPDO1: priority inversion."""
     traffic = play(3, "fifo")
@@ -101,6 +103,7 @@ def test_in_overload_a_fifo_holds_back_even_sync() -> None:
     assert traffic.load.worst_delay_ns[0x080] > 5 * MS
 
 
+@pytest.mark.long
 def test_in_overload_mailboxes_keep_sync_and_starve_the_lowest() -> None:
     """The last RPDO never gets through; its delay is the time since its first request."""
     traffic = play(3, "mailbox")

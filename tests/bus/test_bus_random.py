@@ -8,6 +8,7 @@ import random
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -145,6 +146,7 @@ def frames_of(requests: list[tuple[int, int, int, int]]) -> list[tuple[int, int,
     return made
 
 
+@pytest.mark.long
 @settings(deadline=None)
 @given(
     REQUESTS,

@@ -312,6 +312,7 @@ def test_nodes_added_before_connecting_wait_in_simulated_time(segment: Segment) 
     assert segment.ports == ()
 
 
+@pytest.mark.long
 def test_on_another_interface_the_classes_are_plain_canopen() -> None:
     """python-can's own virtual bus with canopen's notifier thread; the wall clock runs here."""
     threads = threading.active_count()

@@ -43,6 +43,7 @@ def test_levels_are_those_of_the_naive_wire(
     assert wire_bits(frame) == naive_wire(*frame)
 
 
+@pytest.mark.long
 def test_length_equals_the_naive_wire_on_random_and_extreme_payloads(naive_bits: Bits) -> None:
     numbers = random.Random(1)
     payloads = [bytes([byte]) * n for byte in (0, 0xFF, 0xF8, 0x0F, 0x78) for n in range(9)]

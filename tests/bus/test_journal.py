@@ -59,6 +59,7 @@ def play(
     return segments
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("block_frames", [1, 7, BLOCK_FRAMES, 100_000])
 @pytest.mark.parametrize("kind", LOG_SUFFIXES)
 def test_a_log_by_block_has_the_bytes_of_a_log_by_frame(

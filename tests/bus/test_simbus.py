@@ -29,6 +29,7 @@ with Segment("can1", 250_000, new_scheduler()) as segment:
 """
 
 
+@pytest.mark.long
 def test_python_can_finds_the_interface_by_its_entry_point(tmp_path: Path) -> None:
     """An installed distribution is imitated from the project's own pyproject.toml."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

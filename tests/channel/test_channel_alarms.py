@@ -50,6 +50,7 @@ def test_50059_comes_before_anything_moves(channel_bench: Make, words: Any) -> N
     assert bench.channel.records == []
 
 
+@pytest.mark.long
 def test_an_axis_that_stands_still_needs_no_release(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(
         words.axis("Y", may_measure=False), words.axis("Z", start_mm=130.0), plane_mm=120.0
@@ -73,6 +74,7 @@ def test_900103_for_a_run_without_path(channel_bench: Make, words: Any) -> None:
     assert bench.alarm_ids == [900103]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900003, 4, axis="Y", others="Z")
 def test_900003_when_the_probe_is_not_led_to_one_of_the_axes(
     channel_bench: Make, words: Any
@@ -89,6 +91,7 @@ def test_900003_when_the_probe_is_not_led_to_one_of_the_axes(
         assert last[6:8] == b"\x00\x00"
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900001, 4, axis="Z")
 def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0, missing_cycles=100_000)
@@ -118,6 +121,7 @@ def test_70082_when_an_axis_stays_outside_its_window(channel_bench: Make, words:
     assert bench.channel.alarm_ns[0] - standing == pytest.approx(52 * MS, abs=MS)
 
 
+@pytest.mark.long
 def test_the_window_may_be_reached_late(channel_bench: Make, words: Any) -> None:
     """A loop of 10 1/s needs ln(x/w)/Kv: it gets there inside the settling time."""
     bench = channel_bench(words.axis("Z", kv=10.0, window_mm=0.01, settling_ns=2 * S))
@@ -148,6 +152,7 @@ def _fault_in_motion(channel_bench: Make, words: Any) -> Any:
     return bench
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900005, 7, axis="Z")
 def test_900005_tells_statusword_and_emergency(channel_bench: Make, words: Any) -> None:
     (alarm,) = _fault_in_motion(channel_bench, words).channel.alarms
@@ -171,6 +176,7 @@ def test_a_drive_fault_brakes_every_axis(channel_bench: Make, words: Any) -> Non
     assert bench.set_mm("Z") == pytest.approx([value / 0.6 * 0.8 for value in bench.set_mm("Y")])
 
 
+@pytest.mark.long
 def test_a_faulty_drive_is_not_switched_on_again(channel_bench: Make, words: Any) -> None:
     """Nobody has acknowledged: neither a reset (bit 7) nor torque behind the alarm."""
     bench = _fault_in_motion(channel_bench, words)
@@ -221,6 +227,7 @@ def test_an_alarm_names_the_block_under_execution(channel_bench: Make, words: An
     assert "(line 2, block N20)" in str(bench.channel.alarms[0])
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900008, 4, axis="Z", state="SWITCH_ON_DISABLED")
 def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Y"), words.axis("Z"))

@@ -64,6 +64,7 @@ def test_a_move_begins_and_ends_with_its_set_position(channel_bench: Make, words
     assert moving[-1] == rows.end_ns[0] - 2 * MS
 
 
+@pytest.mark.long
 def test_what_waits_is_seen(channel_bench: Make, words: Any) -> None:
     """A dwell time lasts, an exact stop waits until the axis is in its window."""
     bench = channel_bench(words.axis("Z", window_mm=0.001))
@@ -101,6 +102,7 @@ def test_a_wait_that_takes_no_time_is_no_row(channel_bench: Make, words: Any) ->
     assert table(trace) == [(990, "end of program", "done")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("plane_mm", "state"), [(110.0, "signal"), (None, "no signal")])
 def test_a_measurement_run_says_whether_it_had_its_signal(
     channel_bench: Make, words: Any, plane_mm: float | None, state: str
@@ -129,6 +131,7 @@ def test_an_alarm_stops_the_row_and_what_waits_has_not_begun(
     assert trace.rows().travelled_mm[0] < trace.rows().path_mm[0] == 50.0
 
 
+@pytest.mark.long
 def test_a_move_to_where_the_axis_is_has_no_way(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     rows = noted(bench, words.move(1, 3000.0, Z=50.0), words.move(2, 3000.0, Z=50.0)).rows()
@@ -136,6 +139,7 @@ def test_a_move_to_where_the_axis_is_has_no_way(channel_bench: Make, words: Any)
     assert rows.travelled_mm[:2].tolist() == pytest.approx([50.0, 0.0])
 
 
+@pytest.mark.long
 def test_a_feedhold_is_an_interval(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     log = watched(bench)
@@ -158,6 +162,7 @@ def _until(bench: ChannelBench, is_true: Callable[[], bool]) -> int:
     return bench.scheduler.now_ns
 
 
+@pytest.mark.long
 def test_an_axis_beside_the_path_has_its_own_end(channel_bench: Make, words: Any) -> None:
     beside = canon.IndependentMove(Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
@@ -194,6 +199,7 @@ def test_every_command_has_a_kind(kind: type) -> None:
     assert kind in block_log.KINDS or kind in of_fields
 
 
+@pytest.mark.long
 def test_nothing_moves_otherwise_because_of_it(channel_bench: Make, words: Any) -> None:
     def frames(is_noted: bool) -> list[tuple[int, int, bytes]]:
         bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=110.0)

@@ -56,6 +56,7 @@ def test_the_stop_is_found_by_the_lag(channel_bench: Make, words: Any) -> None:
     assert stop.detected_ns / MS == pytest.approx(expected_ms, abs=2)
 
 
+@pytest.mark.long
 def test_the_axes_end_where_they_are_and_the_program_goes_on_from_there(
     channel_bench: Make, words: Any
 ) -> None:
@@ -68,6 +69,7 @@ def test_the_axes_end_where_they_are_and_the_program_goes_on_from_there(
     assert bench.final_mm("Z") == 9.0
 
 
+@pytest.mark.long
 def test_the_relaxing_motion_has_the_feed_of_the_run(channel_bench: Make, words: Any) -> None:
     """And its ramps: no step is larger than those of the way to the stop, nor changes by more."""
     bench = channel_bench(axis(words, stop_mm=10.0))
@@ -83,6 +85,7 @@ def test_the_relaxing_motion_has_the_feed_of_the_run(channel_bench: Make, words:
     assert max(changes) <= 1000.0 * 1e-6 * 1.001
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("buffer_cycles", [0, 5])
 def test_the_path_brakes_and_stands_before_it_goes_back(
     channel_bench: Make, words: Any, buffer_cycles: int
@@ -102,6 +105,7 @@ def test_the_path_brakes_and_stands_before_it_goes_back(
     assert sent[-1] == pytest.approx(furthest_mm)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("overtravel_mm", [0.0, 8.0])
 def test_a_share_is_of_the_programmed_path(
     channel_bench: Make, words: Any, overtravel_mm: float
@@ -166,6 +170,7 @@ def test_an_axis_that_the_block_does_not_move_is_none_of_the_run(
     assert stop.criteria.keys() == stop.set_mm.keys() == stop.actual_mm.keys() == {"X"}
 
 
+@pytest.mark.long
 def test_err_no_signal_of_meas_changes_nothing_in_type_7(channel_bench: Make, words: Any) -> None:
     for may_be_missing, alarms in ((False, [900240]), (True, [])):
         settings = ChannelSettings(stop_may_be_missing=may_be_missing)

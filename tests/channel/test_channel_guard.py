@@ -85,6 +85,7 @@ def test_two_axes_that_jump_in_one_cycle_both_brake_by_themselves(
         assert max(abs(b - a) for a, b in pairwise(steps)) <= 1000.0 * T * T + 2 * INCREMENT_MM
 
 
+@pytest.mark.long
 def test_an_axis_faster_than_p_axis_00212_is_stopped(channel_bench: Make, words: Any) -> None:
     """A creeping 0.0008 mm more in each cycle is no jump, but 500 mm/s are passed."""
     bench = channel_bench(words.axis("Z"))

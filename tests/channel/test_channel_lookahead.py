@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import pytest
+
 from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.decoder import Interpreter
@@ -87,6 +89,7 @@ def test_blocks_behind_a_synchronous_message_are_decoded_when_it_is_out(
     assert done.at_ns(3) == told_ns > done.reaches_ns(2.0)
 
 
+@pytest.mark.long
 def test_a_measured_value_waits_for_all_that_was_programmed_before(
     channel_bench: Make, words: Any
 ) -> None:
@@ -96,6 +99,7 @@ def test_a_measured_value_waits_for_all_that_was_programmed_before(
     assert abs(bench.final_mm("Z") - 7.0) < 1e-3
 
 
+@pytest.mark.long
 def test_a_value_for_the_plc_side_is_given_out_between_the_moves(
     channel_bench: Make, words: Any
 ) -> None:
@@ -139,6 +143,7 @@ def test_a_loop_that_asks_the_plc_side_goes_on_when_the_value_comes(
     assert 30 <= bench.set_mm("Z").count(1.0) <= 33
 
 
+@pytest.mark.long
 def test_an_actual_position_is_read_when_the_machine_got_there(
     channel_bench: Make, words: Any
 ) -> None:

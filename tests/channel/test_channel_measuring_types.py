@@ -23,6 +23,7 @@ def _top_speed_mm_s(bench: Any, axis: str) -> float:
     return max(abs(b - a) for a, b in pairwise(places)) * 1e3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("feed_mm_min", [60.0, 6000.0, None])
 def test_type_2_goes_at_the_speed_of_the_parameter_list(
     channel_bench: Make, words: Any, feed_mm_min: float | None
@@ -52,6 +53,7 @@ def test_p_axis_00114_lengthens_type_2_only(
     assert bench.final_mm("Z") == pytest.approx(end_mm, abs=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [1, 3, 4])
 def test_err_no_signal_of_meas_wins_over_p_chan_00176(
     channel_bench: Make, words: Any, kind: int
@@ -83,6 +85,7 @@ def test_type_3_goes_on_to_its_target_without_braking(channel_bench: Make, words
     assert steps == pytest.approx([0.01] * 400)
 
 
+@pytest.mark.long
 def test_type_3_without_g106_brakes_as_type_1(channel_bench: Make, words: Any) -> None:
     ends = []
     for kind in (1, 3):
@@ -100,6 +103,7 @@ def test_type_3_without_signal_is_at_its_target(channel_bench: Make, words: Any)
     assert not bench.channel.measurement_ok("Z")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("named", "speed_mm_s"), [("Y", 5.0), ("Z", 20.0)])
 def test_type_2_has_the_speed_of_the_axis_of_its_block_whatever_else_the_path_moves(
     channel_bench: Make, words: Any, named: str, speed_mm_s: float
@@ -116,6 +120,7 @@ def test_type_2_has_the_speed_of_the_axis_of_its_block_whatever_else_the_path_mo
 # Stroke of the probe, P-AXIS-00086
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [2, 4])
 @pytest.mark.provokes(900222, 1, axis="Z", stroke_mm="0.1")
 def test_types_2_and_4_are_slow_enough_for_the_stroke(
@@ -153,6 +158,7 @@ def test_900222_names_the_speed_that_was_programmed(channel_bench: Make, words: 
     assert (warning.id, warning.values["speed_mm_min"]) == (900222, "60000")
 
 
+@pytest.mark.long
 def test_a_speed_within_the_stroke_stays_as_it_is(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, stroke_mm=0.1), plane_mm=120.0)
     bench.run([words.probe(1, 848.0, 4, Z=110.0), words.wait(1), words.end()])
@@ -224,6 +230,7 @@ def test_50059_for_the_preparation_of_an_axis_that_does_not_measure(
 # Dead time of the probe, P-AXIS-00487
 
 
+@pytest.mark.long
 def test_a_measured_value_is_led_back_by_v_t(channel_bench: Make, words: Any) -> None:
     """10 mm/s for 10 ms: 0.1 mm; the axis comes from above."""
     bench = channel_bench(words.axis("Z", start_mm=130.0, delay_ns=10 * MS), plane_mm=120.0)
@@ -276,6 +283,7 @@ def test_the_share_of_an_axis_in_the_path_counts(channel_bench: Make, words: Any
     assert bench.channel.measured_acs_mm("Z") is None
 
 
+@pytest.mark.long
 def test_inside_a_ramp_half_a_t_squared_is_left(channel_bench: Make, words: Any) -> None:
     """From 300 mm/s at 1000 mm/s2 to the target 50 mm; 2.5 mm before it the axis has 71 mm/s.
 

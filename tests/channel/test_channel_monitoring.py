@@ -95,6 +95,7 @@ def test_900006_for_each_cyclic_telegram_after_the_cycles_of_the_rig(
     assert alarm.values == {"axis": "Z", "pdo": pdo, "cycles": missing_cycles + 1}
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900024, 7, axis="Z", node=2)
 def test_900024_when_the_drive_restarts_and_it_is_not_enabled_again(trouble: Any) -> None:
     case = trouble()
@@ -104,6 +105,7 @@ def test_900024_when_the_drive_restarts_and_it_is_not_enabled_again(trouble: Any
     assert case.controlwords_behind_the_alarm == {0}
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900025, 7, axis="Z")
 def test_900025_for_an_emergency_without_a_fault(trouble: Any) -> None:
     case = trouble()
@@ -124,6 +126,7 @@ def test_the_emergency_of_a_limit_switch_says_so_and_what_to_do(trouble: Any) ->
     assert "Off a limit switch the axis goes in the other direction" in str(alarm)
 
 
+@pytest.mark.long
 def test_an_unknown_emergency_stops_too(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, struct.pack("<HB5x", 0xA123, 0x01))
@@ -142,6 +145,7 @@ def test_900035_warns_and_the_program_goes_on(trouble: Any) -> None:
     assert (case.bench.final_mm("Y"), case.bench.final_mm("Z")) == (60.0, 80.0)
 
 
+@pytest.mark.long
 def test_a_warning_of_one_drive_does_not_hide_what_another_one_tells(trouble: Any) -> None:
     """Y warns and Z sends an emergency in one cycle: the program ends because of Z."""
     case = trouble()
@@ -153,6 +157,7 @@ def test_a_warning_of_one_drive_does_not_hide_what_another_one_tells(trouble: An
     assert case.bench.final_mm("Y") < 60.0
 
 
+@pytest.mark.long
 def test_900005_and_not_900025_for_a_fault_after_a_warning(trouble: Any) -> None:
     """The status word of the fault comes a cycle after its emergency, as after any other."""
     case = trouble()
@@ -177,6 +182,7 @@ def test_an_emergency_that_says_error_reset_is_no_alarm(trouble: Any) -> None:
     assert case.bench.alarm_ids == []
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900081, 7, axis="Z", pdo="TPDO1", cycles=4)
 def test_900081_for_a_statusword_of_no_state(trouble: Any) -> None:
     case = trouble()
@@ -185,6 +191,7 @@ def test_900081_for_a_statusword_of_no_state(trouble: Any) -> None:
     assert (alarm.id, alarm.values["pdo"]) == (900081, "TPDO1")
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900027, 7, axis="Z", state="READY_TO_SWITCH_ON")
 def test_900027_when_somebody_takes_the_drive_out_of_operation(trouble: Any) -> None:
     case = trouble()
@@ -194,6 +201,7 @@ def test_900027_when_somebody_takes_the_drive_out_of_operation(trouble: Any) -> 
     assert alarm.values["state"] == "READY_TO_SWITCH_ON"
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900028, 7, axis="Z", pdo="TPDO1", length=6, expected=8)
 def test_900028_for_a_telegram_that_does_not_fit(trouble: Any) -> None:
     case = trouble()
@@ -203,6 +211,7 @@ def test_900028_for_a_telegram_that_does_not_fit(trouble: Any) -> None:
     assert alarm.values == {"axis": "Z", "pdo": "TPDO1", "length": 6, "expected": 8}
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900029, 7, axis="Z")
 def test_900029_for_a_position_that_jumps(trouble: Any) -> None:
     """v_max 500 mm/s: 0.5 mm per cycle, twice that is credible."""
@@ -216,6 +225,7 @@ def test_900029_for_a_position_that_jumps(trouble: Any) -> None:
     assert case.controlwords(RPDO1 - 1) == {0xF}
 
 
+@pytest.mark.long
 def test_900005_when_set_positions_do_not_reach_the_drive(trouble: Any) -> None:
     """The drive watches its RPDO (1400:5) and reacts by 6007; 8250 tells why."""
     case = trouble(start_up=StartUpSettings(rpdo_timeout_ms=5))
@@ -225,6 +235,7 @@ def test_900005_when_set_positions_do_not_reach_the_drive(trouble: Any) -> None:
     assert "0x8250, RPDO has timed out" in str(alarm)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900036, 7, axis="Z", limit_mm=2)
 def test_900036_when_the_lag_is_beyond_the_limit_of_the_rig(trouble: Any) -> None:
     """Running at 40 mm/s with kv 40 1/s the axis is 1 mm behind; the drive stands, so it grows."""
@@ -235,6 +246,7 @@ def test_900036_when_the_lag_is_beyond_the_limit_of_the_rig(trouble: Any) -> Non
     assert 2.0 < abs(float(alarm.values["lag_mm"])) < 2.1
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900030, 7)
 def test_900030_when_the_kernels_controller_goes_bus_off(trouble: Any) -> None:
     """32 errors of its own telegrams: 32 * 8 > 255."""
@@ -247,6 +259,7 @@ def test_900030_when_the_kernels_controller_goes_bus_off(trouble: Any) -> None:
     assert case.only_alarm(6).id == 900030
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900031, 7)
 def test_900031_when_the_bus_takes_no_sync(trouble: Any) -> None:
     case = trouble()
@@ -296,6 +309,7 @@ def test_node_guarding_asks_for_as_many_bytes_as_the_answer_has(trouble: Any) ->
     assert set(seen) == {(True, 1), (False, 1)}
 
 
+@pytest.mark.long
 def test_900023_when_node_guarding_is_not_answered(trouble: Any) -> None:
     case = trouble(**_guarding())
     case.change(HEARTBEAT, lambda frame: Drop() if frame.data else None)
@@ -303,6 +317,7 @@ def test_900023_when_node_guarding_is_not_answered(trouble: Any) -> None:
     assert (alarm.id, alarm.values["what"]) == (900023, "node guarding")
 
 
+@pytest.mark.long
 def test_900023_when_the_toggle_bit_stands_still(trouble: Any) -> None:
     case = trouble(**_guarding())
     case.change(HEARTBEAT, lambda frame: Alter(b"\x05") if frame.data else None)
@@ -335,6 +350,7 @@ def test_a_regular_heartbeat_is_no_alarm(trouble: Any) -> None:
     assert case.bench.alarm_ids == []
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900034, 7, axis="Z", state="pre-operational")
 def test_900034_when_a_drive_is_made_pre_operational(trouble: Any) -> None:
     case = trouble(**_heartbeat(missing_cycles=100))

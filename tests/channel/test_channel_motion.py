@@ -43,6 +43,7 @@ def test_set_positions_of_a_circle_lie_on_it(channel_bench: Any, words: Any) -> 
     assert max(math.dist(a, b) for a, b in pairwise(points)) <= 20.0 * 1e-3 * (1 + 1e-9)
 
 
+@pytest.mark.long
 def test_feed_on_a_small_circle_is_what_the_axes_allow(channel_bench: Any, words: Any) -> None:
     """r = 5 mm, 1000 mm/s²: no faster than sqrt(5 * 1000 / sqrt 2) = 59.5 mm/s of 100."""
     bench = two_axes(channel_bench, words).run([circle(5.0, 6000.0), words.end()])
@@ -81,6 +82,7 @@ def test_circle_beyond_what_a_drive_can_be_told_is_refused(channel_bench: Any, w
     assert set(bench.set_mm("Y")) == {0.0}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("duration_ns", "cycles"),
     [(0, 0), (1, 1), (MS, 1), (MS + 1, 2), (71 * MS, 71), (70_400_000, 71)],

@@ -58,6 +58,7 @@ def test_the_feed_of_a_path_is_scaled(
     assert (bench.final_mm("Y"), bench.final_mm("Z")) == (0.6 * far, 0.8 * far)
 
 
+@pytest.mark.long
 def test_the_override_of_an_axis_that_does_not_move_changes_not_a_bit(
     channel_bench: Make, words: Any
 ) -> None:
@@ -69,6 +70,7 @@ def test_the_override_of_an_axis_that_does_not_move_changes_not_a_bit(
     assert ways[0] == ways[1]
 
 
+@pytest.mark.long
 def test_above_100_percent_the_limits_of_the_axes_hold(channel_bench: Make, words: Any) -> None:
     settings = ChannelSettings(override_max_permille=1800)
     bench = channel_bench(words.axis("Z", speed_max_mm_s=80.0), settings=settings)
@@ -105,6 +107,7 @@ def test_which_override_acts_on_an_axis_beside_the_path(
     assert bench.final_mm("Z") == 20.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [OverrideMode.CHANNEL, OverrideMode.LEAST, OverrideMode.AXIS])
 @pytest.mark.parametrize(("released", "expected_mm_s"), [(1000, 50.0), (1200, 60.0)])
 def test_p_chan_00056_bounds_the_override_of_an_axis_beside_the_path_too(
@@ -183,6 +186,7 @@ def test_an_override_acts_in_the_cycle_in_which_the_plc_side_gives_it(
     assert bench.final_mm("Z") == 40.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_beside", [False, True])
 def test_a_motion_that_begins_at_override_0_waits_where_it_is(
     channel_bench: Make, words: Any, is_beside: bool
@@ -204,6 +208,7 @@ def test_a_motion_that_begins_at_override_0_waits_where_it_is(
     assert bench.final_mm("Z") == 40.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["", "Z"])
 def test_an_override_back_at_100_percent_is_taken_each_time(
     channel_bench: Make, words: Any, name: str

@@ -91,6 +91,7 @@ def _run(
     return bench, side
 
 
+@pytest.mark.long
 def test_the_actual_position_of_the_cycle_that_sees_the_signal_is_the_value(
     channel_bench: Make, words: Any
 ) -> None:
@@ -177,6 +178,7 @@ def test_a_level_that_hardware_shows_until_it_is_enabled_ends_no_run(
         assert record.latched_mm[name] == pytest.approx(PLANE_MM, abs=0.02)
 
 
+@pytest.mark.long
 def test_the_dead_time_of_the_probe_leads_a_value_back(channel_bench: Make, words: Any) -> None:
     """P-AXIS-00487: 10 ms at 10 mm/s; the axis comes from above."""
     values = []
@@ -189,6 +191,7 @@ def test_the_dead_time_of_the_probe_leads_a_value_back(channel_bench: Make, word
     assert values[1] - values[0] == pytest.approx(0.1, abs=21 * INCREMENT_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("source", ["PLC", "PLC_TIMESTAMP"])
 def test_a_stop_may_take_longer_than_the_history_lasts(
     channel_bench: Make, words: Any, source: str
@@ -251,6 +254,7 @@ def test_50052_for_a_signal_before_the_run(channel_bench: Make, words: Any) -> N
     assert bench.alarm_ids == [50052]
 
 
+@pytest.mark.long
 def test_hardware_gets_its_tasks_with_input_and_edge(channel_bench: Make, words: Any) -> None:
     """The signal rises though the edge in the task is NEG; DISABLE follows each run."""
     bench = channel_bench(
@@ -294,6 +298,7 @@ def test_50050_when_enable_is_not_acknowledged(
     assert bench.channel.records[0].start_ns is None
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900406, 4, axis="Z")
 @pytest.mark.parametrize("source", ["PLC_EXT_LATCH_CONTROL", "EXT_PROBE_WITH_DRIVE"])
 def test_900406_when_disable_is_not_acknowledged(
@@ -306,6 +311,7 @@ def test_900406_when_disable_is_not_acknowledged(
     assert (first.has_signal, second.start_ns) == (True, None)
 
 
+@pytest.mark.long
 def test_a_switched_probe_is_latched_by_the_drive(channel_bench: Make, words: Any) -> None:
     bench, side = _run(channel_bench, words, "EXT_PROBE_WITH_DRIVE", runs=2)
     assert bench.alarm_ids == []
@@ -354,6 +360,7 @@ def test_a_preparation_that_is_reset_switches_the_probe_off(
     assert bench.channel.records[0].has_signal
 
 
+@pytest.mark.long
 def test_the_first_event_counts_for_every_axis(channel_bench: Make, words: Any) -> None:
     """PLC_FIRST_EVENT: the unit of Y never signals; Y has its place of the same cycle, 1 mm below.
 

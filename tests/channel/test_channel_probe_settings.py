@@ -59,6 +59,7 @@ TPDO3,254,10,0x60FD,0,32,no,inputs
 """
 
 
+@pytest.mark.long
 def test_both_edges_of_one_probe_when_both_latches_are_mapped(
     channel_bench: Make, words: Any, tmp_path: Path
 ) -> None:
@@ -93,6 +94,7 @@ def test_the_edge_in_use_decides_what_an_actuated_probe_is(
     assert bench.alarm_ids == [50052]
 
 
+@pytest.mark.long
 def test_an_input_that_is_chosen_alone_leaves_the_edge_chosen_before(
     channel_bench: Make, words: Any, tmp_path: Path
 ) -> None:
@@ -126,6 +128,7 @@ def test_the_end_of_the_program_brings_back_what_the_list_says(
         bench.channel.measurement.check("Z", 1)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900400, 2, axis="Z", source="PLC")
 def test_signal_drive_of_meas_wins_over_the_parameter_list(channel_bench: Make, words: Any) -> None:
     run = words.probe(2, 600.0, Z=110.0)
@@ -137,6 +140,7 @@ def test_signal_drive_of_meas_wins_over_the_parameter_list(channel_bench: Make, 
     assert bench.channel.measured_acs_mm("Z") == pytest.approx(120.0, abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_probe0_and_probe1_stand_for_inputs_of_the_list(channel_bench: Make, words: Any) -> None:
     """Both are input 1 here (P-AXIS-00583)."""
     for probe in (0, 1):

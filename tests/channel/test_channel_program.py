@@ -20,6 +20,7 @@ def _at(bench: Any, time_ns: int) -> Any:
     return next(sample for sample in bench.samples if sample.time_ns == time_ns)
 
 
+@pytest.mark.long
 def test_a_plain_message_comes_when_it_is_decoded(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     bench.run(
@@ -36,6 +37,7 @@ def test_a_plain_message_comes_when_it_is_decoded(channel_bench: Make, words: An
     assert _at(bench, time_ns).set_mm[0] < 0.01
 
 
+@pytest.mark.long
 def test_a_synchronous_message_comes_when_the_machine_got_there(
     channel_bench: Make, words: Any
 ) -> None:
@@ -126,6 +128,7 @@ def test_the_queue_is_as_deep_as_it_says_and_closes_at_a_wait(words: Any) -> Non
     assert taken == 20 + DEPTH
 
 
+@pytest.mark.long
 def test_moves_follow_each_other_without_a_pause(channel_bench: Make, words: Any) -> None:
     """Exact stop between blocks: the set position stands for no cycle longer than needed."""
     bench = channel_bench(words.axis("Z"))

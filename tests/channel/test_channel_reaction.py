@@ -57,6 +57,7 @@ def test_the_demand_runs_on_as_far_as_is_stated(
     assert over_mm == pytest.approx(exact_mm, abs=TOLERANCE_MM)
 
 
+@pytest.mark.long
 def test_the_cycle_behind_the_first_sync_brakes_and_no_earlier_one(
     channel_bench: Make, words: Any
 ) -> None:
@@ -76,6 +77,7 @@ def test_the_cycle_behind_the_first_sync_brakes_and_no_earlier_one(
     assert behind == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.long
 def test_the_latched_value_is_the_encoder_at_the_edge(channel_bench: Make, words: Any) -> None:
     bench = _probe_down(channel_bench, words, 20.0, plane_mm=110.0)
     (record,) = bench.channel.records
@@ -84,6 +86,7 @@ def test_the_latched_value_is_the_encoder_at_the_edge(channel_bench: Make, words
     assert bench.channel.measured_acs_mm("Z") == record.latched_mm["Z"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("buffer_cycles", [1, 4])
 def test_each_buffer_cycle_adds_v_t(channel_bench: Make, words: Any, buffer_cycles: int) -> None:
     v = 20.0
@@ -99,6 +102,7 @@ def test_each_buffer_cycle_adds_v_t(channel_bench: Make, words: Any, buffer_cycl
 # Path of a run
 
 
+@pytest.mark.long
 def test_without_signal_the_run_ends_at_the_target(channel_bench: Make, words: Any) -> None:
     bench = _probe_down(channel_bench, words, 50.0)
     assert bench.final_mm("Z") == 60.0
@@ -116,6 +120,7 @@ def test_without_signal_and_with_p_chan_00176_it_is_an_alarm(
     assert "N10" in str(bench.channel.alarms[0])
 
 
+@pytest.mark.long
 def test_p_axis_00467_lengthens_the_path(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, probing_offset_mm=2.0))
     bench.run([words.probe(1, 3000.0, Z=110.0), words.wait(1), words.end()])
@@ -130,6 +135,7 @@ def test_a_signal_behind_the_target_still_counts(channel_bench: Make, words: Any
     assert 108.0 < bench.final_mm("Z") < 109.0
 
 
+@pytest.mark.long
 def test_p_axis_00467_of_the_strictest_axis_counts_along_the_path(
     channel_bench: Make, words: Any
 ) -> None:
@@ -181,6 +187,7 @@ def test_the_path_speed_is_the_feed_and_each_axis_has_its_share(
         assert max(steps) / T_S == pytest.approx(speed_mm_s, rel=1e-9)
 
 
+@pytest.mark.long
 def test_a_g1_behind_a_run_starts_where_the_run_stopped(channel_bench: Make, words: Any) -> None:
     """No jump: the set position never moves further in a cycle than the feed allows."""
     bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=110.0)

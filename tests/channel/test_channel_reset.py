@@ -118,6 +118,7 @@ def test_what_a_program_waits_for_ends_with_it(
     assert all(event.time_ns <= bench.channel.end_ns for event in bench.channel.plc.events)
 
 
+@pytest.mark.long
 def test_an_axis_beside_the_path_stops_by_itself(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     beside = canon.IndependentMove(Block(1, 10, "N10"), "Z", 50.0, feed_mm_min=3000.0)
@@ -187,6 +188,7 @@ def test_a_coupling_is_one_of_its_program(channel_bench: Make, words: Any, how: 
     assert max(steps[begun(bench) + 350 :]) == pytest.approx(0.01, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, words: Any) -> None:
     """At 50 mm/s from 40: 5 mm further the plane; the second run is armed anew and finds it."""
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0)
@@ -222,6 +224,7 @@ def test_a_start_is_refused_while_a_program_runs_and_behind_an_alarm(
     assert [a.values.get("state") for a in bench.channel.alarms] == ["RUNNING", None, "ERROR"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("alarm_id", [900036, 900029])
 def test_axes_that_an_alarm_took_off_the_path_are_given_back_where_they_stand(
     channel_bench: Make, words: Any, alarm_id: int
@@ -245,6 +248,7 @@ def test_axes_that_an_alarm_took_off_the_path_are_given_back_where_they_stand(
     assert all(link.state is State.OPERATION_ENABLED for link in bench.links)
 
 
+@pytest.mark.long
 def test_a_reset_acknowledges_the_fault_of_a_drive_as_no_start_does(
     channel_bench: Make, words: Any
 ) -> None:
@@ -312,6 +316,7 @@ def test_the_next_program_begins_with_the_slope_and_the_weights_of_the_lists(
     assert (z[begin], bench.alarm_ids) == (pytest.approx(0.0005, abs=1e-9), [])
 
 
+@pytest.mark.long
 def test_no_program_finds_what_another_one_has_measured(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=35.0)
     found: list[float | None] = []

@@ -24,6 +24,7 @@ def _value(bench: Any) -> float:
     return float(bench.channel.records[0].latched_mm["Z"])
 
 
+@pytest.mark.long
 def test_mode_1_signals_where_the_axis_crosses_a_position(channel_bench: Make, words: Any) -> None:
     bench = _run(channel_bench, words, 1, 1_200_000)
     assert 119.99 - 1e-9 <= _value(bench) <= 120.0
@@ -99,6 +100,7 @@ def test_900523_for_an_offset_that_no_mode_takes(
     assert beside.alarm_ids == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [4, 5])
 def test_an_axis_that_is_at_its_target_already_signals_at_once_in_mode_5_alone(
     channel_bench: Make, words: Any, mode: int

@@ -45,6 +45,7 @@ def ramped_cycles(way_mm: float, speed: float) -> int:
     return ceil((way_mm / speed + 2.0 * sqrt(speed / JERK)) / T_S)
 
 
+@pytest.mark.long
 def test_a_program_chooses_the_profile_of_the_path_and_the_list_again(
     channel_bench: Make, words: Any
 ) -> None:
@@ -79,6 +80,7 @@ def test_slope_type_chooses_the_profile_of_an_axis_beside_the_path(
     assert found == {"SIN2": ramped, "TRAPEZ": ramped, "STEP": 1010, None: 1010}
 
 
+@pytest.mark.long
 def test_a_time_of_an_axis_with_ramps_is_that_of_the_whole_motion(
     channel_bench: Make, words: Any
 ) -> None:

@@ -40,6 +40,7 @@ def alarm() -> Alarm:
     return Alarm(900036, axis="Z", lag_mm="2", limit_mm="1")
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_a_channel_goes_along_every_edge_of_its_table_and_along_no_other(
     edges: set[tuple[str, str]], channel_bench: Make, words: Any

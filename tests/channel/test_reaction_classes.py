@@ -165,12 +165,14 @@ def test_a_drive_that_does_not_follow_stops_by_itself_and_the_others_are_led_to_
     assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
 
 
+@pytest.mark.long
 def test_class_6_stops_every_axis_at_once(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(60207, axis="Z", channel=1))
     assert (stop.way_mm("Y"), stop.way_mm("Z")) == (0.0, 0.0)
     assert stop.has_ended_with_closed_loops()
 
 
+@pytest.mark.long
 def test_class_7_on_an_arc(channel_bench: Make, words: Any) -> None:
     """A quarter circle of 20 mm from X20 Y0: X brakes by its own ramp, Y as in class 4."""
 
@@ -256,6 +258,7 @@ def test_what_the_look_ahead_has_found_is_told_when_another_alarm_comes_first(
     assert [alarm.id for alarm in bench.channel.further_alarms] == [900105]
 
 
+@pytest.mark.long
 def test_everything_that_comes_up_during_a_stop_is_kept_once(
     channel_bench: Make, words: Any
 ) -> None:

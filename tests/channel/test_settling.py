@@ -147,6 +147,7 @@ def test_an_axis_that_sways_inside_its_window_rests_after_5_s() -> None:
     assert bench.rest_cycle(*sways) == REST_LIMIT_NS // MS + 1
 
 
+@pytest.mark.long
 def test_an_axis_that_comes_back_to_the_path_has_all_of_its_settling_time(
     channel_bench: Callable[..., Any], words: Any
 ) -> None:

@@ -22,6 +22,7 @@ def sercos(place: Path) -> int:
     return len(lines) + 1
 
 
+@pytest.mark.long
 def test_each_command_refuses_it_and_takes_it_when_told(
     place: Path, axisrig: Call, sercos: int
 ) -> None:

@@ -352,6 +352,7 @@ LISTS = [
 ]
 
 
+@pytest.mark.long
 def test_every_mistake_of_a_list_is_reported_at_once(
     place: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:

@@ -79,6 +79,7 @@ TABLES = [
 ]
 
 
+@pytest.mark.long
 @_table("text fragments", TABLES)
 def test_table_is_rejected(place: Path, rejected: Reject, text: str, fragments: list[str]) -> None:
     (place / "lists" / "a.nc").write_text("M30\n", encoding="utf-8")

@@ -134,6 +134,7 @@ def _use_own(place: Path) -> None:
     (place / "rig.toml").write_text(text.replace(AXIS_MODEL, "own.fmu"), encoding="utf-8")
 
 
+@pytest.mark.long
 def test_copy_of_the_built_fmu_runs(place: Path, axisrig: Call) -> None:
     shutil.copy(ensure_built(AXIS_MODEL), place / "own.fmu")
     _use_own(place)
@@ -186,6 +187,7 @@ FMUS: list[tuple[str, Names, Texts | None, list[str]]] = [
 ]
 
 
+@pytest.mark.long
 @_table("names description fragments", FMUS)
 def test_fmu_is_rejected(
     place: Path, rejected: Reject, names: Names, description: Texts | None, fragments: list[str]

@@ -143,6 +143,7 @@ def test_a_full_disk_ends_with_4_and_names_the_file(
     assert "2 of 3 planned runs left no result" in (place / "out" / "report.html").read_text()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 @pytest.mark.parametrize("suffix", [".blf", ".log", ".asc", ".pcap"])
 def test_a_full_disk_under_a_bus_log(place: Path, axisrig: Call, suffix: str) -> None:
@@ -192,6 +193,7 @@ def test_a_disk_that_is_full_has_code_4_whatever_is_told_of_it(
     assert capsys.readouterr().err.count("error: ") == 3
 
 
+@pytest.mark.long
 def test_a_folder_that_goes_while_rows_run_ends_with_4(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -91,6 +91,7 @@ def test_a_program_without_a_rig_is_told_what_it_lacks(axisrig: Call) -> None:
 # ---- what goes where
 
 
+@pytest.mark.long
 def test_nc_prints_the_messages_only(place: Path, axisrig: Call) -> None:
     words = ("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FEED=3000")
     assert axisrig(*words) == (0, "V.A.MERF.Z=1\n", "")
@@ -108,6 +109,7 @@ def test_nc_puts_an_alarm_on_standard_error_with_its_id(place: Path, axisrig: Ca
     assert len(err.splitlines()) == 1
 
 
+@pytest.mark.long
 def test_nc_tells_stops_and_functions_with_their_instants(place: Path, axisrig: Call) -> None:
     """The drives are on after 24 ms; the axis stands for 10 cycles before M0 counts."""
     (place / "part.nc").write_text(
@@ -158,7 +160,7 @@ ROWS = {
 
 
 @pytest.mark.parametrize(("row", "expected"), ROWS.values(), ids=ROWS)
-@pytest.mark.long(but=1)
+@pytest.mark.long
 def test_run_ends_with_the_code_of_the_worst_verdict(
     place: Path, axisrig: Call, row: str, expected: int
 ) -> None:
@@ -207,6 +209,7 @@ def test_check_describes_plan_and_rig_on_standard_output(place: Path, axisrig: C
     assert not (place / "out").exists()
 
 
+@pytest.mark.long
 def test_check_goes_on_after_a_file_that_is_rejected(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
     (place / "bad.csv").write_text("case,progam\na,part.nc\n", encoding="utf-8")
@@ -237,6 +240,7 @@ def test_tables_fit_the_terminal(
         assert max(map(len, table)) <= width, words
 
 
+@pytest.mark.long
 def test_small_commands(axisrig: Call) -> None:
     code, out, err = axisrig("metrics")
     assert (code, err) == (0, "")
@@ -293,6 +297,7 @@ def test_perf_json_is_one_object_with_the_split_and_the_hash_of_run(
     assert found["simulated_s"] == cases["sim_s"][0]
 
 
+@pytest.mark.long
 def test_perf_takes_the_first_row_and_prints_a_table(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
     code, out, err = axisrig("perf", "--plan", plan, "--repeats", "1")

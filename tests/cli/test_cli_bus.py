@@ -106,6 +106,7 @@ def test_an_overload_is_told_once_when_a_check_fails_too(
     assert out.count("is overloaded: ") == 1
 
 
+@pytest.mark.long
 def test_nc_and_check_take_force_too(place: Path, axisrig: Call) -> None:
     text = (place / "rig.toml").read_text(encoding="utf-8")
     (place / "rig.toml").write_text(text.replace("1_000_000\n\n[drive", "500_000\n\n[drive"))

@@ -79,7 +79,7 @@ def test_reader_that_goes_away_is_no_rejection(place: Path, words: list[str]) ->
     assert ended.returncode not in (1, 2)
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "ascii"])
 def test_terminal_that_lacks_the_signs(place: Path, encoding: str) -> None:
     plan = write_plan(place, "a,part.nc,rig.toml,3000,== 0,")
@@ -122,6 +122,7 @@ def test_ctrl_c_keeps_what_is_there_and_stops_the_rest(place: Path, jobs: str) -
     assert manifest["runs_planned"] == 5
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds the workers in /proc")
 def test_killed_worker_costs_its_row_only(place: Path) -> None:
     rows = ["slow,part.nc,rig.toml,1,== 1,"]

@@ -29,6 +29,7 @@ def two_models(monkeypatch):
     monkeypatch.setattr(library, "MODELS", SOME)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("two_models")
 def test_all_models_are_built_in_their_order_and_then_taken_from_the_cache(own_cache):
     first = list(library.build_models(None))
@@ -86,6 +87,7 @@ def test_each_build_gets_version_platforms_and_compiler(monkeypatch):
     ]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="the compiler is a script with a first line")
 @pytest.mark.usefixtures("two_models", "own_cache")
 def test_failed_build_of_another_process_is_told(tmp_path, monkeypatch):

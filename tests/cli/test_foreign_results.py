@@ -200,6 +200,7 @@ def test_a_run_that_is_there_twice_is_damaged(results: Path, tmp_path: Path) -> 
     assert "cases.csv:3: the results folder is damaged: the run plan-a is there twice" in err
 
 
+@pytest.mark.long
 def test_a_table_that_a_spreadsheet_has_saved_is_read(results: Path, tmp_path: Path) -> None:
     """A byte order mark and line ends of Windows."""
     folder = shutil.copytree(results, tmp_path / "out")

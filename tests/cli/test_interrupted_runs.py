@@ -37,6 +37,7 @@ def checks(folder: Path) -> list[tuple[str, str, str]]:
         return [(row["verdict"], row["value"], row["note"]) for row in csv.DictReader(file)]
 
 
+@pytest.mark.long
 def test_a_program_that_does_not_end_in_its_time(place: Path, axisrig: Call) -> None:
     """All that there is until 200 ms; who reads the page finds why."""
     reason = "the program did not end within 0.2 s of simulated time (plc:limit_s)"
@@ -64,6 +65,7 @@ def test_a_program_that_does_not_end_in_its_time(place: Path, axisrig: Call) -> 
     assert case["frame_log_sha256"] == facts.frame_log_sha256 != ""
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_a_plant_that_fails(place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     """No FMU is asked for anything after it; the rows before it are whole."""

@@ -85,6 +85,7 @@ def test_the_same_plan_gives_the_same_results_to_the_byte(place: Path, axisrig: 
     assert hashes(place / "out") == before
 
 
+@pytest.mark.long
 def test_other_checks_give_other_verdicts_and_the_worst_is_the_exit_code(
     place: Path, axisrig: Call
 ) -> None:
@@ -134,6 +135,7 @@ def test_a_row_that_asks_for_another_run_is_not_run(
     assert "plan-b" in err
 
 
+@pytest.mark.long
 def test_a_list_that_has_changed_since_is_another_rig(place: Path, axisrig: Call) -> None:
     with (place / "lists" / "axis-z.lst").open("a") as file:
         file.write("# changed\n")
@@ -142,6 +144,7 @@ def test_a_list_that_has_changed_since_is_another_rig(place: Path, axisrig: Call
     assert "has other content than when the case was run" in notes(place)["a alarms"]
 
 
+@pytest.mark.long
 def test_another_seed_is_another_run(place: Path, axisrig: Call) -> None:
     rows = [f"{row},7" for row in ROWS]
     code, _, _ = axisrig("judge", "out", "--plan", write(place, *rows, header=f"{METRICS},seed"))
@@ -167,6 +170,7 @@ def test_what_was_not_recorded_is_an_error_and_never_a_pass(place: Path, axisrig
     assert found["a latch_error_um:Z"].startswith("pass")
 
 
+@pytest.mark.long
 def test_a_recording_without_its_series_is_an_error(place: Path, axisrig: Call) -> None:
     (place / "out" / "traces" / "plan-b.parquet").unlink()
     assert axisrig("judge", "out", "--plan", "plan.csv")[0] == 4
@@ -177,6 +181,7 @@ def test_a_folder_that_has_no_results_is_named(place: Path, rejected: Callable[.
     assert "no results folder" in rejected("judge", "lists", "--plan", "plan.csv")
 
 
+@pytest.mark.long
 def test_a_judged_folder_has_no_recordings_of_its_own(
     place: Path, axisrig: Call, rejected: Callable[..., str]
 ) -> None:
@@ -195,6 +200,7 @@ def test_a_recording_of_another_version_is_refused_and_nothing_is_written(
     assert not (place / "out" / "judged").exists()
 
 
+@pytest.mark.long
 def test_a_judged_folder_never_gets_the_number_of_another_one(place: Path, axisrig: Call) -> None:
     """The first of two was deleted, and what is no number counts for nothing."""
     for name in ("2-plan", "x-plan", "notes"):

@@ -119,6 +119,7 @@ def _get(address: str, **headers: str) -> tuple[int, Any, str]:
         return error.code, error.headers, error.read().decode()
 
 
+@pytest.mark.long
 def test_the_page_comes_from_here_and_needs_nothing_else(watched: Watched) -> None:
     with _served(watched) as address:
         assert address.startswith("http://127.0.0.1:")
@@ -131,6 +132,7 @@ def test_the_page_comes_from_here_and_needs_nothing_else(watched: Watched) -> No
         assert _get(f"{address}other")[0] == 404
 
 
+@pytest.mark.long
 def test_a_page_of_others_by_another_name_gets_nothing(watched: Watched) -> None:
     """A name that somebody lets point to 127.0.0.1 (DNS rebinding)."""
     with _served(watched) as address:
@@ -174,6 +176,7 @@ def _rest(watched: Watched) -> dict[str, Any]:
     return {"age_s": look.age_s, "factor": None, "progress": PROGRESS}
 
 
+@pytest.mark.long
 def test_a_reader_that_takes_nothing_keeps_nobody_from_ending(watched: Watched) -> None:
     with _served(watched) as address:
         answer = urllib.request.urlopen(f"{address}states", timeout=10)
@@ -245,6 +248,7 @@ class _Progress:
         self.goes_on.wait(10)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_no_process_is_forked_while_a_line_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
     """A child that is forked in the middle of it would wait for its locks for ever."""

@@ -332,6 +332,7 @@ def test_what_ticks_is_over_with_its_block(monkeypatch: pytest.MonkeyPatch) -> N
     assert not any(thread.name == "progress" for thread in threading.enumerate())
 
 
+@pytest.mark.long
 def test_a_server_gives_back_its_port_and_its_threads() -> None:
     """Whatever ends the campaign; a reader that looks on hears of the end."""
     feed: Any = Ending()

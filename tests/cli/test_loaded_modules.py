@@ -48,11 +48,13 @@ COMMANDS = [
 RUN = f"run {PLANS}/distance_control.csv -k dead-2ms-1 --fresh -o"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("line", "allowed"), COMMANDS, ids=[line for line, _ in COMMANDS])
 def test_a_command_loads_no_more_than_it_needs(line: str, allowed: set[str]) -> None:
     assert loaded(line.split()) <= allowed
 
 
+@pytest.mark.long
 def test_a_run_with_its_report_does_without_pandas_and_scipy(tmp_path: Path) -> None:
     assert loaded([*RUN.split(), str(tmp_path / "out")]) <= {*MACHINE, "rich", "jinja2"}
 
@@ -72,6 +74,7 @@ def loaded(arguments: list[str]) -> set[str]:
     return set(ast.literal_eval(done.stdout.splitlines()[-1]))
 
 
+@pytest.mark.long
 def test_help_has_the_first_sentence_of_every_command_whole() -> None:
     command = [sys.executable, "-m", "axisrig.bench.cli", "--help"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)

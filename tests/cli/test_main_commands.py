@@ -165,6 +165,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("ends", "code"), [((), 0), ((False,), 0), ((True,), 1), ((False, True, False), 1)]
 )

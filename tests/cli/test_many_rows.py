@@ -51,6 +51,7 @@ def _prepare(path: Path) -> None:
     prepare_all(read_plan(path).cases, apart=(), call_limit_s=CALL_LIMIT_S)
 
 
+@pytest.mark.long
 def test_of_many_rows_the_machine_of_each_kind_is_built(
     place: Path, axisrig: Call, built: list[object]
 ) -> None:
@@ -108,6 +109,7 @@ def test_what_only_a_machine_shows_is_the_error_of_its_row(place: Path) -> None:
     assert run_case(cases[COUNT - 1], RunFiles()).verdict is Verdict.PASS
 
 
+@pytest.mark.long
 def test_rigs_lists_and_programs_are_read_once_and_again_when_they_change(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

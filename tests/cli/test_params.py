@@ -176,6 +176,7 @@ def test_a_list_reports_what_goes_past_another_parameter(axisrig: Call, tmp_path
     assert "(P-AXIS-00011) = 900 mm/s2: to be at most" in text
 
 
+@pytest.mark.long
 def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -> None:
     other = tmp_path / "other.lst"
     text = (LISTS / "axis-z.lst").read_text(encoding="utf-8")
@@ -208,6 +209,7 @@ def test_differences_of_a_rotary_axis_are_in_its_units(axisrig: Call, tmp_path: 
     ]  # fmt: skip
 
 
+@pytest.mark.long
 def test_differences_count_in_effective_values(axisrig: Call, tmp_path: Path) -> None:
     first, second = tmp_path / "a.lst", tmp_path / "b.lst"
     first.write_text("kenngr.mess_neg_flanke 1\n")

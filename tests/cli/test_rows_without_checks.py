@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 Call = Callable[..., tuple[int, str, str]]
 
 
@@ -12,6 +14,7 @@ def _plan(place: Path, *rows: str, head: str = "case,program,rig") -> Path:
     return path
 
 
+@pytest.mark.long
 def test_a_row_without_a_check_is_named(place: Path, axisrig: Call) -> None:
     """Two rows, one of them with a check; the note is of the other one."""
     (place / "free.nc").write_text("N10 G1 Z120 F1000\nM30\n", encoding="utf-8")

@@ -108,6 +108,7 @@ def test_a_wider_search_takes_the_probes_away_that_it_does_not_need(
     assert names == {f"plan-a-s0{n}" for n in (1, 2, 3)}
 
 
+@pytest.mark.long
 def test_probes_are_found_again_by_their_recordings(
     searched: Path, place: Path, axisrig: Call
 ) -> None:
@@ -141,6 +142,7 @@ def test_probes_are_judged_and_run_again(searched: Path, place: Path, axisrig: C
     assert "over several runs" in err
 
 
+@pytest.mark.long
 def test_a_limit_outside_the_range_fails(place: Path, axisrig: Call) -> None:
     plan = _write(place, "a,part.nc,rig.toml,3000,128 .. 129 to 0.5,== 1,,,")
     code, out, _ = axisrig("run", plan, "-o", "out")

@@ -253,6 +253,7 @@ def answers(feed: Feed, requests: Sequence[tuple[str, str, Mapping[str, str]]]) 
     return found
 
 
+@pytest.mark.long
 def test_only_a_page_from_here_is_answered() -> None:
     hosts = {
         "127.0.0.1:{port}": 200, "localhost:{port}": 200, "localhost": 403, "127.0.0.1:1": 403,
@@ -265,6 +266,7 @@ def test_only_a_page_from_here_is_answered() -> None:
     assert feed.pipe.asked == 0
 
 
+@pytest.mark.long
 def test_nothing_but_the_page_and_its_states_can_be_had() -> None:
     host = {"Host": "127.0.0.1:{port}"}
     wanted = {

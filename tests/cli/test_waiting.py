@@ -272,6 +272,7 @@ def test_check_names_each_case_of_many_runs_once(place: Path, axisrig: Call) -> 
     assert out.count("many-a-") == 30
 
 
+@pytest.mark.long
 def test_doctor_builds_nothing_unless_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     built: list[str] = []
 
@@ -320,6 +321,7 @@ def test_a_run_ends_at_its_first_failure_where_asked(place: Path, axisrig: Call)
     assert "four-r1" not in err
 
 
+@pytest.mark.long
 def test_an_expression_chooses_cases_for_check_expand_and_judge(place: Path, axisrig: Call) -> None:
     rows = [f"r{n},part.nc,rig.toml,3000,== 1," for n in range(3)]
     (place / "plans").mkdir()

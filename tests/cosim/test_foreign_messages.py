@@ -34,6 +34,7 @@ def call(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[object
     return ended.value.code, printed.out, printed.err
 
 
+@pytest.mark.long
 def test_check_tells_what_the_bench_makes_of_the_fmus(
     place: Place, capsys: pytest.CaptureFixture[str], version: int
 ) -> None:
@@ -45,6 +46,7 @@ def test_check_tells_what_the_bench_makes_of_the_fmus(
     assert "\n  no rising_count, falling_count, rising_time, falling_time: edges are looked" in out
 
 
+@pytest.mark.long
 def test_what_a_plant_lacks_is_in_check_and_not_before_each_result(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,6 +90,7 @@ def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
     assert "gives no contact" in rows.loc["latch_error_um:Z"]["note"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("behaviour", "value"), [(1, "nan"), (2, "inf")])
 def test_position_that_is_no_number_is_told_with_its_variable(
     place: Place, capsys: pytest.CaptureFixture[str], behaviour: int, value: str
@@ -98,6 +101,7 @@ def test_position_that_is_no_number_is_told_with_its_variable(
     assert re.search(rf"plant table at t = 200\.\d+ ms: table.s \(position\) is {value}", err)
 
 
+@pytest.mark.long
 def test_crash_in_a_process_apart_is_told_with_call_and_time(
     place: Place, capsys: pytest.CaptureFixture[str], version: int
 ) -> None:
@@ -114,6 +118,7 @@ def test_crash_in_a_process_apart_is_told_with_call_and_time(
     assert 200.0 - 0.0625 < float(found[1]) <= 200.0
 
 
+@pytest.mark.long
 def test_texts_and_items_of_enumerations_are_start_values_too(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -128,6 +133,7 @@ def test_texts_and_items_of_enumerations_are_start_values_too(
     assert "has no such item; found 'nervus'; did you mean: nervous" in err
 
 
+@pytest.mark.long
 def test_unit_that_nobody_defines_takes_a_bare_number_only(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -139,6 +145,7 @@ def test_unit_that_nobody_defines_takes_a_bare_number_only(
     assert "is in parsec, which the FMU does not define" in err
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("version", [2], ids=["FMI2"], indirect=True)
 def test_description_that_breaks_the_standard_is_told_and_used(
     place: Place, capsys: pytest.CaptureFixture[str]
@@ -199,6 +206,7 @@ MISTAKES = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
 @pytest.mark.parametrize(("change", "line", "fragments"), MISTAKES)
 def test_mistake_in_a_map_is_told_with_its_place(

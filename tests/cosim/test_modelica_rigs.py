@@ -177,6 +177,7 @@ def test_steady_lag_is_that_of_the_loop_and_half_a_drive_tick(machine: Machine) 
     assert speed_mm_s == pytest.approx(-SPEED_MM_S, rel=1e-3)
 
 
+@pytest.mark.long
 def test_distance_sensor_is_recorded_with_the_place_of_the_axis(machine: Machine) -> None:
     """It reads the height above 91 mm, up to 15 mm."""
     trace = machine.recorder.table()

@@ -148,6 +148,7 @@ def test_rows_end_before_the_step_that_fails(load) -> None:
         steps.refuse(2 * MS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fmi", FMI_VERSIONS)
 def test_model_that_ends_the_simulation_says_so_at_its_time(load, tmp_path, fmi: str) -> None:
     (tmp_path / "Ends").mkdir()

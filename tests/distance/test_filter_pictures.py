@@ -70,6 +70,7 @@ def test_more_values_smooth_better_and_are_later(curves: Any, picture: str, pane
     assert _rises(found.delay)
 
 
+@pytest.mark.long
 def test_a_smaller_smoothing_factor_smooths_better_and_is_later(curves: Any) -> None:
     found = curves("expo-mean", 0)
     assert _falls(found.noise)

@@ -190,6 +190,7 @@ class TestKalman:
         assert errors[-1] == 0.0
 
 
+@pytest.mark.long
 def test_a_greater_share_of_the_newest_value_swings_less() -> None:
     all_a = [FilterSettings("KALMAN_EXPO", 30, a) for a in (0.05, 0.1, 0.3, 0.5, 0.7)]
     swings = [_swing(settings) for settings in all_a]

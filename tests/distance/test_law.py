@@ -58,6 +58,7 @@ def test_a_rig_that_chooses_nothing() -> None:
 # The slope. Expected values: own simulations of the facts of the law, 5 %
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "height_mm", "law", "swing_um", "overshoot_um"),
     [

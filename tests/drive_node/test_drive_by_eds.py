@@ -156,6 +156,7 @@ def aborted(call: Callable[[], object]) -> int:
     return int(error.value.code)
 
 
+@pytest.mark.long
 def test_identity_and_objects_are_those_of_the_file(bench: Any) -> None:
     sdo = bench.remote.sdo
     assert sdo.upload(0x1018, 1) == struct.pack("<I", 0x2E1)
@@ -390,6 +391,7 @@ def test_a_fifth_pdo_that_is_received_changes_while_the_node_runs(
     assert bench.node.image.target_position == 8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("index", [0x1400, 0x1401, 0x1402, 0x1403, 0x1800, 0x1801, 0x1802, 0x1803])
 def test_a_pdo_that_the_file_does_not_have_is_off_and_the_others_stay(
     tmp_path: Path, index: int

@@ -161,6 +161,7 @@ def test_no_order_of_writes_breaks_the_drive(
     assert bare.servo.state is State.SWITCHED_ON
 
 
+@pytest.mark.long
 def test_the_same_over_the_bus_in_one_long_run(drive_bench: Make) -> None:
     """A seeded walk through SDO with every object and any value: aborts are answers, no errors."""
     rng = random.Random(402)

@@ -202,6 +202,7 @@ def test_code_0_and_disable_voltage_let_the_axis_coast(
     assert drive.axis.motion[0] - begin_m == pytest.approx(V_M_S * passed_s, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("code", "ramp_m_s2"), [(0, 0.0), (1, 0.4), (2, 0.8)])
 def test_fault_reaction_brakes_and_ends_in_fault(
     running: Callable[..., Running], code: int, ramp_m_s2: float
@@ -296,6 +297,7 @@ def test_torque_limits_the_least_counts(
     assert bool(drive.sdo[0x6041].raw & 1 << 11) == (acting != target and target < 1000)
 
 
+@pytest.mark.long
 def test_a_torque_limit_given_by_sdo_acts_at_the_next_sync_in_csp(
     running: Callable[..., Running],
 ) -> None:
@@ -360,6 +362,7 @@ def test_ticks_change_no_byte_on_the_bus(running: Callable[..., Running]) -> Non
     assert frames[0] == frames[1]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("mode", "objects"), [(9, {"o60FF": STEP * 1000}), (10, {"o6071": 0})])
 def test_a_change_of_control_in_motion_is_no_jump(
     running: Callable[..., Running], mode: int, objects: dict[str, int]
@@ -381,6 +384,7 @@ def test_a_change_of_control_in_motion_is_no_jump(
     assert drive.axis.motion[0] - begin_m == pytest.approx(V_M_S * passed_s, rel=2e-5)
 
 
+@pytest.mark.long
 def test_csv_is_stopped_before_csp_takes_over_and_the_axis_stays_there(
     running: Callable[..., Running],
 ) -> None:

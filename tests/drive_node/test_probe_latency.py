@@ -100,6 +100,7 @@ def test_arming_and_arming_again(
     assert again_ns - armed_ns == pytest.approx(full_ms * MS, abs=20 * US)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("habits", "late_cycles"),
     [({}, 0), ({"sampling": "before_rpdo"}, 0), ({"status_delay_cycles": 2}, 2)],

@@ -152,6 +152,7 @@ def test_continuous_overwrites_and_the_counter_tells() -> None:
     assert (probe.probes[0].latches[True].units, probe.probes[0].latches[True].count) == (1500, 3)
 
 
+@pytest.mark.long
 def test_counter_wraps_at_16_bit() -> None:
     probe = unit(Signal(range(1001, 1001 + 2 * 65537)))
     at(probe, 1000, POS_1 | 0x0002)

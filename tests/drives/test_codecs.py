@@ -86,6 +86,7 @@ def test_whole_bytes_are_packed_as_canopen_does(
     assert list(telegram.codec.unpack(packed)) == [variable.raw for variable in pdo.map]
 
 
+@pytest.mark.long
 @given(whole_mappings())
 def test_the_codec_of_bits_agrees_with_struct(
     mapping: tuple[list[tuple[int, bool]], list[int]],
@@ -98,6 +99,7 @@ def test_the_codec_of_bits_agrees_with_struct(
     assert bits.unpack(packed) == telegram.codec.unpack(packed)
 
 
+@pytest.mark.long
 @given(st.lists(st.booleans(), min_size=1, max_size=8))
 def test_single_bits_are_packed_as_canopen_does(flags: list[bool]) -> None:
     """Truth values of 1 bit: eight of them fill a byte, the first one is bit 0."""
@@ -110,6 +112,7 @@ def test_single_bits_are_packed_as_canopen_does(flags: list[bool]) -> None:
     assert [bool(value) for value in telegram.codec.unpack(packed)] == flags
 
 
+@pytest.mark.long
 @given(st.data())
 def test_any_lengths_come_back_as_they_were(data: Any) -> None:
     """Lengths that are no whole bytes: CiA 301 lays the first object into the lowest bits."""

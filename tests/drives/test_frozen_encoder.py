@@ -115,6 +115,7 @@ def assert_at_rest(instants: np.ndarray, truth_mm: np.ndarray, alarm_ns: int) ->
     assert instants[-1] - AT_REST_NS - alarm_ns > 300 * MS
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900037, 7, axis="Z", time_ms="50")
 @pytest.mark.parametrize("begins", ["motion+5ms", "motion+400ms"])
 @pytest.mark.parametrize("rig", RIGS_WITH_A_LOOP)
@@ -126,6 +127,7 @@ def test_an_axis_whose_encoder_freezes_stops_with_its_set_positions(
     assert_at_rest(instants, truth_mm, alarm_ns)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rig", RIGS_WITH_A_LOOP)
 def test_an_axis_whose_encoder_jumps_is_not_led_to_where_it_says(tmp_path: Path, rig: str) -> None:
     """10 mm of counts (2.4 mm with the finest encoder) are lost at 10 mm/s. From the alarm on the

@@ -57,6 +57,7 @@ def test_60c2_gets_the_period_as_value_and_power_of_ten(
     assert value * Fraction(10) ** index == Fraction(period_us, 10**6)
 
 
+@pytest.mark.long
 def test_what_the_eds_lacks_is_left_out() -> None:
     assert periods(2000, object_dictionary(3, DriveProfile(lacks="60C2"))) == [(0x1006, 0, 2000)]
     alone = periods(2000, object_dictionary(3, DriveProfile(lacks="1006")))

@@ -140,6 +140,7 @@ def test_a_word_that_is_nearly_there_is_offered_without_the_signs_around_it(
     assert [one for one in offered if one.strip(".,:;(){}") != one] == []
 
 
+@pytest.mark.long
 def test_a_word_of_other_classes_or_areas_is_not_offered_for_itself() -> None:
     """Alarms of probes are no warnings of the drives: what is offered is there, and another."""
     texts = {entry.id: f"{entry.text} {entry.remedy} {entry.source} {entry.area} {entry.reaction}"

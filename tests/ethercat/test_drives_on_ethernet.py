@@ -132,6 +132,7 @@ class Real:
 TERMINAL_RIG = ROOT / "testplans" / "rigs" / "plc-timestamp-line.toml"
 
 
+@pytest.mark.long
 def test_the_stamping_terminal_is_the_last_slave(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two slaves answer; the second one goes to PREOP without a mailbox and shows its registers."""
     to_preop = physical(2, -1, 0x0120, b"\x02\x00")
@@ -154,6 +155,7 @@ def test_the_stamping_terminal_is_the_last_slave(monkeypatch: pytest.MonkeyPatch
     assert any("terminal AL      INIT -> PREOP" in line for line in lines)
 
 
+@pytest.mark.long
 def test_frames_are_answered_and_what_happens_is_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

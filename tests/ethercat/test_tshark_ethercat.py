@@ -97,6 +97,7 @@ def numbers(text: str, base: int = 16) -> list[int]:
     return [int(part, base) for part in text.split(";") if part]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (Debian package tshark)")
 def test_tshark_reads_the_mailbox(tmp_path: Path) -> None:
     path = tmp_path / "bus.pcapng"

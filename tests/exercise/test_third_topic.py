@@ -97,6 +97,7 @@ def written(folder: Path) -> Path:
     return folder / "out"
 
 
+@pytest.mark.long
 def test_its_section_is_on_the_page(tmp_path: Path) -> None:
     """Read back from what was stored; without its lines the page has nothing of it."""
     out = written(tmp_path)

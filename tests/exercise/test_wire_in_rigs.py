@@ -129,6 +129,7 @@ def test_both_drives_move_in_one_machine_and_the_wire_measures(folder: Path) -> 
     assert seen.column("Z", "truth_mm")[-1] == pytest.approx(0.5, abs=0.05)
 
 
+@pytest.mark.long
 def test_a_plan_with_it_passes_and_its_report_is_written(folder: Path) -> None:
     heads = "case,rig,program,check:alarms,check:latch_error_um"
     plan = f"{heads}\nfirst,rig.toml,wire.nc,none,0 +- 0.2\n"

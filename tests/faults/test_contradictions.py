@@ -1,5 +1,7 @@
 """A telegram that contradicts another is no measurement: the kernel's end of one drive."""
 
+import pytest
+
 from axisrig.bench.tools.scenarios.campaign import run_scenario
 from axisrig.bench.tools.scenarios.oracle import Judgement, Result
 from axisrig.bench.tools.scenarios.scenario import Scenario
@@ -11,6 +13,7 @@ def run(*faults: str) -> Judgement:
     return run_scenario(Scenario(0, 1, (*INPUTS, *faults)))
 
 
+@pytest.mark.long
 def test_a_second_node_with_the_identifier_of_the_status_telegram_stops_the_axis() -> None:
     """It repeats the telegram of one cycle before: plausible, and different while it moves."""
     judgement = run("fault:second_sender=Z.TPDO1 at=motion+5ms")
@@ -28,6 +31,7 @@ def test_a_late_telegram_beside_the_right_one_costs_a_cycle_and_no_more() -> Non
     assert (judgement.result, judgement.right) == (Result.GOOD, 4)
 
 
+@pytest.mark.long
 def test_a_status_word_that_no_state_has_is_not_acted_on() -> None:
     """Bit 6 (switch on disabled) beside those of operation enabled; three cycles are borne."""
     for_three = run("fault:alter=Z.TPDO1 byte=1 xor=0x40 at=motion+5ms count=3")

@@ -53,6 +53,7 @@ def test_the_reaction_is_the_documented_one(row: dict[str, str]) -> None:
     assert judgement.right in values
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("fault", "alarm_id"),
     [

@@ -43,6 +43,7 @@ def test_the_oracle_looks_up_the_position_itself(monkeypatch: pytest.MonkeyPatch
     assert run().broken == ("value",)
 
 
+@pytest.mark.long
 def test_a_scenario_is_the_same_whenever_it_is_run() -> None:
     assert make_scenario(1, 56) == make_scenario(1, 56)
     assert make_scenario(1, 56) != make_scenario(2, 56)

@@ -173,6 +173,7 @@ def test_the_same_content_is_unpacked_once_and_other_content_again(
     assert unpack(pack(("resources/a", b"two"))) != first
 
 
+@pytest.mark.long
 def test_what_was_unpacked_goes_with_the_process(pack: Pack) -> None:
     path = pack(("resources/a", b"one"))
     script = (

@@ -65,6 +65,7 @@ def _warned(rows: Rows) -> dict[str, str]:
     return _of_level(rows, "warn")
 
 
+@pytest.mark.long
 def test_a_good_fmu(checked: Check, ideal_axis: Build) -> None:
     code, rows = checked(ideal_axis())
     assert code == 0
@@ -97,7 +98,7 @@ FLAWS = [
 ]
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(("flaw", "area", "text"), FLAWS)
 def test_a_flaw_is_a_fail_of_its_own(
     checked: Check, ideal_axis: Build, flaw: str, area: str, text: str
@@ -138,7 +139,7 @@ def test_instances_that_know_of_each_other(
         assert failed[area].startswith(text)
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("flaw", "area", "text"),
     [
@@ -182,6 +183,7 @@ def test_a_crash_is_a_finding(
     assert "SIGSEGV" in _failed(rows)[area]
 
 
+@pytest.mark.long
 def test_a_hang_is_a_finding(checked: Check, ideal_axis: Build) -> None:
     fmu = ideal_axis("stuck.fmu", CRASH_IN="STEP", CRASH_HOW="HANG")
     _, rows = checked(fmu, "--call-timeout", "1")
@@ -189,6 +191,7 @@ def test_a_hang_is_a_finding(checked: Check, ideal_axis: Build) -> None:
     assert text.startswith("a call did not come back within 1 s: it was in fmi3DoStep at t = 0.")
 
 
+@pytest.mark.long
 def test_a_missing_function_is_named(checked: Check, ideal_axis: Build) -> None:
     _, rows = checked(ideal_axis(WITHOUT_DESERIALIZE=1))
     assert _failed(rows)["library"] == "functions are missing: fmi3DeserializeFMUState"
@@ -222,6 +225,7 @@ CHANGES = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("old", "new", "area", "text"), CHANGES, ids=[c[1][:30] for c in CHANGES])
 def test_a_description_that_cannot_be_used(
     checked: Check, ideal_axis: Build, old: str, new: str, area: str, text: str
@@ -250,7 +254,7 @@ DOUBTFUL = [
 """Changes of a description that only a validator dislikes; the first one is no rule of it."""
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(("old", "new", "area", "text"), DOUBTFUL, ids=[c[3][:9] for c in DOUBTFUL])
 def test_a_description_that_a_validator_dislikes_runs_and_strict_refuses_it(
     checked: Check, ideal_axis: Build, old: str, new: str, area: str, text: str
@@ -281,6 +285,7 @@ def test_no_library_for_this_platform(
     assert f"found {place}" in rows["usable here"][0]["text"]
 
 
+@pytest.mark.long
 def test_a_library_in_the_folder_of_another_platform(checked: Check, ideal_axis: Build) -> None:
     fmu = ideal_axis()
     with zipfile.ZipFile(fmu) as archive:
@@ -340,6 +345,7 @@ def test_nothing_to_check(axisrig: Call, command: str, word: str, text: str) -> 
     assert err.count("\n") == 1
 
 
+@pytest.mark.long
 def test_the_table_names_area_level_and_remedy(axisrig: Call, ideal_axis: Build) -> None:
     fmu = ideal_axis("stuck.fmu", FLAW="FORGETS")
     code, out, _ = axisrig("fmu", "check", fmu)

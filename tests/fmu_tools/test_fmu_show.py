@@ -107,6 +107,7 @@ def test_the_one_macos_folder_of_fmi2_is_explained(
     assert text in out
 
 
+@pytest.mark.long
 def test_variables_structure_and_capabilities(axisrig: Call) -> None:
     code, out, err = axisrig("fmu", "show", "AxisRig.Drives.ServoAxis")
     assert (code, err) == (0, "")
@@ -123,6 +124,7 @@ def test_variables_structure_and_capabilities(axisrig: Call) -> None:
     assert f"\n{hidden} variables, local ones and time, are not shown; --all shows them" in out
 
 
+@pytest.mark.long
 def test_all_variables(axisrig: Call) -> None:
     _, out, _ = axisrig("fmu", "show", "ServoAxis", "--all")
     assert " local " in out

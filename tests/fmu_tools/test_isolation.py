@@ -88,7 +88,7 @@ def test_several_processes_name_the_fmu_too(place: Path, axisrig: Call, ideal_ax
     assert len(named) == 3 * 2  # in the table, and as the cause after it
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("crash_in", "options"), [("STEP", ["--isolate"]), ("STEP", []), ("INITIALIZE", [])]
 )
@@ -107,6 +107,7 @@ def test_a_call_that_does_not_come_back_is_ended(
     assert "of plant z (bad.fmu)" in out
 
 
+@pytest.mark.long
 def test_a_time_out_of_the_whole_case_names_the_call(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:
@@ -167,6 +168,7 @@ def _nc_apart(place: Path, rig: str, **environment: str) -> subprocess.Completed
     )
 
 
+@pytest.mark.long
 def test_nc_shows_messages_and_alarms_of_the_process_apart(place: Path, ideal_axis: Build) -> None:
     good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
     (place / "move.nc").write_text('N10 #MSG["%d",1+1]\nN20 G100 Z131 F6000\nN30 M30\n')
@@ -175,6 +177,7 @@ def test_nc_shows_messages_and_alarms_of_the_process_apart(place: Path, ideal_ax
     assert "ID " in ended.stderr
 
 
+@pytest.mark.long
 def test_check_of_a_rig_may_be_isolated_too(place: Path, axisrig: Call, ideal_axis: Build) -> None:
     good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
     bad = write_rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))

@@ -36,6 +36,7 @@ def models(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_a_model_is_built_again_when_it_or_what_it_uses_changes(
     models: Path, tmp_path: Path
 ) -> None:
@@ -81,6 +82,7 @@ def test_a_derived_rig_changes_the_fmu_and_its_files_count(models: Path, tmp_pat
     assert is_ours(path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [

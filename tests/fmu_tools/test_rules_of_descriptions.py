@@ -84,6 +84,7 @@ def test_without_a_convention_names_are_flat(convention: str | None) -> None:
     ]
 
 
+@pytest.mark.long
 def test_a_hundred_thousand_names_take_less_than_a_second() -> None:
     described: Any = SimpleNamespace(
         variableNamingConvention="structured",

@@ -126,6 +126,7 @@ def _nc(place: Path, axisrig: Call, fmu: Path, *options: str) -> Outcome:
     return axisrig("nc", "say.nc", "--rig", _row(place, fmu), *options)
 
 
+@pytest.mark.long
 def test_a_program_whose_process_ends_with_0_is_rejected(
     place: Path, axisrig: Call, deadly: Build
 ) -> None:
@@ -143,6 +144,7 @@ def test_nc(place: Path, axisrig: Call, deadly: Build, way: str, place_of_death:
         assert re.search(WAYS[way], err)
 
 
+@pytest.mark.long
 def test_an_endless_thread_ends_nothing(place: Path, axisrig: Call, deadly: Build) -> None:
     """The run goes on to its end, and the process is ended after it."""
     fmu, before = deadly("HANG", "THREAD"), _children()
@@ -274,6 +276,7 @@ def _refuse(*_: object) -> None:
     raise AssertionError("a process was started")
 
 
+@pytest.mark.long
 def test_what_an_fmu_prints_is_in_the_log_of_its_plant(
     place: Path,
     ideal_axis: Build,
@@ -298,6 +301,7 @@ def test_what_an_fmu_prints_is_in_the_log_of_its_plant(
     assert said in log
 
 
+@pytest.mark.long
 def test_what_an_fmu_prints_without_end_fills_no_disk(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:

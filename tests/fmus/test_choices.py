@@ -221,6 +221,7 @@ def run(path: Path) -> list[float]:
     return found
 
 
+@pytest.mark.long
 def test_values_are_the_same_bits_with_and_without(tmp_path, monkeypatch) -> None:
     library = tmp_path / "Choice"
     library.mkdir()

@@ -154,6 +154,7 @@ print(cache_key("AxisRig.Drives.ServoAxis"))
 """
 
 
+@pytest.mark.long
 def test_cache_key_changes_with_every_file_of_exporter_and_library(tmp_path):
     """On a copy that is imported in its own place."""
     aside = shutil.ignore_patterns("__pycache__")
@@ -172,6 +173,7 @@ def test_cache_key_changes_with_every_file_of_exporter_and_library(tmp_path):
     assert len(set(changed)) == len(FILES)
 
 
+@pytest.mark.long
 def test_two_processes_may_build_at_once(tmp_path):
     with ProcessPoolExecutor(2) as pool:
         paths = list(pool.map(ensure_built, [MODELS[-2]] * 2, [tmp_path] * 2))
@@ -192,6 +194,7 @@ def test_missing_c_compiler_tells_what_to_install(monkeypatch):
         find_compiler()
 
 
+@pytest.mark.long
 def test_time_events_are_located(tmp_path, load):
     """x' is 1, then 3 from t = 0.1234567 on: x is exact although the step lies across it."""
     equation = "der(x) = if time < p then 1 else 3; y = x; when time >= p then n = 7; end when;"
@@ -203,6 +206,7 @@ def test_time_events_are_located(tmp_path, load):
     assert plant.y == pytest.approx(1 + 0.1234567 + 3 * (0.2 - 0.1234567), abs=1e-10)
 
 
+@pytest.mark.long
 def test_state_events_are_located(tmp_path, load):
     """x = sin t by its oscillator; n counts where it rises through 0.5."""
     declaration = 'Real v(start=1); discrete output Real t_up(unit="s", start=0) "Crossing";'
@@ -218,6 +222,7 @@ def test_state_events_are_located(tmp_path, load):
     assert plant.t_up == pytest.approx(2 * math.pi + math.pi / 6, abs=1e-9)
 
 
+@pytest.mark.long
 def test_fifth_order_of_the_integration(tmp_path, load):
     """Halving the internal step divides the error of an oscillator by 32."""
     root = library(tmp_path, "der(x) = v; der(v) = -100*x; y = x; n = 0;", "Real v(start=0);")
@@ -230,6 +235,7 @@ def test_fifth_order_of_the_integration(tmp_path, load):
     assert errors[0] / errors[1] == pytest.approx(32, rel=0.1)
 
 
+@pytest.mark.long
 def test_fast_transition_is_resolved_however_long_the_internal_step(tmp_path, load):
     """x' = -tanh(x/1e-5) from 1: x falls with slope 1 and stops within 1e-5; sinh decays."""
     root = library(tmp_path, "der(x) = -tanh(x/1e-5); y = x; n = 0;")
@@ -239,6 +245,7 @@ def test_fast_transition_is_resolved_however_long_the_internal_step(tmp_path, lo
     assert plant.y == pytest.approx(1e-5 * math.asinh(0.5 * math.exp(-2.0)), abs=1e-12)
 
 
+@pytest.mark.long
 def test_divergence_names_variable_and_time(tmp_path, load):
     plant = load(small(tmp_path, "der(x) = 1000*x*x; y = x; n = 0;"))
     with pytest.raises(FMICallException):
@@ -246,6 +253,7 @@ def test_divergence_names_variable_and_time(tmp_path, load):
     assert "x is not a finite number at t = 0.00" in plant.messages[-1]
 
 
+@pytest.mark.long
 def test_chatter_ends_with_the_place_of_the_relation(tmp_path, load):
     plant = load(small(tmp_path, "der(x) = if x > 0 then -1 else 1; y = x; n = 0;"))
     plant.step(0.99)
@@ -254,6 +262,7 @@ def test_chatter_ends_with_the_place_of_the_relation(tmp_path, load):
     assert f"relation at Small/package.mo:{LINE}" in plant.messages[-1]
 
 
+@pytest.mark.long
 def test_restless_discrete_equations_are_an_error(tmp_path, load):
     """b = not b, once the clock has passed 0.5 s."""
     equation = "b = time > 0.5 and not pre(b); n = if b then 1 else 0; y = n; x = 0;"
@@ -264,6 +273,7 @@ def test_restless_discrete_equations_are_an_error(tmp_path, load):
     assert "do not come to rest at t = 0.5" in plant.messages[-1]
 
 
+@pytest.mark.long
 def test_failed_assertion_tells_text_and_place(tmp_path, load):
     plant = load(small(tmp_path, 'y = time; n = 0; x = 0; assert(y < 0.5, "too far");'))
     plant.step(0.4)

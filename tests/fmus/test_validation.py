@@ -41,6 +41,12 @@ SIGNALS = read("signals.csv")
 MODELS = tuple(dict.fromkeys(row["model"] for row in SIGNALS))
 # They look at 72 points of a workpiece: to build one takes 20 s, and their parts are models too.
 LARGE = ("HeadDistanceSensor", "RobotDistanceSensor")
+# Between them they use nearly every component of the library: they are in the quick stage.
+WHOLE = (
+    *("WorkpieceProbe", "GantryPair", "HeadTouchProbe", "SampledServoAxis", "DistanceSensor"),
+    *("TiltingSlide", "DigitalInput", "RotaryAxis", "GravityAxis", "SixJointRobot"),
+    *("SecondEncoder", "ScrewAxis"),
+)
 
 
 def stored(model: str, folder: Path = VALIDATION / "references") -> dict[str, np.ndarray]:
@@ -136,7 +142,14 @@ def test_model_is_within_its_tolerances(model, validation):
     assert not outside, "\n".join(outside[:20])
 
 
-@pytest.mark.parametrize("model", [model for model in MODELS if model not in LARGE])
+@pytest.mark.parametrize(
+    "model",
+    [
+        model if model in WHOLE else pytest.param(model, marks=pytest.mark.long)
+        for model in MODELS
+        if model not in LARGE
+    ],
+)
 def test_model_without_optimisation_is_within_its_tolerances(model, validation):
     """In a hundredth of the time: these builds are there for the other tests."""
     outside = [found for found in validation(model).deviations() if not found[2] <= 1]
@@ -189,6 +202,7 @@ def test_one_percent_of_any_physical_parameter_is_noticed(model, validation):
     assert not unnoticed, unnoticed
 
 
+@pytest.mark.long
 def test_a_parameter_that_is_zero_in_one_model_is_a_number_in_another(validation):
     """Zero has no percent, so that another model with the same component must notice it."""
     values: dict[str, set[float]] = {}

@@ -66,6 +66,7 @@ class Client:
         pytest.fail("nothing has come for 5 s")
 
 
+@pytest.mark.long
 def test_a_client_settles_only_while_nobody_does_anything(server: SocketcandServer) -> None:
     """A frame of another one comes at once: the second that the server would wait is not over."""
     other, new = Client(server), Client(server, is_new=True)
@@ -91,6 +92,7 @@ def test_raw_mode_again_settles_again(server: SocketcandServer) -> None:
     assert client.until(b">") == b"< frame 002 0.000000  >"
 
 
+@pytest.mark.long
 def test_a_frame_does_not_come_back_to_who_has_sent_it(server: SocketcandServer) -> None:
     one, two = Client(server), Client(server)
     one.socket.sendall(b"< send 1 1 aB >")
@@ -158,6 +160,7 @@ def test_a_command_that_does_not_end_has_its_limit(
         assert client.ask(">< echo >") == b"< error unknown command >< echo >"
 
 
+@pytest.mark.long
 def test_a_connection_that_takes_no_more_gets_the_rest_in_order_when_it_reads(
     server: SocketcandServer,
 ) -> None:
@@ -188,6 +191,7 @@ def test_a_connection_that_takes_no_more_gets_the_rest_in_order_when_it_reads(
     assert late == whole
 
 
+@pytest.mark.long
 def test_who_leaves_takes_nobody_along(server: SocketcandServer) -> None:
     """Two at once, one of them with a command that is not finished."""
     one, two, stays = Client(server), Client(server), Client(server)
@@ -231,6 +235,7 @@ def test_filters_are_those_of_the_server_not_of_its_clients(server: SocketcandSe
     assert two.ask("< echo >") == b"< frame 001 0.000000  >< frame 100 0.000000  >< echo >"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_reset", [False, True])
 def test_a_server_waits_again_when_a_client_has_gone(
     server: SocketcandServer, is_reset: bool

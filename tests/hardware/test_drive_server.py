@@ -80,6 +80,7 @@ def life(channel: str, path: Path | None, *requests: bytes) -> tuple[list[str], 
     return answers, [line for line in lines if "parameters written" in line]
 
 
+@pytest.mark.long
 def test_what_a_master_stores_is_in_a_new_file_and_in_the_next_life(tmp_path: Path) -> None:
     """1017 becomes 500 ms and is stored by 1010:1 (CiA 301); by itself a write is forgotten."""
     read, write = bytes.fromhex("4017100000000000"), bytes.fromhex("2b171000f4010000")

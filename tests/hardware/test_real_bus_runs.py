@@ -95,6 +95,7 @@ def test_a_program_is_asked_for_in_the_same_way(place: Path, axisrig: Call) -> N
     assert "slcan /dev/no-such-adapter cannot be opened" in err
 
 
+@pytest.mark.long
 def test_a_rig_of_real_hardware_says_so_itself(place: Path, axisrig: Call) -> None:
     rig = place / "rigs" / "probe-z.toml"
     text = rig.read_text(encoding="utf-8")
@@ -176,6 +177,7 @@ def test_the_eds_of_a_drive_can_be_had_without_a_bus(place: Path, axisrig: Call)
     assert "[60B8]" in text
 
 
+@pytest.mark.long
 def test_a_replay_does_not_drive_hardware(place: Path, axisrig: Call) -> None:
     axisrig("run", _plan(place), *SERIAL, "--yes", "-o", "out")
     code, out, err = axisrig("replay", "out", "plan-a")

@@ -55,6 +55,7 @@ def test_a_frame_of_the_server_reaches_a_client(server: SocketcandServer, client
     assert client.socket.recv(100) == b"< frame 00000083 0.000000 01 >"
 
 
+@pytest.mark.long
 def test_a_frame_of_a_client_reaches_server_and_other_clients(
     server: SocketcandServer, client: Client
 ) -> None:
@@ -153,6 +154,7 @@ def test_a_client_that_reads_nothing_is_put_out_when_its_frames_are_too_many() -
     there.close()
 
 
+@pytest.mark.long
 def test_nobody_gets_frames_before_raw_mode(server: SocketcandServer) -> None:
     made = Client(server)
     server.send(can.Message(arbitration_id=1, is_extended_id=False))
@@ -160,6 +162,7 @@ def test_nobody_gets_frames_before_raw_mode(server: SocketcandServer) -> None:
     made.socket.close()
 
 
+@pytest.mark.long
 def test_a_client_that_opens_again_has_left_raw_mode(
     server: SocketcandServer, client: Client
 ) -> None:

@@ -46,6 +46,7 @@ def worst_shares(place: Curve, speed: Curve) -> tuple[float, float]:
     return off_mm / float(found.doubts_mm[2]), off_mm_s / float(found.doubts_mm_s[2])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("power", [2, 3])
 def test_a_jump_of_acceleration_or_jerk_is_within_three_doubts_and_beyond_one(power: int) -> None:
     """Sums of (t - s)^n from s on; the jump of the acceleration, n = 2, is the worst one."""

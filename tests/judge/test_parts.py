@@ -60,6 +60,7 @@ def test_a_run_that_was_forgotten_needs_no_search_for_garbage() -> None:
         gc.enable()
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(
     sizes=st.lists(st.integers(0, 9), min_size=1, max_size=5),
@@ -101,6 +102,7 @@ def test_parts_are_the_rows_in_their_order(
     assert [observed.value("Z", "truth_mm", row) for row in range(count)] == [*range(count)]
 
 
+@pytest.mark.long
 @given(values=st.lists(st.integers(0, 2), max_size=30), size=st.integers(1, 9))
 def test_unbroken_times_do_not_end_with_a_block(values: list[int], size: int) -> None:
     blocks = [(np.array(values[at : at + size]), at) for at in range(0, len(values), size)]
@@ -109,6 +111,7 @@ def test_unbroken_times_do_not_end_with_a_block(values: list[int], size: int) ->
     assert all(one.value != other.value for one, other in pairwise(answer))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sizes", [[6], [3, 3], [1, 2, 3], [5, 1], [1] * 6])
 @pytest.mark.parametrize("row_later", [0, 1])
 def test_frames_between_two_instants_do_not_depend_on_blocks(

@@ -101,6 +101,7 @@ def test_what_is_no_arc(tangent: tuple[float, float], angle: float, message: str
         Arc((1.0, 0.0), (0.0, 1.0), (0.0, 0.0), tangent, angle)
 
 
+@pytest.mark.long
 @given(st.floats(-9, 9), st.floats(-9, 9), st.floats(0.01, 20))
 def test_swing_bounds_every_sample(cosine: float, sine: float, angle: float) -> None:
     samples = [cosine * math.cos(t) + sine * math.sin(t) for t in _range(angle)]
@@ -262,6 +263,7 @@ def test_the_least_jerk_of_the_axes_is_that_of_an_arc(slowest: int) -> None:
 AXES = st.builds(axis, st.floats(5, 500), *[st.floats(100, 5000)] * 3)
 
 
+@pytest.mark.long
 @given(
     st.lists(AXES, min_size=3, max_size=3),
     st.floats(0.5, 500.0),

@@ -229,6 +229,7 @@ def test_an_arc_stops_and_goes_on_on_its_circle() -> None:
     assert path.positions_mm == arc.end_mm
 
 
+@pytest.mark.long
 @given(
     st.lists(st.integers(0, 400), min_size=1, max_size=8),
     st.sampled_from([WEAK, OWN, Slope(4000.0, 4000.0, 9.0), Slope(300.0, 2000.0, 20.0)]),

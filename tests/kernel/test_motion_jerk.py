@@ -191,6 +191,7 @@ def slopes(shape: Shape) -> st.SearchStrategy[JerkSlope]:
     )
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(Shape).flatmap(slopes), st.floats(0.05, 20))
 def test_the_speed_of_a_stroke_is_the_inverse_of_its_way(own: JerkSlope, stroke_mm: float) -> None:
@@ -301,6 +302,7 @@ def test_no_limit_is_passed_and_the_end_is_hit(case: Case) -> None:
             )
 
 
+@pytest.mark.long
 def test_ends_between_one_and_two_falls_of_a_sine_ramp_are_reached_without_a_jump() -> None:
     """Ends a little after that of a stop at once; the gap was driven at constant speed."""
     up = JerkSlope(50.0, 1e-6, 1e-6, SIN2)

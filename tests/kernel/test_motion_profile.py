@@ -90,6 +90,7 @@ def test_triangle_that_turns_over_between_the_two_change_over_speeds() -> None:
     assert profile.duration_s == pytest.approx(t_peak + 100 / 800)
 
 
+@pytest.mark.long
 @given(st.floats(1e-6, 1e4), speeds(), slopes(), slopes())
 def test_duration_equals_the_one_found_by_bisection(
     d: float, feed: float, up: Slope, down: Slope
@@ -114,6 +115,7 @@ def test_slope_closed_forms(v: float, slope: Slope) -> None:
 # --- properties ------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @given(st.floats(1e-9, 1e4), speeds(), slopes(), slopes())
 def test_end_is_exact_path_is_monotone_and_speed_within_the_feed(
     d: float, v: float, up: Slope, down: Slope
@@ -130,6 +132,7 @@ def test_end_is_exact_path_is_monotone_and_speed_within_the_feed(
     assert all(0.0 <= speed <= v for speed in at_ends)
 
 
+@pytest.mark.long
 @given(st.floats(1e-3, 1e3), speeds(), slopes(), slopes())
 def test_acceleration_stays_within_the_step_that_holds_at_the_speed(
     d: float, v: float, up: Slope, down: Slope
@@ -232,6 +235,7 @@ def test_start_speed_on_exactly_its_stopping_distance(
     assert profile.duration_s == pytest.approx(ramp_s(v, down), rel=1e-5)
 
 
+@pytest.mark.long
 @given(speeds(), slopes(), slopes(), st.sampled_from([0.0, math.inf]))
 @example(426.0, Slope(1954.0, 867.0, 2.0), Slope(1547.0, 1183.0, 163.0), 0.0)  # peak above v
 @example(160.0, Slope(856.0, 794.0, 201.0), Slope(214.0, 1460.0, 298.0), 0.0)  # ramps overlap

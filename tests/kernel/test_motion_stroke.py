@@ -45,6 +45,7 @@ def begins_to_brake_s(path: JerkProfile) -> float:
     return next(brakes, path.duration_s)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("ramp_ms", "speed", "before"), [(10, 95.12, 5.93), (50, 78.08, 8.49)])
 def test_5_mm_hold_at_every_instant(ramp_ms: int, speed: float, before: float) -> None:
     """1000 mm/s²: up to 95.12 and 78.08 mm/s a stop takes 5 mm at most, by the closed form.
@@ -106,6 +107,7 @@ def test_a_stop_without_ramps_changes_nothing(shape: Shape) -> None:
     assert kept.phases == slope.plan(LONG_MM, feed, slope).phases
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("length_mm", [0.01, 0.5, 2.0, 5.0, 8.0, 10.0, 12.0, 15.0, 20.0, 60.0])
 @BOTH
 def test_a_path_of_any_length_ends_at_its_end(shape: Shape, length_mm: float) -> None:
@@ -142,7 +144,7 @@ STUCK = [
 
 
 @pytest.mark.parametrize(("up", "stop", "stroke_mm", "shape"), STUCK)
-@pytest.mark.long(but=1)
+@pytest.mark.long
 def test_a_run_comes_to_its_feed_with_unequal_ramps(
     up: tuple[float, float, float],
     stop: tuple[float, float, float],

@@ -10,6 +10,7 @@ from axisrig.kernel.motion.timed import speed_for
 SLOPE = Slope(1000.0, 1000.0, 1000.0)
 
 
+@pytest.mark.long
 @given(distance=st.floats(0.01, 1e4), slower=st.floats(1.01, 1e3))
 def test_the_motion_takes_the_time(distance: float, slower: float) -> None:
     time_s = plan(distance, 500.0, SLOPE, SLOPE).duration_s * slower

@@ -83,6 +83,7 @@ def test_direction_and_clamping_point_are_those_of_the_oracle(name: str) -> None
     assert np.abs([kinematic.clamp_mm(t) for t in tools] - oracle.clamp_mm(axes)).max() < MM
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
 def test_the_way_back_is_the_one_that_newton_finds_from_the_way_forward(name: str) -> None:
     machine = MACHINES[name]

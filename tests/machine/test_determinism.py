@@ -113,6 +113,7 @@ def test_this_process_gives_the_same_frames_twice(plan: Path, first: Path) -> No
         assert [run_case(case, RunFiles()).frame_log_sha256 for case in cases] == recorded
 
 
+@pytest.mark.long
 def test_the_hash_tells_different_runs_apart(first: Path) -> None:
     """Repeats are the same run again; every other row has its own frames."""
     hashes = {row["run"]: row["frame_log_sha256"] for row in _cases(first)}
@@ -121,6 +122,7 @@ def test_the_hash_tells_different_runs_apart(first: Path) -> None:
     assert all(len(value) == 64 for value in hashes.values())
 
 
+@pytest.mark.long
 def test_one_increment_of_the_workpiece_shows_in_the_hash(run_nc: Run) -> None:
     surfaces = (125.0, 125.0, 125.0 + 1.5 * 10 / 2**20)
     digests = [

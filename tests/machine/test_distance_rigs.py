@@ -54,6 +54,7 @@ def test_the_sensor_value_has_the_age_that_the_telegrams_give_it(
     assert sorted([set(found[0::2]), set(found[1::2])], key=min) == [{age} for age in ages]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rig", ["distance-z", "distance-z-2ms", "distance-xz"])
 def test_a_kinematic_axis_is_where_the_set_position_was_two_cycles_ago(
     run_nc: Run, rig: str

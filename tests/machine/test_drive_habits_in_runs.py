@@ -124,6 +124,7 @@ def backlash_run(run_nc: Run, downwards: bool, more: str = "") -> Any:
     return out
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("latch", ["interpolated", "linear", "sampled"])
 def test_a_fine_encoder_at_full_speed_does_not_overflow(run_nc: Run, latch: str) -> None:
     """26 bits per revolution at 25 rev/s: 419430 increments between two samples of 250 us."""

@@ -76,6 +76,7 @@ def test_longest_step_does_not_change_a_bit(
     assert all(other == left[0] for other in left)
 
 
+@pytest.mark.long
 def test_an_elastic_axis_with_backlash_is_latched_alike_at_any_step(run_nc: Run) -> None:
     """A screw that rings at 160 Hz, one SYNC in 10 ms; truth is the load, the latch the motor."""
     left = []
@@ -125,6 +126,7 @@ def test_fine_steps_move_the_value_by_less_than_is_stated(
     assert moved_mm <= stated_mm(FINE_US / 16)
 
 
+@pytest.mark.long
 def test_the_interpolation_is_part_of_the_uncertainty_of_the_latch_error(run_nc: Run) -> None:
     """At 45 mm/s the 2 ns of the events are 0.00009 um beside it."""
     for fine_us in (50, 500):

@@ -131,6 +131,7 @@ def test_after_a_failure_of_a_plant_no_fmu_is_asked(run: Run) -> None:
     assert (run.late.plants, run.late.unfinished) == (run.facts.plants, "it took too long")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("limit_s", "text"), [("0.02", "0.02 s"), ("0.5", "0.5 s")])
 def test_a_program_that_does_not_end_is_given_up(tmp_path: Path, limit_s: str, text: str) -> None:
     """The limit counts simulated time from 0 on; the loop is named."""
@@ -164,6 +165,7 @@ def test_a_limit_that_is_asked_for_takes_the_place_of_that_of_the_settings(
     assert limit_ms * MS <= now_ns < (limit_ms + 1) * MS
 
 
+@pytest.mark.long
 def test_a_program_that_has_ended_may_go_on_past_the_limit(tmp_path: Path) -> None:
     """The limit is that of the program; after its end the run goes on as long as it has to."""
     changes = ("plc:limit_s=0.04", "plc:after_end_ms=30")

@@ -141,6 +141,7 @@ def test_an_alarm_in_a_feedhold_stops_for_good(run_nc: RunNc) -> None:
     assert out.column("Z.set_mm")[-1] == set_at(out, out.machine.channel.start_ns + 190 * MS)
 
 
+@pytest.mark.long
 def test_a_program_that_a_feedhold_holds_says_so(tmp_path: Path) -> None:
     program = tmp_path / "held.nc"
     program.write_text("N10 G1 Z110 F3000\nM30\n", encoding="utf-8")

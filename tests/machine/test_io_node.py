@@ -349,6 +349,7 @@ def test_keys_that_belong_to_the_other_kind_are_refused(
         TerminalTable(**keys)
 
 
+@pytest.mark.long
 def test_python_can_and_canopen_read_the_levels_that_the_probe_had(tmp_path: Path) -> None:
     """Every frame of the log holds the level of the probe at its SYNC, the end of that frame."""
     rig, files = read_rig(RIGS / "plc-io-node.toml")

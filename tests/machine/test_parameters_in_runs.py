@@ -36,6 +36,7 @@ def test_warnings_of_lists_stand_at_the_begin_of_a_run_that_goes_on(
     assert outcome.alarms == [315002, 110757]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900400, 2, axis="Z", source="PLC")
 def test_a_source_without_a_plc_ends_the_run_and_never_measures_by_the_drive(
     tmp_path: Path, run_nc: RunNc
@@ -46,12 +47,14 @@ def test_a_source_without_a_plc_ends_the_run_and_never_measures_by_the_drive(
     assert outcome.machine.channel.records == []
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900242, 2, axis="Z", source="FIXED_STOP", type=1)
 def test_an_older_switch_decides_while_the_source_is_blank(tmp_path: Path, run_nc: RunNc) -> None:
     rig = z_list(tmp_path, 'kenngr.measure.signal ""', "kenngr.meas_signal_fixed_stop 1")
     assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900242]
 
 
+@pytest.mark.long
 def test_a_body_is_touched_where_its_list_has_it(tmp_path: Path, run_nc: RunNc) -> None:
     """P-AXIS-00112 mode 6: centre 98 mm, radius 2 mm; from above that is 100 mm, to a cycle."""
     rig = z_list(
@@ -65,6 +68,7 @@ def test_a_body_is_touched_where_its_list_has_it(tmp_path: Path, run_nc: RunNc) 
     assert 100.0 - 0.005 - 1e-6 <= float(outcome.lines[0]) <= 100.0 + 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900100, 2, word="meas_simu.meas_simu_mode = 5 of axis Z")
 def test_a_simulated_probe_beside_the_path_is_not_taken_for_the_drive(
     tmp_path: Path, run_nc: RunNc
@@ -74,6 +78,7 @@ def test_a_simulated_probe_beside_the_path_is_not_taken_for_the_drive(
     assert run_nc(program, rig, base="probe-z.toml").alarms == [900100]
 
 
+@pytest.mark.long
 def test_the_source_of_the_drive_type_is_the_drive(tmp_path: Path, run_nc: RunNc) -> None:
     rig = z_list(tmp_path, "kenngr.measure.signal DRIVE_TYPE_DEFAULT")
     print_it = '\nN30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]'
@@ -81,6 +86,7 @@ def test_the_source_of_the_drive_type_is_the_drive(tmp_path: Path, run_nc: RunNc
     assert (outcome.alarms, outcome.lines) == ([], ["V.A.MERF.Z=1"])
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900241, 2, axis="Z", source="DRIVE", type=7)
 def test_a_run_to_a_fixed_stop_never_waits_for_a_latch(tmp_path: Path, run_nc: RunNc) -> None:
     (tmp_path / "channel.lst").write_text("messtyp 7\n", encoding="utf-8")

@@ -182,6 +182,7 @@ def test_the_state_is_that_of_the_kernel_in_a_tenth_of_a_micrometre() -> None:
     assert (seen.surface, seen.distance, seen.actual_offset) == (-15_000, 20_000, 3_000)
 
 
+@pytest.mark.long
 def test_a_program_sees_inclination_and_length_of_the_tool(
     tmp_path: Path, run_nc: Callable[..., Any]
 ) -> None:

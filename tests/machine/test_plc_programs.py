@@ -131,6 +131,7 @@ def test_a_cycle_that_gives_something_back_is_refused(
     assert (caught.value.file, caught.value.line, caught.value.value) == (str(path), 2, kind)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("body", ["pass", "return 1", "raise ValueError"])
 def test_a_cycle_with_async_is_closed_without_a_warning_of_python(
     tmp_path: Path, recwarn: pytest.WarningsRecorder, body: str
@@ -361,6 +362,7 @@ def _cycle_of(path: Path) -> None:
     PlcProgram(path).cycle(Inputs(5_300_000, 0, {}), Hli(["Z"]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("body", "reason"),
     [

@@ -126,6 +126,7 @@ def test_a_handshake_by_variables(run_nc: RunNc) -> None:
     assert at_ns(out, "V.E.READY = 1 from the PLC") == [asked + 10 * MS]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900270, 4, axis="Z", value="300", object="0x6072:0")
 def test_900270_when_the_drive_does_not_take_the_value(run_nc: RunNc) -> None:
     """Two attempts of 300 ms get no answer."""
@@ -155,6 +156,7 @@ def test_what_has_not_come_is_told(run_nc: RunNc) -> None:
     assert not [line for line in said(out) if re.search("300.*not come", line)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("key", ["override", "Z.override"])
 def test_an_override_that_is_led_begins_where_it_is(run_nc: RunNc, key: str) -> None:
     """20 % to 100 % within 200 ms, then down to 50 % within 100 ms: half way 60 % and 75 %."""

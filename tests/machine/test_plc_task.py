@@ -82,6 +82,7 @@ def test_feedhold_and_override_of_the_program_act_on_the_path(run_plc: RunNc) ->
     assert led.alarms == []
 
 
+@pytest.mark.long
 def test_what_the_program_does_not_enable_does_nothing(run_plc: RunNc) -> None:
     """Every command without its enable, for the path and for the axis, in every cycle."""
     body = """    def cycle(self, inputs, hli):
@@ -152,6 +153,7 @@ def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
     assert [values[f"UNIT_{number}"] for number in range(3)] == [1, 77, 12345]
 
 
+@pytest.mark.long
 def test_columns_give_the_signal_in_a_rig_without_a_task(run_nc: RunNc) -> None:
     """200 ms after the run has begun; the value is the actual position of that cycle."""
     out = run_nc(
@@ -170,6 +172,7 @@ def test_columns_give_the_signal_in_a_rig_without_a_task(run_nc: RunNc) -> None:
     )
 
 
+@pytest.mark.long
 def test_columns_give_a_position_with_the_signal(run_nc: RunNc) -> None:
     out = run_nc(
         "N10 G1 Z120 F3000\nN20 G100 Z110 F600",

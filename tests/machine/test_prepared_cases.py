@@ -148,6 +148,7 @@ def test_a_program_that_calls_others_is_read_every_time(folder: Path) -> None:
     assert recall(one) is None
 
 
+@pytest.mark.long
 def test_only_so_many_cases_are_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(preparing, "KEPT_MAX", 1)
     one, two = cases(folder)
@@ -157,6 +158,7 @@ def test_only_so_many_cases_are_kept(folder: Path, monkeypatch: pytest.MonkeyPat
     assert recall(two) is not None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_every_case_that_cannot_be_prepared_is_reported(
     folder: Path, jobs: int, monkeypatch: pytest.MonkeyPatch

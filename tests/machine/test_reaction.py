@@ -244,6 +244,7 @@ def test_metrics_are_of_the_last_run_and_of_the_axis_that_goes_farthest(run_nc: 
         assert -STAND_MM <= beyond <= 0.005
 
 
+@pytest.mark.long
 def test_marks_of_the_report_stand_in_their_order(run_nc: Run) -> None:
     setting = Setting(trigger_delay_us=150.0, input_delay_us=30.0)
     out = setting.probe(run_nc, 92.0)
@@ -272,6 +273,7 @@ def test_an_axis_that_counts_as_standing_moves_no_further_than_is_stated(run_nc:
     assert farthest - seen.value <= seen.uncertainty + 1e-4
 
 
+@pytest.mark.long
 def test_a_probe_at_the_other_input_is_none_of_the_runs_business(run_nc: Run) -> None:
     rig = """
     [axis.Z]
@@ -291,6 +293,7 @@ def test_a_probe_at_the_other_input_is_none_of_the_runs_business(run_nc: Run) ->
     assert number(out, "reaction_ms") < 2
 
 
+@pytest.mark.long
 def test_the_retract_behind_a_run_is_no_overtravel(run_nc: Run) -> None:
     rig = "[plant.z]\nstart = { position_start_mm = 106.0 }"
     out = run_nc("N10 G100 Z60 F1200\nN20 G1 Z110 F6000", rig, base="probe-z.toml")

@@ -87,6 +87,7 @@ def test_an_axis_measures_beside_a_run_of_the_path(run_nc: Run) -> None:
     assert alone.start_ns < path.signal_ns < path.end_ns < alone.signal_ns
 
 
+@pytest.mark.long
 def test_a_run_beside_the_program_leaves_nothing_of_the_one_before(run_nc: Run) -> None:
     """The stop is at 60 mm: the second run ends before it, the third meets it again."""
     ask = '#MSG SYN["{}=%d", V.A.MERF.X]\n'
@@ -193,6 +194,7 @@ wire = { z = "z" }
     assert zero_mm == pytest.approx(30.0 + delay_mm - measured, abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_homing_that_is_stopped_brings_the_axis_to_rest(run_nc: Run) -> None:
     """The operator stops the search at 20 mm/s; the drive brakes with 500 mm/s2 (609A)."""
 

@@ -53,6 +53,7 @@ def test_the_faulty_axis_brakes_by_its_own_ramp(
     assert all(link.power is Power.OPERATING and link.keeps_operating for link in links)
 
 
+@pytest.mark.long
 def test_p_chan_00218_takes_every_axis_off_the_path(run_nc: Any) -> None:
     every = ["set:channel.independent_axis_error_stop=1", EMERGENCY]
     y = "set:Y.getriebe[0].dynamik.a_emergency=1000"

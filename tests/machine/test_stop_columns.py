@@ -27,6 +27,7 @@ def test_an_axis_without_a_stop_shows_its_motor_force_only(run_nc: Any) -> None:
     assert force[steady] == pytest.approx(0.8 * speed[steady], abs=0.05)
 
 
+@pytest.mark.long
 def test_columns_of_a_contact_belong_to_the_sync(run_nc: Any) -> None:
     out = run_nc(INTO_THE_STOP, "", "plant:z.stop_position_mm=132", base="probe-z.toml")
     force, stop = out.column("Z.force_n"), out.column("Z.stop_force_n")

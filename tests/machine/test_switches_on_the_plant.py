@@ -134,6 +134,7 @@ def test_home_is_the_stop_of_the_plant(
         assert found_mm == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
 
 
+@pytest.mark.long
 def test_limit_switch_before_the_stop_is_an_error(master: Callable[..., Master]) -> None:
     made = master()
     made.home(-3)
@@ -153,6 +154,7 @@ def test_second_encoder_is_the_sensor_that_the_rig_names(master: Callable[..., M
     assert made.sdo[0x60E4][1].raw == round(6.2346 * UNITS_PER_MM)
 
 
+@pytest.mark.long
 def test_homing_on_a_stop_is_no_following_error(master: Callable[..., Master]) -> None:
     """The demand runs ahead while the axis presses: 6065 of 2.5 mm does not count then."""
     made = master("plant:positive.low_mm=1000", "plant:home.low_mm=900", "plant:home.high_mm=901")
@@ -198,6 +200,7 @@ def test_a_limit_switch_stops_the_axis_and_leaves_the_way_back(
     assert 60.0 < made.truth_mm < 60.5
 
 
+@pytest.mark.long
 def test_cyclic_position_waits_at_the_limit_switch_for_its_targets(
     master: Callable[..., Master],
 ) -> None:
@@ -235,6 +238,7 @@ def test_set_points_beyond_the_limit_switch_end_where_the_axis_stopped(
     assert made.truth_mm == pytest.approx(30.0, abs=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("start_mm", "free"), [(62.0, -1), (-52.0, 1)])
 def test_an_axis_that_is_enabled_on_a_limit_switch_moves_off_it_only(
     master: Callable[..., Master], start_mm: float, free: int
@@ -256,6 +260,7 @@ def test_torque_acts_away_from_the_limit_switch_only(master: Callable[..., Maste
     assert made.truth_mm < 61.0
 
 
+@pytest.mark.long
 def test_homing_on_a_limit_switch_is_no_emergency(master: Callable[..., Master]) -> None:
     made = master()
     made.home(18)

@@ -17,6 +17,7 @@ LEFT_MM = 2e-6
 SPEED_MM_S = 20.0 / np.sqrt(2.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("slow", "early", "late"), [("can2", "X", "Y"), ("can1", "Y", "X")])
 def test_axes_of_two_bit_rates_are_recorded_at_one_instant(
     run_nc: Any, slow: str, early: str, late: str
@@ -42,6 +43,7 @@ def test_axes_of_two_bit_rates_are_recorded_at_one_instant(
         assert out.column(f"{late}.{name}") == pytest.approx(values, abs=2e-5), name
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("written", "other"), [("X", "Y"), ("Y", "X")])
 def test_an_sdo_that_holds_up_one_sync_makes_no_axis_faster(
     run_nc: Any, written: str, other: str
@@ -62,6 +64,7 @@ def test_an_sdo_that_holds_up_one_sync_makes_no_axis_faster(
         assert found.value == pytest.approx(np.max(out.column(f"{axis}.velocity_mm_s")), rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_rig_with_one_segment_has_one_instant(run_nc: Any) -> None:
     names = run_nc("N10 G1 Z100.5 F6000", "", base="probe-z.toml").observed.series.names
     assert "time_ns" in names

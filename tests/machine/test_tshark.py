@@ -145,6 +145,7 @@ def agree(row: Row, ours: Dissected, frame: Frame) -> list[str]:
     return [f"{what}: {theirs} not {mine}" for what, theirs, mine in pairs if theirs != mine]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (Debian package tshark)")
 @pytest.mark.parametrize("kind", ["blf", "pcap"])
 def test_tshark_and_we_agree_on_every_frame(

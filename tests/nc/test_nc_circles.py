@@ -40,6 +40,7 @@ def points_on(coordinates, before, arc, shares=(0.0, 0.25, 0.5, 0.75, 1.0)):
     ]
 
 
+@pytest.mark.long
 @given(POINTS, RADII, st.floats(0, math.tau), st.floats(0.001, math.tau - 0.001), st.booleans())
 def test_an_arc_about_a_centre_has_the_angle_it_was_made_with(centre, r, begin, angle, clockwise):
     def on_circle(phi):
@@ -58,6 +59,7 @@ def test_an_arc_about_a_centre_has_the_angle_it_was_made_with(centre, r, begin, 
     )
 
 
+@pytest.mark.long
 @given(POINTS, POINTS, st.floats(1.0001, 100), st.booleans(), st.booleans())
 def test_an_arc_by_radius_has_the_chord_of_its_angle(start, end, factor, clockwise, long_way):
     chord = math.dist(start, end)
@@ -172,6 +174,7 @@ def test_under_a_coordinate_system_an_arc_keeps_radius_and_angle(
         assert low == pytest.approx(frame.down(high), abs=1e-8)
 
 
+@pytest.mark.long
 @given(GRID_COMPONENTS, st.tuples(GRID, GRID), RADII)
 def test_tangent_is_a_unit_vector_at_right_angles_to_the_radius(components, start, r):
     coordinates = at()

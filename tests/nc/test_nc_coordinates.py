@@ -31,6 +31,7 @@ def test_frame_turns_z_then_new_y_then_newest_x(components):
     assert Frame.of(components).rotation == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.long
 @given(COMPONENTS, COMPONENTS, POINTS)
 def test_nested_frames_act_one_after_the_other(lower, upper, point):
     def by_scipy(components, position):
@@ -49,6 +50,7 @@ def test_down_and_up_again_is_the_same_point(components, point):
     assert frame.up(frame.down(np.array(point))) == pytest.approx(point, abs=1e-9)
 
 
+@pytest.mark.long
 @given(COMPONENTS, COMPONENTS, POINTS)
 def test_programmed_position_is_read_back_after_the_way_through_the_axes(lower, upper, point):
     coordinates = at()

@@ -146,6 +146,7 @@ def test_ball_radius_counts_in_the_direction_of_the_run():
     assert coordinates.measured({"Z": 140.0}, ball_radius_mm=2.0)["Z"].pcs_mm == 142.0
 
 
+@pytest.mark.long
 @given(
     st.floats(-80, 80),
     st.floats(-1000, 1000),
@@ -176,6 +177,7 @@ def test_ten_metres_keep_a_tenth_of_a_micrometre():
     assert go(coordinates, X=10_000.0001) == (10_000.0001, 0.0, 0.0)
 
 
+@pytest.mark.long
 @given(
     st.tuples(*[st.floats(-360, 360)] * 3),
     st.tuples(*[st.floats(-10_000, 10_000)] * 3),

@@ -45,6 +45,7 @@ def test_an_origin_is_that_of_the_form_itself_before_that_of_its_module() -> Non
     assert min(own, of_module) > 5
 
 
+@pytest.mark.long
 def test_a_word_shows_what_fits_whole() -> None:
     assert "v T/kp" in oracle_listing("ramp_error_mm")
     assert "Derivation: the offset has to grow by v T" in oracle_listing("ramp_error_mm")

@@ -168,6 +168,7 @@ def test_window_criterion(axis: Axis, share: float) -> None:
     assert by_window(axis, window).holds(instant_ns(times, counted))
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(axes, st.floats(0.05, 0.95))
 def test_both_criteria(axis: Axis, share: float) -> None:

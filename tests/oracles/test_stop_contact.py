@@ -50,6 +50,7 @@ def test_contact_within_the_stated_bound(
     assert found.position_mm == 100.0
 
 
+@pytest.mark.long
 @settings(max_examples=200, deadline=None)
 @given(places, speeds, stiff)
 @example(0.02, 1.0, 1e5)  # on a row

@@ -34,6 +34,7 @@ def test_lasting_counts_from_the_last_break(flags: list[bool], rows: int) -> Non
         assert held[k] == (k >= rows and all(flags[k - rows : k + 1]))
 
 
+@pytest.mark.long
 @given(st.lists(st.booleans(), min_size=1, max_size=60))
 def test_begin_of_last(flags: list[bool]) -> None:
     row = len(flags) - 1

@@ -318,6 +318,7 @@ def typo(draw: random.Random) -> tuple[str, str]:
             return name.replace("[i]", "[0]"), right.replace("[i]", "[0]")
 
 
+@pytest.mark.long
 def test_of_50_typos_all_are_refused_and_48_have_the_right_proposal(tmp_path: Path) -> None:
     draw = random.Random(38)
     path, right = tmp_path / "some.lst", 0

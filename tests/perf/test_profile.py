@@ -29,6 +29,7 @@ def test_a_profile_names_functions_with_their_modules() -> None:
     assert lines[-1] == f"axisrig {build_word()}, sources {sources_sha256()}"
 
 
+@pytest.mark.long
 def test_stages_of_a_next_run_add_up_to_all_of_it() -> None:
     """With a clock that goes on by 1 ms whenever it is read, one run."""
     ticks = count(0, 1_000_000)

@@ -251,6 +251,7 @@ def test_rows_of_a_plan_are_checked_as_a_plan_of_their_own(tmp_path: Path) -> No
     assert {case.rig for case in plan.cases} == {(PLANS / "rigs/probe-z.toml").resolve()}
 
 
+@pytest.mark.long
 def test_a_command_is_timed_in_a_process_and_must_succeed(tmp_path: Path) -> None:
     place = yardsticks.Place(PLANS, tmp_path, CLOCKS)
     assert measured("help")["value"] == pytest.approx(0.001)
@@ -385,6 +386,7 @@ def test_what_is_no_result_is_refused(tmp_path: Path) -> None:
     assert read_suite_result(file) == a_result()
 
 
+@pytest.mark.long
 def test_the_command_prints_a_table_an_object_or_a_page(tmp_path: Path) -> None:
     words = ["-k", "help", "--repeats", "1", "--plans", str(PLANS)]
     out = report([*words, "--json"])

@@ -214,6 +214,7 @@ def test_long_and_equal_values_get_a_hash(write_plan: PlanWriter) -> None:
 SWEPT = st.text("+-*/ =%abZ019.;,ü", min_size=1, max_size=9).map(str.strip).filter(bool)
 
 
+@pytest.mark.long
 @given(st.sets(SWEPT.filter(lambda text: ".." not in text), min_size=2, max_size=4))
 def test_every_value_makes_an_id_that_a_results_folder_takes(values: set[str]) -> None:
     """`at=motion+[10ms | 20ms]` and `+600` are values as others are."""

@@ -193,6 +193,7 @@ def test_a_lock_that_is_a_file_of_somebody_else_is_not_written(out: Path, tmp_pa
     assert precious.read_text(encoding="utf-8") == "mine\n"
 
 
+@pytest.mark.long
 def test_the_folder_itself_may_be_a_link_and_links_of_the_user_beside_the_results(
     out: Path, tmp_path: Path
 ) -> None:

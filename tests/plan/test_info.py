@@ -42,6 +42,7 @@ def test_a_rig_gives_its_table_with_that_of_its_base(tmp_path: Path) -> None:
     assert info_of_rig(rig) == {}
 
 
+@pytest.mark.long
 def test_it_is_in_every_result(tmp_path: Path) -> None:
     """Two rows with one device and different serial numbers; one of the columns is of both."""
     for name in ("p.nc", "r.toml"):

@@ -147,6 +147,7 @@ def test_runs_of_a_call_are_joined_with_all_that_it_has_set(
             joined(tmp_path / "none", other)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("file", ["probe.nc", "machine.toml"])
 def test_a_share_whose_files_are_others_now_is_refused(
     plan: Plan, tmp_path: Path, file: str
@@ -207,6 +208,7 @@ def test_statistics_of_a_choice_are_those_whose_runs_are_all_chosen(
     assert found.runs_planned == len(runs) + len(statistics)
 
 
+@pytest.mark.long
 def test_a_row_that_the_joined_folder_completes_is_judged_with_what_it_has(
     plan: Plan, tmp_path: Path
 ) -> None:

@@ -57,6 +57,7 @@ def test_results_come_as_their_tasks_end(tmp_path: Path) -> None:
     assert list(results) == [(0, 0)]
 
 
+@pytest.mark.long
 def test_a_process_ends_after_so_many_tasks() -> None:
     """The answers stay in order; each process did the number of tasks that it may."""
     done = list(run_apart(os.getpid, [[] for _ in range(7)], jobs=1, is_fresh=False, tasks_max=3))
@@ -94,6 +95,7 @@ def _interfere(content: bytes, rests: bool) -> str:
 HEAD = channel.MAGIC + struct.pack("<Q", 10)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("content", "rests", "words"),
     [
@@ -139,6 +141,7 @@ def _write_with_a_limit(path: Path, limit: int | None) -> int:
         return file.write(bytes(10)) + (file.write(bytes(10)) or 0)
 
 
+@pytest.mark.long
 @posix
 def test_a_limit_that_was_lowered_is_no_full_disk(tmp_path: Path) -> None:
     """It ends its own row; a disk that is full, of which nothing was lowered, ends the campaign."""
@@ -161,6 +164,7 @@ def _sockets(_number: int) -> int:
     return sum(link.startswith("socket:") for link in links)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_a_process_has_no_end_of_another(tmp_path: Path) -> None:
     """Those that are started later have no more descriptors than the first."""
@@ -186,6 +190,7 @@ def hold(number):
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere they end with their task")
 def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
     """SIGKILL to the parent alone, in the middle of their tasks."""
@@ -215,6 +220,7 @@ def _lives(pid: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.long
 def test_a_task_that_needs_a_new_process_shares_it_with_nobody() -> None:
     """Between two that may share one."""
     fresh = [False, False, True, False, False]

@@ -137,6 +137,7 @@ def test_only_results_folders_are_cleared(plan: Plan, tmp_path: Path) -> None:
         read_results(tmp_path)
 
 
+@pytest.mark.long
 def test_limits_of_magnitudes_are_drawn_on_both_sides(plan: Plan, tmp_path: Path) -> None:
     out = write(tmp_path / "out", plan, [0])
     (run,) = opened(build_report(out)).values()

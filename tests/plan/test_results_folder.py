@@ -151,6 +151,7 @@ def test_an_interrupted_part_leaves_the_whole_finished(plan: Plan, tmp_path: Pat
     assert (read_results(out).missing, manifest(out)["finished"]) == (0, False)
 
 
+@pytest.mark.long
 def test_new_input_columns_are_added(plan: Plan, write_plan: PlanWriter, tmp_path: Path) -> None:
     out = write(tmp_path / "out", plan, [0, 1, 2])
     wider = TEXT.replace("set:Z.edge", "plc:V.E.F,set:Z.edge").replace(",NEG", ",5,NEG")

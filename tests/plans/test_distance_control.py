@@ -249,6 +249,7 @@ def test_cycle_of_an_alarm_that_a_wrong_sign_or_the_defaults_bring(case: str) ->
     assert setup.row[AFTER] == f"== {cycle}"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", [name for name in ROWS if name.startswith("sign-")])
 def test_only_documented_signs_converge(case: str) -> None:
     """The other half ends in 70330 or 70331."""

@@ -15,6 +15,7 @@ with (PLANS / "distance_sercos.csv").open(encoding="utf-8", newline="") as file:
     ROWS = {row["case"]: row for row in csv.DictReader(file)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", ROWS)
 def test_a_row_is_that_of_can_with_one_dead_cycle_more(case: str) -> None:
     row, on_can = ROWS[case], ON_CAN[case]

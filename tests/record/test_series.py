@@ -66,6 +66,7 @@ def write(path: Path | None, sizes: Sequence[int]) -> Series:
     return writer.close()
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(sizes=st.lists(st.integers(0, 40), min_size=1, max_size=6), is_kept=st.booleans())
 def test_blocks_read_back_as_the_columns_of_one(

@@ -288,6 +288,7 @@ def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
     assert len(article) < 9_000
 
 
+@pytest.mark.long
 def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) -> None:
     lacking = FINDINGS | {"alarm": info(SAMPLES["alarm"], errors=None)}
     with pytest.raises(UserError, match="`distance` of run distance-alarm cannot be read"):

@@ -108,6 +108,7 @@ def test_commands_are_marks(chapter_10: tuple[ControlFindings, str, Path]) -> No
         assert word in text
 
 
+@pytest.mark.long
 def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
     """CONST_DIST, a mean of 4, one dead cycle: limit 0.619. 1 um is enough to start it."""
     (tmp_path / "loop.nc").write_text(LOOP, encoding="utf-8")
@@ -127,6 +128,7 @@ def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
     assert "the error swings by ±" in text or "ended by ID" in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "reason"),
     [
@@ -160,6 +162,7 @@ N080 M30
 """
 
 
+@pytest.mark.long
 def test_changes_of_parameters_and_no_move(tmp_path: Path) -> None:
     """Each law has its own row and error; an offset that is handed over is no motion."""
     (tmp_path / "changes.nc").write_text(CHANGES, encoding="utf-8")

@@ -119,6 +119,7 @@ ENDS = (25 - 268 / SCALE, 25 + 268 / SCALE)
 """X at both edges of the picture."""
 
 
+@pytest.mark.long
 def test_a_picture_has_equal_scales_and_its_room() -> None:
     side, near = pictures()[0][0]["frames"]
     assert side["viewBox"] == "0 0 600 474"

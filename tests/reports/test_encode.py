@@ -93,6 +93,7 @@ def test_the_range_ends_before_the_differences_of_64_bits_do(sign: float, steps:
     np.testing.assert_array_equal(back(ends, 0), ends)
 
 
+@pytest.mark.long
 @given(hnp.arrays(np.float64, st.integers(1, 50), elements=st.floats(-1e6, 1e6)))
 def test_no_value_is_off_by_more_than_half_a_step(values: Array) -> None:
     off = np.abs(back(values, 6) - values)
@@ -100,6 +101,7 @@ def test_no_value_is_off_by_more_than_half_a_step(values: Array) -> None:
     assert (off <= 0.5e-6 + np.spacing(np.abs(values))).all()
 
 
+@pytest.mark.long
 def test_the_page_holds_every_sample_of_the_trace(campaign: Path) -> None:
     runs = opened(build_report(campaign))
     assert sum(bool(run.packed) for run in runs.values()) == 12

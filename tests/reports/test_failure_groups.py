@@ -55,6 +55,7 @@ def test_runs_without_a_card_are_counted_one_by_one(monkeypatch: pytest.MonkeyPa
     assert [run for run in "abcdefghijklmn" if made.is_example(run)] == ["a", "d"]
 
 
+@pytest.mark.long
 def test_failures_of_a_sweep_are_one_card_that_says_where(tmp_path: Path) -> None:
     """Eleven values of A with two of B: with the second one m is -A / 50, below -1 from 60 on."""
     rows = [
@@ -145,6 +146,7 @@ def test_both_sides_other_metrics_and_other_cases_are_cards_of_their_own(tmp_pat
     assert [group.worst.run for group in groups] == ["r1", "r5", "r6"]
 
 
+@pytest.mark.long
 def test_a_card_draws_the_limit_that_was_broken_and_not_the_other_one(tmp_path: Path) -> None:
     """Below -1 at A = 0 and 1, above 1 from 3 on: each card has the limit of its own side."""
     rows = [("c", str(a), "1", value) for a, value in enumerate((-2.0, -3.0, 0.0, 2.0, 3.0, 4.0))]
@@ -194,6 +196,7 @@ def test_runs_are_one_card_if_case_kind_verdict_and_side_are_the_same(
     assert sorted([run.run for run in group.runs] for group in found) == groups
 
 
+@pytest.mark.long
 def test_what_else_failed_is_counted(tmp_path: Path) -> None:
     rows = [("c", str(a), "1", 2.0 + a) for a in range(3)]
     (card,) = cards(written(tmp_path, rows, more="inconclusive"))
@@ -219,6 +222,7 @@ def test_errors_that_differ_in_numbers_alone_are_equal(tmp_path: Path) -> None:
     assert sorted(len(group.runs) for group in groups) == [4]
 
 
+@pytest.mark.long
 def test_many_cards_are_folded_and_the_runs_are_near(tmp_path: Path) -> None:
     rows = [(f"c{n}", "1", "1", 2.0) for n in range(30)]
     page = build_report(folder_of(tmp_path, rows)).read_text(encoding="utf-8")

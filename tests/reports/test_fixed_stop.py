@@ -316,6 +316,7 @@ def test_a_run_without_signals_still_has_its_timeline() -> None:
 # The page
 
 
+@pytest.mark.long
 def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) -> None:
     lacking = FINDINGS | {"found-by-lag": info(SAMPLES["found-by-lag"], marks=None)}
     with pytest.raises(UserError, match="`fixed_stop` of run stops-found-by-lag cannot be read"):

@@ -23,6 +23,7 @@ def written(folder: Path, cases: str = CASES, results: str = RESULTS) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_results_of_another_tool_are_shown(tmp_path: Path) -> None:
     """The last rows have no end of line: they count."""
     path = build_report(written(tmp_path))
@@ -35,6 +36,7 @@ def test_results_of_another_tool_are_shown(tmp_path: Path) -> None:
     assert "axisrig replay" not in page
 
 
+@pytest.mark.long
 def test_the_fewest_columns_are_enough(tmp_path: Path) -> None:
     page = whole(
         build_report(written(tmp_path, "run,verdict\na,fail\n", "run,metric,verdict\na,x,fail\n"))
@@ -42,12 +44,14 @@ def test_the_fewest_columns_are_enough(tmp_path: Path) -> None:
     assert "x has no value" in page
 
 
+@pytest.mark.long
 def test_a_check_that_failed_as_expected_does_not_count_as_passed(tmp_path: Path) -> None:
     rows = "run,metric,verdict,note\na,x,pass,\na,y,fail,was expected to fail\n"
     page = whole(build_report(written(tmp_path, "run,verdict\na,pass\n", rows)))
     assert "1 check passed, 1 failed as expected" in page
 
 
+@pytest.mark.long
 def test_runs_without_any_check_are_shown(tmp_path: Path) -> None:
     page = whole(build_report(written(tmp_path, "run,verdict\na,pass\n", "run,metric,verdict\n")))
     assert "0 checks passed" in page

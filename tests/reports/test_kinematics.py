@@ -422,6 +422,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_runs(folder, "tool", {"ecs": ECS, "mcs": MCS}, {"ecs": LEFT, "mcs": LEFT})
 
 
+@pytest.mark.long
 def test_the_page_has_the_side_view_and_stays_the_same(results: Path) -> None:
     first = build_report(results, findings=tilted.found).read_bytes()
     assert build_report(results, findings=tilted.found).read_bytes() == first

@@ -100,6 +100,7 @@ def test_a_report_is_printed_beside_it_in_place_of_an_older_one(
     assert not Path(profile.partition("=")[2]).exists()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/bin/sh").exists(), reason="needs a shell")
 def test_a_browser_that_does_not_end_or_says_nothing_is_an_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

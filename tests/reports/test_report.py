@@ -158,6 +158,7 @@ def test_tables_are_readable_without_eyes(page: Page) -> None:
     assert page.find("html", lang="en")
 
 
+@pytest.mark.long
 def test_an_interrupted_campaign_is_said_to_be_one(campaign: Path, tmp_path: Path) -> None:
     part = tmp_path / "part"
     shutil.copytree(campaign, part)
@@ -243,6 +244,7 @@ def test_other_folders_are_refused(tmp_path: Path) -> None:
         build_report(tmp_path)
 
 
+@pytest.mark.long
 def test_a_run_whose_trace_is_empty_is_shown_without_plots(campaign: Path, tmp_path: Path) -> None:
     other = tmp_path / "empty"
     shutil.copytree(campaign, other)

@@ -64,6 +64,7 @@ def test_a_run_shows_its_failures_above_everything_else(source: str) -> None:
     assert "above its upper limit" not in opened(source)["probing-feed_1_a"].html
 
 
+@pytest.mark.long
 def test_many_failures_leave_room_for_the_runs(
     campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,6 +89,7 @@ def test_a_run_is_found_by_its_words(source: str) -> None:
     assert "50052" not in find["probing-feed_1_a"]
 
 
+@pytest.mark.long
 def test_files_of_a_run_are_named_from_the_page(campaign: Path, tmp_path: Path) -> None:
     """The command was in the folder of the plan: `axisrig run probing.csv -o out/probing`."""
     part = tmp_path / "part"

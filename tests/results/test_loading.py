@@ -180,6 +180,7 @@ def test_csv_has_its_units_in_the_second_row(
     assert axisrig("export", folder_of_results)[0] == 2
 
 
+@pytest.mark.long
 def test_sql_asks_all_tables(
     folder_of_results: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:

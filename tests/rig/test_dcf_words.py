@@ -121,6 +121,7 @@ def test_the_encoder_of_a_dcf_counts_by_its_revolutions(
     assert str(caught.value.value).startswith(shown)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("zero", ["6091sub1", "6091sub2", "6092sub1", "6092sub2", "608Fsub2"])
 def test_a_0_of_a_dcf_is_its_value_and_not_the_default(
     with_eds: Callable[..., Settings], zero: str

@@ -126,6 +126,7 @@ def test_a_mode_outside_the_limits_of_6060_is_refused(
     assert (caught.value.value, caught.value.allowed) == (8, f"{low_value} to {high}")
 
 
+@pytest.mark.long
 def test_limits_count_for_every_write_of_the_start_up(with_eds: Callable[..., Settings]) -> None:
     text = changed(EDS, "6065", LowLimit="10", HighLimit="5000")
     for value, is_refused in ((10, False), (5000, False), (9, True), (5001, True)):

@@ -36,6 +36,7 @@ def with_object(index: str, state: str) -> str:
     return EDS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("state", [PRESENT, NOT_MAPPED, MISSING])
 def test_digital_inputs(with_eds: WithEds, state: str) -> None:
     settings = with_eds(with_object("60FD", state))

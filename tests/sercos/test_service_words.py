@@ -88,6 +88,7 @@ def test_an_attribute_comes_back(attribute: Attribute) -> None:
     assert Attribute.read(attribute.pack()) == attribute
 
 
+@pytest.mark.long
 @given(st.lists(st.integers(0, 0xFFFF), max_size=20), st.integers(0, 5))
 def test_a_list_comes_back_with_its_capacity(items: list[int], more: int) -> None:
     data = pack_list(items, 2, len(items) + more)
@@ -160,6 +161,7 @@ def test_codes_of_the_tables() -> None:
     assert command_states() == states
 
 
+@pytest.mark.long
 @pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (Debian package tshark)")
 def test_tshark_reads_the_messages(tmp_path: Path) -> None:
     """tshark 4.0.17 shows the ident in its field of the error code, so that is not looked at."""

@@ -124,6 +124,7 @@ def test_the_bins_of_a_histogram_are_those_of_numpy() -> None:
     assert found.edges == pytest.approx(edges)
 
 
+@pytest.mark.long
 def test_confidence_is_what_it_says() -> None:
     """Of 2000 seeded samples of 10 the intervals of mean and s hold the truth in 95 % +- 1.5 %."""
     rng = np.random.default_rng(11)
@@ -232,6 +233,7 @@ def test_what_cannot_be_said_is_refused_in_words() -> None:
         type_1([1.0, 2.0], 0.0, 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("error")
 @settings(max_examples=60, deadline=None)
 @given(

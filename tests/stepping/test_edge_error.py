@@ -31,6 +31,7 @@ def test_edge_does_not_depend_on_the_step(errors: Any, name: str) -> None:
     assert (edges == edges[0]).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
 def test_plain_masters_miss_it_by_far(errors: Any, name: str) -> None:
     """So the comparison can tell: a step that ends late, a cubic across the bend or the mode."""
@@ -49,6 +50,7 @@ def test_reference_of_the_bent_motion_is_the_closed_form(edge_error: ModuleType)
         assert edge_error.reference_s(case, place) == pytest.approx(bend + since, abs=1e-13)
 
 
+@pytest.mark.long
 def test_latched_position_is_as_exact(edge_error: ModuleType, tmp_path: Path) -> None:
     """The encoder 333 us after the edge, in the ringing, against scipy: below 0.01 nm."""
     case = edge_error.CASES["160 Hz mode"]

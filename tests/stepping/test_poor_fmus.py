@@ -27,6 +27,7 @@ def edge_of(plant: Any, end_ns: int = 30 * MS) -> tuple[int, float]:
     return edge_ns, probe.edge_uncertainty_ns
 
 
+@pytest.mark.long
 def test_level_is_enclosed_to_a_nanosecond_where_the_state_can_be_saved(plant: Make) -> None:
     edge_ns, uncertainty_ns = edge_of(plant(BENT, LEVEL, probe_start={"surface": SURFACE}))
     assert uncertainty_ns == 1
@@ -91,6 +92,7 @@ def test_without_a_saved_state_the_step_is_the_uncertainty(
     assert abs(edge_ns + surface / 0.02 * 1e9) <= uncertainty_ns
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fixed_us", [None, 10, 50, 200, 700])
 def test_the_fixed_step_of_an_fmu_is_the_uncertainty_where_it_is_longer(
     plant: Make, fixed_us: int | None
@@ -142,6 +144,7 @@ def test_velocity_is_derived_where_an_axis_tells_none(plant: Make, can_save: boo
     assert made.axes["axis"].motion[1] == pytest.approx(-0.02 + made.now_ns * 1e-9, abs=1e-9)
 
 
+@pytest.mark.long
 def test_plain_demand_is_the_ramp_held_for_62_us(plant: Make) -> None:
     """First-order lag under a staircase: x(k+1) = d(k) + (x(k) - d(k)) exp(-h/T)."""
     ends = []
@@ -162,6 +165,7 @@ def test_plain_demand_is_the_ramp_held_for_62_us(plant: Make) -> None:
     assert ends[1] == pytest.approx(ends[0], abs=1e-15)
 
 
+@pytest.mark.long
 def test_axis_that_cannot_be_switched_off_stays_where_it_was(plant: Make) -> None:
     made = plant(FOLLOWER, LEVEL, axis_start={"position_start": 0.2}, probe_start={"surface": -1.0})
     axis = made.axes["axis"]

@@ -104,6 +104,7 @@ def test_several_edges_in_a_fine_step_are_all_found(plant: Make) -> None:
     assert times_ns == pytest.approx([touch_ns + k * 8000 for k in range(5)], abs=1)
 
 
+@pytest.mark.long
 def test_several_edges_are_an_error_when_no_step_can_be_repeated(plant: Make) -> None:
     # The step ends inside the second touch
     made = plant(BENT, BOUNCER, probe_start={"surface": -0.00029961}, can_save=False)
@@ -111,6 +112,7 @@ def test_several_edges_are_an_error_when_no_step_can_be_repeated(plant: Make) ->
         edges_of(made, 20 * MS)
 
 
+@pytest.mark.long
 def test_motion_that_breaks_the_bound_near_an_edge_is_an_error(plant: Make) -> None:
     """From rest to 5 m/s at once, 1 mm above the plane: faster than 500 m/s2 allows."""
     made = plant(JUMPER, probe_start={"surface": -0.001})

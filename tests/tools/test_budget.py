@@ -379,6 +379,7 @@ def test_a_budget_in_a_results_folder_is_in_the_card_of_its_run(tmp_path: Path) 
         report_of(tmp_path, "ab" * 32)
 
 
+@pytest.mark.long
 def test_a_budget_of_a_row_that_the_folder_lacks_is_refused(tmp_path: Path) -> None:
     report_of(tmp_path, "ab" * 32)
     budget = replace(make_budget(probe_row(), None, calculated), run="latch_accuracy-f60")

@@ -69,6 +69,7 @@ def test_each_source_of_a_distance_has_its_own_dead_cycles(monkeypatch: pytest.M
     assert found == [("2", ""), ("", "0.115"), ("4", ""), ("", "0.135")]
 
 
+@pytest.mark.long
 def test_the_choice_of_the_rig_is_shown_and_changes_no_number() -> None:
     chosen = ["distance:limiter=clamp", "distance:derivative=per_cycle"]
     assert shown("distance-z", *chosen) == shown("distance-z")

@@ -242,6 +242,7 @@ def test_a_sensor_that_reads_angles_is_refused(rig: str) -> None:
         parts_of(settings_of(RIGS / f"{rig}.toml", []))
 
 
+@pytest.mark.long
 def test_the_command_says_what_is_in_the_package_and_what_not(tmp_path: Path) -> None:
     target = tmp_path / "xy.ssp"
     rig = RIGS / "fixed-stop-xy.toml"

@@ -30,6 +30,7 @@ def metrics_of(cases: list[Case]) -> Counter[str]:
     return Counter(name for case in cases for name in {check.name for check in case.checks})
 
 
+@pytest.mark.long
 def test_every_metric_of_the_shipped_plans_is_checked_and_no_row_is_idle():
     shown = rows_of_every_metric(CASES, simulated_s())
     rows = [case for case in CASES if case.run in shown]
@@ -112,6 +113,7 @@ def test_what_the_compiled_build_runs_is_left_out_but_for_what_it_skips(place, m
     assert not is_left_to_compiled(item, [])
 
 
+@pytest.mark.long
 def test_a_small_fmu_is_built_once_for_each_content(tmp_path):
     library = tmp_path / "Small"
     library.mkdir()

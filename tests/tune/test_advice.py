@@ -106,6 +106,7 @@ def test_error_on_a_slope_is_one_over_kp() -> None:
             assert error.sum() == pytest.approx(1 / law.kp, rel=1e-6), name
 
 
+@pytest.mark.long
 def test_surface_without_skew_gets_the_default() -> None:
     found = advise(Loop(T_S, set_pos(mean(4), delay(2), delay(2)), mean(4)))
     assert found is not None

@@ -128,6 +128,7 @@ def test_kinds_of_pictures() -> None:
             kind_of(File(name))
 
 
+@pytest.mark.long
 def test_a_picture_is_the_same_each_time(tmp_path: File) -> None:
     """Without a date in it."""
     for name in ("a.svg", "b.svg"):

@@ -125,7 +125,7 @@ def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
     assert np.abs(answer - np.cumsum(expected)[: len(answer)]).max() < 2e-3
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "variable", "dead", "renewal"),
     [
@@ -180,6 +180,7 @@ def test_above_the_limit_of_a_real_axis_a_step_grows_until_the_sensor_ends(servo
         _stepped(servo, 1.2 * mode(servo, CONST_DIST).stable_kp[1])
 
 
+@pytest.mark.long
 def test_the_answer_of_a_real_axis_is_predicted(servo: Tuning) -> None:
     assert not servo.distance.is_dead_time
     assert servo.trial is not None
@@ -194,12 +195,14 @@ def test_text_says_what_was_found(tuned: Tune) -> None:
     assert max(len(line) for line in text.splitlines()) <= 110
 
 
+@pytest.mark.long
 def test_a_sensor_of_the_wrong_sign_is_refused() -> None:
     bench = choose(RIG, None, None, ("set:Z.lr_hw[1].vz_istw=0",))
     with pytest.raises(UserError, match=r"opposite and equal.*P-AXIS-00230"):
         tune(bench)
 
 
+@pytest.mark.long
 def test_a_sensor_of_the_wrong_scale_is_refused() -> None:
     bench = choose(RIG, None, None, ("set:Z.lr_hw[1].encoder_resolution_num=20",))
     with pytest.raises(UserError, match=r"opposite and equal.*P-AXIS-00422"):

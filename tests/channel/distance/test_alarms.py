@@ -20,6 +20,7 @@ def stepping(mm: float) -> Callable[[int], float]:
     return lambda time_ns: mm if time_ns >= 200 * MS + 300_000 else 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_optimized", [True, False])
 @pytest.mark.provokes(70331, 7, owner="axis Z")
 def test_an_alarm_of_the_control_holds_the_offset_and_halts_the_axis(
@@ -163,6 +164,7 @@ def test_without_a_sensor_there_is_nothing_to_look_at(
     assert made.alarm_ids == [310029]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900006, 7, axis="X")
 def test_a_silent_drive_of_another_axis_does_not_blind_it_while_the_axes_stop(
     distance_bench: Make, say: Any, words: Any

@@ -41,6 +41,7 @@ def of_path(plc: Any, is_on: bool) -> None:
     plc.feedhold = is_on
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hold", [of_axis, by_override])
 @pytest.mark.parametrize("is_optimized", [True, False])
 def test_feedhold_and_override_0_of_the_axis_freeze_the_offset_to_the_bit(
@@ -68,6 +69,7 @@ def in_m_wait(say: Any) -> list[canon.Command]:
     return [on(say), canon.TechnologyFunction(Block(2, 20, "N20 M50"), "M", 50), say.dwell(1)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("program", [in_g4, in_m_wait])
 def test_dwell_and_m_wait_do_not_freeze_it(
     distance_bench: Make, say: Any, program: Callable[[Any], list[canon.Command]]
@@ -80,6 +82,7 @@ def test_dwell_and_m_wait_do_not_freeze_it(
     assert made.seen.offset_mm[895] == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.long
 def test_feedhold_of_the_path_does_not_freeze_it(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -96,6 +99,7 @@ def test_feedhold_of_the_path_does_not_freeze_it(
 # The path and axes beside it
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hold", [of_axis, by_override])
 def test_a_held_axis_holds_the_path_that_moves_it(
     distance_bench: Make, say: Any, words: Any, hold: Callable[[Any, bool], None]
@@ -128,6 +132,7 @@ def test_it_does_not_hold_a_path_of_other_axes_but_the_next_one_that_moves_it(
     assert x[start + 215] == 2.0
 
 
+@pytest.mark.long
 def test_an_axis_beside_the_path_is_held_by_itself(
     distance_bench: Make, say: Any, words: Any
 ) -> None:

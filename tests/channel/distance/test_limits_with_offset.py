@@ -28,6 +28,7 @@ def test_counted_it_stops_the_axis_at_the_switch(distance_bench: Make, say: Any)
     assert 12.1 < made.seen.actual_mm[-1] < 12.1 + 5 * 20e-3
 
 
+@pytest.mark.long
 def test_not_counted_it_does_not(distance_bench: Make, say: Any) -> None:
     made = made_with(distance_bench, counts=False, height_mm=3.0)
     made.run(say.command("on", set_pos_mm=0.0), say.dwell(600), say.command("off"))

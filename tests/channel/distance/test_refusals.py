@@ -170,6 +170,7 @@ def test_no_run_begins_on_an_axis_whose_control_is_on(
     assert set(made.seen.interpolated_mm) == {say.start_mm}
 
 
+@pytest.mark.long
 def test_frozen_or_on_another_axis_it_does_not_keep_an_axis_from_measuring(
     distance_bench: Make, say: Any, words: Any
 ) -> None:

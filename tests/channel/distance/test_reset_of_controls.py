@@ -32,6 +32,7 @@ LED_TO = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("state", LED_TO)
 @pytest.mark.parametrize("is_optimized", [False, True])
 def test_a_reset_switches_off_and_leaves_the_tool_where_it_is(

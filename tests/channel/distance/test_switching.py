@@ -106,6 +106,7 @@ def test_an_offset_is_there_until_the_last_of_it_was_sent(
         assert seen == [none, *(at_once if is_optimized else late), none, none]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("has_other", [False, True])
 def test_the_end_of_a_program_waits_for_an_offset_that_runs_out(
     distance_bench: Make, say: Any, words: Any, has_other: bool
@@ -142,6 +143,7 @@ def test_a_program_ends_without_waiting_for_a_surface_that_moves(
     assert made.seen.time_ns[-1] < 500 * MS
 
 
+@pytest.mark.long
 def test_frozen_the_axis_is_asked_for_its_exact_stop_as_ever(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -233,6 +235,7 @@ def test_an_error_of_another_axis_does_not_stop_it_before_the_axes_stand(
     assert made.control.offset_mm == seen.offset_mm[-1]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900029, 7, axis="X")
 def test_an_error_that_halts_every_axis_by_its_own_ramp_leaves_the_offset_where_it_is(
     distance_bench: Make, say: Any, words: Any
@@ -287,6 +290,7 @@ def test_a_lag_behind_the_offset_is_a_lag(distance_bench: Make, say: Any) -> Non
     assert made.alarm_ids == [900036]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("buffer_cycles", [0, 3])
 def test_a_gantry_slave_takes_the_offset_over_with_its_master(
     distance_bench: Make, say: Any, words: Any, buffer_cycles: int

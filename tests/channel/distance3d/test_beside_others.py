@@ -22,6 +22,7 @@ REFUSED = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("text", "alarm_id"), REFUSED)
 @pytest.mark.provokes(900461, 2)
 @pytest.mark.provokes(900460, 2)
@@ -64,6 +65,7 @@ def test_51062_while_its_offset_may_change(make_head: Make, word: str) -> None:
     assert made.alarm_ids == [900315]
 
 
+@pytest.mark.long
 def test_frozen_over_a_change_of_the_kinematic_no_axis_moves(make_head: Make) -> None:
     made = make_head(lambda _ms: 0.5)
     made.run(
@@ -87,6 +89,7 @@ def test_a_frozen_offset_goes_on_with_the_same_kinematic_built_again(make_head: 
     assert made.offset_mm[-1] == pytest.approx(0.8, abs=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("counts", [False, True])
 def test_software_limits_count_it_where_the_list_says_so(make_head: Make, counts: bool) -> None:
     """Z at 180 + 1 mm with the limit 180.5: P-CHAN-00809."""

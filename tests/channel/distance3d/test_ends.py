@@ -68,6 +68,7 @@ def test_a_reset_keeps_the_offset_and_follows_no_more(make_head: Make) -> None:
     assert away == pytest.approx(math.tan(math.radians(40)), abs=1e-4)
 
 
+@pytest.mark.long
 def test_the_end_of_the_program_keeps_it_too_and_warns_of_nothing(make_head: Make) -> None:
     made = make_head(lambda _ms: 1.0)
     made.run(TILTED + "#DIST CTRL ON [SET_POS=0 MODE=ECS]\n#TIME 0.2")

@@ -18,6 +18,7 @@ def names(count: int) -> tuple[str, ...]:
     return tuple(f"Q{number}" for number in range(count))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", ["MCS", "ECS"])
 @pytest.mark.parametrize("machine", MACHINES)
 def test_the_tool_moves_by_o_over_cos_b_and_keeps_its_orientation(machine: str, mode: str) -> None:

@@ -32,6 +32,7 @@ def test_a_program_of_the_manual_runs(make_head: Make) -> None:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "after",
     [

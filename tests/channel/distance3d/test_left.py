@@ -162,6 +162,7 @@ def test_the_control_of_an_axis_is_on_after_the_end_of_its_program(
     assert made.alarm_ids[-1] == 70332
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["tool", LONG("axis")])
 @pytest.mark.parametrize("buffer_cycles", [0, LONG(5)])
 def test_frozen_while_the_kinematic_goes_it_stays_on_its_axes(

@@ -12,6 +12,7 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.plc.unit import Refreshed
 
 
+@pytest.mark.long
 def test_the_plc_sees_inclination_and_length_of_every_cycle(make_head: Make) -> None:
     """FCT-M3 12.5, of the actual positions; with kinematic 98 [30; 60] at 40 deg: 90.440 mm."""
     made = make_head()
@@ -160,6 +161,7 @@ def test_diagnosis_data_count_the_cycles_that_fail(make_tool_loop: Make, tool: A
 # ---- the sensor
 
 
+@pytest.mark.long
 @pytest.mark.provokes(310020, 7, owner="the channel")
 def test_check_pos_and_ref_are_those_of_the_distance(make_head: Make) -> None:
     """At A -40 the clamping point is 80 cos 40 = 61.284 mm above the surface."""
@@ -183,6 +185,7 @@ def test_a_variable_that_nobody_writes_is_warned_of(make_head: Make) -> None:
     assert made.alarm_ids == [900315]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900314, 7, owner="the channel")
 def test_a_value_that_does_not_come_any_more_freezes_it(make_head: Make) -> None:
     made = make_head(rising)

@@ -70,6 +70,7 @@ def test_the_zero_is_the_mean_of_as_many_values_as_the_filter_has(
     assert len(made.state) < 300
 
 
+@pytest.mark.long
 def test_ref_forgets_values_of_a_sideways_motion(make_head: Make) -> None:
     """Along the normal X moves the tool over another surface: 1 mm lower after it."""
     made = referred(

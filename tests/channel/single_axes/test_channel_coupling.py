@@ -34,6 +34,7 @@ def test_a_slave_takes_every_step_of_its_master(channel_bench: Make, words: Any)
     assert bench.final_mm("X2") == pytest.approx(17.0, abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_a_slave_stands_when_the_coupling_is_off(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("X2"))
     program = [link_on(GANTRY), words.move(3, 600.0, X=5.0), link_off()]
@@ -43,6 +44,7 @@ def test_a_slave_stands_when_the_coupling_is_off(channel_bench: Make, words: Any
     assert max(bench.set_mm("X2")) == 5.0
 
 
+@pytest.mark.long
 def test_the_master_moves_as_the_weaker_of_both_can(channel_bench: Make, words: Any) -> None:
     strong, weak = words.axis("X"), words.axis("X2", a_mm_s2=250.0, speed_max_mm_s=5.0)
     bench = channel_bench(strong, weak)
@@ -53,6 +55,7 @@ def test_the_master_moves_as_the_weaker_of_both_can(channel_bench: Make, words: 
     assert there - begin == 1020  # d/v + v/a = 5/5 + 5/250
 
 
+@pytest.mark.long
 def test_a_slave_measures_nothing_and_brakes_with_its_master(
     channel_bench: Make, words: Any
 ) -> None:
@@ -95,6 +98,7 @@ def test_the_limits_watch_the_actual_positions(
     assert bench.final_mm("X2") == pytest.approx(bench.final_mm("X"), abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_a_gantry_is_coupled_when_the_axes_stand(channel_bench: Make, words: Any) -> None:
     """At the end of a block the axis is v/Kv = 0.5 mm behind, more than the limits allow."""
     bench = channel_bench(words.axis("X"), words.axis("X2"))
@@ -104,12 +108,14 @@ def test_a_gantry_is_coupled_when_the_axes_stand(channel_bench: Make, words: Any
     assert bench.alarm_ids == []
 
 
+@pytest.mark.long
 def test_a_distance_from_before_is_no_difference(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X", start_mm=100.0), words.axis("X2"))
     bench.run([link_on(GANTRY), words.move(3, 600.0, X=105.0), words.end()])
     assert bench.alarm_ids == []
 
 
+@pytest.mark.long
 def test_without_limits_nothing_is_watched(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("X2"))
     bench.prepare(

@@ -144,6 +144,7 @@ def test_adopting_the_actual_position_moves_an_axis_by_its_droop(
     assert sent.index(bench.final_mm("Z")) == set_mm.index(bench.final_mm("Z"))
 
 
+@pytest.mark.long
 def test_adopting_takes_an_axis_on_a_stop_where_it_stands(channel_bench: Make, words: Any) -> None:
     """1 mm short: it never gets into its window, and that is no fault (70082) here."""
     bench = channel_bench(words.axis("Z", start_mm=40.0, droop_mm=1.0, settling_ns=S // 2))
@@ -184,6 +185,7 @@ def test_an_axis_that_sways_inside_its_window_is_adopted_after_its_settling_time
     assert bench.final_mm("Z") == pytest.approx(40.0, abs=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("resets", ["homing", "exchange"])
 def test_a_prepared_probe_is_reset(channel_bench: Make, words: Any, resets: str) -> None:
     """FCT-C4 section 7.2: one of the prepared axes resets the preparation of all."""

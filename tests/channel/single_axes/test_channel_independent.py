@@ -50,6 +50,7 @@ def arrival(values: list[float]) -> int:
     return next(n for n, value in enumerate(values) if value == values[-1])
 
 
+@pytest.mark.long
 def test_two_axes_begin_in_one_cycle_and_each_arrives_in_its_own_time(
     channel_bench: Make, words: Any
 ) -> None:
@@ -63,6 +64,7 @@ def test_two_axes_begin_in_one_cycle_and_each_arrives_in_its_own_time(
     assert (arrival(x), arrival(y)) == (1010, 520)  # d/v + v/a
 
 
+@pytest.mark.long
 def test_an_axis_moves_beside_the_path_and_neither_bends_the_other(
     channel_bench: Make, words: Any
 ) -> None:
@@ -77,6 +79,7 @@ def test_an_axis_moves_beside_the_path_and_neither_bends_the_other(
     assert (bench.final_mm("X"), bench.final_mm("Y")) == (10.0, 0.0)
 
 
+@pytest.mark.long
 def test_what_waits_for_an_axis_begins_when_it_is_there(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("Y"))
     program = [alone("X", 10.0, feed_mm_min=600.0), at_targets("X"), words.move(2, 600.0, Y=2.0)]
@@ -87,6 +90,7 @@ def test_what_waits_for_an_axis_begins_when_it_is_there(channel_bench: Make, wor
     assert begin == there + 1
 
 
+@pytest.mark.long
 def test_the_end_of_the_program_waits_for_every_axis(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("Y"))
     bench.run([alone("X", 10.0, feed_mm_min=600.0), words.end()])
@@ -120,6 +124,7 @@ def test_weights_of_speed_and_acceleration(channel_bench: Make, words: Any) -> N
     assert arrival(course(bench, "Y")) == 2080  # 40/20 + 20/250
 
 
+@pytest.mark.long
 def test_rapid_traverse_has_the_speed_of_the_axis(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X", speed_max_mm_s=100.0))
     bench.run([alone("X", 40.0), words.end()])
@@ -192,6 +197,7 @@ def test_the_path_measures_while_an_axis_moves_alone(channel_bench: Make, words:
     assert bench.final_mm("X") == 30.0
 
 
+@pytest.mark.long
 def test_a_run_goes_as_far_behind_its_target_as_it_may(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, probing_offset_mm=2.0), plane_mm=100.0)
     bench.run([alone("Z", 120.0, feed_mm_min=600.0, measuring_type=1), words.end()])
@@ -200,6 +206,7 @@ def test_a_run_goes_as_far_behind_its_target_as_it_may(channel_bench: Make, word
     assert bench.channel.measured_acs_mm("Z") is None
 
 
+@pytest.mark.long
 def test_type_2_wants_a_signal(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=100.0)
     bench.run([alone("Z", 120.0, 4, feed_mm_min=600.0, measuring_type=2), words.end()])
@@ -239,6 +246,7 @@ def test_50664_when_the_probe_of_the_axis_is_switched_off_on_the_way(
     assert "N40" in str(alarm)
 
 
+@pytest.mark.long
 def test_a_wait_is_for_the_axes_that_it_names(channel_bench: Make, words: Any) -> None:
     """X is under way to 6, Y to 2 mm; the path begins when Y is there and leads it on."""
     bench = channel_bench(words.axis("X"), words.axis("Y"))

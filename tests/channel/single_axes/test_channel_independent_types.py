@@ -37,6 +37,7 @@ def _top_speed_mm_s(bench: Any) -> float:
     return max(abs(b - a) for a, b in pairwise(sent)) * 1e3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "v"), [(1, 50.0), (2, 10.0)])
 def test_type_2_has_the_speed_of_its_list(
     channel_bench: Make, words: Any, kind: int, v: float
@@ -47,6 +48,7 @@ def test_type_2_has_the_speed_of_its_list(
     assert bench.channel.records[0].latched_mm["Z"] == pytest.approx(120.0, abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_type_2_stops_within_the_stroke_of_its_probe(channel_bench: Make, words: Any) -> None:
     """0.02 mm at 1000 mm/s2: sqrt(40) mm/s."""
     bench = _run(channel_bench, words, 2, 120.0, stroke_mm=0.02)
@@ -54,6 +56,7 @@ def test_type_2_stops_within_the_stroke_of_its_probe(channel_bench: Make, words:
     assert _top_speed_mm_s(bench) == pytest.approx(sqrt(40.0), rel=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "holds"), [(2, True), (1, False)])
 def test_with_ramps_a_signal_in_the_run_up_leaves_it_within_the_stroke_too(
     channel_bench: Make, words: Any, kind: int, holds: bool
@@ -89,6 +92,7 @@ def test_type_2_always_wants_a_signal_and_type_1_when_meas_says_so(
     assert _run(channel_bench, words, kind, None, programmed).alarm_ids == alarms
 
 
+@pytest.mark.long
 def test_a_dead_time_is_led_back_here_too(channel_bench: Make, words: Any) -> None:
     """10 mm/s for 10 ms."""
     bench = _run(channel_bench, words, 2, 120.0, delay_ns=10_000_000)
@@ -129,6 +133,7 @@ def test_900222_names_the_speed_that_was_programmed(channel_bench: Make, words: 
     assert (warning.id, warning.values["speed_mm_min"]) == (900222, "60000")
 
 
+@pytest.mark.long
 def test_a_feed_beyond_the_axis_is_that_of_the_axis(channel_bench: Make, words: Any) -> None:
     bench = _run(channel_bench, words, 1, 120.0, speed_max_mm_s=20.0)
     assert _top_speed_mm_s(bench) == pytest.approx(20.0, rel=1e-3)

@@ -36,6 +36,7 @@ READ_ONLY, WRITE_ONLY = 0x06010002, 0x06010001
 LIVE = {0x1001, 0x1003, 0x1018, 0x6041, 0x6061, 0x6502, 0x606C, 0x6077, 0x6078, 0x60FD}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", profile_names())
 def test_foreign_checker_has_no_complaint_about_any_profile(name: str, tmp_path: Path) -> None:
     """`dcfchk` of lely's dcf-tools, by its own command line."""
@@ -156,6 +157,7 @@ def test_the_drive_hands_out_its_own_eds(drive_bench: Make) -> None:
         assert stream.read() == text
 
 
+@pytest.mark.long
 def test_block_transfers_of_canopen_are_read_off_the_bus(drive_bench: Make) -> None:
     """A client that is not ours: what `axisrig bus` puts together is what it got and gave."""
     bench = drive_bench()

@@ -113,6 +113,7 @@ def test_any_frames_in_any_order(
         bus.close()
 
 
+@pytest.mark.long
 @settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

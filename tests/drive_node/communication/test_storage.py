@@ -163,6 +163,7 @@ def text(drive: Any, index: int) -> str:
     return data.decode("ascii")
 
 
+@pytest.mark.long
 def test_names_identity_and_own_eds(stranger: Make) -> None:
     """The serial number tells drives apart; by default it is the node number."""
     drive = stranger()

@@ -103,6 +103,7 @@ def test_homing_that_rests_before_the_edge_goes_on_to_it(
     assert found_mm(bench) == pytest.approx(home_mm, abs=LATE)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("method", "start_mm", "at_mm", "direction", "home_mm"),
     [

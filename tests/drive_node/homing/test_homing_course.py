@@ -18,6 +18,7 @@ from homing_machine import (
 # What the statusword says
 
 
+@pytest.mark.long
 def test_bits_tell_how_far_homing_is() -> None:
     """CiA 402-2: 0 0 1 not started, 0 0 0 under way, 0 1 0 attained, 0 1 1 attained and at rest."""
     bench = Bench(7.0)
@@ -50,6 +51,7 @@ def test_bit_4_taken_away_interrupts() -> None:
     assert bench.place_mm == place_mm > 2.5
 
 
+@pytest.mark.long
 def test_halt_stops_and_homing_goes_on_after_it() -> None:
     bench = bench_for(19, 0.0)
     bench.write(homing_method=19, controlword=0x1F)
@@ -67,6 +69,7 @@ def test_halt_stops_and_homing_goes_on_after_it() -> None:
     assert found_mm == pytest.approx(13.0, abs=LATE_MM)
 
 
+@pytest.mark.long
 def test_a_reference_stays_when_the_mode_is_left_and_entered_again() -> None:
     bench = Bench(7.0)
     bench.home(34)

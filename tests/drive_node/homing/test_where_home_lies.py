@@ -49,6 +49,7 @@ def test_home_is_the_zero_pulse_beside_the_switch(method: int, start_mm: float) 
     assert found_mm == pytest.approx(MARKS[method], abs=1.01 / UNITS_PER_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("method", "start_mm", "home_mm"), [(33, 7.0, 2.5), (34, 7.0, 12.5), (33, -1.0, -7.5)]
 )

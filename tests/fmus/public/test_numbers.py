@@ -48,6 +48,7 @@ def test_any_step_size_is_taken(built, load, size_s):
     assert plant.x == pytest.approx(math.exp(-50 * size_s), abs=1e-12)
 
 
+@pytest.mark.long
 def test_at_least_fourth_order_on_a_nonlinear_oscillator(built, load, solve):
     """Half the internal step, at most a sixteenth of the error, down to what is allowed for it."""
     expected = solve.smooth(

@@ -64,7 +64,7 @@ def trace(path: Path, folder: Path) -> dict[str, list[float]]:
         return found
 
 
-@pytest.mark.long(but=1)
+@pytest.mark.long
 @pytest.mark.parametrize("model", MODELS)
 def test_both_versions_give_the_same_bits(tmp_path, model):
     library = FOLDER / model.partition(".")[0]

@@ -48,6 +48,7 @@ def _check_latch_plan(drives: Drives, out: Path, *interface: str) -> None:
     assert (drives.folder / "bus.blf").stat().st_size > 1000
 
 
+@pytest.mark.long
 def test_plan_against_drives_over_tcp(tmp_path: Path) -> None:
     with drives_at(
         tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"

@@ -62,6 +62,7 @@ def test_what_acts_beyond_its_limit_is_warned_of_once(
     assert "with kp 1 (P-AXIS-00759): its limit is 0.431 with 2 dead cycles" in warning
 
 
+@pytest.mark.long
 def test_what_a_plant_lacks_stands_in_check_and_log_and_not_before_a_result(
     run_distance: RunDistance,
 ) -> None:

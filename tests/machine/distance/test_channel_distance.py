@@ -36,6 +36,7 @@ def program(text: str, on: str) -> str:
     return text.format(sensor=VARIABLE, on=on)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("on", ["CONST_DIST SET_DIST=1.5", "SET_POS=30.25"])
 def test_acs_is_the_control_of_the_axis_bit_for_bit(run_distance, on):
     """The PLC gives -s to the axis, h to the channel; the frames to the drive are the same.

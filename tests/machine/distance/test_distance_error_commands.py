@@ -61,6 +61,7 @@ def test_another_mode_while_on(run_distance, alarm_id, first, second, current, p
     assert found == (current, programmed)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70334, 7)
 @pytest.mark.parametrize("newer", [False, True])
 @pytest.mark.parametrize("again", [ON, ON_CONST])
@@ -74,6 +75,7 @@ def test_on_again_before_the_offset_has_run_out(run_distance, newer, again):
     assert ends_at(watched, 40) == 70334
 
 
+@pytest.mark.long
 def test_on_again_behind_a_wait_is_no_error(run_distance):
     watched = run_distance(
         f"N10 {ON}\nN20 G4 0.5\nN30 Z[DIST_CTRL WAIT OFF]\nN40 {ON_CONST}\nN50 G4 0.1\n"
@@ -95,6 +97,7 @@ def test_still_on_at_program_end_is_a_warning_and_stays_on(run_distance, newer, 
     assert watched.cycles[-1].state == state
 
 
+@pytest.mark.long
 def test_turning_off_at_program_end_is_waited_for(run_distance):
     watched = run_distance(
         f"N10 {ON}\nN20 G4 0.5\nN30 Z[DIST_CTRL OFF]", "plant:gap.workpiece.plane.level_mm=31"

@@ -58,6 +58,7 @@ def test_the_same_motion_with_a_limit_above_it(run_distance):
     assert watched.channel.alarms == []
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70330, 7, owner="axis Z", limit_mm=-0.1)
 @pytest.mark.provokes(310019, 7, owner="axis Z", limit_mm=-0.1)
 @pytest.mark.provokes(70576, 7, owner="axis Z", limit_mm=-7.9)

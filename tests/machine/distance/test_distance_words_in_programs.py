@@ -16,6 +16,7 @@ def shown(watched):
     return watched.outcome.printed("Z")
 
 
+@pytest.mark.long
 def test_a_word_acts_where_the_motion_before_it_has_ended(run_distance):
     """0.5 mm at 600 mm/min take 62.5 ms; the control begins where it has come to its target."""
     watched = run_distance(
@@ -27,6 +28,7 @@ def test_a_word_acts_where_the_motion_before_it_has_ended(run_distance):
     assert watched.channel.alarms == []
 
 
+@pytest.mark.long
 def test_a_word_beside_a_motion_acts_at_its_begin(run_distance):
     """The way of 1 mm at 600 mm/min takes 112.5 ms, and the control is on all the time."""
     watched = run_distance(
@@ -39,6 +41,7 @@ def test_a_word_beside_a_motion_acts_at_its_begin(run_distance):
     assert shown(watched) == [pytest.approx(33.4, abs=2e-5)]
 
 
+@pytest.mark.long
 def test_off_without_motion_beside_a_motion_of_the_axis(run_distance):
     """The block goes to its true target from where the control has left the axis."""
     watched = run_distance(
@@ -54,6 +57,7 @@ def test_off_without_motion_beside_a_motion_of_the_axis(run_distance):
     assert max(steps[watched.first_of(30) :]) <= 0.0101, "600 mm/min are 10 um in 1 ms"
 
 
+@pytest.mark.long
 def test_a_relative_move_behind_off_without_motion_counts_from_there(run_distance):
     watched = run_distance(
         f"N10 {ON}\nN20 {SETTLED}\nN30 Z[DIST_CTRL OFF NO_MOVE]\nN40 G91 G1 Z1 F600\n"
@@ -63,6 +67,7 @@ def test_a_relative_move_behind_off_without_motion_counts_from_there(run_distanc
     assert shown(watched) == [pytest.approx(33.4, abs=2e-5)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("block", "rig", "shift_mm"),
     [
@@ -91,6 +96,7 @@ def test_a_frozen_offset_outlives_a_new_position(run_distance, block, rig, shift
         assert before == pytest.approx(32.4 + shift_mm, abs=2e-5)
 
 
+@pytest.mark.long
 def test_program_words_act_in_inches(run_distance):
     watched = run_distance(
         f"N10 G70\nN20 Z[DIST_CTRL ON CONST_DIST SET_DIST=0.1]\nN30 {SETTLED}\nN40 G71\n{SHOW}\n"
@@ -100,6 +106,7 @@ def test_program_words_act_in_inches(run_distance):
     assert shown(watched) == [pytest.approx(30.4 + 2.54, abs=2e-5)]
 
 
+@pytest.mark.long
 def test_an_axis_goes_away_and_comes_back_between_two_controls(run_distance):
     watched = run_distance(
         f"N10 {ON}\nN20 {SETTLED}\nN30 Z[DIST_CTRL WAIT OFF]\nN40 #PUT AX[Z]\n"

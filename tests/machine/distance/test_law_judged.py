@@ -58,6 +58,7 @@ def test_the_list_of_12_8_3_under_its_own_limits(run: Run) -> None:
     assert (acts["v_max"], acts["a_max"]) == ("slopes", "slopes")
 
 
+@pytest.mark.long
 def test_the_same_with_clamps(run: Run) -> None:
     """262 um past; (v - a/K)^2/2a of clamps where v_max is reached; the older law in words."""
     seen = run(0.4, CLAMP, OF_ERROR)
@@ -79,6 +80,7 @@ def test_a_slope_does_not_make_a_loop_stable_that_rings_by_its_kp(run: Run) -> N
     assert of(seen, "distance_growth_expected").value == pytest.approx(1.0149, abs=1e-4)
 
 
+@pytest.mark.long
 def test_the_surface_law_is_foretold_to_stop_at_the_surface(run: Run) -> None:
     seen = run(0.5, mode="SET_POS=30")
     assert of(seen, "distance_overshoot_expected_mm").value == 0.0
@@ -98,6 +100,7 @@ def test_a_wrong_law_would_not_follow_the_own_model(run: Run) -> None:
     assert len(hashes) == 3
 
 
+@pytest.mark.long
 def test_parameters_about_cycles_change_no_dead_cycle(run: Run) -> None:
     """P-AXIS-00191 and P-AXIS-00276: by frames, by the arithmetic of the rig, and every offset."""
     other = (

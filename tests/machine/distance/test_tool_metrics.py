@@ -150,6 +150,7 @@ def test_the_error_on_a_ramp_is_along_the_normal(
     assert run.value("distance_behind_expected_um") == pytest.approx(10.0 * lag_cycles, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("words", "more", "alarm"),
     [

@@ -149,6 +149,7 @@ def test_3d_control_along_an_axis_over_a_tilted_workpiece(run: Run) -> None:
 # Errors
 
 
+@pytest.mark.long
 def test_the_error_on_a_ramp_is_of_the_kp_that_acts(run: Run) -> None:
     seen = run(
         f"{ON.format(' KP=0.1')}; G04 0.3; Z[DIST_CTRL KP=0.05]; G04 0.7; {OFF}", *STEEP, *RAMP
@@ -158,6 +159,7 @@ def test_the_error_on_a_ramp_is_of_the_kp_that_acts(run: Run) -> None:
     assert seen.value("distance_behind_um") == pytest.approx(20.0, abs=0.02)
 
 
+@pytest.mark.long
 def test_another_set_value_begins_the_steady_part_anew(run: Run) -> None:
     """400 cycles are there before it and 100 after it: the longer ones are judged."""
     course = "plc:Z.set_dist=2; 3 at=500ms"
@@ -297,6 +299,7 @@ def test_an_alarm_is_due_by_the_limit_that_acts(run: Run) -> None:
 # Recordings and report
 
 
+@pytest.mark.long
 def test_a_recording_without_orders_is_judged_by_its_changes(run: Run) -> None:
     seen = run(
         f"G04 0.01; Z[DIST_CTRL DRYRUN CONST_DIST SET_DIST=2]; G04 0.02; {ON.format(' KP=0.22')};"

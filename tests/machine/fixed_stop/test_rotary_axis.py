@@ -53,6 +53,7 @@ def test_an_axis_that_does_not_turn_is_not_asked_in_degrees() -> None:
     assert (torque.value, torque.note) == (None, "axis Z is given in N: ask stop_force_n")
 
 
+@pytest.mark.long
 def test_trace_and_report_are_in_degrees_and_newton_metres(
     result: CaseResult, tmp_path: Path
 ) -> None:

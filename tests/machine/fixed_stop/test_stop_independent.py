@@ -118,6 +118,7 @@ def test_without_a_stop_the_program_goes_on_by_p_chan_00266(axes: Run) -> None:
     assert out.stand_mm("X") == pytest.approx(128.0, abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(51026, 2, axis="X", value_permille=1001, limit_permille=1000)
 def test_51026_for_an_axis_beside_the_path(axes: Run) -> None:
     wrong = "set:X.kenngr.measure.fixed_stop_detect.start_distance_per_mille=1001"

@@ -110,6 +110,7 @@ def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
     assert "SYNC that sampled the latch status" not in labels
 
 
+@pytest.mark.long
 def test_a_limit_below_the_running_lag_is_a_false_trigger_in_the_predicted_cycle(run: Run) -> None:
     values, notes, result = run(pos_lag_limit=2000, min_time=20_000, start_distance_per_mille=300)
     assert values["found_without_contact"] == 1
@@ -121,6 +122,7 @@ def test_a_limit_below_the_running_lag_is_a_false_trigger_in_the_predicted_cycle
     assert found.limits["Z"].arming_mm == pytest.approx(3.0)
 
 
+@pytest.mark.long
 def test_without_a_criterion_nothing_is_foretold_or_found(run: Run) -> None:
     values, notes, result = run(pos_lag_limit=0)
     assert values["detection_error_ms"] is None

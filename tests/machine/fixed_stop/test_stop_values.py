@@ -61,6 +61,7 @@ def test_the_force_at_the_end_has_no_bound_while_the_axis_rings() -> None:
         assert "not at rest at the end" in value.note
 
 
+@pytest.mark.long
 def test_the_bound_at_the_end_leaves_room_for_what_still_rings() -> None:
     """Pressed without a relaxing motion; v sqrt(k m) of a speed below 0.1 mm/s are 6 N at most."""
     plan = read_plan(PLAN.with_name("fixed_stop_timing.csv"))

@@ -124,6 +124,7 @@ def test_the_usual_telegram_carries_one_latch_only(run_nc: Run) -> None:
     assert "N30" in str(out.machine.channel.alarms[0])
 
 
+@pytest.mark.long
 def test_a_simulated_probe_needs_no_workpiece(run_nc: Run) -> None:
     """Mode 4 with SIMU_OFFSET: 2.5 mm before the target, to one cycle of 10 mm/s."""
     program = "N10 G1 G90 Z110 F3000\nN15 #MEAS [SIMU_OFFSET=-2.5]\nN20 G100 Z104 F600\n" + show(

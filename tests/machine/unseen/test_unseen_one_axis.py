@@ -46,6 +46,7 @@ def test_the_edge_may_fall_into_any_part_of_the_motion(run_nc: Run, depth_mm: fl
     assert out.printed("MESS.Z") == near([wall])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("feed", [60, 137, 1234.5, 6000])
 def test_the_input_delay_moves_the_value_by_v_times_it(run_nc: Run, feed: float) -> None:
     """probe-z.toml has 4 us; the wall is far enough for steady motion (10 time constants)."""
@@ -59,6 +60,7 @@ def test_the_input_delay_moves_the_value_by_v_times_it(run_nc: Run, feed: float)
     assert out.printed("MESS.Z") == near([wall - v * 4e-6])
 
 
+@pytest.mark.long
 def test_no_contact_gives_no_value_and_reading_it_is_an_alarm(run_nc: Run) -> None:
     out = run_nc(
         "N10 G100 Z245 F3000\n" + show("MERF.Z") + "\nN30 " + show("MESS.Z"), plane((0, 0, 1), 200)

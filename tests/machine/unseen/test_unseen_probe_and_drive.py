@@ -61,6 +61,7 @@ def test_a_sampling_drive_latches_its_last_sample(
     assert -v * 4e-6 <= expected - wall <= v * sample_us * 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_what_is_latched_is_the_encoder_and_not_the_load(
     run_nc: Run, monkeypatch: pytest.MonkeyPatch
@@ -91,6 +92,7 @@ def test_what_is_latched_is_the_encoder_and_not_the_load(
     assert out.printed("MESS.Z") == near([119.005 - 20 * 4e-6])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("edge", "inverted"), [("POS", "false"), ("NEG", "true")])
 @pytest.mark.parametrize("number", [1, 2])
 def test_both_edges_and_both_inputs_measure_alike(
@@ -180,6 +182,7 @@ def test_value_and_overtravel_on_other_time_bases(
     assert out.printed("ABS.Z") == pytest.approx([wall - over_mm], abs=3e-5)
 
 
+@pytest.mark.long
 def test_a_short_retract_between_two_touches_is_enough(run_nc: Run) -> None:
     """0.2 mm off the surface: the slide is still below it when the block ends, so 50052 comes."""
     shown = show("MESS.Z")

@@ -59,6 +59,7 @@ def test_axes_with_different_gains_latch_a_point_of_their_true_path(run_nc: Run)
     assert abs(x - on_the_line) > 0.5, "the path error must be far above what is compared"
 
 
+@pytest.mark.long
 def test_two_drives_on_one_segment_of_an_own_rig(run_own: Run, tmp_path: Any) -> None:
     """Axis names of one's own, nothing taken from a shipped rig but the base's tables."""
     for name in ("channel", "u", "w"):

@@ -53,6 +53,7 @@ class _Closed(lark.Lark):
         raise AssertionError("the tables were made again")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("damage", ["empty", "cut", "flipped", "foreign"])
 def test_a_damaged_file_is_written_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str
@@ -73,6 +74,7 @@ def test_a_damaged_file_is_written_again(
     assert stored_grammar(TEXT, parser.OPTIONS, Builder(), tmp_path).parse("N10", start="block")
 
 
+@pytest.mark.long
 def test_without_a_folder_to_write_to_the_tables_are_made_each_time(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     for _ in range(2):
@@ -81,6 +83,7 @@ def test_without_a_folder_to_write_to_the_tables_are_made_each_time(tmp_path: Pa
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
+@pytest.mark.long
 def test_another_text_has_a_file_of_its_own(tmp_path: Path) -> None:
     stored_grammar(TEXT, parser.OPTIONS, Builder(), tmp_path)
     stored_grammar(f"{TEXT}\n// one more line\n", parser.OPTIONS, Builder(), tmp_path)

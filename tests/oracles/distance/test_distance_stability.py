@@ -67,6 +67,7 @@ def test_p_control(dead: int, limit: float, aperiodic: float | None) -> None:
         assert abs(dominant.imag) > 1e-3
 
 
+@pytest.mark.long
 @given(count=st.integers(1, 30), dead=st.integers(0, 8))
 @settings(max_examples=40, deadline=None)
 def test_mean_in_the_loop(count: int, dead: int) -> None:
@@ -78,6 +79,7 @@ def test_a_mean_of_one_is_no_filter() -> None:
     assert [mean_limit(1, n) for n in range(6)] == pytest.approx([p_limit(n) for n in range(6)])
 
 
+@pytest.mark.long
 @given(alpha=st.floats(0.7, 1.0))
 @settings(max_examples=20, deadline=None)
 def test_endless_exponential_mean(alpha: float) -> None:
@@ -86,6 +88,7 @@ def test_endless_exponential_mean(alpha: float) -> None:
     )
 
 
+@pytest.mark.long
 @given(part=st.floats(0.01, 12.0))
 @settings(max_examples=20, deadline=None)
 def test_pd_and_pi_control(part: float) -> None:
