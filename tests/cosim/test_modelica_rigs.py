@@ -191,6 +191,7 @@ def test_distance_sensor_is_recorded_with_the_place_of_the_axis(machine: Machine
     assert np.array_equal(valid == 1, distance_mm <= 15.0)
 
 
+@pytest.mark.long
 def test_distance_sensor_with_trajectories_follows_them(machine: Machine) -> None:
     trace = machine.recorder.table()
     truth_mm = trace.column("Z.truth_mm").to_numpy()
@@ -198,6 +199,7 @@ def test_distance_sensor_with_trajectories_follows_them(machine: Machine) -> Non
         assert trace.column(column).to_numpy() == pytest.approx(truth_mm, abs=1e-9)
 
 
+@pytest.mark.long
 def test_notes_tell_what_is_left_out(machine: Machine) -> None:
     lacking = {note.partition(":")[0] for note in machine.plant.notes["carriage"]}
     assert "no motor_velocity" in lacking

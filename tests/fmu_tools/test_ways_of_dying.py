@@ -193,13 +193,9 @@ def test_fmu_check(axisrig: Call, deadly: Build, way: str, place_of_death: str) 
     assert re.search(WAYS[way], " ".join(out.split()))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    "ways",
-    [
-        [("EXIT", "CALL"), ("HANG", "CALL")],
-        pytest.param([*DEADLY, SPINS], marks=pytest.mark.long),
-    ],
-    ids=["two", "all"],
+    "ways", [[("EXIT", "CALL"), ("HANG", "CALL")], [*DEADLY, SPINS]], ids=["two", "all"]
 )
 def test_pytest(place: Path, ideal_axis: Build, deadly: Build, ways: list[tuple[str, str]]) -> None:
     rigs = [_row(place, deadly(*way)) for way in ways]

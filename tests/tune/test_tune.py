@@ -85,6 +85,7 @@ def test_the_default_is_unstable_in_const_dist_and_the_best_in_set_pos(tuned: Tu
     assert "only kp below 0.619 is stable" in outcome[0]
 
 
+@pytest.mark.long
 def test_the_suggested_law_does_what_was_predicted(tuned: Tune) -> None:
     found = tuned(*DEFAULTS, "optimized_scheduling=1")
     assert found.trial is not None
