@@ -106,11 +106,10 @@ class ProcessImage(DeviceImage):
     target_velocity: int = 0
     supported_modes: int = 0
 
-    def set_defaults(self, profile: DriveProfile, first: int = 0x0000, last: int = 0xFFFF) -> None:
-        """Give every value of the objects `first` to `last` the default of table and profile."""
-        for index, name, value in _defaults(profile):
-            if first <= index <= last:
-                setattr(self, name, value)
+    def set_defaults(self, profile: DriveProfile) -> None:
+        """Give every value the default of table and profile."""
+        for name, value in _defaults(profile):
+            setattr(self, name, value)
 
 
 class PowerOnValues:
@@ -129,11 +128,11 @@ class PowerOnValues:
 
 # A drive asks at every start, and the next run has the same drives
 @lru_cache(maxsize=64)
-def _defaults(profile: DriveProfile) -> tuple[tuple[int, str, int], ...]:
-    """Return index, name and default of every value, in the order of the tables."""
+def _defaults(profile: DriveProfile) -> tuple[tuple[str, int], ...]:
+    """Return name and default of every value, in the order of the tables."""
     named = profile.object_defaults
     return tuple(
-        (index, row.value, int(row.default.format(**named), 0))
-        for (index, _), row in variables().items()
+        (row.value, int(row.default.format(**named), 0))
+        for row in variables().values()
         if row.value
     )
