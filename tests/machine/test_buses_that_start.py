@@ -1,4 +1,4 @@
-"""The CAN buses of a rig with virtual drives, their control and a node of the PLC, without plants."""
+"""CAN buses of a rig with virtual drives, the control and a node of the PLC, without plants."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack
