@@ -4,28 +4,33 @@ The recording is that of `reports/tilted.py`, with the kinematic on until row 60
 """
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pytest
-from tests.judge.test_channel_control_of_a_trace import truth
+from tests.judge.test_channel_control_of_a_trace import stepped, truth
 from tests.judge.test_tilts_of_a_tool import LATE
 from tests.judge.test_tool_metrics import AT, INCLINED, UNTIL, U, changed, seen, value
+from tests.judge.test_tool_truth import limited
 from tests.recordings import MS, kept
 from tests.reports import tilted
 from tests.reports.tilted import KINEMATIC, LEVER_MM, OFF, ON, ROWS, STEP, TILTED, TOOL_MM
 
 from axisrig.bench.judge.distance import tool_metrics
+from axisrig.bench.judge.distance.expected_offset import walk
+from axisrig.bench.judge.distance.findings import control_findings
 from axisrig.bench.judge.distance.tilting import tilts
 from axisrig.bench.judge.distance.truth import ACTIVE
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import observe
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.record.distance import DistanceChange, PlcSensor
+from axisrig.bench.record.distance import DistanceChange, DistanceOrder, PlcSensor
 from axisrig.bench.record.kinematics import GuideChange
+from axisrig.bench.record.series import SeriesWriter
 
 REACH_MM = LEVER_MM + TOOL_MM
 
@@ -215,6 +220,62 @@ def test_the_gain_of_a_gap_is_that_of_the_true_places() -> None:
     )
     found = tool_metrics._control(Observed(of, kept(table)))
     assert found.gap_gain == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize(("reaction", "way"), [(0, 2), (3, 4)])
+@pytest.mark.parametrize("delay", [0, 2])
+def test_the_report_has_the_dead_cycles_of_the_rig_beside_the_measured_ones(
+    reaction: int, way: int, delay: int
+) -> None:
+    of = replace(tilted.left(), plc_sensors={"V.E.SENSOR": PlcSensor("gap", 1, delay)})
+    columns = {
+        **stepped(STEP - reaction, STEP + way),
+        **dict.fromkeys(("step_mm", "delta_mm", "distance_held", "error_mm"), 0.0 * AT),
+    }
+    found = truth(columns, of)
+    (block,) = control_findings(found.observed)
+    assert (block.dead.predicted, block.dead.measured) == (found.dead.dead, reaction + way - 1)
+    assert block.dead.note == ""
+
+
+@pytest.mark.parametrize("sizes", [(), (200,), (60, 130, 7)])
+def test_what_the_axes_allow_an_offset_is_of_their_own_rows_in_each_block(
+    sizes: tuple[int, ...], tmp_path: Path
+) -> None:
+    """While the tool tilts, from row 51 on, Y allows less from cycle to cycle."""
+    table = tilted.trace()
+    state = np.where((AT >= KINEMATIC) & (AT < OFF), 4.0, 0.0)
+    columns = {
+        "channel.distance_state": state, "channel.sensor_mm": np.full(ROWS, -50.0),
+        "channel.set_dist_mm": np.full(ROWS, 60.0), "channel.offset_mm": np.zeros(ROWS),
+        "channel.distance_held": np.zeros(ROWS), "channel.distance_override_pct": AT * 0.0 + 100.0,
+    }  # fmt: skip
+    for name, values in columns.items():
+        table = table.drop_columns([name]) if name in table.column_names else table
+        table = table.append_column(name, pa.array(values))
+    of = limited("ECS", [GuideChange(0, "ECS")]).observed.facts
+    assert of.distance_3d is not None
+    orders = (DistanceOrder(KINEMATIC * MS, "PLC", "ON_CONST_DIST"),)
+    listed = {"dist_ctrl[0].kp": 0.2, "dist_ctrl[0].v_max": 10**9, "dist_ctrl[0].a_max": 10**9,
+              "dist_ctrl[0].max_deviation": 10**9}  # fmt: skip
+    of = replace(
+        of,
+        kinematics=(replace(of.kinematics[0], begin_ns=0),),
+        distance_3d=replace(of.distance_3d, orders=orders),
+        channel={**of.channel, **listed},
+    )
+    writer, begin = SeriesWriter(tmp_path / "a.parquet"), 0
+    for size in (*sizes, ROWS - sum(sizes)):
+        part = table.slice(begin, size)
+        writer.add({name: part[name].combine_chunks() for name in part.column_names})
+        begin += size
+    parts = Observed(of, writer.close())
+    assert len(parts.series.blocks) == len(sizes) + 1
+    whole = walk(tool_metrics._control(Observed(of, kept(table)))).offset_mm
+    found = walk(tool_metrics._control(parts)).offset_mm
+    assert found[KINEMATIC:OFF] == pytest.approx(whole[KINEMATIC:OFF], abs=1e-12)
+    steps = np.abs(np.diff(whole[KINEMATIC : KINEMATIC + 40]))
+    assert len(set(np.round(steps, 9))) > 10  # the limits of the axes act
 
 
 # Tilts
