@@ -65,9 +65,20 @@ def test_a_group_with_a_fraction_is_named_with_its_word(run, word):
 
 
 @pytest.mark.parametrize("text", ["G159 = V.E.A", "#MEAS MODE [V.E.A]", "#ERROR [ID=V.E.A RC=0]"])
-@pytest.mark.parametrize("number", [float("inf"), float("-inf"), float("nan")])
+@pytest.mark.parametrize("number", ["inf", "-inf", "nan"])
 def test_a_number_of_the_plc_side_that_is_none_is_no_whole_one(run, text, number):
-    """A variable has no such value: the alarm is that of the expression, whatever takes it."""
-    with pytest.raises(Alarm, match="number too large") as caught:
-        run(text, external={"A": number})
-    assert caught.value.id == 900105
+    """The alarm names variable, value and what is allowed, whatever takes the value."""
+    with pytest.raises(Alarm) as caught:
+        run(f"G0 X1\n{text}", external={"B": 1.0, "A": float(number)})
+    reason = f"V.E.A of the PLC side is {number}, and has to be a finite number"
+    assert (caught.value.id, caught.value.values["reason"]) == (900105, reason)
+    assert caught.value.place == "test.nc line 2"
+
+
+@pytest.mark.parametrize("number", ["inf", "nan"])
+def test_a_value_that_is_none_stops_only_who_reads_it(run, number):
+    external = {"Gap[2]": float(number), "Gap[1]": 4.0}
+    assert texts(run('#MSG ["%g", V.E.GAP[1]]', external=external)) == ["4"]
+    for text in ("P1 = V.E.GAP[2] + 1", "$IF V.E.GAP[2] > 1\n$ENDIF", "P1 = ABS[V.E.GAP[2]]"):
+        with pytest.raises(Alarm, match=rf"V\.E\.Gap\[2\] of the PLC side is {number}"):
+            run(text, external=external)

@@ -5,6 +5,7 @@ Source: TF5200 external variables 1091998347 (synchronous access).
 """
 
 from collections.abc import Iterator, Mapping
+from math import isfinite
 
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc import canon
@@ -17,10 +18,17 @@ from axisrig.kernel.nc.expressions import Value
 
 
 def read(context: Context, block: Block, name: str, *indices: int) -> float:
-    """Give the present value of V.E.<name>; upper and lower case do not differ."""
+    """Give the present value of V.E.<name>; upper and lower case do not differ.
+
+    Raises Alarm 900105 for a value that the PLC side has, and that is no finite number.
+    """
     known = _known(context, block, name, indices)
     context.part(Waiting).asked[f"V.E.{known}"] = None
-    return float(context.external[known])
+    value = float(context.external[known])
+    if not isfinite(value):
+        reason = f"V.E.{known} of the PLC side is {value}, and has to be a finite number"
+        raise context.alarm(900105, block, reason=reason)
+    return value
 
 
 def write(
