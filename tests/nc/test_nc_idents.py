@@ -82,6 +82,7 @@ def test_900256_for_a_computed_attribute_that_cannot_be(
     [
         ("S-0-0092", "TORQUE", "number of an ident", "TORQUE"),
         ("S-0-0092", "0x6072_00", "number of an ident", "0x6072_00"),
+        ("S-0-0092", "0X6072_00", "number of an ident", "0X6072_00"),
         ("TYP 2", "TYP 3", "TYP out of range", "3"),
         (" DEC 0", "", "lacks DEC", None),
     ],
@@ -103,6 +104,7 @@ def test_a_value_that_is_read_goes_to_a_variable_of_the_program() -> None:
     "text",
     [
         "#IDENT WR SYN [AX X ID 0x6072_00 VAL 100 TYP 2 DEC 0 CAN]",
+        "#IDENT WR SYN [AX X ID 0X6072_00 VAL 100 TYP 2 DEC 0 CAN]",
         "#IDENT RD SYN [AX X ID S-0-0092 P=P1 TYP 2 DEC 0 SERC NO_WAIT]",
     ],
 )

@@ -75,6 +75,18 @@ def test_each_bracket_refuses_what_is_not_its_own(
     assert (error.column, error.message, error.value) == (column, message, value)
 
 
+@pytest.mark.parametrize("letter", ["O", "o"])
+@pytest.mark.parametrize("name", ["CS DEF", "CS ON"])
+def test_a_letter_o_is_no_id_of_a_system(name: str, letter: str) -> None:
+    """Capital or small: what was meant is 0, and an ID counts from 1."""
+    error = refused(f"\nN20 #{name}[{letter}][0,0,1]")
+    assert (error.column, error.value) == (len(f"N20 #{name}[") + 1, letter)
+    assert error.message == f"the first bracket of #{name} takes one ID"
+    assert (error.allowed, error.hint) == ("a number from 1, or a name", "0 meant?")
+    for known in ("1", "OO", "P1", "A"):
+        assert statement(f"#{name}[{known}][0,0,1]").arguments
+
+
 @pytest.mark.parametrize("text", ["#CS ADD[O][0,0,1]", "#CS SELECT[O]", "#CS ON[O]"])
 def test_a_letter_o_is_a_name_where_names_are_meant(text: str) -> None:
     assert statement(text).arguments

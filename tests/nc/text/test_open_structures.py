@@ -240,3 +240,11 @@ def test_a_call_of_a_subprogram_that_is_not_there_names_those_that_are() -> None
     assert (second.line, second.value, second.hint) == (7, "THREE", None)
     alone = only("LL UP")
     assert alone.allowed == "%L UP before the main program"
+
+
+@pytest.mark.parametrize("called", ["part", "PART", "Part_", "Par", "Part2"])
+def test_a_local_subprogram_is_called_by_its_very_name(called: str) -> None:
+    """Capital and small letters differ, as in the names of files."""
+    error = only("%L Part", "M17", "%MAIN", "N5 LL Part", f"N10 LL {called}")
+    assert (error.line, error.value, error.allowed) == (5, called, "Part")
+    assert error.message == "no such local subprogram"

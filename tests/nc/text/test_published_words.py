@@ -134,6 +134,19 @@ def test_notes_say_what_could_be_and_what_is_passed_over() -> None:
     assert "pass_over" not in never.text
 
 
+def test_of_several_words_only_the_named_ones_are_passed_over() -> None:
+    """Each note is of its own word, whatever a rig passes over beside it."""
+    text = "#TIMER\n#CACHE LOAD\n#TRC\nG25"
+    for passed in (["#TIMER"], ["G25", "#CACHE LOAD"], ["#SINGLE STEP"]):
+        notes = check_program(text, "own.nc", XYZ, passed).notes
+        assert [note.line for note in notes] == [1, 2, 3, 4]
+        for note, word in zip(notes, text.split("\n"), strict=True):
+            is_passed = word in passed
+            assert note.text.startswith(f"{word} is passed over") is is_passed
+            assert ("does not act yet" in note.text) is not is_passed
+            assert (f'["{word}"] of a rig' in note.text) is (not is_passed and word != "#TRC")
+
+
 def test_the_table_is_sorted_so_that_a_word_is_found() -> None:
     text = Path("kernel/axisrig/kernel/nc/text/published.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))

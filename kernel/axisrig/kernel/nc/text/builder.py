@@ -223,7 +223,9 @@ class Builder(ControlBuilder):
         if item.assigned and (match := _PARAMETER.fullmatch(item.address)):
             if not match["number"]:
                 raise self._no_address(item.address, item.as_written, item.offset)
-            found.assignments.append(Assign(self._parameter(match), self._number(item)))
+            found.assignments.append(
+                Assign(self._parameter(match, item.offset), self._number(item))
+            )
             return
         self._axis_or_address(found, item.address, self._number(item), item)
 
@@ -364,8 +366,8 @@ class Builder(ControlBuilder):
             return Number(self.digits(item.value, item.offset))
         return item.value
 
-    def _parameter(self, match: re.Match[str]) -> Variable:
-        return Variable(f"{match['sign']}[]", (Number(float(match["number"])),))
+    def _parameter(self, match: re.Match[str], offset: int) -> Variable:
+        return self.known(f"{match['sign']}[]", (Number(float(match["number"])),), offset)
 
     def _check_groups(self, functions: Sequence[tuple[nodes.Word, Word]]) -> None:
         by_group: dict[str, Word] = {}

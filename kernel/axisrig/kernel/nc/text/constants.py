@@ -4,6 +4,7 @@ The decoder raises the alarm when it gets there; a check reports it before. What
 variable, or on what is in other blocks, shows in a run only.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 
 from axisrig.kernel.nc.syntax import AxisCommand, Number, ProgramBlock, Words
@@ -12,7 +13,8 @@ from axisrig.kernel.nc.syntax import AxisCommand, Number, ProgramBlock, Words
 M_NUMBER_MAX = 999
 _CENTRE = ("I", "J", "K", "R")
 _INDEPENDENT = ("INDP_SYN", "INDP_ASYN")
-_SPEEDS = ("FEED", "TIME")
+_SPEEDS = ("FEED", "TIME", "FEED_MAX_WEIGHT")
+_PERCENT = 100.0
 
 
 def ending_words(parts: Sequence[ProgramBlock], first_axis: str) -> Iterator[tuple[int, int, str]]:
@@ -57,9 +59,18 @@ def _of_axis(command: AxisCommand) -> Iterator[str]:
         return
     shown = f"{command.axis}[{command.name} ..]"
     written = dict(command.options)
-    if "G0" in written and "G1" in written:
+    is_rapid = "G0" in written
+    if is_rapid and "G1" in written:
         yield f"{shown} has G0 and G1 at a time (ID 900194)"
-    for keyword in _SPEEDS:
-        value = written.get(keyword)
-        if isinstance(value, Number) and value.value < 0:
-            yield f"{shown} has {keyword} below 0 (ID 50603)"
+        return
+    speeds = [word for word in _SPEEDS if word in written]
+    if is_rapid and speeds:
+        yield f"{shown} has {speeds[0]} with G0 (ID 50603)"
+    # A measuring type may have a speed of its own: only a run shows whether that of the block acts
+    acting = [] if is_rapid or "G100" in written else speeds
+    for word in (*acting, "RAPID_ACC_WEIGHT" if is_rapid else "ACC_WEIGHT"):
+        value = written.get(word)
+        most = _PERCENT if word.endswith("WEIGHT") else math.inf
+        if isinstance(value, Number) and not 0.0 < value.value <= most:
+            allowed = f"above 0{'' if most == math.inf else f' and at most {most:g}'}"
+            yield f"{shown} has {word}={value.value:g}, which has to be {allowed} (ID 50603)"

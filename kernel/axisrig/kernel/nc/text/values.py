@@ -89,7 +89,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
             name, indices = f"{match['sign']}[]", (Number(float(match["number"])),)
         elif parts:
             name, indices = _name_and_indices(name, parts)
-        return nodes.Value(self._known(name, indices, token), self.at(token))
+        return nodes.Value(self.known(name, indices, self.at(token)), self.at(token))
 
     parameter = variable
 
@@ -141,9 +141,8 @@ class ExpressionBuilder(Transformer[Token, Any]):
 
     # ---- names
 
-    def _known(self, name: str, indices: tuple[Expression, ...], token: Token) -> Variable:
+    def known(self, name: str, indices: tuple[Expression, ...], offset: int) -> Variable:
         """Look a variable up in the table; raises UserError for one that does not exist."""
-        offset = self.at(token)
         row, axis = find_variable(name)
         if row is None:
             known = spelled_variables(tuple(self.axes))
