@@ -13,9 +13,19 @@ from axisrig.bench.oracles.distance.filters import (
 )
 from axisrig.bench.oracles.distance.following import settling_cycles
 from axisrig.bench.oracles.distance.limits import stopping_step_mm
-from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
+from axisrig.bench.oracles.distance.lists import as_written
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.sample_hold import held_limit
-from axisrig.bench.oracles.distance.stability import kp_limit
+from axisrig.bench.oracles.distance.smoothing import moving_average
+from axisrig.bench.oracles.distance.stability import closed_limit, kp_limit, mean_limit
+from axisrig.bench.oracles.distance.supervision import (
+    ABOVE,
+    BELOW,
+    JUMP,
+    OFFSET,
+    Due,
+    first_due,
+)
 from axisrig.bench.oracles.distance.tool import ACS, MCS, ToolWay
 
 
@@ -80,3 +90,40 @@ def test_a_loop_that_nothing_drives_never_settles(mode: str) -> None:
         assert settling_cycles(Loop(mode, 2, sign=-1), 0.1, 0.01) == math.inf
     # 1 - kp a cycle without dead cycles
     assert settling_cycles(Loop(SET_POS, 0), 0.5, 0.25) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("count", "dead", "limit"),
+    [
+        (1, 0, 2.0), (1, 1, 1.0), (1, 2, (math.sqrt(5) - 1) / 2), (2, 0, 2.0),
+        (2, 1, 2 * math.sqrt(2) - 2), (3, 0, 1.5), (4, 1, 8 * math.sin(math.pi / 12) ** 2
+                                                   / math.sin(math.pi / 3)),
+    ],
+)  # fmt: skip
+def test_a_mean_of_several_values_is_stable_up_to_its_limit(
+    count: int, dead: int, limit: float
+) -> None:
+    """2 N sin^2(w/2)/sin(N w/2), w = pi/(N + 2n), where the poles of the loop reach 1."""
+    assert mean_limit(count, dead) == pytest.approx(limit)
+    loop = Loop(CONST_DIST, dead, moving_average(count))
+    assert closed_limit(loop, count) == pytest.approx(limit)
+    assert growth(loop, 0.999 * limit) < 1.0 < growth(loop, 1.001 * limit)
+
+
+@pytest.mark.parametrize(
+    ("alarm", "sensor_mm", "change_mm", "offset_mm"),
+    [
+        (JUMP, 0.0, 0.5, 0.0), (JUMP, 0.0, -0.5, 0.0), (ABOVE, 5.5, 0.0, 0.0),
+        (BELOW, -5.5, 0.0, 0.0), (OFFSET, 0.0, 0.0, 5.5), (OFFSET, 0.0, 0.0, -5.5),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize(("watched", "row"), [(0, 3), (3, 3), (5, 5), (8, None)])
+def test_nothing_is_due_in_a_row_that_is_not_watched(
+    alarm: int, sensor_mm: float, change_mm: float, offset_mm: float, watched: int, row: int | None
+) -> None:
+    """Something is beyond its limit in rows 3 to 7; the control follows from a row on."""
+    k = np.arange(10)
+    is_beyond = (k >= 3) & (k < 8)
+    values = (np.where(is_beyond, value, 0.0) for value in (sensor_mm, change_mm, offset_mm))
+    found = first_due(*values, k >= watched, as_written({}).limits, 1_000_000)
+    assert found == (None if row is None else Due(alarm, row))

@@ -254,3 +254,24 @@ def test_along_the_tool_the_way_grows_up_to_85_degrees(
     along = ToolWay(ECS, 0, head(), 5).way(poses)[0]
     assert np.linalg.norm(along) == pytest.approx(way, rel=1e-4)
     assert ToolWay(MCS, 0, head(), 5).way(poses)[0] == pytest.approx([0.0, 0.0, 1.0])
+
+
+LEAN = (0.0, 0.6, 0.8)
+
+
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), LEAN, (0.6, 0.0, 0.8)])
+@pytest.mark.parametrize(("c_deg", "a_deg"), [(0.0, 0.0), (20.0, -35.0), (-100.0, 30.0)])
+def test_a_distance_and_the_rates_of_axes_are_by_the_normal_of_the_surface(
+    c_deg: float, a_deg: float, normal: tuple[float, float, float]
+) -> None:
+    """u n of the tool; X, Y and Z go by u/(u n) along the tool, by n along the normal, signed."""
+    c, a = math.radians(c_deg), math.radians(a_deg)
+    u = np.array([math.sin(c) * math.sin(a), -math.cos(c) * math.sin(a), math.cos(a)])
+    cosine = float(u @ np.array(normal))
+    pose = np.array([[10.0, 20.0, 300.0, c_deg, a_deg]])
+    for mode, way in ((ECS, u / cosine), (MCS, np.array(normal))):
+        found = ToolWay(mode, 0, head((9,)), 5, normal=normal)
+        assert found.share(pose)[0] == pytest.approx(cosine)
+        assert found.rates(pose)[0] == pytest.approx([*way, 0.0, 0.0], abs=1e-6)
+    assert ToolWay(ACS, 3, normal=normal).share(pose)[0] == 1.0
+    assert ToolWay(ACS, 3).rates(pose)[0] == pytest.approx([0.0, 0.0, 0.0, 1.0, 0.0])

@@ -101,6 +101,16 @@ def test_a_tolerance_is_taken_off_both_ends_of_the_sensor(
     assert (found.low_mm, found.high_mm) == pytest.approx((-1.0, 1.5))
 
 
+@STEMS
+@pytest.mark.parametrize("tolerance", [0, 2500, 50_000])
+def test_a_tolerance_changes_nothing_but_the_ends_of_the_sensor(
+    tolerance: int, stem: str, stems: tuple[str, ...]
+) -> None:
+    usual, found = as_written({}, stems).limits, listed(stem, stems, tolerance=tolerance).limits
+    ends = {"low_mm": -5.0 + tolerance / 1e4, "high_mm": 5.0 - tolerance / 1e4}
+    assert vars(found) == {**vars(usual), **ends}
+
+
 @pytest.mark.parametrize(
     ("newer", "older", "change_mm_s"),
     [

@@ -219,3 +219,15 @@ def test_two_commands_of_one_cycle_begin_once(first: str, second: str) -> None:
     assert [(one.row, one.begins, one.listed.control.kp) for one in found] == [
         (0, False, 0.2), (5, True, 0.2),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+@pytest.mark.parametrize("by", [NC, PLC])
+def test_objects_of_several_parameters_wait_together(by: str, turn: int) -> None:
+    """Whatever their order; one that is written again has its last value."""
+    given = [kp(2, 0.3, OBJECT), Order(3, OBJECT, words={"i_tn": 0.5}), kp(4, 0.4, OBJECT),
+             Order(5, OBJECT, words={"d_tv": 0.01})]  # fmt: skip
+    control = acts(*given[::turn], on(9, by))[-1].listed.control
+    assert (control.kp, control.tn_s, control.tv_s) == (0.4 if turn > 0 else 0.3, 0.5, 0.01)
+    again = acts(*given, on(9), on(20), on={19: False})[-1].listed.control
+    assert (again.kp, again.tn_s, again.tv_s) == (0.4, 0.5, 0.01)
