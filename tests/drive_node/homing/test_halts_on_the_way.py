@@ -123,6 +123,60 @@ def test_a_zero_pulse_that_was_passed_while_braking_is_still_the_one(
     assert found_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
 
 
+@pytest.mark.parametrize(
+    ("method", "start_mm", "at_mm", "direction", "home_mm"),
+    [(34, 11.7, 12.4, 1, 12.5), (33, 3.3, 2.6, -1, 2.5)],
+)
+def test_without_a_switch_a_zero_pulse_that_was_passed_while_braking_is_still_the_one(
+    method: int, start_mm: float, at_mm: float, direction: int, home_mm: float
+) -> None:
+    bench = gentle(Bench(start_mm))
+    rests_mm = halted(bench, method, at_mm, direction)
+    assert (rests_mm - home_mm) * direction > 0.0
+    assert found_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
+
+
+@pytest.mark.parametrize(("method", "direction", "home_mm"), [(34, 1, 12.5), (33, -1, 2.5)])
+def test_without_a_switch_nothing_goes_back_where_no_zero_pulse_was_passed(
+    method: int, direction: int, home_mm: float
+) -> None:
+    bench = gentle(Bench(7.5 + 3.0 * direction))
+    place_mm = halted(bench, method, 7.5 + 3.3 * direction, direction)
+    bench.write(controlword=GO_ON)
+    for _ in range(20):
+        bench.run_ms(5)
+        assert (bench.place_mm - place_mm) * direction > -0.001
+        place_mm = bench.place_mm
+    assert found_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
+
+
+def test_the_way_back_to_a_zero_pulse_may_be_halted_and_passes_another_one_by() -> None:
+    """The turn on the way back passes the mark at 2.5 mm, which was behind the start."""
+    bench = Bench(2.55)
+    speed, rate = round(60.0 * UNITS_PER_MM), round(1440.0 * UNITS_PER_MM)  # v2/2a = 1.25 mm
+    bench.write(homing_speed_zero=speed, homing_acceleration=rate, profile_deceleration=rate // 8)
+    bench.write(homing_method=34, controlword=GO_ON)
+    bench.run_ms(42)
+    assert bench.place_mm == pytest.approx(3.8, abs=0.1)
+    bench.write(controlword=HALT)
+    bench.run_ms(370)
+    assert bench.bits == REACHED
+    assert bench.place_mm == pytest.approx(13.8, abs=0.2)
+    bench.write(profile_deceleration=rate, controlword=GO_ON)
+    bench.run_ms(130)
+    bench.write(controlword=HALT)
+    bench.run_ms(70)
+    assert bench.bits == REACHED
+    assert 4.0 < bench.place_mm < 12.0
+    bench.write(homing_acceleration=rate // 3)
+    assert found_mm(bench) == pytest.approx(12.5, abs=1.01 / UNITS_PER_MM)
+    bench.write(controlword=0x0F)
+    bench.run_ms(10)
+    bench.home(33)  # a new start looks from where it is
+    home_mm = bench.place_mm - bench.image.position_actual / UNITS_PER_MM
+    assert home_mm == pytest.approx(12.5, abs=1.01 / UNITS_PER_MM)
+
+
 @pytest.mark.parametrize(("method", "start_mm", "at_mm"), [(-1, 2.9, 2.6), (-2, 2.1, 2.4)])
 def test_the_zero_pulse_before_a_stop_is_looked_for_from_the_stop_again(
     method: int, start_mm: float, at_mm: float

@@ -56,6 +56,12 @@ class IndexPulse:
             here_ns, here_m = next_ns, next_m
         return found
 
+    def is_between(self, one_m: float, other_m: float) -> bool:
+        """Return whether a mark begins between two places."""
+        side_m, _ = self._sides[0]
+        low, high = sorted(floor((x - side_m) / self._revolution_m) for x in (one_m, other_m))
+        return low < high
+
     def _between(
         self, begin_ns: TimeNs, begin_m: float, end_ns: TimeNs, end_m: float
     ) -> list[IndexEdge]:

@@ -57,6 +57,7 @@ class Homing(Mode):
         self._bit = self._was_on = self._went_back = False
         self._blocked = HoldTime()
         self._looked_ns: TimeNs = 0
+        self._looked_m: float | None = None  # up to where a way without a switch is looked at
 
     def begin(self, now_ns: TimeNs) -> None:
         """Come to rest; a reference that was attained stays."""
@@ -74,11 +75,12 @@ class Homing(Mode):
         step, direction, method, is_on = self._step, self._direction, self._method, self._is_on()
         if step is Step.INDEX and method.switch == "stop":
             step, direction = Step.PRESS, method.search
+        elif method.switch == "none":
+            if step is Step.INDEX and self._has_passed_mark():
+                step, direction = Step.BACK_OFF, -method.approach
         elif step is Step.BACK_OFF and not is_on and self._went_back:
             step, direction = Step.APPROACH, method.approach
-        elif method.switch != "none" and (
-            step is Step.INDEX or (step is Step.APPROACH and is_on is method.level)
-        ):
+        elif step is Step.INDEX or (step is Step.APPROACH and is_on is method.level):
             if is_on:
                 self._leave_switch(now_ns)
                 return
@@ -98,6 +100,10 @@ class Homing(Mode):
     def end(self, now_ns: TimeNs) -> None:
         """Give the axis away; `resume` may follow."""
         self._went_back = self._generator.on_course(now_ns)[1] * self._direction > 0.0
+        if self._step is Step.INDEX and self._method.switch == "none":
+            looked_m = self.parts.motion.axis.motor_position_m_at(self._looked_ns)
+            if self._looked_m is None or self._is_beyond(looked_m):
+                self._looked_m = looked_m
         self._release(now_ns)
 
     def status(self) -> int:
@@ -112,6 +118,7 @@ class Homing(Mode):
     def _start(self, now_ns: TimeNs) -> None:
         parts = self.parts
         self._attained = self._error = self._reversed = False
+        self._looked_m = None
         method = METHODS.get(parts.image.homing_method)
         switches = parts.switches
         is_lacking = method is None or (
@@ -185,6 +192,8 @@ class Homing(Mode):
             self._leave_switch(now_ns)
         elif self._step is Step.BACK_OFF and self._was_on and not is_on:
             self._enter(now_ns, Step.APPROACH, self._method.approach)
+        elif self._step is Step.BACK_OFF and self._is_behind():
+            self._enter(now_ns, Step.INDEX, self._method.approach)
         elif (
             self._step is Step.APPROACH
             and is_on is self._method.level
@@ -246,11 +255,27 @@ class Homing(Mode):
         parts = self.parts
         edges = parts.index.edges(self._looked_ns, now_ns)
         self._looked_ns = now_ns
-        rising = [edge for edge in edges if edge.level]
+        rising = [edge for edge in edges if edge.level and self._is_beyond(edge.position_m)]
         if rising:
             # Upwards the pulse rises at its lower side, downwards at its upper one
             width_m = 0.0 if self._direction > 0 else 1.0 / parts.units.increments_per_m
             self._attain(now_ns, rising[0].position_m - width_m)
+
+    # Without a switch: a zero pulse in the way of a halt is approached anew
+
+    def _has_passed_mark(self) -> bool:
+        begin_m, end_m = self._looked_m, self.parts.motion.axis.motor_position_m()
+        return begin_m is not None and self.parts.index.is_between(begin_m, end_m)
+
+    def _is_behind(self) -> bool:
+        return self._method.switch == "none" and not self._is_beyond(
+            self.parts.motion.axis.motor_position_m()
+        )
+
+    def _is_beyond(self, place_m: float) -> bool:
+        """Return whether a place is still to be looked at."""
+        looked_m = self._looked_m
+        return looked_m is None or (place_m - looked_m) * self._method.approach >= 0.0
 
     # Ends
 
